@@ -1,0 +1,278 @@
+//! The state machine over all of it: situation in, decision out.
+//!
+//! ```text
+//!            threat seen                start time reached            way back certified
+//!  Cruise ───────────────► Threatened ─────────────────────► Avoiding ─────────────────► Recovering
+//!    ▲                          │ threat gone                    ▲  new threat on the way back │
+//!    ├──────────────────────────┘                                └─────────────────────────────┤
+//!    └──────────────────────────────── on its leg, at its altitude ◄───────────────────────────┘
+//! ```
+
+mod columns;
+mod mission;
+mod published;
+mod quiet;
+mod record;
+mod settings;
+mod tracks;
+mod turn_aware;
+
+pub use columns::{Columns, ColumnsError};
+pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
+pub use settings::{Objective, Policy, Settings, SettingsError, Start};
+pub use tracks::MAX_TRACKED;
+
+use crate::Vec3;
+use crate::avoider::published::Edition;
+use crate::conflict::LARGEST;
+use crate::kinematics::Vehicle;
+use crate::maneuver::{FlightPath, Flyer, Maneuver, MotionState};
+use crate::situation::{Obstacle, Ownship};
+
+/// The mission in the local frame: fly from each waypoint to the next along the straight leg.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mission<'a> {
+    /// Waypoints, metres, at least two for a mission; fewer mean: hold course and altitude.
+    pub waypoints_m: &'a [Vec3],
+}
+
+/// The obstacles of one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Obstacles<'a> {
+    /// One record an obstacle: the natural form for a handful.
+    Rows(&'a [Obstacle]),
+    /// One slice a quantity: the fast form for thousands.
+    Columns(Columns<'a>),
+}
+
+/// All that one decision is made from. Positions and velocities are over the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Situation<'a> {
+    /// Time of the state, seconds on any clock that does not run backwards.
+    pub time_s: f64,
+    /// The aircraft. Its course and climb angle are those of its motion through the air.
+    pub ownship: Ownship,
+    /// The obstacles known now, velocities over the ground.
+    pub obstacles: Obstacles<'a>,
+    /// The mission; the same at every step.
+    pub mission: Mission<'a>,
+    /// Velocity of the air over the ground, metres per second.
+    pub wind_mps: Vec3,
+}
+
+/// A manoeuvre under way or waited for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Plan {
+    maneuver: Maneuver,
+    /// When it was decided, seconds on the situation's clock.
+    decided_s: f64,
+    /// When it departs from the mission, seconds on the situation's clock.
+    start_s: f64,
+    /// When a way back is on the mission again, or infinity.
+    joined_s: f64,
+    /// Whether its separation was certified when it was chosen.
+    certified: bool,
+    margin_m: f64,
+    cost: f64,
+    /// Latest certified start, seconds on the situation's clock.
+    latest_start_s: Option<f64>,
+    threat: Option<Threat>,
+    /// When a manoeuvre against the next encounter begins that follows the way back, seconds on the
+    /// situation's clock.
+    next_start_s: Option<f64>,
+    /// Identifiers of the obstacles that it was made against: the way back must be clear of them.
+    against: Against,
+}
+
+/// Identifiers of the obstacles of one encounter.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Against {
+    ids: [u32; 16],
+    len: usize,
+}
+
+impl Against {
+    /// Adds one; more than there is room for are not told apart from all others.
+    fn add(&mut self, id: u32) {
+        if let Some(slot) = self.ids.get_mut(self.len) {
+            *slot = id;
+            self.len += 1;
+        }
+    }
+
+    fn contains(&self, id: u32) -> bool {
+        self.len == self.ids.len() || self.ids.iter().take(self.len).any(|held| *held == id)
+    }
+}
+
+impl Plan {
+    fn remaining(&self, time_s: f64) -> Maneuver {
+        self.maneuver.after(time_s - self.decided_s)
+    }
+}
+
+/// Collision avoidance for one aircraft: feed it a [`Situation`] each cycle, fly its [`Decision`].
+///
+/// It holds its scratch space (some 60 kB) and never allocates: keep it in one place.
+#[derive(Debug, Clone)]
+pub struct Avoider {
+    settings: Settings,
+    vehicle: Vehicle,
+    flyer: Flyer,
+    state: State,
+    progress: mission::Progress,
+    tracks: tracks::Tracks,
+    path: FlightPath,
+    plan: Option<Plan>,
+    last_time_s: f64,
+    cycle: u32,
+}
+
+impl Avoider {
+    /// An avoider for a vehicle, in cruise on the first leg.
+    ///
+    /// # Errors
+    /// A setting or a limit of the vehicle that is not finite or out of range.
+    pub fn new(settings: Settings, vehicle: Vehicle) -> Result<Self, SettingsError> {
+        settings.check()?;
+        settings::check_vehicle(&vehicle)?;
+        Ok(Self {
+            settings,
+            vehicle,
+            flyer: Flyer::new(&vehicle),
+            state: State::Cruise,
+            progress: mission::Progress::new(),
+            tracks: tracks::Tracks::new(),
+            path: FlightPath::new(),
+            plan: None,
+            last_time_s: f64::NEG_INFINITY,
+            cycle: 0,
+        })
+    }
+
+    /// The vehicle's limits as they are assumed.
+    pub const fn vehicle(&self) -> &Vehicle {
+        &self.vehicle
+    }
+
+    /// Where it stands.
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// Index of the waypoint at the start of the leg that is flown.
+    pub const fn leg_index(&self) -> usize {
+        self.progress.index()
+    }
+
+    /// Replaces the vehicle's limits, for instance by a turn-rate factor estimated in flight.
+    ///
+    /// # Errors
+    /// A limit that is not finite or out of range; nothing is changed then.
+    pub fn set_vehicle(&mut self, vehicle: Vehicle) -> Result<(), SettingsError> {
+        settings::check_vehicle(&vehicle)?;
+        self.vehicle = vehicle;
+        self.flyer = Flyer::new(&vehicle);
+        Ok(())
+    }
+
+    /// Decides what to fly until the next step.
+    ///
+    /// Steps are expected [`Settings::decision_period_s`] apart. The command holds stages in time
+    /// from now; it is what will be flown if nothing new is learned. Obstacles whose numbers are
+    /// not finite are left out; with an own state or time that is not usable, or beyond
+    /// [`LARGEST`], the last command's course is held ([`Reason::InvalidInput`]).
+    pub fn step(&mut self, situation: &Situation<'_>) -> Decision {
+        let usable = situation.ownship.is_valid()
+            && situation.time_s.is_finite()
+            && situation.wind_mps.is_finite()
+            && within_reason(situation);
+        if !usable {
+            return self.decision(&Maneuver::hold(), Reason::InvalidInput);
+        }
+        if situation.time_s < self.last_time_s {
+            // The clock jumped back: what was planned in its time means nothing now.
+            self.plan = None;
+            if self.state != State::Cruise {
+                self.state = State::Cruise;
+            }
+        }
+        self.last_time_s = situation.time_s;
+        self.cycle = self.cycle.wrapping_add(1);
+        let now = MotionState::of(&situation.ownship);
+        self.progress
+            .update(&situation.mission, &now, &self.flyer, situation.wind_mps);
+        match self.settings.policy {
+            Policy::None => {
+                let (nominal, _) = self.guidance(situation, &now);
+                self.decision(&nominal, Reason::Clear)
+            }
+            Policy::TurnAware(start) => self.step_turn_aware(situation, &now, start),
+            Policy::Published(start) => {
+                self.step_published(situation, &now, Edition::Corrected, start)
+            }
+            Policy::PublishedLiteral => {
+                self.step_published(situation, &now, Edition::Literal, Start::Latest)
+            }
+            Policy::Circle => self.step_circle(situation, &now),
+        }
+    }
+
+    fn load_tracks(&mut self, situation: &Situation<'_>) {
+        self.tracks.load(
+            situation,
+            self.settings.surveillance_radius_m,
+            self.settings.horizon_s,
+            self.settings.confidence_sigmas,
+        );
+    }
+
+    fn climb_limits_rad(&self) -> (f64, f64) {
+        (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad)
+    }
+
+    /// What the mission asks to fly, and the moment from which it is straight.
+    fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> (Maneuver, f64) {
+        self.progress.guidance(
+            &situation.mission,
+            now,
+            &self.flyer,
+            self.climb_limits_rad(),
+            self.settings.horizon_s,
+            &mut self.path,
+        )
+    }
+
+    fn decision(&self, command: &Maneuver, reason: Reason) -> Decision {
+        let reason = match reason {
+            Reason::Clear if self.progress.is_complete() => Reason::MissionComplete,
+            other => other,
+        };
+        let work = Work {
+            tracked: self.tracks.seen,
+            ..Work::default()
+        };
+        let record = Record {
+            reason,
+            work,
+            ..Record::default()
+        };
+        Decision {
+            state: self.state,
+            command: *command,
+            record,
+        }
+    }
+}
+
+/// Whether no number of the aircraft's, the clock's or the wind's is so large that a product of
+/// some of them overflows.
+fn within_reason(situation: &Situation<'_>) -> bool {
+    let own = &situation.ownship;
+    let angles = [own.course_rad, own.climb_rad, own.bank_rad];
+    [own.position_m, Vec3::from_array(angles), situation.wind_mps]
+        .iter()
+        .all(|v| v.abs().max_element() <= LARGEST)
+        && own.airspeed_mps <= LARGEST
+        && situation.time_s.abs() <= LARGEST
+}

@@ -1,0 +1,143 @@
+//! Is anything near the straight line ahead? The test that nearly every cycle ends with.
+//!
+//! Conservative: what it lets pass cannot come closer than its volume on the line ahead. No square
+//! root, and over columns no branch an obstacle, so that the compiler makes vector code of it.
+
+use crate::Vec3;
+use crate::avoider::{Columns, Obstacles};
+use crate::situation::Obstacle;
+
+/// Obstacles that are tested before the first look at the result.
+const BLOCK: usize = 64;
+
+/// The line ahead of the aircraft and what is kept clear around it, over the ground.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LineAhead {
+    pub position_m: Vec3,
+    pub velocity_mps: Vec3,
+    pub surveillance_radius_m: f64,
+    /// Kept beyond every volume, metres.
+    pub margin_m: f64,
+    /// Standard deviations by which an uncertain volume is widened.
+    pub sigmas: f64,
+    /// How far ahead separation is looked at, seconds.
+    pub horizon_s: f64,
+}
+
+impl LineAhead {
+    /// Whether every obstacle stays clear of the line, or is out of surveillance.
+    pub(super) fn is_clear_of(&self, obstacles: &Obstacles<'_>) -> bool {
+        match obstacles {
+            Obstacles::Rows(rows) => rows.iter().all(|row| !self.may_meet_row(row)),
+            Obstacles::Columns(columns) => self.is_clear_of_columns(columns),
+        }
+    }
+
+    fn may_meet_row(&self, row: &Obstacle) -> bool {
+        let offset = row.position_m - self.position_m;
+        let velocity = self.velocity_mps - row.velocity_mps;
+        let volume_m = row.volume.radius_m() + row.volume.half_height_m();
+        let growth_m = self.sigmas
+            * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
+        let reach_m = volume_m + growth_m + self.margin_m;
+        let beyond = offset.length_squared() > square(self.surveillance_radius_m);
+        !beyond
+            && may_meet(
+                offset.dot(offset),
+                offset.dot(velocity),
+                velocity.dot(velocity),
+                reach_m,
+            )
+    }
+
+    fn is_clear_of_columns(&self, columns: &Columns<'_>) -> bool {
+        let count = columns.len();
+        let mut from = 0;
+        while from < count {
+            let to = (from + BLOCK).min(count);
+            if self.any_in_range(columns, from, to) && self.may_meet_any(columns, from, to) {
+                return false;
+            }
+            from = to;
+        }
+        true
+    }
+
+    /// Whether any obstacle of a block is within the surveillance radius, by x and y alone.
+    fn any_in_range(&self, columns: &Columns<'_>, from: usize, to: usize) -> bool {
+        let (Some(x), Some(y)) = (columns.x_m.get(from..to), columns.y_m.get(from..to)) else {
+            return false;
+        };
+        let limit = square(self.surveillance_radius_m);
+        let mut any = false;
+        for (x, y) in x.iter().zip(y) {
+            any |= square(x - self.position_m.x) + square(y - self.position_m.y) <= limit;
+        }
+        any
+    }
+
+    #[expect(
+        clippy::needless_bitwise_bool,
+        reason = "a branch would keep it from vector code"
+    )]
+    fn may_meet_any(&self, columns: &Columns<'_>, from: usize, to: usize) -> bool {
+        fn part(column: &[f64], range: (usize, usize)) -> core::slice::Iter<'_, f64> {
+            column.get(range.0..range.1).unwrap_or(&[]).iter()
+        }
+        let range = (from, to);
+        let mut reach = [0.0; BLOCK];
+        for (reach, radius) in reach.iter_mut().zip(part(columns.radius_m, range)) {
+            *reach = radius + self.margin_m;
+        }
+        if let Some(half_height) = columns.half_height_m {
+            for (reach, half_height) in reach.iter_mut().zip(part(half_height, range)) {
+                *reach += half_height;
+            }
+        }
+        if let Some((position, velocity)) = columns.uncertainty {
+            let growth = part(position, range).zip(part(velocity, range));
+            for (reach, (position, velocity)) in reach.iter_mut().zip(growth) {
+                *reach += self.sigmas * (position + velocity * self.horizon_s);
+            }
+        }
+        let limit = square(self.surveillance_radius_m);
+        let places = part(columns.x_m, range)
+            .zip(part(columns.y_m, range))
+            .zip(part(columns.z_m, range));
+        let velocities = part(columns.vx_mps, range)
+            .zip(part(columns.vy_mps, range))
+            .zip(part(columns.vz_mps, range));
+        let mut any = false;
+        for ((((x, y), z), ((vx, vy), vz)), reach) in places.zip(velocities).zip(&reach) {
+            let offset = Vec3::new(*x, *y, *z) - self.position_m;
+            let velocity = self.velocity_mps - Vec3::new(*vx, *vy, *vz);
+            let distance = offset.dot(offset);
+            let meets = may_meet(
+                distance,
+                offset.dot(velocity),
+                velocity.dot(velocity),
+                *reach,
+            );
+            any |= meets & (distance <= limit);
+        }
+        any
+    }
+}
+
+/// Whether a point at squared distance `distance`, seen along the relative velocity at
+/// `along = r · V_r` with `speed = V_r²`, comes within `reach_m`: `(r² − d²) V_r² < (r · V_r)²` while
+/// closing (Eq. 4 without its arc sine), or is there already. True for what is not a number.
+#[inline]
+#[expect(
+    clippy::needless_bitwise_bool,
+    reason = "branches would keep it from vector code"
+)]
+fn may_meet(distance: f64, along: f64, speed: f64, reach_m: f64) -> bool {
+    let outside = distance - reach_m * reach_m;
+    let clear = (outside > 0.0) & ((along <= 0.0) | (outside * speed > along * along));
+    !clear
+}
+
+fn square(x: f64) -> f64 {
+    x * x
+}

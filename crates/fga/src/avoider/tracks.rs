@@ -1,0 +1,154 @@
+//! The obstacles that matter for a decision, in a buffer of fixed size.
+
+use crate::Vec3;
+use crate::avoider::Situation;
+use crate::maneuver::Hazard;
+use crate::situation::{Obstacle, ProtectedVolume};
+
+/// Most obstacles that a decision takes into account: the most urgent ones.
+pub const MAX_TRACKED: usize = 128;
+
+/// How far inside a volume the aircraft may come again while it leaves it, as a share of its depth.
+const LEAVING_SHARE: f64 = 0.98;
+
+/// The hazards of one step.
+#[derive(Debug, Clone)]
+pub(super) struct Tracks {
+    hazards: [Hazard; MAX_TRACKED],
+    /// The same obstacles as they are known, in the air mass.
+    obstacles: [Obstacle; MAX_TRACKED],
+    len: usize,
+    /// Obstacles within the surveillance radius.
+    pub(super) seen: u32,
+    /// Whether the aircraft is inside a protected volume.
+    pub(super) inside: bool,
+    /// Whether some could not be kept.
+    pub(super) overflow: bool,
+}
+
+impl Tracks {
+    pub(super) const fn new() -> Self {
+        let none = Hazard {
+            index: 0,
+            position_m: Vec3::ZERO,
+            velocity_mps: Vec3::ZERO,
+            volume: ProtectedVolume::Sphere { radius_m: 0.0 },
+            growth_mps: 0.0,
+        };
+        Self {
+            hazards: [none; MAX_TRACKED],
+            obstacles: [Obstacle::new(0, Vec3::ZERO, Vec3::ZERO, none.volume); MAX_TRACKED],
+            len: 0,
+            seen: 0,
+            inside: false,
+            overflow: false,
+        }
+    }
+
+    pub(super) fn hazards(&self) -> &[Hazard] {
+        self.hazards.get(..self.len).unwrap_or(&[])
+    }
+
+    /// The obstacles as they are known, in the air mass, in the order of the hazards.
+    pub(super) fn obstacles(&self) -> &[Obstacle] {
+        self.obstacles.get(..self.len).unwrap_or(&[])
+    }
+
+    /// Identifier of the hazard with an index.
+    pub(super) fn id(&self, index: u32) -> u32 {
+        self.obstacles
+            .get(index as usize)
+            .map_or(0, |obstacle| obstacle.id)
+    }
+
+    /// Takes the obstacles within the surveillance radius that could be met within the horizon.
+    pub(super) fn load(
+        &mut self,
+        situation: &Situation<'_>,
+        surveillance_radius_m: f64,
+        horizon_s: f64,
+        sigmas: f64,
+    ) {
+        (self.len, self.seen, self.inside, self.overflow) = (0, 0, false, false);
+        let own = situation.ownship;
+        let square = |x: f64| x * x;
+        for obstacle in situation.obstacles.iter() {
+            if !obstacle.is_valid() {
+                continue;
+            }
+            let offset = obstacle.position_m - own.position_m;
+            let distance_square = offset.length_squared();
+            if distance_square > square(surveillance_radius_m) {
+                continue;
+            }
+            self.seen += 1;
+            let speeds = 2.0
+                * (square(own.airspeed_mps)
+                    + (obstacle.velocity_mps - situation.wind_mps).length_squared());
+            // (a + b)² ≤ 2 (a² + b²), twice: no root needed to see that it cannot be reached.
+            let size = obstacle.volume.radius_m() + obstacle.volume.half_height_m() + 1e3;
+            let reach = 2.0 * (speeds * square(horizon_s) + square(size));
+            if distance_square > reach {
+                continue;
+            }
+            self.keep(situation, &obstacle, sigmas);
+        }
+    }
+
+    fn keep(&mut self, situation: &Situation<'_>, obstacle: &Obstacle, sigmas: f64) {
+        let own = situation.ownship.position_m;
+        let mut place = self.len;
+        if place >= MAX_TRACKED {
+            self.overflow = true;
+            let urgency = |hazard: &Hazard| hazard.margin_m(own, 0.0);
+            let new = Hazard::new(0, obstacle, situation.wind_mps, sigmas);
+            let farthest = self
+                .hazards
+                .iter()
+                .enumerate()
+                .max_by(|a, b| urgency(a.1).total_cmp(&urgency(b.1)));
+            match farthest {
+                Some((index, hazard)) if urgency(hazard) > urgency(&new) => place = index,
+                _ => return,
+            }
+        }
+        let index = u32::try_from(place).unwrap_or(u32::MAX);
+        let mut hazard = Hazard::new(index, obstacle, situation.wind_mps, sigmas);
+        let depth_m = hazard.margin_m(own, 0.0);
+        if depth_m < 0.0 {
+            self.inside |= obstacle.volume.margin_m(own - obstacle.position_m) < 0.0;
+            hazard.volume = relaxed(&hazard.volume, own - obstacle.position_m);
+        }
+        if let (Some(slot), Some(known)) =
+            (self.hazards.get_mut(place), self.obstacles.get_mut(place))
+        {
+            *slot = hazard;
+            *known = Obstacle {
+                velocity_mps: hazard.velocity_mps,
+                ..*obstacle
+            };
+            self.len = self.len.max(place + 1);
+        }
+    }
+}
+
+/// A volume that the aircraft is inside of, shrunk so that it is just outside: what is certified
+/// against it leads out.
+fn relaxed(volume: &ProtectedVolume, offset_m: Vec3) -> ProtectedVolume {
+    let horizontal = libm::sqrt(offset_m.x * offset_m.x + offset_m.y * offset_m.y);
+    match *volume {
+        ProtectedVolume::Sphere { .. } => ProtectedVolume::Sphere {
+            radius_m: LEAVING_SHARE * offset_m.length(),
+        },
+        ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        } => {
+            let share = (horizontal / radius_m).max(offset_m.z.abs() / half_height_m);
+            ProtectedVolume::Cylinder {
+                radius_m: LEAVING_SHARE * share * radius_m,
+                half_height_m: LEAVING_SHARE * share * half_height_m,
+            }
+        }
+    }
+}

@@ -1,0 +1,650 @@
+//! The turn-aware policy: look, plan, fly, return.
+
+use crate::avoider::mission::{Bend, MAX_SKIPPED};
+use crate::avoider::quiet::LineAhead;
+use crate::avoider::{
+    Against, Avoider, Candidate, Decision, Plan, Reason, Situation, Start, State, Threat, Verdict,
+};
+use crate::limit::Limit as _;
+use crate::maneuver::{Maneuver, MotionState, certify, certify_all};
+use crate::recovery::join::JoinLimits;
+use crate::selection::turn_aware::{Effort, Found, Scene, Search};
+
+/// Tests of a straight line against an obstacle that one search may make: some 10 ns each.
+const WORK_LIMIT: u32 = 420_000;
+
+/// A manoeuvre under way is kept while this share of the margin is certified.
+const KEEP_SHARE: f64 = 0.5;
+
+/// Another uncertified manoeuvre must be better by this to be flown instead, metres.
+const CLEARLY_BETTER_M: f64 = 0.5;
+
+/// Cycles between two searches while nothing is certified.
+const SEARCH_AGAIN: u32 = 5;
+
+/// A margin below this is not made good by searching again, metres.
+const HOPELESS_M: f64 = -4.0;
+
+/// For this long after the start the searches while nothing is certified are over all manoeuvres,
+/// seconds, each with other seeds; later only near the one that is flown.
+const SEARCH_ALL_S: f64 = 1.25;
+
+/// Starts that are compared when the start is free, as shares of the time to the first entry.
+const FREE_STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
+
+/// Angles at which the way back intercepts the mission, radians, preferred first.
+const INTERCEPTS_RAD: [f64; 6] = [0.52, 0.79, 0.35, 1.05, 0.17, 1.45];
+
+/// Intercept angles below this are only for a mission that is near, radians.
+const SHALLOW_RAD: f64 = 0.5;
+
+/// A way back that leaves out a leg is looked for this long after the manoeuvre was chosen, seconds.
+const SKIP_AFTER_S: f64 = 4.0;
+
+/// Longest flight at a shallow intercept angle, seconds.
+const SHALLOW_S: f64 = 15.0;
+
+/// An obstacle that takes longer than this to pass flies alongside; the mission does not wait for
+/// it, seconds.
+const LONGEST_PASS_S: f64 = 20.0;
+
+/// Cycles between two looks for a way back, each at one intercept angle.
+const LOOK_BACK_EVERY: u32 = 2;
+
+/// Margins beyond this are not told apart, metres.
+const ENOUGH_M: f64 = 1e3;
+
+/// An obstacle that would be met later than this after the first one belongs to another encounter,
+/// seconds.
+const NEXT_ENCOUNTER_S: f64 = 10.0;
+
+/// What a way back meets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum WayAhead {
+    /// Nothing over the whole horizon.
+    Clear,
+    /// Only obstacles of another encounter, once it is back on the mission.
+    NextEncounter,
+    /// An obstacle of this encounter, or any before it is back.
+    Blocked,
+}
+
+impl Avoider {
+    pub(super) fn step_turn_aware(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        start: Start,
+    ) -> Decision {
+        if self.state == State::Cruise
+            && let Some(decision) = self.quiet(situation, now)
+        {
+            return decision;
+        }
+        self.load_tracks(situation);
+        match self.state {
+            State::Cruise | State::Threatened => self.watch(situation, now, start),
+            State::Avoiding => self.avoid(situation, now, start),
+            State::Recovering => self.come_back(situation, now, start),
+        }
+    }
+
+    /// The decision of the many cycles in which the leg ahead is straight and clear.
+    fn quiet(&mut self, situation: &Situation<'_>, now: &MotionState) -> Option<Decision> {
+        let horizon_s = self.settings.horizon_s;
+        let course_rad = self.progress.straight_on_rad(now, &self.flyer, horizon_s)?;
+        let line = LineAhead {
+            position_m: now.position_m,
+            velocity_mps: situation.wind_mps + self.flyer.velocity_mps(now),
+            surveillance_radius_m: self.settings.surveillance_radius_m,
+            margin_m: self.settings.margin_m,
+            sigmas: self.settings.confidence_sigmas,
+            horizon_s,
+        };
+        line.is_clear_of(&situation.obstacles).then(|| {
+            let command = Maneuver::turn(0.0, course_rad, now.climb_rad);
+            self.decision(&command, Reason::Clear)
+        })
+    }
+
+    /// On the mission: is it clear, and if not, when and where to turn?
+    fn watch(&mut self, situation: &Situation<'_>, now: &MotionState, start: Start) -> Decision {
+        if let Some(plan) = self.plan
+            && self.state == State::Threatened
+            && self.still_holds(&plan, situation.time_s, now)
+        {
+            if plan.start_s > situation.time_s {
+                return self.report(&plan, situation.time_s, Reason::WaitingForStart);
+            }
+            self.state = State::Avoiding;
+            return self.report(&plan, situation.time_s, Reason::ManeuverChosen);
+        }
+        let (nominal, _) = self.guidance(situation, now);
+        let Some((threat, against)) = self.first_threat(&nominal, now) else {
+            self.state = State::Cruise;
+            self.plan = None;
+            return self.decision(&nominal, Reason::Clear);
+        };
+        self.plan_anew(situation, now, &nominal, threat, against, start)
+    }
+
+    /// The obstacle that would come too close first along a manoeuvre, and those that belong to
+    /// the same encounter.
+    fn first_threat(&mut self, nominal: &Maneuver, now: &MotionState) -> Option<(Threat, Against)> {
+        let horizon_s = self.settings.horizon_s;
+        let target_m = self.settings.margin_m;
+        self.path.predict(&self.flyer, now, nominal, horizon_s);
+        let mut first: Option<Threat> = None;
+        for hazard in self.tracks.hazards() {
+            let closest = certify(
+                &self.flyer,
+                &self.path,
+                hazard,
+                horizon_s,
+                f64::MIN,
+                target_m,
+            );
+            if closest.margin_m >= target_m {
+                continue;
+            }
+            // The margin up to a moment only falls as the moment moves on: halve to the entry.
+            let (mut before_s, mut after_s) = (0.0, closest.at_s);
+            let entered_m = (closest.margin_m + 1e-3).max(0.0).min(target_m);
+            for _ in 0..24 {
+                let middle = 0.5 * (before_s + after_s);
+                let so_far = certify(&self.flyer, &self.path, hazard, middle, f64::MIN, target_m);
+                if so_far.margin_m > entered_m {
+                    before_s = middle;
+                } else {
+                    after_s = middle;
+                }
+            }
+            if first.is_none_or(|threat| after_s < threat.entry_s) {
+                first = Some(Threat {
+                    id: self.tracks.id(hazard.index),
+                    entry_s: after_s,
+                    closest_s: closest.at_s,
+                    margin_m: closest.margin_m,
+                });
+            }
+        }
+        let first = first?;
+        let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
+        let mut against = Against::default();
+        for hazard in self.tracks.hazards() {
+            let closest = certify(&self.flyer, &self.path, hazard, same_s, f64::MIN, target_m);
+            if closest.margin_m < target_m {
+                against.add(self.tracks.id(hazard.index));
+            }
+        }
+        Some((first, against))
+    }
+
+    /// Runs a search in the scene of now; hands back what it found and how much it looked at.
+    fn search<T>(
+        &mut self,
+        nominal: &Maneuver,
+        now: &MotionState,
+        look: impl FnOnce(&mut Search<'_>) -> T,
+    ) -> (T, u32, bool) {
+        let leg = self.progress.leg(now);
+        let (low, high) = self.climb_limits_rad();
+        let scene = Scene {
+            flyer: &self.flyer,
+            start: *now,
+            nominal,
+            original: (
+                now.course_rad + leg.turn_onto_rad(now),
+                leg.climb_rad.limited(low, high),
+            ),
+            hazards: self.tracks.hazards(),
+            horizon_s: self.settings.horizon_s,
+            target_m: self.settings.margin_m,
+            climb_limits_rad: (low, high),
+            costs: (self.settings.heading_cost, self.settings.pitch_cost),
+        };
+        let mut search = Search::new(scene, &mut self.path, WORK_LIMIT);
+        let answer = look(&mut search);
+        (answer, search.evaluated, search.limit_met())
+    }
+
+    /// Chooses a manoeuvre and its start.
+    fn plan_anew(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        nominal: &Maneuver,
+        threat: Threat,
+        against: Against,
+        start: Start,
+    ) -> Decision {
+        let period_s = self.settings.decision_period_s;
+        let entry_s = threat.entry_s;
+        let ((found, latest_s), candidates, limit_met) = self.search(nominal, now, |search| {
+            choose(search, start, entry_s, period_s)
+        });
+        let decision = match found {
+            Some((found, maneuver, certified)) => {
+                let plan = Plan {
+                    maneuver,
+                    decided_s: situation.time_s,
+                    start_s: situation.time_s + found.turns.wait_s,
+                    joined_s: f64::INFINITY,
+                    certified,
+                    margin_m: found.margin_m,
+                    cost: found.cost,
+                    latest_start_s: latest_s.map(|latest_s| situation.time_s + latest_s),
+                    threat: Some(threat),
+                    against,
+                    next_start_s: None,
+                };
+                self.plan = Some(plan);
+                let (state, reason) = if !certified {
+                    let inside = self.tracks.inside;
+                    let reason = if inside {
+                        Reason::InsideVolume
+                    } else {
+                        Reason::BestAvailable
+                    };
+                    (State::Avoiding, reason)
+                } else if plan.start_s > situation.time_s {
+                    (State::Threatened, Reason::WaitingForStart)
+                } else {
+                    (State::Avoiding, Reason::ManeuverChosen)
+                };
+                self.state = state;
+                self.report(&plan, situation.time_s, reason)
+            }
+            None => self.decision(nominal, Reason::BestAvailable),
+        };
+        let mut decision = decision;
+        decision.record.work.candidates = candidates;
+        decision.record.work.limit_met = limit_met || self.tracks.overflow;
+        decision.record.work.threats = 1;
+        decision
+    }
+
+    /// Whether what is left of a plan is still certified.
+    fn still_holds(&mut self, plan: &Plan, time_s: f64, now: &MotionState) -> bool {
+        let keep_m = KEEP_SHARE * self.settings.margin_m;
+        plan.certified && self.margin_of(&plan.remaining(time_s), now, (keep_m, keep_m)) >= keep_m
+    }
+
+    /// Margin of a manoeuvre, between `floor_m`, below which it is not told, and `enough_m`.
+    fn margin_of(
+        &mut self,
+        maneuver: &Maneuver,
+        now: &MotionState,
+        (floor_m, enough_m): (f64, f64),
+    ) -> f64 {
+        let horizon_s = self.settings.horizon_s;
+        self.path.predict(&self.flyer, now, maneuver, horizon_s);
+        let hazards = self.tracks.hazards();
+        certify_all(
+            &self.flyer,
+            &self.path,
+            hazards,
+            horizon_s,
+            floor_m,
+            enough_m,
+        )
+        .margin_m
+    }
+
+    /// Flying the manoeuvre: keep it, replace it, or go back.
+    fn avoid(&mut self, situation: &Situation<'_>, now: &MotionState, start: Start) -> Decision {
+        let time_s = situation.time_s;
+        let Some(plan) = self.plan else {
+            self.state = State::Cruise;
+            return self.watch(situation, now, start);
+        };
+        if let Some(back) = self.way_back(situation, now, &plan) {
+            self.plan = Some(back);
+            self.state = State::Recovering;
+            return self.report(&back, time_s, Reason::RejoinChosen);
+        }
+        if self.still_holds(&plan, time_s, now) {
+            return self.report(&plan, time_s, Reason::ManeuverKept);
+        }
+        let again = time_s - plan.start_s < SEARCH_ALL_S && plan.margin_m > HOPELESS_M;
+        if !plan.certified && !again && !self.cycle.is_multiple_of(SEARCH_AGAIN) {
+            return self.report(&plan, time_s, Reason::BestAvailable);
+        }
+        let hold = Maneuver::hold();
+        let flown = plan.remaining(time_s);
+        let variety = self.cycle;
+        let effort = if plan.certified || again {
+            Effort::Full
+        } else {
+            Effort::Quick
+        };
+        let (found, candidates, limit_met) = self.search(&hold, now, |search| {
+            search.cheapest(0.0).map(|found| (found, true)).or_else(|| {
+                let best = search.best(Some(&flown), effort, variety)?;
+                Some((best, best.margin_m >= search.target_m()))
+            })
+        });
+        let remaining = plan.remaining(time_s);
+        let kept_m = self.margin_of(&remaining, now, (f64::MIN, ENOUGH_M));
+        let decision = match found {
+            Some((found, certified)) if certified || found.margin_m > kept_m + CLEARLY_BETTER_M => {
+                let departure = *now;
+                let maneuver = self
+                    .search(&hold, now, |search| {
+                        search.maneuver(&found.turns, &departure)
+                    })
+                    .0;
+                let plan = Plan {
+                    maneuver,
+                    decided_s: time_s,
+                    start_s: plan.start_s.min(time_s),
+                    joined_s: f64::INFINITY,
+                    certified,
+                    margin_m: found.margin_m,
+                    cost: found.cost,
+                    next_start_s: None,
+                    against: self.also_against(&remaining, now, plan.against),
+                    ..plan
+                };
+                self.plan = Some(plan);
+                let reason = if certified {
+                    Reason::ManeuverReplaced
+                } else {
+                    Reason::BestAvailable
+                };
+                self.report(&plan, time_s, reason)
+            }
+            _ => {
+                let plan = Plan {
+                    certified: false,
+                    margin_m: kept_m,
+                    ..plan
+                };
+                self.plan = Some(plan);
+                self.report(&plan, time_s, Reason::BestAvailable)
+            }
+        };
+        let mut decision = decision;
+        decision.record.work.candidates = candidates;
+        decision.record.work.limit_met = limit_met || self.tracks.overflow;
+        decision
+    }
+
+    /// The obstacles of an encounter and those that a manoeuvre comes too close to.
+    fn also_against(
+        &mut self,
+        maneuver: &Maneuver,
+        now: &MotionState,
+        mut against: Against,
+    ) -> Against {
+        let horizon_s = self.settings.horizon_s;
+        let target_m = self.settings.margin_m;
+        self.path.predict(&self.flyer, now, maneuver, horizon_s);
+        for hazard in self.tracks.hazards() {
+            let id = self.tracks.id(hazard.index);
+            let closest = certify(
+                &self.flyer,
+                &self.path,
+                hazard,
+                horizon_s,
+                target_m,
+                target_m,
+            );
+            if closest.margin_m < target_m && !against.contains(id) {
+                against.add(id);
+            }
+        }
+        against
+    }
+
+    /// A certified way back to the mission, if there is one now.
+    fn way_back(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        plan: &Plan,
+    ) -> Option<Plan> {
+        let target_m = self.settings.margin_m;
+        let horizon_s = self.settings.horizon_s;
+        if !self.cycle.is_multiple_of(LOOK_BACK_EVERY) {
+            return None;
+        }
+        let turn = (self.cycle / LOOK_BACK_EVERY) as usize;
+        let other = 1 + turn / 2 % (INTERCEPTS_RAD.len() - 1);
+        let place = if turn.is_multiple_of(2) { 0 } else { other };
+        let intercept_rad = *INTERCEPTS_RAD.get(place)?;
+        let climb_limits_rad = self.climb_limits_rad();
+        let limits = JoinLimits {
+            intercept_rad,
+            climb_limits_rad,
+        };
+        let mission = &situation.mission;
+        // Leaving out a leg is for when this one cannot be joined at any angle.
+        let patient = situation.time_s - plan.decided_s < SKIP_AFTER_S;
+        let skipped = if patient { 0 } else { MAX_SKIPPED };
+        let (joined, index) =
+            self.progress
+                .way_back(mission, now, &self.flyer, &limits, skipped, &mut self.path)?;
+        if intercept_rad < SHALLOW_RAD && joined.joined_s > SHALLOW_S {
+            return None;
+        }
+        let mut maneuver = joined.maneuver;
+        let bend = Bend {
+            index,
+            straight_s: joined.joined_s,
+            along_m: joined.along_m,
+        };
+        self.progress.round_corners(
+            mission,
+            &self.flyer,
+            climb_limits_rad,
+            horizon_s,
+            &mut maneuver,
+            bend,
+        );
+        self.path.predict(&self.flyer, now, &maneuver, horizon_s);
+        let ahead = self.way_ahead(plan, joined.joined_s, situation);
+        let back = Plan {
+            maneuver,
+            decided_s: situation.time_s,
+            start_s: situation.time_s,
+            joined_s: situation.time_s + joined.joined_s,
+            certified: true,
+            margin_m: target_m,
+            cost: 0.0,
+            next_start_s: None,
+            ..*plan
+        };
+        let back = match ahead {
+            WayAhead::Blocked => None,
+            WayAhead::Clear => {
+                let margin_m = self.margin_of(&maneuver, now, (f64::MIN, ENOUGH_M));
+                Some(Plan { margin_m, ..back })
+            }
+            WayAhead::NextEncounter => self.way_back_and_on(&back, joined.joined_s, now),
+        };
+        if back.is_some() {
+            self.progress.advance_to(index, mission, now, &self.flyer);
+        }
+        back
+    }
+
+    /// A way back that meets other obstacles later, with the manoeuvre that avoids those.
+    fn way_back_and_on(&mut self, back: &Plan, joined_s: f64, now: &MotionState) -> Option<Plan> {
+        let maneuver = back.maneuver;
+        let (threat, against) = self.first_threat(&maneuver, now)?;
+        let found = self.search(&maneuver, now, |search| {
+            let found = search.cheapest(joined_s)?;
+            let departure = search.departure(joined_s);
+            Some((found, search.maneuver(&found.turns, &departure)))
+        });
+        let (found, maneuver) = found.0?;
+        Some(Plan {
+            maneuver,
+            margin_m: found.margin_m,
+            cost: found.cost,
+            next_start_s: Some(back.joined_s),
+            threat: Some(threat),
+            against,
+            ..*back
+        })
+    }
+
+    /// How clear the way back in the path is.
+    fn way_ahead(&self, plan: &Plan, joined_s: f64, situation: &Situation<'_>) -> WayAhead {
+        let target_m = self.settings.margin_m;
+        let horizon_s = self.settings.horizon_s;
+        let own = situation.ownship;
+        let velocity_mps = own.velocity_mps();
+        let mut ahead = WayAhead::Clear;
+        for hazard in self.tracks.hazards() {
+            let along = |until_s: f64| {
+                certify(&self.flyer, &self.path, hazard, until_s, target_m, target_m)
+            };
+            let whole = along(horizon_s);
+            if whole.holds(target_m) {
+                continue;
+            }
+            if !along(joined_s.min(horizon_s)).holds(target_m) {
+                return WayAhead::Blocked;
+            }
+            if plan.against.contains(self.tracks.id(hazard.index)) {
+                // Before it has passed it would be this encounter over again.
+                let offset = hazard.position_m - own.position_m;
+                let relative = velocity_mps - hazard.velocity_mps;
+                let square = relative.length_squared().max(1e-9);
+                let passes_s = (offset.dot(relative) / square).limited(0.0, LONGEST_PASS_S);
+                if whole.at_s < passes_s + NEXT_ENCOUNTER_S {
+                    return WayAhead::Blocked;
+                }
+            }
+            ahead = WayAhead::NextEncounter;
+        }
+        ahead
+    }
+
+    /// On the way back.
+    fn come_back(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        start: Start,
+    ) -> Decision {
+        let time_s = situation.time_s;
+        if let Some(plan) = self.plan {
+            if let Some(start_s) = plan.next_start_s.filter(|start_s| time_s >= *start_s) {
+                self.plan = Some(Plan {
+                    start_s,
+                    next_start_s: None,
+                    ..plan
+                });
+                self.state = State::Threatened;
+                return self.watch(situation, now, start);
+            }
+            if time_s >= plan.joined_s {
+                self.plan = None;
+                self.state = State::Cruise;
+                let mut decision = self.watch(situation, now, start);
+                if decision.record.reason == Reason::Clear {
+                    decision.record.reason = Reason::Rejoined;
+                }
+                return decision;
+            }
+            if self.still_holds(&plan, time_s, now) {
+                return self.report(&plan, time_s, Reason::RejoinKept);
+            }
+        }
+        self.plan = None;
+        self.state = State::Cruise;
+        self.watch(situation, now, start)
+    }
+
+    /// The decision to fly what is left of a plan.
+    pub(super) fn report(&self, plan: &Plan, time_s: f64, reason: Reason) -> Decision {
+        let elapsed_s = time_s - plan.decided_s;
+        let command = plan.remaining(time_s);
+        let mut decision = self.decision(&command, reason);
+        let record = &mut decision.record;
+        // Once it would have been entered, it is history.
+        let ahead = plan.threat.filter(|threat| threat.entry_s >= elapsed_s);
+        record.threat = ahead.map(|threat| Threat {
+            entry_s: threat.entry_s - elapsed_s,
+            closest_s: threat.closest_s - elapsed_s,
+            ..threat
+        });
+        record.start_s = Some(plan.start_s - time_s);
+        record.latest_start_s = plan.latest_start_s.map(|latest_s| latest_s - time_s);
+        record.chosen = Some(Candidate {
+            maneuver: command,
+            margin_m: plan.margin_m,
+            cost: plan.cost,
+            verdict: if plan.certified {
+                Verdict::Chosen
+            } else {
+                Verdict::Rejected
+            },
+        });
+        decision
+    }
+}
+
+/// The manoeuvre and its start: certified if there is one, else the best available.
+fn choose(
+    search: &mut Search<'_>,
+    start: Start,
+    entry_s: f64,
+    period_s: f64,
+) -> (Option<(Found, Maneuver, bool)>, Option<f64>) {
+    let mut latest_s = None;
+    let found = match start {
+        Start::AtDetection => search.cheapest(0.0),
+        Start::Free => least_departure(search, entry_s),
+        Start::Latest | Start::Score(_) => {
+            let score = if let Start::Score(score) = start {
+                score
+            } else {
+                1.0
+            };
+            latest_s = search.latest_start_s(entry_s);
+            latest_s.and_then(|latest_s| {
+                let mut wait_s = score * (latest_s - period_s).max(0.0);
+                loop {
+                    let found = search.cheapest(wait_s);
+                    if found.is_some() || wait_s <= 0.0 {
+                        return found;
+                    }
+                    wait_s = if wait_s > period_s { 0.8 * wait_s } else { 0.0 };
+                }
+            })
+        }
+    };
+    let (found, certified) = if found.is_some() {
+        (found, true)
+    } else {
+        let best = search.best(None, Effort::Full, 0);
+        (
+            best,
+            best.is_some_and(|best| best.margin_m >= search.target_m()),
+        )
+    };
+    let found = found.map(|found| {
+        let departure = search.departure(found.turns.wait_s);
+        (found, search.maneuver(&found.turns, &departure), certified)
+    });
+    (found, latest_s)
+}
+
+/// The cheapest manoeuvre at several starts, and of these the one that departs least.
+fn least_departure(search: &mut Search<'_>, entry_s: f64) -> Option<Found> {
+    let mut best: Option<(f64, Found)> = None;
+    for share in FREE_STARTS {
+        let Some(found) = search.cheapest(share * entry_s) else {
+            continue;
+        };
+        let departure_m = search.departure_m(&found.turns);
+        if best.is_none_or(|(least_m, _)| departure_m < least_m) {
+            best = Some((departure_m, found));
+        }
+    }
+    best.map(|(_, found)| found)
+}

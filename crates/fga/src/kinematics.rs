@@ -1,0 +1,191 @@
+//! What the vehicle can do: coordinated turn, limits, response (Eq. 7–14, Eq. 60).
+
+mod pi_controller;
+mod turn;
+
+use core::f64::consts::FRAC_PI_2;
+
+pub use pi_controller::{PiController, PiGains};
+pub use turn::{
+    FAA_TURN_CONSTANT, bank_for_radius_faa_rad, bank_for_radius_rad, course_rate_radps,
+    turn_radius_m, turned,
+};
+
+/// Standard acceleration of gravity, metres per second squared.
+pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
+
+/// How the vehicle follows a command: the difference between commanded and flown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// Dead time before a command has any effect, seconds.
+    pub dead_time_s: f64,
+    /// Time constant of the first-order bank response, seconds; 0 for a bank that follows at once.
+    pub bank_time_constant_s: f64,
+    /// Flown course rate over the ideal g·tan φ / V; 1 for the ideal coordinated turn.
+    pub turn_rate_factor: f64,
+}
+
+impl Default for Response {
+    fn default() -> Self {
+        Self {
+            dead_time_s: 0.0,
+            bank_time_constant_s: 0.0,
+            turn_rate_factor: 1.0,
+        }
+    }
+}
+
+/// The vehicle's limits at its airspeed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Vehicle {
+    /// Constant total airspeed `V_u`, metres per second.
+    pub airspeed_mps: f64,
+    /// Least turn radius `ρ_min` of the ideal coordinated turn, metres (Eq. 8).
+    pub turn_radius_m: f64,
+    /// Steepest descent, radians, at most 0.
+    pub climb_min_rad: f64,
+    /// Steepest climb, radians, at least 0; both 0 for a vehicle held in the plane.
+    pub climb_max_rad: f64,
+    /// Rate limit of the climb angle, radians per second.
+    pub climb_rate_radps: f64,
+    /// How commands are followed.
+    pub response: Response,
+}
+
+impl Vehicle {
+    /// The vehicle of Table 4: 15 m/s, 30 m, climb angle ±15° at 0.2 rad/s, no lag.
+    pub const fn table_4() -> Self {
+        Self {
+            airspeed_mps: 15.0,
+            turn_radius_m: 30.0,
+            climb_min_rad: -core::f64::consts::PI / 12.0,
+            climb_max_rad: core::f64::consts::PI / 12.0,
+            climb_rate_radps: 0.2,
+            response: Response {
+                dead_time_s: 0.0,
+                bank_time_constant_s: 0.0,
+                turn_rate_factor: 1.0,
+            },
+        }
+    }
+
+    /// A vehicle held in the plane that turns as tightly as its largest bank angle allows (Eq. 8).
+    ///
+    /// `None` unless the airspeed is positive and the bank angle lies strictly between 0 and π/2.
+    pub fn from_bank(airspeed_mps: f64, bank_max_rad: f64) -> Option<Self> {
+        Some(Self {
+            airspeed_mps,
+            turn_radius_m: turn_radius_m(airspeed_mps, bank_max_rad)?,
+            climb_min_rad: 0.0,
+            climb_max_rad: 0.0,
+            climb_rate_radps: 0.0,
+            response: Response::default(),
+        })
+    }
+
+    /// The same vehicle with limits of its climb angle: `[min, max]` at `rate_radps`.
+    #[must_use]
+    pub const fn with_climb(self, min_rad: f64, max_rad: f64, rate_radps: f64) -> Self {
+        Self {
+            climb_min_rad: min_rad,
+            climb_max_rad: max_rad,
+            climb_rate_radps: rate_radps,
+            ..self
+        }
+    }
+
+    /// Largest bank angle that the turn radius takes, radians (Eq. 60); `None` if it is not valid.
+    pub fn bank_max_rad(&self) -> Option<f64> {
+        bank_for_radius_rad(self.airspeed_mps, self.turn_radius_m)
+    }
+
+    /// Whether every limit is finite and in range: speed, radius and turn-rate factor positive,
+    /// the climb angles within ±π/2 and on their own side of 0, times and rates not negative.
+    pub fn is_valid(&self) -> bool {
+        let positive = |value: f64| value.is_finite() && value > 0.0;
+        let not_negative = |value: f64| value.is_finite() && value >= 0.0;
+        positive(self.airspeed_mps)
+            && positive(self.turn_radius_m)
+            && positive(self.response.turn_rate_factor)
+            && (0.0..FRAC_PI_2).contains(&self.climb_max_rad)
+            && (0.0..FRAC_PI_2).contains(&-self.climb_min_rad)
+            && not_negative(self.climb_rate_radps)
+            && not_negative(self.response.dead_time_s)
+            && not_negative(self.response.bank_time_constant_s)
+    }
+
+    /// Largest course rate that is really flown: factor · V / ρ, radians per second (Eq. 9).
+    pub fn course_rate_radps(&self) -> f64 {
+        self.response.turn_rate_factor * self.airspeed_mps / self.turn_radius_m
+    }
+
+    /// Whether it may leave its altitude.
+    pub fn can_climb(&self) -> bool {
+        (self.climb_max_rad > 0.0 || self.climb_min_rad < 0.0) && self.climb_rate_radps > 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_vehicle_from_its_bank_angle_turns_as_eq_8_says() {
+        let vehicle = Vehicle::from_bank(15.0, 30f64.to_radians()).unwrap();
+        // 225 / (9.80665 · tan 30°), by hand.
+        assert!((vehicle.turn_radius_m - 39.739).abs() < 1e-3);
+        assert!((vehicle.bank_max_rad().unwrap().to_degrees() - 30.0).abs() < 1e-9);
+        assert!(vehicle.is_valid() && !vehicle.can_climb());
+        assert!(vehicle.with_climb(-0.2, 0.2, 0.1).can_climb());
+    }
+
+    #[test]
+    fn table_4_is_valid_and_turns_half_a_radian_a_second() {
+        assert!(Vehicle::table_4().is_valid());
+        assert!((Vehicle::table_4().course_rate_radps() - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn limits_out_of_range_are_refused() {
+        let good = Vehicle::table_4();
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(
+                !Vehicle {
+                    airspeed_mps: bad,
+                    ..good
+                }
+                .is_valid()
+            );
+            assert!(
+                !Vehicle {
+                    turn_radius_m: bad,
+                    ..good
+                }
+                .is_valid()
+            );
+            assert!(
+                !Vehicle {
+                    climb_rate_radps: bad,
+                    ..good
+                }
+                .is_valid()
+            );
+            assert!(!good.with_climb(bad, 0.1, 0.1).is_valid());
+            assert!(!good.with_climb(-0.1, bad, 0.1).is_valid());
+            let response = Response {
+                dead_time_s: bad,
+                ..Response::default()
+            };
+            assert!(!Vehicle { response, ..good }.is_valid());
+        }
+        assert!(!good.with_climb(0.1, 0.2, 0.1).is_valid());
+        assert!(
+            !Vehicle {
+                airspeed_mps: 0.0,
+                ..good
+            }
+            .is_valid()
+        );
+        assert!(Vehicle::from_bank(15.0, 0.0).is_none());
+    }
+}

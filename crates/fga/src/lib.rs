@@ -1,0 +1,68 @@
+//! Real-time 3D collision avoidance for fixed-wing aircraft.
+//!
+//! The crate decides; it reads no clock, no file and no network, allocates nothing and cannot
+//! panic on any input. It implements the Fast Geometric Avoidance algorithm (FGA) of the paper
+//! "Fast 3D Collision Avoidance Algorithm for Fixed Wing UAS" — equation numbers in these pages
+//! are the paper's, corrected where `docs/errata.md` shows a slip — and a policy of its own that
+//! predicts the turn it will really fly and certifies the separation in continuous time.
+//!
+//! # Which module answers which question
+//!
+//! | module | question |
+//! |---|---|
+//! | [`situation`] | what is around the aircraft? |
+//! | [`kinematics`] | what can the vehicle do? |
+//! | [`conflict`] | will an obstacle come too close? |
+//! | [`timing`] | when must an avoiding turn begin? |
+//! | [`bounds`] | can the encounter be solved at all? |
+//! | [`maneuver`] | where would a manoeuvre take the aircraft, and how close to the obstacles? |
+//! | [`selection`] | which way? |
+//! | [`recovery`] | how does it get back to its mission? |
+//! | [`avoider`] | the state machine over all of it |
+//!
+//! # Conventions
+//!
+//! Local tangent plane: x east, y north, z up. Metres, seconds, radians. Course ψ is measured from
+//! +x towards +y (anticlockwise seen from above), so a **left** turn makes it grow; climb angle θ
+//! is positive upwards (Eq. 10–12). Names carry their units. With wind, positions and velocities
+//! are those in the air mass: there the aircraft flies its airspeed along its course and every
+//! ground-fixed obstacle moves with minus the wind.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing
+)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing
+    )
+)]
+
+#[cfg(test)]
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
+pub mod algorithm4;
+pub mod angle;
+pub mod avoider;
+pub mod bounds;
+pub mod conflict;
+pub mod kinematics;
+mod limit;
+pub mod maneuver;
+pub mod paths;
+pub mod recovery;
+pub mod selection;
+pub mod situation;
+pub mod timing;
+
+/// A vector in the local frame: x east, y north, z up.
+pub type Vec3 = glam::DVec3;

@@ -1,0 +1,146 @@
+//! Where a manoeuvre would take the aircraft, and how close to the obstacles.
+//!
+//! | question | answer |
+//! |---|---|
+//! | what is commanded, and when? | [`Maneuver`], a list of [`Stage`]s |
+//! | how does the vehicle move under one command? | [`Flyer`] |
+//! | where does the manoeuvre lead? | [`FlightPath`] |
+//! | how close to an obstacle, in continuous time? | [`certify`] |
+
+mod certificate;
+mod motion;
+mod path;
+
+pub(crate) use certificate::Chord;
+pub use certificate::{Certificate, Hazard, Status, certify, certify_all};
+pub(crate) use motion::ArcSteps;
+pub use motion::{Flyer, MotionState, Target};
+pub(crate) use path::whole;
+pub use path::{FlightPath, MAX_NODES, Node};
+
+use crate::angle::Side;
+
+/// Most stages of a manoeuvre: two turns with their climbs, the way back and a corner after it.
+pub const MAX_STAGES: usize = 8;
+
+/// What is commanded from a moment on, until the next stage begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stage {
+    /// When it begins, seconds from the moment of the decision.
+    pub start_s: f64,
+    /// Course to turn to, radians. Not wrapped: the aircraft turns by the plain difference to its
+    /// own course, so that a turn to either side and beyond 180° can be told apart.
+    pub course_rad: f64,
+    /// Climb angle to take up, radians.
+    pub climb_rad: f64,
+    /// Share of the vehicle's largest course rate to turn with, in (0, 1]; a wider turn takes less.
+    pub rate_share: f64,
+}
+
+/// A sequence of stages, first to last; empty means: hold course and climb angle.
+///
+/// It is what will be flown if nothing new is learned. A plant without lag flies it exactly:
+/// course and climb angle move at their rate limits to the commanded values and stay there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Maneuver {
+    stages: [Stage; MAX_STAGES],
+    len: usize,
+}
+
+impl Default for Maneuver {
+    fn default() -> Self {
+        Self::hold()
+    }
+}
+
+impl Maneuver {
+    /// Hold course and climb angle.
+    pub const fn hold() -> Self {
+        let stage = Stage {
+            start_s: 0.0,
+            course_rad: 0.0,
+            climb_rad: 0.0,
+            rate_share: 1.0,
+        };
+        Self {
+            stages: [stage; MAX_STAGES],
+            len: 0,
+        }
+    }
+
+    /// Turn to `course_rad` (not wrapped) and take up `climb_rad` from `start_s` on.
+    pub fn turn(start_s: f64, course_rad: f64, climb_rad: f64) -> Self {
+        let mut maneuver = Self::hold();
+        maneuver.push(Stage {
+            start_s,
+            course_rad,
+            climb_rad,
+            rate_share: 1.0,
+        });
+        maneuver
+    }
+
+    /// Appends a stage; one beyond the capacity, one that begins before the last, or one with a
+    /// number that is not finite, is not taken.
+    pub fn push(&mut self, stage: Stage) -> bool {
+        let numbers = [stage.start_s, stage.course_rad, stage.climb_rad];
+        if !numbers.iter().all(|number| number.is_finite()) || !stage.rate_share.is_finite() {
+            return false;
+        }
+        if self
+            .stages()
+            .last()
+            .is_some_and(|last| stage.start_s < last.start_s)
+        {
+            return false;
+        }
+        match self.stages.get_mut(self.len) {
+            Some(slot) => {
+                *slot = stage;
+                self.len += 1;
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// The stages, first to last.
+    pub fn stages(&self) -> &[Stage] {
+        self.stages.get(..self.len).unwrap_or(&[])
+    }
+
+    /// The same commands seen `elapsed_s` later: what is past keeps only its last stage.
+    #[must_use]
+    pub fn after(&self, elapsed_s: f64) -> Self {
+        let mut later = Self::hold();
+        let stages = self.stages();
+        for (index, stage) in stages.iter().enumerate() {
+            let over = stages
+                .get(index + 1)
+                .is_some_and(|next| next.start_s <= elapsed_s);
+            if !over {
+                let start_s = (stage.start_s - elapsed_s).max(0.0);
+                later.push(Stage { start_s, ..*stage });
+            }
+        }
+        later
+    }
+
+    /// What is commanded `at_s` seconds from the decision; `None` before the first stage.
+    pub fn stage_at(&self, at_s: f64) -> Option<&Stage> {
+        self.stages()
+            .iter()
+            .rev()
+            .find(|stage| stage.start_s <= at_s)
+    }
+
+    /// The side of the first turn from `course_rad`, if it turns at all.
+    pub fn side(&self, course_rad: f64) -> Option<Side> {
+        let turn = self
+            .stages()
+            .iter()
+            .map(|s| s.course_rad - course_rad)
+            .find(|t| *t != 0.0)?;
+        Some(Side::of(turn))
+    }
+}

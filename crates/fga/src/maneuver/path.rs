@@ -1,0 +1,371 @@
+//! Where a manoeuvre leads: nodes on the predicted flight path, close enough for tight chords.
+
+use crate::Vec3;
+use crate::limit::Limit as _;
+use crate::maneuver::motion::{ArcSteps, Piece};
+use crate::maneuver::{Flyer, Maneuver, MotionState, Target};
+
+/// Most nodes of a path.
+pub const MAX_NODES: usize = 320;
+
+/// How far the path may bow from the chord between two nodes, metres.
+///
+/// The certificate subtracts this bow and splits the chords that matter, so it sets speed, not truth.
+const CHORD_BOW_M: f64 = 0.16;
+
+/// A moment of the predicted flight and the constant rates until the next one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Node {
+    /// The aircraft.
+    pub state: MotionState,
+    /// Course rate from here to the next node, radians per second.
+    pub course_rate_radps: f64,
+    /// Rate of the climb angle from here to the next node, radians per second.
+    pub climb_rate_radps: f64,
+    /// Bound of the acceleration from here to the next node, metres per second squared.
+    pub acceleration_mps2: f64,
+}
+
+impl Node {
+    /// The piece of flight from here to the next node.
+    pub(crate) const fn piece(&self) -> Piece {
+        Piece {
+            duration_s: f64::INFINITY,
+            course_rate_radps: self.course_rate_radps,
+            climb_rate_radps: self.climb_rate_radps,
+            bank_end_rad: self.state.bank_rad,
+        }
+    }
+}
+
+/// The least whole number of steps that is no fewer than `steps`, from 1 to `most`.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to 1..=most before the cast"
+)]
+pub(crate) fn whole(steps: f64, most: usize) -> usize {
+    libm::ceil(steps).limited(1.0, most as f64) as usize
+}
+
+/// A predicted flight: nodes in time, then straight on from the last one.
+#[derive(Debug, Clone)]
+pub struct FlightPath {
+    nodes: [Node; MAX_NODES],
+    len: usize,
+    end_velocity_mps: Vec3,
+    complete: bool,
+}
+
+impl Default for FlightPath {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl FlightPath {
+    /// A path without nodes, to be filled by [`Self::predict`]. It is large: keep and reuse it.
+    #[expect(
+        clippy::large_stack_arrays,
+        reason = "no allocation: the caller says where it lies"
+    )]
+    pub const fn new() -> Self {
+        let node = Node {
+            state: MotionState {
+                time_s: 0.0,
+                position_m: Vec3::ZERO,
+                course_rad: 0.0,
+                climb_rad: 0.0,
+                bank_rad: 0.0,
+            },
+            course_rate_radps: 0.0,
+            climb_rate_radps: 0.0,
+            acceleration_mps2: 0.0,
+        };
+        Self {
+            nodes: [node; MAX_NODES],
+            len: 0,
+            end_velocity_mps: Vec3::ZERO,
+            complete: false,
+        }
+    }
+
+    /// The nodes, first to last; the aircraft flies straight on from the last one.
+    pub fn nodes(&self) -> &[Node] {
+        self.nodes.get(..self.len).unwrap_or(&[])
+    }
+
+    /// Velocity after the last node, metres per second.
+    pub const fn end_velocity_mps(&self) -> Vec3 {
+        self.end_velocity_mps
+    }
+
+    /// Whether the path follows the manoeuvre up to the horizon: false where the nodes ran out.
+    pub const fn is_complete(&self) -> bool {
+        self.complete
+    }
+
+    /// Forgets all nodes.
+    pub(crate) fn clear(&mut self) {
+        self.len = 0;
+        self.complete = false;
+    }
+
+    /// Ends the path at a state from which the aircraft flies straight on.
+    pub(crate) fn finish(&mut self, flyer: &Flyer, state: &MotionState) {
+        self.end_velocity_mps = flyer.velocity_mps(state);
+        self.complete = self.push(Node {
+            state: *state,
+            course_rate_radps: 0.0,
+            climb_rate_radps: 0.0,
+            acceleration_mps2: 0.0,
+        });
+    }
+
+    pub(crate) fn push(&mut self, node: Node) -> bool {
+        match self.nodes.get_mut(self.len) {
+            Some(slot) => {
+                *slot = node;
+                self.len += 1;
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Appends the nodes of one piece of constant rates and returns the state at its end;
+    /// `None` where the nodes ran out.
+    pub(crate) fn fly_piece(
+        &mut self,
+        flyer: &Flyer,
+        from: &MotionState,
+        piece: &Piece,
+        duration_s: f64,
+    ) -> Option<MotionState> {
+        let acceleration = flyer.acceleration_mps2(piece);
+        let longest_s = if acceleration > 0.0 {
+            libm::sqrt(8.0 * CHORD_BOW_M / acceleration)
+        } else {
+            f64::INFINITY
+        };
+        let count = whole(duration_s / longest_s, MAX_NODES + 1);
+        let mut node = Node {
+            state: *from,
+            course_rate_radps: piece.course_rate_radps,
+            climb_rate_radps: piece.climb_rate_radps,
+            acceleration_mps2: acceleration,
+        };
+        if count == 1 {
+            return self
+                .push(node)
+                .then(|| flyer.advance(from, piece, duration_s));
+        }
+        let mut steps = ArcSteps::new(flyer, from, piece, duration_s / count as f64);
+        for _ in 0..count {
+            node.state = *steps.state();
+            if !self.push(node) {
+                return None;
+            }
+            steps.advance();
+        }
+        let mut end = *steps.state();
+        end.course_rad = from.course_rad + piece.course_rate_radps * duration_s;
+        end.climb_rad = from.climb_rad + piece.climb_rate_radps * duration_s;
+        if duration_s >= piece.duration_s {
+            end.bank_rad = piece.bank_end_rad;
+        }
+        Some(end)
+    }
+
+    /// Predicts the flight of `maneuver` from `start` up to `horizon_s` (Eq. 10–12 with the
+    /// vehicle's limits and response), replacing what the path held.
+    pub fn predict(
+        &mut self,
+        flyer: &Flyer,
+        start: &MotionState,
+        maneuver: &Maneuver,
+        horizon_s: f64,
+    ) {
+        self.clear();
+        self.extend(flyer, start, maneuver, horizon_s);
+    }
+
+    /// Appends the flight of `maneuver`, whose times count from the decision as in `start`.
+    pub(crate) fn extend(
+        &mut self,
+        flyer: &Flyer,
+        start: &MotionState,
+        maneuver: &Maneuver,
+        horizon_s: f64,
+    ) {
+        let mut state = *start;
+        let mut stages = maneuver.stages().iter().peekable();
+        let mut target = Target {
+            course_rad: state.course_rad,
+            climb_rad: state.climb_rad,
+            rate_share: 1.0,
+        };
+        loop {
+            while let Some(stage) = stages.next_if(|stage| stage.start_s <= state.time_s) {
+                target = Target {
+                    course_rad: stage.course_rad,
+                    climb_rad: stage.climb_rad,
+                    rate_share: stage.rate_share,
+                };
+            }
+            let until_s = stages.peek().map_or(f64::INFINITY, |next| next.start_s);
+            let left_s = until_s - state.time_s;
+            let piece = flyer.next_piece_within(&state, &target, left_s);
+            let duration_s = piece.duration_s.min(left_s);
+            if duration_s == f64::INFINITY || state.time_s >= horizon_s {
+                self.finish(flyer, &state);
+                return;
+            }
+            let Some(mut end) = self.fly_piece(flyer, &state, &piece, duration_s) else {
+                return;
+            };
+            if duration_s >= until_s - state.time_s {
+                end.time_s = until_s;
+            }
+            state = end;
+        }
+    }
+
+    /// The aircraft `at_s` seconds from the decision.
+    pub fn state_at(&self, flyer: &Flyer, at_s: f64) -> Option<MotionState> {
+        let index = self
+            .nodes()
+            .partition_point(|node| node.state.time_s <= at_s);
+        let node = self.nodes().get(index.saturating_sub(1))?;
+        let piece = node.piece();
+        let since_s = (at_s - node.state.time_s).max(0.0);
+        let mut state = flyer.advance(&node.state, &piece, since_s);
+        if let Some(next) = self.nodes().get(index).filter(|_| !flyer.is_ideal()) {
+            // The bank moves little from node to node: straight between them.
+            let span_s = (next.state.time_s - node.state.time_s).max(f64::MIN_POSITIVE);
+            state.bank_rad += (next.state.bank_rad - node.state.bank_rad) * (since_s / span_s);
+        }
+        Some(state)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinematics::{Response, Vehicle};
+
+    fn paper() -> Vehicle {
+        Vehicle {
+            airspeed_mps: 15.0,
+            turn_radius_m: 30.0,
+            climb_min_rad: -15.0_f64.to_radians(),
+            climb_max_rad: 15.0_f64.to_radians(),
+            climb_rate_radps: 0.2,
+            response: Response::default(),
+        }
+    }
+
+    fn start() -> MotionState {
+        MotionState {
+            time_s: 0.0,
+            position_m: Vec3::ZERO,
+            course_rad: 0.0,
+            climb_rad: 0.0,
+            bank_rad: 0.0,
+        }
+    }
+
+    /// Eq. 10–12 by small Euler-midpoint steps, the limits applied step by step.
+    fn integrate(vehicle: &Vehicle, maneuver: &Maneuver, until_s: f64) -> (Vec3, f64, f64) {
+        let dt = 1e-4;
+        let (mut position, mut course, mut climb) = (Vec3::ZERO, 0.0, 0.0);
+        let mut step = 0;
+        while f64::from(step) * dt < until_s {
+            let time = f64::from(step) * dt;
+            let (course_target, climb_target) = maneuver
+                .stage_at(time + 1e-9)
+                .map_or((course, climb), |stage| (stage.course_rad, stage.climb_rad));
+            let turn = vehicle.course_rate_radps() * dt;
+            let pitch = vehicle.climb_rate_radps * dt;
+            let d_course: f64 = (course_target - course).limited(-turn, turn);
+            let d_climb: f64 = (climb_target - climb).limited(-pitch, pitch);
+            let direction = crate::angle::direction(course + 0.5 * d_course, climb + 0.5 * d_climb);
+            position += direction * vehicle.airspeed_mps * dt;
+            course += d_course;
+            climb += d_climb;
+            step += 1;
+        }
+        (position, course, climb)
+    }
+
+    #[test]
+    fn the_path_is_eq_10_to_12_integrated() {
+        let vehicle = paper();
+        let flyer = Flyer::new(&vehicle);
+        let mut maneuver = Maneuver::turn(0.7, 1.9, 0.2);
+        maneuver.push(crate::maneuver::Stage {
+            start_s: 6.0,
+            course_rad: -0.4,
+            climb_rad: -0.1,
+            rate_share: 1.0,
+        });
+        let mut path = FlightPath::new();
+        path.predict(&flyer, &start(), &maneuver, 60.0);
+        assert!(path.is_complete());
+        for at in [0.5, 1.0, 3.0, 6.5, 9.0, 15.0] {
+            let state = path.state_at(&flyer, at).unwrap();
+            let (position, course, climb) = integrate(&vehicle, &maneuver, at);
+            assert!(
+                state.position_m.distance(position) < 5e-3,
+                "{at}: {state:?} {position}"
+            );
+            assert!((state.course_rad - course).abs() < 1e-3);
+            assert!((state.climb_rad - climb).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn nodes_bow_from_their_chords_no_more_than_said() {
+        let flyer = Flyer::new(&paper());
+        let mut path = FlightPath::new();
+        path.predict(&flyer, &start(), &Maneuver::turn(0.0, 3.0, 0.2), 60.0);
+        for pair in path.nodes().windows(2) {
+            let duration = pair[1].state.time_s - pair[0].state.time_s;
+            let bow = pair[0].acceleration_mps2 * duration * duration / 8.0;
+            assert!(bow <= CHORD_BOW_M * 1.001);
+            for share in [0.25, 0.5, 0.75] {
+                let at = pair[0].state.time_s + share * duration;
+                let chord = pair[0]
+                    .state
+                    .position_m
+                    .lerp(pair[1].state.position_m, share);
+                let exact = path.state_at(&flyer, at).unwrap().position_m;
+                assert!(exact.distance(chord) <= bow + 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn a_lagged_bank_reaches_the_course_without_overshoot() {
+        let mut vehicle = paper();
+        vehicle.response.bank_time_constant_s = 0.6;
+        let flyer = Flyer::new(&vehicle);
+        let mut path = FlightPath::new();
+        for target in [0.05, 0.3, 1.0, -2.5] {
+            path.predict(&flyer, &start(), &Maneuver::turn(0.0, target, 0.0), 60.0);
+            assert!(path.is_complete());
+            let end = path.nodes().last().unwrap();
+            assert!(
+                (end.state.course_rad - target).abs() < 0.02,
+                "{target}: {:?}",
+                end.state
+            );
+            let beyond = path
+                .nodes()
+                .iter()
+                .map(|node| (node.state.course_rad - target) * target.signum())
+                .fold(f64::MIN, f64::max);
+            assert!(beyond < 0.02, "{target} overshoots by {beyond}");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! A leg of the mission and where the aircraft stands relative to it.
+//!
+//! Along-track distance grows from the leg's start to its end; cross-track distance is positive to
+//! the left of the leg; height is counted from the leg. All over the ground.
+
+use crate::Vec3;
+use crate::angle::wrap_pi;
+use crate::limit::Limit as _;
+use crate::maneuver::MotionState;
+
+/// A leg that is shorter over the ground than this has no direction of its own, metres.
+const SHORTEST_M: f64 = 1e-3;
+
+/// A straight leg between two waypoints, and how to fly it in a wind.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Leg {
+    /// Where it begins, metres.
+    pub from_m: Vec3,
+    /// Unit vector along it over the ground (horizontal).
+    along: Vec3,
+    /// Horizontal length, metres; infinite for a leg without end.
+    pub length_m: f64,
+    /// Height gained per metre over the ground.
+    slope: f64,
+    /// Course over the ground, radians.
+    pub course_rad: f64,
+    /// Course through the air that keeps the track, radians: course plus crab angle.
+    pub air_course_rad: f64,
+    /// Climb angle through the air that keeps the slope, radians, not limited.
+    pub climb_rad: f64,
+    /// Speed over the ground along the leg, metres per second.
+    pub ground_speed_mps: f64,
+    wind_mps: Vec3,
+}
+
+/// Where the aircraft is relative to a leg.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LegPosition {
+    /// Distance along the leg from its start, metres.
+    pub along_m: f64,
+    /// Distance to the left of the leg, metres.
+    pub cross_m: f64,
+    /// Height above the leg, metres.
+    pub above_m: f64,
+}
+
+impl Leg {
+    /// The leg between two waypoints for an aircraft of `airspeed_mps` in a wind.
+    ///
+    /// Waypoints that lie above each other give a leg along `fallback_course_rad`.
+    pub fn new(
+        from_m: Vec3,
+        to_m: Vec3,
+        airspeed_mps: f64,
+        wind_mps: Vec3,
+        fallback_course_rad: f64,
+    ) -> Self {
+        let over = Vec3::new(to_m.x - from_m.x, to_m.y - from_m.y, 0.0);
+        let length_m = over.length();
+        if length_m < SHORTEST_M || !length_m.is_finite() {
+            return Self::endless(from_m, fallback_course_rad, airspeed_mps, wind_mps);
+        }
+        let slope = (to_m.z - from_m.z) / length_m;
+        Self::along(
+            from_m,
+            over / length_m,
+            length_m,
+            slope,
+            airspeed_mps,
+            wind_mps,
+        )
+    }
+
+    /// A level leg without end.
+    pub fn endless(from_m: Vec3, course_rad: f64, airspeed_mps: f64, wind_mps: Vec3) -> Self {
+        let (sin, cos) = libm::sincos(course_rad);
+        let along = Vec3::new(cos, sin, 0.0);
+        Self::along(from_m, along, f64::INFINITY, 0.0, airspeed_mps, wind_mps)
+    }
+
+    fn along(
+        from_m: Vec3,
+        along: Vec3,
+        length_m: f64,
+        slope: f64,
+        airspeed_mps: f64,
+        wind_mps: Vec3,
+    ) -> Self {
+        let course_rad = libm::atan2(along.y, along.x);
+        let across_wind = along.x * wind_mps.y - along.y * wind_mps.x;
+        let crab = -libm::asin((across_wind / airspeed_mps).limited(-1.0, 1.0));
+        let along_air = airspeed_mps * libm::cos(crab);
+        let ground_speed_mps = (along_air + along.dot(wind_mps)).max(0.0);
+        let climb_speed = slope * ground_speed_mps - wind_mps.z;
+        let climb_rad = libm::asin((climb_speed / airspeed_mps).limited(-1.0, 1.0));
+        let air_course_rad = course_rad + crab;
+        Self {
+            from_m,
+            along,
+            length_m,
+            slope,
+            course_rad,
+            air_course_rad,
+            climb_rad,
+            ground_speed_mps,
+            wind_mps,
+        }
+    }
+
+    /// Where an air-mass position is `at_s` seconds after the two frames coincided.
+    pub fn position(&self, air_position_m: Vec3, at_s: f64) -> LegPosition {
+        let offset = air_position_m + self.wind_mps * at_s - self.from_m;
+        let along_m = offset.dot(self.along);
+        LegPosition {
+            along_m,
+            cross_m: self.along.x * offset.y - self.along.y * offset.x,
+            above_m: offset.z - self.slope * along_m,
+        }
+    }
+
+    /// The point of the leg at a distance along it, metres.
+    pub fn point_m(&self, along_m: f64) -> Vec3 {
+        self.from_m + self.along * along_m + Vec3::new(0.0, 0.0, self.slope * along_m)
+    }
+
+    /// Cross-track speed at a course through the air, metres per second, left positive.
+    pub fn cross_speed_mps(&self, airspeed_mps: f64, course_rad: f64) -> f64 {
+        airspeed_mps * libm::sin(course_rad - self.course_rad) + self.along.x * self.wind_mps.y
+            - self.along.y * self.wind_mps.x
+    }
+
+    /// Change from a course through the air to the one that keeps the leg, radians, shortest way.
+    pub fn turn_onto_rad(&self, state: &MotionState) -> f64 {
+        wrap_pi(self.air_course_rad - state.course_rad)
+    }
+
+    /// How far before the leg's end a turn of radius `radius_m` onto the next leg begins, metres.
+    ///
+    /// None of it for a turn back that no fly-by can make.
+    pub fn lead_m(&self, next: &Self, radius_m: f64) -> f64 {
+        /// A turn beyond this is flown over the waypoint, radians.
+        const FLY_OVER_RAD: f64 = 2.4;
+        let turn = wrap_pi(next.course_rad - self.course_rad).abs();
+        if turn > FLY_OVER_RAD {
+            return 0.0;
+        }
+        let lead = radius_m * libm::tan(0.5 * turn);
+        if lead > self.length_m || lead > next.length_m {
+            0.0
+        } else {
+            lead
+        }
+    }
+}

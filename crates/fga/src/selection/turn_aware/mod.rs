@@ -1,0 +1,424 @@
+//! The turn-aware search: of the manoeuvres that will really be flown and are certified to stay
+//! clear, the cheapest.
+//!
+//! A manoeuvre is a wait on the mission, a turn to either side with a change of climb angle, and
+//! where that does not do, a second turn with a climb target of its own ([`Turns`]). Turns to one
+//! side at one climb target share their arc, so one sweep along it, leaving it
+//! at every node on the tangent, tells the margins of them all.
+
+mod ascent;
+mod start;
+mod sweep;
+mod two_stage;
+
+pub use two_stage::Effort;
+
+use crate::limit::Limit as _;
+use crate::maneuver::{
+    Certificate, FlightPath, Flyer, Hazard, Maneuver, MotionState, Stage, certify, certify_all,
+    whole,
+};
+
+/// Largest single turn that is searched, radians: short of a full circle.
+pub const MAX_TURN_RAD: f64 = 6.0;
+
+/// Margins beyond this are not told apart in a search for the largest one, metres.
+const ENOUGH_M: f64 = 1e3;
+
+/// Step of the climb targets that are searched, radians, as in Table 7.
+const CLIMB_STEP_RAD: f64 = 0.03;
+
+/// What predicting a path takes, in line tests.
+const PREDICTION_WORK: u32 = 150;
+
+/// Halvings of the grid step when a turn is refined.
+const REFINEMENTS: u32 = 7;
+
+/// A manoeuvre in the terms of the search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turns {
+    /// Wait on the mission, seconds.
+    pub wait_s: f64,
+    /// First turn, radians, left positive.
+    pub turn_rad: f64,
+    /// Climb angle of the first turn, radians.
+    pub climb_rad: f64,
+    /// The second turn, if any.
+    pub second: Option<SecondTurn>,
+}
+
+/// The second stage of a manoeuvre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SecondTurn {
+    /// Seconds from the start of the first turn to that of the second.
+    pub after_s: f64,
+    /// Turn from the first course, radians, left positive.
+    pub turn_rad: f64,
+    /// Climb angle, radians.
+    pub climb_rad: f64,
+}
+
+/// A manoeuvre that was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// The manoeuvre.
+    pub turns: Turns,
+    /// Lower bound of its separation beyond the volumes, metres.
+    pub margin_m: f64,
+    /// `η_ψ` |Δψ| + `η_θ` |Δθ| (Alg. 2 line 20), of the larger of its stages.
+    pub cost: f64,
+}
+
+/// What a search is made in.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    /// The vehicle's motion.
+    pub flyer: &'a Flyer,
+    /// The aircraft now.
+    pub start: MotionState,
+    /// What would be flown without avoidance.
+    pub nominal: &'a Maneuver,
+    /// Course and climb angle from which deviations are counted, `ψ_ori` and `θ_ori`, radians.
+    pub original: (f64, f64),
+    /// The obstacles.
+    pub hazards: &'a [Hazard],
+    /// How far ahead separation is certified, seconds.
+    pub horizon_s: f64,
+    /// Separation beyond the volumes that a certified manoeuvre keeps, metres.
+    pub target_m: f64,
+    /// Steepest descent and climb, radians.
+    pub climb_limits_rad: (f64, f64),
+    /// `η_ψ` and `η_θ`, per radian.
+    pub costs: (f64, f64),
+}
+
+impl Scene<'_> {
+    /// `η_ψ` |ψ − `ψ_ori`| + `η_θ` |θ − `θ_ori`| for a turn from `course_rad` (Alg. 2 line 20).
+    fn cost(&self, course_rad: f64, climb_rad: f64) -> f64 {
+        self.costs.0 * (course_rad - self.original.0).abs()
+            + self.costs.1 * (climb_rad - self.original.1).abs()
+    }
+
+    /// Whether the vehicle is held at its altitude.
+    fn is_planar(&self) -> bool {
+        self.climb_limits_rad.0 == self.climb_limits_rad.1
+    }
+
+    /// Climb targets, nearest to the original first; the limits are among them.
+    fn climb_targets(&self) -> impl Iterator<Item = f64> + use<> {
+        let (low, high) = self.climb_limits_rad;
+        let original = self.original.1.limited(low, high);
+        let steps = |room: f64| {
+            if room > 0.0 {
+                whole(room / CLIMB_STEP_RAD, 64)
+            } else {
+                0
+            }
+        };
+        let most = steps(high - original).max(steps(original - low));
+        core::iter::once(original).chain((1..=most).flat_map(move |k| {
+            let offset = k as f64 * CLIMB_STEP_RAD;
+            let up = (k <= steps(high - original)).then(|| (original + offset).min(high));
+            let down = (k <= steps(original - low)).then(|| (original - offset).max(low));
+            up.into_iter().chain(down)
+        }))
+    }
+
+    /// The few climb targets that matter for the largest margin: original, steepest up and down.
+    fn extreme_climbs(&self) -> impl Iterator<Item = f64> + Clone + use<> {
+        let (low, high) = self.climb_limits_rad;
+        let original = self.original.1.limited(low, high);
+        core::iter::once(original)
+            .chain((high > original).then_some(high))
+            .chain((low < original).then_some(low))
+    }
+}
+
+/// A search under way: the scene, scratch space and a count of the work done.
+#[derive(Debug)]
+pub struct Search<'a> {
+    scene: Scene<'a>,
+    path: &'a mut FlightPath,
+    /// Manoeuvres evaluated so far.
+    pub evaluated: u32,
+    /// Line tests against obstacles so far: what the time goes into.
+    work: u32,
+    limit: u32,
+    /// The hazard that decided last: looked at first, it decides most often again.
+    culprit: usize,
+}
+
+impl<'a> Search<'a> {
+    /// A search that makes at most about `limit` tests of a straight line against an obstacle.
+    pub fn new(scene: Scene<'a>, path: &'a mut FlightPath, limit: u32) -> Self {
+        Self {
+            scene,
+            path,
+            evaluated: 0,
+            work: 0,
+            limit,
+            culprit: 0,
+        }
+    }
+
+    /// Whether the limit of work was met.
+    pub const fn limit_met(&self) -> bool {
+        self.work >= self.limit
+    }
+
+    /// Whether the share of the work that sweeps may take is used up.
+    const fn sweeps_done(&self) -> bool {
+        self.work >= self.limit / 2
+    }
+
+    fn count_work(&mut self, nodes: usize) {
+        let tests = u32::try_from(2 * nodes * self.scene.hazards.len()).unwrap_or(u32::MAX);
+        self.work = self
+            .work
+            .saturating_add(tests)
+            .saturating_add(PREDICTION_WORK);
+    }
+
+    /// The commands of a manoeuvre: the mission up to its start, then its turns.
+    pub fn maneuver(&self, turns: &Turns, departure: &MotionState) -> Maneuver {
+        let mut maneuver = Maneuver::hold();
+        for stage in self.scene.nominal.stages() {
+            if stage.start_s < turns.wait_s {
+                maneuver.push(*stage);
+            }
+        }
+        let course_rad = departure.course_rad + turns.turn_rad;
+        maneuver.push(Stage {
+            start_s: turns.wait_s,
+            course_rad,
+            climb_rad: turns.climb_rad,
+            rate_share: 1.0,
+        });
+        if let Some(second) = turns.second {
+            maneuver.push(Stage {
+                start_s: turns.wait_s + second.after_s,
+                course_rad: course_rad + second.turn_rad,
+                climb_rad: second.climb_rad,
+                rate_share: 1.0,
+            });
+        }
+        maneuver
+    }
+
+    /// The aircraft when a manoeuvre departs from the mission after a wait.
+    pub fn departure(&mut self, wait_s: f64) -> MotionState {
+        let scene = self.scene;
+        if wait_s <= 0.0 {
+            return scene.start;
+        }
+        self.path
+            .predict(scene.flyer, &scene.start, scene.nominal, wait_s);
+        let mut state = self
+            .path
+            .state_at(scene.flyer, wait_s)
+            .unwrap_or(scene.start);
+        state.time_s = wait_s;
+        state
+    }
+
+    /// Margin along the mission up to a wait's end, metres.
+    fn margin_before(&mut self, wait_s: f64) -> f64 {
+        let scene = self.scene;
+        if wait_s <= 0.0 {
+            return ENOUGH_M;
+        }
+        self.path
+            .predict(scene.flyer, &scene.start, scene.nominal, scene.horizon_s);
+        certify_all(
+            scene.flyer,
+            self.path,
+            scene.hazards,
+            wait_s,
+            f64::MIN,
+            ENOUGH_M,
+        )
+        .margin_m
+    }
+
+    /// Certifies one manoeuvre; stops early below `floor_m`.
+    pub fn certify(&mut self, turns: &Turns, departure: &MotionState, floor_m: f64) -> Certificate {
+        self.evaluated += 1;
+        let scene = self.scene;
+        let maneuver = self.maneuver(turns, departure);
+        self.path
+            .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
+        self.count_work(self.path.nodes().len());
+        certify_all(
+            scene.flyer,
+            self.path,
+            scene.hazards,
+            scene.horizon_s,
+            floor_m,
+            ENOUGH_M,
+        )
+    }
+
+    /// Separation beyond the volumes that a certified manoeuvre keeps, metres.
+    pub const fn target_m(&self) -> f64 {
+        self.scene.target_m
+    }
+
+    /// How far a manoeuvre departs from the mission, metres: its distance from the mission when the
+    /// last threatening obstacle is closest, and the path that it adds until it is back.
+    pub fn departure_m(&mut self, turns: &Turns) -> f64 {
+        let scene = self.scene;
+        let departure = self.departure(turns.wait_s);
+        let maneuver = self.maneuver(turns, &departure);
+        self.path
+            .predict(scene.flyer, &scene.start, scene.nominal, scene.horizon_s);
+        let mut until_s = turns.wait_s;
+        for hazard in scene.hazards {
+            let closest = certify(
+                scene.flyer,
+                self.path,
+                hazard,
+                scene.horizon_s,
+                f64::MIN,
+                scene.target_m,
+            );
+            if closest.margin_m < scene.target_m {
+                until_s = until_s.max(closest.at_s);
+            }
+        }
+        let planned = self
+            .path
+            .state_at(scene.flyer, until_s)
+            .unwrap_or(scene.start);
+        self.path
+            .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
+        let flown = self
+            .path
+            .state_at(scene.flyer, until_s)
+            .unwrap_or(scene.start);
+        let offset = flown.position_m - planned.position_m;
+        let along = crate::angle::direction(scene.original.0, scene.original.1);
+        let behind_m = -offset.dot(along);
+        let aside_m = (offset + along * behind_m).length();
+        // The way back at a moderate intercept angle adds about a quarter of the distance.
+        aside_m + behind_m + 0.27 * aside_m
+    }
+
+    /// Its cost: that of the stage that departs most.
+    pub fn cost(&self, turns: &Turns, departure: &MotionState) -> f64 {
+        let course = departure.course_rad + turns.turn_rad;
+        let first = self.scene.cost(course, turns.climb_rad);
+        turns.second.map_or(first, |second| {
+            first.max(self.scene.cost(course + second.turn_rad, second.climb_rad))
+        })
+    }
+
+    /// The cheapest certified single turn that begins after `wait_s`.
+    ///
+    /// Sweeps the climb targets from the cheapest on, both sides, no farther than a manoeuvre
+    /// already found; then halves the step between the last turn that fails and the first that
+    /// does.
+    pub fn cheapest(&mut self, wait_s: f64) -> Option<Found> {
+        let scene = self.scene;
+        let before_m = self.margin_before(wait_s);
+        if before_m < scene.target_m {
+            return None;
+        }
+        let departure = self.departure(wait_s);
+        let mut best: Option<Found> = None;
+        for climb_rad in scene.climb_targets() {
+            let climb_cost = scene.costs.1 * (climb_rad - scene.original.1).abs();
+            if best.is_some_and(|found| climb_cost >= found.cost) || self.limit_met() {
+                break;
+            }
+            for side in crate::angle::Side::BOTH {
+                let left_cost = best.map_or(f64::INFINITY, |found| found.cost) - climb_cost;
+                let room = if scene.costs.0 > 0.0 {
+                    left_cost / scene.costs.0
+                } else {
+                    MAX_TURN_RAD
+                };
+                let offset = (scene.original.0 - departure.course_rad) * side.sign();
+                let max_turn = (room + offset).min(MAX_TURN_RAD);
+                if max_turn < 0.0 {
+                    continue;
+                }
+                let mut first: Option<(f64, f64)> = None;
+                self.sweep(
+                    &departure,
+                    before_m,
+                    side,
+                    climb_rad,
+                    max_turn,
+                    scene.target_m,
+                    |leave| {
+                        let reached = leave.margin_m >= scene.target_m;
+                        if reached {
+                            first = Some((leave.turn_rad, leave.margin_m));
+                        }
+                        reached
+                    },
+                );
+                let Some((turn_rad, margin_m)) = first else {
+                    continue;
+                };
+                let turns = Turns {
+                    wait_s,
+                    turn_rad,
+                    climb_rad,
+                    second: None,
+                };
+                let found = Found {
+                    turns,
+                    margin_m,
+                    cost: self.cost(&turns, &departure),
+                };
+                let found = self.refined(found, &departure);
+                if best.is_none_or(|best| found.cost < best.cost) {
+                    best = Some(found);
+                }
+            }
+        }
+        best
+    }
+
+    /// Halves the last step of a turn (or of a climb without a turn) as long as it stays certified.
+    fn refined(&mut self, found: Found, departure: &MotionState) -> Found {
+        let scene = self.scene;
+        let turn = found.turns.turn_rad;
+        let step = scene.flyer.course_rate_radps() * sweep::STEP_S_AT_MOST;
+        let mut best = found;
+        let mut share = 0.0;
+        let mut width = 1.0;
+        for _ in 0..REFINEMENTS {
+            width *= 0.5;
+            let tried = share + width;
+            let turns = if turn == 0.0 {
+                let climb = found.turns.climb_rad;
+                let back = libm::copysign(CLIMB_STEP_RAD, climb - scene.original.1) * tried;
+                Turns {
+                    climb_rad: climb - back,
+                    ..found.turns
+                }
+            } else {
+                let back = step.min(turn.abs()) * tried;
+                Turns {
+                    turn_rad: turn - libm::copysign(back, turn),
+                    ..found.turns
+                }
+            };
+            let certificate = self.certify(&turns, departure, scene.target_m);
+            if certificate.holds(scene.target_m) {
+                share = tried;
+                let cost = self.cost(&turns, departure);
+                if cost < best.cost {
+                    best = Found {
+                        turns,
+                        margin_m: certificate.margin_m,
+                        cost,
+                    };
+                }
+            }
+        }
+        best
+    }
+}

@@ -1,0 +1,65 @@
+//! The latest moment at which a certified manoeuvre still exists: the exact counterpart of `t_c`.
+
+use crate::angle::Side;
+
+use super::{MAX_TURN_RAD, Search};
+
+/// Moments that are looked at before halving.
+const MOMENTS: u32 = 12;
+
+/// Halvings between the last moment that does and the next that does not.
+const HALVINGS: u32 = 6;
+
+impl Search<'_> {
+    /// Latest wait, seconds, no longer than `until_s`, after which a certified single turn exists.
+    ///
+    /// `until_s` is when a volume would be entered on the mission.
+    pub fn latest_start_s(&mut self, until_s: f64) -> Option<f64> {
+        let step_s = until_s.max(0.0) / f64::from(MOMENTS);
+        let mut index = (0..=MOMENTS).rev();
+        let last = index.find(|index| self.is_avoidable(f64::from(*index) * step_s))?;
+        let mut latest_s = f64::from(last) * step_s;
+        if last == MOMENTS {
+            return Some(latest_s);
+        }
+        let mut width_s = step_s;
+        for _ in 0..HALVINGS {
+            width_s *= 0.5;
+            if self.is_avoidable(latest_s + width_s) {
+                latest_s += width_s;
+            }
+        }
+        Some(latest_s)
+    }
+
+    /// Whether a certified single turn exists after a wait.
+    pub fn is_avoidable(&mut self, wait_s: f64) -> bool {
+        let target_m = self.scene.target_m;
+        let before_m = self.margin_before(wait_s);
+        if before_m < target_m {
+            return false;
+        }
+        let departure = self.departure(wait_s);
+        for climb_rad in self.scene.extreme_climbs() {
+            for side in Side::BOTH {
+                let mut found = false;
+                self.sweep(
+                    &departure,
+                    before_m,
+                    side,
+                    climb_rad,
+                    MAX_TURN_RAD,
+                    target_m,
+                    |leave| {
+                        found = leave.margin_m >= target_m;
+                        found
+                    },
+                );
+                if found {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+}

@@ -1,0 +1,121 @@
+//! A flight of the ideal vehicle under an avoider's commands, and what is around it.
+
+use fga::Vec3;
+use fga::avoider::{Avoider, Decision, Mission, Obstacles, Policy, Settings, Situation, State};
+use fga::kinematics::{Response, Vehicle};
+use fga::maneuver::{FlightPath, Flyer, MotionState};
+use fga::situation::{Obstacle, Ownship, ProtectedVolume};
+
+pub(crate) const PERIOD_S: f64 = 0.1;
+
+/// The aircraft of Table 4.
+pub(crate) fn vehicle() -> Vehicle {
+    let climb_rad = 15.0_f64.to_radians();
+    Vehicle {
+        airspeed_mps: 15.0,
+        turn_radius_m: 30.0,
+        climb_min_rad: -climb_rad,
+        climb_max_rad: climb_rad,
+        climb_rate_radps: 0.2,
+        response: Response::default(),
+    }
+}
+
+pub(crate) fn planar() -> Vehicle {
+    Vehicle {
+        climb_min_rad: 0.0,
+        climb_max_rad: 0.0,
+        ..vehicle()
+    }
+}
+
+pub(crate) fn settings(policy: Policy) -> Settings {
+    Settings {
+        policy,
+        ..Settings::default()
+    }
+}
+
+pub(crate) fn sphere(id: u32, position_m: Vec3, velocity_mps: Vec3, radius_m: f64) -> Obstacle {
+    Obstacle::new(
+        id,
+        position_m,
+        velocity_mps,
+        ProtectedVolume::Sphere { radius_m },
+    )
+}
+
+/// The aircraft at the origin, level along +x, on a mission along +x.
+pub(crate) struct Flight {
+    pub(crate) avoider: Avoider,
+    pub(crate) own: Ownship,
+    pub(crate) time_s: f64,
+    pub(crate) waypoints_m: Vec<Vec3>,
+    pub(crate) flyer: Flyer,
+    path: FlightPath,
+}
+
+impl Flight {
+    pub(crate) fn new(settings: Settings, vehicle: Vehicle) -> Self {
+        Self {
+            avoider: Avoider::new(settings, vehicle).unwrap(),
+            own: Ownship {
+                position_m: Vec3::ZERO,
+                course_rad: 0.0,
+                climb_rad: 0.0,
+                bank_rad: 0.0,
+                airspeed_mps: vehicle.airspeed_mps,
+            },
+            time_s: 0.0,
+            waypoints_m: vec![Vec3::ZERO, Vec3::X * 1e5],
+            flyer: Flyer::new(&vehicle),
+            path: FlightPath::new(),
+        }
+    }
+
+    pub(crate) fn decide(&mut self, obstacles: &[Obstacle]) -> Decision {
+        self.avoider.step(&Situation {
+            time_s: self.time_s,
+            ownship: self.own,
+            obstacles: Obstacles::Rows(obstacles),
+            mission: Mission {
+                waypoints_m: &self.waypoints_m,
+            },
+            wind_mps: Vec3::ZERO,
+        })
+    }
+
+    /// One step, flown; obstacles move on, unless they stand.
+    pub(crate) fn cycle(&mut self, obstacles: &mut [Obstacle]) -> Decision {
+        let decision = self.decide(obstacles);
+        let start = MotionState::of(&self.own);
+        self.path
+            .predict(&self.flyer, &start, &decision.command, 2.0 * PERIOD_S);
+        let next = self.path.state_at(&self.flyer, PERIOD_S).unwrap();
+        self.own.position_m = next.position_m;
+        self.own.course_rad = next.course_rad;
+        self.own.climb_rad = next.climb_rad;
+        self.time_s += PERIOD_S;
+        for obstacle in obstacles {
+            obstacle.position_m = obstacle.position_after_m(PERIOD_S);
+        }
+        decision
+    }
+
+    /// Flies until the decision's state is `state`; how many steps that took.
+    pub(crate) fn until(&mut self, state: State, obstacles: &mut [Obstacle]) -> usize {
+        for steps in 0..900 {
+            if self.cycle(obstacles).state == state {
+                return steps;
+            }
+        }
+        panic!("never {state:?}");
+    }
+
+    /// The states of a flight, each once in a row.
+    pub(crate) fn states(&mut self, obstacles: &mut [Obstacle], cycles: usize) -> Vec<State> {
+        let mut states: Vec<State> = (0..cycles).map(|_| self.cycle(obstacles).state).collect();
+        states.dedup();
+        states
+    }
+}

@@ -1,0 +1,6 @@
+//! The avoider from outside: its states, its symmetries, what it does with unusable numbers.
+
+mod circle;
+mod flight;
+mod properties;
+mod states;

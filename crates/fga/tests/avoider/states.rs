@@ -1,0 +1,222 @@
+//! One test for each way from state to state.
+
+use fga::Vec3;
+use fga::avoider::{Policy, Reason, SettingsError, Start, State};
+
+use crate::flight::{Flight, planar, settings, sphere, vehicle};
+
+const AHEAD: Vec3 = Vec3::new(200.0, 5.0, 0.0);
+
+fn standing(at: Vec3) -> [fga::situation::Obstacle; 1] {
+    [sphere(7, at, Vec3::ZERO, 30.0)]
+}
+
+fn flight(start: Start) -> Flight {
+    Flight::new(settings(Policy::TurnAware(start)), planar())
+}
+
+#[test]
+fn nothing_around_keeps_the_cruise() {
+    let mut flight = flight(Start::Free);
+    for _ in 0..50 {
+        let decision = flight.cycle(&mut []);
+        assert_eq!(decision.state, State::Cruise);
+        assert_eq!(decision.record.reason, Reason::Clear);
+    }
+    assert_eq!(flight.own.position_m.y, 0.0);
+}
+
+#[test]
+fn a_late_start_waits_avoids_comes_back_and_cruises() {
+    let mut flight = flight(Start::Latest);
+    let mut obstacles = standing(AHEAD);
+    let states = flight.states(&mut obstacles, 400);
+    let expected = [
+        State::Threatened,
+        State::Avoiding,
+        State::Recovering,
+        State::Cruise,
+    ];
+    assert_eq!(states, expected);
+    assert!(flight.own.position_m.y.abs() < 1.0);
+}
+
+#[test]
+fn a_start_at_detection_does_not_wait() {
+    let mut flight = flight(Start::AtDetection);
+    let decision = flight.cycle(&mut standing(AHEAD));
+    assert_eq!(decision.state, State::Avoiding);
+    assert_eq!(decision.record.reason, Reason::ManeuverChosen);
+    assert_eq!(decision.record.threat.map(|threat| threat.id), Some(7));
+}
+
+#[test]
+fn a_threat_that_vanishes_before_the_start_is_forgotten() {
+    let mut flight = flight(Start::Latest);
+    let mut obstacles = standing(AHEAD);
+    flight.until(State::Threatened, &mut obstacles);
+    obstacles[0].position_m = Vec3::new(200.0, 250.0, 0.0);
+    let mut state = State::Threatened;
+    for _ in 0..100 {
+        state = flight.cycle(&mut obstacles).state;
+        assert_ne!(state, State::Recovering);
+    }
+    // What was decided may be flown to its start; no more than that.
+    let states = flight.states(&mut [], 300);
+    assert_eq!(states.last(), Some(&State::Cruise), "{state:?} {states:?}");
+    assert!(flight.own.position_m.y.abs() < 1.0);
+}
+
+#[test]
+fn an_obstacle_that_vanishes_during_the_manoeuvre_lets_it_come_back() {
+    let mut flight = flight(Start::AtDetection);
+    flight.until(State::Avoiding, &mut standing(AHEAD));
+    for _ in 0..20 {
+        flight.cycle(&mut standing(AHEAD));
+    }
+    assert!(flight.own.position_m.y.abs() > 1.0, "{:?}", flight.own);
+    let steps = flight.until(State::Recovering, &mut []);
+    assert!(steps < 30, "{steps}");
+    flight.until(State::Cruise, &mut []);
+    assert!(flight.own.position_m.y.abs() < 1.0);
+}
+
+#[test]
+fn a_new_threat_on_the_way_back_is_avoided() {
+    let mut flight = flight(Start::AtDetection);
+    let mut obstacles = standing(AHEAD).to_vec();
+    flight.until(State::Recovering, &mut obstacles);
+    let on_the_way = flight.own.position_m + Vec3::new(110.0, 0.0, 0.0);
+    obstacles.push(sphere(
+        8,
+        Vec3::new(on_the_way.x, 0.0, 0.0),
+        Vec3::ZERO,
+        30.0,
+    ));
+    let decision = flight.cycle(&mut obstacles);
+    assert_ne!(decision.state, State::Recovering);
+    assert_eq!(decision.record.threat.map(|threat| threat.id), Some(8));
+    let mut least_m = f64::INFINITY;
+    for _ in 0..400 {
+        flight.cycle(&mut obstacles);
+        least_m = obstacles
+            .iter()
+            .map(|o| (o.position_m - flight.own.position_m).length())
+            .fold(least_m, f64::min);
+    }
+    assert!(least_m >= 30.0, "{least_m}");
+    assert!(flight.own.position_m.y.abs() < 1.0);
+}
+
+#[test]
+fn a_clock_that_jumps_back_begins_anew() {
+    let mut flight = flight(Start::Latest);
+    flight.time_s = 1000.0;
+    flight.until(State::Avoiding, &mut standing(AHEAD));
+    flight.time_s = 3.0;
+    let clear = flight.cycle(&mut []);
+    assert_eq!(clear.state, State::Cruise);
+    assert_eq!(clear.record.reason, Reason::Clear);
+    flight.time_s = 1.0;
+    let again = flight.cycle(&mut standing(flight.own.position_m + AHEAD));
+    assert!(again.record.threat.is_some());
+    assert!(again.record.start_s.is_some_and(|start_s| start_s < 60.0));
+}
+
+#[test]
+fn unusable_input_holds_and_changes_nothing() {
+    let mut flight = flight(Start::Latest);
+    let mut obstacles = standing(AHEAD);
+    flight.until(State::Avoiding, &mut obstacles);
+    let good = (flight.own, flight.time_s);
+    for field in 0..6 {
+        let wrong = [f64::NAN, f64::INFINITY][field % 2];
+        match field {
+            0 => flight.own.position_m.z = wrong,
+            1 => flight.own.course_rad = wrong,
+            2 => flight.own.climb_rad = wrong,
+            3 => flight.own.airspeed_mps = wrong,
+            4 => flight.own.airspeed_mps = 0.0,
+            _ => flight.time_s = wrong,
+        }
+        let decision = flight.decide(&obstacles);
+        assert_eq!(decision.record.reason, Reason::InvalidInput, "{field}");
+        assert_eq!(decision.state, State::Avoiding);
+        assert!(decision.command.stages().is_empty());
+        (flight.own, flight.time_s) = good;
+    }
+    let decision = flight.decide(&obstacles);
+    assert_eq!(decision.state, State::Avoiding);
+    assert_ne!(decision.record.reason, Reason::InvalidInput);
+}
+
+#[test]
+fn an_obstacle_with_unusable_numbers_is_left_out() {
+    for policy in [
+        Policy::TurnAware(Start::AtDetection),
+        Policy::Published(Start::AtDetection),
+        Policy::PublishedLiteral,
+        Policy::Circle,
+    ] {
+        let mut plain = Flight::new(settings(policy), vehicle());
+        let mut spoiled = Flight::new(settings(policy), vehicle());
+        let mut with = standing(AHEAD).to_vec();
+        with.insert(
+            0,
+            sphere(1, Vec3::new(f64::NAN, 0.0, 0.0), Vec3::ZERO, 30.0),
+        );
+        with.push(sphere(
+            2,
+            Vec3::X * 100.0,
+            Vec3::Y * f64::NEG_INFINITY,
+            30.0,
+        ));
+        with.push(sphere(3, Vec3::X * 100.0, Vec3::ZERO, -1.0));
+        with.push(sphere(4, Vec3::X * 100.0, Vec3::ZERO, f64::NAN));
+        for _ in 0..20 {
+            let clean = plain.cycle(&mut standing(AHEAD));
+            assert_eq!(spoiled.cycle(&mut with.clone()), clean, "{policy:?}");
+        }
+    }
+}
+
+#[test]
+fn inside_a_volume_it_leaves() {
+    for start in [Start::Free, Start::AtDetection, Start::Latest] {
+        let mut flight = Flight::new(settings(Policy::TurnAware(start)), vehicle());
+        let mut obstacles = standing(Vec3::new(10.0, 12.0, 0.0));
+        let decision = flight.cycle(&mut obstacles);
+        assert_eq!(decision.state, State::Avoiding);
+        assert_eq!(decision.record.reason, Reason::InsideVolume);
+        let states = flight.states(&mut obstacles, 300);
+        assert_eq!(states.last(), Some(&State::Cruise), "{states:?}");
+        let distance_m = (flight.own.position_m - obstacles[0].position_m).length();
+        assert!(distance_m > 30.0, "{distance_m}");
+    }
+}
+
+#[test]
+fn limits_and_settings_that_are_not_numbers_are_refused() {
+    let refused = |change: &dyn Fn(&mut fga::avoider::Settings, &mut fga::kinematics::Vehicle)| {
+        let (mut settings, mut vehicle) = (settings(Policy::Circle), vehicle());
+        change(&mut settings, &mut vehicle);
+        let error: SettingsError = fga::avoider::Avoider::new(settings, vehicle).unwrap_err();
+        error.name
+    };
+    assert_eq!(refused(&|s, _| s.horizon_s = f64::INFINITY), "horizon_s");
+    assert_eq!(refused(&|s, _| s.margin_m = f64::NAN), "margin_m");
+    assert_eq!(
+        refused(&|s, _| s.surveillance_radius_m = f64::NAN),
+        "surveillance_radius_m"
+    );
+    assert_eq!(refused(&|_, v| v.airspeed_mps = f64::NAN), "airspeed_mps");
+    assert_eq!(
+        refused(&|_, v| v.turn_radius_m = f64::INFINITY),
+        "turn_radius_m"
+    );
+    assert_eq!(refused(&|_, v| v.climb_max_rad = f64::NAN), "climb_max_rad");
+    assert_eq!(
+        refused(&|s, _| s.policy = Policy::TurnAware(Start::Score(f64::NAN))),
+        "C_s"
+    );
+}

@@ -1,0 +1,291 @@
+//! The certificate against fine sampling: it never reports clear what is not, and gives little away.
+//!
+//! 10⁵ cases by default; `FGA_CERTIFICATE_CASES` sets another number. What the sampling measures is
+//! computed here, not by the code under test: distances from spheres and upright cylinders.
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "small counts drawn from floats"
+)]
+
+use fga::Vec3;
+use fga::kinematics::{Response, Vehicle};
+use fga::maneuver::{
+    FlightPath, Flyer, Hazard, Maneuver, MotionState, Stage, Status, certify, certify_all,
+};
+use fga::situation::ProtectedVolume;
+
+/// Longest step between two samples, seconds.
+const SAMPLE_S: f64 = 0.125;
+
+/// How much below the true minimum the certified margin may lie, metres.
+const SLACK_M: f64 = 0.02;
+
+/// What rounding may add, metres.
+const ROUNDING_M: f64 = 1e-7;
+
+/// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    fn chance(&mut self, share: f64) -> bool {
+        self.unit() < share
+    }
+
+    fn vector(&mut self, size: f64, height: f64) -> Vec3 {
+        Vec3::new(
+            self.within(-size, size),
+            self.within(-size, size),
+            self.within(-height, height),
+        )
+    }
+
+    fn vehicle(&mut self) -> Vehicle {
+        let climb = if self.chance(0.3) {
+            0.0
+        } else {
+            self.within(0.05, 0.6)
+        };
+        let lagged = self.chance(0.3);
+        Vehicle {
+            airspeed_mps: self.within(8.0, 60.0),
+            turn_radius_m: self.within(15.0, 300.0),
+            climb_min_rad: -climb,
+            climb_max_rad: climb,
+            climb_rate_radps: self.within(0.02, 0.6),
+            response: Response {
+                dead_time_s: 0.0,
+                bank_time_constant_s: if lagged { self.within(0.1, 1.5) } else { 0.0 },
+                turn_rate_factor: if self.chance(0.5) {
+                    1.0
+                } else {
+                    self.within(0.5, 1.2)
+                },
+            },
+        }
+    }
+
+    fn maneuver(&mut self, course_rad: f64) -> Maneuver {
+        let mut maneuver = Maneuver::hold();
+        let stages = 1 + (self.unit() * 3.0) as usize;
+        let mut start_s = if self.chance(0.5) {
+            0.0
+        } else {
+            self.within(0.0, 8.0)
+        };
+        let mut course = course_rad;
+        for _ in 0..stages {
+            course += self.within(-6.0, 6.0);
+            assert!(maneuver.push(Stage {
+                start_s,
+                course_rad: course,
+                climb_rad: self.within(-0.5, 0.5),
+                rate_share: if self.chance(0.7) {
+                    1.0
+                } else {
+                    self.within(0.2, 1.0)
+                },
+            }));
+            start_s += self.within(0.0, 12.0);
+        }
+        maneuver
+    }
+
+    /// A hazard that passes near a point at a time, so that the answer is seldom trivial.
+    fn hazard(&mut self, near_m: Vec3, at_s: f64) -> Hazard {
+        let velocity_mps = if self.chance(0.3) {
+            Vec3::ZERO
+        } else {
+            self.vector(45.0, 8.0)
+        };
+        let volume = if self.chance(0.5) {
+            ProtectedVolume::Sphere {
+                radius_m: self.within(0.0, 80.0),
+            }
+        } else {
+            ProtectedVolume::Cylinder {
+                radius_m: self.within(1.0, 200.0),
+                half_height_m: self.within(1.0, 60.0),
+            }
+        };
+        let reach = 1.5 * volume.radius_m() + 5.0;
+        Hazard {
+            index: 0,
+            position_m: near_m - velocity_mps * at_s + self.vector(reach, 0.7 * reach),
+            velocity_mps,
+            volume,
+            growth_mps: if self.chance(0.5) {
+                0.0
+            } else {
+                self.within(0.0, 2.5)
+            },
+        }
+    }
+}
+
+/// Signed distance from the hazard's surface, metres, by elementary geometry.
+fn margin_m(hazard: &Hazard, position_m: Vec3, at_s: f64) -> f64 {
+    let offset = position_m - (hazard.position_m + hazard.velocity_mps * at_s);
+    let distance = match hazard.volume {
+        ProtectedVolume::Sphere { radius_m } => {
+            (offset.x.powi(2) + offset.y.powi(2) + offset.z.powi(2)).sqrt() - radius_m
+        }
+        ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        } => {
+            let beside = offset.x.hypot(offset.y) - radius_m;
+            let above = offset.z.abs() - half_height_m;
+            let outside = beside.max(0.0).hypot(above.max(0.0));
+            outside + beside.max(above).min(0.0)
+        }
+    };
+    distance - hazard.growth_mps * at_s
+}
+
+/// Least margin from samples, every dip that could be the least one looked at closely.
+fn sampled_m(margin: impl Fn(f64) -> f64, until_s: f64) -> f64 {
+    let count = (until_s / SAMPLE_S).ceil().max(2.0);
+    let step_s = until_s / count;
+    let values: Vec<f64> = (0..=count as usize)
+        .map(|k| margin(k as f64 * step_s))
+        .collect();
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let mut exact = least;
+    for (k, value) in values.iter().enumerate() {
+        let before = k.checked_sub(1).map_or(f64::INFINITY, |k| values[k]);
+        let after = values.get(k + 1).copied().unwrap_or(f64::INFINITY);
+        if *value > before || *value > after || *value > least + 130.0 * step_s {
+            continue;
+        }
+        let mut low = (k as f64 - 1.0).max(0.0) * step_s;
+        let mut high = ((k as f64 + 1.0) * step_s).min(until_s);
+        for _ in 0..32 {
+            let (left, right) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if margin(left) < margin(right) {
+                high = right;
+            } else {
+                low = left;
+            }
+        }
+        exact = exact.min(margin(0.5 * (low + high)));
+    }
+    exact
+}
+
+/// Checks one case; returns how far the certified margin lies below the sampled one.
+fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
+    let mut random = Random(case.wrapping_mul(0x2545_f491_4f6c_dd1d));
+    let vehicle = random.vehicle();
+    let flyer = Flyer::new(&vehicle);
+    let start = MotionState {
+        time_s: 0.0,
+        position_m: random.vector(100.0, 50.0),
+        course_rad: random.within(-10.0, 10.0),
+        climb_rad: random.within(vehicle.climb_min_rad, vehicle.climb_max_rad.max(1e-300)),
+        bank_rad: if flyer.is_ideal() {
+            0.0
+        } else {
+            random.within(-0.6, 0.6)
+        },
+    };
+    let maneuver = random.maneuver(start.course_rad);
+    let horizon_s = random.within(5.0, 60.0);
+    path.predict(&flyer, &start, &maneuver, horizon_s);
+    let at_s = random.within(0.0, horizon_s);
+    let near = path.state_at(&flyer, at_s)?;
+    let hazard = random.hazard(near.position_m, at_s);
+    let enough_m = if random.chance(0.7) {
+        1e6
+    } else {
+        random.within(-10.0, 60.0)
+    };
+    let margin = |time_s: f64| {
+        let state = path.state_at(&flyer, time_s).expect("a path has nodes");
+        margin_m(&hazard, state.position_m, time_s)
+    };
+    let certificate = certify(&flyer, path, &hazard, horizon_s, f64::MIN, enough_m);
+    if certificate.status != Status::Proven {
+        assert!(!path.is_complete(), "{case}: {certificate:?}");
+        assert!(!certificate.holds(-1e9));
+        return None;
+    }
+    let truth = sampled_m(margin, horizon_s);
+    let claimed = certificate.margin_m;
+    assert!(
+        claimed <= truth.min(enough_m) + ROUNDING_M,
+        "case {case}: {claimed} m certified, {truth} m flown; {hazard:?} {maneuver:?} {vehicle:?}"
+    );
+    // With a floor it says so, and only where the margin is below; all hazards are the worst one.
+    let floored = certify(&flyer, path, &hazard, horizon_s, claimed + 0.5, enough_m);
+    assert!(
+        floored.status == Status::BelowFloor || floored.margin_m >= claimed + 0.5,
+        "case {case}: {floored:?}"
+    );
+    let both = certify_all(
+        &flyer,
+        path,
+        &[hazard, hazard],
+        horizon_s,
+        f64::MIN,
+        enough_m,
+    );
+    assert!(
+        both.margin_m <= truth.min(enough_m) + ROUNDING_M,
+        "case {case}: {both:?}"
+    );
+    let given_away = truth.min(enough_m) - claimed;
+    assert!(
+        given_away <= SLACK_M,
+        "case {case}: {claimed} m certified, {truth} m flown; {hazard:?} {maneuver:?} {vehicle:?}"
+    );
+    Some(given_away)
+}
+
+fn cases() -> u64 {
+    std::env::var("FGA_CERTIFICATE_CASES")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(100_000)
+}
+
+#[test]
+fn a_certified_margin_is_never_above_what_is_flown() {
+    let total = cases();
+    let threads = std::thread::available_parallelism().map_or(1, core::num::NonZero::get) as u64;
+    let (proven, largest) = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads)
+            .map(|worker| {
+                scope.spawn(move || {
+                    let mut path = FlightPath::new();
+                    let (mut proven, mut largest) = (0_u64, 0.0_f64);
+                    for case in (worker..total).step_by(threads as usize) {
+                        if let Some(given_away) = check(case, &mut path) {
+                            proven += 1;
+                            largest = largest.max(given_away);
+                        }
+                    }
+                    (proven, largest)
+                })
+            })
+            .collect();
+        workers
+            .into_iter()
+            .map(|worker| worker.join().expect("no case fails"))
+            .fold((0, 0.0_f64), |a, b| (a.0 + b.0, a.1.max(b.1)))
+    });
+    println!("{proven} of {total} cases proven, at most {largest:.5} m given away");
+    assert!(proven * 10 >= total * 9, "{proven} of {total} proven");
+}

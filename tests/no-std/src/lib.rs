@@ -1,0 +1,101 @@
+//! The crate `fga` linked into a static library without the standard library and without an
+//! allocator, as an autopilot would. Each function here keeps one entry of the algorithm alive.
+#![no_std]
+
+use core::panic::PanicInfo;
+
+use fga::Vec3;
+use fga::algorithm4::Plan;
+use fga::avoider::{Avoider, Mission, Obstacles, Settings, Situation};
+use fga::bounds::HeadingSet;
+use fga::conflict::detect;
+use fga::kinematics::Vehicle;
+use fga::recovery::dubins::{ClimbLimits, DubinsPath, Pose};
+use fga::selection::published::{Grid, select};
+use fga::situation::{Obstacle, Ownship, ProtectedVolume};
+use fga::timing::{Geometry, Times};
+
+#[panic_handler]
+fn stop(_: &PanicInfo<'_>) -> ! {
+    loop {}
+}
+
+fn ownship(x_m: f64, y_m: f64, course_rad: f64) -> Ownship {
+    Ownship {
+        position_m: Vec3::new(x_m, y_m, 0.0),
+        course_rad,
+        climb_rad: 0.0,
+        bank_rad: 0.0,
+        airspeed_mps: Vehicle::table_4().airspeed_mps,
+    }
+}
+
+fn obstacle(x_m: f64, y_m: f64, radius_m: f64) -> Obstacle {
+    let volume = ProtectedVolume::Sphere { radius_m };
+    Obstacle::new(1, Vec3::new(x_m, y_m, 0.0), Vec3::ZERO, volume)
+}
+
+/// Critical time of a static sphere, seconds; infinite where it is no threat.
+#[unsafe(no_mangle)]
+pub extern "C" fn fga_critical_s(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
+    let (own, obstacles) = (ownship(0.0, 0.0, 0.0), [obstacle(x_m, y_m, radius_m)]);
+    detect(&own, &obstacles, f64::INFINITY)
+        .filter_map(|found| Geometry::spatial(&found.relative, radius_m))
+        .filter_map(|encounter| Times::of(&encounter, Vehicle::table_4().turn_radius_m, 0.0))
+        .map(|times| times.critical_s)
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Change of course of Algorithm 2, radians; 0 where nothing must be done.
+#[unsafe(no_mangle)]
+pub extern "C" fn fga_heading_change_rad(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
+    let own = ownship(0.0, 0.0, 0.0);
+    select(&Grid::default(), &own, &[obstacle(x_m, y_m, radius_m)], 0.0)
+        .map_or(0.0, |choice| choice.entry().heading_change_rad)
+}
+
+/// Width of the admissible set of courses, radians.
+#[unsafe(no_mangle)]
+pub extern "C" fn fga_admissible_rad(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
+    HeadingSet::of_all(&ownship(0.0, 0.0, 0.0), &[obstacle(x_m, y_m, radius_m)]).width_rad()
+}
+
+/// Length of the shortest path from the origin along +x to a pose, metres; negative without one.
+#[unsafe(no_mangle)]
+pub extern "C" fn fga_dubins_length_m(x_m: f64, y_m: f64, course_rad: f64, radius_m: f64) -> f64 {
+    let pose = |x, y, course_rad| Pose {
+        position_m: Vec3::new(x, y, 0.0),
+        course_rad,
+    };
+    let (start, end) = (pose(0.0, 0.0, 0.0), pose(x_m, y_m, course_rad));
+    DubinsPath::shortest(start, end, radius_m, ClimbLimits::LEVEL)
+        .map_or(-1.0, |path| path.length_m())
+}
+
+/// Largest deviation α of Algorithm 4, radians; negative where no collision is projected.
+#[unsafe(no_mangle)]
+pub extern "C" fn fga_deviation_rad(x_m: f64, y_m: f64, radius_m: f64, bank_rad: f64) -> f64 {
+    let place = Vec3::new(x_m, y_m, 0.0);
+    Plan::of(&ownship(0.0, 0.0, 0.0), place, radius_m, bank_rad)
+        .map_or(-1.0, |plan| plan.round.away.angle_rad)
+}
+
+/// One decision of the avoider on a mission along +x with one obstacle ahead: the start of what is
+/// commanded, seconds from now; negative where nothing is.
+#[unsafe(no_mangle)]
+pub extern "C" fn fga_step_start_s(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
+    let Ok(mut avoider) = Avoider::new(Settings::default(), Vehicle::table_4()) else {
+        return -1.0;
+    };
+    let decision = avoider.step(&Situation {
+        time_s: 0.0,
+        ownship: ownship(0.0, 0.0, 0.0),
+        obstacles: Obstacles::Rows(&[obstacle(x_m, y_m, radius_m)]),
+        mission: Mission {
+            waypoints_m: &[Vec3::ZERO, Vec3::new(1000.0, 0.0, 0.0)],
+        },
+        wind_mps: Vec3::ZERO,
+    });
+    let first = decision.command.stages().first();
+    first.map_or(-1.0, |stage| stage.start_s)
+}
