@@ -1,0 +1,210 @@
+//! Files written whole or not at all.
+//!
+//! What is written goes to a temporary file in the same folder, which takes the final name only
+//! when everything is on its way to the disk. If anything fails before, or the program ends, the
+//! file that was there before is untouched.
+
+use crate::error::OutputError;
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// A file in the making: it has its name only after [`AtomicFile::commit`]; dropped before, it
+/// leaves nothing behind.
+#[derive(Debug)]
+pub struct AtomicFile {
+    path: PathBuf,
+    writer: BufWriter<NamedTempFile>,
+}
+
+impl AtomicFile {
+    /// Begins the file `path`; its folder must exist.
+    ///
+    /// # Errors
+    /// A folder that is not there or cannot be written, or a path that is a folder itself.
+    pub fn create(path: &Path) -> Result<Self, OutputError> {
+        let failed = |error| OutputError::new(path, error);
+        let Some(name) = path.file_name() else {
+            return Err(failed(io::ErrorKind::IsADirectory.into()));
+        };
+        if path.is_dir() {
+            return Err(failed(io::ErrorKind::IsADirectory.into()));
+        }
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        let mut prefix = std::ffi::OsString::from(".");
+        prefix.push(name);
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix).suffix(".part");
+        // The usual rights of a new file (the umask still applies), not those of a private one.
+        #[cfg(unix)]
+        let rights = {
+            use std::os::unix::fs::PermissionsExt as _;
+            fs::Permissions::from_mode(0o666)
+        };
+        #[cfg(unix)]
+        builder.permissions(rights);
+        let file = builder
+            .tempfile_in(folder)
+            .map_err(|error| failed(bare(&error)))?;
+        Ok(Self {
+            path: path.into(),
+            writer: BufWriter::with_capacity(1 << 16, file),
+        })
+    }
+
+    /// Ends the file and gives it its name, in place of one that was there.
+    ///
+    /// # Errors
+    /// What was still to be written cannot be written; nothing has then changed under the name.
+    pub fn commit(self) -> Result<(), OutputError> {
+        let Self { path, writer } = self;
+        let file = writer
+            .into_inner()
+            .map_err(|error| OutputError::new(&path, error.into_error()))?;
+        file.persist(&path)
+            .map_err(|error| OutputError::new(&path, error.error))?;
+        Ok(())
+    }
+}
+
+/// The error without the name of the temporary file, which means nothing to the user.
+fn bare(error: &io::Error) -> io::Error {
+    error.kind().into()
+}
+
+impl Write for AtomicFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.writer.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+}
+
+/// Writes the file `path` with `write`, whole or not at all.
+///
+/// # Errors
+/// A folder that is not there or cannot be written, or any error of `write`.
+///
+/// ```
+/// # fn main() -> Result<(), fga_formats::OutputError> {
+/// use std::io::Write as _;
+///
+/// let folder = tempfile::tempdir().expect("a temporary folder");
+/// let path = folder.path().join("results.csv");
+/// fga_formats::atomic::write_with(&path, |file| writeln!(file, "encounter,separated"))?;
+/// # Ok(())
+/// # }
+/// ```
+pub fn write_with(
+    path: &Path,
+    write: impl FnOnce(&mut AtomicFile) -> io::Result<()>,
+) -> Result<(), OutputError> {
+    let mut file = AtomicFile::create(path)?;
+    write(&mut file).map_err(|error| OutputError::new(path, error))?;
+    file.commit()
+}
+
+/// Writes `contents` as the file `path`, whole or not at all.
+///
+/// # Errors
+/// As [`write_with`].
+pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), OutputError> {
+    write_with(path, |file| file.write_all(contents.as_ref()))
+}
+
+/// Makes the folder `path` and those above it, and proves that a file can be made in it.
+///
+/// Called before a long computation, so that a folder that cannot be written is said at once.
+///
+/// # Errors
+/// A folder that cannot be made or written.
+pub fn prepare_folder(path: &Path) -> Result<(), OutputError> {
+    fs::create_dir_all(path).map_err(|error| {
+        let error = match error.kind() {
+            io::ErrorKind::AlreadyExists => io::ErrorKind::NotADirectory.into(),
+            _ => error,
+        };
+        OutputError::new(path, error)
+    })?;
+    tempfile::Builder::new()
+        .prefix(".fga")
+        .suffix(".part")
+        .tempfile_in(path)
+        .map_err(|error| OutputError::new(path, bare(&error)))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn nothing_is_left_when_writing_fails() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        write(&path, "before").unwrap();
+        let error = write_with(&path, |file| {
+            file.write_all(&vec![b'x'; 1 << 18])?;
+            Err(io::ErrorKind::StorageFull.into())
+        })
+        .unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .ends_with("a.csv cannot be written: the disk is full")
+        );
+        assert_eq!(fs::read_to_string(&path).unwrap(), "before");
+        assert_eq!(names(folder.path()), ["a.csv"]);
+    }
+
+    #[test]
+    fn a_second_write_replaces_the_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        write(&path, "one").unwrap();
+        write(&path, "two").unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "two");
+        assert_eq!(names(folder.path()), ["a.csv"]);
+    }
+
+    #[test]
+    fn folders_that_cannot_be_used_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("no").join("a.csv");
+        let error = write(&missing, "").unwrap_err().to_string();
+        assert!(
+            error.ends_with("a.csv cannot be written: there is no such file or folder"),
+            "{error}"
+        );
+        let error = write(folder.path(), "").unwrap_err().to_string();
+        assert!(
+            error.ends_with("it is a folder, expected a file"),
+            "{error}"
+        );
+        let file = folder.path().join("file");
+        write(&file, "").unwrap();
+        for path in [file.clone(), file.join("below")] {
+            let error = prepare_folder(&path).unwrap_err().to_string();
+            assert!(
+                error.ends_with("a part of its path is a file, expected a folder"),
+                "{error}"
+            );
+        }
+        prepare_folder(&folder.path().join("x").join("y")).unwrap();
+    }
+}

@@ -1,0 +1,212 @@
+//! Recordings of flights in the `.daa` format of NASA's DAIDALUS.
+//!
+//! Lines that begin with `#` and blank lines are skipped. Optional lines `key = value` come
+//! first, then a line of column names in any case, an optional line of units, and the rows.
+//! Fields are separated by commas, semicolons, blanks or tabs. Columns:
+//!
+//! | column | names | unit without a unit line |
+//! |---|---|---|
+//! | name | `name`, `aircraft`, `id` | |
+//! | position | `lat`, `lon`, `alt` (or long forms) | deg, deg, ft |
+//! | | or `sx`, `sy`, `sz`: east, north, up | nmi, nmi, ft |
+//! | velocity | `trk`, `gs`, `vs` (or long forms): true track from north, ground speed, climb | deg, kn, fpm |
+//! | | or `vx`, `vy`, `vz`: east, north, up | kn, kn, fpm |
+//! | time | `time`, `tm`, `st`, or `clock` as `hours:minutes:seconds` | s |
+//!
+//! Other columns are ignored. A name `"` repeats the one above. The first aircraft of the file is
+//! the ownship; any aircraft may be missing at some times. Rows of one aircraft are in the order
+//! of time; rows of different aircraft may stand in any order.
+//!
+//! Latitudes and longitudes are laid on the local frame with [`Earth::Daidalus`], from the
+//! ownship's first position (altitude included), because that is how DAIDALUS measures
+//! separations; the frame is fixed, so separations between aircraft d metres from the origin are
+//! short by at most d²/2R² of themselves (13 parts per million at 33 km).
+//! [`Recording::separation_at`] measures at the ownship's own place instead, exactly as DAIDALUS.
+
+mod columns;
+mod rows;
+
+use crate::error::{InputError, read_text};
+use crate::geodesy::{Earth, Geodetic, LocalFrame};
+use columns::Layout;
+use glam::DVec3;
+use rows::Rows;
+use std::path::Path;
+
+/// What a recording holds: at least the ownship, with at least one sample each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// The aircraft in the order of their first rows; the first is the ownship.
+    pub aircraft: Vec<Track>,
+    /// The local frame, where the file has latitudes and longitudes.
+    pub frame: Option<LocalFrame>,
+    /// The `key = value` lines before the column names, keys in lower case.
+    pub parameters: Vec<(String, String)>,
+}
+
+/// The recorded flight of one aircraft.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    /// The aircraft's name.
+    pub name: String,
+    /// What was recorded, times strictly growing.
+    pub samples: Vec<TrackSample>,
+}
+
+/// One row of a recording in SI units and the local frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrackSample {
+    /// Time, seconds, as the file counts it.
+    pub time_s: f64,
+    /// Position, metres, local frame; for Cartesian files as in the file.
+    pub position_m: DVec3,
+    /// Velocity over ground, metres per second, local frame.
+    pub velocity_mps: DVec3,
+    /// The place as the file gives it, where it has latitudes and longitudes.
+    pub place: Option<Geodetic>,
+}
+
+/// How far two aircraft are apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Separation {
+    /// Horizontal distance, metres.
+    pub horizontal_m: f64,
+    /// Vertical distance, metres, never negative.
+    pub vertical_m: f64,
+}
+
+impl Recording {
+    /// The ownship's track.
+    pub fn ownship(&self) -> Option<&Track> {
+        self.aircraft.first()
+    }
+
+    /// The other aircraft.
+    pub fn intruders(&self) -> &[Track] {
+        self.aircraft.get(1..).unwrap_or_default()
+    }
+
+    /// The separation of two samples as DAIDALUS measures it: in the plane that touches the
+    /// earth at the first one.
+    pub fn separation(ownship: &TrackSample, intruder: &TrackSample) -> Separation {
+        let offset_m = match (ownship.place, intruder.place) {
+            (Some(own), Some(other)) => LocalFrame::new(own, Earth::Daidalus).to_local_m(other),
+            _ => intruder.position_m - ownship.position_m,
+        };
+        Separation {
+            horizontal_m: libm::hypot(offset_m.x, offset_m.y),
+            vertical_m: offset_m.z.abs(),
+        }
+    }
+
+    /// The separation of the ownship and the aircraft `index` of [`Recording::aircraft`] at a
+    /// time at which both have a row; `None` otherwise. See [`Recording::separation`].
+    pub fn separation_at(&self, index: usize, time_s: f64) -> Option<Separation> {
+        let own = self.ownship()?.sample_at(time_s)?;
+        let other = self.aircraft.get(index)?.sample_at(time_s)?;
+        Some(Self::separation(own, other))
+    }
+}
+
+impl Track {
+    /// The row at exactly this time.
+    pub fn sample_at(&self, time_s: f64) -> Option<&TrackSample> {
+        let index = self
+            .samples
+            .partition_point(|sample| sample.time_s < time_s);
+        self.samples
+            .get(index)
+            .filter(|sample| sample.time_s == time_s)
+    }
+
+    /// Position and velocity at a time, straight between the rows; `None` before the first and
+    /// after the last. The velocity is that of the straight line; at a single row the recorded
+    /// one.
+    pub fn state_at(&self, time_s: f64) -> Option<(DVec3, DVec3)> {
+        let after = self
+            .samples
+            .partition_point(|sample| sample.time_s <= time_s);
+        let before = self.samples.get(after.checked_sub(1)?)?;
+        let Some(next) = self.samples.get(after) else {
+            if before.time_s < time_s {
+                return None;
+            }
+            let velocity_mps = match after.checked_sub(2).and_then(|i| self.samples.get(i)) {
+                Some(last) => (before.position_m - last.position_m) / (before.time_s - last.time_s),
+                None => before.velocity_mps,
+            };
+            return Some((before.position_m, velocity_mps));
+        };
+        let velocity_mps = (next.position_m - before.position_m) / (next.time_s - before.time_s);
+        let position_m = before.position_m + velocity_mps * (time_s - before.time_s);
+        Some((position_m, velocity_mps))
+    }
+}
+
+/// Reads a recording.
+///
+/// # Errors
+/// A file that cannot be read; a missing or doubled column; an unknown unit or one that measures
+/// something else; a row cut short or too long; a field that is not a finite number or far out
+/// of range; a time that goes back or comes twice for one aircraft; no rows.
+pub fn read(path: &Path) -> Result<Recording, InputError> {
+    parse(&read_text(path)?, path)
+}
+
+/// Reads a recording from `text`; `path` is what errors call it. See [`read`].
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
+    let mut lines = text
+        .split('\n')
+        .zip(1_u64..)
+        .filter_map(|(line, number)| {
+            let line = line.split('#').next().unwrap_or_default().trim();
+            (!line.is_empty()).then_some((number, line))
+        })
+        .peekable();
+
+    let mut parameters = Vec::new();
+    let (header_line, header) = loop {
+        let Some((number, line)) = lines.next() else {
+            return Err(InputError::in_file(
+                path,
+                "is empty, expected a line of column names",
+            ));
+        };
+        match line.split_once('=') {
+            Some((key, value)) => {
+                parameters.push((key.trim().to_ascii_lowercase(), value.trim().to_owned()));
+            }
+            None => break (number, line),
+        }
+    };
+    let mut layout = Layout::from_header(header)
+        .map_err(|message| InputError::at_line(path, header_line, message))?;
+    if let Some(&(number, line)) = lines.peek()
+        && layout.is_unit_line(line)
+    {
+        layout
+            .take_units(line)
+            .map_err(|message| InputError::at_line(path, number, message))?;
+        lines.next();
+    }
+
+    let mut rows = Rows::new(&layout);
+    for (number, line) in lines {
+        rows.push(line)
+            .map_err(|message| InputError::at_line(path, number, message))?;
+    }
+    if rows.aircraft.is_empty() {
+        return Err(InputError::in_file(
+            path,
+            "holds no rows, expected at least one below the column names",
+        ));
+    }
+    Ok(Recording {
+        aircraft: rows.aircraft,
+        frame: rows.frame,
+        parameters,
+    })
+}

@@ -1,0 +1,250 @@
+//! The Bayesian encounter models of MIT Lincoln Laboratory: how aircraft fly when they meet.
+//!
+//! A model is two Bayesian networks over binned variables. The *initial* one gives the state at
+//! the start: airspace class, altitude layer, airspeed, accelerations, climb and turn rates. The
+//! *transition* one gives the rates a second later from those of now. [`EncounterModel::start`]
+//! draws a state, [`EncounterModel::step`] lets a second pass, [`EncounterModel::fly`] draws a
+//! whole flight of an uncorrelated model.
+//!
+//! A value is drawn uniformly within its bin; a bin that spans 0 gives exactly 0. A variable
+//! without boundaries is a category, counted from 1. When a bin changes, the value is drawn anew;
+//! else it is drawn anew with the variable's resample rate each second.
+//!
+//! Source: M. Kochenderfer and others, "Uncorrelated encounter model of the National Airspace
+//! System", ATC-345, and "Correlated encounter model", ATC-344, Lincoln Laboratory 2008.
+
+mod network;
+mod read;
+
+use crate::geodesy::course_from_compass_rad;
+use crate::units::{DEGREE_RAD, Feet, FeetPerMinute, Knots};
+use core::f64::consts::PI;
+use glam::DVec3;
+use network::Network;
+
+pub use read::{parse, read};
+
+/// A model, read by [`read`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct EncounterModel {
+    variables: Vec<Variable>,
+    initial: Network,
+    transition: Network,
+    /// For each variable of a second later: the variable of now that it becomes.
+    becomes: Vec<usize>,
+}
+
+/// A variable of the initial network.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// The file's name of it, such as `\dot h`.
+    pub label: String,
+    /// How many bins it has.
+    pub bins: usize,
+    /// The bins' edges, one more than bins; `None` for a category.
+    pub boundaries: Option<Vec<f64>>,
+    /// Chance in a second that its value is drawn anew within the same bin.
+    pub resample_per_s: f64,
+}
+
+/// The variables' values at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelState {
+    /// The bin of each variable, from 0.
+    bins: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl ModelState {
+    /// The bin of each variable, from 0, in the model's order.
+    pub fn bins(&self) -> &[usize] {
+        &self.bins
+    }
+
+    /// The value of each variable, in the model's order and units; categories count from 1.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+}
+
+impl Variable {
+    /// A value in a bin: uniform between its edges, 0 if it spans 0, its number for a category.
+    fn value_in(&self, bin: usize, uniform: &mut impl FnMut() -> f64) -> f64 {
+        let edges = self.boundaries.as_deref();
+        match edges.and_then(|edges| Some((*edges.get(bin)?, *edges.get(bin + 1)?))) {
+            Some((low, high)) if low < 0.0 && high > 0.0 => 0.0,
+            Some((low, high)) => low + (high - low) * uniform(),
+            None => (bin + 1) as f64,
+        }
+    }
+
+    /// The bin that holds a value; values beyond the edges are in the outermost bins.
+    pub fn bin_of(&self, value: f64) -> usize {
+        let inner = self
+            .boundaries
+            .as_deref()
+            .and_then(|edges| edges.get(1..edges.len().saturating_sub(1)));
+        inner.map_or_else(
+            || {
+                let last = self.bins.saturating_sub(1);
+                (0..last)
+                    .find(|bin| value <= (bin + 1) as f64)
+                    .unwrap_or(last)
+            },
+            |inner| inner.partition_point(|edge| *edge <= value),
+        )
+    }
+}
+
+impl EncounterModel {
+    /// The variables of the initial network, in the order of values.
+    pub fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    /// Which variable has this label.
+    pub fn index_of(&self, label: &str) -> Option<usize> {
+        self.variables.iter().position(|v| v.label == label)
+    }
+
+    /// Draws the state at the start. `uniform` gives independent numbers in [0, 1).
+    pub fn start(&self, uniform: &mut impl FnMut() -> f64) -> ModelState {
+        let mut bins = vec![0; self.variables.len()];
+        for variable in self.initial.order() {
+            let drawn = self.initial.draw(*variable, &bins, uniform);
+            if let Some(bin) = bins.get_mut(*variable) {
+                // A case that was never counted: any bin.
+                *bin = drawn.unwrap_or_else(|| {
+                    let count = self.variables.get(*variable).map_or(1, |v| v.bins);
+                    let place = uniform() * count as f64;
+                    (0..count)
+                        .rev()
+                        .find(|bin| *bin as f64 <= place)
+                        .unwrap_or(0)
+                });
+            }
+        }
+        let values = self
+            .variables
+            .iter()
+            .zip(&bins)
+            .map(|(variable, bin)| variable.value_in(*bin, uniform))
+            .collect();
+        ModelState { bins, values }
+    }
+
+    /// Lets a second pass: draws the rates of the next second from the state of now.
+    pub fn step(&self, state: &mut ModelState, uniform: &mut impl FnMut() -> f64) {
+        let now = self.variables.len();
+        let mut bins = state.bins.clone();
+        // A case that was never counted holds the bin of now.
+        bins.extend(
+            self.becomes
+                .iter()
+                .map(|of| state.bins.get(*of).copied().unwrap_or(0)),
+        );
+        for variable in self.transition.order() {
+            if *variable < now {
+                continue;
+            }
+            let drawn = self.transition.draw(*variable, &bins, uniform);
+            if let (Some(bin), Some(drawn)) = (bins.get_mut(*variable), drawn) {
+                *bin = drawn;
+            }
+        }
+        for (of, bin) in self.becomes.iter().zip(bins.get(now..).unwrap_or_default()) {
+            let (Some(variable), Some(old), Some(value)) = (
+                self.variables.get(*of),
+                state.bins.get_mut(*of),
+                state.values.get_mut(*of),
+            ) else {
+                continue;
+            };
+            if *old != *bin || uniform() < variable.resample_per_s {
+                *value = variable.value_in(*bin, uniform);
+            }
+            *old = *bin;
+        }
+    }
+
+    /// Sets a variable that the flight itself changes, such as airspeed or altitude layer.
+    pub fn set(&self, state: &mut ModelState, index: usize, value: f64) {
+        if let (Some(variable), Some(bin), Some(old)) = (
+            self.variables.get(index),
+            state.bins.get_mut(index),
+            state.values.get_mut(index),
+        ) {
+            *bin = variable.bin_of(value);
+            *old = value;
+        }
+    }
+
+    /// Draws a flight of an uncorrelated model: a row each second from 0 to `duration_s`, from
+    /// the origin, first due north.
+    ///
+    /// Airspeed and altitude follow their rates and change the layer and speed bins as they go;
+    /// airspeed stays within the model's range. `None` if the model has no variables `L`, `v`,
+    /// `\dot v`, `\dot h`, `\dot \psi`, or no altitudes for `L`.
+    pub fn fly(&self, duration_s: u32, uniform: &mut impl FnMut() -> f64) -> Option<Vec<ModelRow>> {
+        let [layer, speed, acceleration, climb, turn] =
+            ["L", "v", "\\dot v", "\\dot h", "\\dot \\psi"].map(|label| self.index_of(label));
+        let (layer, speed, acceleration, climb, turn) =
+            (layer?, speed?, acceleration?, climb?, turn?);
+        let speeds = self.variables.get(speed)?.boundaries.as_deref()?;
+        let (slowest_kn, fastest_kn) = (*speeds.first()?, *speeds.last()?);
+        self.variables.get(layer)?.boundaries.as_deref()?;
+        let mut state = self.start(uniform);
+        let mut altitude_ft = *state.values.get(layer)?;
+        let mut compass_deg = 0.0;
+        let mut position_m = DVec3::new(0.0, 0.0, Feet(altitude_ft).to_m());
+        let mut rows = Vec::new();
+        for second in 0..=duration_s {
+            let value = |index: usize| state.values.get(index).copied().unwrap_or(0.0);
+            let speed_kn = value(speed);
+            let climb_fpm = value(climb);
+            // Airspeed is along the path: what climbs does not go forward.
+            let speed_mps = Knots(speed_kn).to_mps();
+            let climb_mps = FeetPerMinute(climb_fpm)
+                .to_mps()
+                .clamp(-speed_mps, speed_mps);
+            let level_mps = libm::sqrt((speed_mps * speed_mps - climb_mps * climb_mps).max(0.0));
+            let course_rad = course_from_compass_rad(compass_deg);
+            let (sin, cos) = libm::sincos(course_rad);
+            let velocity_mps = DVec3::new(level_mps * cos, level_mps * sin, climb_mps);
+            rows.push(ModelRow {
+                time_s: f64::from(second),
+                position_m,
+                velocity_mps,
+            });
+            // The second passes along an arc: its chord has half the turn and is shorter by the
+            // sine of it over it.
+            let turn_rad = value(turn) * DEGREE_RAD;
+            let half_rad = turn_rad / 2.0;
+            let chord = if half_rad.abs() > 1e-9 {
+                libm::sin(half_rad) / half_rad
+            } else {
+                1.0
+            };
+            let (sin, cos) = libm::sincos(course_rad - half_rad);
+            position_m += DVec3::new(level_mps * cos * chord, level_mps * sin * chord, climb_mps);
+            compass_deg = libm::fmod(compass_deg + turn_rad * 180.0 / PI, 360.0);
+            altitude_ft += climb_fpm / 60.0;
+            let next_kn = (speed_kn + value(acceleration)).clamp(slowest_kn, fastest_kn);
+            self.step(&mut state, uniform);
+            self.set(&mut state, speed, next_kn);
+            self.set(&mut state, layer, altitude_ft);
+        }
+        Some(rows)
+    }
+}
+
+/// An aircraft at one second of a drawn flight, in the local frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModelRow {
+    /// Time, seconds.
+    pub time_s: f64,
+    /// Position, metres; z is the altitude above ground.
+    pub position_m: DVec3,
+    /// Velocity, metres per second.
+    pub velocity_mps: DVec3,
+}

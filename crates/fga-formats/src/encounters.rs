@@ -1,0 +1,316 @@
+//! Encounters that somebody made: the batch file and its writer.
+//!
+//! A comma-separated file with the columns `encounter`, `obstacle`, `x_m`, `y_m`, `z_m`,
+//! `vx_mps`, `vy_mps`, `vz_mps`, `radius_m`, found by their names in any order; other columns are
+//! ignored. Each row is one obstacle of one encounter: a sphere that flies straight. Positions
+//! and velocities are in the local frame, in which the aircraft starts at the origin along +x.
+//! Lines that begin with `#` and blank lines are skipped. The rows of an encounter need not stand
+//! together.
+
+use crate::error::{InputError, OutputError, shown};
+use crate::{atomic, number};
+use core::str::from_utf8;
+use glam::DVec3;
+use std::collections::{HashMap, HashSet};
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+/// The columns of the file, in the order in which they are written.
+pub const COLUMNS: [&str; 9] = [
+    "encounter",
+    "obstacle",
+    "x_m",
+    "y_m",
+    "z_m",
+    "vx_mps",
+    "vy_mps",
+    "vz_mps",
+    "radius_m",
+];
+
+/// The largest position or radius taken for real, metres.
+const LARGEST_LENGTH_M: f64 = 1e8;
+/// The largest component of a velocity taken for real, metres per second.
+const LARGEST_SPEED_MPS: f64 = 1e5;
+
+/// One obstacle of an encounter: a sphere that flies straight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EncounterObstacle {
+    /// Identifier, unique within the encounter.
+    pub id: u64,
+    /// Position at the start, metres, local frame.
+    pub position_m: DVec3,
+    /// Velocity, metres per second, local frame.
+    pub velocity_mps: DVec3,
+    /// Radius of the protected sphere, metres.
+    pub radius_m: f64,
+}
+
+/// One encounter: its obstacles in the order of the file, at least one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Encounter {
+    /// Identifier, unique within the file.
+    pub id: u64,
+    /// The obstacles.
+    pub obstacles: Vec<EncounterObstacle>,
+}
+
+/// Reads a batch file; the encounters come in the order of their first rows.
+///
+/// # Errors
+/// A file that cannot be read, a missing or doubled column, a field that is not a number,
+/// not finite or out of range, a negative radius, a doubled obstacle number, no encounter.
+pub fn read(path: &Path) -> Result<Vec<Encounter>, InputError> {
+    let file = File::open(path).map_err(|error| InputError::unreadable(path, &error))?;
+    parse(file, path)
+}
+
+/// Reads encounters from `input`; `path` is what errors call it. See [`read`].
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError> {
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .has_headers(false)
+        .buffer_capacity(1 << 16)
+        .from_reader(input);
+    let mut record = csv::ByteRecord::new();
+    let next = |reader: &mut csv::Reader<_>, record: &mut csv::ByteRecord| {
+        reader
+            .read_byte_record(record)
+            .map_err(|error| match error.into_kind() {
+                csv::ErrorKind::Io(error) => InputError::unreadable(path, &error),
+                _ => InputError::in_file(path, "is not a comma-separated file"),
+            })
+    };
+    let line_of = |record: &csv::ByteRecord| record.position().map_or(0, csv::Position::line);
+
+    if !next(&mut reader, &mut record)? {
+        return Err(InputError::in_file(
+            path,
+            format!("is empty, expected the columns {}", COLUMNS.join(",")),
+        ));
+    }
+    let columns = find_columns(&record, path, line_of(&record))?;
+    let width = record.len();
+
+    let mut encounters: Vec<Encounter> = Vec::new();
+    let mut index_of: HashMap<u64, usize> = HashMap::new();
+    let mut seen: HashSet<(usize, u64)> = HashSet::new();
+    while next(&mut reader, &mut record)? {
+        let line = line_of(&record);
+        if record.len() == 1 && record.get(0).is_none_or(<[u8]>::is_empty) {
+            continue;
+        }
+        if record.len() != width {
+            let found = record.len();
+            return Err(InputError::at_line(
+                path,
+                line,
+                format!("has {found} columns, expected {width} as in the first line"),
+            ));
+        }
+        let row = Row {
+            record: &record,
+            columns: &columns,
+            path,
+            line,
+        };
+        let id = row.identifier(0)?;
+        let obstacle = row.obstacle()?;
+        let index = match encounters.last() {
+            Some(last) if last.id == id => encounters.len() - 1,
+            _ => *index_of.entry(id).or_insert_with(|| {
+                encounters.push(Encounter {
+                    id,
+                    obstacles: Vec::new(),
+                });
+                encounters.len() - 1
+            }),
+        };
+        if !seen.insert((index, obstacle.id)) {
+            return Err(InputError::at_line(
+                path,
+                line,
+                format!(
+                    "encounter {id} has a second obstacle {}, expected each number once",
+                    obstacle.id
+                ),
+            ));
+        }
+        if let Some(encounter) = encounters.get_mut(index) {
+            encounter.obstacles.push(obstacle);
+        }
+    }
+    if encounters.is_empty() {
+        return Err(InputError::in_file(
+            path,
+            "holds no encounter, expected at least one row below the column names",
+        ));
+    }
+    Ok(encounters)
+}
+
+/// Where each of [`COLUMNS`] stands in the file.
+fn find_columns(
+    header: &csv::ByteRecord,
+    path: &Path,
+    line: u64,
+) -> Result<[usize; 9], InputError> {
+    let mut columns = [0; 9];
+    for (column, name) in columns.iter_mut().zip(COLUMNS) {
+        let mut places = header.iter().enumerate().filter_map(|(place, field)| {
+            let field = field.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(field);
+            field.eq_ignore_ascii_case(name.as_bytes()).then_some(place)
+        });
+        *column = places.next().ok_or_else(|| {
+            InputError::at_line(
+                path,
+                line,
+                format!(
+                    "the column {name} is missing, expected the columns {}",
+                    COLUMNS.join(",")
+                ),
+            )
+        })?;
+        if places.next().is_some() {
+            return Err(InputError::at_line(
+                path,
+                line,
+                format!("the column {name} is there twice, expected it once"),
+            ));
+        }
+    }
+    Ok(columns)
+}
+
+/// One row with what its errors need.
+struct Row<'a> {
+    record: &'a csv::ByteRecord,
+    columns: &'a [usize; 9],
+    path: &'a Path,
+    line: u64,
+}
+
+impl Row<'_> {
+    fn field(&self, column: usize) -> &[u8] {
+        let place = self.columns.get(column).copied().unwrap_or(usize::MAX);
+        self.record.get(place).unwrap_or_default()
+    }
+
+    fn error(&self, column: usize, expected: &str) -> InputError {
+        let name = COLUMNS.get(column).copied().unwrap_or_default();
+        let found = shown(&String::from_utf8_lossy(self.field(column)));
+        InputError::at_line(
+            self.path,
+            self.line,
+            format!("column {name} holds {found}, expected {expected}"),
+        )
+    }
+
+    fn identifier(&self, column: usize) -> Result<u64, InputError> {
+        from_utf8(self.field(column))
+            .ok()
+            .and_then(|text| text.parse().ok())
+            .ok_or_else(|| self.error(column, "a whole number from 0"))
+    }
+
+    fn number(&self, column: usize, largest: f64, unit: &str) -> Result<f64, InputError> {
+        let value: f64 = from_utf8(self.field(column))
+            .ok()
+            .and_then(|text| text.parse().ok())
+            .ok_or_else(|| self.error(column, &format!("a number of {unit}")))?;
+        if !value.is_finite() {
+            return Err(self.error(column, &format!("a finite number of {unit}")));
+        }
+        if value.abs() > largest {
+            return Err(self.error(column, &format!("at most {largest:e} {unit} either way")));
+        }
+        Ok(value)
+    }
+
+    fn obstacle(&self) -> Result<EncounterObstacle, InputError> {
+        let length = |column| self.number(column, LARGEST_LENGTH_M, "metres");
+        let speed = |column| self.number(column, LARGEST_SPEED_MPS, "metres per second");
+        let radius_m = length(8)?;
+        if radius_m < 0.0 {
+            return Err(self.error(8, "a radius of 0 metres or more"));
+        }
+        Ok(EncounterObstacle {
+            id: self.identifier(1)?,
+            position_m: DVec3::new(length(2)?, length(3)?, length(4)?),
+            velocity_mps: DVec3::new(speed(5)?, speed(6)?, speed(7)?),
+            radius_m,
+        })
+    }
+}
+
+/// Writes encounters as they come; lengths and speeds with six decimals.
+#[derive(Debug)]
+pub struct Writer<W> {
+    out: W,
+    row: Vec<u8>,
+}
+
+impl<W: Write> Writer<W> {
+    /// Begins a file: writes the column names.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn new(mut out: W) -> io::Result<Self> {
+        writeln!(out, "{}", COLUMNS.join(","))?;
+        Ok(Self {
+            out,
+            row: Vec::new(),
+        })
+    }
+
+    /// Writes one encounter.
+    ///
+    /// # Errors
+    /// Those of the output.
+    pub fn write(&mut self, encounter: &Encounter) -> io::Result<()> {
+        for obstacle in &encounter.obstacles {
+            self.row.clear();
+            write!(self.row, "{},{}", encounter.id, obstacle.id)?;
+            for value in obstacle
+                .position_m
+                .to_array()
+                .into_iter()
+                .chain(obstacle.velocity_mps.to_array())
+                .chain([obstacle.radius_m])
+            {
+                self.row.push(b',');
+                number::push_fixed(&mut self.row, value, 6);
+            }
+            self.row.push(b'\n');
+            self.out.write_all(&self.row)?;
+        }
+        Ok(())
+    }
+
+    /// Gives back the output.
+    pub fn into_inner(self) -> W {
+        self.out
+    }
+}
+
+/// Writes a batch file, whole or not at all.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write<'a>(
+    path: &Path,
+    encounters: impl IntoIterator<Item = &'a Encounter>,
+) -> Result<(), OutputError> {
+    atomic::write_with(path, |file| {
+        let mut writer = Writer::new(file)?;
+        encounters
+            .into_iter()
+            .try_for_each(|encounter| writer.write(encounter))
+    })
+}

@@ -1,0 +1,133 @@
+//! What was wrong with an input or an output: one sentence with the file, the line, what was
+//! found and what was expected.
+
+use core::fmt::Write as _;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// An input that cannot be used, as one sentence.
+///
+/// ```
+/// use fga_formats::InputError;
+///
+/// let error = InputError::at_line("a.daa", 7, "column lat holds \"x\", expected a number");
+/// assert_eq!(error.to_string(), "a.daa, line 7: column lat holds \"x\", expected a number");
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{}{}: {message}", path.display(), line_part(*line))]
+pub struct InputError {
+    /// The file, as the user named it.
+    pub path: PathBuf,
+    /// The line, counted from one, where the trouble has one.
+    pub line: Option<u64>,
+    /// What was found and what was expected.
+    pub message: String,
+}
+
+fn line_part(line: Option<u64>) -> String {
+    line.map_or_else(String::new, |line| format!(", line {line}"))
+}
+
+impl InputError {
+    /// Trouble with the file as a whole.
+    pub fn in_file(path: impl Into<PathBuf>, message: impl Into<String>) -> Self {
+        Self {
+            path: path.into(),
+            line: None,
+            message: message.into(),
+        }
+    }
+
+    /// Trouble on one line, counted from one.
+    pub fn at_line(path: impl Into<PathBuf>, line: u64, message: impl Into<String>) -> Self {
+        Self {
+            path: path.into(),
+            line: Some(line),
+            message: message.into(),
+        }
+    }
+
+    /// A file that cannot be read.
+    pub fn unreadable(path: impl Into<PathBuf>, error: &io::Error) -> Self {
+        Self::in_file(path, format!("cannot be read: {}", reason(error)))
+    }
+}
+
+/// An output that cannot be written, as one sentence.
+#[derive(Debug, thiserror::Error)]
+#[error("{} cannot be written: {}", path.display(), reason(source))]
+pub struct OutputError {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// What the operating system said.
+    #[source]
+    pub source: io::Error,
+}
+
+impl OutputError {
+    /// The error `source` while `path` was written.
+    pub fn new(path: impl Into<PathBuf>, source: io::Error) -> Self {
+        Self {
+            path: path.into(),
+            source,
+        }
+    }
+}
+
+/// The reason of an operating-system error in plain words.
+fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file or folder".into(),
+        io::ErrorKind::PermissionDenied => "permission denied".into(),
+        io::ErrorKind::IsADirectory => "it is a folder, expected a file".into(),
+        io::ErrorKind::NotADirectory => "a part of its path is a file, expected a folder".into(),
+        io::ErrorKind::StorageFull => "the disk is full".into(),
+        io::ErrorKind::ReadOnlyFilesystem => "the file system is read-only".into(),
+        _ => error.to_string(),
+    }
+}
+
+/// Reads a text file; bytes that are not UTF-8 become replacement characters and a byte-order
+/// mark is dropped.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn read_text(path: &Path) -> Result<String, InputError> {
+    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
+    Ok(String::from_utf8_lossy(bytes).into_owned())
+}
+
+/// A piece of input as it is shown in a message: quoted, control characters escaped, at most
+/// 40 characters.
+pub fn shown(text: &str) -> String {
+    let mut out = String::from("\"");
+    for character in text.chars().take(40) {
+        let _ = write!(out, "{}", character.escape_debug());
+    }
+    if text.chars().nth(40).is_some() {
+        out.push('…');
+    }
+    out.push('"');
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_and_odd_text_is_cut_and_escaped() {
+        assert_eq!(shown("a\u{1b}[31m\n"), "\"a\\u{1b}[31m\\n\"");
+        assert_eq!(shown(&"x".repeat(50)), format!("\"{}…\"", "x".repeat(40)));
+    }
+
+    #[test]
+    fn missing_file_is_one_sentence() {
+        let error = read_text(Path::new("no/such.daa")).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "no/such.daa: cannot be read: there is no such file or folder"
+        );
+    }
+}

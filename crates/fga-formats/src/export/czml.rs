@@ -1,0 +1,227 @@
+//! CZML for Cesium: the flight with its attitude, the protected volumes, the events.
+
+use super::time::iso;
+use super::{MISSION_COLOR, OBSTACLE_COLOR, state_color};
+use crate::flight::{Flight, FlightObstacle, FlightSample};
+use crate::geodesy::LocalFrame;
+use fga::Vec3;
+use fga::situation::ProtectedVolume;
+use glam::{DMat3, DQuat};
+use serde_json::{Value, json};
+
+/// Samples are at least so far apart, seconds.
+const STEP_S: f64 = 0.1;
+
+/// The flight as a CZML document: an array of packets, the first of which is the document.
+pub fn text(flight: &Flight) -> String {
+    let (from_s, to_s) = flight.span_s();
+    let interval = interval(flight, from_s, to_s);
+    let mut packets = vec![json!({
+        "id": "document",
+        "version": "1.0",
+        "name": flight.name,
+        "clock": {
+            "interval": interval,
+            "currentTime": iso(flight.unix_s(from_s)),
+            "multiplier": 1,
+            "range": "LOOP_STOP",
+        },
+    })];
+    packets.push(aircraft(flight, &interval));
+    packets.extend(state_lines(flight));
+    if !flight.mission.is_empty() {
+        let frame = flight.frame();
+        packets.push(json!({
+            "id": "mission",
+            "name": "Mission",
+            "polyline": polyline(&frame, flight.mission.iter().copied(), MISSION_COLOR, 2),
+        }));
+    }
+    for (index, obstacle) in flight.obstacles.iter().enumerate() {
+        packets.push(self::obstacle(flight, index, obstacle, &interval));
+    }
+    for (index, event) in flight.events.iter().enumerate() {
+        let Some(position_m) = flight.position_at(event.time_s) else {
+            continue;
+        };
+        packets.push(json!({
+            "id": format!("event/{index}"),
+            "name": event.kind,
+            "description": html(&event.text),
+            "availability": self::interval(flight, event.time_s, to_s.max(event.time_s)),
+            "position": { "cartographicDegrees": degrees(&flight.frame(), position_m) },
+            "point": { "pixelSize": 6, "color": rgba(state_color("avoiding"), 255) },
+        }));
+    }
+    Value::Array(packets).to_string()
+}
+
+/// Cesium shows descriptions as HTML; the text must stay text.
+fn html(text: &str) -> String {
+    let escaped = text
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;");
+    format!("<p>{escaped}</p>")
+}
+
+fn interval(flight: &Flight, from_s: f64, to_s: f64) -> String {
+    // An interval of no length shows nothing.
+    let to_s = to_s.max(from_s + 0.001);
+    format!(
+        "{}/{}",
+        iso(flight.unix_s(from_s)),
+        iso(flight.unix_s(to_s))
+    )
+}
+
+fn rgba([red, green, blue]: [u8; 3], alpha: u8) -> Value {
+    json!({ "rgba": [red, green, blue, alpha] })
+}
+
+/// Longitude and latitude (degrees) and altitude (metres).
+fn degrees(frame: &LocalFrame, position_m: Vec3) -> [f64; 3] {
+    let place = frame.to_geodetic(position_m);
+    [place.longitude_deg, place.latitude_deg, place.altitude_m]
+}
+
+fn polyline(
+    frame: &LocalFrame,
+    positions: impl Iterator<Item = Vec3>,
+    color: [u8; 3],
+    width: u32,
+) -> Value {
+    let degrees: Vec<f64> = positions.flat_map(|p| degrees(frame, p)).collect();
+    json!({
+        "positions": { "cartographicDegrees": degrees },
+        "arcType": "NONE",
+        "width": width,
+        "material": { "solidColor": { "color": rgba(color, 255) } },
+    })
+}
+
+/// The flown track once more as a line for each state.
+fn state_lines(flight: &Flight) -> impl Iterator<Item = Value> {
+    let frame = flight.frame();
+    super::pieces(flight, STEP_S)
+        .into_iter()
+        .enumerate()
+        .map(move |(index, (state, piece))| {
+            let positions = piece.iter().map(|sample| sample.position_m);
+            json!({
+                "id": format!("track/{index}"),
+                "name": state,
+                "polyline": polyline(&frame, positions, state_color(state), 3),
+            })
+        })
+}
+
+/// The attitude in earth-centred axes as x, y, z, w: the model's x forward, y left, z up.
+fn attitude(frame: &LocalFrame, sample: &FlightSample) -> [f64; 4] {
+    let [forward, left, up] = sample.axes().map(|axis| frame.centred_direction(axis));
+    DQuat::from_mat3(&DMat3::from_cols(forward, left, up))
+        .normalize()
+        .to_array()
+}
+
+fn aircraft(flight: &Flight, interval: &str) -> Value {
+    let frame = flight.frame();
+    let samples = flight.thinned(STEP_S);
+    let epoch = iso(flight.unix_s(0.0));
+    let positions: Vec<f64> = samples
+        .iter()
+        .flat_map(|sample| {
+            let [longitude, latitude, altitude] = degrees(&frame, sample.position_m);
+            [sample.time_s, longitude, latitude, altitude]
+        })
+        .collect();
+    let mut last: Option<[f64; 4]> = None;
+    let attitudes: Vec<f64> = samples
+        .iter()
+        .flat_map(|sample| {
+            let mut quaternion = attitude(&frame, sample);
+            // q and −q are the same attitude; interpolation takes the near one.
+            if let Some(last) = last
+                && last.iter().zip(quaternion).map(|(a, b)| a * b).sum::<f64>() < 0.0
+            {
+                quaternion = quaternion.map(core::ops::Neg::neg);
+            }
+            last = Some(quaternion);
+            let [x, y, z, w] = quaternion;
+            [sample.time_s, x, y, z, w]
+        })
+        .collect();
+    json!({
+        "id": "aircraft",
+        "name": if flight.policy.is_empty() { "Aircraft" } else { &flight.policy },
+        "availability": interval,
+        "position": { "epoch": epoch, "cartographicDegrees": positions },
+        "orientation": { "epoch": epoch, "unitQuaternion": attitudes },
+        "point": { "pixelSize": 8, "color": rgba(state_color("cruise"), 255) },
+        "box": {
+            "dimensions": { "cartesian": [4.0, 6.0, 1.0] },
+            "material": { "solidColor": { "color": rgba(state_color("cruise"), 255) } },
+        },
+    })
+}
+
+fn obstacle(flight: &Flight, index: usize, obstacle: &FlightObstacle, interval: &str) -> Value {
+    let frame = flight.frame();
+    let material = json!({ "solidColor": { "color": rgba(OBSTACLE_COLOR, 80) } });
+    let mut packet = json!({
+        "id": format!("obstacle/{index}"),
+        "name": obstacle.name,
+        "point": { "pixelSize": 5, "color": rgba(OBSTACLE_COLOR, 255) },
+        "label": {
+            "text": obstacle.name,
+            "font": "12px sans-serif",
+            "pixelOffset": { "cartesian2": [0, -16] },
+        },
+    });
+    let (position, availability) = match (&obstacle.track[..], obstacle.is_static()) {
+        ([only], true) => (
+            json!({ "cartographicDegrees": degrees(&frame, only.position_m) }),
+            interval.to_owned(),
+        ),
+        (track, _) => {
+            let rows: Vec<f64> = track
+                .iter()
+                .flat_map(|row| {
+                    let [longitude, latitude, altitude] = degrees(&frame, row.position_m);
+                    [row.time_s, longitude, latitude, altitude]
+                })
+                .collect();
+            let from_s = track.first().map_or(0.0, |row| row.time_s);
+            let to_s = track.last().map_or(0.0, |row| row.time_s);
+            (
+                json!({ "epoch": iso(flight.unix_s(0.0)), "cartographicDegrees": rows }),
+                self::interval(flight, from_s, to_s),
+            )
+        }
+    };
+    let (key, shape) = match obstacle.volume {
+        ProtectedVolume::Sphere { radius_m } => (
+            "ellipsoid",
+            json!({ "radii": { "cartesian": [radius_m, radius_m, radius_m] }, "material": material }),
+        ),
+        ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        } => (
+            "cylinder",
+            json!({
+                "length": 2.0 * half_height_m,
+                "topRadius": radius_m,
+                "bottomRadius": radius_m,
+                "material": material,
+            }),
+        ),
+    };
+    if let Some(packet) = packet.as_object_mut() {
+        packet.insert("position".into(), position);
+        packet.insert("availability".into(), availability.into());
+        packet.insert(key.into(), shape);
+    }
+    packet
+}

@@ -1,0 +1,370 @@
+//! A finished flight, to be looked at in other programs.
+//!
+//! The simulator and the companion fill a [`Flight`]; the writers of [`crate::export`] turn it
+//! into files. It can itself be kept as a JSON file between two commands.
+
+use crate::error::{InputError, OutputError, read_text, shown};
+use crate::geodesy::{Earth, Geodetic, LocalFrame};
+use crate::{atomic, units};
+use alloc::borrow::Cow;
+use fga::Vec3;
+use fga::situation::ProtectedVolume;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A finished flight in the local frame.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Flight {
+    /// What the flight is called.
+    pub name: String,
+    /// The policy that flew it.
+    pub policy: String,
+    /// Where the local frame's origin is; without it exports to the globe use 0° N 0° E.
+    pub origin: Option<Geodetic>,
+    /// On which figure of the earth the local frame stands.
+    pub earth: Earth,
+    /// Time 0 as seconds since 1970-01-01 00:00 UTC; without it exports use 2000-01-01 12:00 UTC.
+    pub start_unix_s: Option<f64>,
+    /// What was flown, times strictly growing.
+    pub samples: Vec<FlightSample>,
+    /// The mission's waypoints, metres.
+    #[serde(with = "vectors")]
+    pub mission: Vec<Vec3>,
+    /// The obstacles.
+    pub obstacles: Vec<FlightObstacle>,
+    /// What happened and was decided, in the order of time.
+    pub events: Vec<FlightEvent>,
+}
+
+/// The aircraft at one time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FlightSample {
+    /// Time, seconds.
+    pub time_s: f64,
+    /// Position, metres, local frame.
+    #[serde(with = "vector")]
+    pub position_m: Vec3,
+    /// Course ψ, radians from +x towards +y.
+    pub course_rad: f64,
+    /// Climb angle θ, radians, positive upwards.
+    pub climb_rad: f64,
+    /// Bank angle φ, radians, positive in a left turn.
+    pub bank_rad: f64,
+    /// State of the avoidance, such as `cruise` or `avoiding`.
+    pub state: Cow<'static, str>,
+}
+
+/// An obstacle with its protected volume and where it was.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FlightObstacle {
+    /// Its name.
+    pub name: String,
+    /// The volume that must not be entered.
+    #[serde(with = "volume")]
+    pub volume: ProtectedVolume,
+    /// Where it was, times strictly growing; one row alone is an obstacle that stands there
+    /// all the time.
+    pub track: Vec<ObstacleSample>,
+}
+
+/// An obstacle at one time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ObstacleSample {
+    /// Time, seconds.
+    pub time_s: f64,
+    /// Position, metres, local frame.
+    #[serde(with = "vector")]
+    pub position_m: Vec3,
+}
+
+/// Something that happened.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FlightEvent {
+    /// Time, seconds.
+    pub time_s: f64,
+    /// What kind of event, one word.
+    pub kind: String,
+    /// The event in plain words.
+    pub text: String,
+    /// The whole record.
+    #[serde(default)]
+    pub detail: serde_json::Value,
+}
+
+impl Flight {
+    /// The local frame on the globe.
+    pub fn frame(&self) -> LocalFrame {
+        let origin = self.origin.unwrap_or(Geodetic {
+            latitude_deg: 0.0,
+            longitude_deg: 0.0,
+            altitude_m: 0.0,
+        });
+        LocalFrame::new(origin, self.earth)
+    }
+
+    /// A time of the flight as seconds since 1970-01-01 00:00 UTC.
+    pub fn unix_s(&self, time_s: f64) -> f64 {
+        self.start_unix_s.unwrap_or(946_728_000.0) + time_s
+    }
+
+    /// First and last time, seconds; zero without samples.
+    pub fn span_s(&self) -> (f64, f64) {
+        let time = |sample: Option<&FlightSample>| sample.map_or(0.0, |sample| sample.time_s);
+        (time(self.samples.first()), time(self.samples.last()))
+    }
+
+    /// The aircraft's position at a time, straight between samples, held before the first and
+    /// after the last; `None` without samples.
+    pub fn position_at(&self, time_s: f64) -> Option<Vec3> {
+        let after = self
+            .samples
+            .partition_point(|sample| sample.time_s <= time_s);
+        let Some(before) = after.checked_sub(1).and_then(|i| self.samples.get(i)) else {
+            return self.samples.first().map(|sample| sample.position_m);
+        };
+        Some(match self.samples.get(after) {
+            Some(next) => {
+                let part = (time_s - before.time_s) / (next.time_s - before.time_s);
+                before.position_m.lerp(next.position_m, part)
+            }
+            None => before.position_m,
+        })
+    }
+
+    /// The samples at least `step_s` apart, besides the first, the last and every change of
+    /// state.
+    pub fn thinned(&self, step_s: f64) -> Vec<&FlightSample> {
+        let mut kept: Vec<&FlightSample> = Vec::new();
+        let count = self.samples.len();
+        for (index, sample) in self.samples.iter().enumerate() {
+            let keep = kept.last().is_none_or(|last| {
+                sample.time_s - last.time_s >= step_s * (1.0 - 1e-9)
+                    || sample.state != last.state
+                    || index + 1 == count
+            });
+            if keep {
+                kept.push(sample);
+            }
+        }
+        kept
+    }
+
+    /// Reads a flight from its JSON file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is not a flight, or whose numbers make no flight.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        let flight: Self = serde_json::from_str(&read_text(path)?).map_err(|error| {
+            let line = u64::try_from(error.line()).unwrap_or_default();
+            InputError::at_line(path, line, format!("is not a recorded flight: {error}"))
+        })?;
+        flight
+            .check()
+            .map_err(|message| InputError::in_file(path, message))?;
+        Ok(flight)
+    }
+
+    /// Writes the flight as a JSON file, whole or not at all.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
+        atomic::write_with(path, |file| {
+            serde_json::to_writer(file, self).map_err(std::io::Error::from)
+        })
+    }
+
+    /// Whether the numbers make a flight: at least one sample, everything finite, times growing.
+    ///
+    /// # Errors
+    /// What is wrong, as the end of a sentence about the flight.
+    pub fn check(&self) -> Result<(), String> {
+        if self.samples.is_empty() {
+            return Err("holds no samples, expected at least one".into());
+        }
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        for sample in &self.samples {
+            let angles = [sample.course_rad, sample.climb_rad, sample.bank_rad];
+            if !sample.position_m.is_finite() || !finite(&angles) {
+                let at = sample.time_s;
+                return Err(format!(
+                    "the sample at {at} s is not finite, expected numbers"
+                ));
+            }
+        }
+        grows("flight", self.samples.iter().map(|sample| sample.time_s))?;
+        for obstacle in &self.obstacles {
+            let name = shown(&obstacle.name);
+            let volume = obstacle.volume;
+            let lengths = [volume.radius_m(), volume.half_height_m()];
+            let positions_ok = obstacle.track.iter().all(|row| row.position_m.is_finite());
+            if !finite(&lengths) || lengths.iter().any(|length| *length < 0.0) || !positions_ok {
+                return Err(format!("obstacle {name} is not finite, expected numbers"));
+            }
+            if obstacle.track.is_empty() {
+                return Err(format!("obstacle {name} has no position, expected one"));
+            }
+            grows(&name, obstacle.track.iter().map(|row| row.time_s))?;
+        }
+        let place_ok = self.origin.is_none_or(|place| {
+            Geodetic::new(place.latitude_deg, place.longitude_deg, place.altitude_m).is_some()
+        });
+        if !place_ok || !self.mission.iter().all(|waypoint| waypoint.is_finite()) {
+            return Err("the origin or a waypoint is out of range".into());
+        }
+        let times_ok = self.events.iter().all(|event| event.time_s.is_finite())
+            && finite(self.start_unix_s.as_slice());
+        if !times_ok {
+            return Err("the time of an event or the start is not finite".into());
+        }
+        Ok(())
+    }
+}
+
+/// Refuses times that are not finite or do not grow.
+fn grows(what: &str, times_s: impl Iterator<Item = f64>) -> Result<(), String> {
+    let mut last_s = f64::NEG_INFINITY;
+    for time_s in times_s {
+        if !time_s.is_finite() || time_s <= last_s {
+            return Err(format!(
+                "the time of {what} goes from {last_s} s to {time_s} s, expected it to grow"
+            ));
+        }
+        last_s = time_s;
+    }
+    Ok(())
+}
+
+impl FlightObstacle {
+    /// Whether the obstacle stands in one place all the time.
+    pub const fn is_static(&self) -> bool {
+        self.track.len() <= 1
+    }
+
+    /// Where the obstacle is at a time, straight between rows; `None` while it is not there:
+    /// before the first and after the last row of a moving one.
+    pub fn position_at(&self, time_s: f64) -> Option<Vec3> {
+        let first = self.track.first()?;
+        if self.is_static() {
+            return Some(first.position_m);
+        }
+        let after = self.track.partition_point(|row| row.time_s <= time_s);
+        let before = self.track.get(after.checked_sub(1)?)?;
+        match self.track.get(after) {
+            Some(next) => {
+                let part = (time_s - before.time_s) / (next.time_s - before.time_s);
+                Some(before.position_m.lerp(next.position_m, part))
+            }
+            None => (before.time_s == time_s).then_some(before.position_m),
+        }
+    }
+}
+
+impl FlightSample {
+    /// The aircraft's axes in the local frame: forward, left wing, up through the canopy.
+    pub fn axes(&self) -> [Vec3; 3] {
+        let (sin_course, cos_course) = libm::sincos(self.course_rad);
+        let (sin_climb, cos_climb) = libm::sincos(self.climb_rad);
+        let (sin_bank, cos_bank) = libm::sincos(self.bank_rad);
+        let forward = Vec3::new(cos_climb * cos_course, cos_climb * sin_course, sin_climb);
+        let left = Vec3::new(-sin_course, cos_course, 0.0);
+        let up = forward.cross(left);
+        // In a left turn (positive bank) the left wing points down and the lift to the left.
+        [
+            forward,
+            left * cos_bank - up * sin_bank,
+            up * cos_bank + left * sin_bank,
+        ]
+    }
+
+    /// Compass course, degrees within [0, 360).
+    pub fn compass_deg(&self) -> f64 {
+        crate::geodesy::compass_from_course_deg(self.course_rad)
+    }
+
+    /// Bank as flight instruments show it: degrees, positive with the right wing down.
+    pub fn roll_deg(&self) -> f64 {
+        -self.bank_rad / units::DEGREE_RAD
+    }
+
+    /// Climb angle, degrees.
+    pub fn climb_deg(&self) -> f64 {
+        self.climb_rad / units::DEGREE_RAD
+    }
+}
+
+/// A vector as `[x, y, z]`.
+mod vector {
+    use fga::Vec3;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(vector: &Vec3, out: S) -> Result<S::Ok, S::Error> {
+        vector.to_array().serialize(out)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(input: D) -> Result<Vec3, D::Error> {
+        <[f64; 3]>::deserialize(input).map(Vec3::from_array)
+    }
+}
+
+/// Vectors as `[[x, y, z], …]`.
+mod vectors {
+    use fga::Vec3;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(vectors: &[Vec3], out: S) -> Result<S::Ok, S::Error> {
+        out.collect_seq(vectors.iter().map(Vec3::to_array))
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(input: D) -> Result<Vec<Vec3>, D::Error> {
+        let rows = Vec::<[f64; 3]>::deserialize(input)?;
+        Ok(rows.into_iter().map(Vec3::from_array).collect())
+    }
+}
+
+/// A protected volume as `{"radius_m": …}` or `{"radius_m": …, "half_height_m": …}`.
+mod volume {
+    use fga::situation::ProtectedVolume;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[derive(Serialize, Deserialize)]
+    struct Lengths {
+        radius_m: f64,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        half_height_m: Option<f64>,
+    }
+
+    pub(super) fn serialize<S: Serializer>(
+        volume: &ProtectedVolume,
+        out: S,
+    ) -> Result<S::Ok, S::Error> {
+        let half_height_m = match *volume {
+            ProtectedVolume::Sphere { .. } => None,
+            ProtectedVolume::Cylinder { half_height_m, .. } => Some(half_height_m),
+        };
+        let radius_m = volume.radius_m();
+        Lengths {
+            radius_m,
+            half_height_m,
+        }
+        .serialize(out)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        input: D,
+    ) -> Result<ProtectedVolume, D::Error> {
+        let Lengths {
+            radius_m,
+            half_height_m,
+        } = Lengths::deserialize(input)?;
+        Ok(
+            half_height_m.map_or(ProtectedVolume::Sphere { radius_m }, |half_height_m| {
+                ProtectedVolume::Cylinder {
+                    radius_m,
+                    half_height_m,
+                }
+            }),
+        )
+    }
+}

@@ -1,0 +1,53 @@
+//! File formats and wires of the field, read and written at the edge of fga.
+//!
+//! Everything that enters is checked here once (finite, in range, consistent) and is a type in
+//! SI units and the core's local frame afterwards; everything that leaves is written whole or
+//! not at all.
+//!
+//! | module | question |
+//! |---|---|
+//! | [`units`] | how long is a nautical mile, and what does `kts` mean? |
+//! | [`geodesy`] | where is a latitude and longitude in the local frame? |
+//! | [`daa`] | what did the aircraft of a DAIDALUS recording do? |
+//! | [`encounters`] | which encounters does a batch file hold? |
+//! | [`traffic`] | what do receivers of ADS-B say, as BaseStation lines or Beast frames? |
+//! | [`flight`] | what is a finished flight, to be looked at elsewhere? |
+//! | [`export`] | how does Google Earth, Cesium, a map or Foxglove get it? |
+//! | [`encounter_model`] | how do aircraft fly that meet, statistically? |
+//! | [`atomic`] | how is a file written whole or not at all? |
+//! | [`number`] | how is a number written, the same way on every machine? |
+//! | [`error`] | what was wrong with an input, and where? |
+//!
+//! Local frame: x east, y north, z up, metres; times in seconds. See the crate `fga`.
+#![forbid(unsafe_code)]
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing
+)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing
+    )
+)]
+
+extern crate alloc;
+
+pub mod atomic;
+pub mod daa;
+pub mod encounter_model;
+pub mod encounters;
+pub mod error;
+pub mod export;
+pub mod flight;
+pub mod geodesy;
+pub mod number;
+pub mod traffic;
+pub mod units;
+
+pub use error::{InputError, OutputError};

@@ -1,0 +1,164 @@
+//! Beast binary frames, as receivers and `dump1090` send them on port 30005.
+//!
+//! A frame is `0x1A`, a type byte (`1` Mode A/C, `2` short and `3` long Mode S), six bytes of a
+//! 12 MHz clock, one byte of signal strength and 2, 7 or 14 bytes of the message; `0x1A` within
+//! is sent twice.
+
+use super::surveillance::Surveillance;
+use super::{Counts, TrafficReport};
+
+/// What begins a frame, and is doubled within one.
+const ESCAPE: u8 = 0x1A;
+/// Clock and signal strength before the message, bytes.
+const HEAD: usize = 7;
+/// The longest frame without its escape and type, bytes.
+const LONGEST: usize = HEAD + 14;
+
+/// One frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frame<'a> {
+    /// The receiver's clock, in twelfths of a microsecond.
+    pub ticks: u64,
+    /// Signal strength, 255 the strongest.
+    pub signal: u8,
+    /// The message: 2, 7 or 14 bytes.
+    pub message: &'a [u8],
+}
+
+/// Cuts the bytes of a connection into frames.
+#[derive(Debug, Clone, Default)]
+pub struct Frames {
+    body: [u8; LONGEST],
+    filled: usize,
+    /// Bytes the frame has, zero outside of one.
+    expected: usize,
+    escaped: bool,
+    damaged: u64,
+}
+
+impl Frames {
+    /// At the beginning of a connection.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes bytes and calls `take` for each frame in them.
+    pub fn push(&mut self, bytes: &[u8], mut take: impl FnMut(Frame<'_>)) {
+        for byte in bytes {
+            if self.escaped {
+                self.escaped = false;
+                if *byte != ESCAPE {
+                    self.begin(*byte);
+                    continue;
+                }
+            } else if *byte == ESCAPE {
+                self.escaped = true;
+                continue;
+            }
+            if self.expected == 0 {
+                continue;
+            }
+            if let Some(place) = self.body.get_mut(self.filled) {
+                *place = *byte;
+            }
+            self.filled += 1;
+            if self.filled < self.expected {
+                continue;
+            }
+            self.expected = 0;
+            if let Some((head, message)) = self
+                .body
+                .get(..self.filled)
+                .and_then(<[u8]>::split_first_chunk::<HEAD>)
+            {
+                let [clock @ .., signal] = *head;
+                let ticks = clock
+                    .iter()
+                    .fold(0, |ticks, byte| ticks << 8 | u64::from(*byte));
+                take(Frame {
+                    ticks,
+                    signal,
+                    message,
+                });
+            }
+        }
+    }
+
+    /// A type byte after an escape.
+    fn begin(&mut self, kind: u8) {
+        self.damaged += u64::from(self.expected != 0);
+        self.filled = 0;
+        self.expected = match kind {
+            b'1' => HEAD + 2,
+            b'2' => HEAD + 7,
+            b'3' => HEAD + 14,
+            // Settings and kinds yet unknown.
+            _ => 0,
+        };
+    }
+}
+
+/// Takes the bytes of a connection as they come and gives reports of airborne aircraft.
+#[derive(Debug, Clone, Default)]
+pub struct Stream {
+    frames: Frames,
+    surveillance: Surveillance,
+    counts: Counts,
+}
+
+impl Stream {
+    /// A stream at its beginning.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes bytes that came at `time_s` and calls `report` for each report in them.
+    ///
+    /// Times need not grow, but positions need two messages within ten seconds.
+    pub fn push(&mut self, bytes: &[u8], time_s: f64, mut report: impl FnMut(TrafficReport)) {
+        let Self {
+            frames,
+            surveillance,
+            counts,
+        } = self;
+        frames.push(bytes, |frame| {
+            match surveillance.take(frame.message, time_s) {
+                Ok(Some(found)) => {
+                    counts.reports += 1;
+                    report(found);
+                }
+                Ok(None) => counts.ignored += 1,
+                Err(_) => counts.damaged += 1,
+            }
+        });
+    }
+
+    /// What was taken and skipped so far.
+    pub const fn counts(&self) -> Counts {
+        let mut counts = self.counts;
+        counts.damaged += self.frames.damaged;
+        counts
+    }
+
+    /// Aircraft held in memory, at most 4096.
+    pub fn aircraft(&self) -> usize {
+        self.surveillance.aircraft()
+    }
+}
+
+/// Appends a Mode S message of 7 or 14 bytes as a frame; one of another length is left out.
+pub fn push_frame(out: &mut Vec<u8>, ticks: u64, signal: u8, message: &[u8]) {
+    let kind = match message.len() {
+        7 => b'2',
+        14 => b'3',
+        _ => return,
+    };
+    out.extend([ESCAPE, kind]);
+    let [_, _, clock @ ..] = ticks.to_be_bytes();
+    for byte in clock.iter().chain([&signal]).chain(message) {
+        if *byte == ESCAPE {
+            out.push(ESCAPE);
+        }
+        out.push(*byte);
+    }
+}

@@ -1,0 +1,123 @@
+//! What receivers of ADS-B say about other aircraft.
+//!
+//! | module | wire |
+//! |---|---|
+//! | [`sbs`] | BaseStation lines, usually TCP port 30003 |
+//! | `beast` (with the feature of this name) | Beast binary frames, usually TCP port 30005 |
+//!
+//! Both give [`TrafficReport`]s: what one message said, in SI units. Nothing here grows without
+//! bound, whatever the network sends, and what cannot be understood is counted and skipped.
+
+#[cfg(feature = "beast")]
+pub mod beast;
+pub mod sbs;
+#[cfg(feature = "beast")]
+mod surveillance;
+
+use core::fmt;
+
+/// What one message said about one aircraft; fields that it did not hold are `None`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TrafficReport {
+    /// 24-bit address of the International Civil Aviation Organization.
+    pub address: u32,
+    /// Call sign or registration.
+    pub callsign: Option<Callsign>,
+    /// Latitude and longitude, degrees.
+    pub place_deg: Option<[f64; 2]>,
+    /// Altitude.
+    pub altitude: Option<Altitude>,
+    /// Ground speed, metres per second.
+    pub ground_speed_mps: Option<f64>,
+    /// Course over ground ψ, radians from east towards north.
+    pub course_rad: Option<f64>,
+    /// Climb, metres per second.
+    pub climb_mps: Option<f64>,
+    /// Whether the aircraft says that it is on the ground.
+    pub on_ground: Option<bool>,
+    /// Radius that holds the true position with near certainty, metres.
+    pub containment_m: Option<f64>,
+    /// Bound of the horizontal velocity's error in 95 of 100 cases, metres per second.
+    pub velocity_error_mps: Option<f64>,
+}
+
+impl TrafficReport {
+    /// Velocity over ground east and north, metres per second, where the report has it.
+    pub fn ground_velocity_mps(&self) -> Option<[f64; 2]> {
+        let (sin, cos) = libm::sincos(self.course_rad?);
+        let speed_mps = self.ground_speed_mps?;
+        Some([speed_mps * cos, speed_mps * sin])
+    }
+}
+
+/// An altitude and what it is measured from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Altitude {
+    /// Pressure altitude in the standard atmosphere, metres.
+    Pressure(f64),
+    /// Height above the WGS-84 ellipsoid, metres.
+    Ellipsoid(f64),
+}
+
+impl Altitude {
+    /// The altitude in metres, whatever it is measured from.
+    pub const fn metres(self) -> f64 {
+        match self {
+            Self::Pressure(metres) | Self::Ellipsoid(metres) => metres,
+        }
+    }
+}
+
+/// A call sign: one to eight letters, digits or blanks inside.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Callsign {
+    letters: [u8; 8],
+    length: u8,
+}
+
+impl Callsign {
+    /// The call sign in `text` without the blanks around it; `None` if that is empty, longer
+    /// than eight characters or holds anything but letters, digits, `-` and blanks.
+    pub fn new(text: &str) -> Option<Self> {
+        let text = text.trim().as_bytes();
+        let known = |letter: &u8| letter.is_ascii_alphanumeric() || b"- ".contains(letter);
+        if text.is_empty() || !text.iter().all(known) {
+            return None;
+        }
+        let mut letters = [b' '; 8];
+        letters.get_mut(..text.len())?.copy_from_slice(text);
+        let length = u8::try_from(text.len()).ok()?;
+        Some(Self { letters, length })
+    }
+
+    /// The call sign as text.
+    pub fn as_str(&self) -> &str {
+        let letters = self.letters.get(..usize::from(self.length));
+        letters
+            .and_then(|letters| core::str::from_utf8(letters).ok())
+            .unwrap_or_default()
+    }
+}
+
+impl fmt::Debug for Callsign {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Callsign({:?})", self.as_str())
+    }
+}
+
+impl fmt::Display for Callsign {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+/// How many messages were taken and how many skipped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Messages that gave a report.
+    pub reports: u64,
+    /// Messages of other kinds, or without anything of use.
+    pub ignored: u64,
+    /// Messages that were damaged or too long.
+    pub damaged: u64,
+}

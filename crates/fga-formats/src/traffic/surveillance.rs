@@ -1,0 +1,226 @@
+//! Mode S messages into reports: extended squitters (downlink formats 17 and 18) only, for they
+//! alone carry a checksum that proves them and the aircraft's own position.
+
+use super::{Altitude, Callsign, TrafficReport};
+use crate::geodesy::course_from_compass_rad;
+use crate::units::{Feet, FeetPerMinute, Knots};
+use rs1090::decode::adsb::ME;
+use rs1090::decode::bds::bds05::AirbornePosition;
+use rs1090::decode::bds::bds09::{AirborneVelocity, AirborneVelocitySubType};
+use rs1090::decode::cpr::{CPRFormat, airborne_position};
+use rs1090::decode::{ControlFieldType, DF, Message};
+use std::collections::HashMap;
+
+/// Aircraft held at once.
+const MOST_AIRCRAFT: usize = 4096;
+/// Two halves of a position must be so near in time, seconds (ICAO 9871, C.2.6.7).
+const PAIR_AGE_S: f64 = 10.0;
+/// An aircraft not heard for so long makes room for another, seconds.
+const FORGET_S: f64 = 60.0;
+/// The fastest jump from one position to the next taken for real, metres per second.
+const FASTEST_MPS: f64 = 1000.0;
+
+/// What is remembered of the aircraft heard.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Surveillance {
+    aircraft: HashMap<u32, Heard>,
+}
+
+/// A message that is not whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Damaged;
+
+#[derive(Debug, Clone, Default)]
+struct Heard {
+    last_s: f64,
+    even: Option<(AirbornePosition, f64)>,
+    odd: Option<(AirbornePosition, f64)>,
+    place: Option<([f64; 2], f64)>,
+}
+
+impl Surveillance {
+    pub(super) fn aircraft(&self) -> usize {
+        self.aircraft.len()
+    }
+
+    /// Takes one message that came at `time_s`.
+    pub(super) fn take(
+        &mut self,
+        message: &[u8],
+        time_s: f64,
+    ) -> Result<Option<TrafficReport>, Damaged> {
+        let Ok(bytes) = <&[u8; 14]>::try_from(message) else {
+            return Ok(None);
+        };
+        let format = bytes[0] >> 3;
+        if !matches!(format, 17 | 18) {
+            return Ok(None);
+        }
+        if checksum(bytes) != 0 {
+            return Err(Damaged);
+        }
+        // Kinds of no use here do not reach the decoder.
+        let kind = bytes[4] >> 3;
+        if !matches!(kind, 1..=22) {
+            return Ok(None);
+        }
+        let decoded = Message::try_from(&bytes[..]).map_err(|_| Damaged)?;
+        let (address, content) = match decoded.df {
+            DF::ExtendedSquitterADSB(squitter) => (squitter.icao24.0, squitter.message),
+            DF::ExtendedSquitterTisB { cf, .. } => match cf.field_type {
+                // Formats that are made like those of a transponder, with a true address.
+                ControlFieldType::ADSB_ES_NT | ControlFieldType::TISB_ADSB => (cf.aa.0, cf.me),
+                _ => return Ok(None),
+            },
+            _ => return Ok(None),
+        };
+        let mut report = TrafficReport {
+            address,
+            ..TrafficReport::default()
+        };
+        match content {
+            ME::BDS08 { inner, .. } => report.callsign = Callsign::new(&inner.callsign),
+            ME::BDS06 { .. } => report.on_ground = Some(true),
+            ME::BDS05 { inner, .. } => {
+                report.on_ground = Some(false);
+                report.containment_m = containment_m(kind);
+                report.altitude = if kind >= 20 {
+                    Some(Altitude::Ellipsoid(f64::from(altitude_field(bytes))))
+                } else {
+                    let feet = inner.alt.map(|feet| Feet(f64::from(feet)));
+                    feet.map(|feet| Altitude::Pressure(feet.to_m()))
+                };
+                report.place_deg = self.place(address, inner, time_s);
+            }
+            ME::BDS09(velocity) => velocity_of(bytes, &velocity, &mut report),
+            _ => return Ok(None),
+        }
+        let nothing = TrafficReport {
+            address,
+            ..TrafficReport::default()
+        };
+        Ok((report != nothing).then_some(report))
+    }
+
+    /// Keeps a half of a position and gives the position if the other half is at hand.
+    fn place(&mut self, address: u32, half: AirbornePosition, time_s: f64) -> Option<[f64; 2]> {
+        if !self.aircraft.contains_key(&address) && self.aircraft.len() >= MOST_AIRCRAFT {
+            self.aircraft
+                .retain(|_, heard| (time_s - heard.last_s).abs() < FORGET_S);
+            if self.aircraft.len() >= MOST_AIRCRAFT {
+                return None;
+            }
+        }
+        let heard = self.aircraft.entry(address).or_default();
+        heard.last_s = time_s;
+        let other = match half.parity {
+            CPRFormat::Even => {
+                heard.even = Some((half, time_s));
+                heard.odd
+            }
+            CPRFormat::Odd => {
+                heard.odd = Some((half, time_s));
+                heard.even
+            }
+        };
+        let (other, other_s) = other?;
+        if (time_s - other_s).abs() > PAIR_AGE_S {
+            return None;
+        }
+        let position = airborne_position(&other, &half)?;
+        let place = [position.latitude, position.longitude];
+        if place[0].abs() > 90.0 || place[1].abs() > 180.0 {
+            return None;
+        }
+        // A jump is a wrong pair, or the one before was; the next pair tells.
+        if let Some((last, last_s)) = heard.place.replace((place, time_s)) {
+            let farthest_m = FASTEST_MPS * (time_s - last_s).abs() + 2000.0;
+            if distance_m(last, place) > farthest_m {
+                return None;
+            }
+        }
+        Some(place)
+    }
+}
+
+/// Distance on a sphere by the haversine formula, metres.
+fn distance_m(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let [a0, a1] = a.map(f64::to_radians);
+    let [b0, b1] = b.map(f64::to_radians);
+    let squared = |x: f64| x * x;
+    let h = squared(libm::sin((b0 - a0) / 2.0))
+        + libm::cos(a0) * libm::cos(b0) * squared(libm::sin((b1 - a1) / 2.0));
+    2.0 * 6_371_000.0 * libm::asin(libm::sqrt(h.min(1.0)))
+}
+
+/// Checksum of a long message: zero if it is whole (ICAO Annex 10, volume IV, 3.1.2.3.3).
+fn checksum(message: &[u8; 14]) -> u32 {
+    const GENERATOR: u32 = 0xFF_F409;
+    let mut remainder = 0_u32;
+    let (content, parity) = message.split_at(11);
+    for byte in content {
+        remainder ^= u32::from(*byte) << 16;
+        for _ in 0..8 {
+            remainder <<= 1;
+            if remainder & 0x100_0000 != 0 {
+                remainder ^= 0x100_0000 | GENERATOR;
+            }
+        }
+    }
+    parity
+        .iter()
+        .zip([16, 8, 0])
+        .fold(remainder, |sum, (byte, shift)| {
+            sum ^ u32::from(*byte) << shift
+        })
+}
+
+/// The twelve bits of altitude in a position message.
+fn altitude_field(message: &[u8; 14]) -> u16 {
+    u16::from(message[5]) << 4 | u16::from(message[6] >> 4)
+}
+
+/// Radius of containment of a kind of position message, metres (ICAO 9871, table of navigation
+/// uncertainty categories; where versions of the standard differ, the larger).
+fn containment_m(kind: u8) -> Option<f64> {
+    Some(match kind {
+        9 | 20 => 7.5,
+        10 | 21 => 25.0,
+        11 => 185.2,
+        12 => 370.4,
+        13 => 1111.2,
+        14 => 1852.0,
+        15 => 3704.0,
+        16 => 18_520.0,
+        17 => 37_040.0,
+        _ => return None,
+    })
+}
+
+/// Velocity over ground and climb.
+fn velocity_of(message: &[u8; 14], velocity: &AirborneVelocity, report: &mut TrafficReport) {
+    report.velocity_error_mps = match velocity.nac_v {
+        1 => Some(10.0),
+        2 => Some(3.0),
+        3 => Some(1.0),
+        4 => Some(0.3),
+        _ => None,
+    };
+    report.climb_mps = velocity
+        .vertical_rate
+        .map(|fpm| FeetPerMinute(f64::from(fpm)).to_mps());
+    let AirborneVelocitySubType::GroundSpeedDecoding(ground) = &velocity.velocity else {
+        return;
+    };
+    // A component of zero means that nothing is known (ICAO 9871, table A-2-9a).
+    let [.., b5, b6, b7, b8] = *message.first_chunk::<9>().unwrap_or(&[0; 9]);
+    let east_west = u16::from(b5 & 0x3) << 8 | u16::from(b6);
+    let north_south = u16::from(b7 & 0x7F) << 3 | u16::from(b8 >> 5);
+    if east_west == 0 || north_south == 0 {
+        return;
+    }
+    // The supersonic kind counts in steps of four knots.
+    let step_kn = if velocity.subtype == 2 { 4.0 } else { 1.0 };
+    report.ground_speed_mps = Some(Knots(ground.groundspeed * step_kn).to_mps());
+    report.course_rad = Some(course_from_compass_rad(ground.track));
+}

@@ -1,0 +1,192 @@
+//! Units at the edge: what a unit is called and how much of the SI unit it is.
+//!
+//! Inside fga there are metres, seconds, radians and metres per second only; every other unit
+//! becomes one of these here.
+
+use core::f64::consts::PI;
+
+/// One foot, metres (international foot, exact).
+pub const FOOT_M: f64 = 0.3048;
+/// One nautical mile, metres (exact).
+pub const NAUTICAL_MILE_M: f64 = 1852.0;
+/// One knot, metres per second.
+pub const KNOT_MPS: f64 = NAUTICAL_MILE_M / 3600.0;
+/// One foot per minute, metres per second.
+pub const FOOT_PER_MINUTE_MPS: f64 = FOOT_M / 60.0;
+/// One degree, radians.
+pub const DEGREE_RAD: f64 = PI / 180.0;
+
+/// What a unit measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// An angle; the SI unit is the radian.
+    Angle,
+    /// A length; the SI unit is the metre.
+    Length,
+    /// A speed; the SI unit is the metre per second.
+    Speed,
+    /// A duration; the SI unit is the second.
+    Time,
+}
+
+impl Dimension {
+    /// The dimension with an article, for messages.
+    pub const fn with_article(self) -> &'static str {
+        match self {
+            Self::Angle => "an angle",
+            Self::Length => "a length",
+            Self::Speed => "a speed",
+            Self::Time => "a time",
+        }
+    }
+}
+
+/// A unit: what it measures and how much of the SI unit it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unit {
+    /// What it measures.
+    pub dimension: Dimension,
+    /// How many SI units one of it is.
+    pub factor: f64,
+}
+
+impl Unit {
+    /// Degrees of arc.
+    pub const DEGREE: Self = Self::new(Dimension::Angle, DEGREE_RAD);
+    /// Feet.
+    pub const FOOT: Self = Self::new(Dimension::Length, FOOT_M);
+    /// Nautical miles.
+    pub const NAUTICAL_MILE: Self = Self::new(Dimension::Length, NAUTICAL_MILE_M);
+    /// Knots.
+    pub const KNOT: Self = Self::new(Dimension::Speed, KNOT_MPS);
+    /// Feet per minute.
+    pub const FOOT_PER_MINUTE: Self = Self::new(Dimension::Speed, FOOT_PER_MINUTE_MPS);
+    /// Seconds.
+    pub const SECOND: Self = Self::new(Dimension::Time, 1.0);
+
+    const fn new(dimension: Dimension, factor: f64) -> Self {
+        Self { dimension, factor }
+    }
+
+    /// The value in SI units.
+    pub fn to_si(self, value: f64) -> f64 {
+        value * self.factor
+    }
+
+    /// The unit with this name, in any case and with or without brackets; `None` if unknown.
+    ///
+    /// `nm` is a nautical mile, as in every aviation file.
+    ///
+    /// ```
+    /// use fga_formats::units::Unit;
+    ///
+    /// assert_eq!(Unit::parse("[kts]"), Some(Unit::KNOT));
+    /// assert_eq!(Unit::parse("furlong"), None);
+    /// ```
+    pub fn parse(name: &str) -> Option<Self> {
+        use Dimension::{Angle, Length, Speed, Time};
+        let name = bare_name(name).to_ascii_lowercase();
+        let (dimension, factor) = match name.as_str() {
+            "deg" | "degs" | "degree" | "degrees" | "°" => (Angle, DEGREE_RAD),
+            "rad" | "rads" | "radian" | "radians" => (Angle, 1.0),
+            "m" | "meter" | "meters" | "metre" | "metres" => (Length, 1.0),
+            "km" | "kilometer" | "kilometers" | "kilometre" | "kilometres" => (Length, 1000.0),
+            "ft" | "foot" | "feet" => (Length, FOOT_M),
+            "nmi" | "nm" | "nauticalmile" | "nautical_mile" => (Length, NAUTICAL_MILE_M),
+            "mi" | "mile" | "miles" => (Length, 1609.344),
+            "kn" | "kt" | "kts" | "knot" | "knots" | "nmi/h" => (Speed, KNOT_MPS),
+            "mps" | "m/s" | "meter_per_second" | "metre_per_second" => (Speed, 1.0),
+            "kph" | "kmh" | "kmph" | "km/h" => (Speed, 1.0 / 3.6),
+            "mph" | "mi/h" => (Speed, 0.447_04),
+            "fps" | "ftps" | "ft/s" => (Speed, FOOT_M),
+            "fpm" | "ft/min" | "ftpm" => (Speed, FOOT_PER_MINUTE_MPS),
+            "s" | "sec" | "secs" | "second" | "seconds" => (Time, 1.0),
+            "ms" | "msec" | "millisecond" | "milliseconds" => (Time, 1e-3),
+            "min" | "minute" | "minutes" => (Time, 60.0),
+            "h" | "hr" | "hrs" | "hour" | "hours" => (Time, 3600.0),
+            _ => return None,
+        };
+        Some(Self::new(dimension, factor))
+    }
+
+    /// Whether a unit field says that the column has no unit of its own.
+    pub fn is_unspecified(name: &str) -> bool {
+        matches!(
+            bare_name(name).to_ascii_lowercase().as_str(),
+            "" | "-" | "none" | "unitless" | "unspecified"
+        )
+    }
+}
+
+/// A unit field without its brackets and blanks.
+fn bare_name(name: &str) -> &str {
+    name.trim_matches(|c: char| c.is_whitespace() || matches!(c, '[' | ']' | '(' | ')' | '"'))
+}
+
+macro_rules! quantity {
+    ($(#[$doc:meta])* $name:ident, $to:ident, $from:ident, $si:literal, $factor:expr) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+        pub struct $name(pub f64);
+
+        impl $name {
+            #[doc = concat!("The value in ", $si, ".")]
+            pub fn $to(self) -> f64 {
+                self.0 * $factor
+            }
+
+            #[doc = concat!("From a value in ", $si, ".")]
+            pub fn $from(value: f64) -> Self {
+                Self(value / $factor)
+            }
+        }
+    };
+}
+
+quantity!(
+    /// An angle in degrees.
+    Degrees, to_rad, from_rad, "radians", DEGREE_RAD
+);
+quantity!(
+    /// A length in feet.
+    Feet, to_m, from_m, "metres", FOOT_M
+);
+quantity!(
+    /// A length in nautical miles.
+    NauticalMiles, to_m, from_m, "metres", NAUTICAL_MILE_M
+);
+quantity!(
+    /// A speed in knots.
+    Knots, to_mps, from_mps, "metres per second", KNOT_MPS
+);
+quantity!(
+    /// A speed in feet per minute.
+    FeetPerMinute, to_mps, from_mps, "metres per second", FOOT_PER_MINUTE_MPS
+);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // Exact factors of the international system, NIST Special Publication 811, Appendix B.
+    #[test]
+    fn factors_are_those_of_the_tables() {
+        let si = |name: &str| Unit::parse(name).unwrap().factor;
+        assert!((si("kn") - 0.514_444_444_444).abs() < 1e-12);
+        assert!((si("fpm") - 0.005_08).abs() < 1e-15);
+        assert!((si("mph") - 0.447_04).abs() < 1e-15);
+        assert!((si("kph") - 0.277_777_777_778).abs() < 1e-12);
+        assert!((si("deg") - 0.017_453_292_519_943).abs() < 1e-15);
+        assert!((Knots(100.0).to_mps() - 51.444_444_444).abs() < 1e-8);
+        assert!((Feet::from_m(304.8).0 - 1000.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn names_are_found_in_any_case_and_in_brackets() {
+        for name in ["[knot]", "KN", " kts ", "(Knots)", "kt"] {
+            assert_eq!(Unit::parse(name), Some(Unit::KNOT), "{name}");
+        }
+        assert!(Unit::is_unspecified("[none]") && Unit::is_unspecified("unitless"));
+        assert!(!Unit::is_unspecified("[deg]"));
+    }
+}
