@@ -1,0 +1,337 @@
+//! How far policies depart from the mission, when they start, and whether they come back.
+//!
+//! `departures compare SEED COUNT [CELL…]`: `turn-aware` beside `published --start t0` on the same
+//! encounters: saved by each, and over those saved by both the medians of the largest cross-track
+//! deviation and the extra path, each flight continued until it is back, at most 300 s.
+//! `departures latest SEED COUNT [CELL…]`: `turn-aware --start latest`: how long before the last
+//! moment at which the oracle still finds a way out it starts.
+//! `departures needless SEED COUNT`: traffic that passes close but clear: is anything done, is
+//! anything entered? CELL as in `generate_encounters`.
+
+use std::process::ExitCode;
+
+use fga::Vec3;
+use fga::situation::{Obstacle, ProtectedVolume};
+use fga_sim::batch::{BatchSettings, empty_world};
+use fga_sim::encounters::{Encounter, EncounterSource, Random, Range};
+use fga_sim::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
+use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
+use fga_sim::policy::PolicyChoice;
+use fga_sim::track::Track;
+use fga_sim::vehicle_file::VehicleModel;
+use fga_sim::world::WorldObstacle;
+use rayon::prelude::*;
+
+/// Back on the leg: within this of the line, metres, and of its direction, radians.
+const BACK: (f64, f64) = (20.0, 5.0 * core::f64::consts::PI / 180.0);
+
+/// Longest flight, seconds.
+const LONGEST_S: f64 = 300.0;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The last sample, and the last change of state.
+#[derive(Default)]
+struct Last {
+    sample: Option<Sample>,
+    states: Vec<String>,
+}
+
+impl Observer for Last {
+    fn sample(&mut self, sample: &Sample) {
+        self.sample = Some(*sample);
+    }
+
+    fn decision(&mut self, moment: &DecisionMoment<'_>) {
+        let now = format!(
+            "{:?}/{:?}",
+            moment.decision.state, moment.decision.record.reason
+        );
+        if self.states.last().is_none_or(|last| !last.ends_with(&now)) {
+            self.states.push(format!("{:.1} {now}", moment.time_s));
+        }
+    }
+}
+
+impl Last {
+    fn is_back(&self) -> bool {
+        self.sample.is_some_and(|sample| {
+            let beside_m = sample.position_m.y.hypot(sample.position_m.z);
+            let direction = fga::angle::direction(sample.course_rad, sample.climb_rad);
+            beside_m <= BACK.0 && direction.angle_between(Vec3::X) <= BACK.1
+        })
+    }
+}
+
+fn model(planar: bool) -> Result<VehicleModel, String> {
+    let mut model = VehicleModel::built_in().map_err(|e| e.to_string())?;
+    if planar {
+        (model.vehicle.climb_min_rad, model.vehicle.climb_max_rad) = (0.0, 0.0);
+    }
+    Ok(model)
+}
+
+fn fly(
+    encounter: &Encounter,
+    planar: bool,
+    policy: &str,
+    start: Option<&str>,
+) -> Result<(Outcome, Last), String> {
+    let settings = BatchSettings {
+        model: model(planar)?,
+        policy: PolicyChoice::parse(policy, start)?,
+        horizon_s: LONGEST_S,
+        seed: 0,
+        tracks: false,
+    };
+    let mut world = empty_world(&settings).ok_or("the wind is too strong")?;
+    world.obstacles = encounter
+        .obstacles
+        .iter()
+        .map(|o| {
+            let track = Track::straight(o.position_m, o.velocity_mps);
+            WorldObstacle::new(o.id, track, o.volume)
+        })
+        .collect();
+    let mut pilot = settings
+        .policy
+        .pilot(&world.settings, &world.vehicle)
+        .map_err(|e| e.to_string())?;
+    let mut last = Last::default();
+    let outcome = Engine::new().fly(&world, pilot.as_mut(), &mut last);
+    Ok((outcome, last))
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn cells() -> Vec<String> {
+    let mut cells = Vec::new();
+    for option in ["", ",planar"] {
+        for seen in ["100-500", "300"] {
+            for count in [1, 2, 3, 5, 10] {
+                for speed in ["0", "0-15", "15-30", "30-45", "45-60"] {
+                    cells.push(format!("threats:{count}:{seen}:{speed}{option}"));
+                }
+            }
+        }
+    }
+    cells
+}
+
+fn compare(cell: &str, seed: u64, count: u64) -> Result<(), String> {
+    let source = EncounterSource::parse(cell, seed)?;
+    let flown: Vec<_> = (0..count)
+        .into_par_iter()
+        .map(|n| {
+            let encounter = source.encounter(n);
+            let ours = fly(&encounter, source.planar, "turn-aware", None)?;
+            let published = fly(&encounter, source.planar, "published", Some("t0"))?;
+            Ok((n, ours, published))
+        })
+        .collect::<Result<_, String>>()?;
+    let saved = flown.iter().filter(|f| f.1.0.separated()).count();
+    let stranded: Vec<_> = flown
+        .iter()
+        .filter(|f| f.1.0.separated() && !f.1.1.is_back())
+        .collect();
+    let published = flown.iter().filter(|f| f.2.0.separated()).count();
+    let both = || {
+        flown
+            .iter()
+            .filter(|f| f.1.0.separated() && f.2.0.separated())
+    };
+    let back = || both().filter(|f| f.1.0.end_s < LONGEST_S && f.2.0.end_s < LONGEST_S);
+    println!(
+        "{cell},{saved},{published},{},{},{:.2},{:.2},{:.2},{:.2}",
+        stranded.len(),
+        both().count(),
+        median(both().map(|f| f.1.0.max_cross_track_m).collect()),
+        median(both().map(|f| f.2.0.max_cross_track_m).collect()),
+        median(back().map(|f| f.1.0.extra_path_m).collect()),
+        median(back().map(|f| f.2.0.extra_path_m).collect()),
+    );
+    for (n, (outcome, last), _) in stranded {
+        let from = last.states.len().saturating_sub(6);
+        println!(
+            "  stranded {n}: end {:.0} s, {:?}, {}",
+            outcome.end_s,
+            last.sample.map(|s| (s.position_m, s.course_rad)),
+            last.states[from..].join("; ")
+        );
+    }
+    Ok(())
+}
+
+/// The last moment on the line, in steps of 0.05 s, from which the oracle still finds a way out.
+fn latest_s(encounter: &Encounter, planar: bool) -> Result<Option<f64>, String> {
+    let vehicle = OracleVehicle::from(&model(planar)?.vehicle);
+    let settings = OracleSettings {
+        enough_m: Some(0.1),
+        ..OracleSettings::default()
+    };
+    let still = |wait_s: f64| {
+        let start = OracleStart {
+            position_m: Vec3::X * (vehicle.airspeed_mps * wait_s),
+            ..OracleStart::ORIGIN
+        };
+        let obstacles: Vec<OracleObstacle> = encounter
+            .obstacles
+            .iter()
+            .map(|o| {
+                let mut later = OracleObstacle::from(o);
+                later.position_m = o.position_after_m(wait_s);
+                later
+            })
+            .collect();
+        best_margin(&start, &vehicle, &obstacles, &settings).best_margin_m >= 0.05
+    };
+    if !still(0.0) {
+        return Ok(None);
+    }
+    // On the line until the first volume is entered.
+    let entry_s = |o: &Obstacle| {
+        let relative = o.velocity_mps - Vec3::X * vehicle.airspeed_mps;
+        let (square, along) = (relative.length_squared(), -o.position_m.dot(relative));
+        let radius_m = o.volume.radius_m();
+        let outside = o.position_m.length_squared() - radius_m * radius_m;
+        let root = along * along - square * outside;
+        if root > 0.0 && along > 0.0 {
+            (along - root.sqrt()) / square
+        } else {
+            60.0
+        }
+    };
+    let first = encounter.obstacles.iter().map(entry_s);
+    let (mut good, mut bad) = (0.0, first.fold(60.0, f64::min));
+    while bad - good > 0.05 {
+        let middle = 0.5 * (good + bad);
+        if still(middle) {
+            good = middle;
+        } else {
+            bad = middle;
+        }
+    }
+    Ok(Some(good))
+}
+
+fn latest(cell: &str, seed: u64, count: u64) -> Result<(), String> {
+    let source = EncounterSource::parse(cell, seed)?;
+    let flown: Vec<_> = (0..count)
+        .into_par_iter()
+        .map(|n| {
+            let encounter = source.encounter(n);
+            let (outcome, _) = fly(&encounter, source.planar, "turn-aware", Some("latest"))?;
+            let latest_s = latest_s(&encounter, source.planar)?;
+            Ok((n, outcome, latest_s))
+        })
+        .collect::<Result<_, String>>()?;
+    let avoidable = || flown.iter().filter(|f| f.2.is_some());
+    let lost: Vec<u64> = avoidable()
+        .filter(|f| !f.1.separated())
+        .map(|f| f.0)
+        .collect();
+    let before = |f: &(u64, Outcome, Option<f64>)| Some(f.2? - f.1.start_s?);
+    println!(
+        "{cell},{},{},{:.2},{:.2},{lost:?}",
+        avoidable().count(),
+        avoidable().filter(|f| f.1.separated()).count(),
+        median(avoidable().filter_map(before).collect()),
+        avoidable().filter_map(before).fold(f64::MIN, f64::max),
+    );
+    Ok(())
+}
+
+/// Traffic of which something passes close, but nothing too close.
+fn clear_traffic(seed: u64, number: u64, planar: bool) -> Encounter {
+    let mut random = Random::new(seed, number);
+    let count = random.count(1, 10);
+    let margin = |position: Vec3, velocity: Vec3| {
+        let relative = velocity - Vec3::X * 15.0;
+        let when = (-position.dot(relative) / relative.length_squared().max(1e-12)).max(0.0);
+        (position + relative * when).length() - 30.0
+    };
+    let mut obstacles = Vec::new();
+    while obstacles.len() < count as usize {
+        let position_m = random.direction(planar) * random.within(Range(40.0, 500.0));
+        let velocity_mps = random.direction(planar) * random.within(Range(0.0, 60.0));
+        // The first one passes within fifteen metres of its volume.
+        let limit = if obstacles.is_empty() { 15.0 } else { 1e9 };
+        if (0.05..limit).contains(&margin(position_m, velocity_mps)) {
+            let id = u32::try_from(obstacles.len()).unwrap_or(u32::MAX);
+            let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+            obstacles.push(Obstacle::new(id, position_m, velocity_mps, volume));
+        }
+    }
+    Encounter { number, obstacles }
+}
+
+fn needless(seed: u64, count: u64) -> Result<(), String> {
+    for planar in [false, true] {
+        let flown: Vec<_> = (0..count)
+            .into_par_iter()
+            .map(|n| {
+                let encounter = clear_traffic(seed, n, planar);
+                let (outcome, _) = fly(&encounter, planar, "turn-aware", None)?;
+                Ok((n, outcome))
+            })
+            .collect::<Result<_, String>>()?;
+        let numbers = |test: fn(&Outcome) -> bool| -> Vec<u64> {
+            let kept = flown.iter().filter(|f| test(&f.1));
+            kept.map(|f| f.0).collect()
+        };
+        let acted = numbers(|o| o.start_s.is_some());
+        let entered = numbers(|o| !o.separated());
+        println!(
+            "planar {planar}: {count} flown, {} manoeuvred {:?}, {} entered {entered:?}",
+            acted.len(),
+            acted.iter().take(10).collect::<Vec<_>>(),
+            entered.len()
+        );
+    }
+    Ok(())
+}
+
+fn run(arguments: &[String]) -> Result<(), String> {
+    let [mode, seed, count, chosen @ ..] = arguments else {
+        return Err("usage: departures compare|latest|needless SEED COUNT [CELL…]".into());
+    };
+    let number = |text: &str| {
+        text.parse::<u64>()
+            .map_err(|e| format!("{text}: expected a number: {e}"))
+    };
+    let (seed, count) = (number(seed)?, number(count)?);
+    let chosen = if chosen.is_empty() {
+        cells()
+    } else {
+        chosen.to_vec()
+    };
+    match mode.as_str() {
+        "compare" => {
+            println!(
+                "cell,saved,saved by published,stranded,saved by both,cross m,published cross m,\
+                 extra m,published extra m"
+            );
+            chosen
+                .iter()
+                .try_for_each(|cell| compare(cell, seed, count))
+        }
+        "latest" => {
+            println!("cell,avoidable,saved,median s before the latest,most s,lost");
+            chosen.iter().try_for_each(|cell| latest(cell, seed, count))
+        }
+        "needless" => needless(seed, count),
+        other => Err(format!("{other}: expected compare, latest or needless")),
+    }
+}

@@ -1,0 +1,120 @@
+//! What people would use instead: the paper's baselines and the peers of the field.
+//!
+//! Each method turns a situation into a velocity that it would like to fly; [`BaselinePilot`]
+//! brings it under the vehicle's limits in the same way for all: the aircraft flies at its own
+//! airspeed into the direction of that velocity, turning and climbing no faster and no steeper
+//! than the vehicle can, and where the method sees no danger it follows the mission by the very
+//! guidance of the core. `docs/baselines.md` says what was assumed and which settings were found
+//! best.
+//!
+//! | method | idea |
+//! |---|---|
+//! | [`PotentialField`] | the mission attracts, obstacles near by repel |
+//! | [`WaypointGreedy`] | sub-waypoints on a cube around the aircraft, the best clear one at a time |
+//! | [`WaypointOptimal`] | sub-waypoints on cubes, the shortest clear path over all of them |
+//! | [`Orca`] | half-spaces of velocities that stay clear, without reciprocity |
+//! | [`VoltagePotential`] | the predicted closest approach pushed out of the protected volume |
+//! | [`VelocityObstacles`] | the flyable direction nearest to the wanted one outside every cone |
+//!
+//! All of them know spheres; a cylinder is taken as the sphere that holds it.
+
+mod orca;
+mod pilot;
+mod potential;
+mod velocity;
+mod view;
+mod voltage;
+mod waypoints;
+
+pub use orca::Orca;
+pub use pilot::{BaselinePilot, Steering};
+pub use potential::PotentialField;
+pub use velocity::VelocityObstacles;
+pub use view::{Route, Sphere, View};
+pub use voltage::VoltagePotential;
+pub use waypoints::{Cube, WaypointGreedy, WaypointOptimal};
+
+use fga::avoider::{Settings, SettingsError};
+use fga::kinematics::Vehicle;
+
+use crate::policy::Pilot;
+
+/// How much lower the velocity methods see an obstacle at their own height, in protected radii;
+/// found with their other settings.
+const LOWERED: f64 = 0.05;
+
+/// The baselines and peers by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Baseline {
+    /// Artificial potential field.
+    PotentialField,
+    /// Waypoint generation, one sub-waypoint after the other ("Optimal 1").
+    WaypointGreedy,
+    /// Waypoint generation, the shortest of all clear paths ("Optimal 2").
+    WaypointOptimal,
+    /// Optimal reciprocal collision avoidance, all responsibility on the aircraft.
+    Orca,
+    /// Modified voltage potential.
+    VoltagePotential,
+    /// Three-dimensional velocity obstacles.
+    VelocityObstacles,
+}
+
+impl Baseline {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::PotentialField,
+        Self::WaypointGreedy,
+        Self::WaypointOptimal,
+        Self::Orca,
+        Self::VoltagePotential,
+        Self::VelocityObstacles,
+    ];
+
+    /// The name on the command line and in tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::PotentialField => "potential-field",
+            Self::WaypointGreedy => "waypoint-greedy",
+            Self::WaypointOptimal => "waypoint-optimal",
+            Self::Orca => "orca",
+            Self::VoltagePotential => "mvp",
+            Self::VelocityObstacles => "velocity-obstacles",
+        }
+    }
+
+    /// The method of this name.
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name)
+    }
+
+    /// A pilot that flies by this method with the settings found best.
+    ///
+    /// # Errors
+    /// Settings or limits that the core's guidance refuses.
+    pub fn pilot(
+        self,
+        settings: &Settings,
+        vehicle: &Vehicle,
+    ) -> Result<Box<dyn Pilot + Send>, SettingsError> {
+        match self {
+            Self::PotentialField => boxed(PotentialField::default(), settings, vehicle),
+            Self::WaypointGreedy => boxed(WaypointGreedy::default(), settings, vehicle),
+            Self::WaypointOptimal => boxed(WaypointOptimal::default(), settings, vehicle),
+            Self::Orca => boxed(Orca::default(), settings, vehicle),
+            Self::VoltagePotential => boxed(VoltagePotential::default(), settings, vehicle),
+            Self::VelocityObstacles => boxed(VelocityObstacles::default(), settings, vehicle),
+        }
+    }
+}
+
+fn boxed(
+    method: impl Steering + Send + 'static,
+    settings: &Settings,
+    vehicle: &Vehicle,
+) -> Result<Box<dyn Pilot + Send>, SettingsError> {
+    Ok(Box::new(BaselinePilot::new(method, settings, *vehicle)?))
+}
+
+#[cfg(test)]
+mod tests;

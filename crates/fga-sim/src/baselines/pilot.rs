@@ -1,0 +1,252 @@
+//! The pilot that all methods share: guidance, limits, states, records.
+
+use fga::Vec3;
+use fga::angle::{climb_of, course_of, direction, wrap_pi};
+use fga::avoider::{
+    Avoider, Decision, Policy, Reason, Settings, SettingsError, Situation, State, Threat,
+};
+use fga::kinematics::Vehicle;
+use fga::maneuver::Maneuver;
+use fga::situation::Obstacle;
+
+use super::view::{Route, Sphere, View, flattened};
+use crate::batch::crab;
+use crate::policy::Pilot;
+use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD};
+
+/// A change of direction below this is none, radians (a tenth of a degree).
+const SAME_DIRECTION_RAD: f64 = 1.745e-3;
+
+/// Within this two are at one height, metres.
+const SAME_HEIGHT_M: f64 = 1.0;
+
+/// The wish points at the route this long ahead, seconds of flight.
+const WISH_AHEAD_S: f64 = 10.0;
+
+/// A method: the velocity it would like to fly, or `None` where the mission may be flown.
+pub trait Steering {
+    /// Decides; only the direction of the velocity through the air counts.
+    fn steer(&mut self, view: &View<'_>) -> Option<Vec3>;
+
+    /// Where everything happens at one height a method that works with normals and displacements
+    /// sees no way up: an obstacle at the aircraft's own height is shown to it so many protected
+    /// radii lower, where the vehicle can climb.
+    fn lowered(&self) -> f64 {
+        0.0
+    }
+}
+
+/// Flies a method under the vehicle's limits, and the mission where the method sees no danger.
+#[derive(Debug)]
+pub struct BaselinePilot<S> {
+    method: S,
+    settings: Settings,
+    vehicle: Vehicle,
+    /// The core's own guidance along the mission.
+    guide: Avoider,
+    state: State,
+    spheres: Vec<Sphere>,
+}
+
+impl<S: Steering> BaselinePilot<S> {
+    /// A pilot on its mission.
+    ///
+    /// # Errors
+    /// Settings or limits that the core's guidance refuses.
+    pub fn new(method: S, settings: &Settings, vehicle: Vehicle) -> Result<Self, SettingsError> {
+        let settings = Settings {
+            policy: Policy::None,
+            ..*settings
+        };
+        Ok(Self {
+            method,
+            settings,
+            vehicle,
+            guide: Avoider::new(settings, vehicle)?,
+            state: State::Cruise,
+            spheres: Vec::new(),
+        })
+    }
+
+    /// Fills the list of spheres within the surveillance radius.
+    fn look(&mut self, situation: &Situation<'_>) {
+        self.spheres.clear();
+        let own_m = situation.ownship.position_m;
+        let valid = situation.obstacles.iter().filter(Obstacle::is_valid);
+        for obstacle in valid {
+            let mut offset_m = obstacle.position_m - own_m;
+            if offset_m.length() > self.settings.surveillance_radius_m {
+                continue;
+            }
+            if offset_m.z.abs() < SAME_HEIGHT_M && self.vehicle.can_climb() {
+                offset_m.z = -self.method.lowered() * obstacle.volume.bounding_radius_m();
+            }
+            let spread = self.settings.confidence_sigmas * obstacle.uncertainty.position_m;
+            self.spheres.push(Sphere {
+                id: obstacle.id,
+                offset_m,
+                velocity_mps: obstacle.velocity_mps - situation.wind_mps,
+                radius_m: obstacle.volume.bounding_radius_m() + self.settings.margin_m + spread,
+            });
+        }
+        if !self.vehicle.can_climb() {
+            self.spheres = flattened(&self.spheres).collect();
+        }
+    }
+
+    /// The leg that is flown, relative to the aircraft.
+    fn route(&self, situation: &Situation<'_>) -> Route {
+        let own_m = situation.ownship.position_m;
+        let waypoints = situation.mission.waypoints_m;
+        let index = self.guide.leg_index();
+        let leg = waypoints
+            .get(index)
+            .zip(waypoints.get(index + 1))
+            .filter(|(from, to)| from.distance(**to) > 1e-3);
+        let Some((from, to)) = leg else {
+            return Route {
+                foot_m: Vec3::ZERO,
+                along: direction(situation.ownship.course_rad, 0.0),
+            };
+        };
+        let along = (*to - *from).normalize_or_zero();
+        Route {
+            foot_m: *from + along * (own_m - *from).dot(along) - own_m,
+            along,
+        }
+    }
+
+    /// The velocity through the air towards the route ahead; `None` where the wind is too strong.
+    fn wish(&self, route: &Route, wind_mps: Vec3) -> Option<Vec3> {
+        let airspeed_mps = self.vehicle.airspeed_mps;
+        let ahead_m = airspeed_mps * WISH_AHEAD_S;
+        let aim = (route.foot_m + route.along * ahead_m).normalize_or_zero();
+        let (course_rad, climb_rad) = crab(aim, airspeed_mps, wind_mps)?;
+        let (least, most) = (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
+        Some(direction(course_rad, climb_rad.clamp(least, most)) * airspeed_mps)
+    }
+
+    /// Whether something is met on the guidance's straight way back to the route.
+    fn is_blocked(&self, route: &Route, guided_mps: Vec3) -> bool {
+        /// The guidance comes back at 45°, after a turn of a few seconds.
+        const TURN_S: f64 = 3.0;
+        let back_s =
+            core::f64::consts::SQRT_2 * route.foot_m.length() / guided_mps.length() + TURN_S;
+        self.spheres.iter().any(|sphere| {
+            sphere
+                .entry_s(guided_mps)
+                .is_some_and(|entry_s| entry_s <= back_s)
+        })
+    }
+
+    /// Turns the shorter way into a direction, as steep as can be.
+    fn turn_to(&self, velocity: Vec3, course_rad: f64) -> Maneuver {
+        // A vertical velocity has no course of its own.
+        let level = Vec3::new(velocity.x, velocity.y, 0.0).length();
+        let turn_rad = if level > 1e-6 * velocity.length() {
+            wrap_pi(course_of(velocity) - course_rad)
+        } else {
+            0.0
+        };
+        let climb_rad =
+            climb_of(velocity).clamp(self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
+        Maneuver::turn(0.0, course_rad + turn_rad, climb_rad)
+    }
+
+    /// The most urgent obstacle for an aircraft that flies `velocity_mps`.
+    fn threat(&self, velocity_mps: Vec3) -> Option<Threat> {
+        self.spheres
+            .iter()
+            .filter_map(|sphere| {
+                let entry_s = sphere.entry_s(velocity_mps)?;
+                let (closest_s, offset) = sphere.closest(velocity_mps);
+                Some(Threat {
+                    id: sphere.id,
+                    entry_s,
+                    closest_s: closest_s.max(0.0),
+                    margin_m: offset.length() - sphere.radius_m,
+                })
+            })
+            .min_by(|a, b| a.entry_s.total_cmp(&b.entry_s))
+    }
+
+    /// The state after a step in which the method left the mission alone, and why.
+    fn returning(&mut self, situation: &Situation<'_>, route: &Route, reason: Reason) -> Reason {
+        let before = self.state;
+        if before == State::Cruise {
+            return reason;
+        }
+        let ground_mps = situation.ownship.velocity_mps() + situation.wind_mps;
+        let on_route = route.foot_m.length() <= BACK_WITHIN_M
+            && ground_mps.angle_between(route.along) <= BACK_WITHIN_RAD;
+        self.state = if on_route || reason == Reason::MissionComplete {
+            State::Cruise
+        } else {
+            State::Recovering
+        };
+        match (reason, before, self.state) {
+            (Reason::Clear, _, State::Cruise) => Reason::Rejoined,
+            (Reason::Clear, State::Avoiding, _) => Reason::RejoinChosen,
+            (Reason::Clear, _, _) => Reason::RejoinKept,
+            (reason, _, _) => reason,
+        }
+    }
+}
+
+impl<S: Steering> Pilot for BaselinePilot<S> {
+    fn step(&mut self, situation: &Situation<'_>) -> Decision {
+        let mut decision = self.guide.step(situation);
+        if decision.record.reason == Reason::InvalidInput {
+            return decision;
+        }
+        self.look(situation);
+        let own = situation.ownship;
+        let guided_mps = decision
+            .command
+            .stage_at(0.0)
+            .map_or(own.velocity_mps(), |stage| {
+                direction(stage.course_rad, stage.climb_rad) * self.vehicle.airspeed_mps
+            });
+        let route = self.route(situation);
+        let preferred_mps = self.wish(&route, situation.wind_mps).unwrap_or(guided_mps);
+        let view = View {
+            velocity_mps: own.velocity_mps(),
+            preferred_mps,
+            route,
+            spheres: &self.spheres,
+            vehicle: &self.vehicle,
+            period_s: self.settings.decision_period_s,
+        };
+        let chosen = self
+            .method
+            .steer(&view)
+            .filter(|velocity| velocity.is_finite() && velocity.length() > 1e-6)
+            .filter(|velocity| velocity.angle_between(preferred_mps) > SAME_DIRECTION_RAD);
+        if let Some(velocity) = chosen {
+            decision.command = self.turn_to(velocity, own.course_rad);
+            decision.record.reason = if self.state == State::Avoiding {
+                Reason::ManeuverKept
+            } else {
+                Reason::ManeuverChosen
+            };
+            self.state = State::Avoiding;
+        } else {
+            decision.record.reason = self.returning(situation, &route, decision.record.reason);
+            if self.state == State::Recovering && self.is_blocked(&route, guided_mps) {
+                decision.command = self.turn_to(preferred_mps, own.course_rad);
+            }
+        }
+        decision.state = self.state;
+        decision.record.threat = self.threat(preferred_mps);
+        decision.record.work.tracked = u32::try_from(self.spheres.len()).unwrap_or(u32::MAX);
+        decision.record.work.threats = u32::from(decision.record.threat.is_some());
+        decision
+    }
+
+    fn retune(&mut self, vehicle: &Vehicle) {
+        // Limits that the guidance refuses leave it with those that it has.
+        if self.guide.set_vehicle(*vehicle).is_ok() {
+            self.vehicle = *vehicle;
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! Many encounters that somebody else made, each flown closed loop.
+//!
+//! The aircraft starts at the origin on the line along +x, which is its mission; obstacles fly
+//! straight and are known from the start, whatever the surveillance radius. Each obstacle's volume
+//! is a sphere of its row's radius; where the vehicle file protects a cylinder, it is a cylinder of
+//! the row's radius and the file's half height. A flight ends at the horizon, or earlier once the
+//! aircraft is back on the line (within 1 m and 1°) in cruise and every obstacle has passed.
+//!
+//! Results do not depend on the number of threads: each encounter is flown alone, with its own
+//! stream of noise, and rows come out in the order of the file.
+
+use fga::Vec3;
+use fga::angle::{climb_of, course_of};
+use fga::avoider::SettingsError;
+use fga_formats::encounters::Encounter;
+use fga_formats::number::push_fixed;
+use rayon::prelude::*;
+
+use fga::situation::ProtectedVolume;
+
+use crate::engine::{Engine, Observer, Outcome, Sample};
+use crate::policy::PolicyChoice;
+use crate::track::Track;
+use crate::vehicle_file::VehicleModel;
+use crate::world::{Ending, StartState, World, WorldObstacle};
+
+/// Encounters flown between two writings; it bounds the memory.
+const BLOCK: usize = 512;
+
+/// Length of the mission along +x, metres: longer than anything flown.
+const MISSION_LENGTH_M: f64 = 1e6;
+
+/// Columns of `results.csv`.
+pub const RESULT_COLUMNS: &str = "encounter,separated,min_separation_m,min_margin_m,start_s,clear_s,max_cross_track_m,extra_path_m";
+
+/// Columns of `timing.csv`.
+pub const TIMING_COLUMNS: &str = "encounter,decision_median_us,decision_max_us";
+
+/// Columns of `tracks.csv`.
+pub const TRACK_COLUMNS: &str = "encounter,t_s,x_m,y_m,z_m,course_rad,climb_rad,bank_rad";
+
+/// How a batch is flown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BatchSettings {
+    /// The aircraft.
+    pub model: VehicleModel,
+    /// What decides.
+    pub policy: PolicyChoice,
+    /// Longest time flown, seconds.
+    pub horizon_s: f64,
+    /// Master seed of the sensor's noise.
+    pub seed: u64,
+    /// Whether the rows of `tracks.csv` are made.
+    pub tracks: bool,
+}
+
+/// One encounter flown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BatchRow {
+    /// The encounter's number.
+    pub encounter: u64,
+    /// What came of it.
+    pub outcome: Outcome,
+    /// Median time of a decision, nanoseconds.
+    pub decision_median_ns: u64,
+    /// Longest time of a decision, nanoseconds.
+    pub decision_max_ns: u64,
+    /// Decisions made.
+    pub decisions: usize,
+    /// Its rows of `tracks.csv`; empty unless asked for.
+    pub track_rows: Vec<u8>,
+}
+
+/// Why a batch cannot be flown.
+#[derive(Debug, thiserror::Error)]
+pub enum BatchError<E> {
+    /// Settings or limits that the core refuses.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The wind is too strong to hold the line.
+    #[error(
+        "wind of {wind_mps} m/s across or against an airspeed of {airspeed_mps} m/s, expected less: the line cannot be flown"
+    )]
+    Wind {
+        /// Its speed, metres per second.
+        wind_mps: f64,
+        /// The vehicle's airspeed, metres per second.
+        airspeed_mps: f64,
+    },
+    /// A row that could not be taken.
+    #[error(transparent)]
+    Sink(E),
+}
+
+/// Course and climb angle through the air that fly along a ground direction in a wind; `None`
+/// where the wind is too strong.
+pub fn crab(direction: Vec3, airspeed_mps: f64, wind_mps: Vec3) -> Option<(f64, f64)> {
+    let along_mps = wind_mps.dot(direction);
+    let across_mps = wind_mps - direction * along_mps;
+    let rest = airspeed_mps * airspeed_mps - across_mps.length_squared();
+    let forward_mps = libm::sqrt(rest.max(0.0));
+    if rest <= 0.0 || forward_mps + along_mps <= 0.0 {
+        return None;
+    }
+    let air_mps = direction * forward_mps - across_mps;
+    Some((course_of(air_mps), climb_of(air_mps)))
+}
+
+/// The world of a batch without its obstacles; `None` where the wind does not let the line be
+/// flown.
+pub fn empty_world(settings: &BatchSettings) -> Option<World> {
+    let model = &settings.model;
+    let (course_rad, climb_rad) = crab(Vec3::X, model.vehicle.airspeed_mps, model.wind_mps)?;
+    Some(World {
+        mission_m: vec![Vec3::ZERO, Vec3::X * MISSION_LENGTH_M],
+        start: StartState {
+            position_m: Vec3::ZERO,
+            course_rad,
+            climb_rad,
+        },
+        vehicle: model.vehicle,
+        autopilot: model.autopilot,
+        settings: fga::avoider::Settings {
+            surveillance_radius_m: f64::INFINITY,
+            ..model.settings
+        },
+        wind_mps: model.wind_mps,
+        obstacles: Vec::new(),
+        sensor: crate::sensor::SensorSettings {
+            range_m: f64::INFINITY,
+            ..model.sensor
+        },
+        seed: settings.seed,
+        stream: 0,
+        horizon_s: settings.horizon_s,
+        ending: Ending::BackAndPassed,
+        recorded: None,
+    })
+}
+
+/// Puts an encounter's obstacles into a world, in place of those that were there.
+pub fn populate(world: &mut World, encounter: &Encounter, protection: &ProtectedVolume) {
+    world.stream = encounter.id;
+    world.obstacles.clear();
+    world
+        .obstacles
+        .extend(encounter.obstacles.iter().zip(0..).map(|(obstacle, id)| {
+            let radius_m = obstacle.radius_m;
+            let volume = match *protection {
+                ProtectedVolume::Sphere { .. } => ProtectedVolume::Sphere { radius_m },
+                ProtectedVolume::Cylinder { half_height_m, .. } => ProtectedVolume::Cylinder {
+                    radius_m,
+                    half_height_m,
+                },
+            };
+            let track = Track::straight(obstacle.position_m, obstacle.velocity_mps);
+            WorldObstacle::new(id, track, volume)
+        }));
+}
+
+/// Flies every encounter on the threads of the current pool and hands the rows over in the order
+/// of the encounters.
+///
+/// # Errors
+/// Settings that cannot be flown, or the first error of `take`.
+pub fn fly_all<E>(
+    encounters: &[Encounter],
+    settings: &BatchSettings,
+    mut take: impl FnMut(&BatchRow) -> Result<(), E>,
+) -> Result<(), BatchError<E>> {
+    let world = empty_world(settings).ok_or_else(|| BatchError::Wind {
+        wind_mps: settings.model.wind_mps.length(),
+        airspeed_mps: settings.model.vehicle.airspeed_mps,
+    })?;
+    // Settings are checked once here; the same ones fly every encounter.
+    settings.policy.pilot(&world.settings, &world.vehicle)?;
+    for block in encounters.chunks(BLOCK) {
+        let rows: Vec<Result<BatchRow, SettingsError>> = block
+            .par_iter()
+            .map_init(
+                || (Engine::new(), world.clone()),
+                |(engine, world), encounter| fly_one(engine, world, encounter, settings),
+            )
+            .collect();
+        for row in rows {
+            take(&row?).map_err(BatchError::Sink)?;
+        }
+    }
+    Ok(())
+}
+
+/// Flies one encounter.
+///
+/// # Errors
+/// Settings or limits that the core refuses.
+pub fn fly_one(
+    engine: &mut Engine,
+    world: &mut World,
+    encounter: &Encounter,
+    settings: &BatchSettings,
+) -> Result<BatchRow, SettingsError> {
+    populate(world, encounter, &settings.model.protection);
+    let mut pilot = settings.policy.pilot(&world.settings, &world.vehicle)?;
+    let mut rows = TrackRows {
+        encounter: encounter.id,
+        rows: Vec::new(),
+    };
+    let outcome = if settings.tracks {
+        engine.fly(world, pilot.as_mut(), &mut rows)
+    } else {
+        engine.fly(world, pilot.as_mut(), &mut ())
+    };
+    let elapsed_ns = engine.elapsed_ns();
+    let decisions = elapsed_ns.len();
+    let decision_max_ns = elapsed_ns.iter().copied().max().unwrap_or(0);
+    let decision_median_ns = match decisions {
+        0 => 0,
+        count => *elapsed_ns.select_nth_unstable(count / 2).1,
+    };
+    Ok(BatchRow {
+        encounter: encounter.id,
+        outcome,
+        decision_median_ns,
+        decision_max_ns,
+        decisions,
+        track_rows: rows.rows,
+    })
+}
+
+/// Collects the rows of `tracks.csv`.
+struct TrackRows {
+    encounter: u64,
+    rows: Vec<u8>,
+}
+
+impl Observer for TrackRows {
+    fn sample(&mut self, sample: &Sample) {
+        self.rows
+            .extend_from_slice(self.encounter.to_string().as_bytes());
+        push_sample(&mut self.rows, sample);
+        self.rows.push(b'\n');
+    }
+}
+
+/// Appends `,t_s,x_m,y_m,z_m,course_rad,climb_rad,bank_rad` of a sample, six decimals each.
+pub fn push_sample(row: &mut Vec<u8>, sample: &Sample) {
+    for value in [
+        sample.time_s,
+        sample.position_m.x,
+        sample.position_m.y,
+        sample.position_m.z,
+        sample.course_rad,
+        sample.climb_rad,
+        sample.bank_rad,
+    ] {
+        row.push(b',');
+        push_fixed(row, value, 6);
+    }
+}
+
+/// The least margin as it is written: whether it is negative is decided on the written number.
+fn written(value_m: f64) -> f64 {
+    libm::rint(value_m * 1e6) / 1e6
+}
+
+impl BatchRow {
+    /// Whether no volume was entered, as `results.csv` says it.
+    pub fn separated(&self) -> bool {
+        written(self.outcome.min_margin_m) >= 0.0
+    }
+
+    /// Appends its row of `results.csv`.
+    pub fn push_result(&self, row: &mut Vec<u8>) {
+        let outcome = &self.outcome;
+        row.extend_from_slice(self.encounter.to_string().as_bytes());
+        row.extend_from_slice(if self.separated() {
+            b",true"
+        } else {
+            b",false"
+        });
+        for value in [
+            Some(outcome.min_separation_m),
+            Some(outcome.min_margin_m),
+            outcome.start_s,
+            outcome.clear_s,
+            Some(outcome.max_cross_track_m),
+            Some(outcome.extra_path_m),
+        ] {
+            row.push(b',');
+            if let Some(value) = value {
+                push_fixed(row, value, 6);
+            }
+        }
+        row.push(b'\n');
+    }
+
+    /// Appends its row of `timing.csv`.
+    pub fn push_timing(&self, row: &mut Vec<u8>) {
+        row.extend_from_slice(self.encounter.to_string().as_bytes());
+        for nanoseconds in [self.decision_median_ns, self.decision_max_ns] {
+            row.push(b',');
+            push_fixed(row, nanoseconds as f64 / 1000.0, 3);
+        }
+        row.push(b'\n');
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crab_angle_flies_along_the_line() {
+        let wind = Vec3::new(3.0, -5.0, 1.0);
+        let (course, climb) = crab(Vec3::X, 15.0, wind).unwrap();
+        let ground = fga::angle::direction(course, climb) * 15.0 + wind;
+        assert!(ground.y.abs() < 1e-12 && ground.z.abs() < 1e-12 && ground.x > 15.0);
+        assert_eq!(crab(Vec3::X, 15.0, Vec3::new(-16.0, 0.0, 0.0)), None);
+        assert_eq!(crab(Vec3::X, 15.0, Vec3::new(0.0, 15.0, 0.0)), None);
+    }
+}

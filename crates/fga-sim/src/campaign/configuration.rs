@@ -1,0 +1,376 @@
+//! One campaign exactly: everything that its results depend on.
+
+use std::path::{Path, PathBuf};
+
+use fga::Vec3;
+use fga::angle::direction;
+use fga_formats::encounters::{self, Encounter, EncounterObstacle};
+use fga_formats::{InputError, error::shown};
+use serde::{Deserialize, Serialize};
+
+use super::{CampaignError, fingerprint};
+use crate::batch::{self, BatchSettings};
+use crate::encounters::EncounterSource;
+use crate::oracle::{OracleSettings, OracleStart, OracleVehicle};
+use crate::policy::PolicyChoice;
+use crate::toml_input::TomlText;
+use crate::vehicle_file::VehicleModel;
+use crate::world::World;
+
+/// A margin that is enough for the oracle, metres: well above where an encounter counts as
+/// avoidable.
+const ENOUGH_M: f64 = 0.5;
+
+/// A file of encounters as a source.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileSource {
+    /// Where it is.
+    pub path: PathBuf,
+    /// SHA-256 of its bytes.
+    pub sha256: String,
+    /// How many encounters it holds.
+    pub encounters: u64,
+}
+
+/// Everything that the results of a campaign depend on, with all defaults written out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Configuration {
+    /// Name of the campaign.
+    pub name: String,
+    /// Version of the program.
+    pub version: String,
+    /// Encounters in all, over all cells.
+    pub encounters: u64,
+    /// Encounters in a block.
+    pub block: u64,
+    /// Master seeds.
+    pub seeds: Vec<u64>,
+    /// Policies as they are named on the command line.
+    pub policies: Vec<String>,
+    /// Longest time flown, seconds.
+    pub horizon_s: f64,
+    /// Whether the oracle searches each encounter.
+    pub oracle: bool,
+    /// Cells as [`EncounterSource::parse`] reads them.
+    pub cells: Vec<String>,
+    /// Files of encounters.
+    pub files: Vec<FileSource>,
+    /// Text of the vehicle file; without it the built-in vehicle.
+    pub vehicle: Option<String>,
+    /// Fingerprint of the aircraft that was read from it.
+    pub vehicle_sha256: String,
+}
+
+impl Configuration {
+    /// Fingerprint of all that the results depend on; where files lie does not matter.
+    pub fn hash(&self) -> String {
+        let mut placeless = self.clone();
+        for file in &mut placeless.files {
+            file.path = PathBuf::new();
+        }
+        fingerprint(placeless.to_json().as_bytes())
+    }
+
+    /// As one line of JSON.
+    pub fn to_json(&self) -> String {
+        // Strings and finite numbers only: it does not fail.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    /// Number of blocks.
+    pub fn blocks(&self) -> u64 {
+        self.encounters.div_ceil(self.block.max(1))
+    }
+
+    /// Encounters of one block: its first number and the one after its last.
+    pub fn range_of(&self, block: u64) -> core::ops::Range<u64> {
+        let first = block * self.block;
+        first..(first + self.block).min(self.encounters)
+    }
+
+    /// Keys in which two campaigns differ.
+    pub fn differences(&self, other: &Self) -> Vec<String> {
+        let value = |c: &Self| serde_json::to_value(c).unwrap_or_default();
+        let (own, other) = (value(self), value(other));
+        own.as_object().map_or_else(Vec::new, |own| {
+            own.iter()
+                .filter(|(key, value)| other.get(key) != Some(value))
+                .map(|(key, _)| key.clone())
+                .collect()
+        })
+    }
+}
+
+/// Encounters in a block of a campaign of `encounters`: enough to keep every thread busy, few
+/// enough that little is lost when the power goes.
+pub(super) fn block_size(encounters: u64) -> u64 {
+    encounters.div_ceil(16).clamp(256, 8192)
+}
+
+/// The policy called `name` with its start, as in `published --start t0`.
+///
+/// # Errors
+/// One sentence about a name or start that is not known.
+pub fn parse_policy(text: &str) -> Result<PolicyChoice, String> {
+    match text.split_once(" --start ") {
+        Some((name, start)) => PolicyChoice::parse(name.trim(), Some(start.trim())),
+        None => PolicyChoice::parse(text.trim(), None),
+    }
+}
+
+/// A campaign ready to be flown.
+#[derive(Debug)]
+pub struct Campaign {
+    /// What it is.
+    pub configuration: Configuration,
+    /// Its fingerprint.
+    pub hash: String,
+    /// The aircraft.
+    pub model: VehicleModel,
+    /// The policies in their order.
+    pub policies: Vec<PolicyChoice>,
+    cells: Vec<EncounterSource>,
+    files: Vec<Vec<Encounter>>,
+    /// Names of the sources: those of files, then the cells.
+    names: Vec<String>,
+}
+
+/// An encounter of a campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// The encounter; its identifier is its number in the campaign.
+    pub encounter: Encounter,
+    /// Its number in the file that it comes from, else its number in the campaign.
+    pub source_encounter: u64,
+    /// Its master seed.
+    pub seed: u64,
+    /// Which source, an index into [`Campaign::source_names`].
+    pub source: u32,
+}
+
+impl Campaign {
+    /// Takes a configuration up: reads its files and checks everything.
+    ///
+    /// # Errors
+    /// A policy, cell, vehicle or file that cannot be used, or an empty campaign.
+    pub fn new(configuration: Configuration, campaign_file: &Path) -> Result<Self, CampaignError> {
+        let wrong = |message: String| InputError::in_file(campaign_file, message);
+        let model = match &configuration.vehicle {
+            None => VehicleModel::built_in()?,
+            Some(text) => VehicleModel::parse(TomlText::new(campaign_file, text))?,
+        };
+        let policies = configuration
+            .policies
+            .iter()
+            .map(|name| parse_policy(name).map_err(wrong))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut cells = Vec::new();
+        for &seed in &configuration.seeds {
+            for cell in &configuration.cells {
+                let mut source = EncounterSource::parse(cell, seed).map_err(wrong)?;
+                source.airspeed_mps = model.vehicle.airspeed_mps;
+                source.radius_m = model.protection.radius_m();
+                cells.push(source);
+            }
+        }
+        let mut files = Vec::new();
+        for source in &configuration.files {
+            let bytes = std::fs::read(&source.path)
+                .map_err(|error| InputError::unreadable(&source.path, &error))?;
+            if fingerprint(&bytes) != source.sha256 {
+                return Err(InputError::in_file(
+                    &source.path,
+                    "is not the file that the campaign was begun with",
+                )
+                .into());
+            }
+            files.push(encounters::parse(bytes.as_slice(), &source.path)?);
+        }
+        let file_names = configuration.files.iter().map(|file| {
+            file.path
+                .file_name()
+                .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+        });
+        let names = file_names
+            .chain(configuration.cells.iter().cloned())
+            .collect();
+        let campaign = Self {
+            hash: configuration.hash(),
+            configuration,
+            model,
+            policies,
+            cells,
+            files,
+            names,
+        };
+        campaign.check().map_err(|error| match error {
+            CampaignError::Other(message) => wrong(message).into(),
+            other => other,
+        })?;
+        Ok(campaign)
+    }
+
+    fn check(&self) -> Result<(), CampaignError> {
+        let configuration = &self.configuration;
+        let other = |message: &str| Err(CampaignError::Other(message.into()));
+        if configuration.encounters == 0 {
+            return other("encounters is 0, expected at least 1");
+        }
+        if configuration.block == 0 {
+            return other("block is 0, expected at least 1");
+        }
+        if configuration.seeds.is_empty() {
+            return other("seeds is empty, expected at least one");
+        }
+        if configuration.policies.is_empty() {
+            return other("policies is empty, expected at least one");
+        }
+        if configuration.cells.is_empty() && configuration.files.is_empty() {
+            return other("the grid is empty, expected at least one cell or file of encounters");
+        }
+        let in_files = self.encounters_of_files();
+        if configuration.cells.is_empty() && configuration.encounters > in_files {
+            return Err(CampaignError::Other(format!(
+                "encounters is {}, expected at most {in_files}, as many as its files hold",
+                configuration.encounters
+            )));
+        }
+        for (index, name) in configuration.policies.iter().enumerate() {
+            if configuration.policies[..index].contains(name) {
+                return Err(CampaignError::Other(format!(
+                    "policy {} is named twice, expected once",
+                    shown(name)
+                )));
+            }
+        }
+        let world = self.world()?;
+        for policy in &self.policies {
+            policy.pilot(&world.settings, &world.vehicle)?;
+        }
+        Ok(())
+    }
+
+    fn encounters_of_files(&self) -> u64 {
+        let once: usize = self.files.iter().map(Vec::len).sum();
+        once as u64 * self.configuration.seeds.len() as u64
+    }
+
+    /// How a policy's encounters are flown.
+    pub fn settings(&self, policy: PolicyChoice) -> BatchSettings {
+        BatchSettings {
+            model: self.model.clone(),
+            policy,
+            horizon_s: self.configuration.horizon_s,
+            seed: 0,
+            tracks: false,
+        }
+    }
+
+    /// The world without obstacles.
+    ///
+    /// # Errors
+    /// A wind in which the line cannot be flown.
+    pub fn world(&self) -> Result<World, CampaignError> {
+        batch::empty_world(&self.settings(PolicyChoice::default())).ok_or_else(|| {
+            CampaignError::Other(format!(
+                "wind of {} m/s at an airspeed of {} m/s, expected less: the line cannot be flown",
+                self.model.wind_mps.length(),
+                self.model.vehicle.airspeed_mps
+            ))
+        })
+    }
+
+    /// Velocity over the ground on the line, metres per second.
+    pub(super) fn line_velocity_mps(&self, world: &World) -> Vec3 {
+        direction(world.start.course_rad, world.start.climb_rad) * self.model.vehicle.airspeed_mps
+            + self.model.wind_mps
+    }
+
+    /// Names of the sources: files, then cells.
+    pub fn source_names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The encounter of this number.
+    ///
+    /// # Errors
+    /// A number past the last.
+    pub fn draw(&self, number: u64) -> Result<Drawn, CampaignError> {
+        let configuration = &self.configuration;
+        let past = || {
+            CampaignError::Other(format!(
+                "there is no encounter {number}, expected 0 to {}",
+                configuration.encounters.saturating_sub(1)
+            ))
+        };
+        if number >= configuration.encounters {
+            return Err(past());
+        }
+        let in_files = self.encounters_of_files();
+        if number < in_files {
+            let once = in_files / configuration.seeds.len().max(1) as u64;
+            let (turn, mut rest) = (index(number / once), index(number % once));
+            for (source, file) in (0..).zip(&self.files) {
+                if let Some(encounter) = file.get(rest) {
+                    return Ok(Drawn {
+                        source_encounter: encounter.id,
+                        encounter: Encounter {
+                            id: number,
+                            obstacles: encounter.obstacles.clone(),
+                        },
+                        seed: *configuration.seeds.get(turn).ok_or_else(past)?,
+                        source,
+                    });
+                }
+                rest -= file.len();
+            }
+            return Err(past());
+        }
+        let place = index((number - in_files) % (self.cells.len().max(1) as u64));
+        let source = self.cells.get(place).ok_or_else(past)?;
+        let drawn = source.encounter(number);
+        let cell = self.files.len() + place % configuration.cells.len().max(1);
+        Ok(Drawn {
+            encounter: Encounter {
+                id: number,
+                obstacles: drawn
+                    .obstacles
+                    .iter()
+                    .map(|obstacle| EncounterObstacle {
+                        id: obstacle.id.into(),
+                        position_m: obstacle.position_m,
+                        velocity_mps: obstacle.velocity_mps,
+                        radius_m: obstacle.volume.radius_m(),
+                    })
+                    .collect(),
+            },
+            source_encounter: number,
+            seed: source.seed,
+            source: u32::try_from(cell).unwrap_or(u32::MAX),
+        })
+    }
+
+    /// How the oracle searches: vehicle, start, settings.
+    pub(super) fn oracle(&self, world: &World) -> (OracleVehicle, OracleStart, OracleSettings) {
+        (
+            OracleVehicle::from(&self.model.vehicle),
+            OracleStart {
+                course_rad: world.start.course_rad,
+                climb_rad: world.start.climb_rad,
+                ..OracleStart::ORIGIN
+            },
+            OracleSettings {
+                horizon_s: self.configuration.horizon_s,
+                enough_m: Some(ENOUGH_M),
+                ..OracleSettings::default()
+            },
+        )
+    }
+}
+
+/// A number that indexes something in memory.
+fn index(number: u64) -> usize {
+    usize::try_from(number).unwrap_or(usize::MAX)
+}

@@ -1,0 +1,257 @@
+//! The campaign file: a grid of conditions, policies and seeds in TOML.
+//!
+//! ```toml
+//! name = "two threats"
+//! encounters = 2000            # in all, over all cells
+//! seeds = [1]
+//! policies = ["turn-aware", "published --start t0"]
+//! horizon_s = 60.0             # 60 without it
+//! vehicle = "paper.toml"       # beside this file; Table 4's without it
+//! files = ["mine.csv"]         # encounters as for `fga batch`, beside this file
+//! cells = ["wall-gap,planar"]  # single cells by name
+//!
+//! [[grid]]                     # every combination is a cell
+//! family = "threats"           # or from-anywhere
+//! count = [1, 2]
+//! first_seen_m = [300, [100, 500]]
+//! speed_mps = [[15, 20], [0, 60]]
+//! planar = [false]
+//! bystanders = false
+//! ```
+
+use std::path::Path;
+
+use fga_formats::InputError;
+use fga_formats::encounters;
+use fga_formats::error::{read_text, shown};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::configuration::{FileSource, block_size, parse_policy};
+use super::{Configuration, fingerprint};
+use crate::encounters::EncounterSource;
+use crate::toml_input::TomlText;
+use crate::vehicle_file::VehicleModel;
+
+/// Encounters of a campaign that does not say how many.
+const ENCOUNTERS: u64 = 10_000;
+
+/// What takes the place of what the file says.
+#[derive(Debug, Clone, Default)]
+pub struct Overrides {
+    /// Encounters in all.
+    pub encounters: Option<u64>,
+    /// Policies, as they are named on the command line.
+    pub policies: Vec<String>,
+    /// Text of a vehicle file.
+    pub vehicle: Option<String>,
+    /// Whether the oracle is asked.
+    pub oracle: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: Option<String>,
+    #[serde(rename = "description")]
+    _description: Option<String>,
+    encounters: Option<Spanned<u64>>,
+    seeds: Option<Spanned<Vec<u64>>>,
+    policies: Spanned<Vec<Spanned<String>>>,
+    horizon_s: Option<Spanned<f64>>,
+    vehicle: Option<Spanned<String>>,
+    #[serde(default)]
+    files: Vec<Spanned<String>>,
+    #[serde(default)]
+    cells: Vec<Spanned<String>>,
+    #[serde(default)]
+    grid: Vec<Spanned<Grid>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Grid {
+    family: Spanned<String>,
+    count: Spanned<Vec<u32>>,
+    first_seen_m: Spanned<Vec<Interval>>,
+    speed_mps: Spanned<Vec<Interval>>,
+    #[serde(default)]
+    planar: Option<Spanned<Vec<bool>>>,
+    #[serde(default)]
+    bystanders: bool,
+}
+
+/// A number, or from and to.
+#[derive(Deserialize, Clone, Copy)]
+#[serde(untagged)]
+enum Interval {
+    One(f64),
+    FromTo([f64; 2]),
+}
+
+impl core::fmt::Display for Interval {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::One(value) => write!(f, "{value}"),
+            Self::FromTo([from, to]) => write!(f, "{from}-{to}"),
+        }
+    }
+}
+
+/// Reads a campaign file.
+///
+/// # Errors
+/// A file that cannot be read, is not such a file, or names something that is not known.
+pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputError> {
+    let text = read_text(path)?;
+    let text = TomlText::new(path, &text);
+    let file: File = text.read()?;
+    let beside = |name: &str| path.parent().unwrap_or(Path::new("")).join(name);
+
+    let mut cells = Vec::new();
+    for cell in &file.cells {
+        cells.push((cell.get_ref().clone(), cell.span()));
+    }
+    for grid in &file.grid {
+        let from = cells.len();
+        cells_of(grid.get_ref(), &mut cells, &grid.span());
+        if cells.len() == from {
+            return Err(text.error_at(
+                grid,
+                "the grid is empty, expected at least one count, first_seen_m, speed_mps and planar",
+            ));
+        }
+    }
+    for (cell, span) in &cells {
+        EncounterSource::parse(cell, 0)
+            .map_err(|message| text.error_at(&Spanned::new(span.clone(), ()), message))?;
+    }
+    let mut files = Vec::new();
+    for name in &file.files {
+        let path = beside(name.get_ref());
+        let bytes = std::fs::read(&path).map_err(|error| InputError::unreadable(&path, &error))?;
+        files.push(FileSource {
+            encounters: encounters::parse(bytes.as_slice(), &path)?.len() as u64,
+            sha256: fingerprint(&bytes),
+            path: std::path::absolute(&path).unwrap_or(path),
+        });
+    }
+    if cells.is_empty() && files.is_empty() {
+        return Err(text.error("the grid is empty, expected a [[grid]], cells or files"));
+    }
+
+    let seeds = match &file.seeds {
+        None => vec![0],
+        Some(seeds) if seeds.get_ref().is_empty() => {
+            return Err(text.error_at(seeds, "seeds is empty, expected at least one"));
+        }
+        Some(seeds) => seeds.get_ref().clone(),
+    };
+    let policies = policies(&text, &file, overrides)?;
+    let vehicle = match (&overrides.vehicle, &file.vehicle) {
+        (Some(text), _) => Some(text.clone()),
+        (None, Some(name)) => Some(read_text(&beside(name.get_ref()))?),
+        (None, None) => None,
+    };
+    let model = match &vehicle {
+        None => VehicleModel::built_in()?,
+        Some(vehicle) => {
+            let name = file
+                .vehicle
+                .as_ref()
+                .map_or("vehicle", |v| v.get_ref().as_str());
+            VehicleModel::parse(TomlText::new(Path::new(name), vehicle))?
+        }
+    };
+    let horizon_s = match &file.horizon_s {
+        None => 60.0,
+        Some(horizon_s) => text.within("horizon_s", horizon_s, (1.0, 86_400.0))?,
+    };
+    let in_files = files.iter().map(|f| f.encounters).sum::<u64>() * seeds.len() as u64;
+    let encounters = match (overrides.encounters, &file.encounters) {
+        (Some(count), _) => count,
+        (None, Some(count)) if *count.get_ref() == 0 => {
+            return Err(text.error_at(count, "encounters is 0, expected at least 1"));
+        }
+        (None, Some(count)) => *count.get_ref(),
+        (None, None) if cells.is_empty() => in_files,
+        (None, None) => in_files + ENCOUNTERS,
+    };
+    if encounters == 0 {
+        return Err(text.error("encounters is 0, expected at least 1"));
+    }
+    Ok(Configuration {
+        name: file.name.unwrap_or_else(|| {
+            path.file_stem()
+                .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+        }),
+        version: env!("CARGO_PKG_VERSION").into(),
+        encounters,
+        block: block_size(encounters),
+        seeds,
+        policies,
+        horizon_s,
+        oracle: overrides.oracle,
+        cells: cells.into_iter().map(|(cell, _)| cell).collect(),
+        files,
+        vehicle_sha256: fingerprint(format!("{model:?}").as_bytes()),
+        vehicle,
+    })
+}
+
+/// Policies by their full names, each once.
+fn policies(
+    text: &TomlText<'_>,
+    file: &File,
+    overrides: &Overrides,
+) -> Result<Vec<String>, InputError> {
+    if !overrides.policies.is_empty() {
+        return overrides
+            .policies
+            .iter()
+            .map(|name| parse_policy(name).map(|policy| policy.name()))
+            .collect::<Result<_, _>>()
+            .map_err(|message| text.error(message));
+    }
+    if file.policies.get_ref().is_empty() {
+        return Err(text.error_at(&file.policies, "policies is empty, expected at least one"));
+    }
+    let mut policies: Vec<String> = Vec::new();
+    for name in file.policies.get_ref() {
+        let policy = parse_policy(name.get_ref())
+            .map_err(|message| text.error_at(name, message))?
+            .name();
+        if policies.contains(&policy) {
+            let message = format!("policy {} is named twice, expected once", shown(&policy));
+            return Err(text.error_at(name, message));
+        }
+        policies.push(policy);
+    }
+    Ok(policies)
+}
+
+/// Every combination of a grid as a cell's name.
+fn cells_of(
+    grid: &Grid,
+    cells: &mut Vec<(String, core::ops::Range<usize>)>,
+    span: &core::ops::Range<usize>,
+) {
+    let planar = grid.planar.as_ref().map_or(&[false][..], |p| p.get_ref());
+    for planar in planar {
+        for speed in grid.speed_mps.get_ref() {
+            for seen in grid.first_seen_m.get_ref() {
+                for count in grid.count.get_ref() {
+                    let family = grid.family.get_ref();
+                    let mut cell = format!("{family}:{count}:{seen}:{speed}");
+                    if *planar {
+                        cell.push_str(",planar");
+                    }
+                    if grid.bystanders {
+                        cell.push_str(",bystanders");
+                    }
+                    cells.push((cell, span.clone()));
+                }
+            }
+        }
+    }
+}

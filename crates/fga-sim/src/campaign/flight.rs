@@ -1,0 +1,284 @@
+//! One encounter of a campaign flown by every policy.
+
+use fga::Vec3;
+use fga::situation::ProtectedVolume;
+
+use super::{Campaign, CampaignError};
+use crate::batch::{self, BatchSettings};
+use crate::engine::Engine;
+use crate::oracle::{
+    AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
+};
+use crate::world::World;
+
+/// What is known of one encounter flown by one policy. Lengths are kept to a micrometre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// Number of the encounter in the campaign.
+    pub encounter: u64,
+    /// Number in the file that it comes from, else the same.
+    pub source_encounter: u64,
+    /// Master seed.
+    pub seed: u64,
+    /// Index of the source.
+    pub source: u32,
+    /// Index of the policy.
+    pub policy: u32,
+    /// Number of obstacles.
+    pub obstacles: u32,
+    /// Least margin if course and altitude were held, metres.
+    pub held_margin_m: f64,
+    /// Whether no volume was entered.
+    pub separated: bool,
+    /// Whether a volume was entered that holding the course would not have entered.
+    pub caused: bool,
+    /// Least distance to the centre of an obstacle, metres.
+    pub min_separation_m: f64,
+    /// Least signed distance to a protected volume, metres.
+    pub min_margin_m: f64,
+    /// When the first manoeuvre began, seconds.
+    pub start_s: Option<f64>,
+    /// When the last manoeuvre ended, seconds.
+    pub clear_s: Option<f64>,
+    /// When the aircraft was back on its line, seconds.
+    pub rejoined_s: Option<f64>,
+    /// When the flight ended, seconds.
+    pub end_s: f64,
+    /// Largest distance from the line, metres.
+    pub max_cross_track_m: f64,
+    /// Path flown less progress along the line, metres.
+    pub extra_path_m: f64,
+    /// A margin that the oracle keeps, metres; it stops looking where that is enough.
+    pub oracle_margin_m: Option<f64>,
+}
+
+impl Row {
+    /// Whether holding the course would have entered a volume.
+    pub fn threatened(&self) -> bool {
+        self.held_margin_m < 0.0
+    }
+
+    /// Whether the oracle saves it, where it was asked.
+    pub fn avoidable(&self) -> Option<bool> {
+        self.oracle_margin_m.map(|m| m >= AVOIDABLE_MARGIN_M)
+    }
+
+    /// Whether there was a manoeuvre although holding the course would have done.
+    pub fn needless(&self) -> bool {
+        self.start_s.is_some() && !self.threatened()
+    }
+
+    /// Time between the beginning of the first manoeuvre and being back, or the end, seconds.
+    pub fn time_away_s(&self) -> Option<f64> {
+        Some(self.rejoined_s.unwrap_or(self.end_s) - self.start_s?)
+    }
+}
+
+/// A row with how long its decisions took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flown {
+    /// The row.
+    pub row: Row,
+    /// Median time of a decision, nanoseconds.
+    pub decision_median_ns: u64,
+    /// Longest time of a decision, nanoseconds.
+    pub decision_max_ns: u64,
+    /// Decisions made.
+    pub decisions: u64,
+    /// Time of the whole flight, nanoseconds.
+    pub flight_ns: u64,
+}
+
+/// What a thread needs to fly encounters.
+#[derive(Debug)]
+pub struct Flyer<'a> {
+    campaign: &'a Campaign,
+    engine: Engine,
+    world: World,
+    settings: Vec<BatchSettings>,
+    line_velocity_mps: Vec3,
+    oracle: Option<(OracleVehicle, OracleStart, OracleSettings)>,
+}
+
+impl<'a> Flyer<'a> {
+    /// For this campaign.
+    ///
+    /// # Errors
+    /// A wind in which the line cannot be flown.
+    pub fn new(campaign: &'a Campaign) -> Result<Self, CampaignError> {
+        let world = campaign.world()?;
+        Ok(Self {
+            line_velocity_mps: campaign.line_velocity_mps(&world),
+            oracle: campaign
+                .configuration
+                .oracle
+                .then(|| campaign.oracle(&world)),
+            settings: campaign
+                .policies
+                .iter()
+                .map(|p| campaign.settings(*p))
+                .collect(),
+            engine: Engine::new(),
+            world,
+            campaign,
+        })
+    }
+
+    /// Draws and flies the encounter of this number with every policy.
+    ///
+    /// # Errors
+    /// A number past the last, or settings that the core refuses.
+    pub fn fly(&mut self, number: u64, take: &mut Vec<Flown>) -> Result<(), CampaignError> {
+        let drawn = self.campaign.draw(number)?;
+        self.world.seed = drawn.seed;
+        batch::populate(
+            &mut self.world,
+            &drawn.encounter,
+            &self.campaign.model.protection,
+        );
+        let held: Vec<f64> = drawn
+            .encounter
+            .obstacles
+            .iter()
+            .zip(&self.world.obstacles)
+            .map(|(obstacle, real)| {
+                let relative_mps = obstacle.velocity_mps - self.line_velocity_mps;
+                let horizon_s = self.campaign.configuration.horizon_s;
+                kept(least_margin(
+                    -obstacle.position_m,
+                    -relative_mps,
+                    horizon_s,
+                    &real.volume,
+                ))
+            })
+            .collect();
+        let oracle_margin_m = self.oracle.as_ref().map(|(vehicle, start, settings)| {
+            let obstacles: Vec<OracleObstacle> = drawn
+                .encounter
+                .obstacles
+                .iter()
+                .zip(&self.world.obstacles)
+                .map(|(obstacle, real)| {
+                    OracleObstacle {
+                        position_m: obstacle.position_m,
+                        velocity_mps: obstacle.velocity_mps,
+                        volume: real.volume,
+                    }
+                    .in_wind(self.campaign.model.wind_mps)
+                })
+                .collect();
+            kept(best_margin(start, vehicle, &obstacles, settings).best_margin_m)
+        });
+        for (policy, settings) in (0..).zip(&self.settings) {
+            let begun = std::time::Instant::now();
+            let flown = batch::fly_one(
+                &mut self.engine,
+                &mut self.world,
+                &drawn.encounter,
+                settings,
+            )?;
+            let flight_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
+            let outcome = &flown.outcome;
+            let caused = self
+                .engine
+                .separations()
+                .iter()
+                .zip(&held)
+                .any(|(separation, held)| kept(separation.margin().value_m) < 0.0 && *held >= 0.0);
+            take.push(Flown {
+                row: Row {
+                    encounter: number,
+                    source_encounter: drawn.source_encounter,
+                    seed: drawn.seed,
+                    source: drawn.source,
+                    policy,
+                    obstacles: u32::try_from(held.len()).unwrap_or(u32::MAX),
+                    held_margin_m: held.iter().copied().fold(f64::INFINITY, f64::min),
+                    separated: flown.separated(),
+                    caused,
+                    min_separation_m: kept(outcome.min_separation_m),
+                    min_margin_m: kept(outcome.min_margin_m),
+                    start_s: outcome.start_s.map(kept),
+                    clear_s: outcome.clear_s.map(kept),
+                    rejoined_s: outcome.rejoined_s.map(kept),
+                    end_s: kept(outcome.end_s),
+                    max_cross_track_m: kept(outcome.max_cross_track_m),
+                    extra_path_m: kept(outcome.extra_path_m),
+                    oracle_margin_m,
+                },
+                decision_median_ns: flown.decision_median_ns,
+                decision_max_ns: flown.decision_max_ns,
+                decisions: flown.decisions as u64,
+                flight_ns,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// A length or time as it is kept: six decimals, no negative zero.
+fn kept(value: f64) -> f64 {
+    libm::rint(value * 1e6) / 1e6 + 0.0
+}
+
+/// Least signed distance to `volume` of a point that moves straight for `horizon_s` seconds.
+fn least_margin(
+    offset_m: Vec3,
+    velocity_mps: Vec3,
+    horizon_s: f64,
+    volume: &ProtectedVolume,
+) -> f64 {
+    let speed_squared = velocity_mps.length_squared();
+    let margin_at = |time_s: f64| volume.margin_m(offset_m + velocity_mps * time_s);
+    if speed_squared <= 0.0 {
+        return margin_at(0.0);
+    }
+    match volume {
+        ProtectedVolume::Sphere { .. } => {
+            margin_at((-offset_m.dot(velocity_mps) / speed_squared).clamp(0.0, horizon_s))
+        }
+        ProtectedVolume::Cylinder { .. } => {
+            // The signed distance to a convex body is convex along a line.
+            let (mut low_s, mut high_s) = (0.0, horizon_s);
+            for _ in 0..100 {
+                let third_s = (high_s - low_s) / 3.0;
+                if margin_at(low_s + third_s) <= margin_at(high_s - third_s) {
+                    high_s -= third_s;
+                } else {
+                    low_s += third_s;
+                }
+            }
+            margin_at(0.0)
+                .min(margin_at(0.5 * (low_s + high_s)))
+                .min(margin_at(horizon_s))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn held_margin_against_numbers_by_hand() {
+        // 15 m/s past a static point 20 m beside the line, 150 m ahead, radius 30 m.
+        let sphere = ProtectedVolume::Sphere { radius_m: 30.0 };
+        let margin = |horizon_s, volume| {
+            least_margin(
+                Vec3::new(-150.0, -20.0, 0.0),
+                Vec3::X * 15.0,
+                horizon_s,
+                &volume,
+            )
+        };
+        assert!((margin(60.0, sphere) + 10.0).abs() < 1e-12);
+        // Only 5 s: 75 m short of it, √(75² + 20²) − 30.
+        assert!((margin(5.0, sphere) - 47.620_873_48).abs() < 1e-8);
+        let cylinder = ProtectedVolume::Cylinder {
+            radius_m: 30.0,
+            half_height_m: 5.0,
+        };
+        // The nearest way out of the cylinder is up or down, 5 m.
+        assert!((margin(60.0, cylinder) + 5.0).abs() < 1e-6);
+    }
+}

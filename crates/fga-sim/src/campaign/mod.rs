@@ -1,0 +1,79 @@
+//! Campaigns: many drawn encounters, each flown by several policies, with results that are the
+//! same to the byte on any number of threads and shards and after any interruption.
+//!
+//! Encounters are numbered from 0 over the whole campaign. Those of files come first, in their
+//! order; after them the cells take turns, so a longer campaign begins with the shorter one. A
+//! number gives the cell, the master seed and the random stream, so each encounter can be drawn
+//! and flown alone. Work goes in blocks of encounters. Each finished block is a file of its own
+//! whose name holds its checksum; the last step puts them together into `results.parquet`.
+//!
+//! | question | answer |
+//! |---|---|
+//! | what does a campaign file ask for? | [`mod@file`] |
+//! | what is one campaign exactly? | [`Configuration`], [`Campaign`] |
+//! | what is known of one encounter flown? | [`Row`] |
+//! | how are rows kept? | [`table`] |
+//! | what is in a folder of results? | [`folder`] |
+//! | who flies them? | [`run()`], [`merge()`] |
+//! | what do they say together? | [`Totals`] |
+
+pub mod configuration;
+pub mod file;
+pub mod flight;
+pub mod folder;
+pub mod merge;
+pub mod run;
+mod show;
+pub mod table;
+pub mod totals;
+
+pub use configuration::{Campaign, Configuration, parse_policy};
+pub use flight::{Flown, Flyer, Row};
+pub use folder::{Folder, Manifest, RESULTS, Shard, Stamp};
+pub use merge::{Assembled, assemble, merge, reread};
+pub use run::{DecisionTimes, Progress, Task, run};
+pub use totals::{Quantiles, Summary, Totals};
+
+use fga::avoider::SettingsError;
+use fga_formats::{InputError, OutputError};
+
+/// Why a campaign cannot be flown or read.
+#[derive(Debug, thiserror::Error)]
+pub enum CampaignError {
+    /// A file that cannot be used.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// A file that cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// Settings or limits that the core refuses.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// Anything else, as one sentence.
+    #[error("{0}")]
+    Other(String),
+    /// Stopped on request; finished blocks are kept.
+    #[error("stopped after {done} of {total} encounters; --resume goes on from there")]
+    Stopped {
+        /// Encounters in finished blocks.
+        done: u64,
+        /// Encounters of this folder.
+        total: u64,
+    },
+}
+
+/// SHA-256 of some bytes, in hexadecimal.
+pub(crate) fn fingerprint(bytes: &[u8]) -> String {
+    use sha2::Digest as _;
+    hexadecimal(&sha2::Sha256::digest(bytes))
+}
+
+/// Bytes in hexadecimal.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    use core::fmt::Write as _;
+    let mut text = String::with_capacity(2 * bytes.len());
+    for byte in bytes {
+        let _ = write!(text, "{byte:02x}");
+    }
+    text
+}

@@ -1,0 +1,405 @@
+//! Rows as a Parquet table and as CSV.
+//!
+//! A file holds one row group for each block. Its metadata has `fga.version`, `fga.target`,
+//! `fga.configuration_hash`, `fga.seeds` and `fga.configuration`; no time of day and no duration
+//! stands in it.
+
+use alloc::sync::Arc;
+use std::io::Write;
+
+use fga_formats::number::push_fixed;
+use parquet::basic::{Compression, Encoding};
+use parquet::column::reader::get_typed_column_reader;
+use parquet::column::writer::ColumnWriterImpl;
+use parquet::data_type::{
+    BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int32Type, Int64Type,
+};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::file::reader::{ChunkReader, FileReader, RowGroupReader, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::parser::parse_message_type;
+use parquet::schema::types::ColumnPath;
+
+use super::{Campaign, Row, Stamp};
+
+const SCHEMA: &str = "message campaign {
+    required int64 encounter (INTEGER(64,false));
+    required int64 source_encounter (INTEGER(64,false));
+    required int64 seed (INTEGER(64,false));
+    required binary source (STRING);
+    required binary policy (STRING);
+    required int32 obstacles;
+    required boolean threatened;
+    required double held_margin_m;
+    required boolean separated;
+    required boolean caused;
+    required boolean needless;
+    required double min_separation_m;
+    required double min_margin_m;
+    optional double start_s;
+    optional double clear_s;
+    optional double rejoined_s;
+    required double end_s;
+    optional double time_away_s;
+    required double max_cross_track_m;
+    required double extra_path_m;
+    optional boolean avoidable;
+    optional double oracle_margin_m;
+}";
+
+/// Columns of the CSV file: those of the Parquet file.
+pub const CSV_COLUMNS: &str = "encounter,source_encounter,seed,source,policy,obstacles,threatened,\
+held_margin_m,separated,caused,needless,min_separation_m,min_margin_m,start_s,clear_s,rejoined_s,\
+end_s,time_away_s,max_cross_track_m,extra_path_m,avoidable,oracle_margin_m";
+
+/// One column of some rows.
+enum Column {
+    Long(Vec<i64>),
+    Int(Vec<i32>),
+    Flag(Vec<bool>),
+    Real(Vec<f64>),
+    MaybeFlag(Vec<Option<bool>>),
+    MaybeReal(Vec<Option<f64>>),
+    Text(Vec<ByteArray>),
+}
+
+/// The columns of some rows, in the order of the schema.
+fn columns_of(rows: &[Row], campaign: &Campaign) -> Vec<Column> {
+    let long = |get: fn(&Row) -> u64| {
+        Column::Long(rows.iter().map(|row| get(row).cast_signed()).collect())
+    };
+    let flag = |get: fn(&Row) -> bool| Column::Flag(rows.iter().map(get).collect());
+    let real = |get: fn(&Row) -> f64| Column::Real(rows.iter().map(get).collect());
+    let maybe = |get: fn(&Row) -> Option<f64>| Column::MaybeReal(rows.iter().map(get).collect());
+    let text = |names: &[String], get: fn(&Row) -> u32| {
+        let names: Vec<ByteArray> = names
+            .iter()
+            .map(|name| ByteArray::from(name.as_str()))
+            .collect();
+        let name_of = |row: &Row| names.get(get(row) as usize).cloned().unwrap_or_default();
+        Column::Text(rows.iter().map(name_of).collect())
+    };
+    vec![
+        long(|row| row.encounter),
+        long(|row| row.source_encounter),
+        long(|row| row.seed),
+        text(campaign.source_names(), |row| row.source),
+        text(&campaign.configuration.policies, |row| row.policy),
+        Column::Int(rows.iter().map(|row| row.obstacles.cast_signed()).collect()),
+        flag(Row::threatened),
+        real(|row| row.held_margin_m),
+        flag(|row| row.separated),
+        flag(|row| row.caused),
+        flag(Row::needless),
+        real(|row| row.min_separation_m),
+        real(|row| row.min_margin_m),
+        maybe(|row| row.start_s),
+        maybe(|row| row.clear_s),
+        maybe(|row| row.rejoined_s),
+        real(|row| row.end_s),
+        maybe(Row::time_away_s),
+        real(|row| row.max_cross_track_m),
+        real(|row| row.extra_path_m),
+        Column::MaybeFlag(rows.iter().map(Row::avoidable).collect()),
+        maybe(|row| row.oracle_margin_m),
+    ]
+}
+
+/// Writes rows, one row group a call.
+pub struct TableWriter<W: Write + Send>(SerializedFileWriter<W>);
+
+impl<W: Write + Send> TableWriter<W> {
+    /// Begins a file.
+    ///
+    /// # Errors
+    /// What the output refuses.
+    pub fn new(output: W, campaign: &Campaign, stamp: &Stamp) -> Result<Self, ParquetError> {
+        let configuration = &campaign.configuration;
+        let seeds: Vec<String> = configuration.seeds.iter().map(u64::to_string).collect();
+        let entries = [
+            ("fga.version", configuration.version.clone()),
+            ("fga.target", stamp.target.clone()),
+            ("fga.configuration_hash", campaign.hash.clone()),
+            ("fga.seeds", seeds.join(",")),
+            ("fga.configuration", placeless(campaign)),
+        ];
+        let entries = entries.map(|(key, value)| KeyValue::new(key.to_owned(), value));
+        let mut properties = WriterProperties::builder()
+            .set_created_by(format!("fga {}", configuration.version))
+            .set_compression(Compression::SNAPPY)
+            .set_dictionary_enabled(false)
+            .set_statistics_enabled(EnabledStatistics::Chunk)
+            .set_offset_index_disabled(true)
+            .set_key_value_metadata(Some(entries.into()));
+        for name in ["seed", "source", "policy"] {
+            properties = properties.set_column_dictionary_enabled(ColumnPath::from(name), true);
+        }
+        for name in ["encounter", "source_encounter"] {
+            properties = properties
+                .set_column_encoding(ColumnPath::from(name), Encoding::DELTA_BINARY_PACKED);
+        }
+        let schema = Arc::new(parse_message_type(SCHEMA)?);
+        SerializedFileWriter::new(output, schema, Arc::new(properties.build())).map(Self)
+    }
+
+    /// Writes one row group.
+    ///
+    /// # Errors
+    /// What the output refuses.
+    pub fn write(&mut self, rows: &[Row], campaign: &Campaign) -> Result<(), ParquetError> {
+        let mut group = self.0.next_row_group()?;
+        for column in columns_of(rows, campaign) {
+            let Some(mut writer) = group.next_column()? else {
+                break;
+            };
+            match &column {
+                Column::Long(values) => put(writer.typed::<Int64Type>(), values)?,
+                Column::Int(values) => put(writer.typed::<Int32Type>(), values)?,
+                Column::Flag(values) => put(writer.typed::<BoolType>(), values)?,
+                Column::Real(values) => put(writer.typed::<DoubleType>(), values)?,
+                Column::Text(values) => put(writer.typed::<ByteArrayType>(), values)?,
+                Column::MaybeFlag(values) => put_maybe(writer.typed::<BoolType>(), values)?,
+                Column::MaybeReal(values) => put_maybe(writer.typed::<DoubleType>(), values)?,
+            }
+            writer.close()?;
+        }
+        group.close()?;
+        Ok(())
+    }
+
+    /// Ends the file and gives the output back.
+    ///
+    /// # Errors
+    /// What the output refuses.
+    pub fn finish(self) -> Result<W, ParquetError> {
+        self.0.into_inner()
+    }
+}
+
+/// The configuration without the places of files, which do not matter.
+fn placeless(campaign: &Campaign) -> String {
+    let mut configuration = campaign.configuration.clone();
+    for file in &mut configuration.files {
+        file.path = file.path.file_name().map(Into::into).unwrap_or_default();
+    }
+    configuration.to_json()
+}
+
+fn put<T: DataType>(
+    writer: &mut ColumnWriterImpl<'_, T>,
+    values: &[T::T],
+) -> Result<(), ParquetError> {
+    writer.write_batch(values, None, None).map(drop)
+}
+
+fn put_maybe<T: DataType>(
+    writer: &mut ColumnWriterImpl<'_, T>,
+    values: &[Option<T::T>],
+) -> Result<(), ParquetError>
+where
+    T::T: Copy,
+{
+    let levels: Vec<i16> = values
+        .iter()
+        .map(|value| i16::from(value.is_some()))
+        .collect();
+    let present: Vec<T::T> = values.iter().flatten().copied().collect();
+    writer.write_batch(&present, Some(&levels), None).map(drop)
+}
+
+/// Reads the rows of a file back, one row group a call of `take`.
+///
+/// # Errors
+/// A file that is not such a table, or the first error of `take`.
+pub fn read<R: ChunkReader + 'static, E: From<ParquetError>>(
+    input: R,
+    campaign: &Campaign,
+    mut take: impl FnMut(Vec<Row>) -> Result<(), E>,
+) -> Result<(), E> {
+    let reader = SerializedFileReader::new(input)?;
+    let expected = parse_message_type(SCHEMA)?;
+    if reader.metadata().file_metadata().schema() != &expected {
+        return Err(ParquetError::General("has other columns than a campaign".into()).into());
+    }
+    for index in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(index)?;
+        take(read_group(group.as_ref(), campaign)?)?;
+    }
+    Ok(())
+}
+
+fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row>, ParquetError> {
+    let count = usize::try_from(group.metadata().num_rows())
+        .map_err(|_| ParquetError::General("a row group has no size".into()))?;
+    let encounter = all::<Int64Type>(group, 0, count)?;
+    let source_encounter = all::<Int64Type>(group, 1, count)?;
+    let seed = all::<Int64Type>(group, 2, count)?;
+    let source = indices(group, 3, count, campaign.source_names())?;
+    let policy = indices(group, 4, count, &campaign.configuration.policies)?;
+    let obstacles = all::<Int32Type>(group, 5, count)?;
+    let held_margin_m = all::<DoubleType>(group, 7, count)?;
+    let separated = all::<BoolType>(group, 8, count)?;
+    let caused = all::<BoolType>(group, 9, count)?;
+    let min_separation_m = all::<DoubleType>(group, 11, count)?;
+    let min_margin_m = all::<DoubleType>(group, 12, count)?;
+    let start_s = maybe(group, 13, count)?;
+    let clear_s = maybe(group, 14, count)?;
+    let rejoined_s = maybe(group, 15, count)?;
+    let end_s = all::<DoubleType>(group, 16, count)?;
+    let max_cross_track_m = all::<DoubleType>(group, 18, count)?;
+    let extra_path_m = all::<DoubleType>(group, 19, count)?;
+    let oracle_margin_m = maybe(group, 21, count)?;
+    Ok((0..count)
+        .map(|i| Row {
+            encounter: encounter[i].cast_unsigned(),
+            source_encounter: source_encounter[i].cast_unsigned(),
+            seed: seed[i].cast_unsigned(),
+            source: source[i],
+            policy: policy[i],
+            obstacles: obstacles[i].cast_unsigned(),
+            held_margin_m: held_margin_m[i],
+            separated: separated[i],
+            caused: caused[i],
+            min_separation_m: min_separation_m[i],
+            min_margin_m: min_margin_m[i],
+            start_s: start_s[i],
+            clear_s: clear_s[i],
+            rejoined_s: rejoined_s[i],
+            end_s: end_s[i],
+            max_cross_track_m: max_cross_track_m[i],
+            extra_path_m: extra_path_m[i],
+            oracle_margin_m: oracle_margin_m[i],
+        })
+        .collect())
+}
+
+/// The values of a column and which of the rows have one.
+fn values<T: DataType>(
+    group: &dyn RowGroupReader,
+    column: usize,
+    count: usize,
+) -> Result<(Vec<T::T>, Vec<i16>), ParquetError> {
+    let mut reader = get_typed_column_reader::<T>(group.get_column_reader(column)?);
+    let (mut values, mut levels) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    while reader
+        .read_records(count, Some(&mut levels), None, &mut values)?
+        .0
+        > 0
+    {}
+    Ok((values, levels))
+}
+
+fn all<T: DataType>(
+    group: &dyn RowGroupReader,
+    column: usize,
+    count: usize,
+) -> Result<Vec<T::T>, ParquetError> {
+    let (values, _) = values::<T>(group, column, count)?;
+    if values.len() == count {
+        Ok(values)
+    } else {
+        Err(ParquetError::General(format!(
+            "column {column} has {} values, expected {count}",
+            values.len()
+        )))
+    }
+}
+
+fn maybe(
+    group: &dyn RowGroupReader,
+    column: usize,
+    count: usize,
+) -> Result<Vec<Option<f64>>, ParquetError> {
+    let (values, levels) = values::<DoubleType>(group, column, count)?;
+    let mut values = values.into_iter();
+    let rows: Vec<Option<f64>> = levels
+        .into_iter()
+        .map(|level| if level > 0 { values.next() } else { None })
+        .collect();
+    if rows.len() == count {
+        Ok(rows)
+    } else {
+        Err(ParquetError::General(format!(
+            "column {column} has {} rows, expected {count}",
+            rows.len()
+        )))
+    }
+}
+
+/// A column of names as indices.
+fn indices(
+    group: &dyn RowGroupReader,
+    column: usize,
+    count: usize,
+    names: &[String],
+) -> Result<Vec<u32>, ParquetError> {
+    all::<ByteArrayType>(group, column, count)?
+        .iter()
+        .map(|name| {
+            (0..)
+                .zip(names)
+                .find(|(_, known)| known.as_bytes() == name.data())
+                .map(|(index, _)| index)
+                .ok_or_else(|| ParquetError::General("holds a name of another campaign".into()))
+        })
+        .collect()
+}
+
+/// Appends a row of the CSV file.
+pub fn push_csv(line: &mut Vec<u8>, row: &Row, campaign: &Campaign) {
+    for (index, column) in columns_of(core::slice::from_ref(row), campaign)
+        .iter()
+        .enumerate()
+    {
+        if index > 0 {
+            line.push(b',');
+        }
+        let shown = match column {
+            Column::Long(values) => values.first().map(|v| v.cast_unsigned().to_string()),
+            Column::Int(values) => values.first().map(i32::to_string),
+            Column::Flag(values) => values.first().map(bool::to_string),
+            Column::MaybeFlag(values) => values.iter().flatten().next().map(bool::to_string),
+            Column::Real(values) => {
+                if let Some(value) = values.first() {
+                    push_fixed(line, *value, 6);
+                }
+                None
+            }
+            Column::MaybeReal(values) => {
+                if let Some(value) = values.iter().flatten().next() {
+                    push_fixed(line, *value, 6);
+                }
+                None
+            }
+            Column::Text(values) => {
+                if let Some(value) = values.first() {
+                    push_field(line, value.data());
+                }
+                None
+            }
+        };
+        line.extend_from_slice(shown.unwrap_or_default().as_bytes());
+    }
+    line.push(b'\n');
+}
+
+/// A text as a CSV field; quoted where it has to be.
+fn push_field(line: &mut Vec<u8>, text: &[u8]) {
+    if !text
+        .iter()
+        .any(|byte| matches!(byte, b',' | b'"' | b'\n' | b'\r'))
+    {
+        line.extend_from_slice(text);
+        return;
+    }
+    line.push(b'"');
+    for &byte in text {
+        if byte == b'"' {
+            line.push(b'"');
+        }
+        line.push(byte);
+    }
+    line.push(b'"');
+}

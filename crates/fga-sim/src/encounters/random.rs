@@ -1,0 +1,76 @@
+//! Random numbers that are the same on every machine.
+
+use core::f64::consts::TAU;
+
+use fga::Vec3;
+use rand_chacha::ChaCha8Rng;
+use rand_core::{Rng, SeedableRng};
+
+use super::Range;
+
+/// The random stream of one encounter.
+#[derive(Debug, Clone)]
+pub struct Random(ChaCha8Rng);
+
+impl Random {
+    /// Stream `stream` of the master seed.
+    pub fn new(seed: u64, stream: u64) -> Self {
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        generator.set_stream(stream);
+        Self(generator)
+    }
+
+    /// Uniform in [0, 1): the upper 53 bits of an integer times 2⁻⁵³, exact.
+    pub fn unit(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
+    }
+
+    /// Uniform in a range.
+    pub fn within(&mut self, range: Range) -> f64 {
+        range.0 + (range.1 - range.0) * self.unit()
+    }
+
+    /// A whole number from `least` to `most`, both included.
+    pub fn count(&mut self, least: u32, most: u32) -> u32 {
+        let values = u64::from(most.saturating_sub(least)) + 1;
+        // A multiply and shift; the bias of 2⁻³² is of no consequence here.
+        let drawn = (((self.0.next_u64() >> 32) * values) >> 32) as u32;
+        least + drawn
+    }
+
+    /// +1 or −1.
+    pub fn sign(&mut self) -> f64 {
+        if self.0.next_u64() >> 63 == 0 {
+            1.0
+        } else {
+            -1.0
+        }
+    }
+
+    /// A unit vector, uniform on the circle or on the sphere.
+    pub fn direction(&mut self, planar: bool) -> Vec3 {
+        let angle = TAU * self.unit();
+        let z = if planar { 0.0 } else { 2.0 * self.unit() - 1.0 };
+        let across = libm::sqrt(1.0 - z * z);
+        let (sin, cos) = libm::sincos(angle);
+        Vec3::new(across * cos, across * sin, z)
+    }
+
+    /// A point of the disc of `radius` about the origin and perpendicular to `axis`, uniform; in
+    /// the plane, of the line across it.
+    pub fn offset(&mut self, axis: Vec3, radius: f64, planar: bool) -> Vec3 {
+        let horizontal = libm::sqrt(axis.x * axis.x + axis.y * axis.y);
+        let left = if horizontal > 1e-9 {
+            Vec3::new(-axis.y, axis.x, 0.0) / horizontal
+        } else {
+            Vec3::Y
+        };
+        if planar {
+            return left * (radius * (2.0 * self.unit() - 1.0));
+        }
+        let up = axis.cross(left);
+        let distance = radius * libm::sqrt(self.unit());
+        let (sin, cos) = libm::sincos(TAU * self.unit());
+        (left * cos + up * sin) * distance
+    }
+}

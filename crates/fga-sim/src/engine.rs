@@ -1,0 +1,514 @@
+//! One flight, closed loop: look, decide, fly until the next decision, measure.
+
+use std::time::Instant;
+
+use fga::Vec3;
+use fga::angle::{climb_of, course_of, wrap_pi};
+use fga::avoider::{Decision, Mission, Obstacles, Reason, Situation, State};
+use fga::kinematics::STANDARD_GRAVITY_MPS2;
+use fga::situation::Ownship;
+
+use crate::plant::{Arc, Plant, unwrap_near};
+use crate::policy::Pilot;
+use crate::progress::MissionProgress;
+use crate::sensor::Sensor;
+use crate::separation::Separation;
+use crate::track::Track;
+use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD, Ending, World};
+
+/// Samples are at most this far apart, seconds.
+const LONGEST_SAMPLE_S: f64 = 0.1;
+
+/// The flown state at a moment, as it is logged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Seconds since the start.
+    pub time_s: f64,
+    /// Position over the ground, metres.
+    pub position_m: Vec3,
+    /// Course over the ground, radians.
+    pub course_rad: f64,
+    /// Climb angle over the ground, radians.
+    pub climb_rad: f64,
+    /// Bank angle, radians, positive in a left turn.
+    pub bank_rad: f64,
+    /// What the aircraft was doing.
+    pub state: State,
+}
+
+/// A decision as it is logged.
+#[derive(Debug, Clone, Copy)]
+pub struct DecisionMoment<'a> {
+    /// Seconds since the start.
+    pub time_s: f64,
+    /// What was known.
+    pub situation: &'a Situation<'a>,
+    /// What was decided.
+    pub decision: &'a Decision,
+    /// How long the step took, nanoseconds.
+    pub elapsed_ns: u64,
+}
+
+/// Follows a flight.
+pub trait Observer {
+    /// The state at a moment, at the start, at most 0.1 s apart, and at the end.
+    fn sample(&mut self, _sample: &Sample) {}
+    /// A decision, before it is flown.
+    fn decision(&mut self, _moment: &DecisionMoment<'_>) {}
+}
+
+/// Follows nothing.
+impl Observer for () {}
+
+/// What came of a flight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// Least distance to the centre of any obstacle, metres; infinite without obstacles.
+    pub min_separation_m: f64,
+    /// Least signed distance to any protected volume, metres; infinite without obstacles.
+    pub min_margin_m: f64,
+    /// When a threat was first known, seconds.
+    pub threat_s: Option<f64>,
+    /// When the first manoeuvre began, seconds.
+    pub start_s: Option<f64>,
+    /// When the last manoeuvre ended, free to return, seconds.
+    pub clear_s: Option<f64>,
+    /// When the aircraft was back on its mission for the last time, seconds.
+    pub rejoined_s: Option<f64>,
+    /// Largest distance from the mission, horizontal and vertical together, metres.
+    pub max_cross_track_m: f64,
+    /// Path flown less progress along the mission, metres.
+    pub extra_path_m: f64,
+    /// When the flight ended, seconds.
+    pub end_s: f64,
+    /// Whether the last waypoint was passed.
+    pub mission_flown: bool,
+}
+
+impl Outcome {
+    /// Whether no protected volume was entered.
+    pub fn separated(&self) -> bool {
+        self.min_margin_m >= 0.0
+    }
+}
+
+/// Flies worlds; its buffers are kept from one to the next.
+#[derive(Debug)]
+pub struct Engine {
+    plant: Option<Plant>,
+    sensor: Sensor,
+    separations: Vec<Separation>,
+    elapsed_ns: Vec<u64>,
+}
+
+impl Default for Engine {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// When things happened.
+#[derive(Debug, Clone, Copy, Default)]
+struct Milestones {
+    threat_s: Option<f64>,
+    start_s: Option<f64>,
+    clear_s: Option<f64>,
+    rejoined_s: Option<f64>,
+    mission_flown: bool,
+    last: State,
+}
+
+impl Milestones {
+    fn note(&mut self, time_s: f64, decision: &Decision) {
+        let state = decision.state;
+        if state != State::Cruise && self.threat_s.is_none() {
+            self.threat_s = Some(time_s);
+        }
+        if state == State::Avoiding && self.last != State::Avoiding {
+            self.start_s.get_or_insert(time_s);
+            self.clear_s = None;
+            self.rejoined_s = None;
+        }
+        if self.last == State::Avoiding && state != State::Avoiding {
+            self.clear_s = Some(time_s);
+        }
+        let away = matches!(self.last, State::Avoiding | State::Recovering);
+        if away && matches!(state, State::Cruise | State::Threatened) {
+            self.rejoined_s = Some(time_s);
+        }
+        self.mission_flown = decision.record.reason == Reason::MissionComplete;
+        self.last = state;
+    }
+}
+
+impl Engine {
+    /// An engine with empty buffers.
+    pub fn new() -> Self {
+        Self {
+            plant: None,
+            sensor: Sensor::new(),
+            separations: Vec::new(),
+            elapsed_ns: Vec::new(),
+        }
+    }
+
+    /// Least separations of the last flight, in the order of the world's obstacles.
+    pub fn separations(&self) -> &[Separation] {
+        &self.separations
+    }
+
+    /// When each obstacle was first seen in the last flight, in the order of the world's.
+    pub fn first_seen_s(&self) -> &[Option<f64>] {
+        self.sensor.first_seen_s()
+    }
+
+    /// Time of each decision of the last flight, nanoseconds, in any order.
+    pub fn elapsed_ns(&mut self) -> &mut [u64] {
+        &mut self.elapsed_ns
+    }
+
+    /// Flies a world to its end.
+    pub fn fly(
+        &mut self,
+        world: &World,
+        pilot: &mut (impl Pilot + ?Sized),
+        observer: &mut impl Observer,
+    ) -> Outcome {
+        let plant = self
+            .plant
+            .get_or_insert_with(|| Plant::new(world.vehicle, world.autopilot, world.wind_mps));
+        plant.refit(world.vehicle, world.autopilot, world.wind_mps);
+        let start = &world.start;
+        plant.place(0.0, start.position_m, start.course_rad, start.climb_rad);
+        self.sensor.begin(
+            world.sensor,
+            world.obstacles.len(),
+            world.seed,
+            world.stream,
+        );
+        self.elapsed_ns.clear();
+        self.separations.clear();
+        self.separations
+            .extend(world.obstacles.iter().map(|obstacle| {
+                let mut separation = Separation::new(obstacle.volume);
+                if let Some((position_m, _)) = obstacle.track.at(0.0) {
+                    separation.observe_moment(0.0, start.position_m - position_m);
+                }
+                separation
+            }));
+        Flight {
+            world,
+            plant,
+            sensor: &mut self.sensor,
+            separations: &mut self.separations,
+            elapsed_ns: &mut self.elapsed_ns,
+            milestones: Milestones::default(),
+            progress: MissionProgress::new(&world.mission_m, start.position_m),
+            replaying: world.recorded.as_ref(),
+            tuned_mps: world.vehicle.airspeed_mps,
+            flown_m: 0.0,
+        }
+        .fly(pilot, observer)
+    }
+}
+
+/// A flight under way.
+struct Flight<'a> {
+    world: &'a World,
+    plant: &'a mut Plant,
+    sensor: &'a mut Sensor,
+    separations: &'a mut [Separation],
+    elapsed_ns: &'a mut Vec<u64>,
+    milestones: Milestones,
+    progress: MissionProgress<'a>,
+    /// The recording, until it is left.
+    replaying: Option<&'a Track>,
+    /// Airspeed for which the pilot is set up, metres per second.
+    tuned_mps: f64,
+    /// Path over the ground, metres.
+    flown_m: f64,
+}
+
+impl Flight<'_> {
+    fn fly(mut self, pilot: &mut (impl Pilot + ?Sized), observer: &mut impl Observer) -> Outcome {
+        let period_s = self.world.settings.decision_period_s;
+        let mut cycle = 0_u32;
+        let end_s = loop {
+            let time_s = f64::from(cycle) * period_s;
+            let decision = self.decide(time_s, pilot, observer);
+            // A recording that was not left ends where it ends.
+            let horizon_s = self.world.horizon_s;
+            let limit_s = self
+                .replaying
+                .map_or(horizon_s, |track| horizon_s.min(track.presence_s().1));
+            let left_s = limit_s - time_s;
+            if left_s <= 1e-9 || self.ended(time_s) {
+                break time_s;
+            }
+            // The end need not fall on a decision.
+            let last = left_s < period_s + 1e-9;
+            let step_s = if last { left_s } else { period_s };
+            self.advance(&decision, time_s, step_s, observer);
+            if last {
+                self.follow_recording(limit_s);
+                self.progress.follow(
+                    self.plant.ownship().position_m,
+                    self.plant.ground_velocity_mps(),
+                );
+                self.show(limit_s, decision.state, observer);
+                break limit_s;
+            }
+            cycle += 1;
+        };
+        self.outcome(end_s)
+    }
+
+    /// Looks and decides.
+    fn decide(
+        &mut self,
+        time_s: f64,
+        pilot: &mut (impl Pilot + ?Sized),
+        observer: &mut impl Observer,
+    ) -> Decision {
+        let world = self.world;
+        self.follow_recording(time_s);
+        let airspeed_mps = self.plant.vehicle().airspeed_mps;
+        // A recording's speed changes from row to row in its last digits.
+        if (airspeed_mps - self.tuned_mps).abs() > 1e-3 * self.tuned_mps {
+            pilot.retune(self.plant.vehicle());
+            self.tuned_mps = airspeed_mps;
+        }
+        let ownship = self.plant.ownship();
+        let known = self
+            .sensor
+            .look(time_s, ownship.position_m, &world.obstacles);
+        let situation = Situation {
+            time_s,
+            ownship,
+            obstacles: Obstacles::Rows(known),
+            mission: Mission {
+                waypoints_m: &world.mission_m,
+            },
+            wind_mps: world.wind_mps,
+        };
+        let begun = Instant::now();
+        let decision = pilot.step(&situation);
+        let elapsed_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        self.elapsed_ns.push(elapsed_ns);
+        self.milestones.note(time_s, &decision);
+        observer.decision(&DecisionMoment {
+            time_s,
+            situation: &situation,
+            decision: &decision,
+            elapsed_ns,
+        });
+        if decision.state == State::Avoiding {
+            self.replaying = None;
+        }
+        self.show(time_s, decision.state, observer);
+        self.progress
+            .follow(ownship.position_m, self.plant.ground_velocity_mps());
+        decision
+    }
+
+    /// Shows the state now.
+    fn show(&self, time_s: f64, state: State, observer: &mut impl Observer) {
+        let plant = &self.plant;
+        observer.sample(&sample_of(
+            &plant.ownship(),
+            plant.wind_mps(),
+            time_s,
+            state,
+        ));
+    }
+
+    /// Flies until the next decision and measures.
+    fn advance(
+        &mut self,
+        decision: &Decision,
+        time_s: f64,
+        step_s: f64,
+        observer: &mut impl Observer,
+    ) {
+        let obstacles = &self.world.obstacles;
+        let separations = &mut *self.separations;
+        let mut measure = |arc: &Arc| {
+            for (separation, obstacle) in separations.iter_mut().zip(obstacles) {
+                separation.observe(arc, &obstacle.track);
+            }
+        };
+        if let Some(recorded) = self.replaying {
+            recorded_arcs(recorded, time_s, time_s + step_s, &mut |arc| {
+                self.flown_m += arc.airspeed_mps * arc.duration_s;
+                measure(arc);
+            });
+        } else {
+            self.plant.command(&decision.command, step_s);
+            self.flown_m += fly_step(self.plant, step_s, measure, |ownship, wind, time| {
+                observer.sample(&sample_of(ownship, wind, time, decision.state));
+            });
+        }
+    }
+
+    /// Puts the aircraft where the recording has it, while it is followed.
+    fn follow_recording(&mut self, time_s: f64) {
+        let Some(recorded) = self.replaying else {
+            return;
+        };
+        let (first_s, last_s) = recorded.presence_s();
+        if let Some((position_m, velocity_mps)) = recorded.at(time_s.clamp(first_s, last_s)) {
+            let air_mps = velocity_mps - self.world.wind_mps;
+            let course_rad = unwrap_near(course_of(air_mps), self.plant.ownship().course_rad);
+            self.plant
+                .place(time_s, position_m, course_rad, climb_of(air_mps));
+            self.plant.fly_at(air_mps.length());
+        }
+    }
+
+    /// Whether the flight is over before its horizon.
+    fn ended(&self, time_s: f64) -> bool {
+        let (world, milestones) = (self.world, &self.milestones);
+        match world.ending {
+            Ending::Horizon => false,
+            Ending::MissionFlown => milestones.mission_flown && milestones.last == State::Cruise,
+            Ending::BackAndPassed => {
+                let position_m = self.plant.ownship().position_m;
+                let velocity_mps = self.plant.ground_velocity_mps();
+                milestones.last == State::Cruise
+                    && self.progress.cross_track_m() <= BACK_WITHIN_M
+                    && velocity_mps.angle_between(self.progress.direction()) <= BACK_WITHIN_RAD
+                    && world.obstacles.iter().all(|obstacle| {
+                        obstacle.track.at(time_s).is_none_or(|(at_m, moving_mps)| {
+                            (position_m - at_m).dot(velocity_mps - moving_mps) >= 0.0
+                        })
+                    })
+            }
+        }
+    }
+
+    fn outcome(&self, end_s: f64) -> Outcome {
+        let least = |value: fn(&Separation) -> f64| {
+            self.separations
+                .iter()
+                .map(value)
+                .fold(f64::INFINITY, f64::min)
+        };
+        let milestones = &self.milestones;
+        Outcome {
+            min_separation_m: least(|s| s.distance().value_m),
+            min_margin_m: least(|s| s.margin().value_m),
+            threat_s: milestones.threat_s,
+            start_s: milestones.start_s,
+            clear_s: milestones.clear_s,
+            rejoined_s: milestones.rejoined_s,
+            max_cross_track_m: self.progress.max_cross_track_m(),
+            extra_path_m: self.flown_m - self.progress.along_m(),
+            end_s,
+            mission_flown: milestones.mission_flown,
+        }
+    }
+}
+
+/// A change of rate that is worth a sample, radians per second.
+const CORNER_RADPS: f64 = 0.02;
+
+/// Corners nearer than this to a sample are not sampled, seconds.
+const CORNER_APART_S: f64 = 1e-3;
+
+/// Flies one cycle; samples within it where it is long, and where a turn or a change of climb
+/// begins or ends, so that between two samples the rates stand still. The path flown over the
+/// ground, metres.
+fn fly_step(
+    plant: &mut Plant,
+    step_s: f64,
+    mut flown: impl FnMut(&Arc),
+    mut sample: impl FnMut(&Ownship, Vec3, f64),
+) -> f64 {
+    let from_s = plant.time_s();
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a small positive count"
+    )]
+    let pieces = (libm::ceil(step_s / LONGEST_SAMPLE_S - 1e-9) as u32).max(1);
+    let mut path_m = 0.0;
+    let mut sampled_s = from_s;
+    let mut rates = None;
+    for k in 1..=pieces {
+        let until_s = from_s + step_s * f64::from(k) / f64::from(pieces);
+        plant.advance(until_s - plant.time_s(), |arc| {
+            path_m += if arc.wind_mps == Vec3::ZERO {
+                arc.airspeed_mps * arc.duration_s
+            } else {
+                arc.position_m.distance(arc.end_m())
+            };
+            flown(arc);
+            let now = (arc.course_rate_radps, arc.climb_rate_radps);
+            let (course_rate, climb_rate) = rates.replace(now).unwrap_or(now);
+            let corner = (now.0 - course_rate).abs() > CORNER_RADPS
+                || (now.1 - climb_rate).abs() > CORNER_RADPS;
+            if corner
+                && arc.start_s > sampled_s + CORNER_APART_S
+                && arc.start_s < until_s - CORNER_APART_S
+            {
+                let ownship = Ownship {
+                    position_m: arc.position_m,
+                    course_rad: arc.course_rad,
+                    climb_rad: arc.climb_rad,
+                    bank_rad: libm::atan(
+                        arc.course_rate_radps * arc.airspeed_mps / STANDARD_GRAVITY_MPS2,
+                    ),
+                    airspeed_mps: arc.airspeed_mps,
+                };
+                sample(&ownship, arc.wind_mps, arc.start_s);
+                sampled_s = arc.start_s;
+            }
+        });
+        if k < pieces {
+            sample(&plant.ownship(), plant.wind_mps(), until_s);
+            sampled_s = until_s;
+        }
+    }
+    path_m
+}
+
+/// The logged state: angles over the ground, which are those through the air in still air.
+fn sample_of(ownship: &Ownship, wind_mps: Vec3, time_s: f64, state: State) -> Sample {
+    let (course_rad, climb_rad) = if wind_mps == Vec3::ZERO {
+        (wrap_pi(ownship.course_rad), ownship.climb_rad)
+    } else {
+        let ground_mps = ownship.velocity_mps() + wind_mps;
+        (course_of(ground_mps), climb_of(ground_mps))
+    };
+    Sample {
+        time_s,
+        position_m: ownship.position_m,
+        course_rad,
+        climb_rad,
+        bank_rad: ownship.bank_rad,
+        state,
+    }
+}
+
+/// The recorded flight between two times, as straight arcs.
+fn recorded_arcs(recorded: &Track, from_s: f64, to_s: f64, flown: &mut impl FnMut(&Arc)) {
+    let (first_s, last_s) = recorded.presence_s();
+    recorded.for_each_leg(from_s.max(first_s), to_s.min(last_s), |leg| {
+        let from_m = leg.position_at_m(leg.from_s);
+        let moved = leg.position_at_m(leg.to_s) - from_m;
+        let duration_s = leg.to_s - leg.from_s;
+        if duration_s > 0.0 {
+            flown(&Arc {
+                start_s: leg.from_s,
+                duration_s,
+                position_m: from_m,
+                course_rad: course_of(moved),
+                climb_rad: climb_of(moved),
+                course_rate_radps: 0.0,
+                climb_rate_radps: 0.0,
+                airspeed_mps: moved.length() / duration_s,
+                wind_mps: Vec3::ZERO,
+            });
+        }
+    });
+}

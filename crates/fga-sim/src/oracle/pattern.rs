@@ -1,0 +1,217 @@
+//! Uphill on any function of a manoeuvre, by trial.
+//!
+//! Ridges stop a search along the axes. So each size of step tries the axes, the pairs of axes and
+//! random directions, in a fixed order from a fixed generator, and is halved when none of them
+//! climbs.
+
+use super::{OracleManeuver, OracleVehicle};
+
+/// First steps of wait, turn, climb, straight, turn, climb (s, rad, rad, s, rad, rad).
+const FIRST_STEPS: [f64; 6] = [0.5, 0.13, 0.1, 0.5, 0.13, 0.1];
+/// Halvings for the many, and for the few that stay in the race.
+const SHORT_HALVINGS: usize = 3;
+const LONG_HALVINGS: usize = 7;
+/// Seeds that get the full treatment.
+const FINALISTS: usize = 4;
+/// Random directions at each size of step.
+const RANDOM_DIRECTIONS: usize = 8;
+
+type Point = [f64; 6];
+
+/// Uphill on a function of a manoeuvre. The function may answer anything not above its second
+/// argument once it is sure not to exceed it.
+pub(super) struct Refiner<'a, F> {
+    vehicle: &'a OracleVehicle,
+    horizon_s: f64,
+    value: F,
+    /// The best manoeuvre so far and its value.
+    pub(super) best: (f64, OracleManeuver),
+    /// Whether the second turn is free; else its climb angle is the first one's.
+    two: bool,
+    enough: f64,
+}
+
+impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
+    pub(super) fn new(
+        vehicle: &'a OracleVehicle,
+        horizon_s: f64,
+        enough: f64,
+        value: F,
+        best: (f64, OracleManeuver),
+    ) -> Self {
+        Self {
+            vehicle,
+            horizon_s,
+            value,
+            best,
+            two: false,
+            enough,
+        }
+    }
+
+    /// Climbs from every seed a little, from the best of them all the way.
+    pub(super) fn refine(&mut self, seeds: &[(f64, OracleManeuver)], two: bool) {
+        self.two = two;
+        let axes: &[usize] = match (two, self.vehicle.can_climb()) {
+            (true, true) => &[1, 4, 3, 0, 2, 5],
+            (true, false) => &[1, 4, 3, 0],
+            (false, true) => &[1, 0, 2],
+            (false, false) => &[1, 0],
+        };
+        let mut race: Vec<(f64, Point)> = Vec::with_capacity(seeds.len());
+        for (_, seed) in seeds {
+            let value = (self.value)(seed, f64::NEG_INFINITY);
+            let point = point(seed);
+            self.keep(value, &point);
+            if self.best.0 >= self.enough {
+                return;
+            }
+            race.push((value, point));
+        }
+        race.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for entry in &mut race {
+            self.climb(entry, axes, 1.0, SHORT_HALVINGS);
+            if self.best.0 >= self.enough {
+                return;
+            }
+        }
+        race.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let scale = 1.0 / f64::from(1_u32 << (SHORT_HALVINGS - 1));
+        for entry in race.iter_mut().take(FINALISTS) {
+            self.climb(entry, axes, scale, LONG_HALVINGS);
+            if self.best.0 >= self.enough {
+                return;
+            }
+        }
+    }
+
+    fn keep(&mut self, value: f64, point: &Point) {
+        if value > self.best.0 {
+            self.best = (value, maneuver(point));
+        }
+    }
+
+    fn climb(&mut self, entry: &mut (f64, Point), axes: &[usize], scale: f64, halvings: usize) {
+        let mut scale = scale;
+        let mut random = Lcg(0x9E37_79B9_7F4A_7C15);
+        for _ in 0..halvings {
+            // A bound on the sweeps of one size; more than a few are rare.
+            for _ in 0..40 {
+                let before = entry.0;
+                self.sweep(entry, axes, scale, &mut random);
+                self.keep(entry.0, &entry.1);
+                if entry.0 >= self.enough {
+                    return;
+                }
+                if entry.0 - before < 1e-4 {
+                    break;
+                }
+            }
+            scale *= 0.5;
+        }
+    }
+
+    fn sweep(&mut self, entry: &mut (f64, Point), axes: &[usize], scale: f64, random: &mut Lcg) {
+        for (k, &a) in axes.iter().enumerate() {
+            self.try_both(entry, scale, &[(a, 1.0)]);
+            for &b in axes.iter().skip(k + 1) {
+                self.try_both(entry, scale, &[(a, 1.0), (b, 1.0)]);
+                self.try_both(entry, scale, &[(a, 1.0), (b, -1.0)]);
+            }
+        }
+        if axes.len() < 3 {
+            return;
+        }
+        for _ in 0..RANDOM_DIRECTIONS {
+            let mut direction = [(0, 0.0); 6];
+            for (slot, &axis) in direction.iter_mut().zip(axes) {
+                *slot = (axis, random.next());
+            }
+            self.try_both(entry, scale, direction.get(..axes.len()).unwrap_or(&[]));
+        }
+    }
+
+    fn try_both(&mut self, entry: &mut (f64, Point), scale: f64, direction: &[(usize, f64)]) {
+        for sign in [1.0, -1.0] {
+            let mut improved = false;
+            // As long as it climbs, further.
+            for _ in 0..20 {
+                let mut point = entry.1;
+                for &(axis, share) in direction {
+                    if let (Some(value), Some(step)) = (point.get_mut(axis), FIRST_STEPS.get(axis))
+                    {
+                        *value += sign * share * scale * step;
+                    }
+                }
+                self.confine(&mut point);
+                if point == entry.1 {
+                    break;
+                }
+                let value = (self.value)(&maneuver(&point), entry.0);
+                if value <= entry.0 {
+                    break;
+                }
+                *entry = (value, point);
+                improved = true;
+            }
+            if improved {
+                return;
+            }
+        }
+    }
+
+    fn confine(&self, point: &mut Point) {
+        let [wait, _, climb1, straight, _, climb2] = point;
+        *wait = wait.clamp(0.0, self.horizon_s);
+        *straight = straight.clamp(0.0, self.horizon_s);
+        if !self.two {
+            *climb2 = *climb1;
+        }
+        for climb in [climb1, climb2] {
+            *climb = climb.clamp(self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
+        }
+    }
+}
+
+fn point(maneuver: &OracleManeuver) -> Point {
+    [
+        maneuver.wait_s,
+        maneuver.turn1_rad,
+        maneuver.climb1_rad,
+        maneuver.straight_s,
+        maneuver.turn2_rad,
+        maneuver.climb2_rad,
+    ]
+}
+
+fn maneuver(point: &Point) -> OracleManeuver {
+    let [
+        wait_s,
+        turn1_rad,
+        climb1_rad,
+        straight_s,
+        turn2_rad,
+        climb2_rad,
+    ] = *point;
+    OracleManeuver {
+        wait_s,
+        turn1_rad,
+        climb1_rad,
+        straight_s,
+        turn2_rad,
+        climb2_rad,
+    }
+}
+
+/// A fixed sequence in [−1, 1).
+struct Lcg(u64);
+
+impl Lcg {
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 * (2.0 / 9_007_199_254_740_992.0) - 1.0
+    }
+}

@@ -1,0 +1,355 @@
+//! The exhaustive part: a tree over wait × first turn × straight × second turn with shared
+//! prefixes, on chords of the ideal vehicle's path, abandoned where the running minimum falls
+//! below what is already found. Its best leaves, one of each kind, are the seeds of the
+//! refinement, which is exact.
+
+use fga::Vec3;
+
+use super::arc::{Arc, ArcNode};
+use super::ascent::Ascent;
+use super::flight::OracleFlight;
+use super::grid::Grid;
+use super::separation::{Body, least_margin};
+use super::tree::{Here, Tree};
+use super::{
+    OracleAnswer, OracleManeuver, OracleObstacle, OracleSettings, OracleStart, OracleVehicle,
+    Stages,
+};
+
+/// Everything one search needs; the arcs depend on the vehicle and the climb angle at the start.
+struct Problem<'a> {
+    start: &'a OracleStart,
+    vehicle: &'a OracleVehicle,
+    bodies: &'a [Body],
+    horizon_s: f64,
+    /// Time by which the vehicle's response delays a manoeuvre, seconds.
+    lead_s: f64,
+}
+
+impl Problem<'_> {
+    /// The places at which the first turn can begin.
+    fn after_wait(&self, wait_s: f64) -> Here {
+        let (sin, cos) = libm::sincos(self.start.course_rad);
+        let (sin_climb, cos_climb) = libm::sincos(self.start.climb_rad);
+        let begin_s = (wait_s + self.lead_s).min(self.horizon_s);
+        let velocity =
+            Vec3::new(cos_climb * cos, cos_climb * sin, sin_climb) * self.vehicle.airspeed_mps;
+        let position = self.start.position_m + velocity * begin_s;
+        let mut running = f64::INFINITY;
+        for body in self.bodies {
+            running = body.chord(0.0, self.start.position_m, begin_s, position, running);
+        }
+        Here {
+            time_s: begin_s,
+            position,
+            cos,
+            sin,
+            running,
+        }
+    }
+
+    fn arcs(&self, from: f64, climbs: &[f64], turns: &[f64]) -> Vec<Arc> {
+        climbs
+            .iter()
+            .map(|&to| Arc::new(self.vehicle, from, to, turns))
+            .collect()
+    }
+
+    fn tree(&self, grid: &Grid, kinds: usize, best: f64, enough: f64) -> Tree<'_> {
+        Tree {
+            bodies: self.bodies,
+            horizon_s: self.horizon_s,
+            slack_m: grid.slack_m,
+            best,
+            enough,
+            done: false,
+            leaves: vec![(f64::NEG_INFINITY, OracleManeuver::default()); kinds],
+        }
+    }
+
+    /// One turn: every wait, side, angle and climb angle.
+    fn one_turn(&self, best: f64, enough: f64) -> Vec<(f64, OracleManeuver)> {
+        let grid = Grid::one_turn(self.vehicle, self.horizon_s);
+        let climb_count = grid.climbs.len();
+        let mut tree = self.tree(
+            &grid,
+            grid.waits_s.len() * 2 * climb_count * 3,
+            best,
+            enough,
+        );
+        let arcs = self.arcs(self.start.climb_rad, &grid.climbs, &grid.turns_rad);
+        for (w, &wait_s) in grid.waits_s.iter().enumerate() {
+            let here = self.after_wait(wait_s);
+            if here.running <= tree.threshold() {
+                break;
+            }
+            for (c, arc) in arcs.iter().enumerate() {
+                for (s, sign) in [1.0, -1.0].into_iter().enumerate() {
+                    let kind = ((w * 2 + s) * climb_count + c) * 3;
+                    tree.walk(arc, &here, sign, |tree, node, at, running| {
+                        if let Some(margin) = tree.finish(arc, node, &here, sign, at, running) {
+                            tree.leaf(
+                                kind + turn_bin(node.turned_rad),
+                                margin,
+                                OracleManeuver {
+                                    wait_s,
+                                    turn1_rad: sign * node.turned_rad,
+                                    climb1_rad: arc.target,
+                                    climb2_rad: arc.target,
+                                    ..OracleManeuver::default()
+                                },
+                            );
+                        }
+                        true
+                    });
+                    if tree.done {
+                        return tree.seeds(grid.seeds);
+                    }
+                }
+            }
+        }
+        tree.seeds(grid.seeds)
+    }
+
+    /// Two turns.
+    fn two_turns(&self, grid: &Grid, best: f64, enough: f64) -> Vec<(f64, OracleManeuver)> {
+        let count = grid.climbs.len();
+        let kinds = grid.waits_s.len() * 2 * count * 3 * 2 * count;
+        let mut tree = self.tree(grid, kinds, best, enough);
+        let first = self.arcs(self.start.climb_rad, &grid.climbs, &grid.turns_rad);
+        let second: Vec<Vec<Arc>> = grid
+            .climbs
+            .iter()
+            .map(|&from| self.arcs(from, &grid.climbs, &grid.turns_rad))
+            .collect();
+        for (w, &wait_s) in grid.waits_s.iter().enumerate() {
+            let here = self.after_wait(wait_s);
+            if here.running <= tree.threshold() {
+                break;
+            }
+            for (c, arc) in first.iter().enumerate() {
+                for (s, sign) in [1.0, -1.0].into_iter().enumerate() {
+                    let kind = ((w * 2 + s) * count + c) * 3;
+                    tree.walk(arc, &here, sign, |tree, node, at, running| {
+                        let prefix = Prefix {
+                            wait_s,
+                            arc,
+                            node,
+                            sign,
+                            exit: Here {
+                                time_s: here.time_s + node.time_s,
+                                position: at,
+                                cos: here.cos * node.cos - sign * here.sin * node.sin,
+                                sin: here.sin * node.cos + sign * here.cos * node.sin,
+                                running,
+                            },
+                            kind: (kind + turn_bin(node.turned_rad)) * 2 * count,
+                        };
+                        self.second_turn(tree, grid, &second, &prefix);
+                        true
+                    });
+                    if tree.done {
+                        return tree.seeds(grid.seeds);
+                    }
+                }
+            }
+        }
+        tree.seeds(grid.seeds)
+    }
+
+    fn second_turn(
+        &self,
+        tree: &mut Tree<'_>,
+        grid: &Grid,
+        arcs: &[Vec<Arc>],
+        prefix: &Prefix<'_>,
+    ) {
+        let exit = &prefix.exit;
+        let (mut from_s, mut from, mut running) = (exit.time_s, exit.position, exit.running);
+        for &straight_s in &grid.straights_s {
+            let (along, up) = prefix.node.after(prefix.arc, straight_s);
+            let place = exit.offset(along, 0.0, up);
+            let place_s = exit.time_s + straight_s;
+            running = tree.chord(from_s, from, place_s, place, running);
+            if running <= tree.threshold() || place_s > self.horizon_s {
+                return;
+            }
+            (from_s, from) = (place_s, place);
+            let here = Here {
+                time_s: place_s,
+                position: place,
+                running,
+                ..*exit
+            };
+            // The climb angle reached by now, as the nearest of the grid's.
+            let climb = prefix
+                .node
+                .climb_after(self.vehicle, prefix.arc.target, straight_s);
+            let nearest = nearest(&grid.climbs, climb);
+            let Some(arcs) = arcs.get(nearest) else {
+                continue;
+            };
+            for (c, arc) in arcs.iter().enumerate() {
+                for (s, sign) in [1.0, -1.0].into_iter().enumerate() {
+                    let kind = prefix.kind + s * grid.climbs.len() + c;
+                    tree.walk(arc, &here, sign, |tree, node, at, running| {
+                        if let Some(margin) = tree.finish(arc, node, &here, sign, at, running) {
+                            tree.leaf(
+                                kind,
+                                margin,
+                                OracleManeuver {
+                                    wait_s: prefix.wait_s,
+                                    turn1_rad: prefix.sign * prefix.node.turned_rad,
+                                    climb1_rad: prefix.arc.target,
+                                    straight_s,
+                                    turn2_rad: sign * node.turned_rad,
+                                    climb2_rad: arc.target,
+                                },
+                            );
+                        }
+                        true
+                    });
+                    if tree.done {
+                        return;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A manoeuvre up to the end of its first turn.
+struct Prefix<'a> {
+    wait_s: f64,
+    arc: &'a Arc,
+    node: &'a ArcNode,
+    sign: f64,
+    exit: Here,
+    kind: usize,
+}
+
+fn nearest(values: &[f64], to: f64) -> usize {
+    let mut best = (0, f64::INFINITY);
+    for (k, value) in values.iter().enumerate() {
+        let off = (value - to).abs();
+        if off < best.1 {
+            best = (k, off);
+        }
+    }
+    best.0
+}
+
+/// Small, large and more than half a turn are different kinds of manoeuvre.
+fn turn_bin(turned_rad: f64) -> usize {
+    if turned_rad < 1.0 {
+        0
+    } else if turned_rad < 2.8 {
+        1
+    } else {
+        2
+    }
+}
+
+/// A leaf of the tree must be this much better than enough before it stops the tree, metres: its
+/// chords cut the corners.
+const CHORD_ERROR_M: f64 = 0.5;
+
+/// The fine tree is drawn only where the coarse one leaves this little either way, metres.
+const DOUBTFUL_M: f64 = 5.0;
+
+/// What is lacking to `enough_m` after single turns that no second turn has been seen to add,
+/// metres; the most was 9.
+const HOPELESS_M: f64 = 15.0;
+
+/// A gain that does not count, metres.
+const LIMIT_TOLERANCE_M: f64 = 0.01;
+
+pub(super) fn hold_all_the_way(start: &OracleStart, horizon_s: f64) -> OracleManeuver {
+    OracleManeuver {
+        wait_s: horizon_s,
+        climb1_rad: start.climb_rad,
+        climb2_rad: start.climb_rad,
+        ..OracleManeuver::default()
+    }
+}
+
+pub(super) fn search(
+    start: &OracleStart,
+    vehicle: &OracleVehicle,
+    obstacles: &[OracleObstacle],
+    settings: &OracleSettings,
+) -> OracleAnswer {
+    let bodies: Vec<Body> = obstacles.iter().map(Body::new).collect();
+    let nothing = hold_all_the_way(start, settings.horizon_s);
+    let enough = settings.enough_m.unwrap_or(f64::INFINITY);
+    let mut ascent = Ascent::new(start, vehicle, &bodies, settings.horizon_s, enough);
+    let do_nothing = ascent.look(&nothing);
+    let problem = Problem {
+        start,
+        vehicle,
+        bodies: &bodies,
+        horizon_s: settings.horizon_s,
+        lead_s: vehicle.dead_time_s + vehicle.bank_time_constant_s,
+    };
+    let stop = enough + CHORD_ERROR_M;
+    let answer = |best: (f64, OracleManeuver)| OracleAnswer {
+        best_margin_m: best.0,
+        do_nothing_margin_m: do_nothing,
+        maneuver: best.1,
+    };
+    if bodies.is_empty() || do_nothing >= enough {
+        return answer(ascent.best);
+    }
+    let seeds = problem.one_turn(f64::NEG_INFINITY, stop);
+    ascent.refine(&seeds, false);
+    if ascent.best.0 >= enough || settings.stages == Stages::One {
+        return answer(ascent.best);
+    }
+    if ascent.best.0 >= settings.settled_m
+        || settings
+            .enough_m
+            .is_some_and(|enough| ascent.best.0 < enough - HOPELESS_M)
+        || at_its_limit(&problem, &bodies, &ascent)
+    {
+        return answer(ascent.best);
+    }
+    let seeds = problem.two_turns(&Grid::coarse(vehicle), ascent.best.0, stop);
+    ascent.refine(&seeds, true);
+    if ascent.best.0 < enough && ascent.best.0.abs() < DOUBTFUL_M {
+        let seeds = problem.two_turns(&Grid::fine(vehicle), ascent.best.0, stop);
+        ascent.refine(&seeds, true);
+    }
+    answer(ascent.best)
+}
+
+/// Whether the obstacle that limits the best margin allows no more even when it is alone: then no
+/// second turn, which only serves to get past several obstacles, needs to be tried.
+fn at_its_limit(problem: &Problem<'_>, bodies: &[Body], found: &Ascent<'_>) -> bool {
+    let (margin, maneuver) = found.best;
+    let flight = OracleFlight::new(problem.start, problem.vehicle, &maneuver, problem.horizon_s);
+    let Some(limiting) = bodies.iter().find(|body| {
+        least_margin(&flight, core::slice::from_ref(body), f64::NEG_INFINITY) <= margin + 1e-9
+    }) else {
+        return false;
+    };
+    let alone = [*limiting];
+    let problem = Problem {
+        bodies: &alone,
+        ..*problem
+    };
+    let mut ascent = Ascent::new(
+        problem.start,
+        problem.vehicle,
+        &alone,
+        problem.horizon_s,
+        margin + LIMIT_TOLERANCE_M,
+    );
+    let seeds = problem.one_turn(
+        f64::NEG_INFINITY,
+        margin + LIMIT_TOLERANCE_M + CHORD_ERROR_M,
+    );
+    ascent.refine(&seeds, false);
+    let best = ascent.best;
+    ascent.refine(&[best], true);
+    ascent.best.0 < margin + LIMIT_TOLERANCE_M
+}

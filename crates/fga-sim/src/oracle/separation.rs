@@ -1,0 +1,201 @@
+//! How close a flight comes to the volumes, in continuous time.
+//!
+//! On a straight piece the relative motion is a straight line: closed form for a sphere, a convex
+//! function of time for a cylinder. A curved piece deviates from its chord by at most A·h²/8 with
+//! the bound A of its acceleration; where that could matter the piece is halved until the bound is
+//! below half a millimetre.
+
+use fga::Vec3;
+use fga::situation::ProtectedVolume;
+
+use super::OracleObstacle;
+use super::flight::{FlightNode, OracleFlight, hermite};
+
+/// Deviation of a curved piece from its chord that is left, metres.
+const RESOLUTION_M: f64 = 5e-4;
+
+/// An obstacle with what the loops need.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Body {
+    position: Vec3,
+    velocity: Vec3,
+    radius: f64,
+    /// Half height of a cylinder; `None` for a sphere.
+    half_height: Option<f64>,
+    bounding: f64,
+}
+
+impl Body {
+    pub(super) fn new(obstacle: &OracleObstacle) -> Self {
+        let (radius, half_height) = match obstacle.volume {
+            ProtectedVolume::Sphere { radius_m } => (radius_m, None),
+            ProtectedVolume::Cylinder {
+                radius_m,
+                half_height_m,
+            } => (radius_m, Some(half_height_m)),
+        };
+        let half = half_height.unwrap_or(0.0);
+        Self {
+            position: obstacle.position_m,
+            velocity: obstacle.velocity_mps,
+            radius,
+            half_height,
+            bounding: if half_height.is_some() {
+                libm::sqrt(radius * radius + half * half)
+            } else {
+                radius
+            },
+        }
+    }
+
+    /// Signed distance of `own` to the volume at `time_s`, metres.
+    pub(super) fn margin(&self, own: Vec3, time_s: f64) -> f64 {
+        self.distance(own - self.position - self.velocity * time_s)
+    }
+
+    fn distance(&self, offset: Vec3) -> f64 {
+        let Some(half) = self.half_height else {
+            return libm::sqrt(offset.dot(offset)) - self.radius;
+        };
+        let wall = libm::sqrt(offset.x * offset.x + offset.y * offset.y) - self.radius;
+        let face = offset.z.abs() - half;
+        if wall > 0.0 && face > 0.0 {
+            libm::sqrt(wall * wall + face * face)
+        } else {
+            wall.max(face)
+        }
+    }
+
+    /// The lesser of `running` and the margin on the straight line flown from `p0` at `t0` to
+    /// `p1` at `t1`.
+    #[inline]
+    pub(super) fn chord(&self, t0: f64, p0: Vec3, t1: f64, p1: Vec3, running: f64) -> f64 {
+        let a = p0 - self.position - self.velocity * t0;
+        let b = p1 - self.position - self.velocity * t1;
+        let d = b - a;
+        let (dd, ad) = (d.dot(d), a.dot(d));
+        let square = if ad >= 0.0 {
+            a.dot(a)
+        } else if -ad >= dd {
+            b.dot(b)
+        } else {
+            a.dot(a) - ad * ad / dd
+        };
+        let limit = self.bounding + running;
+        if limit <= 0.0 || square >= limit * limit {
+            return running;
+        }
+        if self.half_height.is_none() {
+            return (libm::sqrt(square.max(0.0)) - self.radius).min(running);
+        }
+        self.golden(a, d).min(running)
+    }
+
+    /// Least distance on a line: the signed distance to a convex volume is convex along it.
+    fn golden(&self, a: Vec3, d: Vec3) -> f64 {
+        const RATIO: f64 = 0.618_033_988_749_894_9;
+        let length = libm::sqrt(d.dot(d));
+        let at = |s: f64| self.distance(a + d * s);
+        let (mut low, mut high) = (0.0, 1.0);
+        let (mut s1, mut s2) = (1.0 - RATIO, RATIO);
+        let (mut f1, mut f2) = (at(s1), at(s2));
+        let mut best = at(0.0).min(at(1.0)).min(f1).min(f2);
+        while (high - low) * length > 1e-4 {
+            if f1 <= f2 {
+                high = s2;
+                (s2, f2) = (s1, f1);
+                s1 = high - RATIO * (high - low);
+                f1 = at(s1);
+                best = best.min(f1);
+            } else {
+                low = s1;
+                (s1, f1) = (s2, f2);
+                s2 = low + RATIO * (high - low);
+                f2 = at(s2);
+                best = best.min(f2);
+            }
+        }
+        best
+    }
+
+    /// As [`Body::chord`] for a curved piece between two nodes, never more than the truth and at
+    /// most [`RESOLUTION_M`] below it.
+    fn curve(&self, a: &FlightNode, b: &FlightNode, acceleration: f64, running: f64) -> f64 {
+        let span = b.time_s - a.time_s;
+        let deviation = acceleration * span * span / 8.0;
+        let chord = self.chord(
+            a.time_s,
+            a.position_m,
+            b.time_s,
+            b.position_m,
+            running + deviation,
+        );
+        if chord >= running + deviation {
+            return running;
+        }
+        if deviation <= RESOLUTION_M {
+            return running.min(chord - deviation);
+        }
+        let middle = FlightNode {
+            time_s: 0.5 * (a.time_s + b.time_s),
+            position_m: hermite(a, b, 0.5),
+            // The derivative of the cubic at its middle.
+            velocity_mps: (b.position_m - a.position_m) * (1.5 / span)
+                - (a.velocity_mps + b.velocity_mps) * 0.25,
+            ..*a
+        };
+        let running = self.curve(a, &middle, acceleration, running);
+        self.curve(&middle, b, acceleration, running)
+    }
+}
+
+/// The least margin of a flight to all bodies, metres; infinite without bodies. Once it falls to
+/// `stop_below` or less the rest is not looked at.
+pub(super) fn least_margin(flight: &OracleFlight, bodies: &[Body], stop_below: f64) -> f64 {
+    let mut running = f64::INFINITY;
+    let nodes = flight.nodes();
+    if let Some(first) = nodes.first() {
+        for body in bodies {
+            running = running.min(body.margin(first.position_m, first.time_s));
+        }
+    }
+    for pair in nodes.windows(2) {
+        let [a, b] = pair else { continue };
+        for body in bodies {
+            running = if a.straight {
+                body.chord(a.time_s, a.position_m, b.time_s, b.position_m, running)
+            } else {
+                body.curve(a, b, flight.acceleration_mps2(), running)
+            };
+        }
+        if running <= stop_below {
+            return running;
+        }
+    }
+    running
+}
+
+/// The least margin of each leg to each body, leg by leg, up to `cutoff`: a larger one is given as
+/// `cutoff`.
+pub(super) fn leg_margins(
+    flight: &OracleFlight,
+    bodies: &[Body],
+    cutoff: f64,
+    margins: &mut Vec<f64>,
+) {
+    margins.clear();
+    for leg in flight.legs() {
+        for body in bodies {
+            let mut running = cutoff;
+            for pair in leg.windows(2) {
+                let [a, b] = pair else { continue };
+                running = if a.straight {
+                    body.chord(a.time_s, a.position_m, b.time_s, b.position_m, running)
+                } else {
+                    body.curve(a, b, flight.acceleration_mps2(), running)
+                };
+            }
+            margins.push(running);
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The tree's state and its steps: chords against the bodies, leaves, what is abandoned.
+
+use fga::Vec3;
+
+use super::OracleManeuver;
+use super::arc::{Arc, ArcNode};
+use super::separation::Body;
+
+/// Where a turn begins.
+#[derive(Clone, Copy)]
+pub(super) struct Here {
+    pub(super) time_s: f64,
+    pub(super) position: Vec3,
+    pub(super) cos: f64,
+    pub(super) sin: f64,
+    pub(super) running: f64,
+}
+
+impl Here {
+    pub(super) fn offset(&self, along: f64, left: f64, up: f64) -> Vec3 {
+        self.position
+            + Vec3::new(
+                self.cos * along - self.sin * left,
+                self.sin * along + self.cos * left,
+                up,
+            )
+    }
+}
+
+pub(super) struct Tree<'a> {
+    pub(super) bodies: &'a [Body],
+    pub(super) horizon_s: f64,
+    pub(super) slack_m: f64,
+    pub(super) best: f64,
+    pub(super) enough: f64,
+    pub(super) done: bool,
+    /// The best leaf of each kind.
+    pub(super) leaves: Vec<(f64, OracleManeuver)>,
+}
+
+impl Tree<'_> {
+    pub(super) fn threshold(&self) -> f64 {
+        self.best - self.slack_m
+    }
+
+    pub(super) fn chord(&self, t0: f64, p0: Vec3, t1: f64, p1: Vec3, running: f64) -> f64 {
+        let mut running = running;
+        for body in self.bodies {
+            running = body.chord(t0, p0, t1, p1, running);
+        }
+        running
+    }
+
+    pub(super) fn leaf(&mut self, kind: usize, margin: f64, maneuver: OracleManeuver) {
+        if let Some(slot) = self.leaves.get_mut(kind)
+            && margin > slot.0
+        {
+            *slot = (margin, maneuver);
+        }
+        if margin > self.best {
+            self.best = margin;
+            self.done = margin >= self.enough;
+        }
+    }
+
+    /// The margin when the turn that began at `here` ends at `node`, reached at `at` with
+    /// `running` so far; `None` when it is not worth a look.
+    pub(super) fn finish(
+        &self,
+        arc: &Arc,
+        node: &ArcNode,
+        here: &Here,
+        sign: f64,
+        at: Vec3,
+        running: f64,
+    ) -> Option<f64> {
+        let exit = Here {
+            time_s: here.time_s + node.time_s,
+            position: at,
+            cos: here.cos * node.cos - sign * here.sin * node.sin,
+            sin: here.sin * node.cos + sign * here.cos * node.sin,
+            running,
+        };
+        let (mut time_s, mut position, mut margin) = (exit.time_s, at, running);
+        for rise in node.rises.iter().take(node.rise_count) {
+            let next = exit.offset(rise.along, 0.0, rise.up);
+            let next_s = exit.time_s + rise.time_s;
+            margin = self.chord(time_s, position, next_s, next, margin);
+            if margin <= self.threshold() {
+                return None;
+            }
+            (time_s, position) = (next_s, next);
+        }
+        if time_s < self.horizon_s {
+            let left_s = self.horizon_s - time_s;
+            let end = position
+                + Vec3::new(
+                    exit.cos * arc.speed_along,
+                    exit.sin * arc.speed_along,
+                    arc.speed_up,
+                ) * left_s;
+            margin = self.chord(time_s, position, self.horizon_s, end, margin);
+        }
+        (margin > self.threshold()).then_some(margin)
+    }
+
+    /// Walks one turn node by node. `visit` sees each node that is still alive, with its place and
+    /// running minimum, and says whether to go on.
+    pub(super) fn walk(
+        &mut self,
+        arc: &Arc,
+        here: &Here,
+        sign: f64,
+        mut visit: impl FnMut(&mut Self, &ArcNode, Vec3, f64) -> bool,
+    ) {
+        let (mut time_s, mut position, mut running) = (here.time_s, here.position, here.running);
+        for node in &arc.nodes {
+            let next_s = here.time_s + node.time_s;
+            if next_s > self.horizon_s {
+                return;
+            }
+            let next = here.offset(node.along, sign * node.left, node.up);
+            running = self.chord(time_s, position, next_s, next, running);
+            if running <= self.threshold() {
+                return;
+            }
+            (time_s, position) = (next_s, next);
+            if !visit(self, node, position, running) || self.done {
+                return;
+            }
+        }
+    }
+}
+
+impl Tree<'_> {
+    /// The best leaves, best first.
+    pub(super) fn seeds(self, count: usize) -> Vec<(f64, OracleManeuver)> {
+        let threshold = self.best - self.slack_m;
+        let mut seeds: Vec<_> = self
+            .leaves
+            .into_iter()
+            .filter(|leaf| leaf.0 > threshold)
+            .collect();
+        seeds.sort_by(|a, b| b.0.total_cmp(&a.0));
+        seeds.truncate(count);
+        seeds
+    }
+}

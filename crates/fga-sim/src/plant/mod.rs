@@ -1,0 +1,283 @@
+//! The aircraft as it really flies: Eq. 10–12 within the vehicle's limits, in wind.
+//!
+//! A plant receives a [`Maneuver`] at each decision and flies it until the next. Course and climb
+//! angle move at their rate limits to the commanded values. Without bank lag the path between two
+//! decisions is a handful of exact [`Arc`]s, broken where a stage begins and where a turn or a
+//! change of climb ends; with bank lag, or under the PI autopilot, it is integrated by the
+//! classical Runge–Kutta rule in steps of at most 0.02 s. Left is positive throughout.
+
+mod arc;
+mod lagged;
+
+use alloc::collections::VecDeque;
+
+use fga::Vec3;
+use fga::kinematics::{STANDARD_GRAVITY_MPS2, Vehicle};
+use fga::maneuver::{Maneuver, Stage};
+use fga::situation::Ownship;
+
+pub use arc::{Arc, unwrap_near};
+
+/// How commands become bank and climb.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Autopilot {
+    /// Course and climb angle at their rate limits straight to the command.
+    #[default]
+    Direct,
+    /// Proportional and integral control of course and climb angle (Eq. 13–14), rates limited.
+    ProportionalIntegral {
+        /// `K_p`, per second.
+        proportional_per_s: f64,
+        /// `K_i`, per second squared.
+        integral_per_s2: f64,
+    },
+}
+
+/// The flown state and the commands on their way.
+#[derive(Debug, Clone)]
+pub struct Plant {
+    vehicle: Vehicle,
+    autopilot: Autopilot,
+    wind_mps: Vec3,
+    /// Time since the start of the run, seconds.
+    time_s: f64,
+    position_m: Vec3,
+    course_rad: f64,
+    climb_rad: f64,
+    bank_rad: f64,
+    airspeed_mps: f64,
+    /// What is being flown; `None` holds course and climb angle.
+    active: Option<Stage>,
+    /// What will be flown from a moment on, in order of time (the dead time lies between).
+    pending: VecDeque<(f64, Stage)>,
+    controllers: lagged::Controllers,
+}
+
+impl Plant {
+    /// An aircraft in straight flight that holds its course.
+    pub fn new(vehicle: Vehicle, autopilot: Autopilot, wind_mps: Vec3) -> Self {
+        Self {
+            vehicle,
+            autopilot,
+            wind_mps,
+            time_s: 0.0,
+            position_m: Vec3::ZERO,
+            course_rad: 0.0,
+            climb_rad: 0.0,
+            bank_rad: 0.0,
+            airspeed_mps: vehicle.airspeed_mps,
+            active: None,
+            pending: VecDeque::with_capacity(64),
+            controllers: lagged::Controllers::new(autopilot, &vehicle),
+        }
+    }
+
+    /// Puts the aircraft somewhere, wings level, without commands.
+    pub fn place(&mut self, time_s: f64, position_m: Vec3, course_rad: f64, climb_rad: f64) {
+        self.time_s = time_s;
+        self.position_m = position_m;
+        self.course_rad = course_rad;
+        self.climb_rad = climb_rad;
+        self.bank_rad = 0.0;
+        self.active = None;
+        self.pending.clear();
+        self.controllers = lagged::Controllers::new(self.autopilot, &self.vehicle);
+    }
+
+    /// Exchanges the vehicle, the autopilot and the wind; the state stays.
+    pub fn refit(&mut self, vehicle: Vehicle, autopilot: Autopilot, wind_mps: Vec3) {
+        self.vehicle = vehicle;
+        self.autopilot = autopilot;
+        self.wind_mps = wind_mps;
+        self.airspeed_mps = vehicle.airspeed_mps;
+    }
+
+    /// Flies on at another airspeed, with the same largest bank angle (ρ ∝ V², Eq. 8).
+    pub fn fly_at(&mut self, airspeed_mps: f64) {
+        self.vehicle = at_airspeed(&self.vehicle, airspeed_mps);
+        self.airspeed_mps = self.vehicle.airspeed_mps;
+    }
+
+    /// The vehicle's limits at the airspeed flown.
+    pub fn vehicle(&self) -> &Vehicle {
+        &self.vehicle
+    }
+
+    /// The state as the avoider sees it; course and climb angle through the air.
+    pub fn ownship(&self) -> Ownship {
+        Ownship {
+            position_m: self.position_m,
+            course_rad: self.course_rad,
+            climb_rad: self.climb_rad,
+            bank_rad: self.bank_rad,
+            airspeed_mps: self.airspeed_mps,
+        }
+    }
+
+    /// Time since the start of the run, seconds.
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// Velocity of the air over the ground, metres per second.
+    pub fn wind_mps(&self) -> Vec3 {
+        self.wind_mps
+    }
+
+    /// Velocity over the ground, metres per second.
+    pub fn ground_velocity_mps(&self) -> Vec3 {
+        self.ownship().velocity_mps() + self.wind_mps
+    }
+
+    /// Takes a command that holds for `duration_s` seconds from now.
+    pub fn command(&mut self, maneuver: &Maneuver, duration_s: f64) {
+        let dead_time_s = self.vehicle.response.dead_time_s;
+        let from_s = self.time_s + dead_time_s;
+        if dead_time_s == 0.0 {
+            self.pending.clear();
+        }
+        // Before its first stage a manoeuvre holds course and climb angle.
+        let first = maneuver.stage_at(0.0).copied().unwrap_or(Stage {
+            start_s: 0.0,
+            course_rad: self.course_rad,
+            climb_rad: self.climb_rad,
+            rate_share: 1.0,
+        });
+        self.pending.push_back((from_s, first));
+        for stage in maneuver.stages() {
+            if stage.start_s > 0.0 && stage.start_s < duration_s {
+                self.pending.push_back((from_s + stage.start_s, *stage));
+            }
+        }
+    }
+
+    /// Flies for `duration_s` seconds and shows every arc flown, in order.
+    pub fn advance(&mut self, duration_s: f64, mut flown: impl FnMut(&Arc)) {
+        let end_s = self.time_s + duration_s;
+        let lagged =
+            self.vehicle.response.bank_time_constant_s > 0.0 || self.autopilot != Autopilot::Direct;
+        while self.time_s < end_s {
+            while let Some(&(from_s, stage)) = self.pending.front()
+                && from_s <= self.time_s + 1e-12
+            {
+                self.active = Some(stage);
+                self.pending.pop_front();
+            }
+            let until_s = self
+                .pending
+                .front()
+                .map_or(end_s, |&(from_s, _)| from_s.min(end_s));
+            if lagged {
+                self.fly_lagged(until_s, &mut flown);
+            } else {
+                self.fly_exact(until_s, &mut flown);
+            }
+        }
+        self.time_s = end_s;
+    }
+
+    /// Climb angle asked for, within the vehicle's limits.
+    fn climb_target_rad(&self) -> f64 {
+        self.active.map_or(self.climb_rad, |stage| {
+            stage
+                .climb_rad
+                .max(self.vehicle.climb_min_rad)
+                .min(self.vehicle.climb_max_rad)
+        })
+    }
+
+    /// Flies exact arcs until `until_s`.
+    fn fly_exact(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc)) {
+        let climb_target = self.climb_target_rad();
+        let (course_target, course_limit) = self.active.map_or((self.course_rad, 0.0), |stage| {
+            (
+                stage.course_rad,
+                self.course_rate_limit_radps() * stage.rate_share,
+            )
+        });
+        while self.time_s < until_s {
+            let left_s = until_s - self.time_s;
+            let (course_rate, turn_s) =
+                rate_to(course_target - self.course_rad, course_limit, left_s);
+            let (climb_rate, climb_s) = rate_to(
+                climb_target - self.climb_rad,
+                self.vehicle.climb_rate_radps,
+                left_s,
+            );
+            let duration_s = left_s.min(turn_s).min(climb_s);
+            let arc = Arc {
+                start_s: self.time_s,
+                duration_s,
+                position_m: self.position_m,
+                course_rad: self.course_rad,
+                climb_rad: self.climb_rad,
+                course_rate_radps: course_rate,
+                climb_rate_radps: climb_rate,
+                airspeed_mps: self.airspeed_mps,
+                wind_mps: self.wind_mps,
+            };
+            flown(&arc);
+            self.position_m = arc.end_m();
+            self.course_rad = if duration_s == turn_s {
+                course_target
+            } else {
+                self.course_rad + course_rate * duration_s
+            };
+            self.climb_rad = if duration_s == climb_s {
+                climb_target
+            } else {
+                self.climb_rad + climb_rate * duration_s
+            };
+            self.bank_rad = self.bank_of(course_rate);
+            self.time_s = if duration_s == left_s {
+                until_s
+            } else {
+                self.time_s + duration_s
+            };
+        }
+    }
+
+    /// Largest course rate flown at the present airspeed, radians per second (Eq. 9).
+    fn course_rate_limit_radps(&self) -> f64 {
+        self.vehicle.response.turn_rate_factor * self.airspeed_mps / self.vehicle.turn_radius_m
+    }
+
+    /// Bank angle that gives a course rate (Eq. 9), radians.
+    fn bank_of(&self, course_rate_radps: f64) -> f64 {
+        if course_rate_radps == 0.0 {
+            return 0.0;
+        }
+        libm::atan(
+            course_rate_radps * self.airspeed_mps
+                / (STANDARD_GRAVITY_MPS2 * self.vehicle.response.turn_rate_factor),
+        )
+    }
+}
+
+/// The vehicle at another airspeed, with the same largest bank angle (ρ ∝ V², Eq. 8); unchanged
+/// for a speed that is not positive.
+pub fn at_airspeed(vehicle: &Vehicle, airspeed_mps: f64) -> Vehicle {
+    if !(airspeed_mps.is_finite() && airspeed_mps > 0.0) {
+        return *vehicle;
+    }
+    let ratio = airspeed_mps / vehicle.airspeed_mps;
+    Vehicle {
+        airspeed_mps,
+        turn_radius_m: vehicle.turn_radius_m * ratio * ratio,
+        ..*vehicle
+    }
+}
+
+/// Rate that closes a difference at a limit, and how long that takes: infinite when there is
+/// nothing to close or no way to.
+fn rate_to(difference: f64, limit: f64, within_s: f64) -> (f64, f64) {
+    if difference == 0.0 || limit <= 0.0 {
+        return (0.0, f64::INFINITY);
+    }
+    let needed_s = difference.abs() / limit;
+    // A rest too short to be flown is rounding: it is taken up at once.
+    if needed_s < 1e-12 {
+        return (difference / within_s.max(1e-12), f64::INFINITY);
+    }
+    (limit.copysign(difference), needed_s)
+}

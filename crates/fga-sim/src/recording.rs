@@ -1,0 +1,174 @@
+//! A `.daa` recording flown again: the first aircraft is the ownship, the others fly as recorded.
+//!
+//! Until it manoeuvres the ownship is where the recording puts it, straight between rows. It
+//! manoeuvres at the airspeed recorded at that time, with the bank of the vehicle file. Its mission
+//! is its recorded track, without the rows that lie within half a metre of straight legs, and the
+//! protected volume is the vehicle file's. An aircraft is there from its first to its last row; a
+//! gap between rows is flown straight. Times count from the ownship's first row.
+
+use std::path::Path;
+
+use fga::Vec3;
+use fga::angle::{climb_of, course_of};
+use fga_formats::InputError;
+use fga_formats::daa::{self, TrackSample};
+
+use crate::plant::at_airspeed;
+use crate::run::Plan;
+use crate::track::{Track, TrackPoint};
+use crate::vehicle_file::VehicleModel;
+use crate::world::{Ending, StartState, World, WorldObstacle};
+
+/// Rows nearer than this to a straight leg are not waypoints, metres.
+const STRAIGHT_WITHIN_M: f64 = 0.5;
+
+/// Time for the way back after the recording's end, seconds.
+const WAY_BACK_S: f64 = 300.0;
+
+/// Reads a recording.
+///
+/// # Errors
+/// A file that is not a recording, an ownship that does not move, a wind that does not let it fly.
+pub fn read(path: &Path, model: VehicleModel) -> Result<Plan, InputError> {
+    let recording = daa::read(path)?;
+    let unusable = |message: &str| InputError::in_file(path, message);
+    let ownship = recording
+        .ownship()
+        .filter(|track| track.samples.len() >= 2)
+        .ok_or_else(|| {
+            unusable("the first aircraft has fewer than two rows, expected its flight")
+        })?;
+    let time_offset_s = ownship.samples[0].time_s;
+    let points = |samples: &[TrackSample]| {
+        samples
+            .iter()
+            .map(|sample| TrackPoint {
+                time_s: sample.time_s - time_offset_s,
+                position_m: sample.position_m,
+            })
+            .collect::<Vec<_>>()
+    };
+    let own_points = points(&ownship.samples);
+    let end_s = own_points[own_points.len() - 1].time_s;
+    let mission_m = simplified(&own_points);
+    if mission_m.len() < 2 {
+        return Err(unusable(
+            "the first aircraft does not move, expected a flight",
+        ));
+    }
+    let recorded = Track::through(own_points).ok_or_else(|| {
+        unusable("the first aircraft's times do not grow, expected growing times")
+    })?;
+    let (position_m, velocity_mps) = recorded.at(0.0).unwrap_or((mission_m[0], Vec3::X));
+    let air_mps = velocity_mps - model.wind_mps;
+    let mut names = Vec::new();
+    let mut obstacles = Vec::new();
+    for (aircraft, id) in recording.intruders().iter().zip(1..) {
+        let Some(track) = Track::through(points(&aircraft.samples)) else {
+            continue;
+        };
+        names.push(aircraft.name.clone());
+        obstacles.push(WorldObstacle::new(id, track, model.protection));
+    }
+    let name = path
+        .file_stem()
+        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    Ok(Plan {
+        description: format!("recording {}", path.display()),
+        name,
+        names,
+        frame: recording.frame,
+        time_offset_s,
+        world: World {
+            mission_m,
+            start: StartState {
+                position_m,
+                course_rad: course_of(air_mps),
+                climb_rad: climb_of(air_mps),
+            },
+            vehicle: at_airspeed(&model.vehicle, air_mps.length()),
+            autopilot: model.autopilot,
+            settings: model.settings,
+            wind_mps: model.wind_mps,
+            obstacles,
+            sensor: model.sensor,
+            seed: 0,
+            stream: 0,
+            horizon_s: end_s + WAY_BACK_S,
+            ending: Ending::MissionFlown,
+            recorded: Some(recorded),
+        },
+        model,
+    })
+}
+
+/// The corners of a track: each row in between is within half a metre of the straight legs
+/// (Douglas and Peucker).
+fn simplified(points: &[TrackPoint]) -> Vec<Vec3> {
+    let places: Vec<Vec3> = points.iter().map(|p| p.position_m).collect();
+    let Some(last) = places.len().checked_sub(1) else {
+        return Vec::new();
+    };
+    let mut keep = vec![false; places.len()];
+    keep[0] = true;
+    keep[last] = true;
+    let mut spans = vec![(0, last)];
+    while let Some((from, to)) = spans.pop() {
+        let (a, b) = (places[from], places[to]);
+        let along = b - a;
+        let farthest = (from + 1..to)
+            .map(|index| {
+                let offset = places[index] - a;
+                let share = offset.dot(along) / along.length_squared().max(1e-12);
+                (offset.distance(along * share.clamp(0.0, 1.0)), index)
+            })
+            .max_by(|x, y| x.0.total_cmp(&y.0));
+        if let Some((distance_m, index)) = farthest
+            && distance_m > STRAIGHT_WITHIN_M
+        {
+            keep[index] = true;
+            spans.push((from, index));
+            spans.push((index, to));
+        }
+    }
+    let mut corners: Vec<Vec3> = Vec::new();
+    for (place, _) in places.iter().zip(&keep).filter(|(_, kept)| **kept) {
+        if corners
+            .last()
+            .is_none_or(|last| last.distance(*place) > 1.0)
+        {
+            corners.push(*place);
+        }
+    }
+    corners
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_straight_track_has_two_corners_and_a_bent_one_three() {
+        let track = |bend: f64| {
+            (0..=20)
+                .map(|k| TrackPoint {
+                    time_s: f64::from(k),
+                    position_m: Vec3::new(
+                        f64::from(k) * 50.0,
+                        f64::from((k - 10).max(0)) * bend,
+                        0.0,
+                    ),
+                })
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(simplified(&track(0.0)).len(), 2);
+        assert_eq!(
+            simplified(&track(10.0)),
+            [
+                Vec3::ZERO,
+                Vec3::new(500.0, 0.0, 0.0),
+                Vec3::new(1000.0, 100.0, 0.0)
+            ]
+        );
+    }
+}

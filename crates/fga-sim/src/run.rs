@@ -1,0 +1,232 @@
+//! One flight with everything logged: what `fga run` shows.
+
+use std::path::Path;
+
+use fga::avoider::{Decision, SettingsError};
+use fga::situation::{Ownship, ProtectedVolume};
+use fga_formats::InputError;
+use fga_formats::geodesy::LocalFrame;
+
+use crate::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
+use crate::policy::PolicyChoice;
+use crate::separation::Least;
+use crate::vehicle_file::VehicleModel;
+use crate::world::World;
+use crate::{recording, scenario};
+
+/// A flight to be flown, with the names that people give to things.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Its name.
+    pub name: String,
+    /// A sentence about it.
+    pub description: String,
+    /// Names of the obstacles, in the order of the world's.
+    pub names: Vec<String>,
+    /// Where the local frame lies on the earth, where it is known.
+    pub frame: Option<LocalFrame>,
+    /// Time of the source at the start of the run, seconds.
+    pub time_offset_s: f64,
+    /// The aircraft.
+    pub model: VehicleModel,
+    /// What is flown.
+    pub world: World,
+}
+
+impl Plan {
+    /// Reads a scenario (`.toml`) or a recording (`.daa`). `vehicle` takes the place of the one
+    /// that a scenario names.
+    ///
+    /// # Errors
+    /// A file that is neither, or that cannot be used.
+    pub fn read(path: &Path, vehicle: Option<VehicleModel>) -> Result<Self, InputError> {
+        let extension = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
+        match extension.as_ref().and_then(|extension| extension.to_str()) {
+            Some("toml") => scenario::read(path, vehicle),
+            Some("daa") => {
+                let model = match vehicle {
+                    Some(model) => model,
+                    None => VehicleModel::built_in()?,
+                };
+                recording::read(path, model)
+            }
+            _ => Err(InputError::in_file(
+                path,
+                "is of no known kind, expected a .toml scenario or a .daa recording",
+            )),
+        }
+    }
+}
+
+/// A decision as it was made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DecisionLog {
+    /// Seconds since the start.
+    pub time_s: f64,
+    /// The aircraft then; angles through the air.
+    pub ownship: Ownship,
+    /// What was decided.
+    pub decision: Decision,
+    /// How long it took, nanoseconds.
+    pub elapsed_ns: u64,
+    /// Whether it differs from the one before in more than its numbers.
+    pub changed: bool,
+}
+
+/// What came of one obstacle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObstacleOutcome {
+    /// Its number.
+    pub id: u32,
+    /// Its name.
+    pub name: String,
+    /// Its protected volume.
+    pub volume: ProtectedVolume,
+    /// Least distance to its centre.
+    pub separation: Least,
+    /// Least signed distance to its volume.
+    pub margin: Least,
+    /// When it was first seen, seconds.
+    pub first_seen_s: Option<f64>,
+}
+
+/// Everything about one flight.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunLog {
+    /// What was flown.
+    pub plan: Plan,
+    /// What decided, as named on the command line.
+    pub policy: String,
+    /// The flown states, at most 0.1 s apart.
+    pub samples: Vec<Sample>,
+    /// Every decision.
+    pub decisions: Vec<DecisionLog>,
+    /// What came of each obstacle, in the order of the world's.
+    pub obstacles: Vec<ObstacleOutcome>,
+    /// What came of the flight.
+    pub outcome: Outcome,
+}
+
+/// Times of the decisions of a run, microseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DecisionTimes {
+    /// Half of them took less.
+    pub median_us: f64,
+    /// 99 % of them took less.
+    pub p99_us: f64,
+    /// The longest.
+    pub max_us: f64,
+}
+
+struct Logger<'a> {
+    samples: Vec<Sample>,
+    decisions: Vec<DecisionLog>,
+    watch: &'a mut dyn FnMut(&DecisionLog),
+}
+
+impl Observer for Logger<'_> {
+    fn sample(&mut self, sample: &Sample) {
+        self.samples.push(*sample);
+    }
+
+    fn decision(&mut self, moment: &DecisionMoment<'_>) {
+        let decision = *moment.decision;
+        let changed = self
+            .decisions
+            .last()
+            .is_none_or(|last| differs(&last.decision, &decision));
+        let log = DecisionLog {
+            time_s: moment.time_s,
+            ownship: moment.situation.ownship,
+            decision,
+            elapsed_ns: moment.elapsed_ns,
+            changed,
+        };
+        (self.watch)(&log);
+        self.decisions.push(log);
+    }
+}
+
+/// Whether a decision says something else than the one before: state, reason or threat.
+fn differs(before: &Decision, now: &Decision) -> bool {
+    let threat = |decision: &Decision| decision.record.threat.map(|threat| threat.id);
+    before.state != now.state
+        || before.record.reason != now.record.reason
+        || threat(before) != threat(now)
+}
+
+/// Flies a plan; `watch` is shown every decision as it is made.
+///
+/// # Errors
+/// Settings or limits that the core refuses.
+pub fn fly(
+    plan: Plan,
+    policy: &PolicyChoice,
+    watch: &mut dyn FnMut(&DecisionLog),
+) -> Result<RunLog, SettingsError> {
+    let mut pilot = policy.pilot(&plan.world.settings, &plan.world.vehicle)?;
+    let mut engine = Engine::new();
+    let mut logger = Logger {
+        samples: Vec::new(),
+        decisions: Vec::new(),
+        watch,
+    };
+    let outcome = engine.fly(&plan.world, pilot.as_mut(), &mut logger);
+    let obstacles = plan
+        .world
+        .obstacles
+        .iter()
+        .zip(&plan.names)
+        .zip(engine.separations())
+        .zip(engine.first_seen_s())
+        .map(
+            |(((obstacle, name), separation), first_seen_s)| ObstacleOutcome {
+                id: obstacle.id,
+                name: name.clone(),
+                volume: obstacle.volume,
+                separation: separation.distance(),
+                margin: separation.margin(),
+                first_seen_s: *first_seen_s,
+            },
+        )
+        .collect();
+    Ok(RunLog {
+        policy: policy.name(),
+        samples: logger.samples,
+        decisions: logger.decisions,
+        obstacles,
+        outcome,
+        plan,
+    })
+}
+
+impl RunLog {
+    /// Times of the decisions.
+    pub fn decision_times(&self) -> DecisionTimes {
+        let mut elapsed: Vec<u64> = self.decisions.iter().map(|d| d.elapsed_ns).collect();
+        elapsed.sort_unstable();
+        let at = |share: f64| {
+            let last = elapsed.len().saturating_sub(1);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "an index within the list"
+            )]
+            let index = (last as f64 * share).round() as usize;
+            elapsed.get(index).copied().unwrap_or(0) as f64 / 1000.0
+        };
+        DecisionTimes {
+            median_us: at(0.5),
+            p99_us: at(0.99),
+            max_us: at(1.0),
+        }
+    }
+
+    /// Name of the obstacle with this number.
+    pub fn name_of(&self, id: u32) -> &str {
+        self.obstacles
+            .iter()
+            .find(|obstacle| obstacle.id == id)
+            .map_or("unknown", |obstacle| obstacle.name.as_str())
+    }
+}

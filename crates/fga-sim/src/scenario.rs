@@ -1,0 +1,577 @@
+//! Scenario files: a mission and its obstacles in TOML.
+//!
+//! ```toml
+//! name = "past-a-mast"
+//! duration_s = 120.0
+//! vehicle = "../vehicles/paper.toml"     # optional; relative to this file
+//!
+//! [mission]
+//! waypoints_m = [[0, 0, 100], [900, 0, 100]]
+//!
+//! [[obstacle]]
+//! name = "mast"
+//! kind = "natural-barrier"                # passengers, unknown (default), natural-barrier
+//! position_m = [450, 10, 100]
+//! radius_m = 30.0                         # optional: the vehicle file's protected volume
+//! half_height_m = 60.0                    # with it the volume is a cylinder
+//!
+//! [[obstacle]]
+//! name = "N2"
+//! position_m = [700, 0, 100]
+//! velocity_mps = [-15, 0, 0]
+//! appears_s = 5.0                         # seen from then on
+//! ```
+//! Local frame: x east, y north, z up, metres. With `[origin] latitude_deg, longitude_deg,
+//! altitude_m` places may be geodetic: `waypoints_deg = [[latitude, longitude, altitude_m], …]` and
+//! `position_deg`. A moving obstacle has `velocity_mps`, or a `track_m = [[t, x, y, z], …]` outside
+//! whose times it is not there. Optional: `seed`, `[start]`, `[wind]`, `[noise]`, `[sensor]`, with
+//! the keys of vehicle files. A key that is not known is an error.
+
+use std::path::{Path, PathBuf};
+
+use fga::Vec3;
+use fga::angle::direction;
+use fga::situation::{ObstacleKind, ProtectedVolume};
+use fga_formats::InputError;
+use fga_formats::error::read_text;
+use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::batch::crab;
+use crate::run::Plan;
+use crate::toml_input::TomlText;
+use crate::track::{Track, TrackPoint};
+use crate::vehicle_file::{NoiseTable, SensorTable, VehicleModel, WindTable};
+use crate::world::{Ending, StartState, World, WorldObstacle};
+
+/// Longest flight, seconds.
+const LONGEST_S: f64 = 86_400.0;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: String,
+    #[serde(default)]
+    description: String,
+    duration_s: Spanned<f64>,
+    #[serde(default)]
+    seed: u64,
+    vehicle: Option<PathBuf>,
+    origin: Option<Spanned<Origin>>,
+    mission: MissionTable,
+    start: Option<StartTable>,
+    wind: Option<WindTable>,
+    noise: Option<NoiseTable>,
+    sensor: Option<SensorTable>,
+    #[serde(default)]
+    obstacle: Vec<Spanned<ObstacleTable>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Origin {
+    latitude_deg: f64,
+    longitude_deg: f64,
+    #[serde(default)]
+    altitude_m: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MissionTable {
+    waypoints_m: Option<Spanned<Vec<Spanned<[f64; 3]>>>>,
+    waypoints_deg: Option<Spanned<Vec<Spanned<[f64; 3]>>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StartTable {
+    position_m: Option<Spanned<[f64; 3]>>,
+    position_deg: Option<Spanned<[f64; 3]>>,
+    course_deg: Option<Spanned<f64>>,
+    climb_deg: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ObstacleTable {
+    id: Option<Spanned<u32>>,
+    name: Option<String>,
+    #[serde(default)]
+    kind: KindName,
+    position_m: Option<Spanned<[f64; 3]>>,
+    position_deg: Option<Spanned<[f64; 3]>>,
+    velocity_mps: Option<Spanned<[f64; 3]>>,
+    track_m: Option<Spanned<Vec<[f64; 4]>>>,
+    radius_m: Option<Spanned<f64>>,
+    half_height_m: Option<Spanned<f64>>,
+    appears_s: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize, Default, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+enum KindName {
+    Passengers,
+    #[default]
+    Unknown,
+    NaturalBarrier,
+}
+
+impl From<KindName> for ObstacleKind {
+    fn from(name: KindName) -> Self {
+        match name {
+            KindName::Passengers => Self::Passengers,
+            KindName::Unknown => Self::Unknown,
+            KindName::NaturalBarrier => Self::NaturalBarrier,
+        }
+    }
+}
+
+/// Reads a scenario; `vehicle` takes the place of the one that the file names.
+///
+/// # Errors
+/// A file that cannot be read, an unknown or missing key, a value out of range, a mission of fewer
+/// than two waypoints, a doubled obstacle number, an obstacle on top of the aircraft at the start.
+pub fn read(path: &Path, vehicle: Option<VehicleModel>) -> Result<Plan, InputError> {
+    let text = read_text(path)?;
+    parse(TomlText::new(path, &text), vehicle)
+}
+
+/// Reads a scenario from its text; see [`read`].
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, InputError> {
+    let file: File = text.read()?;
+    let model = match (vehicle, &file.vehicle) {
+        (Some(model), _) => model,
+        (None, Some(named)) => {
+            let folder = text.path().parent().unwrap_or(Path::new(""));
+            VehicleModel::read(&folder.join(named))?
+        }
+        (None, None) => VehicleModel::built_in()?,
+    };
+    let frame = file.origin.as_ref().map(|origin| {
+        let place = origin.get_ref();
+        Geodetic::new(place.latitude_deg, place.longitude_deg, place.altitude_m)
+            .map(|place| LocalFrame::new(place, Earth::Wgs84))
+            .ok_or_else(|| {
+                text.error_at(
+                    origin,
+                    "origin is out of range, expected latitude_deg from -90 to 90, longitude_deg \
+                     from -180 to 180 and a finite altitude_m",
+                )
+            })
+    });
+    let places = Places {
+        text,
+        frame: frame.transpose()?,
+    };
+    let horizon_s = text.within("duration_s", &file.duration_s, (0.1, LONGEST_S))?;
+    let mission_m = file.mission.checked(&places)?;
+    let wind_mps = match &file.wind {
+        Some(wind) => wind.checked(&text)?,
+        None => model.wind_mps,
+    };
+    let sensor = file.sensor.clone().unwrap_or_default().checked(
+        &file.noise.clone().unwrap_or_default(),
+        &text,
+        model.sensor,
+    )?;
+    let start = start_state(&file, &places, &model, &mission_m, wind_mps)?;
+    let mut names = Vec::new();
+    let mut obstacles: Vec<WorldObstacle> = Vec::new();
+    for (entry, number) in file.obstacle.iter().zip(1..) {
+        let obstacle = obstacle(entry, number, &places, &model)?;
+        if obstacles.iter().any(|other| other.id == obstacle.id) {
+            return Err(text.error_at(
+                entry,
+                format!(
+                    "obstacle number {} is used twice, expected a number of its own for each",
+                    obstacle.id
+                ),
+            ));
+        }
+        let name = entry.get_ref().name.clone();
+        let name = name.unwrap_or_else(|| format!("obstacle {}", obstacle.id));
+        if let Some((position_m, _)) = obstacle.track.at(0.0) {
+            let margin_m = obstacle.volume.margin_m(start.position_m - position_m);
+            if margin_m < 0.0 {
+                return Err(text.error_at(
+                    entry,
+                    format!(
+                        "{name} is on top of the aircraft at the start ({:.1} m inside its \
+                         protected volume), expected the aircraft outside",
+                        -margin_m
+                    ),
+                ));
+            }
+        }
+        names.push(name);
+        obstacles.push(obstacle);
+    }
+    Ok(Plan {
+        name: file.name,
+        description: file.description,
+        names,
+        frame: places.frame,
+        time_offset_s: 0.0,
+        world: World {
+            mission_m,
+            start,
+            vehicle: model.vehicle,
+            autopilot: model.autopilot,
+            settings: model.settings,
+            wind_mps,
+            obstacles,
+            sensor,
+            seed: file.seed,
+            stream: 0,
+            horizon_s,
+            ending: Ending::MissionFlown,
+            recorded: None,
+        },
+        model,
+    })
+}
+
+/// Places of a file, local or geodetic.
+struct Places<'a> {
+    text: TomlText<'a>,
+    frame: Option<LocalFrame>,
+}
+
+impl Places<'_> {
+    fn local(&self, key: &str, at: &Spanned<[f64; 3]>) -> Result<Vec3, InputError> {
+        let place = Vec3::from_array(*at.get_ref());
+        if place.is_finite() && place.abs().max_element() <= 1e7 {
+            Ok(place)
+        } else {
+            Err(self.text.error_at(
+                at,
+                format!("{key} is out of range, expected three numbers within 10,000 km"),
+            ))
+        }
+    }
+
+    fn geodetic(&self, key: &str, at: &Spanned<[f64; 3]>) -> Result<Vec3, InputError> {
+        let Some(frame) = &self.frame else {
+            return Err(self.text.error_at(
+                at,
+                format!(
+                    "{key} is geodetic, expected an [origin] with latitude_deg and longitude_deg"
+                ),
+            ));
+        };
+        let [latitude_deg, longitude_deg, altitude_m] = *at.get_ref();
+        Geodetic::new(latitude_deg, longitude_deg, altitude_m)
+            .map(|place| frame.to_local_m(place))
+            .ok_or_else(|| {
+                self.text.error_at(
+                    at,
+                    format!("{key} is out of range, expected [latitude, longitude, altitude_m]"),
+                )
+            })
+    }
+
+    /// The one of two keys that is given.
+    fn either(
+        &self,
+        local: Option<&Spanned<[f64; 3]>>,
+        geodetic: Option<&Spanned<[f64; 3]>>,
+    ) -> Result<Option<Vec3>, InputError> {
+        match (local, geodetic) {
+            (Some(local), None) => self.local("position_m", local).map(Some),
+            (None, Some(geodetic)) => self.geodetic("position_deg", geodetic).map(Some),
+            (None, None) => Ok(None),
+            (Some(_), Some(geodetic)) => Err(self.text.error_at(
+                geodetic,
+                "both position_m and position_deg are given, expected one of them",
+            )),
+        }
+    }
+}
+
+impl MissionTable {
+    fn checked(&self, places: &Places<'_>) -> Result<Vec<Vec3>, InputError> {
+        let (list, waypoints): (_, Result<Vec<Vec3>, InputError>) =
+            match (&self.waypoints_m, &self.waypoints_deg) {
+                (Some(list), None) => (
+                    list,
+                    list.get_ref()
+                        .iter()
+                        .map(|at| places.local("a waypoint", at))
+                        .collect(),
+                ),
+                (None, Some(list)) => (
+                    list,
+                    list.get_ref()
+                        .iter()
+                        .map(|at| places.geodetic("a waypoint", at))
+                        .collect(),
+                ),
+                (None, None) => {
+                    return Err(places
+                        .text
+                        .error("mission has no waypoints, expected waypoints_m or waypoints_deg"));
+                }
+                (Some(_), Some(list)) => {
+                    return Err(places.text.error_at(
+                        list,
+                        "both waypoints_m and waypoints_deg are given, expected one of them",
+                    ));
+                }
+            };
+        let waypoints = waypoints?;
+        if waypoints.len() < 2 {
+            return Err(places.text.error_at(
+                list,
+                format!(
+                    "mission has {} waypoint{}, expected at least two",
+                    waypoints.len(),
+                    if waypoints.len() == 1 { "" } else { "s" }
+                ),
+            ));
+        }
+        if let Some(index) = waypoints
+            .windows(2)
+            .position(|pair| pair[0].distance(pair[1]) < 1.0)
+        {
+            return Err(places.text.error_at(
+                &list.get_ref()[index + 1],
+                "a waypoint is less than 1 m from the one before, expected another place",
+            ));
+        }
+        Ok(waypoints)
+    }
+}
+
+fn start_state(
+    file: &File,
+    places: &Places<'_>,
+    model: &VehicleModel,
+    mission_m: &[Vec3],
+    wind_mps: Vec3,
+) -> Result<StartState, InputError> {
+    let text = places.text;
+    let (first, second) = (mission_m[0], mission_m[1]);
+    let along = (second - first).normalize_or(Vec3::X);
+    let Some((course_rad, climb_rad)) = crab(along, model.vehicle.airspeed_mps, wind_mps) else {
+        return Err(text.error(format!(
+            "wind of {:.1} m/s is too strong for an airspeed of {} m/s, expected a wind in which \
+             the first leg can be flown",
+            wind_mps.length(),
+            model.vehicle.airspeed_mps
+        )));
+    };
+    let mut start = StartState {
+        position_m: first,
+        course_rad,
+        climb_rad: climb_rad
+            .max(model.vehicle.climb_min_rad)
+            .min(model.vehicle.climb_max_rad),
+    };
+    if let Some(table) = &file.start {
+        if let Some(position_m) =
+            places.either(table.position_m.as_ref(), table.position_deg.as_ref())?
+        {
+            start.position_m = position_m;
+        }
+        if let Some(course) = &table.course_deg {
+            // Compass degrees: north is 0, east is 90.
+            let compass_deg = text.within("course_deg", course, (-360.0, 360.0))?;
+            let along = direction(
+                fga_formats::geodesy::course_from_compass_rad(compass_deg),
+                0.0,
+            );
+            if let Some((course_rad, _)) = crab(along, model.vehicle.airspeed_mps, wind_mps) {
+                start.course_rad = course_rad;
+            }
+            start.climb_rad = 0.0;
+        }
+        if let Some(climb) = &table.climb_deg {
+            let limits = (
+                model.vehicle.climb_min_rad.to_degrees(),
+                model.vehicle.climb_max_rad.to_degrees(),
+            );
+            start.climb_rad = text.within("climb_deg", climb, limits)?.to_radians();
+        }
+    }
+    Ok(start)
+}
+
+fn obstacle(
+    entry: &Spanned<ObstacleTable>,
+    number: u32,
+    places: &Places<'_>,
+    model: &VehicleModel,
+) -> Result<WorldObstacle, InputError> {
+    let text = places.text;
+    let table = entry.get_ref();
+    let position = places.either(table.position_m.as_ref(), table.position_deg.as_ref())?;
+    let track = match (position, &table.track_m) {
+        (Some(position_m), None) => Track::straight(
+            position_m,
+            match &table.velocity_mps {
+                Some(velocity) => places.local("velocity_mps", velocity)?,
+                None => Vec3::ZERO,
+            },
+        ),
+        (None, Some(points)) => recorded(&text, points)?,
+        (None, None) => {
+            return Err(text.error_at(
+                entry,
+                "the obstacle has no place, expected position_m, position_deg or track_m",
+            ));
+        }
+        (Some(_), Some(points)) => {
+            return Err(text.error_at(
+                points,
+                "both a position and track_m are given, expected one of them",
+            ));
+        }
+    };
+    let radius_m = match &table.radius_m {
+        Some(radius) => text.positive("radius_m", radius)?,
+        None => model.protection.radius_m(),
+    };
+    let volume = match (&table.half_height_m, model.protection) {
+        (Some(half_height), _) => ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m: text.positive("half_height_m", half_height)?,
+        },
+        (None, ProtectedVolume::Cylinder { half_height_m, .. }) if table.radius_m.is_none() => {
+            ProtectedVolume::Cylinder {
+                radius_m,
+                half_height_m,
+            }
+        }
+        (None, _) => ProtectedVolume::Sphere { radius_m },
+    };
+    let mut obstacle = WorldObstacle::new(
+        table.id.as_ref().map_or(number, |id| *id.get_ref()),
+        track,
+        volume,
+    );
+    obstacle.kind = table.kind.into();
+    if let Some(appears) = &table.appears_s {
+        obstacle.appears_s = text.not_negative("appears_s", appears)?;
+    }
+    Ok(obstacle)
+}
+
+fn recorded(text: &TomlText<'_>, points: &Spanned<Vec<[f64; 4]>>) -> Result<Track, InputError> {
+    let rows = points.get_ref();
+    if let Some(pair) = rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
+        return Err(text.error_at(
+            points,
+            format!(
+                "track_m has time {} after time {}, expected growing times",
+                pair[1][0], pair[0][0]
+            ),
+        ));
+    }
+    let usable = rows.len() >= 2 && rows.iter().flatten().all(|v| v.is_finite());
+    usable
+        .then(|| {
+            Track::through(
+                rows.iter()
+                    .map(|&[time_s, x, y, z]| TrackPoint {
+                        time_s,
+                        position_m: Vec3::new(x, y, z),
+                    })
+                    .collect(),
+            )
+        })
+        .flatten()
+        .ok_or_else(|| {
+            text.error_at(
+                points,
+                "track_m is not usable, expected at least two rows [t, x, y, z] of finite numbers",
+            )
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = "name = 'a'
+duration_s = 60.0
+[mission]
+waypoints_m = [[0, 0, 0], [900, 0, 0]]
+[[obstacle]]
+id = 4
+position_m = [300, 0, 0]
+radius_m = 20.0
+[[obstacle]]
+track_m = [[0, 100, 100, 0], [5, 100, 50, 0]]
+";
+
+    fn parsed(text: &str) -> Result<Plan, String> {
+        parse(TomlText::new(Path::new("s.toml"), text), None).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_scenario_becomes_a_world() {
+        let plan = parsed(GOOD).unwrap();
+        assert_eq!(plan.world.obstacles.len(), 2);
+        assert_eq!(plan.world.obstacles[0].id, 4);
+        assert_eq!(
+            plan.world.obstacles[1].volume,
+            ProtectedVolume::Sphere { radius_m: 30.0 }
+        );
+        assert_eq!(plan.names, ["obstacle 4", "obstacle 2"]);
+        assert_eq!(plan.world.start.course_rad, 0.0);
+    }
+
+    #[test]
+    fn wrong_input_is_named_with_its_line() {
+        for (from, to, expected) in [
+            (
+                "radius_m = 20",
+                "radius = 20",
+                "s.toml, line 8: unknown field `radius`",
+            ),
+            (
+                "[[0, 0, 0], [900, 0, 0]]",
+                "[[0, 0, 0]]",
+                "s.toml, line 4: mission has 1 waypoint, expected at least two",
+            ),
+            (
+                "[300, 0, 0]",
+                "[10, 0, 0]",
+                "s.toml, line 5: obstacle 4 is on top of the aircraft at the start (10.0 m inside",
+            ),
+            (
+                "id = 4",
+                "id = 2",
+                "s.toml, line 9: obstacle number 2 is used twice",
+            ),
+            (
+                "radius_m = 20",
+                "radius_m = -1",
+                "s.toml, line 8: radius_m is -1, expected a positive number",
+            ),
+            (
+                "[5, 100",
+                "[0, 100",
+                "s.toml, line 10: track_m has time 0 after time 0, expected growing times",
+            ),
+            (
+                "position_m = [300, 0, 0]",
+                "position_deg = [1, 2, 3]",
+                "s.toml, line 7: position_deg is geodetic, expected an [origin]",
+            ),
+            (
+                "duration_s = 60.0",
+                "duration_s = 0",
+                "s.toml, line 2: duration_s is 0, expected a number from 0.1",
+            ),
+        ] {
+            let error = parsed(&GOOD.replacen(from, to, 1)).unwrap_err();
+            assert!(error.starts_with(expected), "{error}");
+        }
+    }
+}

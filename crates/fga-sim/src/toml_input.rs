@@ -1,0 +1,113 @@
+//! TOML read with errors that name the file and the line.
+
+use std::path::Path;
+
+use fga_formats::InputError;
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+
+/// A TOML file in reading: its name and text, for messages.
+#[derive(Debug, Clone, Copy)]
+pub struct TomlText<'a> {
+    path: &'a Path,
+    text: &'a str,
+}
+
+impl<'a> TomlText<'a> {
+    /// The text of the file `path`.
+    pub const fn new(path: &'a Path, text: &'a str) -> Self {
+        Self { path, text }
+    }
+
+    /// The file as it is named in messages.
+    pub const fn path(&self) -> &'a Path {
+        self.path
+    }
+
+    /// Reads the text as `T`; keys that `T` does not know are errors where it says so.
+    ///
+    /// # Errors
+    /// What is not TOML or not a `T`, with its line.
+    pub fn read<T: DeserializeOwned>(&self) -> Result<T, InputError> {
+        toml::from_str(self.text).map_err(|error| {
+            let message = error.message().trim().replace('\n', "; ");
+            match error.span() {
+                Some(span) => InputError::at_line(self.path, self.line_of(span.start), message),
+                None => InputError::in_file(self.path, message),
+            }
+        })
+    }
+
+    fn line_of(&self, byte: usize) -> u64 {
+        let before = self.text.get(..byte).unwrap_or_default();
+        1 + before.matches('\n').count() as u64
+    }
+
+    /// An error about the file as a whole.
+    pub fn error(&self, message: impl Into<String>) -> InputError {
+        InputError::in_file(self.path, message)
+    }
+
+    /// An error about a value in the file.
+    pub fn error_at<T>(&self, value: &Spanned<T>, message: impl Into<String>) -> InputError {
+        InputError::at_line(self.path, self.line_of(value.span().start), message)
+    }
+
+    /// The value, if it is finite.
+    ///
+    /// # Errors
+    /// One that is not.
+    pub fn finite(&self, key: &str, value: &Spanned<f64>) -> Result<f64, InputError> {
+        self.checked(key, value, "a finite number", f64::is_finite)
+    }
+
+    /// The value, if it is finite and greater than zero.
+    ///
+    /// # Errors
+    /// One that is not.
+    pub fn positive(&self, key: &str, value: &Spanned<f64>) -> Result<f64, InputError> {
+        self.checked(key, value, "a positive number", |v| {
+            v.is_finite() && v > 0.0
+        })
+    }
+
+    /// The value, if it is finite and not negative.
+    ///
+    /// # Errors
+    /// One that is not.
+    pub fn not_negative(&self, key: &str, value: &Spanned<f64>) -> Result<f64, InputError> {
+        self.checked(key, value, "a number that is not negative", |v| {
+            v.is_finite() && v >= 0.0
+        })
+    }
+
+    /// The value, if it is within the limits.
+    ///
+    /// # Errors
+    /// One that is not.
+    pub fn within(
+        &self,
+        key: &str,
+        value: &Spanned<f64>,
+        (low, high): (f64, f64),
+    ) -> Result<f64, InputError> {
+        self.checked(key, value, &format!("a number from {low} to {high}"), |v| {
+            (low..=high).contains(&v)
+        })
+    }
+
+    fn checked(
+        &self,
+        key: &str,
+        value: &Spanned<f64>,
+        expected: &str,
+        usable: impl Fn(f64) -> bool,
+    ) -> Result<f64, InputError> {
+        let found = *value.get_ref();
+        if usable(found) {
+            Ok(found)
+        } else {
+            Err(self.error_at(value, format!("{key} is {found}, expected {expected}")))
+        }
+    }
+}

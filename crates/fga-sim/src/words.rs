@@ -1,0 +1,174 @@
+//! A decision in words: what threatens, what is flown, and why.
+
+use fga::angle::wrap_pi;
+use fga::avoider::{Decision, Reason};
+use fga::maneuver::Maneuver;
+use fga::situation::Ownship;
+
+/// The reason of a decision as a phrase.
+pub const fn reason_words(reason: Reason) -> &'static str {
+    match reason {
+        Reason::Clear => "nothing comes too close on the mission",
+        Reason::InvalidInput => "the input is not usable, course and climb angle are held",
+        Reason::WaitingForStart => "a manoeuvre is known and begins later",
+        Reason::ManeuverChosen => "a certified manoeuvre begins",
+        Reason::ManeuverKept => "the manoeuvre is kept",
+        Reason::ManeuverReplaced => "the manoeuvre was no longer certified and is replaced",
+        Reason::ManeuverImproved => "a clearly better manoeuvre was found",
+        Reason::BestAvailable => {
+            "no manoeuvre is certified, the one with the largest least separation is flown"
+        }
+        Reason::InsideVolume => "inside a protected volume, leaving it",
+        Reason::RejoinChosen => "a way back to the mission begins",
+        Reason::RejoinKept => "the way back is flown",
+        Reason::Rejoined => "back on the mission",
+        Reason::MissionComplete => "the last waypoint was passed, course and altitude are held",
+    }
+}
+
+/// The reason of a decision as a key in files.
+pub const fn reason_key(reason: Reason) -> &'static str {
+    match reason {
+        Reason::Clear => "clear",
+        Reason::InvalidInput => "invalid-input",
+        Reason::WaitingForStart => "waiting-for-start",
+        Reason::ManeuverChosen => "maneuver-chosen",
+        Reason::ManeuverKept => "maneuver-kept",
+        Reason::ManeuverReplaced => "maneuver-replaced",
+        Reason::ManeuverImproved => "maneuver-improved",
+        Reason::BestAvailable => "best-available",
+        Reason::InsideVolume => "inside-volume",
+        Reason::RejoinChosen => "rejoin-chosen",
+        Reason::RejoinKept => "rejoin-kept",
+        Reason::Rejoined => "rejoined",
+        Reason::MissionComplete => "mission-complete",
+    }
+}
+
+/// The first turn and climb of a manoeuvre: "turn left 38° and climb 5°".
+pub fn maneuver_words(maneuver: &Maneuver, ownship: &Ownship) -> String {
+    let changed = |stage: &&fga::maneuver::Stage| {
+        (stage.course_rad - ownship.course_rad).abs() > 1e-3
+            || (stage.climb_rad - ownship.climb_rad).abs() > 1e-3
+    };
+    let Some(stage) = maneuver.stages().iter().find(changed) else {
+        return "hold course and altitude".into();
+    };
+    let turn_rad = stage.course_rad - ownship.course_rad;
+    let turn = if turn_rad.abs() > 1e-3 {
+        // A turn of more than half a circle is said as it is flown.
+        let shown = if turn_rad.abs() <= core::f64::consts::TAU {
+            turn_rad
+        } else {
+            wrap_pi(turn_rad)
+        };
+        let side = if shown > 0.0 { "left" } else { "right" };
+        Some(format!("turn {side} {:.0}°", shown.abs().to_degrees()))
+    } else {
+        None
+    };
+    let climb_deg = stage.climb_rad.to_degrees();
+    let climb = if (stage.climb_rad - ownship.climb_rad).abs() <= 1e-3 {
+        None
+    } else if climb_deg > 0.05 {
+        Some(format!("climb at {climb_deg:.0}°"))
+    } else if climb_deg < -0.05 {
+        Some(format!("descend at {:.0}°", -climb_deg))
+    } else {
+        Some("level off".into())
+    };
+    let when = if stage.start_s > 0.05 {
+        format!(" in {:.1} s", stage.start_s)
+    } else {
+        String::new()
+    };
+    match (turn, climb) {
+        (Some(turn), Some(climb)) => format!("{turn} and {climb}{when}"),
+        (Some(one), None) | (None, Some(one)) => format!("{one}{when}"),
+        (None, None) => "hold course and altitude".into(),
+    }
+}
+
+/// A decision as one line: "threat: N2 in 4.1 s, 12.0 m inside; latest safe start in 1.6 s; turn
+/// left 38°, least margin 4.2 m".
+pub fn decision_words(
+    decision: &Decision,
+    ownship: &Ownship,
+    name_of: impl Fn(u32) -> String,
+) -> String {
+    let record = &decision.record;
+    let mut parts = vec![reason_words(record.reason).to_string()];
+    if let Some(threat) = &record.threat {
+        let name = name_of(threat.id);
+        parts.push(if threat.margin_m < 0.0 {
+            format!(
+                "threat: {name} in {:.1} s, {:.1} m inside",
+                threat.entry_s.max(0.0),
+                -threat.margin_m
+            )
+        } else {
+            format!(
+                "threat: {name}, closest in {:.1} s at {:.1} m",
+                threat.closest_s.max(0.0),
+                threat.margin_m
+            )
+        });
+    }
+    if let Some(latest_s) = record.latest_start_s {
+        parts.push(format!("latest safe start in {latest_s:.1} s"));
+    }
+    if let Some(chosen) = &record.chosen {
+        let mut words = maneuver_words(&chosen.maneuver, ownship);
+        if chosen.margin_m.is_finite() {
+            use core::fmt::Write as _;
+            let _ = write!(words, ", least margin {:.1} m", chosen.margin_m);
+        }
+        parts.push(words);
+    }
+    parts.join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fga::Vec3;
+    use fga::avoider::{Candidate, Record, State, Threat, Verdict};
+
+    #[test]
+    fn a_decision_reads_as_a_sentence() {
+        let ownship = Ownship {
+            position_m: Vec3::ZERO,
+            course_rad: 1.0,
+            climb_rad: 0.0,
+            bank_rad: 0.0,
+            airspeed_mps: 15.0,
+        };
+        let maneuver = Maneuver::turn(0.0, 1.0 + 38.0_f64.to_radians(), 0.1);
+        let decision = Decision {
+            state: State::Avoiding,
+            command: maneuver,
+            record: Record {
+                reason: Reason::ManeuverChosen,
+                threat: Some(Threat {
+                    id: 3,
+                    entry_s: 4.1,
+                    closest_s: 5.0,
+                    margin_m: -12.0,
+                }),
+                latest_start_s: Some(1.62),
+                chosen: Some(Candidate {
+                    maneuver,
+                    margin_m: 4.2,
+                    cost: 0.1,
+                    verdict: Verdict::Chosen,
+                }),
+                ..Record::default()
+            },
+        };
+        assert_eq!(
+            decision_words(&decision, &ownship, |id| format!("N{id}")),
+            "a certified manoeuvre begins; threat: N3 in 4.1 s, 12.0 m inside; latest safe start \
+             in 1.6 s; turn left 38° and climb at 6°, least margin 4.2 m"
+        );
+    }
+}

@@ -1,0 +1,100 @@
+//! Everything that one flight is made of.
+
+use fga::Vec3;
+use fga::avoider::Settings;
+use fga::kinematics::Vehicle;
+use fga::situation::{ObstacleKind, ProtectedVolume};
+
+use crate::plant::Autopilot;
+use crate::sensor::SensorSettings;
+use crate::track::Track;
+
+/// An obstacle as it really is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldObstacle {
+    /// Identifier shown to the avoider, unique within the world.
+    pub id: u32,
+    /// Where it really is.
+    pub track: Track,
+    /// What must not be entered.
+    pub volume: ProtectedVolume,
+    /// What it is.
+    pub kind: ObstacleKind,
+    /// It is not seen before this time, seconds.
+    pub appears_s: f64,
+    /// It is not seen before it first comes within this distance, metres; then it stays known.
+    pub first_seen_m: Option<f64>,
+}
+
+impl WorldObstacle {
+    /// An obstacle of no particular kind, known from the start.
+    pub const fn new(id: u32, track: Track, volume: ProtectedVolume) -> Self {
+        Self {
+            id,
+            track,
+            volume,
+            kind: ObstacleKind::Unknown,
+            appears_s: 0.0,
+            first_seen_m: None,
+        }
+    }
+}
+
+/// When a flight ends before its horizon.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// Not before.
+    Horizon,
+    /// Back on the mission's line with every obstacle passed (its distance no longer shrinks).
+    BackAndPassed,
+    /// The last waypoint was passed.
+    MissionFlown,
+}
+
+/// How close to the line counts as back on it, metres.
+pub const BACK_WITHIN_M: f64 = 1.0;
+
+/// How close to the line's direction counts as back on it, radians (1°).
+pub const BACK_WITHIN_RAD: f64 = 1.0 * core::f64::consts::PI / 180.0;
+
+/// The aircraft at the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StartState {
+    /// Position, metres, local frame.
+    pub position_m: Vec3,
+    /// Course through the air, radians.
+    pub course_rad: f64,
+    /// Climb angle through the air, radians.
+    pub climb_rad: f64,
+}
+
+/// One flight to be flown: aircraft, mission, obstacles, sensor, wind, end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct World {
+    /// Waypoints of the mission, metres, local frame; at least two.
+    pub mission_m: Vec<Vec3>,
+    /// The aircraft at the start.
+    pub start: StartState,
+    /// The aircraft's limits.
+    pub vehicle: Vehicle,
+    /// How commands become bank and climb.
+    pub autopilot: Autopilot,
+    /// Settings of the avoider; its policy is chosen with the pilot.
+    pub settings: Settings,
+    /// Velocity of the air over the ground, metres per second.
+    pub wind_mps: Vec3,
+    /// The obstacles.
+    pub obstacles: Vec<WorldObstacle>,
+    /// How they are seen.
+    pub sensor: SensorSettings,
+    /// Master seed of the sensor's noise.
+    pub seed: u64,
+    /// Stream of the noise: the encounter's number.
+    pub stream: u64,
+    /// Longest time flown, seconds.
+    pub horizon_s: f64,
+    /// When the flight ends before.
+    pub ending: Ending,
+    /// Recorded flight of the aircraft until it first manoeuvres.
+    pub recorded: Option<Track>,
+}
