@@ -1,0 +1,288 @@
+//! One run in one picture: top view, altitude profile, separation over time.
+//!
+//! [`Overview`] holds what is drawn, in the local frame (x east, y north, z up; metres, seconds);
+//! [`Overview::to_svg`] draws it. Samples that are not finite are left out, names are escaped, and
+//! a run of any size gives a picture: of many obstacles the closest are named and followed, the
+//! others are faint.
+
+mod altitude;
+mod data;
+mod panel;
+mod separation;
+mod top;
+
+pub use data::{Closest, Moment, MomentKind, Obstacle, Overview, Sample, State, TrackPoint};
+
+use crate::palette::{BLACK, BLUE, GREEN, INK, MUTED, ORANGE, PURPLE, SKY, VERMILION};
+use crate::svg::{Anchor, Point, Rect, Svg, TextStyle, shorten, text_width};
+use data::Focus;
+
+const WIDTH: f64 = 1160.0;
+const MARGIN: f64 = 24.0;
+/// Room for an axis' numbers and title on the left of a panel.
+const AXIS: f64 = 58.0;
+
+impl Overview {
+    /// Draws the run as a self-contained SVG on a white background of its own.
+    pub fn to_svg(&self) -> String {
+        let focus = Focus::new(self);
+        let extent = top::extent(self, &focus);
+        let legend = self.legend(&focus);
+        let header = legend.last().map_or(74.0, |entry| entry.at.1) + 24.0;
+        // Wide flights go above the two panels over time, others beside them.
+        let aspect = extent.width / extent.height;
+        let (top_panel, time_panels, height) = if aspect > 1.15 {
+            let width = WIDTH - 2.0 * MARGIN - AXIS;
+            let panel = Rect::new(
+                MARGIN + AXIS,
+                header,
+                width,
+                (width / aspect).clamp(210.0, 620.0),
+            );
+            let first = Rect::new(panel.x, panel.bottom() + 64.0, width, 150.0);
+            let second = Rect::new(panel.x, first.bottom() + 38.0, width, 210.0);
+            (panel, [first, second], second.bottom() + 52.0)
+        } else {
+            let width = 500.0;
+            let panel = Rect::new(
+                MARGIN + AXIS,
+                header,
+                width,
+                (width / aspect).clamp(430.0, 720.0),
+            );
+            let x = panel.right() + 40.0 + AXIS;
+            let wide = WIDTH - MARGIN - x;
+            let split = (panel.height - 38.0) * 0.42;
+            let first = Rect::new(x, header, wide, split);
+            let second = Rect::new(x, first.bottom() + 38.0, wide, panel.height - 38.0 - split);
+            (panel, [first, second], panel.bottom() + 52.0)
+        };
+        let mut svg = Svg::new(WIDTH, height, &self.title, &self.verdict(&focus));
+        self.draw_header(&mut svg, &focus, &legend);
+        top::draw(self, &focus, &extent, top_panel, &mut svg);
+        altitude::draw(self, &focus, time_panels[0], &mut svg);
+        separation::draw(self, &focus, time_panels[1], &mut svg);
+        svg.finish()
+    }
+
+    /// One sentence: was every protected volume kept clear, and by how much.
+    fn verdict(&self, focus: &Focus) -> String {
+        if self.samples.is_empty() {
+            return "No samples.".to_owned();
+        }
+        let Some(worst) = focus.followed.first() else {
+            return "No obstacle.".to_owned();
+        };
+        let name = shorten(&worst.obstacle.name, 32);
+        let Closest {
+            time_s, margin_m, ..
+        } = worst.closest;
+        if margin_m < 0.0 {
+            format!(
+                "Protected volume of {name} entered by {:.1} m at {time_s:.1} s.",
+                -margin_m
+            )
+        } else {
+            format!(
+                "Every protected volume kept clear; least margin {margin_m:.1} m, to {name}, at {time_s:.1} s."
+            )
+        }
+    }
+
+    fn draw_header(&self, svg: &mut Svg, focus: &Focus, legend: &[Entry]) {
+        let title = shorten(&self.title, 90);
+        svg.text((MARGIN, 32.0), &title, TextStyle::new(19.0, INK).bold());
+        let lost = focus
+            .followed
+            .first()
+            .is_some_and(|f| f.closest.margin_m < 0.0);
+        let verdict = TextStyle::new(13.0, if lost { VERMILION } else { MUTED });
+        svg.text(
+            (MARGIN, 53.0),
+            &self.verdict(focus),
+            if lost { verdict.bold() } else { verdict },
+        );
+        for entry in legend {
+            let (x, y) = entry.at;
+            let middle = (x + entry.symbol.width() / 2.0, y);
+            match entry.symbol {
+                Symbol::Line(look) => svg.line((x, y), (x + entry.symbol.width(), y), look),
+                Symbol::Volume => svg.circle(middle, 7.0, VOLUME),
+                Symbol::Tick => svg.line((middle.0, y - 4.5), (middle.0, y + 4.5), TICK),
+                Symbol::Mark(shape) => marker(svg, middle, shape),
+            }
+            svg.text(
+                (x + entry.symbol.width() + 6.0, y + 4.0),
+                &entry.label,
+                TextStyle::new(12.0, INK),
+            );
+        }
+    }
+
+    /// The legend, in as many rows as it takes; it names only what the picture shows.
+    fn legend(&self, focus: &Focus) -> Vec<Entry> {
+        let mut entries: Vec<(Symbol, String)> = Vec::new();
+        for state in State::ALL {
+            if self.samples.iter().any(|s| s.state == state) {
+                entries.push((Symbol::Line(state_look(state)), state.name().to_owned()));
+            }
+        }
+        if self.mission_m.len() > 1 {
+            entries.push((Symbol::Line(MISSION), "mission".to_owned()));
+        }
+        if !self.obstacles.is_empty() {
+            entries.push((Symbol::Volume, "protected volume".to_owned()));
+        }
+        for kind in MomentKind::ALL {
+            if self.moments.iter().any(|m| m.kind == kind) {
+                entries.push((Symbol::Mark(kind.shape()), kind.name().to_owned()));
+            }
+        }
+        if !focus.followed.is_empty() {
+            entries.push((Symbol::Mark(Shape::Closest), "closest approach".to_owned()));
+        }
+        if self.samples.len() > 1 {
+            let step = top::tick_step_s(self);
+            entries.push((Symbol::Tick, format!("tick every {step} s")));
+        }
+        let (mut x, mut y) = (MARGIN, 74.0);
+        let mut placed = Vec::new();
+        for (symbol, label) in entries {
+            let width = symbol.width() + 6.0 + 0.94 * text_width(&label, 12.0);
+            if x + width > WIDTH - MARGIN && x > MARGIN {
+                (x, y) = (MARGIN, y + 20.0);
+            }
+            placed.push(Entry {
+                at: (x, y),
+                symbol,
+                label,
+            });
+            x += width + 9.0;
+        }
+        placed
+    }
+}
+
+/// One entry of the legend.
+struct Entry {
+    at: Point,
+    symbol: Symbol,
+    label: String,
+}
+
+#[derive(Clone, Copy)]
+enum Symbol {
+    Line(&'static str),
+    Volume,
+    Tick,
+    Mark(Shape),
+}
+
+impl Symbol {
+    const fn width(self) -> f64 {
+        match self {
+            Self::Line(_) => 18.0,
+            Self::Tick => 4.0,
+            Self::Volume | Self::Mark(_) => 14.0,
+        }
+    }
+}
+
+const VOLUME: &str =
+    "fill=\"#8b949e\" fill-opacity=\"0.18\" stroke=\"#59636e\" stroke-width=\"1.2\"";
+const TICK: &str = "stroke=\"#1f2328\" stroke-width=\"1\"";
+const MISSION: &str =
+    "fill=\"none\" stroke=\"#59636e\" stroke-width=\"1.2\" stroke-dasharray=\"6 4\"";
+
+/// Line of the aircraft's track in a state.
+const fn state_look(state: State) -> &'static str {
+    match state {
+        State::Cruise => {
+            "fill=\"none\" stroke=\"#0072b2\" stroke-width=\"2.4\" stroke-linecap=\"round\" stroke-linejoin=\"round\""
+        }
+        State::Threatened => {
+            "fill=\"none\" stroke=\"#e69f00\" stroke-width=\"3\" stroke-linecap=\"round\" stroke-linejoin=\"round\""
+        }
+        State::Avoiding => {
+            "fill=\"none\" stroke=\"#d55e00\" stroke-width=\"3\" stroke-linecap=\"round\" stroke-linejoin=\"round\""
+        }
+        State::Recovering => {
+            "fill=\"none\" stroke=\"#009e73\" stroke-width=\"2.6\" stroke-linecap=\"round\" stroke-linejoin=\"round\""
+        }
+    }
+}
+
+/// Fill colour of a state.
+const fn state_colour(state: State) -> &'static str {
+    match state {
+        State::Cruise => BLUE,
+        State::Threatened => ORANGE,
+        State::Avoiding => VERMILION,
+        State::Recovering => GREEN,
+    }
+}
+
+/// Colours of the followed obstacles, closest first; the aircraft's states use the other ones.
+const OBSTACLE_COLOURS: [&str; 3] = [PURPLE, SKY, BLACK];
+
+/// The look of the line of a followed obstacle: after three colours comes a dash pattern.
+fn obstacle_line(rank: usize, width: &str) -> String {
+    let colour = OBSTACLE_COLOURS[rank % OBSTACLE_COLOURS.len()];
+    let dash = if rank < OBSTACLE_COLOURS.len() {
+        ""
+    } else {
+        " stroke-dasharray=\"8 3 2 3\""
+    };
+    format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"{dash}")
+}
+
+/// Shapes of the marks, each its own so that colour is not needed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Shape {
+    Seen,
+    Begun,
+    Rejoined,
+    Closest,
+}
+
+fn marker(svg: &mut Svg, (x, y): Point, shape: Shape) {
+    match shape {
+        Shape::Seen => svg.polygon(
+            &[(x, y - 6.5), (x + 6.0, y + 4.5), (x - 6.0, y + 4.5)],
+            "fill=\"#e69f00\" stroke=\"#1f2328\" stroke-width=\"1.1\"",
+        ),
+        Shape::Begun => svg.polygon(
+            &[(x, y - 6.5), (x + 6.5, y), (x, y + 6.5), (x - 6.5, y)],
+            "fill=\"#d55e00\" stroke=\"#1f2328\" stroke-width=\"1.1\"",
+        ),
+        Shape::Rejoined => svg.rect(
+            &Rect::new(x - 5.0, y - 5.0, 10.0, 10.0),
+            "fill=\"#009e73\" stroke=\"#1f2328\" stroke-width=\"1.1\"",
+        ),
+        Shape::Closest => {
+            svg.circle(
+                (x, y),
+                5.2,
+                "fill=\"#ffffff\" stroke=\"#1f2328\" stroke-width=\"1.6\"",
+            );
+            svg.circle((x, y), 1.8, "fill=\"#1f2328\"");
+        }
+    }
+}
+
+/// An axis title, centred below or turned beside a panel.
+fn axis_titles(svg: &mut Svg, panel: &Rect, below: &str, beside: &str) {
+    let style = TextStyle::new(12.0, INK).anchor(Anchor::Middle);
+    if !below.is_empty() {
+        svg.text(
+            (panel.x + panel.width / 2.0, panel.bottom() + 34.0),
+            below,
+            style,
+        );
+    }
+    let at = (panel.x - 44.0, panel.y + panel.height / 2.0);
+    svg.turned_text(at, beside, style, -90.0);
+}
+
+const GRID_LINE: &str = "stroke=\"#e3e6ea\" stroke-width=\"1\"";
+const FRAME: &str = "fill=\"none\" stroke=\"#8b949e\" stroke-width=\"1\"";

@@ -1,0 +1,343 @@
+//! What an overview is made of, and which obstacles it follows.
+
+use fga::Vec3;
+use fga::situation::ProtectedVolume;
+
+use super::Shape;
+
+/// What the aircraft is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// Flying its mission, no threat.
+    Cruise,
+    /// A threat is known, the manoeuvre has not begun.
+    Threatened,
+    /// Manoeuvring.
+    Avoiding,
+    /// On the way back to the mission.
+    Recovering,
+}
+
+impl State {
+    /// All states in the order in which they occur.
+    pub const ALL: [Self; 4] = [
+        Self::Cruise,
+        Self::Threatened,
+        Self::Avoiding,
+        Self::Recovering,
+    ];
+
+    /// Lower-case English name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cruise => "cruise",
+            Self::Threatened => "threatened",
+            Self::Avoiding => "avoiding",
+            Self::Recovering => "recovering",
+        }
+    }
+}
+
+/// Where the aircraft was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Seconds from the start of the run.
+    pub time_s: f64,
+    /// Position, metres, local frame.
+    pub position_m: Vec3,
+    /// What it was doing from this sample to the next.
+    pub state: State,
+}
+
+/// Where an obstacle was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrackPoint {
+    /// Seconds from the start of the run.
+    pub time_s: f64,
+    /// Centre of the protected volume, metres, local frame.
+    pub position_m: Vec3,
+}
+
+/// The closest approach to one obstacle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closest {
+    /// Seconds from the start of the run.
+    pub time_s: f64,
+    /// Distance to the obstacle's centre, metres.
+    pub separation_m: f64,
+    /// Signed distance to its protected volume, metres; negative inside.
+    pub margin_m: f64,
+}
+
+/// An obstacle and its way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Obstacle {
+    /// Its number in the run; moments refer to it.
+    pub id: u32,
+    /// What people call it; any text.
+    pub name: String,
+    /// The volume around it that must not be entered.
+    pub volume: ProtectedVolume,
+    /// Its way, straight between points; one point for an obstacle that stands for the whole run.
+    /// Outside the times of a longer track it is not there.
+    pub track: Vec<TrackPoint>,
+    /// The closest approach over continuous time, where known; else it is taken from the samples.
+    pub closest: Option<Closest>,
+}
+
+/// A kind of critical moment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MomentKind {
+    /// An obstacle was recognised as a threat.
+    ThreatSeen,
+    /// The avoiding manoeuvre began.
+    ManeuverBegun,
+    /// The aircraft was back on its route.
+    Rejoined,
+}
+
+impl MomentKind {
+    /// All kinds in the order in which they occur.
+    pub const ALL: [Self; 3] = [Self::ThreatSeen, Self::ManeuverBegun, Self::Rejoined];
+
+    /// Lower-case English name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ThreatSeen => "threat seen",
+            Self::ManeuverBegun => "manoeuvre begun",
+            Self::Rejoined => "rejoined",
+        }
+    }
+
+    pub(super) const fn shape(self) -> Shape {
+        match self {
+            Self::ThreatSeen => Shape::Seen,
+            Self::ManeuverBegun => Shape::Begun,
+            Self::Rejoined => Shape::Rejoined,
+        }
+    }
+}
+
+/// A critical moment of the run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Seconds from the start of the run.
+    pub time_s: f64,
+    /// What happened.
+    pub kind: MomentKind,
+    /// The obstacle it was about, by its number.
+    pub obstacle: Option<u32>,
+}
+
+/// One run, as far as its picture needs it.
+///
+/// # Examples
+///
+/// ```
+/// use fga::{Vec3, situation::ProtectedVolume};
+/// use fga_report::overview::{Obstacle, Overview, Sample, State, TrackPoint};
+///
+/// let overview = Overview {
+///     title: "Past a mast".into(),
+///     mission_m: vec![Vec3::ZERO, Vec3::new(400.0, 0.0, 0.0)],
+///     samples: (0..27)
+///         .map(|second| Sample {
+///             time_s: f64::from(second),
+///             position_m: Vec3::new(15.0 * f64::from(second), 0.0, 50.0),
+///             state: State::Cruise,
+///         })
+///         .collect(),
+///     obstacles: vec![Obstacle {
+///         id: 1,
+///         name: "mast".into(),
+///         volume: ProtectedVolume::Sphere { radius_m: 30.0 },
+///         track: vec![TrackPoint { time_s: 0.0, position_m: Vec3::new(200.0, 40.0, 50.0) }],
+///         closest: None,
+///     }],
+///     moments: Vec::new(),
+/// };
+/// assert!(overview.to_svg().contains("least margin 10."));
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Overview {
+    /// Heading of the picture.
+    pub title: String,
+    /// The mission's waypoints in order, metres, local frame.
+    pub mission_m: Vec<Vec3>,
+    /// The flown track in order of time.
+    pub samples: Vec<Sample>,
+    /// The obstacles.
+    pub obstacles: Vec<Obstacle>,
+    /// Critical moments; the closest approaches are drawn without being listed here.
+    pub moments: Vec<Moment>,
+}
+
+impl Overview {
+    /// Where the aircraft was at a time: straight between samples, held at the ends.
+    pub(super) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
+        if !time_s.is_finite() {
+            return None;
+        }
+        let first = self.samples.first()?;
+        let after = self.samples.partition_point(|s| s.time_s <= time_s);
+        let Some(before) = after.checked_sub(1).and_then(|i| self.samples.get(i)) else {
+            return Some(first.position_m);
+        };
+        let Some(next) = self.samples.get(after) else {
+            return Some(before.position_m);
+        };
+        let span = next.time_s - before.time_s;
+        let share = if span > 0.0 {
+            (time_s - before.time_s) / span
+        } else {
+            0.0
+        };
+        Some(before.position_m + (next.position_m - before.position_m) * share)
+    }
+
+    /// Start and end of the run, seconds.
+    pub(super) fn times_s(&self) -> (f64, f64) {
+        let start = self.samples.first().map_or(0.0, |s| s.time_s);
+        let end = self.samples.last().map_or(1.0, |s| s.time_s);
+        (start, end)
+    }
+
+    /// The samples without those that are not finite.
+    pub(super) fn finite_samples(&self) -> impl Iterator<Item = &Sample> {
+        self.samples
+            .iter()
+            .filter(|s| s.time_s.is_finite() && s.position_m.is_finite())
+    }
+}
+
+impl Obstacle {
+    /// Where it was at a time; `None` while it is not there.
+    pub(super) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
+        if let [only] = self.track.as_slice() {
+            return Some(only.position_m);
+        }
+        let after = self.track.partition_point(|p| p.time_s <= time_s);
+        let before = self.track.get(after.checked_sub(1)?)?;
+        let Some(next) = self.track.get(after) else {
+            return (before.time_s == time_s).then_some(before.position_m);
+        };
+        let share = (time_s - before.time_s) / (next.time_s - before.time_s);
+        Some(before.position_m + (next.position_m - before.position_m) * share)
+    }
+
+    /// Whether it is at different places at different times.
+    pub(super) fn moves(&self) -> bool {
+        self.track
+            .windows(2)
+            .any(|pair| pair[0].position_m.distance(pair[1].position_m) > 1e-3)
+    }
+}
+
+/// How far the aircraft was from an obstacle at a moment.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CurvePoint {
+    pub(super) time_s: f64,
+    pub(super) separation_m: f64,
+    pub(super) margin_m: f64,
+}
+
+impl CurvePoint {
+    /// Margin or separation.
+    pub(super) const fn shown(&self, by_margin: bool) -> f64 {
+        if by_margin {
+            self.margin_m
+        } else {
+            self.separation_m
+        }
+    }
+}
+
+/// An obstacle that the picture names and follows.
+pub(super) struct Followed<'a> {
+    pub(super) obstacle: &'a Obstacle,
+    pub(super) closest: Closest,
+    /// One point for each sample at which it was there.
+    pub(super) curve: Vec<CurvePoint>,
+}
+
+/// Which obstacles are followed, closest first, and what is left of the others.
+pub(super) struct Focus<'a> {
+    pub(super) followed: Vec<Followed<'a>>,
+    /// The others with the time at which they were closest.
+    pub(super) others: Vec<(&'a Obstacle, f64)>,
+    /// The least margin of the others at each sample.
+    pub(super) least_other: Vec<CurvePoint>,
+}
+
+/// Most obstacles with a name and a curve of their own.
+const MOST_FOLLOWED: usize = 6;
+
+impl<'a> Focus<'a> {
+    pub(super) fn new(overview: &'a Overview) -> Self {
+        let samples: Vec<&Sample> = overview.finite_samples().collect();
+        // About two samples a pixel are enough for the curves and to rank.
+        let stride = (samples.len() / 2400).max(1);
+        let mut all: Vec<Followed> = Vec::new();
+        let mut least: Vec<CurvePoint> = Vec::new();
+        for obstacle in &overview.obstacles {
+            let Some(followed) = follow(obstacle, &samples, stride) else {
+                continue;
+            };
+            all.push(followed);
+        }
+        all.sort_by(|a, b| a.closest.margin_m.total_cmp(&b.closest.margin_m));
+        let rest = all.split_off(all.len().min(MOST_FOLLOWED));
+        if let Some(longest) = rest.iter().map(|f| f.curve.len()).max() {
+            least.reserve(longest);
+            let mut points: Vec<&CurvePoint> = rest.iter().flat_map(|f| &f.curve).collect();
+            points.sort_by(|a, b| {
+                a.time_s
+                    .total_cmp(&b.time_s)
+                    .then(a.margin_m.total_cmp(&b.margin_m))
+            });
+            for point in points {
+                if least.last().is_none_or(|last| last.time_s != point.time_s) {
+                    least.push(*point);
+                }
+            }
+        }
+        Self {
+            followed: all,
+            others: rest
+                .iter()
+                .map(|f| (f.obstacle, f.closest.time_s))
+                .collect(),
+            least_other: least,
+        }
+    }
+}
+
+fn follow<'a>(obstacle: &'a Obstacle, samples: &[&Sample], stride: usize) -> Option<Followed<'a>> {
+    let last = samples.len().checked_sub(1)?;
+    let curve: Vec<CurvePoint> = samples
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| index % stride == 0 || *index == last)
+        .filter_map(|(_, sample)| {
+            let offset = sample.position_m - obstacle.position_at_m(sample.time_s)?;
+            offset.is_finite().then(|| CurvePoint {
+                time_s: sample.time_s,
+                separation_m: offset.length(),
+                margin_m: obstacle.volume.margin_m(offset),
+            })
+        })
+        .collect();
+    let sampled = curve
+        .iter()
+        .min_by(|a, b| a.margin_m.total_cmp(&b.margin_m))?;
+    let closest = obstacle.closest.unwrap_or(Closest {
+        time_s: sampled.time_s,
+        separation_m: sampled.separation_m,
+        margin_m: sampled.margin_m,
+    });
+    Some(Followed {
+        obstacle,
+        closest,
+        curve,
+    })
+}

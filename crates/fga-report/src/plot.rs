@@ -1,0 +1,76 @@
+//! Plots of campaigns: lines with bands, grouped bars, distributions, decision times.
+//!
+//! Each chart is a plain struct with a `to_svg`; values that are not finite are left out, and a
+//! chart without data says so. Series differ by colour and by mark, so that print without colour
+//! is enough. Intervals are bands or whiskers, never left to the reader's guess.
+
+mod bars;
+mod boxes;
+mod distribution;
+mod frame;
+mod lines;
+
+pub use bars::{BarChart, BarSeries};
+pub use boxes::{BoxChart, Spread, SpreadRow};
+pub use distribution::{Cdf, Histogram, SampleSeries};
+pub use lines::{Claim, Line, LineChart, LinePoint};
+
+/// One axis of a chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// What it shows, with its unit: `"initial distance (m)"`.
+    pub label: String,
+    /// Equal steps, or equal ratios.
+    pub spacing: Spacing,
+    /// Ends of the axis; without them it spans the data with round ends.
+    pub range: Option<(f64, f64)>,
+}
+
+/// How an axis is divided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Spacing {
+    /// Equal lengths for equal differences.
+    #[default]
+    Linear,
+    /// Equal lengths for equal ratios; values that are not positive are left out.
+    Log,
+    /// Linear, of shares between 0 and 1 that are marked in per cent.
+    Percent,
+}
+
+impl Axis {
+    /// A linear axis that spans its data.
+    pub fn linear(label: &str) -> Self {
+        Self {
+            label: label.to_owned(),
+            spacing: Spacing::Linear,
+            range: None,
+        }
+    }
+
+    /// A logarithmic axis that spans its data.
+    pub fn log(label: &str) -> Self {
+        Self {
+            spacing: Spacing::Log,
+            ..Self::linear(label)
+        }
+    }
+
+    /// Shares from 0 to 1, marked from 0 to 100 %.
+    pub fn percent(label: &str) -> Self {
+        Self {
+            spacing: Spacing::Percent,
+            range: Some((0.0, 1.0)),
+            ..Self::linear(label)
+        }
+    }
+
+    /// The same axis with given ends.
+    #[must_use]
+    pub fn with_range(self, low: f64, high: f64) -> Self {
+        Self {
+            range: Some((low, high)),
+            ..self
+        }
+    }
+}

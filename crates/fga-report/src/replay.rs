@@ -1,0 +1,256 @@
+//! The replay page: what was flown, what was decided and why, in one HTML file.
+//!
+//! [`render`] writes a page that needs nothing else: the viewer (built from `viewer/`, committed
+//! in `assets/`) and the data are inside. A browser opens it from the disk, without a network.
+//! The page holds one or several runs of the same encounter, for example under different
+//! policies, which it shows one over the other.
+//!
+//! All lengths are metres, times seconds from the start of the run, angles radians, in the local
+//! frame: x east, y north, z up; course ψ from +x towards +y; bank positive in a left turn.
+//! Texts (titles, names, lines) may hold anything: they are escaped here and shown as text.
+//!
+//! ```
+//! use fga_report::replay::{Replay, ReplayRun, ReplaySample, ReplayState, render};
+//!
+//! let mut run = ReplayRun::named("turn-aware");
+//! run.samples.push(ReplaySample {
+//!     t_s: 0.0,
+//!     position_m: [0.0, 0.0, 100.0],
+//!     course_rad: 0.0,
+//!     climb_rad: 0.0,
+//!     bank_rad: 0.0,
+//!     state: ReplayState::Cruise,
+//! });
+//! let page = render(&Replay { title: "one sample".into(), runs: vec![run] });
+//! assert!(page.starts_with("<!doctype html>"));
+//! ```
+
+mod encode;
+mod live;
+mod thin;
+
+use crate::page;
+
+pub use live::{LiveMessage, render_live};
+
+/// What a page shows.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Replay {
+    /// Heading of the page.
+    pub title: String,
+    /// The runs, laid one over the other; the first one is in focus when the page opens.
+    pub runs: Vec<ReplayRun>,
+}
+
+/// One run of an encounter.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReplayRun {
+    /// What tells the runs apart, as a rule the policy.
+    pub name: String,
+    /// What was flown, in the order of time. Evenly spaced samples beyond 24,000 for the whole
+    /// page are left out; those where the state changes stay.
+    pub samples: Vec<ReplaySample>,
+    /// The mission's waypoints, metres.
+    pub mission_m: Vec<[f64; 3]>,
+    /// The obstacles.
+    pub obstacles: Vec<ReplayObstacle>,
+    /// The decision records, in the order of time; each holds until the next one. Records that
+    /// repeat the one before need not be given: the page drops them.
+    pub decisions: Vec<ReplayDecision>,
+    /// Wall-clock time of each decision. Give none where the page must be the same every time.
+    pub decision_times: Vec<ReplayDecisionTime>,
+    /// What happened, for the marks on the timeline.
+    pub events: Vec<ReplayEvent>,
+    /// The least margin, as the simulator found it in continuous time. Without it the page takes
+    /// the least one at the samples.
+    pub outcome: Option<ReplayOutcome>,
+}
+
+impl ReplayRun {
+    /// An empty run of this name.
+    #[must_use]
+    pub fn named(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            ..Self::default()
+        }
+    }
+}
+
+/// Where the aircraft was, how it lay and what it was about.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ReplaySample {
+    /// Time, seconds.
+    pub t_s: f64,
+    /// Position, metres.
+    pub position_m: [f64; 3],
+    /// Course ψ, radians from +x towards +y.
+    pub course_rad: f64,
+    /// Climb angle θ, radians, positive upwards.
+    pub climb_rad: f64,
+    /// Bank angle φ, radians, positive in a left turn.
+    pub bank_rad: f64,
+    /// What the aircraft was about.
+    pub state: ReplayState,
+}
+
+/// What the aircraft is about; it colours the track.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum ReplayState {
+    /// On the mission, nothing threatens.
+    #[default]
+    Cruise,
+    /// A threat is known; the manoeuvre waits for its start.
+    Threatened,
+    /// Flying the avoiding manoeuvre.
+    Avoiding,
+    /// Flying back to the mission.
+    Recovering,
+    /// Somebody else flies: the pilot, or an autopilot mode that does not take commands.
+    Manual,
+}
+
+impl ReplayState {
+    const fn code(self) -> u8 {
+        match self {
+            Self::Cruise => 0,
+            Self::Threatened => 1,
+            Self::Avoiding => 2,
+            Self::Recovering => 3,
+            Self::Manual => 4,
+        }
+    }
+}
+
+impl From<fga::avoider::State> for ReplayState {
+    fn from(state: fga::avoider::State) -> Self {
+        match state {
+            fga::avoider::State::Cruise => Self::Cruise,
+            fga::avoider::State::Threatened => Self::Threatened,
+            fga::avoider::State::Avoiding => Self::Avoiding,
+            fga::avoider::State::Recovering => Self::Recovering,
+        }
+    }
+}
+
+/// An obstacle and its protected volume.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReplayObstacle {
+    /// Identifier; the decisions name their threat by it.
+    pub id: u32,
+    /// Name on its label; empty for `#id`.
+    pub name: String,
+    /// The volume that must not be entered.
+    pub volume: fga::situation::ProtectedVolume,
+    /// How it moves: straight pieces in the order of time. Each holds until the next one begins;
+    /// the first one also before its own start, the last one for ever.
+    pub motion: Vec<ReplayPiece>,
+    /// When it is there, from and to, seconds; `None` for the whole run.
+    pub present_s: Option<[f64; 2]>,
+    /// When the aircraft first knew of it, seconds; until then it is drawn faintly. `None` where
+    /// it was known from the start.
+    pub known_from_s: Option<f64>,
+}
+
+/// A straight, unaccelerated piece of an obstacle's way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReplayPiece {
+    /// When it begins, seconds.
+    pub start_s: f64,
+    /// Position of the volume's centre then, metres.
+    pub position_m: [f64; 3],
+    /// Velocity over the ground, metres per second.
+    pub velocity_mps: [f64; 3],
+}
+
+/// A decision record.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReplayDecision {
+    /// When it was made, seconds.
+    pub t_s: f64,
+    /// The state it led to.
+    pub state: ReplayState,
+    /// The record in words, one thought a line; the first line is the headline.
+    pub lines: Vec<String>,
+    /// Identifier of the most urgent threat.
+    pub threat: Option<u32>,
+    /// Latest certified start, seconds from `t_s`.
+    pub latest_start_s: Option<f64>,
+    /// The paths that were looked at, and the way back.
+    pub paths: Vec<ReplayPath>,
+}
+
+/// A path that was looked at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReplayPath {
+    /// What became of it.
+    pub kind: ReplayPathKind,
+    /// Certified lower bound of the separation beyond every volume, metres.
+    pub margin_m: Option<f64>,
+    /// Points on the path, metres, from the aircraft on. Dense ones cost nothing: the page keeps
+    /// those that matter, to a few decimetres.
+    pub points_m: Vec<[f64; 3]>,
+}
+
+/// What became of a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ReplayPathKind {
+    /// Certified to stay clear.
+    Certified,
+    /// Comes too close.
+    Rejected,
+    /// The one that is flown.
+    Chosen,
+    /// The way back to the mission.
+    WayBack,
+}
+
+impl From<fga::avoider::Verdict> for ReplayPathKind {
+    fn from(verdict: fga::avoider::Verdict) -> Self {
+        match verdict {
+            fga::avoider::Verdict::Certified => Self::Certified,
+            fga::avoider::Verdict::Rejected => Self::Rejected,
+            fga::avoider::Verdict::Chosen => Self::Chosen,
+        }
+    }
+}
+
+/// How long a decision took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReplayDecisionTime {
+    /// When it was made, seconds.
+    pub t_s: f64,
+    /// Wall-clock time it took, microseconds.
+    pub decision_us: f64,
+}
+
+/// Something that happened.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReplayEvent {
+    /// When, seconds.
+    pub t_s: f64,
+    /// What, in a few words.
+    pub text: String,
+}
+
+/// The least margin of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReplayOutcome {
+    /// Least distance beyond a protected volume, metres; negative where it was entered.
+    pub min_margin_m: f64,
+    /// When, seconds.
+    pub t_s: f64,
+    /// Identifier of the obstacle.
+    pub obstacle: u32,
+}
+
+/// Writes the page.
+///
+/// The same input gives the same bytes. A ten-minute flight sampled every 0.1 s among 50
+/// obstacles stays below 3 MB: where the records or samples of a page are more than it should
+/// hold, they are thinned evenly in time, never where the state or the threat changes.
+#[must_use]
+pub fn render(replay: &Replay) -> String {
+    let data = encode::replay_json(replay);
+    page::fill(encode::TEMPLATE, &replay.title, &data, "'none'")
+}

@@ -1,0 +1,293 @@
+//! From a replay to the data of its page: JSON with base64 arrays.
+//!
+//! What the viewer reads is described beside the code that reads it, `viewer/src/data.ts`.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+
+use super::thin;
+use super::{Replay, ReplayDecision, ReplayObstacle, ReplayPathKind, ReplayRun, ReplaySample};
+use crate::page::json;
+
+/// The built viewer; `npm run build` in `viewer/` writes it.
+pub(super) const TEMPLATE: &str = include_str!("../../assets/replay.html");
+
+#[derive(Serialize)]
+struct Page<'a> {
+    title: &'a str,
+    runs: Vec<Run<'a>>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Run<'a> {
+    name: &'a str,
+    samples: Samples,
+    mission: &'a [[f64; 3]],
+    obstacles: Vec<Obstacle<'a>>,
+    motion: String,
+    decisions: Vec<Decision<'a>>,
+    points: String,
+    interval: f64,
+    times: Times,
+    events: Vec<Event<'a>>,
+    outcome: Option<Outcome>,
+}
+
+/// Columns as base64: `f32` little endian, the state one byte.
+#[derive(Serialize)]
+struct Samples {
+    t: String,
+    x: String,
+    y: String,
+    z: String,
+    course: String,
+    climb: String,
+    bank: String,
+    state: String,
+}
+
+#[derive(Serialize)]
+pub(super) struct Obstacle<'a> {
+    id: u32,
+    name: &'a str,
+    /// Radius, metres.
+    r: f64,
+    /// Half height, metres, of a cylinder.
+    h: Option<f64>,
+    present: Option<[f64; 2]>,
+    known: Option<f64>,
+    /// How many pieces of the motion are its own.
+    pieces: usize,
+}
+
+#[derive(Serialize)]
+pub(super) struct Decision<'a> {
+    t: f64,
+    state: u8,
+    lines: &'a [String],
+    threat: Option<u32>,
+    latest: Option<f64>,
+    /// Where its points are measured from, metres.
+    origin: [f64; 3],
+    /// Metres of one step of its points.
+    step: f64,
+    paths: Vec<Path>,
+}
+
+#[derive(Serialize)]
+struct Path {
+    kind: u8,
+    margin: Option<f64>,
+    /// How many of the points are its own.
+    n: usize,
+}
+
+#[derive(Serialize)]
+struct Times {
+    t: String,
+    us: String,
+}
+
+#[derive(Serialize)]
+struct Event<'a> {
+    t: f64,
+    text: &'a str,
+}
+
+#[derive(Serialize)]
+struct Outcome {
+    margin: f64,
+    t: f64,
+    id: u32,
+}
+
+pub(super) fn replay_json(replay: &Replay) -> String {
+    let count = replay.runs.len();
+    json(&Page {
+        title: &replay.title,
+        runs: replay.runs.iter().map(|r| run(r, count)).collect(),
+    })
+}
+
+pub(super) fn run(run: &ReplayRun, runs: usize) -> Run<'_> {
+    let (kept, interval) = thin::decisions(&run.decisions, runs);
+    let mut points = Vec::new();
+    let decisions = kept.into_iter().map(|d| decision(d, &mut points)).collect();
+    let mut motion = Vec::new();
+    let obstacles = run
+        .obstacles
+        .iter()
+        .map(|o| obstacle(o, &mut motion))
+        .collect();
+    Run {
+        name: &run.name,
+        samples: samples(&thin::samples(&run.samples, runs)),
+        mission: &run.mission_m,
+        obstacles,
+        motion: floats(motion.into_iter()),
+        decisions,
+        points: bytes(&points),
+        interval,
+        times: Times {
+            t: floats(run.decision_times.iter().map(|d| d.t_s)),
+            us: floats(run.decision_times.iter().map(|d| d.decision_us)),
+        },
+        events: run
+            .events
+            .iter()
+            .map(|e| Event {
+                t: e.t_s,
+                text: &e.text,
+            })
+            .collect(),
+        outcome: run.outcome.map(|o| Outcome {
+            margin: o.min_margin_m,
+            t: o.t_s,
+            id: o.obstacle,
+        }),
+    }
+}
+
+fn samples(samples: &[&ReplaySample]) -> Samples {
+    let column = |value: fn(&ReplaySample) -> f64| floats(samples.iter().map(|s| value(s)));
+    Samples {
+        t: column(|s| s.t_s),
+        x: column(|s| s.position_m[0]),
+        y: column(|s| s.position_m[1]),
+        z: column(|s| s.position_m[2]),
+        course: column(|s| s.course_rad),
+        climb: column(|s| s.climb_rad),
+        bank: column(|s| s.bank_rad),
+        state: STANDARD.encode(samples.iter().map(|s| s.state.code()).collect::<Vec<u8>>()),
+    }
+}
+
+/// An obstacle without its motion, whose pieces (start, position, velocity) go to the pool.
+pub(super) fn obstacle<'a>(obstacle: &'a ReplayObstacle, pool: &mut Vec<f64>) -> Obstacle<'a> {
+    let pieces = thin::motion(&obstacle.motion);
+    for piece in &pieces {
+        pool.push(piece.start_s);
+        pool.extend(piece.position_m);
+        pool.extend(piece.velocity_mps);
+    }
+    Obstacle {
+        id: obstacle.id,
+        name: &obstacle.name,
+        r: obstacle.volume.radius_m(),
+        h: match obstacle.volume {
+            fga::situation::ProtectedVolume::Sphere { .. } => None,
+            fga::situation::ProtectedVolume::Cylinder { half_height_m, .. } => Some(half_height_m),
+        },
+        present: obstacle.present_s,
+        known: obstacle.known_from_s,
+        pieces: pieces.len(),
+    }
+}
+
+/// A record without its points, which go to the pool in steps that just reach the farthest one.
+pub(super) fn decision<'a>(decision: &'a ReplayDecision, pool: &mut Vec<u8>) -> Decision<'a> {
+    let lines: Vec<Vec<[f64; 3]>> = decision
+        .paths
+        .iter()
+        .map(|path| thin::polyline(&path.points_m))
+        .collect();
+    let origin = lines.iter().flatten().next().copied().unwrap_or_default();
+    let reach_m = lines
+        .iter()
+        .flatten()
+        .flat_map(|point| (0..3).map(|axis| (point[axis] - origin[axis]).abs()))
+        .fold(1.0, f64::max);
+    let step = reach_m / f64::from(i16::MAX);
+    for point in lines.iter().flatten() {
+        for axis in 0..3 {
+            let steps = (point[axis] - origin[axis]) / step;
+            #[expect(clippy::cast_possible_truncation, reason = "the step is chosen to fit")]
+            pool.extend((steps.round() as i16).to_le_bytes());
+        }
+    }
+    Decision {
+        t: decision.t_s,
+        state: decision.state.code(),
+        lines: &decision.lines,
+        threat: decision.threat,
+        latest: decision.latest_start_s,
+        origin,
+        step,
+        paths: decision
+            .paths
+            .iter()
+            .zip(&lines)
+            .map(|(path, points)| Path {
+                kind: match path.kind {
+                    ReplayPathKind::Certified => 0,
+                    ReplayPathKind::Rejected => 1,
+                    ReplayPathKind::Chosen => 2,
+                    ReplayPathKind::WayBack => 3,
+                },
+                margin: path.margin_m,
+                n: points.len(),
+            })
+            .collect(),
+    }
+}
+
+pub(super) fn bytes(bytes: &[u8]) -> String {
+    STANDARD.encode(bytes)
+}
+
+/// Single precision, little endian, base64: 1 mm at 10 km.
+pub(super) fn floats(values: impl Iterator<Item = f64>) -> String {
+    #[expect(clippy::cast_possible_truncation, reason = "enough for a picture")]
+    let bytes: Vec<u8> = values.flat_map(|v| (v as f32).to_le_bytes()).collect();
+    STANDARD.encode(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hostile_name_stays_text() {
+        let name = "</script><img src=x onerror=alert(1)>&\u{2028}<!--fga:data-->";
+        let replay = Replay {
+            title: name.into(),
+            runs: vec![ReplayRun::named(name)],
+        };
+        let page = super::super::render(&replay);
+        assert!(!page.contains("<img"));
+        assert!(page.contains("&lt;/script&gt;&lt;img"));
+        let data = replay_json(&replay);
+        assert!(!data.contains(['<', '>', '&', '\u{2028}']));
+        let read: serde_json::Value = serde_json::from_str(&data).expect("JSON");
+        assert_eq!(read["runs"][0]["name"], name);
+    }
+
+    #[test]
+    fn points_come_back_within_a_decimetre() {
+        let path = super::super::ReplayPath {
+            kind: ReplayPathKind::Chosen,
+            margin_m: Some(1.5),
+            points_m: vec![[100.0, 50.0, 10.0], [900.0, -700.0, 60.0]],
+        };
+        let record = ReplayDecision {
+            paths: vec![path],
+            ..ReplayDecision::default()
+        };
+        let mut pool = Vec::new();
+        let written = decision(&record, &mut pool);
+        let steps: Vec<i16> = pool
+            .chunks_exact(2)
+            .map(|b| i16::from_le_bytes([b[0], b[1]]))
+            .collect();
+        let y_m = written.origin[1] + f64::from(steps[4]) * written.step;
+        assert!((y_m + 700.0).abs() < 0.1, "{y_m}");
+        assert_eq!(written.paths[0].n, 2);
+    }
+
+    #[test]
+    fn floats_are_little_endian_singles() {
+        // 1.0 is 0x3f800000.
+        assert_eq!(floats([1.0].into_iter()), "AACAPw==");
+    }
+}

@@ -1,0 +1,131 @@
+// The table of many runs: lost ones first, then by the worst margin; sortable and filterable.
+
+interface Row {
+  name: string;
+  policy: string;
+  separated: boolean | null;
+  min_margin_m: number | null;
+  max_cross_track_m: number | null;
+  extra_path_m: number | null;
+  link: string | null;
+}
+
+/** Rows drawn at most; more are reached by filtering and sorting. */
+const SHOWN = 500;
+
+interface Column {
+  title: string;
+  number: boolean;
+  key(row: Row): string | number | null;
+  text(row: Row): string;
+}
+
+const metres = (value: number | null) => (value === null ? "" : value.toFixed(2).replace("-", "−"));
+
+const COLUMNS: Column[] = [
+  { title: "Run", number: false, key: (r) => r.name, text: (r) => r.name },
+  { title: "Policy", number: false, key: (r) => r.policy, text: (r) => r.policy },
+  {
+    title: "Outcome",
+    number: false,
+    // Lost ones come first in rising order.
+    key: (r) => (r.separated === null ? 2 : Number(r.separated)),
+    text: (r) => (r.separated === null ? "unknown" : r.separated ? "kept" : "lost"),
+  },
+  {
+    title: "Least margin, m",
+    number: true,
+    key: (r) => r.min_margin_m,
+    text: (r) => metres(r.min_margin_m),
+  },
+  {
+    title: "Cross-track, m",
+    number: true,
+    key: (r) => r.max_cross_track_m,
+    text: (r) => metres(r.max_cross_track_m),
+  },
+  {
+    title: "Extra path, m",
+    number: true,
+    key: (r) => r.extra_path_m,
+    text: (r) => metres(r.extra_path_m),
+  },
+];
+const OUTCOME = 2;
+const MARGIN = 3;
+
+const $ = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
+const data = JSON.parse($("data").textContent ?? "") as { title: string; rows: Row[] };
+let column = OUTCOME;
+let rising = true;
+
+const order = new Intl.Collator(undefined, { numeric: true });
+
+function compare(a: Row, b: Row, by: Column): number {
+  const x = by.key(a);
+  const y = by.key(b);
+  if (x === null || y === null) return Number(x === null) - Number(y === null);
+  const sign = rising ? 1 : -1;
+  return sign * (typeof x === "number" ? x - Number(y) : order.compare(x, String(y)));
+}
+
+function draw(): void {
+  const words = $<HTMLInputElement>("filter").value.toLowerCase().split(/\s+/).filter(Boolean);
+  const lost = $<HTMLInputElement>("lost").checked;
+  const linked = $<HTMLInputElement>("with").checked;
+  const rows = data.rows.filter((row) => {
+    if (lost && row.separated !== false) return false;
+    if (linked && row.link === null) return false;
+    const text = `${row.name} ${row.policy}`.toLowerCase();
+    return words.every((word) => text.includes(word));
+  });
+  const by = COLUMNS[column]!;
+  rows.sort((a, b) => compare(a, b, by) || (a.min_margin_m ?? 1e9) - (b.min_margin_m ?? 1e9));
+  const head = document.querySelector("thead tr")!;
+  head.replaceChildren(
+    ...COLUMNS.map(({ title, number }, i) => {
+      const cell = document.createElement("th");
+      cell.className = number ? "number" : "";
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = i === column ? `${title} ${rising ? "▲" : "▼"}` : title;
+      if (i === column) cell.setAttribute("aria-sort", rising ? "ascending" : "descending");
+      button.addEventListener("click", () => {
+        rising = i === column ? !rising : true;
+        column = i;
+        draw();
+      });
+      cell.append(button);
+      return cell;
+    }),
+  );
+  document.querySelector("tbody")!.replaceChildren(
+    ...rows.slice(0, SHOWN).map((row) => {
+      const line = document.createElement("tr");
+      COLUMNS.forEach(({ number, text }, i) => {
+        const cell = document.createElement("td");
+        cell.className = number ? "number" : i === 0 ? "name" : "";
+        if ((i === OUTCOME || i === MARGIN) && row.separated === false) cell.classList.add("bad");
+        if (i === 0 && row.link !== null) {
+          const link = document.createElement("a");
+          link.href = row.link;
+          link.textContent = text(row);
+          cell.append(link);
+        } else cell.textContent = text(row);
+        line.append(cell);
+      });
+      return line;
+    }),
+  );
+  const all = data.rows.length;
+  const lostOnes = rows.filter((row) => row.separated === false).length;
+  const shown = rows.length > SHOWN ? `first ${SHOWN} of ` : "";
+  $("count").textContent = `${shown}${rows.length} of ${all} runs, ${lostOnes} lost`;
+}
+
+$("title").textContent = data.title;
+const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+document.documentElement.classList.toggle("dark", dark);
+$("theme").addEventListener("click", () => document.documentElement.classList.toggle("dark"));
+for (const id of ["filter", "lost", "with"]) $(id).addEventListener("input", draw);
+draw();
