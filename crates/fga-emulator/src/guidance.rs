@@ -1,0 +1,294 @@
+//! What the modes want of the aircraft.
+
+use core::f64::consts::FRAC_1_SQRT_2;
+
+use crate::Emulator;
+use crate::geometry::{bearing, distance_m, wrap};
+use crate::mode::Mode;
+use crate::plant::{Plant, Target, Vertical};
+
+const GRAVITY_MPS2: f64 = 9.806_65;
+/// Damping of the path following.
+const L1_DAMPING: f64 = 0.75;
+/// CRUISE locks its heading this long after the stick is centred.
+const HEADING_LOCK_S: f64 = 0.5;
+/// Climb rate of a full pitch stick, metres per second.
+const STICK_CLIMB_MPS: f64 = 2.0;
+
+/// Where AUTO, CRUISE and fly-by-wire stand.
+#[derive(Debug, Default)]
+pub(crate) struct Guidance {
+    pub(crate) item: u16,
+    pub(crate) previous_m: [f64; 3],
+    pub(crate) done: bool,
+    crosstrack: bool,
+    stick_altitude_m: f64,
+    locked_heading_rad: Option<f64>,
+    line_from_m: [f64; 3],
+    centred_since_s: Option<f64>,
+}
+
+impl Guidance {
+    /// Begins to fly to an item: along the leg, or from where the aircraft is.
+    pub(crate) fn begin_item(&mut self, item: u16, plant: &Plant, along_leg: bool) {
+        self.item = item;
+        self.crosstrack = true;
+        if !along_leg {
+            self.previous_m = plant.position_m();
+        }
+    }
+
+    pub(crate) fn enter_stick_mode(&mut self, plant: &Plant) {
+        self.stick_altitude_m = plant.position_m()[2];
+        self.locked_heading_rad = None;
+        self.centred_since_s = None;
+    }
+}
+
+/// Targets of GUIDED and when they came.
+#[derive(Debug, Default)]
+pub(crate) struct Guided {
+    pub(crate) point_m: [f64; 3],
+    pub(crate) altitude_m: f64,
+    pub(crate) bank: Option<(f64, f64)>,
+    pub(crate) pitch: Option<(f64, f64)>,
+    pub(crate) heading: Option<HeadingTarget>,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct HeadingTarget {
+    pub(crate) heading_rad: f64,
+    pub(crate) is_course: bool,
+    pub(crate) acceleration_mps2: f64,
+}
+
+impl Guided {
+    pub(crate) fn at(plant: &Plant, _time_s: f64) -> Self {
+        let point_m = plant.position_m();
+        Self {
+            point_m,
+            altitude_m: point_m[2],
+            ..Self::default()
+        }
+    }
+}
+
+/// `RC_CHANNELS_OVERRIDE`: value and when it came, by channel.
+#[derive(Debug, Default)]
+pub(crate) struct Overrides(pub(crate) [Option<(u16, f64)>; 8]);
+
+impl Overrides {
+    pub(crate) fn channel(&self, number: usize, time_s: f64, lifetime_s: f64) -> Option<u16> {
+        let (value, heard_s) = (*self.0.get(number - 1)?)?;
+        (time_s - heard_s <= lifetime_s).then_some(value)
+    }
+}
+
+/// Bank that follows the line through two points (L1 guidance).
+fn follow_line(plant: &Plant, period_s: f64, from_m: [f64; 3], to_m: [f64; 3]) -> f64 {
+    let velocity = plant.velocity_mps();
+    let speed = libm::hypot(velocity[0], velocity[1]).max(1.0);
+    let course = libm::atan2(velocity[0], velocity[1]);
+    let position = plant.position_m();
+    let l1_m = period_s * L1_DAMPING / core::f64::consts::PI * speed;
+    let gain = 4.0 * L1_DAMPING * L1_DAMPING;
+    let length = distance_m(from_m, to_m);
+    let angle = if length < 1.0 || distance_m(position, to_m) < 1.0 {
+        wrap(bearing(position, to_m) - course)
+    } else {
+        let along = [
+            (to_m[0] - from_m[0]) / length,
+            (to_m[1] - from_m[1]) / length,
+        ];
+        let offset = [position[0] - from_m[0], position[1] - from_m[1]];
+        // Positive to the right of the line.
+        let across = offset[0] * along[1] - offset[1] * along[0];
+        let line = libm::atan2(along[0], along[1]);
+        wrap(line - course) + libm::asin((-across / l1_m).clamp(-FRAC_1_SQRT_2, FRAC_1_SQRT_2))
+    };
+    let angle = angle.clamp(-core::f64::consts::FRAC_PI_2, core::f64::consts::FRAC_PI_2);
+    let acceleration = gain * speed * speed / l1_m * libm::sin(angle);
+    libm::atan(acceleration / GRAVITY_MPS2)
+}
+
+/// Bank that circles a point clockwise.
+fn circle(plant: &Plant, point_m: [f64; 3], radius_m: f64) -> f64 {
+    let position = plant.position_m();
+    let velocity = plant.velocity_mps();
+    let speed = libm::hypot(velocity[0], velocity[1]).max(1.0);
+    let course = libm::atan2(velocity[0], velocity[1]);
+    let distance = distance_m(position, point_m);
+    let to_centre = bearing(position, point_m);
+    // Far out towards the point, on the circle at a right angle to it.
+    let wanted = if distance > 2.0 * radius_m {
+        to_centre
+    } else {
+        let share = ((distance - radius_m) / radius_m).clamp(-1.0, 1.0);
+        to_centre - core::f64::consts::FRAC_PI_2 * (1.0 - share)
+    };
+    let steady = if distance > 1.5 * radius_m {
+        0.0
+    } else {
+        speed * speed / radius_m
+    };
+    let acceleration = steady + 0.6 * speed * wrap(wanted - course);
+    libm::atan(acceleration / GRAVITY_MPS2)
+}
+
+impl Emulator {
+    pub(crate) fn target(&mut self) -> Target {
+        match self.mode {
+            Mode::Auto => self.auto_target(),
+            Mode::Guided => self.guided_target(),
+            Mode::Rtl | Mode::Loiter | Mode::Circle | Mode::AvoidAdsb => self.loiter_target(),
+            Mode::Cruise | Mode::FlyByWireB => self.stick_target(),
+            Mode::Manual | Mode::Stabilize | Mode::FlyByWireA => {
+                let bank_rad = self.stick(1) * self.parameters.value("ROLL_LIMIT_DEG").to_radians();
+                Target {
+                    bank_rad,
+                    vertical: Vertical::Pitch(self.plant.pitch_rad()),
+                }
+            }
+        }
+    }
+
+    /// Position of a stick, −1 to 1; centred without an override.
+    fn stick(&self, channel: usize) -> f64 {
+        if self.ignore_attitude {
+            return 0.0;
+        }
+        let lifetime_s = self.parameters.value("RC_OVERRIDE_TIME");
+        let value = self
+            .overrides
+            .channel(channel, self.time_s, lifetime_s)
+            .unwrap_or(1500);
+        ((f64::from(value) - 1500.0) / 500.0).clamp(-1.0, 1.0)
+    }
+
+    fn waypoint_m(&self, item: u16) -> Option<[f64; 3]> {
+        let item = self.mission.get(usize::from(item))?;
+        item.is_waypoint()
+            .then(|| item.position_m(&self.settings.home))
+            .flatten()
+    }
+
+    fn auto_target(&mut self) -> Target {
+        // Items without a place are done at once.
+        while usize::from(self.guidance.item) < self.mission.len()
+            && self.waypoint_m(self.guidance.item).is_none()
+        {
+            self.guidance.item += 1;
+        }
+        let Some(to_m) = self.waypoint_m(self.guidance.item) else {
+            self.guidance.done = true;
+            return self.loiter_target();
+        };
+        let from_m = self.guidance.previous_m;
+        let position = self.plant.position_m();
+        let length = distance_m(from_m, to_m);
+        let along = if length > 1.0 {
+            ((position[0] - from_m[0]) * (to_m[0] - from_m[0])
+                + (position[1] - from_m[1]) * (to_m[1] - from_m[1]))
+                / length
+        } else {
+            length
+        };
+        let reached = distance_m(position, to_m) < self.parameters.value("WP_RADIUS");
+        if reached || along >= length {
+            let item = self.guidance.item;
+            self.send_reached(item);
+            if usize::from(item) + 1 < self.mission.len() {
+                self.guidance.previous_m = to_m;
+                self.guidance.begin_item(item + 1, &self.plant, true);
+            } else {
+                self.guidance.done = true;
+                self.guided.point_m = to_m;
+                self.guided.altitude_m = to_m[2];
+                return self.loiter_target();
+            }
+        }
+        let period_s = self.parameters.value("NAVL1_PERIOD");
+        Target {
+            bank_rad: follow_line(&self.plant, period_s, from_m, to_m),
+            vertical: Vertical::Altitude(to_m[2]),
+        }
+    }
+
+    fn loiter_target(&mut self) -> Target {
+        let radius_m = self.parameters.value("WP_LOITER_RAD");
+        Target {
+            bank_rad: circle(&self.plant, self.guided.point_m, radius_m),
+            vertical: Vertical::Altitude(self.guided.altitude_m),
+        }
+    }
+
+    fn guided_target(&mut self) -> Target {
+        let mut target = self.loiter_target();
+        if self.ignore_attitude {
+            return target;
+        }
+        if let Some(heading) = self.guided.heading {
+            let now = if heading.is_course {
+                let velocity = self.plant.velocity_mps();
+                libm::atan2(velocity[0], velocity[1])
+            } else {
+                self.plant.heading_rad()
+            };
+            let limit = libm::atan(heading.acceleration_mps2 / GRAVITY_MPS2);
+            let error = wrap(heading.heading_rad - now);
+            // Slow exponential tail: 90 % of 60° took 7.8 s.
+            let acceleration = 0.45 * error * self.plant.airspeed_mps();
+            target.bank_rad = libm::atan(acceleration / GRAVITY_MPS2).clamp(-limit, limit);
+        }
+        let time_out_s = self.parameters.value("GUIDED_TIMEOUT");
+        if let Some((bank_rad, heard_s)) = self.guided.bank
+            && self.time_s - heard_s <= time_out_s
+        {
+            target.bank_rad = bank_rad;
+        }
+        if let Some((pitch_rad, heard_s)) = self.guided.pitch
+            && self.time_s - heard_s <= time_out_s
+        {
+            target.vertical = Vertical::Pitch(pitch_rad);
+        }
+        target
+    }
+
+    fn stick_target(&mut self) -> Target {
+        let roll = self.stick(1);
+        self.guidance.stick_altitude_m += self.stick(2) * STICK_CLIMB_MPS * crate::STEP_S;
+        let vertical = Vertical::Altitude(self.guidance.stick_altitude_m);
+        let centred = roll.abs() < 0.02;
+        if !centred {
+            self.guidance.centred_since_s = None;
+            self.guidance.locked_heading_rad = None;
+        }
+        if self.mode == Mode::FlyByWireB || !centred {
+            let bank_rad = roll * self.parameters.value("ROLL_LIMIT_DEG").to_radians();
+            return Target { bank_rad, vertical };
+        }
+        let since = *self.guidance.centred_since_s.get_or_insert(self.time_s);
+        if self.guidance.locked_heading_rad.is_none() && self.time_s - since >= HEADING_LOCK_S {
+            let velocity = self.plant.velocity_mps();
+            self.guidance.locked_heading_rad = Some(libm::atan2(velocity[0], velocity[1]));
+            self.guidance.line_from_m = self.plant.position_m();
+        }
+        let Some(heading) = self.guidance.locked_heading_rad else {
+            return Target {
+                bank_rad: 0.0,
+                vertical,
+            };
+        };
+        let from_m = self.guidance.line_from_m;
+        let to_m = [
+            from_m[0] + 1e5 * libm::sin(heading),
+            from_m[1] + 1e5 * libm::cos(heading),
+            from_m[2],
+        ];
+        let period_s = self.parameters.value("NAVL1_PERIOD");
+        Target {
+            bank_rad: follow_line(&self.plant, period_s, from_m, to_m),
+            vertical,
+        }
+    }
+}

@@ -1,0 +1,319 @@
+//! An ArduPlane-like emulator: a stand-in for tests where no ArduPlane is installed.
+//!
+//! It is *not* ArduPlane and shares no code with it. It has those modes, parameters, time-outs,
+//! acknowledgements and gates that a companion computer meets, with the behaviour that was
+//! measured on ArduPlane 4.7-dev in software in the loop, on a point mass: first-order roll,
+//! a turn rate of 0.74 of the ideal one, altitude by a climb angle with a lag.
+//!
+//! The emulator reads no clock and no socket: [`Emulator::receive`] takes a message,
+//! [`Emulator::advance`] lets time pass, [`Emulator::drain`] gives what it sends. Tests run it in
+//! scaled time; the program `fga-emulator` puts it behind a socket in real time.
+//!
+//! Local frame: x east, y north, z up, metres. Headings and banks inside are those of the autopilot:
+//! radians, heading clockwise from north, bank positive to the right.
+#![forbid(unsafe_code)]
+#![expect(
+    deprecated,
+    reason = "messages that vehicles and ground stations still send"
+)]
+
+mod geometry;
+mod guidance;
+mod mission;
+mod mode;
+mod parameters;
+mod plant;
+mod receive;
+mod telemetry;
+
+pub use geometry::{Home, Place};
+pub use mission::Item;
+pub use mode::Mode;
+pub use parameters::Parameters;
+pub use plant::{Plant, PlantSettings};
+
+use mavlink::dialects::ardupilotmega::MavMessage;
+
+use guidance::{Guidance, Guided, Overrides};
+use telemetry::Streams;
+
+/// Length of a step of the plant, seconds (ArduPlane's main loop runs at 50 Hz).
+pub const STEP_S: f64 = 0.02;
+
+/// Where and how the emulation begins.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// The vehicle's system id.
+    pub system_id: u8,
+    /// Origin of the local frame and home.
+    pub home: Home,
+    /// How the aircraft flies.
+    pub plant: PlantSettings,
+    /// Position at the start, metres, local frame.
+    pub position_m: [f64; 3],
+    /// Heading at the start, radians clockwise from north.
+    pub heading_rad: f64,
+    /// Mode at the start.
+    pub mode: Mode,
+    /// Whether it is armed and flies.
+    pub armed: bool,
+    /// Wind velocity east and north, metres per second.
+    pub wind_mps: [f64; 2],
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            system_id: 1,
+            home: Home {
+                latitude_deg: 37.6189,
+                longitude_deg: -122.375,
+                altitude_m: 4.0,
+            },
+            plant: PlantSettings::default(),
+            position_m: [0.0, 0.0, 100.0],
+            heading_rad: 0.0,
+            mode: Mode::Auto,
+            armed: true,
+            wind_mps: [0.0, 0.0],
+        }
+    }
+}
+
+/// A change of mode and who asked for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModeChange {
+    /// When, seconds since boot.
+    pub time_s: f64,
+    /// The new mode.
+    pub mode: Mode,
+    /// Component that asked; 0 for the pilot's switch.
+    pub component_id: u8,
+}
+
+/// The emulated autopilot and aircraft.
+#[derive(Debug)]
+pub struct Emulator {
+    settings: Settings,
+    /// Parameters by name.
+    pub parameters: Parameters,
+    plant: Plant,
+    time_s: f64,
+    left_over_s: f64,
+    mode: Mode,
+    armed: bool,
+    mode_changes: Vec<ModeChange>,
+    mission: Vec<Item>,
+    fence: Vec<Item>,
+    guidance: Guidance,
+    guided: Guided,
+    overrides: Overrides,
+    streams: Streams,
+    intruders: Vec<(
+        u32,
+        f64,
+        mavlink::dialects::ardupilotmega::ADSB_VEHICLE_DATA,
+    )>,
+    upload: Option<mission::Upload>,
+    refuse_commands: bool,
+    ignore_attitude: bool,
+    outbox: Vec<MavMessage>,
+    texts: Vec<String>,
+    received: u64,
+}
+
+/// Longest list of aircraft that the autopilot keeps.
+const LONGEST_INTRUDER_LIST: usize = 25;
+
+impl Emulator {
+    /// An emulator at its start.
+    pub fn new(settings: Settings) -> Self {
+        let plant = Plant::new(
+            settings.plant,
+            settings.position_m,
+            settings.heading_rad,
+            settings.wind_mps,
+        );
+        let mut emulator = Self {
+            parameters: Parameters::default(),
+            plant,
+            time_s: 20.0,
+            left_over_s: 0.0,
+            mode: settings.mode,
+            armed: settings.armed,
+            mode_changes: Vec::new(),
+            mission: Vec::new(),
+            fence: Vec::new(),
+            guidance: Guidance::default(),
+            guided: Guided::default(),
+            overrides: Overrides::default(),
+            streams: Streams::default(),
+            intruders: Vec::new(),
+            upload: None,
+            refuse_commands: false,
+            ignore_attitude: false,
+            outbox: Vec::new(),
+            texts: Vec::new(),
+            received: 0,
+            settings,
+        };
+        emulator
+            .parameters
+            .set("AIRSPEED_CRUISE", emulator.settings.plant.airspeed_mps);
+        emulator.enter(emulator.mode);
+        emulator
+    }
+
+    /// Sets the mission; item 0 is home, as on the autopilot.
+    pub fn set_mission(&mut self, items: Vec<Item>, current: u16) {
+        self.mission = items;
+        self.guidance.begin_item(current, &self.plant, false);
+        self.guidance.previous_m = (current > 0)
+            .then(|| self.mission.get(usize::from(current) - 1))
+            .flatten()
+            .and_then(|item| item.position_m(&self.settings.home))
+            .unwrap_or(self.plant.position_m());
+    }
+
+    /// Sets the fence.
+    pub fn set_fence(&mut self, items: Vec<Item>) {
+        self.fence = items;
+    }
+
+    /// Lets time pass, in steps of the plant; what is left over waits for the next call.
+    pub fn advance(&mut self, by_s: f64) {
+        self.left_over_s += by_s;
+        while self.left_over_s >= STEP_S - 1e-9 {
+            self.left_over_s -= STEP_S;
+            self.step();
+        }
+    }
+
+    fn step(&mut self) {
+        self.time_s += STEP_S;
+        if self.armed {
+            let target = self.target();
+            self.plant.step(&target, &self.parameters, STEP_S);
+        }
+        let time_s = self.time_s;
+        self.intruders
+            .retain(|(_, heard_s, _)| time_s - heard_s < 5.0);
+        self.send_telemetry();
+    }
+
+    /// What was sent since the last call.
+    pub fn drain(&mut self) -> Vec<MavMessage> {
+        core::mem::take(&mut self.outbox)
+    }
+
+    /// The vehicle's system id.
+    pub const fn system_id(&self) -> u8 {
+        self.settings.system_id
+    }
+
+    /// Time since boot, seconds.
+    pub const fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// Where the aircraft really is and how it flies.
+    pub const fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Origin of the local frame.
+    pub const fn home(&self) -> &Home {
+        &self.settings.home
+    }
+
+    /// The mode.
+    pub const fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Every change of mode since the start.
+    pub fn mode_changes(&self) -> &[ModeChange] {
+        &self.mode_changes
+    }
+
+    /// The mission item that is flown to.
+    pub const fn mission_item(&self) -> u16 {
+        self.guidance.item
+    }
+
+    /// Whether the last item was reached.
+    pub const fn mission_done(&self) -> bool {
+        self.guidance.done
+    }
+
+    /// Texts that other components sent for the operator.
+    pub fn texts(&self) -> &[String] {
+        &self.texts
+    }
+
+    /// Messages taken so far.
+    pub const fn received(&self) -> u64 {
+        self.received
+    }
+
+    /// The pilot's mode switch.
+    pub fn pilot_mode(&mut self, mode: Mode) {
+        self.change_mode(mode, 0);
+    }
+
+    /// The pilot or the ground arms or disarms.
+    pub fn set_armed(&mut self, armed: bool) {
+        self.armed = armed;
+        self.send_heartbeat();
+    }
+
+    /// For tests: every command is refused from now on.
+    pub fn refuse_commands(&mut self, refuse: bool) {
+        self.refuse_commands = refuse;
+    }
+
+    /// For tests: attitude targets, headings and overrides have no effect from now on.
+    pub fn ignore_targets(&mut self, ignore: bool) {
+        self.ignore_attitude = ignore;
+    }
+
+    /// For tests: the autopilot starts anew in the air; its boot time begins at zero.
+    pub fn reboot(&mut self) {
+        self.time_s = 0.0;
+        self.streams = Streams::default();
+        self.guided = Guided::default();
+        self.overrides = Overrides::default();
+    }
+
+    fn change_mode(&mut self, mode: Mode, component_id: u8) {
+        if mode == self.mode {
+            return;
+        }
+        self.mode_changes.push(ModeChange {
+            time_s: self.time_s,
+            mode,
+            component_id,
+        });
+        self.enter(mode);
+        // The ground is told at once, not only at the next beat.
+        self.send_heartbeat();
+    }
+
+    fn enter(&mut self, mode: Mode) {
+        self.mode = mode;
+        match mode {
+            Mode::Auto => self
+                .guidance
+                .begin_item(self.guidance.item.max(1), &self.plant, false),
+            Mode::Guided | Mode::Loiter | Mode::Circle => {
+                self.guided = Guided::at(&self.plant, self.time_s);
+            }
+            Mode::Rtl => {
+                self.guided = Guided::at(&self.plant, self.time_s);
+                self.guided.point_m = [0.0, 0.0, 100.0];
+            }
+            Mode::Cruise | Mode::FlyByWireB => self.guidance.enter_stick_mode(&self.plant),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Parameters: the few that the emulation or a companion looks at, with ArduPlane's names.
+
+/// Parameters by name, in a fixed order.
+#[derive(Debug, Clone)]
+pub struct Parameters(Vec<(&'static str, f64)>);
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self(vec![
+            ("ADSB_TYPE", 1.0),
+            ("AIRSPEED_CRUISE", 25.0),
+            ("AIRSPEED_MAX", 30.0),
+            ("AIRSPEED_MIN", 12.0),
+            ("AVD_ENABLE", 0.0),
+            ("AVD_F_ACTION", 1.0),
+            ("AVD_W_ACTION", 1.0),
+            ("FENCE_ALT_MAX", 0.0),
+            ("FENCE_ALT_MIN", 0.0),
+            ("FENCE_ENABLE", 0.0),
+            ("FENCE_RADIUS", 0.0),
+            ("FENCE_TYPE", 0.0),
+            ("GUIDED_TIMEOUT", 3.0),
+            ("MAV_GCS_SYSID", 255.0),
+            ("NAVL1_PERIOD", 17.0),
+            ("PTCH_LIM_MAX_DEG", 20.0),
+            ("PTCH_LIM_MIN_DEG", -25.0),
+            ("RC_OVERRIDE_TIME", 3.0),
+            ("ROLL_LIMIT_DEG", 45.0),
+            ("TECS_CLMB_MAX", 5.0),
+            ("TECS_SINK_MAX", 5.0),
+            ("WP_LOITER_RAD", 60.0),
+            ("WP_RADIUS", 30.0),
+        ])
+    }
+}
+
+impl Parameters {
+    /// The value of a parameter that exists.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.0.iter().find(|row| row.0 == name).map(|row| row.1)
+    }
+
+    /// The value, or 0 for one that does not exist.
+    pub fn value(&self, name: &str) -> f64 {
+        self.get(name).unwrap_or(0.0)
+    }
+
+    /// Sets one that exists; `false` for one that does not.
+    pub fn set(&mut self, name: &str, value: f64) -> bool {
+        let row = self.0.iter_mut().find(|row| row.0 == name);
+        row.map(|row| row.1 = value).is_some()
+    }
+
+    /// Takes a parameter away: an older or newer firmware lacks it.
+    pub fn remove(&mut self, name: &str) {
+        self.0.retain(|row| row.0 != name);
+    }
+
+    /// All, in order.
+    pub fn rows(&self) -> &[(&'static str, f64)] {
+        &self.0
+    }
+}

@@ -1,0 +1,167 @@
+//! The aircraft: a point mass with first-order roll and climb angle.
+
+use crate::geometry::wrap;
+use crate::parameters::Parameters;
+
+const GRAVITY_MPS2: f64 = 9.806_65;
+
+/// How the aircraft flies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlantSettings {
+    /// Airspeed, metres per second.
+    pub airspeed_mps: f64,
+    /// Time constant of the roll, seconds: 30° come about 0.6 s after the command.
+    pub roll_time_constant_s: f64,
+    /// Flown turn rate over g tan φ / V, as measured.
+    pub turn_rate_factor: f64,
+    /// Time constant of the climb angle behind the pitch, seconds.
+    pub climb_time_constant_s: f64,
+    /// Pitch angle in level flight, radians.
+    pub level_pitch_rad: f64,
+}
+
+impl Default for PlantSettings {
+    fn default() -> Self {
+        Self {
+            airspeed_mps: 25.0,
+            roll_time_constant_s: 0.6,
+            turn_rate_factor: 0.74,
+            climb_time_constant_s: 0.5,
+            level_pitch_rad: 0.035,
+        }
+    }
+}
+
+/// What the autopilot's loops want.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Target {
+    /// Bank, radians, right positive.
+    pub(crate) bank_rad: f64,
+    /// What the elevator is for.
+    pub(crate) vertical: Vertical,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Vertical {
+    /// An altitude above home, metres.
+    Altitude(f64),
+    /// A pitch angle, radians.
+    Pitch(f64),
+}
+
+/// The aircraft.
+#[derive(Debug, Clone)]
+pub struct Plant {
+    settings: PlantSettings,
+    position_m: [f64; 3],
+    heading_rad: f64,
+    bank_rad: f64,
+    commanded_bank_rad: f64,
+    climb_rad: f64,
+    turn_rate_radps: f64,
+    wind_mps: [f64; 2],
+}
+
+impl Plant {
+    pub(crate) fn new(
+        settings: PlantSettings,
+        position_m: [f64; 3],
+        heading_rad: f64,
+        wind_mps: [f64; 2],
+    ) -> Self {
+        Self {
+            settings,
+            position_m,
+            heading_rad,
+            bank_rad: 0.0,
+            commanded_bank_rad: 0.0,
+            climb_rad: 0.0,
+            turn_rate_radps: 0.0,
+            wind_mps,
+        }
+    }
+
+    /// Position, metres, local frame.
+    pub const fn position_m(&self) -> [f64; 3] {
+        self.position_m
+    }
+
+    /// Heading, radians clockwise from north.
+    pub const fn heading_rad(&self) -> f64 {
+        self.heading_rad
+    }
+
+    /// Bank, radians, right positive.
+    pub const fn bank_rad(&self) -> f64 {
+        self.bank_rad
+    }
+
+    /// Bank that the loops want, radians, right positive.
+    pub const fn commanded_bank_rad(&self) -> f64 {
+        self.commanded_bank_rad
+    }
+
+    /// Pitch angle, radians.
+    pub const fn pitch_rad(&self) -> f64 {
+        self.climb_rad + self.settings.level_pitch_rad
+    }
+
+    /// Turn rate, radians per second, clockwise positive.
+    pub const fn turn_rate_radps(&self) -> f64 {
+        self.turn_rate_radps
+    }
+
+    /// Airspeed, metres per second.
+    pub const fn airspeed_mps(&self) -> f64 {
+        self.settings.airspeed_mps
+    }
+
+    /// Wind velocity east and north, metres per second.
+    pub const fn wind_mps(&self) -> [f64; 2] {
+        self.wind_mps
+    }
+
+    /// Changes the wind.
+    pub fn set_wind_mps(&mut self, wind_mps: [f64; 2]) {
+        self.wind_mps = wind_mps;
+    }
+
+    /// Velocity over the ground, metres per second: east, north, up.
+    pub fn velocity_mps(&self) -> [f64; 3] {
+        let level = self.settings.airspeed_mps * libm::cos(self.climb_rad);
+        [
+            level * libm::sin(self.heading_rad) + self.wind_mps[0],
+            level * libm::cos(self.heading_rad) + self.wind_mps[1],
+            self.settings.airspeed_mps * libm::sin(self.climb_rad),
+        ]
+    }
+
+    pub(crate) fn step(&mut self, target: &Target, parameters: &Parameters, step_s: f64) {
+        let limit = parameters.value("ROLL_LIMIT_DEG").to_radians();
+        self.commanded_bank_rad = target.bank_rad.clamp(-limit, limit);
+        let lag = 1.0 - libm::exp(-step_s / self.settings.roll_time_constant_s);
+        self.bank_rad += (self.commanded_bank_rad - self.bank_rad) * lag;
+        let speed = self.settings.airspeed_mps;
+        let climb_max = libm::asin((parameters.value("TECS_CLMB_MAX") / speed).min(1.0));
+        let climb_min = -libm::asin((parameters.value("TECS_SINK_MAX") / speed).min(1.0));
+        let wanted = match target.vertical {
+            Vertical::Altitude(altitude_m) => 0.5 * (altitude_m - self.position_m[2]) / speed,
+            Vertical::Pitch(pitch_rad) => {
+                let low = parameters.value("PTCH_LIM_MIN_DEG").to_radians();
+                let high = parameters.value("PTCH_LIM_MAX_DEG").to_radians();
+                pitch_rad.clamp(low, high) - self.settings.level_pitch_rad
+            }
+        };
+        let climb_lag = 1.0 - libm::exp(-step_s / self.settings.climb_time_constant_s);
+        self.climb_rad += (wanted.clamp(climb_min, climb_max) - self.climb_rad) * climb_lag;
+        self.turn_rate_radps =
+            self.settings.turn_rate_factor * GRAVITY_MPS2 * libm::tan(self.bank_rad) / speed;
+        // Half the turn before and half after the move: second order in the step.
+        self.heading_rad += 0.5 * self.turn_rate_radps * step_s;
+        let velocity = self.velocity_mps();
+        for (position, rate) in self.position_m.iter_mut().zip(velocity) {
+            *position += rate * step_s;
+        }
+        self.heading_rad = wrap(self.heading_rad + 0.5 * self.turn_rate_radps * step_s);
+    }
+}

@@ -1,0 +1,407 @@
+//! What the autopilot does with a message.
+
+use mavlink::MavHeader;
+use mavlink::dialects::ardupilotmega::{
+    ADSB_VEHICLE_DATA, AUTOPILOT_VERSION_DATA, AttitudeTargetTypemask, COMMAND_ACK_DATA,
+    COMMAND_INT_DATA, COMMAND_LONG_DATA, MISSION_ACK_DATA, MISSION_COUNT_DATA,
+    MISSION_REQUEST_INT_DATA, MavCmd, MavMessage, MavMissionResult, MavMissionType, MavParamType,
+    MavResult, PARAM_VALUE_DATA, PING_DATA, RC_CHANNELS_OVERRIDE_DATA, SET_ATTITUDE_TARGET_DATA,
+};
+
+use crate::guidance::HeadingTarget;
+use crate::mission::{Item, Upload};
+use crate::mode::Mode;
+use crate::{Emulator, LONGEST_INTRUDER_LIST};
+
+impl Emulator {
+    /// Takes a message.
+    pub fn receive(&mut self, header: &MavHeader, message: &MavMessage) {
+        self.received += 1;
+        let from = (
+            u8::try_from(header.system_id).unwrap_or(0),
+            header.component_id,
+        );
+        let own = self.settings.system_id;
+        let for_us = |system: u8, component: u8| (system == own || system == 0) && (component <= 1);
+        match message {
+            MavMessage::COMMAND_LONG(data) if for_us(data.target_system, data.target_component) => {
+                let result = self.command_long(data, from);
+                self.acknowledge(data.command, result, from);
+            }
+            MavMessage::COMMAND_INT(data) if for_us(data.target_system, data.target_component) => {
+                let result = self.command_int(data, from);
+                self.acknowledge(data.command, result, from);
+            }
+            MavMessage::SET_MODE(data) if data.target_system == own => {
+                if let Some(mode) = Mode::from_number(data.custom_mode)
+                    && !self.refuse_commands
+                {
+                    self.change_mode(mode, from.1);
+                }
+            }
+            MavMessage::SET_ATTITUDE_TARGET(data)
+                if for_us(data.target_system, data.target_component) =>
+            {
+                self.attitude_target(data);
+            }
+            MavMessage::RC_CHANNELS_OVERRIDE(data) if data.target_system == own => {
+                self.override_channels(data, from.0);
+            }
+            MavMessage::PING(data) if data.target_system == 0 => {
+                self.outbox.push(MavMessage::PING(PING_DATA {
+                    time_usec: data.time_usec,
+                    seq: data.seq,
+                    target_system: from.0,
+                    target_component: from.1,
+                }));
+            }
+            MavMessage::ADSB_VEHICLE(data) => self.hear_intruder(data),
+            MavMessage::STATUSTEXT(data) => {
+                if self.texts.len() < 1000 {
+                    self.texts
+                        .push(data.text.to_str().unwrap_or_default().to_owned());
+                }
+            }
+            other => self.receive_transfer(other, from),
+        }
+    }
+
+    /// Parameters, mission and fence.
+    fn receive_transfer(&mut self, message: &MavMessage, from: (u8, u8)) {
+        let own = self.settings.system_id;
+        match message {
+            MavMessage::PARAM_REQUEST_READ(data) if data.target_system == own => {
+                let index = if data.param_index >= 0 {
+                    usize::try_from(data.param_index).ok()
+                } else {
+                    let name = data.param_id.to_str().unwrap_or_default();
+                    self.parameters.rows().iter().position(|row| row.0 == name)
+                };
+                self.send_parameter(index);
+            }
+            MavMessage::PARAM_REQUEST_LIST(data) if data.target_system == own => {
+                for index in 0..self.parameters.rows().len() {
+                    self.send_parameter(Some(index));
+                }
+            }
+            MavMessage::PARAM_SET(data) if data.target_system == own => {
+                let name = data.param_id.to_str().unwrap_or_default().to_owned();
+                self.parameters.set(&name, f64::from(data.param_value));
+                let index = self.parameters.rows().iter().position(|row| row.0 == name);
+                self.send_parameter(index);
+            }
+            MavMessage::MISSION_REQUEST_LIST(data) if data.target_system == own => {
+                let count = self.items(data.mission_type).len();
+                self.outbox
+                    .push(MavMessage::MISSION_COUNT(MISSION_COUNT_DATA {
+                        count: u16::try_from(count).unwrap_or(u16::MAX),
+                        target_system: from.0,
+                        target_component: from.1,
+                        mission_type: data.mission_type,
+                        opaque_id: 0,
+                    }));
+            }
+            MavMessage::MISSION_REQUEST_INT(data) if data.target_system == own => {
+                let item = self
+                    .items(data.mission_type)
+                    .get(usize::from(data.seq))
+                    .copied();
+                if let Some(item) = item {
+                    let reply = item.message(data.seq, data.mission_type, from);
+                    self.outbox.push(MavMessage::MISSION_ITEM_INT(reply));
+                }
+            }
+            MavMessage::MISSION_COUNT(data) if data.target_system == own => {
+                self.upload = Some(Upload {
+                    mission_type: data.mission_type,
+                    count: data.count,
+                    items: Vec::new(),
+                    from,
+                });
+                self.continue_upload();
+            }
+            MavMessage::MISSION_ITEM_INT(data) if data.target_system == own => {
+                if let Some(upload) = &mut self.upload
+                    && usize::from(data.seq) == upload.items.len()
+                    && data.mission_type == upload.mission_type
+                {
+                    upload.items.push(Item::from_message(data));
+                    self.continue_upload();
+                }
+            }
+            MavMessage::MISSION_SET_CURRENT(data) if data.target_system == own => {
+                self.set_current(data.seq);
+                self.send_mission_current();
+            }
+            _ => {}
+        }
+    }
+
+    fn items(&self, mission_type: MavMissionType) -> &[Item] {
+        match mission_type {
+            MavMissionType::MAV_MISSION_TYPE_MISSION => &self.mission,
+            MavMissionType::MAV_MISSION_TYPE_FENCE => &self.fence,
+            _ => &[],
+        }
+    }
+
+    fn continue_upload(&mut self) {
+        let Some(upload) = self.upload.take() else {
+            return;
+        };
+        let (target_system, target_component) = upload.from;
+        let mission_type = upload.mission_type;
+        if upload.items.len() < usize::from(upload.count) {
+            let seq = u16::try_from(upload.items.len()).unwrap_or(u16::MAX);
+            self.upload = Some(upload);
+            self.outbox
+                .push(MavMessage::MISSION_REQUEST_INT(MISSION_REQUEST_INT_DATA {
+                    seq,
+                    target_system,
+                    target_component,
+                    mission_type,
+                }));
+            return;
+        }
+        match mission_type {
+            MavMissionType::MAV_MISSION_TYPE_FENCE => self.fence = upload.items,
+            _ => self.set_mission(upload.items, 1),
+        }
+        self.outbox.push(MavMessage::MISSION_ACK(MISSION_ACK_DATA {
+            target_system,
+            target_component,
+            mavtype: MavMissionResult::MAV_MISSION_ACCEPTED,
+            mission_type,
+            opaque_id: 0,
+        }));
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "parameters are floats on the wire"
+    )]
+    fn send_parameter(&mut self, index: Option<usize>) {
+        let rows = self.parameters.rows();
+        let Some((index, row)) = index.and_then(|index| Some((index, rows.get(index)?))) else {
+            return;
+        };
+        self.outbox.push(MavMessage::PARAM_VALUE(PARAM_VALUE_DATA {
+            param_value: row.1 as f32,
+            param_count: u16::try_from(rows.len()).unwrap_or(u16::MAX),
+            param_index: u16::try_from(index).unwrap_or(u16::MAX),
+            param_id: row.0.into(),
+            param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+        }));
+    }
+
+    fn acknowledge(&mut self, command: MavCmd, result: MavResult, to: (u8, u8)) {
+        self.outbox.push(MavMessage::COMMAND_ACK(COMMAND_ACK_DATA {
+            command,
+            result,
+            progress: 0,
+            result_param2: 0,
+            target_system: to.0,
+            target_component: to.1,
+        }));
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "numbers in float fields, as the protocol has it; casts saturate"
+    )]
+    fn command_long(&mut self, data: &COMMAND_LONG_DATA, from: (u8, u8)) -> MavResult {
+        if self.refuse_commands {
+            return MavResult::MAV_RESULT_DENIED;
+        }
+        match data.command {
+            MavCmd::MAV_CMD_DO_SET_MODE => match Mode::from_number(data.param2 as u32) {
+                Some(mode) => {
+                    self.change_mode(mode, from.1);
+                    MavResult::MAV_RESULT_ACCEPTED
+                }
+                None => MavResult::MAV_RESULT_FAILED,
+            },
+            MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => {
+                let interval_s = match data.param2 {
+                    interval if interval < 0.0 => None,
+                    0.0 => Some(1.0),
+                    interval => Some((f64::from(interval) * 1e-6).max(crate::STEP_S)),
+                };
+                if self
+                    .streams
+                    .set(data.param1 as u32, interval_s, self.time_s)
+                {
+                    MavResult::MAV_RESULT_ACCEPTED
+                } else {
+                    MavResult::MAV_RESULT_FAILED
+                }
+            }
+            MavCmd::MAV_CMD_REQUEST_MESSAGE => {
+                if data.param1 as u32 == 148 {
+                    self.outbox
+                        .push(MavMessage::AUTOPILOT_VERSION(AUTOPILOT_VERSION_DATA {
+                            flight_sw_version: 0x0407_0000,
+                            ..AUTOPILOT_VERSION_DATA::DEFAULT
+                        }));
+                    return MavResult::MAV_RESULT_ACCEPTED;
+                }
+                match self.state_message(data.param1 as u32) {
+                    Some(message) => {
+                        self.outbox.push(message);
+                        MavResult::MAV_RESULT_ACCEPTED
+                    }
+                    None => MavResult::MAV_RESULT_FAILED,
+                }
+            }
+            MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => {
+                self.set_armed(data.param1 == 1.0);
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => {
+                if self.set_current(data.param1 as u16) {
+                    MavResult::MAV_RESULT_ACCEPTED
+                } else {
+                    MavResult::MAV_RESULT_FAILED
+                }
+            }
+            _ => MavResult::MAV_RESULT_UNSUPPORTED,
+        }
+    }
+
+    fn set_current(&mut self, item: u16) -> bool {
+        if usize::from(item) >= self.mission.len() {
+            return false;
+        }
+        if item != self.guidance.item {
+            self.guidance.begin_item(item, &self.plant, false);
+        }
+        true
+    }
+
+    fn command_int(&mut self, data: &COMMAND_INT_DATA, from: (u8, u8)) -> MavResult {
+        if self.refuse_commands {
+            return MavResult::MAV_RESULT_DENIED;
+        }
+        match data.command {
+            MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING if self.mode == Mode::Guided => {
+                if !(0.0..=360.0).contains(&data.param2) {
+                    return MavResult::MAV_RESULT_DENIED;
+                }
+                self.guided.heading = Some(HeadingTarget {
+                    heading_rad: f64::from(data.param2).to_radians(),
+                    is_course: data.param1 == 0.0,
+                    acceleration_mps2: f64::from(data.param3),
+                });
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE if self.mode == Mode::Guided => {
+                // A rate other than 0 barely moves the aircraft.
+                if data.param3 == 0.0 {
+                    let altitude = f64::from(data.z);
+                    self.guided.altitude_m = match data.frame {
+                        mavlink::dialects::ardupilotmega::MavFrame::MAV_FRAME_GLOBAL => {
+                            altitude - self.settings.home.altitude_m
+                        }
+                        _ => altitude,
+                    };
+                }
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            MavCmd::MAV_CMD_DO_REPOSITION => {
+                let change_mode = data.param2 == 1.0;
+                if change_mode {
+                    self.change_mode(Mode::Guided, from.1);
+                }
+                if self.mode != Mode::Guided {
+                    return MavResult::MAV_RESULT_DENIED;
+                }
+                let item = Item {
+                    command: data.command,
+                    frame: data.frame,
+                    parameters: [0.0; 4],
+                    latitude_e7: data.x,
+                    longitude_e7: data.y,
+                    altitude_m: data.z,
+                };
+                if let Some(position_m) = item.position_m(&self.settings.home) {
+                    self.guided.point_m = position_m;
+                    self.guided.altitude_m = position_m[2];
+                    self.guided.heading = None;
+                }
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING | MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE => {
+                MavResult::MAV_RESULT_FAILED
+            }
+            _ => MavResult::MAV_RESULT_UNSUPPORTED,
+        }
+    }
+
+    fn attitude_target(&mut self, data: &SET_ATTITUDE_TARGET_DATA) {
+        let ignored = AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE;
+        if self.mode != Mode::Guided || data.type_mask.contains(ignored) {
+            return;
+        }
+        let [w, x, y, z] = data.q.map(f64::from);
+        let norm = libm::sqrt(w * w + x * x + y * y + z * z);
+        if !norm.is_finite() || norm < 0.5 {
+            return;
+        }
+        let (w, x, y, z) = (w / norm, x / norm, y / norm, z / norm);
+        let roll = libm::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y));
+        let pitch = libm::asin((2.0 * (w * y - z * x)).clamp(-1.0, 1.0));
+        // A cleared bit of the body rates selects that axis of the attitude.
+        if !data
+            .type_mask
+            .contains(AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_ROLL_RATE_IGNORE)
+        {
+            self.guided.bank = Some((roll, self.time_s));
+        }
+        if !data
+            .type_mask
+            .contains(AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_PITCH_RATE_IGNORE)
+        {
+            self.guided.pitch = Some((pitch, self.time_s));
+        }
+    }
+
+    fn override_channels(&mut self, data: &RC_CHANNELS_OVERRIDE_DATA, system_id: u8) {
+        if f64::from(system_id) != self.parameters.value("MAV_GCS_SYSID") {
+            return;
+        }
+        let values = [
+            data.chan1_raw,
+            data.chan2_raw,
+            data.chan3_raw,
+            data.chan4_raw,
+            data.chan5_raw,
+            data.chan6_raw,
+            data.chan7_raw,
+            data.chan8_raw,
+        ];
+        for (slot, value) in self.overrides.0.iter_mut().zip(values) {
+            match value {
+                u16::MAX => {}
+                0 => *slot = None,
+                value => *slot = Some((value, self.time_s)),
+            }
+        }
+    }
+
+    fn hear_intruder(&mut self, data: &ADSB_VEHICLE_DATA) {
+        if self.parameters.value("ADSB_TYPE") <= 0.0 {
+            return;
+        }
+        let entry = (data.ICAO_address, self.time_s, data.clone());
+        if let Some(known) = self
+            .intruders
+            .iter_mut()
+            .find(|known| known.0 == data.ICAO_address)
+        {
+            *known = entry;
+        } else if self.intruders.len() < LONGEST_INTRUDER_LIST {
+            self.intruders.push(entry);
+        }
+    }
+}

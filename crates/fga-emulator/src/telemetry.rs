@@ -1,0 +1,216 @@
+//! What the autopilot sends by itself.
+
+use mavlink::dialects::ardupilotmega::{
+    ADSB_VEHICLE_DATA, ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, HEARTBEAT_DATA,
+    MISSION_CURRENT_DATA, MISSION_ITEM_REACHED_DATA, MavAutopilot, MavMessage, MavModeFlag,
+    MavState, MavType, NAV_CONTROLLER_OUTPUT_DATA, SYSTEM_TIME_DATA, VFR_HUD_DATA, WIND_DATA,
+};
+
+use crate::Emulator;
+
+/// A message that is sent again and again.
+#[derive(Debug, Clone, Copy)]
+struct Stream {
+    message_id: u32,
+    interval_s: f64,
+    due_s: f64,
+}
+
+pub(crate) const HEARTBEAT: u32 = 0;
+const SYSTEM_TIME: u32 = 2;
+const ATTITUDE: u32 = 30;
+const GLOBAL_POSITION_INT: u32 = 33;
+const MISSION_CURRENT: u32 = 42;
+const NAV_CONTROLLER_OUTPUT: u32 = 62;
+const VFR_HUD: u32 = 74;
+const WIND: u32 = 168;
+const ADSB_VEHICLE: u32 = 246;
+
+/// Which messages are sent, and how often.
+#[derive(Debug)]
+pub(crate) struct Streams(Vec<Stream>);
+
+impl Default for Streams {
+    fn default() -> Self {
+        let row = |message_id, interval_s| Stream {
+            message_id,
+            interval_s,
+            due_s: 0.0,
+        };
+        Self(vec![row(HEARTBEAT, 1.0), row(ADSB_VEHICLE, 1.0)])
+    }
+}
+
+impl Streams {
+    /// Sets an interval, seconds; `false` for a message that is not known.
+    pub(crate) fn set(&mut self, message_id: u32, interval_s: Option<f64>, now_s: f64) -> bool {
+        let known = [
+            HEARTBEAT,
+            SYSTEM_TIME,
+            ATTITUDE,
+            GLOBAL_POSITION_INT,
+            MISSION_CURRENT,
+            NAV_CONTROLLER_OUTPUT,
+            VFR_HUD,
+            WIND,
+            ADSB_VEHICLE,
+        ];
+        if !known.contains(&message_id) {
+            return false;
+        }
+        self.0.retain(|stream| stream.message_id != message_id);
+        if let Some(interval_s) = interval_s {
+            self.0.push(Stream {
+                message_id,
+                interval_s,
+                due_s: now_s,
+            });
+        }
+        true
+    }
+
+    fn due(&mut self, now_s: f64) -> Vec<u32> {
+        let mut due = Vec::new();
+        for stream in &mut self.0 {
+            if now_s >= stream.due_s - 1e-9 {
+                stream.due_s = (stream.due_s + stream.interval_s).max(now_s);
+                due.push(stream.message_id);
+            }
+        }
+        due
+    }
+}
+
+impl Emulator {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "milliseconds since boot fit 32 bits for 49 days"
+    )]
+    pub(crate) fn boot_ms(&self) -> u32 {
+        (self.time_s * 1e3).round() as u32
+    }
+
+    pub(crate) fn send_heartbeat(&mut self) {
+        let armed = if self.armed {
+            MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED
+        } else {
+            MavModeFlag::empty()
+        };
+        self.outbox.push(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
+            custom_mode: self.mode.number(),
+            mavtype: MavType::MAV_TYPE_FIXED_WING,
+            autopilot: MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
+            base_mode: MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | armed,
+            system_status: if self.armed {
+                MavState::MAV_STATE_ACTIVE
+            } else {
+                MavState::MAV_STATE_STANDBY
+            },
+            mavlink_version: 3,
+        }));
+    }
+
+    pub(crate) fn send_reached(&mut self, item: u16) {
+        self.outbox.push(MavMessage::MISSION_ITEM_REACHED(
+            MISSION_ITEM_REACHED_DATA { seq: item },
+        ));
+    }
+
+    pub(crate) fn send_mission_current(&mut self) {
+        self.outbox
+            .push(MavMessage::MISSION_CURRENT(MISSION_CURRENT_DATA {
+                seq: self.guidance.item,
+                total: u16::try_from(self.mission.len()).unwrap_or(u16::MAX),
+                ..MISSION_CURRENT_DATA::DEFAULT
+            }));
+    }
+
+    pub(crate) fn send_telemetry(&mut self) {
+        for message_id in self.streams.due(self.time_s) {
+            match message_id {
+                HEARTBEAT => self.send_heartbeat(),
+                MISSION_CURRENT => self.send_mission_current(),
+                ADSB_VEHICLE => {
+                    let list: Vec<ADSB_VEHICLE_DATA> = self
+                        .intruders
+                        .iter()
+                        .map(|intruder| intruder.2.clone())
+                        .collect();
+                    self.outbox
+                        .extend(list.into_iter().map(MavMessage::ADSB_VEHICLE));
+                }
+                other => {
+                    if let Some(message) = self.state_message(other) {
+                        self.outbox.push(message);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The message that tells a part of the state.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the wire's own units; casts of floats saturate"
+    )]
+    pub(crate) fn state_message(&self, message_id: u32) -> Option<MavMessage> {
+        let time_boot_ms = self.boot_ms();
+        let velocity = self.plant.velocity_mps();
+        let degrees = self.plant.heading_rad().to_degrees().rem_euclid(360.0);
+        Some(match message_id {
+            SYSTEM_TIME => MavMessage::SYSTEM_TIME(SYSTEM_TIME_DATA {
+                time_unix_usec: 1_700_000_000_000_000 + (self.time_s * 1e6) as u64,
+                time_boot_ms,
+            }),
+            ATTITUDE => MavMessage::ATTITUDE(ATTITUDE_DATA {
+                time_boot_ms,
+                roll: self.plant.bank_rad() as f32,
+                pitch: self.plant.pitch_rad() as f32,
+                yaw: self.plant.heading_rad() as f32,
+                rollspeed: 0.0,
+                pitchspeed: 0.0,
+                yawspeed: (self.plant.turn_rate_radps() * libm::cos(self.plant.bank_rad())) as f32,
+            }),
+            GLOBAL_POSITION_INT => {
+                let place = self.settings.home.to_place(self.plant.position_m());
+                MavMessage::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
+                    time_boot_ms,
+                    lat: place.latitude_e7,
+                    lon: place.longitude_e7,
+                    alt: place.altitude_mm,
+                    relative_alt: (self.plant.position_m()[2] * 1e3).round() as i32,
+                    vx: (velocity[1] * 100.0).round() as i16,
+                    vy: (velocity[0] * 100.0).round() as i16,
+                    vz: (-velocity[2] * 100.0).round() as i16,
+                    hdg: (degrees * 100.0) as u16,
+                })
+            }
+            NAV_CONTROLLER_OUTPUT => {
+                MavMessage::NAV_CONTROLLER_OUTPUT(NAV_CONTROLLER_OUTPUT_DATA {
+                    nav_roll: self.plant.commanded_bank_rad().to_degrees() as f32,
+                    ..NAV_CONTROLLER_OUTPUT_DATA::DEFAULT
+                })
+            }
+            VFR_HUD => MavMessage::VFR_HUD(VFR_HUD_DATA {
+                airspeed: self.plant.airspeed_mps() as f32,
+                groundspeed: libm::hypot(velocity[0], velocity[1]) as f32,
+                alt: (self.plant.position_m()[2] + self.settings.home.altitude_m) as f32,
+                climb: velocity[2] as f32,
+                heading: degrees as i16,
+                throttle: 50,
+            }),
+            WIND => {
+                let [east, north] = self.plant.wind_mps();
+                MavMessage::WIND(WIND_DATA {
+                    // Where the wind comes from.
+                    direction: libm::atan2(-east, -north).to_degrees() as f32,
+                    speed: libm::hypot(east, north) as f32,
+                    speed_z: 0.0,
+                })
+            }
+            _ => return None,
+        })
+    }
+}

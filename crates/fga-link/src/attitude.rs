@@ -1,0 +1,212 @@
+//! From the manoeuvre to bank and pitch: the law that follows it, and its messages.
+
+use fga::kinematics::Vehicle;
+use fga::maneuver::{Flyer, Maneuver};
+use fga::situation::Ownship;
+use mavlink::dialects::ardupilotmega::{
+    AttitudeTargetTypemask, MavMessage, SET_ATTITUDE_TARGET_DATA,
+};
+
+use crate::number::single;
+use crate::outgoing::AUTOPILOT;
+
+/// The rest of a turn is rolled out over this many bank time constants.
+const ROLL_OUT_LAGS: f64 = 0.6;
+/// … and over no less than this, seconds.
+const SHORTEST_ROLL_OUT_S: f64 = 0.35;
+/// Pitch per metre of altitude error in level stages, radians; and its limit.
+const PITCH_PER_METRE: f64 = 0.012;
+const MOST_PITCH_CORRECTION_RAD: f64 = 0.07;
+/// A climb angle this small is level flight, radians.
+const LEVEL_RAD: f64 = 0.004;
+
+/// Bank and pitch to command.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AttitudeCommand {
+    /// Bank, radians, positive to the left.
+    pub bank_rad: f64,
+    /// Climb angle wanted, radians; `None` leaves the altitude to the autopilot.
+    pub climb_rad: Option<f64>,
+}
+
+/// What a manoeuvre asks for, some time after it was decided.
+///
+/// The bank is that of the full rate until what is left to turn is what the roll-out itself turns;
+/// from there it falls in proportion.
+pub fn attitude_for(
+    maneuver: &Maneuver,
+    elapsed_s: f64,
+    ownship: &Ownship,
+    vehicle: &Vehicle,
+    bank_limit_rad: f64,
+) -> AttitudeCommand {
+    let Some(stage) = maneuver.stage_at(elapsed_s) else {
+        return AttitudeCommand {
+            bank_rad: 0.0,
+            climb_rad: None,
+        };
+    };
+    let flyer = Flyer::new(vehicle);
+    let lag_s = vehicle.response.bank_time_constant_s;
+    let turn_left = stage.course_rad - ownship.course_rad;
+    // Turned while the bank decays to level: f g τ (φ + φ³/9 + …) / V.
+    let rolling_out = lag_s * flyer.rate_radps(ownship.bank_rad);
+    let rest = turn_left - rolling_out;
+    let over_s = (ROLL_OUT_LAGS * lag_s).max(SHORTEST_ROLL_OUT_S);
+    let most = vehicle.course_rate_radps() * stage.rate_share.clamp(0.0, 1.0);
+    let rate = (rest / over_s).clamp(-most, most);
+    let bank_rad = flyer.bank_rad(rate).clamp(-bank_limit_rad, bank_limit_rad);
+    let climbs = stage.climb_rad.abs() > LEVEL_RAD;
+    AttitudeCommand {
+        bank_rad,
+        climb_rad: climbs.then_some(stage.climb_rad),
+    }
+}
+
+/// Keeps the altitude in level stages once the pitch is commanded, and remembers the pitch angle
+/// of level flight.
+#[derive(Debug, Default)]
+pub struct PitchKeeper {
+    level_pitch_rad: Option<f64>,
+    held_altitude_m: Option<f64>,
+    in_command: bool,
+}
+
+impl PitchKeeper {
+    /// Learns the pitch angle of level flight.
+    pub fn observe(&mut self, pitch_rad: f64, climb_rad: f64) {
+        let offset = pitch_rad - climb_rad;
+        if offset.abs() < 0.3 {
+            let known = self.level_pitch_rad.unwrap_or(offset);
+            self.level_pitch_rad = Some(known + 0.02 * (offset - known));
+        }
+    }
+
+    /// Begins a manoeuvre.
+    pub fn begin(&mut self) {
+        self.held_altitude_m = None;
+        self.in_command = false;
+    }
+
+    /// The pitch angle to command, radians; `None` while the autopilot keeps the altitude.
+    pub fn pitch_rad(&mut self, climb_rad: Option<f64>, altitude_m: f64) -> Option<f64> {
+        let level = self.level_pitch_rad.unwrap_or(0.0);
+        if let Some(climb_rad) = climb_rad {
+            self.in_command = true;
+            self.held_altitude_m = None;
+            return Some(level + climb_rad);
+        }
+        if !self.in_command {
+            return None;
+        }
+        // GUIDED would go back to the altitude at which it was entered: hold this one instead.
+        let held = *self.held_altitude_m.get_or_insert(altitude_m);
+        let correction = PITCH_PER_METRE * (held - altitude_m);
+        Some(level + correction.clamp(-MOST_PITCH_CORRECTION_RAD, MOST_PITCH_CORRECTION_RAD))
+    }
+}
+
+/// The message that commands a bank, and a pitch where given.
+///
+/// A cleared rate bit selects that axis of the attitude; throttle and the other axes are left to
+/// the autopilot.
+pub fn attitude_message(
+    bank_rad: f64,
+    pitch_rad: Option<f64>,
+    time_boot_ms: u32,
+    target_system: u8,
+) -> MavMessage {
+    let mut type_mask = AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_YAW_RATE_IGNORE
+        | AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_THROTTLE_IGNORE;
+    if pitch_rad.is_none() {
+        type_mask |= AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_PITCH_RATE_IGNORE;
+    }
+    MavMessage::SET_ATTITUDE_TARGET(SET_ATTITUDE_TARGET_DATA {
+        time_boot_ms,
+        q: quaternion(-bank_rad, pitch_rad.unwrap_or(0.0)),
+        target_system,
+        target_component: AUTOPILOT,
+        type_mask,
+        ..SET_ATTITUDE_TARGET_DATA::DEFAULT
+    })
+}
+
+/// Quaternion w, x, y, z of a roll (right positive) and a pitch, heading north.
+fn quaternion(roll_rad: f64, pitch_rad: f64) -> [f32; 4] {
+    let (sin_roll, cos_roll) = libm::sincos(0.5 * roll_rad);
+    let (sin_pitch, cos_pitch) = libm::sincos(0.5 * pitch_rad);
+    [
+        single(cos_roll * cos_pitch),
+        single(sin_roll * cos_pitch),
+        single(cos_roll * sin_pitch),
+        single(-sin_roll * sin_pitch),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fga::Vec3;
+    use fga::kinematics::Response;
+
+    fn vehicle() -> Vehicle {
+        let response = Response {
+            dead_time_s: 0.2,
+            bank_time_constant_s: 0.6,
+            turn_rate_factor: 0.74,
+        };
+        Vehicle {
+            response,
+            ..Vehicle::from_bank(25.0, 43.0_f64.to_radians()).unwrap()
+        }
+    }
+
+    fn own(course_rad: f64, bank_rad: f64) -> Ownship {
+        Ownship {
+            position_m: Vec3::ZERO,
+            course_rad,
+            climb_rad: 0.0,
+            bank_rad,
+            airspeed_mps: 25.0,
+        }
+    }
+
+    #[test]
+    fn a_turn_begins_at_full_bank_and_ends_level() {
+        let maneuver = Maneuver::turn(0.0, 1.0, 0.0);
+        let limit = 43.0_f64.to_radians();
+        let begin = attitude_for(&maneuver, 0.0, &own(0.0, 0.0), &vehicle(), limit);
+        assert!((begin.bank_rad - limit).abs() < 1e-9);
+        assert_eq!(begin.climb_rad, None);
+        let end = attitude_for(&maneuver, 5.0, &own(1.0, 0.0), &vehicle(), limit);
+        assert!(end.bank_rad.abs() < 1e-9);
+        // Nearly there but still banked: the other way, to roll out.
+        let late = attitude_for(&maneuver, 5.0, &own(0.98, limit), &vehicle(), limit);
+        assert!(late.bank_rad < 0.0);
+    }
+
+    #[test]
+    fn the_quaternion_is_that_of_the_right_roll() {
+        let left_30 = 30.0_f64.to_radians();
+        let MavMessage::SET_ATTITUDE_TARGET(data) = attitude_message(left_30, None, 0, 1) else {
+            panic!("another message")
+        };
+        // cos 15°, −sin 15°.
+        assert!((data.q[0] - 0.965_925_8).abs() < 1e-6);
+        assert!((data.q[1] + 0.258_819_05).abs() < 1e-6);
+        assert_eq!(data.type_mask.bits(), 0b0100_0110);
+    }
+
+    #[test]
+    fn after_a_climb_the_new_altitude_is_held() {
+        let mut keeper = PitchKeeper::default();
+        for _ in 0..500 {
+            keeper.observe(0.05, 0.0);
+        }
+        keeper.begin();
+        assert_eq!(keeper.pitch_rad(None, 100.0), None);
+        assert!((keeper.pitch_rad(Some(0.1), 100.0).unwrap() - 0.15).abs() < 1e-6);
+        assert!((keeper.pitch_rad(None, 120.0).unwrap() - 0.05).abs() < 1e-6);
+        assert!(keeper.pitch_rad(None, 118.0).unwrap() > 0.05);
+    }
+}

@@ -1,0 +1,215 @@
+//! Commands that are acknowledged: sent again until an answer comes, given up after a while.
+
+use mavlink::dialects::ardupilotmega::{
+    COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame, MavMessage, MavResult,
+};
+
+use crate::outgoing::{AUTOPILOT, Outbox};
+
+/// Time to wait for an answer, seconds.
+const ANSWER_S: f64 = 0.4;
+/// Times that a command is sent.
+const MOST_ATTEMPTS: u8 = 6;
+/// Commands that wait; ArduPlane answers one of a kind at a time.
+const MOST_WAITING: usize = 32;
+
+/// A command and its numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Command {
+    /// What to do.
+    pub command: MavCmd,
+    /// Parameters 1 to 7; 5 to 7 are the place where it is sent as `COMMAND_INT`.
+    pub parameters: [f32; 7],
+    /// As `COMMAND_INT`, with its frame; else as `COMMAND_LONG`.
+    pub frame: Option<MavFrame>,
+}
+
+impl Command {
+    /// A command sent as `COMMAND_LONG`.
+    pub fn long(command: MavCmd, first: f32, second: f32) -> Self {
+        Self {
+            command,
+            parameters: [first, second, 0.0, 0.0, 0.0, 0.0, 0.0],
+            frame: None,
+        }
+    }
+
+    fn message(&self, target_system: u8, confirmation: u8) -> MavMessage {
+        let [param1, param2, param3, param4, param5, param6, param7] = self.parameters;
+        match self.frame {
+            Some(frame) => MavMessage::COMMAND_INT(COMMAND_INT_DATA {
+                param1,
+                param2,
+                param3,
+                param4,
+                x: 0,
+                y: 0,
+                z: param7,
+                command: self.command,
+                target_system,
+                target_component: AUTOPILOT,
+                frame,
+                current: 0,
+                autocontinue: 0,
+            }),
+            None => MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
+                param1,
+                param2,
+                param3,
+                param4,
+                param5,
+                param6,
+                param7,
+                command: self.command,
+                target_system,
+                target_component: AUTOPILOT,
+                confirmation,
+            }),
+        }
+    }
+}
+
+/// How a command ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Outcome {
+    /// The vehicle accepted it.
+    Accepted(Command),
+    /// The vehicle refused it.
+    Refused(Command, MavResult),
+    /// No answer came.
+    Unanswered(Command),
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Waiting {
+    command: Command,
+    attempts: u8,
+    again_s: f64,
+}
+
+/// The commands under way.
+#[derive(Debug, Default)]
+pub struct Commands(Vec<Waiting>);
+
+impl Commands {
+    /// Sends a command; one of the same kind that waits with other numbers is replaced when it has
+    /// no use any more (`replace`), else it waits its turn.
+    pub fn send(&mut self, command: Command, replace: bool) {
+        if replace {
+            self.0
+                .retain(|waiting| waiting.command.command != command.command);
+        }
+        if self.0.len() < MOST_WAITING {
+            self.0.push(Waiting {
+                command,
+                attempts: 0,
+                again_s: f64::NEG_INFINITY,
+            });
+        }
+    }
+
+    /// Forgets every command of a kind.
+    pub fn cancel(&mut self, command: MavCmd) {
+        self.0.retain(|waiting| waiting.command.command != command);
+    }
+
+    /// Whether one of a kind waits for its answer.
+    pub fn is_waiting(&self, command: MavCmd) -> bool {
+        self.0
+            .iter()
+            .any(|waiting| waiting.command.command == command)
+    }
+
+    /// Takes an answer.
+    pub fn acknowledge(&mut self, data: &COMMAND_ACK_DATA) -> Option<Outcome> {
+        let index = self
+            .0
+            .iter()
+            .position(|waiting| waiting.command.command == data.command && waiting.attempts > 0)?;
+        if data.result == MavResult::MAV_RESULT_IN_PROGRESS {
+            return None;
+        }
+        let waiting = self.0.remove(index);
+        Some(match data.result {
+            MavResult::MAV_RESULT_ACCEPTED => Outcome::Accepted(waiting.command),
+            result => Outcome::Refused(waiting.command, result),
+        })
+    }
+
+    /// Sends what is due; hands back what was given up.
+    pub fn tick(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) -> Option<Outcome> {
+        let mut given_up = None;
+        let mut busy: Vec<MavCmd> = Vec::new();
+        for waiting in &mut self.0 {
+            if busy.contains(&waiting.command.command) {
+                continue;
+            }
+            busy.push(waiting.command.command);
+            if now_s < waiting.again_s {
+                continue;
+            }
+            if waiting.attempts >= MOST_ATTEMPTS {
+                given_up.get_or_insert(waiting.command);
+                continue;
+            }
+            outbox.send(waiting.command.message(target_system, waiting.attempts));
+            waiting.attempts += 1;
+            waiting.again_s = now_s + ANSWER_S;
+        }
+        let command = given_up?;
+        self.0
+            .retain(|waiting| waiting.attempts < MOST_ATTEMPTS || waiting.command != command);
+        Some(Outcome::Unanswered(command))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn answer(command: MavCmd, result: MavResult) -> COMMAND_ACK_DATA {
+        COMMAND_ACK_DATA {
+            command,
+            result,
+            ..COMMAND_ACK_DATA::DEFAULT
+        }
+    }
+
+    const SET_MODE: MavCmd = MavCmd::MAV_CMD_DO_SET_MODE;
+
+    #[test]
+    fn it_is_sent_again_and_given_up() {
+        let (mut commands, mut outbox) = (Commands::default(), Outbox::default());
+        let command = Command::long(SET_MODE, 1.0, 15.0);
+        commands.send(command, false);
+        let mut outcome = None;
+        for tenth in 0..40_u8 {
+            outcome = outcome.or(commands.tick(f64::from(tenth) * 0.1, 1, &mut outbox));
+        }
+        assert_eq!(outbox.take().len(), usize::from(MOST_ATTEMPTS));
+        assert_eq!(outcome, Some(Outcome::Unanswered(command)));
+        assert!(!commands.is_waiting(SET_MODE));
+    }
+
+    #[test]
+    fn one_of_a_kind_at_a_time() {
+        let (mut commands, mut outbox) = (Commands::default(), Outbox::default());
+        commands.send(Command::long(SET_MODE, 1.0, 15.0), false);
+        commands.send(Command::long(SET_MODE, 1.0, 10.0), false);
+        commands.tick(0.0, 1, &mut outbox);
+        assert_eq!(outbox.take().len(), 1);
+        let refused = answer(SET_MODE, MavResult::MAV_RESULT_DENIED);
+        assert!(matches!(
+            commands.acknowledge(&refused),
+            Some(Outcome::Refused(..))
+        ));
+        commands.tick(0.1, 1, &mut outbox);
+        assert_eq!(outbox.take().len(), 1);
+        let accepted = answer(SET_MODE, MavResult::MAV_RESULT_ACCEPTED);
+        assert!(matches!(
+            commands.acknowledge(&accepted),
+            Some(Outcome::Accepted(..))
+        ));
+        assert_eq!(commands.acknowledge(&accepted), None, "a copy");
+    }
+}

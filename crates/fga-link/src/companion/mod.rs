@@ -1,0 +1,460 @@
+//! The companion itself: telemetry and traffic in, commands out.
+//!
+//! It reads no clock, no socket and no file: [`Companion::receive`] takes a message,
+//! [`Companion::take_report`] a report of traffic, [`Companion::tick`] lets time pass,
+//! [`Companion::outbox`] holds what is to be sent and [`Companion::take_log`] what happened. The
+//! program, the replay of a recording and the tests in scaled time all drive the same thing.
+
+mod decide;
+mod receive;
+mod send;
+
+use fga::avoider::{Avoider, Decision};
+use fga::kinematics::Vehicle;
+use fga::situation::{Obstacle, ProtectedVolume};
+use mavlink::dialects::ardupilotmega::MavMissionType;
+use serde_json::{Value, json};
+
+use crate::attitude::{AttitudeCommand, PitchKeeper};
+use crate::authority::{Action, Authority, Keeper, Severity};
+use crate::commands::Commands;
+use crate::config::{CommandMode, Config, ConfigError};
+use crate::mission::{Download, Way};
+use crate::mode::Mode;
+use crate::outgoing::{Outbox, Outgoing};
+use crate::ownship::{OwnshipEstimate, State};
+use crate::paper::PaperPilot;
+use crate::parameters::VehicleParameters;
+use crate::response::ResponseEstimate;
+use crate::telling;
+use crate::traffic::fence::Fence;
+use crate::traffic::{Report, TrackTable};
+
+/// Most lines of the log that wait to be taken.
+const MOST_LOG_LINES: usize = 4096;
+
+/// The vehicle as its heartbeats tell it.
+#[derive(Debug, Clone, Copy)]
+struct Heard {
+    system_id: u8,
+    mode: Mode,
+    armed: bool,
+    heartbeat_s: f64,
+    sequence: u8,
+}
+
+/// When things are due again, seconds.
+#[expect(clippy::struct_field_names, reason = "the unit is part of each name")]
+#[derive(Debug, Clone, Copy)]
+struct Due {
+    heartbeat_s: f64,
+    streams_s: f64,
+    decision_s: f64,
+    command_s: f64,
+    tidy_s: f64,
+    values_s: f64,
+    collision_s: f64,
+    heading_s: f64,
+}
+
+/// The last decision and what goes with it.
+#[derive(Debug, Clone, Copy)]
+struct Decided {
+    decision: Decision,
+    /// Moment of the state it was made for, seconds.
+    for_s: f64,
+    own: State,
+}
+
+/// Counters for the status line and tests.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Manoeuvres begun.
+    pub maneuvers: u32,
+    /// Decisions made.
+    pub decisions: u64,
+    /// Texts sent.
+    pub texts: u32,
+}
+
+/// The companion of one vehicle.
+#[derive(Debug)]
+pub struct Companion {
+    config: Config,
+    take_over: Vec<Mode>,
+    dry_run: bool,
+    recorded: bool,
+    outbox: Outbox,
+    log: Vec<Value>,
+    heard: Option<Heard>,
+    streams_heard: [f64; send::STREAMS.len()],
+    commands: Commands,
+    parameters: VehicleParameters,
+    mission: Download,
+    fence_download: Download,
+    fence: Fence,
+    mission_item: Option<u16>,
+    mission_total: Option<u16>,
+    ownship: OwnshipEstimate,
+    response: ResponseEstimate,
+    navigation_bank_rad: Option<f64>,
+    tracks: TrackTable,
+    virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
+    keeper: Keeper,
+    avoider: Option<Box<Avoider>>,
+    way: Way,
+    way_mode: Option<Mode>,
+    obstacles: Vec<Obstacle>,
+    decided: Option<Decided>,
+    commanded: AttitudeCommand,
+    following_since_s: Option<f64>,
+    on_way_since_s: Option<f64>,
+    refusals: u32,
+    pause_until_s: f64,
+    last_heading_rad: Option<f64>,
+    pitch: PitchKeeper,
+    paper: PaperPilot,
+    paper_roll_us: u16,
+    boot_ms: u32,
+    due: Due,
+    last_logged: Option<(fga::avoider::State, fga::avoider::Reason, f64)>,
+    counts: Counts,
+}
+
+impl Companion {
+    /// A companion that has heard nothing yet; with `dry_run` it only reports.
+    ///
+    /// # Errors
+    /// A configuration that cannot be used.
+    pub fn new(config: Config, dry_run: bool) -> Result<Self, ConfigError> {
+        config.check()?;
+        let take_over = match config.command.mode {
+            CommandMode::Paper => vec![Mode::CRUISE],
+            _ => config.take_over()?,
+        };
+        let target = match config.command.mode {
+            CommandMode::Paper => Mode::FBWB,
+            CommandMode::Attitude | CommandMode::Heading => Mode::GUIDED,
+        };
+        if take_over.contains(&target) {
+            return Err(ConfigError(format!(
+                "vehicle.take_over: {} is the mode that manoeuvres are flown in",
+                target.name()
+            )));
+        }
+        let never = f64::NEG_INFINITY;
+        Ok(Self {
+            take_over,
+            dry_run,
+            recorded: false,
+            outbox: Outbox::default(),
+            log: Vec::new(),
+            heard: None,
+            streams_heard: [never; send::STREAMS.len()],
+            commands: Commands::default(),
+            parameters: VehicleParameters::default(),
+            mission: Download::new(MavMissionType::MAV_MISSION_TYPE_MISSION),
+            fence_download: Download::new(MavMissionType::MAV_MISSION_TYPE_FENCE),
+            fence: Fence::default(),
+            mission_item: None,
+            mission_total: None,
+            ownship: OwnshipEstimate::default(),
+            response: ResponseEstimate::new(&config.response),
+            navigation_bank_rad: None,
+            tracks: TrackTable::new(&config.traffic, config.own_icao()?),
+            virtual_reports: decide::virtual_reports(&config),
+            keeper: Keeper::new(target, config.safety.armed_at_start),
+            avoider: None,
+            way: Way::default(),
+            way_mode: None,
+            obstacles: Vec::new(),
+            decided: None,
+            commanded: AttitudeCommand {
+                bank_rad: 0.0,
+                climb_rad: None,
+            },
+            following_since_s: None,
+            on_way_since_s: None,
+            refusals: 0,
+            pause_until_s: never,
+            last_heading_rad: None,
+            pitch: PitchKeeper::default(),
+            paper: PaperPilot::default(),
+            paper_roll_us: 1500,
+            boot_ms: 0,
+            due: Due {
+                heartbeat_s: never,
+                streams_s: never,
+                decision_s: never,
+                command_s: never,
+                tidy_s: never,
+                values_s: never,
+                collision_s: never,
+                heading_s: never,
+            },
+            last_logged: None,
+            counts: Counts::default(),
+            config,
+        })
+    }
+
+    /// From now on the vehicle is a recorded one: it follows the commands of its own flight, which
+    /// need not be these, so that not following is no fault.
+    pub fn set_recorded(&mut self) {
+        self.recorded = true;
+    }
+
+    /// What is to be sent, oldest first.
+    pub fn outbox(&mut self) -> Vec<Outgoing> {
+        self.outbox.take()
+    }
+
+    /// Lines of the decision log since the last call.
+    pub fn take_log(&mut self) -> Vec<Value> {
+        core::mem::take(&mut self.log)
+    }
+
+    /// Where the authority stands.
+    pub const fn authority(&self) -> Authority {
+        self.keeper.state()
+    }
+
+    /// Counters.
+    pub const fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Tracks of other aircraft.
+    pub const fn tracks(&self) -> &TrackTable {
+        &self.tracks
+    }
+
+    /// The vehicle's limits as they are planned with.
+    pub fn vehicle(&self) -> Option<&Vehicle> {
+        self.avoider.as_ref().map(|avoider| avoider.vehicle())
+    }
+
+    /// The last decision.
+    pub fn decision(&self) -> Option<&Decision> {
+        self.decided.as_ref().map(|decided| &decided.decision)
+    }
+
+    /// System id of the vehicle, once it is heard.
+    pub fn vehicle_system(&self) -> Option<u8> {
+        self.heard.map(|heard| heard.system_id)
+    }
+
+    /// Mode to restore should this program stop now; `None` while nothing is flown.
+    pub fn owed_mode(&self) -> Option<Mode> {
+        match self.keeper.state() {
+            Authority::Taking { previous, .. }
+            | Authority::InCommand { previous, .. }
+            | Authority::Returning { previous, .. } => Some(previous),
+            _ => None,
+        }
+    }
+
+    /// The operator's switch.
+    pub fn set_enabled(&mut self, enabled: bool, now_s: f64) {
+        let actions = self.keeper.set_enabled(enabled, now_s);
+        self.perform(&actions, now_s);
+    }
+
+    /// Hands back in an orderly way before the program ends.
+    pub fn shut_down(&mut self, now_s: f64) {
+        self.set_enabled(false, now_s);
+        self.send_commands(now_s);
+    }
+
+    /// Takes a report of traffic from a receiver.
+    pub fn take_report(&mut self, report: &Report, now_s: f64) {
+        if let Some(frame) = self.ownship.frame() {
+            self.tracks.take(report, frame, now_s);
+        }
+    }
+
+    /// Lets time pass: sends what is due and decides where no telemetry prompted it.
+    pub fn tick(&mut self, now_s: f64) {
+        self.watch_link(now_s);
+        let actions = self.keeper.tick(now_s);
+        self.perform(&actions, now_s);
+        self.send_regular(now_s);
+        if now_s >= self.due.tidy_s {
+            self.due.tidy_s = now_s + 0.5;
+            let own = self
+                .decided
+                .map(|d| (d.own.ownship.position_m, d.own.ground_velocity_mps));
+            self.tracks.tidy(now_s, own);
+        }
+        // Telemetry prompts decisions and commands; the clock stands in where it pauses.
+        let slack_s = self.config.command.decision_period_s;
+        if now_s >= self.due.decision_s + slack_s {
+            self.decide(now_s);
+        }
+        if now_s >= self.due.command_s + 0.5 / self.config.command.rate_hz {
+            self.command(now_s);
+        }
+        self.send_commands(now_s);
+    }
+
+    fn watch_link(&mut self, now_s: f64) {
+        let Some(heard) = self.heard else { return };
+        if now_s - heard.heartbeat_s > self.config.safety.link_lost_s {
+            self.fault(crate::authority::Fault::LinkLost, now_s);
+        } else if self.keeper.is_engaged()
+            && self
+                .ownship
+                .age_s(now_s)
+                .is_none_or(|age_s| age_s > self.config.safety.telemetry_stale_s)
+        {
+            self.fault(crate::authority::Fault::TelemetryStale, now_s);
+        }
+    }
+
+    fn fault(&mut self, fault: crate::authority::Fault, now_s: f64) {
+        let actions = self.keeper.fault(fault, now_s);
+        self.perform(&actions, now_s);
+    }
+
+    /// Carries out what the keeper of authority asks for.
+    fn perform(&mut self, actions: &[Action], now_s: f64) {
+        use mavlink::dialects::ardupilotmega::MavCmd;
+        for action in actions {
+            match *action {
+                Action::SetMode(mode) => {
+                    self.ask_for_mode(mode, now_s);
+                    self.note(now_s, "set-mode", json!({ "mode": mode.name() }));
+                }
+                Action::CancelSetMode => self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MODE),
+                Action::Tell(severity, words) => self.tell(severity, words, now_s),
+                Action::Began => {
+                    self.counts.maneuvers += 1;
+                    self.pitch.begin();
+                    self.following_since_s = None;
+                    self.on_way_since_s = None;
+                    self.last_heading_rad = None;
+                    self.due.command_s = f64::NEG_INFINITY;
+                    self.tell_threat(now_s);
+                }
+                Action::Returned => {
+                    self.refusals = 0;
+                    self.tell(Severity::Info, "fga: clear, mode restored", now_s);
+                    self.forget_plan();
+                }
+                Action::Ended(fault) => {
+                    self.note(now_s, "released", json!({ "fault": format!("{fault:?}") }));
+                    self.commands.cancel(MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING);
+                    self.commands.cancel(MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE);
+                    self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
+                    if fault == crate::authority::Fault::TakeOverRefused {
+                        self.refusals += 1;
+                        self.pause_until_s = now_s + 5.0;
+                    }
+                    self.stop_overrides();
+                    self.forget_plan();
+                }
+            }
+        }
+    }
+
+    /// The avoider and its way are made anew with the next decision.
+    fn forget_plan(&mut self) {
+        self.avoider = None;
+        self.decided = None;
+        self.paper = PaperPilot::default();
+    }
+
+    fn tell(&mut self, severity: Severity, words: &str, now_s: f64) {
+        self.counts.texts += 1;
+        self.outbox.send(telling::text(severity, words));
+        self.note(
+            now_s,
+            "text",
+            json!({ "severity": format!("{severity:?}"), "text": words }),
+        );
+    }
+
+    fn tell_threat(&mut self, now_s: f64) {
+        let threat = self
+            .decided
+            .and_then(|decided| decided.decision.record.threat);
+        let words = match threat {
+            Some(threat) => {
+                let name = self.obstacle_name(threat.id);
+                format!(
+                    "fga: avoiding {name}, {:.0} s away",
+                    threat.entry_s.max(0.0)
+                )
+            }
+            None => "fga: avoiding".to_owned(),
+        };
+        self.tell(Severity::Warning, &words, now_s);
+    }
+
+    fn obstacle_name(&self, id: u32) -> String {
+        use crate::traffic::fence::{CEILING_ID, FLOOR_ID};
+        if let Some(track) = self.tracks.get(id) {
+            return track.name();
+        }
+        let index = usize::try_from(id).unwrap_or(usize::MAX);
+        let own = index
+            .checked_sub(decide::FIRST_VIRTUAL_ID)
+            .and_then(|index| self.config.obstacle.get(index));
+        match (id, own) {
+            (FLOOR_ID, _) => "floor".to_owned(),
+            (CEILING_ID, _) => "ceiling".to_owned(),
+            (_, Some(obstacle)) if !obstacle.name.is_empty() => obstacle.name.clone(),
+            (_, Some(_)) => "virtual obstacle".to_owned(),
+            _ => "fence".to_owned(),
+        }
+    }
+
+    fn note(&mut self, now_s: f64, kind: &str, content: Value) {
+        let mut line = json!({ "kind": kind, "t_s": (now_s * 1e3).round() / 1e3 });
+        if let (Some(line), Value::Object(content)) = (line.as_object_mut(), content) {
+            line.extend(content);
+        }
+        self.push_log(line);
+    }
+
+    fn push_log(&mut self, line: Value) {
+        if self.log.len() < MOST_LOG_LINES {
+            self.log.push(line);
+        }
+    }
+
+    /// One line for a terminal.
+    pub fn status_line(&self, now_s: f64) -> String {
+        let Some(heard) = self.heard else {
+            return "waiting for a vehicle".to_owned();
+        };
+        let age = self
+            .ownship
+            .age_s(now_s)
+            .map_or("no position".to_owned(), |age_s| {
+                format!("telemetry {:.0} ms", (age_s * 1e3).max(0.0))
+            });
+        let state = self
+            .decided
+            .map_or("-", |decided| decided.decision.state.name());
+        let threat =
+            self.decided
+                .and_then(|d| d.decision.record.threat)
+                .map_or(String::new(), |threat| {
+                    format!(
+                        " | {} in {:.0} s",
+                        self.obstacle_name(threat.id),
+                        threat.entry_s.max(0.0)
+                    )
+                });
+        format!(
+            "vehicle {} {} {} | {}{} | {state} | {} tracks | {age}{threat}",
+            heard.system_id,
+            heard.mode.name(),
+            if heard.armed { "armed" } else { "disarmed" },
+            self.keeper.state().name(),
+            if self.dry_run { " (dry run)" } else { "" },
+            self.tracks.tracks().len(),
+        )
+    }
+}

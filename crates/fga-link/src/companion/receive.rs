@@ -1,0 +1,428 @@
+//! What each message does.
+
+use fga::avoider::Reason;
+use mavlink::MavHeader;
+use mavlink::dialects::ardupilotmega::{
+    ATTITUDE_DATA, COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd,
+    MavMessage, MavModeFlag, MavParamType, MavResult, MavType, PARAM_SET_DATA, PARAM_VALUE_DATA,
+    PING_DATA,
+};
+use serde_json::json;
+
+use super::{Companion, Heard, send};
+use crate::authority::{Fault, Severity};
+use crate::commands::Outcome;
+use crate::config::CommandMode;
+use crate::mode::Mode;
+use crate::number::single;
+use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
+use crate::ownship::Update;
+use crate::traffic::{Report, Source, fence};
+
+/// A heartbeat with a lower sequence number so soon after another was overtaken by it, seconds.
+const OVERTAKEN_S: f64 = 0.45;
+/// Name of the switch among this component's parameters.
+const ENABLE: &str = "FGA_ENABLE";
+
+impl Companion {
+    /// Takes a message.
+    pub fn receive(&mut self, header: &MavHeader, message: &MavMessage, now_s: f64) {
+        if let MavMessage::ADSB_VEHICLE(data) = message {
+            self.take_adsb(*header, data, now_s);
+            return;
+        }
+        let Ok(system) = u8::try_from(header.system_id) else {
+            return;
+        };
+        if header.component_id == OWN_COMPONENT && Some(system) == self.vehicle_system() {
+            // Ourselves, sent back by a router.
+            return;
+        }
+        if let MavMessage::HEARTBEAT(data) = message {
+            self.take_heartbeat(*header, system, data, now_s);
+            return;
+        }
+        let from_vehicle =
+            self.vehicle_system() == Some(system) && header.component_id == AUTOPILOT;
+        if from_vehicle {
+            self.take_telemetry(message, now_s);
+        }
+        self.take_request(system, header.component_id, message, now_s);
+    }
+
+    fn take_heartbeat(&mut self, header: MavHeader, system: u8, data: &HEARTBEAT_DATA, now_s: f64) {
+        let is_plane = data.autopilot == MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA
+            && matches!(data.mavtype, MavType::MAV_TYPE_FIXED_WING)
+            && header.component_id == AUTOPILOT;
+        if !is_plane {
+            return;
+        }
+        let mode = Mode(data.custom_mode);
+        let armed = data
+            .base_mode
+            .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED);
+        let wanted = self.config.vehicle.system_id;
+        let Some(heard) = &mut self.heard else {
+            if wanted != 0 && system != wanted {
+                return;
+            }
+            self.heard = Some(Heard {
+                system_id: system,
+                mode,
+                armed,
+                heartbeat_s: now_s,
+                sequence: header.sequence,
+            });
+            self.outbox.set_own_system(system);
+            self.mission.begin();
+            if self.config.safety.use_fence {
+                self.fence_download.begin();
+            }
+            let words = if self.dry_run {
+                "fga: connected, dry run"
+            } else {
+                "fga: connected"
+            };
+            self.tell(Severity::Info, words, now_s);
+            self.note(
+                now_s,
+                "vehicle",
+                json!({ "system": system, "mode": mode.name() }),
+            );
+            return;
+        };
+        if heard.system_id != system {
+            return;
+        }
+        let behind = heard.sequence.wrapping_sub(header.sequence);
+        if now_s - heard.heartbeat_s < OVERTAKEN_S && behind < 128 {
+            // Overtaken by a newer one, or a copy of it.
+            return;
+        }
+        let was_armed = heard.armed;
+        let mode_was = heard.mode;
+        *heard = Heard {
+            system_id: system,
+            mode,
+            armed,
+            heartbeat_s: now_s,
+            sequence: header.sequence,
+        };
+        if mode != mode_was {
+            self.note(now_s, "mode", json!({ "mode": mode.name() }));
+        }
+        // The mode first: whoever changed it wins, whatever else this message says.
+        let actions = self.keeper.mode(mode, now_s);
+        self.perform(&actions, now_s);
+        if was_armed && !armed {
+            self.fault(Fault::Disarmed, now_s);
+        }
+    }
+
+    fn take_telemetry(&mut self, message: &MavMessage, now_s: f64) {
+        if let Some(slot) = send::stream_slot(message)
+            && let Some(heard_s) = self.streams_heard.get_mut(slot)
+        {
+            *heard_s = now_s;
+        }
+        match message {
+            MavMessage::GLOBAL_POSITION_INT(data) => {
+                let update = self.ownship.take_position(data, now_s);
+                self.after_update(update, now_s);
+            }
+            MavMessage::ATTITUDE(data) => {
+                let update = self.ownship.take_attitude(data, now_s);
+                if update == Update::Fresh {
+                    self.boot_ms = data.time_boot_ms;
+                    self.learn_response(data);
+                }
+                self.after_update(update, now_s);
+                if update == Update::Fresh {
+                    self.prompted(now_s);
+                }
+            }
+            MavMessage::VFR_HUD(data) => self.ownship.take_hud(data),
+            MavMessage::WIND(data) => self.ownship.take_wind(data, now_s),
+            MavMessage::NAV_CONTROLLER_OUTPUT(data) => {
+                let degrees = f64::from(data.nav_roll);
+                self.navigation_bank_rad = (degrees.abs() < 90.0).then(|| -degrees.to_radians());
+            }
+            MavMessage::PARAM_VALUE(data) => {
+                self.parameters.take(data);
+            }
+            MavMessage::MISSION_COUNT(data) => {
+                if self.mission.take_count(data) {
+                    self.mission_arrived(now_s);
+                }
+                if self.fence_download.take_count(data) {
+                    self.fence_arrived(now_s);
+                }
+            }
+            MavMessage::MISSION_ITEM_INT(data) => {
+                if self.mission.take_item(data) {
+                    self.mission_arrived(now_s);
+                }
+                if self.fence_download.take_item(data) {
+                    self.fence_arrived(now_s);
+                }
+            }
+            MavMessage::MISSION_CURRENT(data) => {
+                self.mission_item = Some(data.seq);
+                // Newer autopilots tell the number of items: another one is another mission.
+                if data.total != 0 && data.total != u16::MAX {
+                    let changed = self.mission_total.is_some_and(|total| total != data.total);
+                    self.mission_total = Some(data.total);
+                    if changed && !self.mission.is_busy() {
+                        self.mission.begin();
+                    }
+                }
+            }
+            MavMessage::MISSION_ACK(data)
+                if data.target_system != 0
+                    && data.target_component != OWN_COMPONENT
+                    && !self.mission.is_busy() =>
+            {
+                // Somebody else has just uploaded a mission.
+                self.mission.begin();
+            }
+            MavMessage::COMMAND_ACK(data) => {
+                let for_us = data.target_component == OWN_COMPONENT || data.target_component == 0;
+                if for_us && let Some(outcome) = self.commands.acknowledge(data) {
+                    self.command_ended(outcome, now_s);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn after_update(&mut self, update: Update, now_s: f64) {
+        if update == Update::Restarted {
+            self.fault(Fault::AutopilotRestarted, now_s);
+            self.due.streams_s = f64::NEG_INFINITY;
+            self.forget_plan();
+        }
+    }
+
+    fn learn_response(&mut self, data: &ATTITUDE_DATA) {
+        let Some(airspeed_mps) = self.ownship.airspeed_mps() else {
+            return;
+        };
+        let bank_rad = -f64::from(data.roll);
+        let commanded = if self.keeper.commands() {
+            Some(self.commanded.bank_rad)
+        } else {
+            self.navigation_bank_rad
+        };
+        self.response.observe(
+            f64::from(data.time_boot_ms) * 1e-3,
+            bank_rad,
+            -f64::from(data.yawspeed) / libm::cos(bank_rad).max(0.3),
+            airspeed_mps,
+            commanded,
+        );
+    }
+
+    fn mission_arrived(&mut self, now_s: f64) {
+        let count = self.mission.items().map_or(0, <[_]>::len);
+        self.note(now_s, "mission", json!({ "items": count }));
+        if let Some(system) = self.vehicle_system() {
+            self.outbox.send(self.mission.closing(system));
+        }
+        self.way_mode = None;
+    }
+
+    fn fence_arrived(&mut self, now_s: f64) {
+        if let Some(system) = self.vehicle_system() {
+            self.outbox.send(self.fence_download.closing(system));
+        }
+        self.lay_fence(now_s);
+    }
+
+    pub(super) fn lay_fence(&mut self, now_s: f64) {
+        let (Some(items), Some(frame)) = (self.fence_download.items(), self.ownship.frame()) else {
+            return;
+        };
+        if items.is_empty() || !self.fence.is_empty() {
+            return;
+        }
+        self.fence = fence::Fence::new(items, frame);
+        self.note(
+            now_s,
+            "fence",
+            json!({ "incomplete": self.fence.incomplete }),
+        );
+        if self.fence.incomplete {
+            self.tell(
+                Severity::Warning,
+                "fga: part of the fence was not understood",
+                now_s,
+            );
+        }
+    }
+
+    pub(super) fn command_ended(&mut self, outcome: Outcome, now_s: f64) {
+        let (command, refused) = match outcome {
+            Outcome::Accepted(_) => return,
+            Outcome::Refused(command, result) => (command, Some(result)),
+            Outcome::Unanswered(command) => (command, None),
+        };
+        let result = refused.map_or("no answer".to_owned(), |result| format!("{result:?}"));
+        self.note(
+            now_s,
+            "refused",
+            json!({ "command": format!("{:?}", command.command), "result": result }),
+        );
+        match command.command {
+            MavCmd::MAV_CMD_DO_SET_MODE => {
+                let actions = self.keeper.mode_refused(now_s);
+                self.perform(&actions, now_s);
+            }
+            MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING if self.keeper.commands() => {
+                self.fault(Fault::NotFollowing, now_s);
+            }
+            MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT => {
+                self.tell(Severity::Warning, "fga: mission item not set", now_s);
+            }
+            _ => {}
+        }
+    }
+
+    fn take_adsb(
+        &mut self,
+        header: MavHeader,
+        data: &mavlink::dialects::ardupilotmega::ADSB_VEHICLE_DATA,
+        now_s: f64,
+    ) {
+        let own = self.vehicle_system().map(u32::from);
+        let source = if Some(header.system_id) == own && header.component_id == AUTOPILOT {
+            Source::AutopilotList
+        } else {
+            Source::Mavlink
+        };
+        let sigma_m = self.config.traffic.position_sigma_m;
+        if let Some(report) = Report::from_adsb(data, source, now_s, sigma_m) {
+            self.take_report(&report, now_s);
+        }
+    }
+
+    /// Requests to this component: ping, its switch as a parameter or a command.
+    fn take_request(&mut self, system: u8, component: u8, message: &MavMessage, now_s: f64) {
+        let Some(own) = self.vehicle_system() else {
+            return;
+        };
+        let for_us = |target_system: u8, target_component: u8| {
+            target_system == own && target_component == OWN_COMPONENT
+        };
+        match message {
+            MavMessage::PING(data) if data.target_system == 0 && data.target_component == 0 => {
+                self.outbox.send(MavMessage::PING(PING_DATA {
+                    time_usec: data.time_usec,
+                    seq: data.seq,
+                    target_system: system,
+                    target_component: component,
+                }));
+            }
+            MavMessage::PARAM_REQUEST_LIST(data)
+                if data.target_system == own
+                    && (data.target_component == OWN_COMPONENT || data.target_component == 0) =>
+            {
+                self.send_switch();
+            }
+            MavMessage::PARAM_REQUEST_READ(data)
+                if for_us(data.target_system, data.target_component) =>
+            {
+                self.send_switch();
+            }
+            MavMessage::PARAM_SET(data) if for_us(data.target_system, data.target_component) => {
+                self.take_switch(data, now_s);
+            }
+            MavMessage::COMMAND_LONG(data) if for_us(data.target_system, data.target_component) => {
+                let result = self.take_command(data, now_s);
+                self.outbox.send(MavMessage::COMMAND_ACK(COMMAND_ACK_DATA {
+                    command: data.command,
+                    result,
+                    progress: 0,
+                    result_param2: 0,
+                    target_system: system,
+                    target_component: component,
+                }));
+            }
+            _ => {}
+        }
+    }
+
+    fn take_switch(&mut self, data: &PARAM_SET_DATA, now_s: f64) {
+        if data.param_id.to_str() == Ok(ENABLE) {
+            self.set_enabled(data.param_value > 0.5, now_s);
+        }
+        self.send_switch();
+    }
+
+    fn send_switch(&mut self) {
+        let value = if self.keeper.is_enabled() { 1.0 } else { 0.0 };
+        self.outbox.send(MavMessage::PARAM_VALUE(PARAM_VALUE_DATA {
+            param_value: single(value),
+            param_count: 1,
+            param_index: 0,
+            param_id: ENABLE.into(),
+            param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+        }));
+    }
+
+    fn take_command(&mut self, data: &COMMAND_LONG_DATA, now_s: f64) -> MavResult {
+        if data.command != MavCmd::MAV_CMD_USER_1 {
+            return MavResult::MAV_RESULT_UNSUPPORTED;
+        }
+        if data.param1 == 1.0 {
+            self.set_enabled(true, now_s);
+        } else if data.param1 == 0.0 {
+            self.set_enabled(false, now_s);
+        } else {
+            return MavResult::MAV_RESULT_DENIED;
+        }
+        MavResult::MAV_RESULT_ACCEPTED
+    }
+
+    /// Telemetry has come: decide and command where it is time.
+    fn prompted(&mut self, now_s: f64) {
+        // The target that follows the plan goes out first: a search may take longer.
+        if now_s >= self.due.command_s - 0.2 / self.config.command.rate_hz {
+            self.command(now_s);
+        }
+        // A little early is better than a whole period late.
+        let slack_s = 0.2 * self.config.command.decision_period_s;
+        if now_s >= self.due.decision_s - slack_s {
+            self.decide(now_s);
+            let reason = self.decided.map(|decided| decided.decision.record.reason);
+            let is_new = matches!(
+                reason,
+                Some(
+                    Reason::ManeuverChosen
+                        | Reason::ManeuverReplaced
+                        | Reason::ManeuverImproved
+                        | Reason::BestAvailable
+                        | Reason::RejoinChosen
+                )
+            );
+            if is_new {
+                self.command(now_s);
+            }
+        }
+    }
+
+    pub(super) fn ask_for_mode(&mut self, mode: Mode, now_s: f64) {
+        if self.dry_run {
+            return;
+        }
+        let number = single(f64::from(mode.0));
+        let command = crate::commands::Command::long(MavCmd::MAV_CMD_DO_SET_MODE, 1.0, number);
+        self.commands.send(command, true);
+        self.send_commands(now_s);
+    }
+
+    pub(super) fn stop_overrides(&mut self) {
+        if self.config.command.mode == CommandMode::Paper {
+            self.send_override(None);
+        }
+    }
+}

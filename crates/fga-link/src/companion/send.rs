@@ -1,0 +1,378 @@
+//! What is sent: heartbeat, requests, targets, values.
+
+use core::f64::consts::{FRAC_PI_2, PI};
+
+use fga::angle::wrap_pi;
+use fga::kinematics::STANDARD_GRAVITY_MPS2;
+use fga::situation::Obstacle;
+use mavlink::dialects::ardupilotmega::{
+    HEARTBEAT_DATA, MavAutopilot, MavCmd, MavFrame, MavMessage, MavModeFlag, MavState, MavType,
+};
+
+use super::Companion;
+use crate::attitude::{AttitudeCommand, attitude_for, attitude_message};
+use crate::authority::{Authority, Fault};
+use crate::commands::Command;
+use crate::config::CommandMode;
+use crate::number::single;
+use crate::ownship::State;
+use crate::paper::{override_message, throttle_us};
+use crate::telling;
+
+/// A stream that is asked for: message, name, and interval in seconds.
+pub(super) struct Stream {
+    message_id: f32,
+    interval_s: f64,
+}
+
+/// The streams and their intervals; the heartbeat more often than usual, because it tells the mode.
+pub(super) const STREAMS: [Stream; 8] = [
+    Stream {
+        message_id: 30.0,
+        interval_s: 0.05,
+    },
+    Stream {
+        message_id: 33.0,
+        interval_s: 0.1,
+    },
+    Stream {
+        message_id: 0.0,
+        interval_s: 0.25,
+    },
+    Stream {
+        message_id: 74.0,
+        interval_s: 0.25,
+    },
+    Stream {
+        message_id: 168.0,
+        interval_s: 1.0,
+    },
+    Stream {
+        message_id: 42.0,
+        interval_s: 0.5,
+    },
+    Stream {
+        message_id: 62.0,
+        interval_s: 0.2,
+    },
+    Stream {
+        message_id: 2.0,
+        interval_s: 2.0,
+    },
+];
+/// A stream that was not heard for so long is asked for again, seconds.
+const STREAM_SILENT_S: f64 = 4.0;
+
+/// Which of [`STREAMS`] a message belongs to.
+pub(super) const fn stream_slot(message: &MavMessage) -> Option<usize> {
+    Some(match message {
+        MavMessage::ATTITUDE(_) => 0,
+        MavMessage::GLOBAL_POSITION_INT(_) => 1,
+        MavMessage::HEARTBEAT(_) => 2,
+        MavMessage::VFR_HUD(_) => 3,
+        MavMessage::WIND(_) => 4,
+        MavMessage::MISSION_CURRENT(_) => 5,
+        MavMessage::NAV_CONTROLLER_OUTPUT(_) => 6,
+        MavMessage::SYSTEM_TIME(_) => 7,
+        _ => return None,
+    })
+}
+
+/// A heading target is sent again when it changes by this, or after this time.
+const HEADING_STEP_RAD: f64 = 0.035;
+const HEADING_AGAIN_S: f64 = 1.0;
+/// Farthest ahead of the present heading that a heading target may lie: less than half a turn, so
+/// that the autopilot turns to the side that is meant.
+const FARTHEST_HEADING_RAD: f64 = 2.6;
+/// A climb is commanded as an altitude this far ahead, seconds.
+const CLIMB_AHEAD_S: f64 = 4.0;
+
+impl Companion {
+    pub(super) fn send_regular(&mut self, now_s: f64) {
+        if now_s >= self.due.heartbeat_s {
+            self.due.heartbeat_s = now_s + 1.0;
+            if self.heard.is_none() {
+                return;
+            }
+            self.outbox.send(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
+                custom_mode: 0,
+                mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
+                autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
+                base_mode: MavModeFlag::empty(),
+                system_status: MavState::MAV_STATE_ACTIVE,
+                mavlink_version: 3,
+            }));
+            self.ask_for_streams(now_s);
+        }
+        let Some(system) = self.vehicle_system() else {
+            return;
+        };
+        self.parameters.tick(now_s, system, &mut self.outbox);
+        self.mission.tick(now_s, system, &mut self.outbox);
+        if !self.mission.is_busy() {
+            self.fence_download.tick(now_s, system, &mut self.outbox);
+        }
+        if now_s >= self.due.values_s {
+            self.due.values_s = now_s + 0.5;
+            self.send_values();
+        }
+    }
+
+    fn ask_for_streams(&mut self, now_s: f64) {
+        if now_s < self.due.streams_s {
+            return;
+        }
+        self.due.streams_s = now_s + 1.0;
+        for (stream, heard_s) in STREAMS.iter().zip(&mut self.streams_heard) {
+            // The heartbeat is heard anyway: its rate is asked for once.
+            if now_s - *heard_s > STREAM_SILENT_S {
+                *heard_s = now_s;
+                let interval_us = single(stream.interval_s * 1e6);
+                self.commands.send(
+                    Command::long(
+                        MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL,
+                        stream.message_id,
+                        interval_us,
+                    ),
+                    false,
+                );
+            }
+        }
+        if let Some(slot) = self.streams_heard.get_mut(2) {
+            *slot = f64::INFINITY;
+        }
+    }
+
+    pub(super) fn send_commands(&mut self, now_s: f64) {
+        let Some(system) = self.vehicle_system() else {
+            return;
+        };
+        if let Some(outcome) = self.commands.tick(now_s, system, &mut self.outbox) {
+            self.command_ended(outcome, now_s);
+        }
+    }
+
+    fn send_values(&mut self) {
+        let Some(decided) = self.decided else { return };
+        let own = decided.own.ownship.position_m;
+        let margin = |obstacle: &Obstacle| obstacle.volume.margin_m(own - obstacle.position_m);
+        let least_m = self
+            .obstacles
+            .iter()
+            .map(margin)
+            .fold(f64::INFINITY, f64::min);
+        let boot_ms = self.boot_ms;
+        if least_m.is_finite() {
+            self.outbox
+                .send(telling::value("FGA_MARGIN", least_m, boot_ms));
+        }
+        if let Some(threat) = decided.decision.record.threat {
+            self.outbox
+                .send(telling::value("FGA_ENTRY", threat.entry_s, boot_ms));
+        }
+        let factor = self.response.response().turn_rate_factor;
+        self.outbox
+            .send(telling::value("FGA_TURN", factor, boot_ms));
+        let state = match self.keeper.state() {
+            Authority::Waiting => 0.0,
+            Authority::Ready => 1.0,
+            Authority::Taking { .. } => 2.0,
+            Authority::InCommand { .. } => 3.0,
+            Authority::Returning { .. } => 4.0,
+            Authority::Released { .. } => 5.0,
+        };
+        self.outbox
+            .send(telling::value("FGA_STATE", state, boot_ms));
+    }
+
+    pub(super) fn send_collision(&mut self, now_s: f64) {
+        if now_s < self.due.collision_s {
+            return;
+        }
+        let Some(decided) = self.decided else { return };
+        let Some(threat) = decided.decision.record.threat else {
+            return;
+        };
+        self.due.collision_s = now_s + 0.5;
+        let icao = self.tracks.get(threat.id).map_or(0, |track| track.icao);
+        let id = if icao == 0 { threat.id } else { icao };
+        let engaged = self.keeper.is_engaged();
+        let message = telling::collision(
+            &decided.decision,
+            &self.obstacles,
+            &decided.own,
+            engaged,
+            id,
+        );
+        if let Some(message) = message {
+            self.outbox.send(message);
+        }
+    }
+
+    /// Sends targets that follow the last decision, where it has the authority to.
+    pub(super) fn command(&mut self, now_s: f64) {
+        self.due.command_s = now_s + 1.0 / self.config.command.rate_hz;
+        let returning = matches!(self.keeper.state(), Authority::Returning { .. });
+        if returning && self.config.command.mode == CommandMode::Paper {
+            // CRUISE locks its heading once the stick is centred.
+            self.send_override(Some(1500));
+            return;
+        }
+        if !self.keeper.commands() || self.dry_run {
+            return;
+        }
+        let Some(state) = self.state_ahead(now_s) else {
+            return;
+        };
+        match self.config.command.mode {
+            CommandMode::Attitude => self.command_attitude(now_s, &state),
+            // Refused outside GUIDED: the confirmation is waited for.
+            CommandMode::Heading if matches!(self.keeper.state(), Authority::Taking { .. }) => {}
+            CommandMode::Heading => self.command_heading(now_s, &state),
+            CommandMode::Paper => self.command_sticks(),
+        }
+        self.watch_following(now_s);
+    }
+
+    fn command_attitude(&mut self, now_s: f64, state: &State) {
+        let (Some(decided), Some(system)) = (self.decided, self.vehicle_system()) else {
+            return;
+        };
+        let Some(avoider) = &self.avoider else { return };
+        let Some(limit_rad) = self.parameters.bank_limit_rad(&self.config) else {
+            return;
+        };
+        let ahead_s = self.response.response().dead_time_s;
+        let elapsed_s = (now_s + ahead_s - decided.for_s).max(0.0);
+        let vehicle = avoider.vehicle();
+        self.commanded = attitude_for(
+            &decided.decision.command,
+            elapsed_s,
+            &state.ownship,
+            vehicle,
+            limit_rad,
+        );
+        let climb_rad = self.commanded.climb_rad.filter(|_| vehicle.can_climb());
+        let pitch_rad = self.pitch.pitch_rad(climb_rad, state.ownship.position_m.z);
+        let message = attitude_message(self.commanded.bank_rad, pitch_rad, self.boot_ms, system);
+        self.outbox.send(message);
+    }
+
+    fn command_heading(&mut self, now_s: f64, state: &State) {
+        let Some(decided) = self.decided else { return };
+        let Some(limit_rad) = self.parameters.bank_limit_rad(&self.config) else {
+            return;
+        };
+        let elapsed_s = (now_s - decided.for_s).max(0.0);
+        let Some(stage) = decided.decision.command.stage_at(elapsed_s).copied() else {
+            return;
+        };
+        let turn_rad = stage.course_rad - state.ownship.course_rad;
+        let target_rad =
+            state.ownship.course_rad + turn_rad.clamp(-FARTHEST_HEADING_RAD, FARTHEST_HEADING_RAD);
+        // For the check whether it follows, and for the estimate of the response.
+        self.commanded = AttitudeCommand {
+            bank_rad: state.ownship.bank_rad,
+            climb_rad: None,
+        };
+        let changed = self
+            .last_heading_rad
+            .is_none_or(|last| wrap_pi(target_rad - last).abs() > HEADING_STEP_RAD);
+        if !changed && now_s < self.due.heading_s {
+            return;
+        }
+        let busy = self
+            .commands
+            .is_waiting(MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING);
+        if busy && !changed {
+            return;
+        }
+        self.due.heading_s = now_s + HEADING_AGAIN_S;
+        self.last_heading_rad = Some(target_rad);
+        let compass_deg = (FRAC_PI_2 - target_rad).rem_euclid(2.0 * PI).to_degrees();
+        let acceleration = STANDARD_GRAVITY_MPS2 * libm::tan(limit_rad);
+        // The heading of the nose (1), not the course over the ground: the plan is in the air mass.
+        let parameters = [
+            1.0,
+            single(compass_deg),
+            single(acceleration),
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+        ];
+        self.commands.send(
+            Command {
+                command: MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING,
+                parameters,
+                frame: Some(MavFrame::MAV_FRAME_GLOBAL),
+            },
+            true,
+        );
+        let climbs = self
+            .avoider
+            .as_ref()
+            .is_some_and(|avoider| avoider.vehicle().can_climb());
+        if climbs
+            && stage.climb_rad.abs() > 0.01
+            && let Some(frame) = self.ownship.frame()
+        {
+            let climb_m = state.ownship.airspeed_mps * libm::sin(stage.climb_rad) * CLIMB_AHEAD_S;
+            let altitude_m = frame.origin().altitude_m + state.ownship.position_m.z + climb_m;
+            self.commands.send(
+                Command {
+                    command: MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE,
+                    parameters: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, single(altitude_m)],
+                    frame: Some(MavFrame::MAV_FRAME_GLOBAL),
+                },
+                true,
+            );
+        }
+        self.send_commands(now_s);
+    }
+
+    fn command_sticks(&mut self) {
+        self.send_override(Some(self.paper_roll_us));
+    }
+
+    pub(super) fn send_override(&mut self, roll_us: Option<u16>) {
+        let Some(system) = self.vehicle_system() else {
+            return;
+        };
+        if self.dry_run {
+            return;
+        }
+        let named = |name: &str, other: f64| self.parameters.get(name).unwrap_or(other);
+        let airspeed_mps = self.ownship.airspeed_mps().unwrap_or(0.0);
+        let throttle = throttle_us(
+            airspeed_mps,
+            named("AIRSPEED_MIN", 0.0),
+            named("AIRSPEED_MAX", 0.0),
+        );
+        let sticks = roll_us.map(|roll| [roll, 1500, throttle]);
+        // Overrides count only from the ground station's system id.
+        let ground =
+            u8::try_from(crate::number::to_u16(named("MAV_GCS_SYSID", 255.0))).unwrap_or(u8::MAX);
+        self.outbox
+            .send_as(ground, override_message(sticks, system));
+    }
+
+    fn watch_following(&mut self, now_s: f64) {
+        if self.recorded || !matches!(self.keeper.state(), Authority::InCommand { .. }) {
+            self.following_since_s = None;
+            return;
+        }
+        let tolerance_rad = self.config.safety.follow_tolerance_deg.to_radians();
+        let Some(bank_rad) = self.ownship.bank_rad() else {
+            return;
+        };
+        if (self.commanded.bank_rad - bank_rad).abs() <= tolerance_rad {
+            self.following_since_s = None;
+            return;
+        }
+        let since_s = *self.following_since_s.get_or_insert(now_s);
+        if now_s - since_s > self.config.safety.follow_time_s {
+            self.fault(Fault::NotFollowing, now_s);
+        }
+    }
+}

@@ -1,0 +1,464 @@
+//! Where the vehicle is: UDP, TCP or a serial port, and the sockets for it.
+//!
+//! | endpoint | meaning |
+//! |---|---|
+//! | `udpin:HOST:PORT` | waits on this port and answers those who sent lately (as `--out` of a ground station) |
+//! | `udpout:HOST:PORT` | sends there and takes what comes back |
+//! | `tcp:HOST:PORT` | connects, again and again where it fails |
+//! | `tcpin:HOST:PORT` | waits for one who connects |
+//! | `serial:PATH[:BAUD]` | a serial port, 115,200 baud unless given |
+
+use alloc::sync::Arc;
+use core::net::SocketAddr;
+use core::str::FromStr;
+use core::time::Duration;
+use std::io::{self, Read, Write};
+use std::net::{TcpListener, TcpStream, ToSocketAddrs, UdpSocket};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// How long a read waits before it says that nothing came.
+const READ_TIMEOUT: Duration = Duration::from_millis(100);
+/// Pause between attempts to connect.
+const RECONNECT_PAUSE: Duration = Duration::from_millis(500);
+/// How long an attempt to connect may take.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
+/// Senders that a waiting UDP port answers, and how long after their last word.
+const MOST_PEERS: usize = 8;
+const PEER_LIFETIME: Duration = Duration::from_secs(15);
+
+/// Where the vehicle is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Endpoint {
+    /// Waits for datagrams on an address.
+    UdpIn(String),
+    /// Sends datagrams to an address.
+    UdpOut(String),
+    /// Connects to an address.
+    Tcp(String),
+    /// Waits for a connection on an address.
+    TcpIn(String),
+    /// A serial port.
+    Serial {
+        /// Device.
+        path: String,
+        /// Rate, baud.
+        baud: u32,
+    },
+}
+
+/// A text that names no endpoint.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "'{0}' is no endpoint, expected udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, \
+     tcpin:HOST:PORT or serial:PATH[:BAUD]"
+)]
+pub struct EndpointError(String);
+
+impl FromStr for Endpoint {
+    type Err = EndpointError;
+
+    fn from_str(text: &str) -> Result<Self, EndpointError> {
+        let error = || EndpointError(text.to_owned());
+        let (kind, rest) = text.split_once(':').ok_or_else(error)?;
+        if kind == "serial" {
+            let (path, baud) = match rest.rsplit_once(':') {
+                Some((path, baud)) => (path, baud.parse().map_err(|_| error())?),
+                None => (rest, 115_200),
+            };
+            if path.is_empty() || baud == 0 {
+                return Err(error());
+            }
+            return Ok(Self::Serial {
+                path: path.to_owned(),
+                baud,
+            });
+        }
+        let (host, port) = rest.rsplit_once(':').ok_or_else(error)?;
+        if host.is_empty() || port.parse::<u16>().is_err() {
+            return Err(error());
+        }
+        let address = rest.to_owned();
+        match kind {
+            "udpin" => Ok(Self::UdpIn(address)),
+            "udpout" => Ok(Self::UdpOut(address)),
+            "tcp" | "tcpout" => Ok(Self::Tcp(address)),
+            "tcpin" => Ok(Self::TcpIn(address)),
+            _ => Err(error()),
+        }
+    }
+}
+
+/// What a read gave.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Received {
+    /// So many bytes of a stream or one datagram.
+    Bytes(usize),
+    /// Nothing came in time.
+    Nothing,
+    /// The connection is new: what was begun before is lost.
+    NewConnection,
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn resolve(address: &str) -> io::Result<SocketAddr> {
+    address
+        .to_socket_addrs()?
+        .next()
+        .ok_or_else(|| io::Error::new(io::ErrorKind::NotFound, format!("no address for {address}")))
+}
+
+type Peers = Arc<Mutex<Vec<(SocketAddr, Instant)>>>;
+type Stream = Arc<Mutex<Option<TcpStream>>>;
+#[cfg(feature = "serial")]
+type Port = Arc<Mutex<Option<Box<dyn serialport::SerialPort>>>>;
+
+/// The reading half of an open endpoint; it reconnects by itself.
+#[derive(Debug)]
+pub struct Reader(ReaderKind);
+
+#[derive(Debug)]
+enum ReaderKind {
+    Udp {
+        socket: UdpSocket,
+        peers: Option<Peers>,
+    },
+    Tcp {
+        address: SocketAddr,
+        own: Option<TcpStream>,
+        shared: Stream,
+    },
+    TcpIn {
+        listener: TcpListener,
+        own: Option<TcpStream>,
+        shared: Stream,
+    },
+    #[cfg(feature = "serial")]
+    Serial {
+        path: String,
+        baud: u32,
+        own: Option<Box<dyn serialport::SerialPort>>,
+        shared: Port,
+    },
+}
+
+/// The writing half of an open endpoint; what can't be sent is dropped.
+#[derive(Debug, Clone)]
+pub struct Writer(WriterKind);
+
+#[derive(Debug, Clone)]
+enum WriterKind {
+    Udp {
+        socket: Arc<UdpSocket>,
+        peers: Peers,
+    },
+    Stream(Stream),
+    #[cfg(feature = "serial")]
+    Serial(Port),
+}
+
+/// Opens an endpoint.
+///
+/// # Errors
+/// An address that does not resolve, a port that is taken, a serial port that cannot be opened.
+/// A TCP server that does not answer is no error: the reader tries again.
+pub fn open(endpoint: &Endpoint) -> io::Result<(Reader, Writer)> {
+    match endpoint {
+        Endpoint::UdpIn(address) => {
+            let socket = UdpSocket::bind(resolve(address)?)?;
+            socket.set_read_timeout(Some(READ_TIMEOUT))?;
+            let peers = Peers::default();
+            let writer = WriterKind::Udp {
+                socket: Arc::new(socket.try_clone()?),
+                peers: Arc::clone(&peers),
+            };
+            Ok((
+                Reader(ReaderKind::Udp {
+                    socket,
+                    peers: Some(peers),
+                }),
+                Writer(writer),
+            ))
+        }
+        Endpoint::UdpOut(address) => {
+            let remote = resolve(address)?;
+            let local = if remote.is_ipv4() {
+                "0.0.0.0:0"
+            } else {
+                "[::]:0"
+            };
+            let socket = UdpSocket::bind(local)?;
+            socket.set_read_timeout(Some(READ_TIMEOUT))?;
+            let peers: Peers = Arc::new(Mutex::new(vec![(remote, Instant::now())]));
+            let writer = WriterKind::Udp {
+                socket: Arc::new(socket.try_clone()?),
+                peers,
+            };
+            Ok((
+                Reader(ReaderKind::Udp {
+                    socket,
+                    peers: None,
+                }),
+                Writer(writer),
+            ))
+        }
+        Endpoint::Tcp(address) => {
+            let shared = Stream::default();
+            let reader = ReaderKind::Tcp {
+                address: resolve(address)?,
+                own: None,
+                shared: Arc::clone(&shared),
+            };
+            Ok((Reader(reader), Writer(WriterKind::Stream(shared))))
+        }
+        Endpoint::TcpIn(address) => {
+            let listener = TcpListener::bind(resolve(address)?)?;
+            listener.set_nonblocking(true)?;
+            let shared = Stream::default();
+            let reader = ReaderKind::TcpIn {
+                listener,
+                own: None,
+                shared: Arc::clone(&shared),
+            };
+            Ok((Reader(reader), Writer(WriterKind::Stream(shared))))
+        }
+        #[cfg(feature = "serial")]
+        Endpoint::Serial { path, baud } => {
+            let port = serialport::new(path, *baud).timeout(READ_TIMEOUT).open()?;
+            let shared: Port = Arc::new(Mutex::new(Some(port.try_clone()?)));
+            let reader = ReaderKind::Serial {
+                path: path.clone(),
+                baud: *baud,
+                own: Some(port),
+                shared: Arc::clone(&shared),
+            };
+            Ok((Reader(reader), Writer(WriterKind::Serial(shared))))
+        }
+        #[cfg(not(feature = "serial"))]
+        Endpoint::Serial { .. } => Err(io::Error::new(
+            io::ErrorKind::Unsupported,
+            "this program was built without serial ports",
+        )),
+    }
+}
+
+fn nothing_came(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted
+    )
+}
+
+fn adopt(stream: TcpStream, own: &mut Option<TcpStream>, shared: &Stream) -> io::Result<()> {
+    stream.set_nonblocking(false)?;
+    stream.set_nodelay(true)?;
+    stream.set_read_timeout(Some(READ_TIMEOUT))?;
+    stream.set_write_timeout(Some(READ_TIMEOUT))?;
+    *locked(shared) = Some(stream.try_clone()?);
+    *own = Some(stream);
+    Ok(())
+}
+
+/// Reads from a connection; a lost one is forgotten, so that the next call makes a new one.
+fn read_stream(
+    own: &mut Option<TcpStream>,
+    shared: &Stream,
+    buffer: &mut [u8],
+    connect: impl FnOnce() -> io::Result<TcpStream>,
+) -> Received {
+    if let Some(stream) = own {
+        match stream.read(buffer) {
+            Ok(count) if count > 0 => return Received::Bytes(count),
+            Err(error) if nothing_came(&error) => return Received::Nothing,
+            _ => {
+                *own = None;
+                *locked(shared) = None;
+            }
+        }
+    }
+    if connect()
+        .and_then(|stream| adopt(stream, own, shared))
+        .is_ok()
+    {
+        Received::NewConnection
+    } else {
+        std::thread::sleep(RECONNECT_PAUSE);
+        Received::Nothing
+    }
+}
+
+impl Reader {
+    /// Reads once; waits a tenth of a second at most, longer only while it reconnects.
+    pub fn read(&mut self, buffer: &mut [u8]) -> Received {
+        match &mut self.0 {
+            ReaderKind::Udp { socket, peers } => match socket.recv_from(buffer) {
+                Ok((count, from)) => {
+                    if let Some(peers) = peers {
+                        remember(&mut locked(peers), from);
+                    }
+                    Received::Bytes(count)
+                }
+                Err(error) => {
+                    if !nothing_came(&error) {
+                        std::thread::sleep(Duration::from_millis(10));
+                    }
+                    Received::Nothing
+                }
+            },
+            ReaderKind::Tcp {
+                address,
+                own,
+                shared,
+            } => read_stream(own, shared, buffer, || {
+                TcpStream::connect_timeout(address, CONNECT_TIMEOUT)
+            }),
+            ReaderKind::TcpIn {
+                listener,
+                own,
+                shared,
+            } => read_stream(own, shared, buffer, || {
+                listener.accept().map(|(stream, _)| stream)
+            }),
+            #[cfg(feature = "serial")]
+            ReaderKind::Serial {
+                path,
+                baud,
+                own,
+                shared,
+            } => {
+                if let Some(port) = own {
+                    match port.read(buffer) {
+                        Ok(count) if count > 0 => return Received::Bytes(count),
+                        Err(error) if nothing_came(&error) => return Received::Nothing,
+                        _ => {
+                            *own = None;
+                            *locked(shared) = None;
+                        }
+                    }
+                }
+                let opened = serialport::new(path.as_str(), *baud)
+                    .timeout(READ_TIMEOUT)
+                    .open();
+                if let Ok(port) = opened
+                    && let Ok(clone) = port.try_clone()
+                {
+                    *locked(shared) = Some(clone);
+                    *own = Some(port);
+                    return Received::NewConnection;
+                }
+                std::thread::sleep(RECONNECT_PAUSE);
+                Received::Nothing
+            }
+        }
+    }
+
+    /// Whether each read is a datagram of its own.
+    pub const fn is_datagrams(&self) -> bool {
+        matches!(self.0, ReaderKind::Udp { .. })
+    }
+}
+
+fn remember(peers: &mut Vec<(SocketAddr, Instant)>, from: SocketAddr) {
+    let now = Instant::now();
+    if let Some(peer) = peers.iter_mut().find(|peer| peer.0 == from) {
+        peer.1 = now;
+        return;
+    }
+    peers.retain(|peer| now.duration_since(peer.1) < PEER_LIFETIME);
+    if peers.len() < MOST_PEERS {
+        peers.push((from, now));
+    }
+}
+
+impl Writer {
+    /// Sends a frame; `false` where nobody is there or the send failed.
+    pub fn write(&self, bytes: &[u8]) -> bool {
+        match &self.0 {
+            WriterKind::Udp { socket, peers } => {
+                let mut sent = false;
+                for (address, _) in locked(peers).iter() {
+                    sent |= socket.send_to(bytes, address).is_ok();
+                }
+                sent
+            }
+            WriterKind::Stream(shared) => {
+                let mut guard = locked(shared);
+                let done = guard
+                    .as_mut()
+                    .is_some_and(|stream| stream.write_all(bytes).is_ok());
+                if !done {
+                    // Half a frame may be out: a new connection is the only clean way on.
+                    if let Some(stream) = guard.take() {
+                        drop(stream.shutdown(std::net::Shutdown::Both));
+                    }
+                }
+                done
+            }
+            #[cfg(feature = "serial")]
+            WriterKind::Serial(shared) => locked(shared)
+                .as_mut()
+                .is_some_and(|port| port.write_all(bytes).is_ok()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endpoints_are_read() {
+        assert_eq!(
+            "udpin:0.0.0.0:14550".parse(),
+            Ok(Endpoint::UdpIn("0.0.0.0:14550".into()))
+        );
+        assert_eq!(
+            "tcp:127.0.0.1:5760".parse(),
+            Ok(Endpoint::Tcp("127.0.0.1:5760".into()))
+        );
+        assert_eq!(
+            "serial:/dev/ttyAMA0:921600".parse(),
+            Ok(Endpoint::Serial {
+                path: "/dev/ttyAMA0".into(),
+                baud: 921_600
+            })
+        );
+        assert_eq!(
+            "serial:/dev/ttyS1".parse(),
+            Ok(Endpoint::Serial {
+                path: "/dev/ttyS1".into(),
+                baud: 115_200
+            })
+        );
+        for wrong in [
+            "",
+            "udpin",
+            "udpin:host",
+            "tcp:host:port",
+            "serial::9600",
+            "smoke:a:1",
+        ] {
+            assert!(wrong.parse::<Endpoint>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_waiting_port_answers_its_senders() {
+        let (mut waiting, answer) = open(&Endpoint::UdpIn("127.0.0.1:0".into())).unwrap();
+        let ReaderKind::Udp { socket, .. } = &waiting.0 else {
+            panic!("not a UDP port")
+        };
+        let port = socket.local_addr().unwrap();
+        assert!(!answer.write(b"nobody"));
+        let (mut calling, call) = open(&Endpoint::UdpOut(port.to_string())).unwrap();
+        assert!(call.write(b"here"));
+        let mut buffer = [0; 64];
+        while waiting.read(&mut buffer) == Received::Nothing {}
+        assert!(answer.write(b"there"));
+        while calling.read(&mut buffer) == Received::Nothing {}
+        assert_eq!(&buffer[..5], b"there");
+    }
+}

@@ -1,0 +1,69 @@
+//! The MAVLink companion: fga on a fixed-wing aircraft with ArduPlane.
+//!
+//! | module | question |
+//! |---|---|
+//! | [`companion`] | what does it do with what it hears? |
+//! | [`authority`] | who flies, and what does each fault do? |
+//! | [`ownship`], [`clock`] | where is the aircraft now, and when was that measured? |
+//! | [`traffic`] | who else is there? |
+//! | [`mission`], [`parameters`], [`mode`] | what does the vehicle mean to do, and what can it do? |
+//! | [`response`] | how does it follow? |
+//! | [`attitude`], [`paper`], [`commands`] | how is it commanded? |
+//! | [`telling`] | who is told what? |
+//! | [`wire`], [`endpoint`], [`outgoing`], [`tlog`] | how do messages become bytes and go their way? |
+//! | [`fly`], [`replay`] | what drives the companion: sockets and a clock, or a recording? |
+//! | [`player`], [`play`], [`rc`] | how is traffic played, and the keyboard flown, in a test? |
+//! | [`config`] | how is it set up? |
+//!
+//! Everything that decides is in the crate `fga`; here is what connects it to a vehicle.
+#![forbid(unsafe_code)]
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing
+)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing
+    )
+)]
+#![expect(
+    deprecated,
+    reason = "messages that vehicles and ground stations still send"
+)]
+
+extern crate alloc;
+
+pub mod attitude;
+pub mod authority;
+pub mod clock;
+pub mod commands;
+pub mod companion;
+pub mod config;
+pub mod endpoint;
+pub mod fly;
+pub mod mission;
+pub mod mode;
+mod number;
+pub mod outgoing;
+pub mod ownship;
+pub mod paper;
+pub mod parameters;
+pub mod play;
+pub mod player;
+pub mod rc;
+pub mod replay;
+pub mod response;
+pub mod telling;
+pub mod tlog;
+pub mod traffic;
+pub mod wire;
+
+pub use companion::Companion;
+pub use config::Config;
+pub use mavlink;

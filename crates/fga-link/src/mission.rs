@@ -1,0 +1,356 @@
+//! Mission and fence: downloaded from the vehicle, and laid into the local frame.
+
+use fga::Vec3;
+use fga_formats::geodesy::{Geodetic, LocalFrame};
+use mavlink::dialects::ardupilotmega::{
+    MISSION_ACK_DATA, MISSION_COUNT_DATA, MISSION_ITEM_INT_DATA, MISSION_REQUEST_INT_DATA,
+    MISSION_REQUEST_LIST_DATA, MavCmd, MavFrame, MavMessage, MavMissionResult, MavMissionType,
+};
+
+use crate::number::degrees_from_e7;
+use crate::outgoing::{AUTOPILOT, Outbox};
+
+/// Time to wait for an answer, seconds.
+const ANSWER_S: f64 = 0.6;
+/// Longest list that is taken.
+pub const MOST_ITEMS: usize = 2000;
+/// Attempts before an item counts as unreadable (a command that this dialect lacks).
+const MOST_ATTEMPTS: u8 = 8;
+/// Attempts before the whole list is given up, to begin again later.
+const LIST_PAUSE_S: f64 = 5.0;
+
+/// An item; `None` for one that could not be read.
+pub type Item = Option<MISSION_ITEM_INT_DATA>;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Stage {
+    Idle,
+    Count,
+    Items,
+}
+
+/// A download of one kind of list.
+#[derive(Debug)]
+pub struct Download {
+    kind: MavMissionType,
+    stage: Stage,
+    expected: usize,
+    arriving: Vec<Item>,
+    attempts: u8,
+    again_s: f64,
+    items: Option<Vec<Item>>,
+}
+
+impl Download {
+    /// Nothing downloaded yet.
+    pub const fn new(kind: MavMissionType) -> Self {
+        Self {
+            kind,
+            stage: Stage::Idle,
+            expected: 0,
+            arriving: Vec::new(),
+            attempts: 0,
+            again_s: f64::NEG_INFINITY,
+            items: None,
+        }
+    }
+
+    /// The list as last downloaded whole.
+    pub fn items(&self) -> Option<&[Item]> {
+        self.items.as_deref()
+    }
+
+    /// Whether a download is under way.
+    pub fn is_busy(&self) -> bool {
+        self.stage != Stage::Idle
+    }
+
+    /// Begins to download.
+    pub fn begin(&mut self) {
+        self.stage = Stage::Count;
+        self.arriving.clear();
+        self.attempts = 0;
+        self.again_s = f64::NEG_INFINITY;
+    }
+
+    /// Takes the number of items; `true` when the list is whole with that.
+    pub fn take_count(&mut self, data: &MISSION_COUNT_DATA) -> bool {
+        if data.mission_type != self.kind || self.stage != Stage::Count {
+            return false;
+        }
+        self.expected = usize::from(data.count).min(MOST_ITEMS);
+        self.stage = Stage::Items;
+        self.attempts = 0;
+        self.again_s = f64::NEG_INFINITY;
+        self.finish_if_whole()
+    }
+
+    /// Takes an item; `true` when the list is whole with that.
+    pub fn take_item(&mut self, data: &MISSION_ITEM_INT_DATA) -> bool {
+        if data.mission_type != self.kind
+            || self.stage != Stage::Items
+            || usize::from(data.seq) != self.arriving.len()
+        {
+            return false;
+        }
+        self.arriving.push(Some(data.clone()));
+        self.attempts = 0;
+        self.again_s = f64::NEG_INFINITY;
+        self.finish_if_whole()
+    }
+
+    fn finish_if_whole(&mut self) -> bool {
+        if self.arriving.len() < self.expected {
+            return false;
+        }
+        self.items = Some(core::mem::take(&mut self.arriving));
+        self.stage = Stage::Idle;
+        true
+    }
+
+    /// Asks for what is missing.
+    pub fn tick(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) {
+        if self.stage == Stage::Idle || now_s < self.again_s {
+            return;
+        }
+        if self.attempts >= MOST_ATTEMPTS {
+            self.attempts = 0;
+            if self.stage == Stage::Items {
+                self.arriving.push(None);
+                self.finish_if_whole();
+            } else {
+                self.again_s = now_s + LIST_PAUSE_S;
+            }
+            return;
+        }
+        self.attempts += 1;
+        self.again_s = now_s + ANSWER_S;
+        let message = if self.stage == Stage::Count {
+            MavMessage::MISSION_REQUEST_LIST(MISSION_REQUEST_LIST_DATA {
+                target_system,
+                target_component: AUTOPILOT,
+                mission_type: self.kind,
+            })
+        } else {
+            MavMessage::MISSION_REQUEST_INT(MISSION_REQUEST_INT_DATA {
+                seq: u16::try_from(self.arriving.len()).unwrap_or(u16::MAX),
+                target_system,
+                target_component: AUTOPILOT,
+                mission_type: self.kind,
+            })
+        };
+        outbox.send(message);
+    }
+
+    /// The closing word of a download, which the vehicle waits for.
+    pub fn closing(&self, target_system: u8) -> MavMessage {
+        MavMessage::MISSION_ACK(MISSION_ACK_DATA {
+            target_system,
+            target_component: AUTOPILOT,
+            mavtype: MavMissionResult::MAV_MISSION_ACCEPTED,
+            mission_type: self.kind,
+            opaque_id: 0,
+        })
+    }
+}
+
+/// Where an item leads in the local frame, metres.
+///
+/// `level_m` is the height, local frame, for altitudes above terrain, which are not known here.
+pub fn item_position_m(
+    item: &MISSION_ITEM_INT_DATA,
+    frame: &LocalFrame,
+    home_altitude_m: f64,
+    level_m: f64,
+) -> Option<Vec3> {
+    let flown_to = matches!(
+        item.command,
+        MavCmd::MAV_CMD_NAV_WAYPOINT
+            | MavCmd::MAV_CMD_NAV_SPLINE_WAYPOINT
+            | MavCmd::MAV_CMD_NAV_LOITER_UNLIM
+            | MavCmd::MAV_CMD_NAV_LOITER_TIME
+            | MavCmd::MAV_CMD_NAV_LOITER_TURNS
+            | MavCmd::MAV_CMD_NAV_LOITER_TO_ALT
+            | MavCmd::MAV_CMD_NAV_LAND
+            | MavCmd::MAV_CMD_NAV_TAKEOFF
+    );
+    if !flown_to || (item.x == 0 && item.y == 0) {
+        return None;
+    }
+    let altitude = f64::from(item.z);
+    let origin_m = frame.origin().altitude_m;
+    let altitude_m = match item.frame {
+        MavFrame::MAV_FRAME_GLOBAL | MavFrame::MAV_FRAME_GLOBAL_INT => altitude,
+        MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT | MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT_INT => {
+            altitude + home_altitude_m
+        }
+        MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT | MavFrame::MAV_FRAME_GLOBAL_TERRAIN_ALT_INT => {
+            level_m + origin_m
+        }
+        _ => return None,
+    };
+    let place = Geodetic::new(degrees_from_e7(item.x), degrees_from_e7(item.y), altitude_m)?;
+    let position_m = frame.to_local_m(place);
+    position_m.is_finite().then_some(position_m)
+}
+
+/// The way ahead: its waypoints and the mission item that each one is.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Way {
+    /// Waypoints, metres, local frame; the first is where the present leg begins.
+    pub waypoints_m: Vec<Vec3>,
+    /// The mission item of each; `None` for a beginning that is no item.
+    pub items: Vec<Option<u16>>,
+}
+
+/// Legs that are looked ahead.
+const MOST_WAYPOINTS: usize = 12;
+/// Waypoints closer together than this are one, metres.
+const SAME_PLACE_M: f64 = 1.0;
+
+/// The way ahead in AUTO: from the item before the present one on.
+///
+/// It ends at a jump, a landing or an endless loiter: what comes then is not a leg.
+pub fn way_ahead(
+    items: &[Item],
+    current: u16,
+    from_m: Vec3,
+    frame: &LocalFrame,
+    home_altitude_m: f64,
+) -> Way {
+    let place = |index: usize| {
+        let item = items.get(index)?.as_ref()?;
+        item_position_m(item, frame, home_altitude_m, from_m.z)
+    };
+    let current = usize::from(current);
+    let before = (1..current)
+        .rev()
+        .find_map(|index| place(index).map(|at_m| (index, at_m)));
+    let mut way = Way::default();
+    let (item, begin_m) = match before {
+        Some((index, at_m)) => (u16::try_from(index).ok(), at_m),
+        None => (None, from_m),
+    };
+    way.waypoints_m.push(begin_m);
+    way.items.push(item);
+    for index in current.max(1)..items.len() {
+        let command = items
+            .get(index)
+            .and_then(|item| item.as_ref())
+            .map(|item| item.command);
+        if command == Some(MavCmd::MAV_CMD_DO_JUMP) || way.waypoints_m.len() >= MOST_WAYPOINTS {
+            break;
+        }
+        if let Some(at_m) = place(index) {
+            let repeated = way
+                .waypoints_m
+                .last()
+                .is_some_and(|last| last.distance(at_m) < SAME_PLACE_M);
+            if repeated && way.waypoints_m.len() == 1 {
+                // The first leg has no length: begin it where the aircraft is.
+                way.waypoints_m.clear();
+                way.items.clear();
+                way.waypoints_m.push(from_m);
+                way.items.push(None);
+            } else if repeated {
+                continue;
+            }
+            way.waypoints_m.push(at_m);
+            way.items.push(u16::try_from(index).ok());
+        }
+        let ends = matches!(
+            command,
+            Some(
+                MavCmd::MAV_CMD_NAV_LAND
+                    | MavCmd::MAV_CMD_NAV_LOITER_UNLIM
+                    | MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH
+            )
+        );
+        if ends {
+            break;
+        }
+    }
+    way
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fga_formats::geodesy::Earth;
+
+    fn item(seq: u16, command: MavCmd, x: i32, y: i32) -> MISSION_ITEM_INT_DATA {
+        MISSION_ITEM_INT_DATA {
+            seq,
+            command,
+            x,
+            y,
+            z: 100.0,
+            frame: MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
+            ..MISSION_ITEM_INT_DATA::DEFAULT
+        }
+    }
+
+    #[test]
+    fn a_list_is_downloaded_through_losses() {
+        let mut outbox = Outbox::default();
+        let mut download = Download::new(MavMissionType::MAV_MISSION_TYPE_MISSION);
+        download.begin();
+        download.tick(0.0, 1, &mut outbox);
+        download.tick(1.0, 1, &mut outbox);
+        assert_eq!(outbox.take().len(), 2);
+        let count = MISSION_COUNT_DATA {
+            count: 2,
+            ..MISSION_COUNT_DATA::DEFAULT
+        };
+        assert!(!download.take_count(&count));
+        let first = item(0, MavCmd::MAV_CMD_NAV_WAYPOINT, 1, 1);
+        let second = item(1, MavCmd::MAV_CMD_NAV_WAYPOINT, 2, 2);
+        assert!(!download.take_item(&second), "out of turn");
+        assert!(!download.take_item(&first));
+        assert!(!download.take_item(&first), "a copy");
+        assert!(download.take_item(&second));
+        assert_eq!(download.items().unwrap().len(), 2);
+    }
+
+    #[test]
+    fn an_unreadable_item_does_not_stop_the_list() {
+        let mut outbox = Outbox::default();
+        let mut download = Download::new(MavMissionType::MAV_MISSION_TYPE_MISSION);
+        download.begin();
+        download.take_count(&MISSION_COUNT_DATA {
+            count: 1,
+            ..MISSION_COUNT_DATA::DEFAULT
+        });
+        for n in 0..20_u8 {
+            download.tick(f64::from(n), 1, &mut outbox);
+        }
+        assert_eq!(download.items(), Some(&[None][..]));
+    }
+
+    #[test]
+    fn the_way_ahead_skips_what_is_no_place_and_ends_at_a_jump() {
+        let origin = Geodetic::new(37.0, -122.0, 10.0).unwrap();
+        let frame = LocalFrame::new(origin, Earth::Wgs84);
+        let north = |n: i32| 370_000_000 + n * 10_000;
+        let items: Vec<Item> = [
+            item(0, MavCmd::MAV_CMD_NAV_WAYPOINT, 370_000_000, -1_220_000_000),
+            item(1, MavCmd::MAV_CMD_NAV_WAYPOINT, north(1), -1_220_000_000),
+            item(2, MavCmd::MAV_CMD_DO_CHANGE_SPEED, 0, 0),
+            item(3, MavCmd::MAV_CMD_NAV_WAYPOINT, north(2), -1_220_000_000),
+            item(4, MavCmd::MAV_CMD_DO_JUMP, 0, 0),
+            item(5, MavCmd::MAV_CMD_NAV_WAYPOINT, north(3), -1_220_000_000),
+        ]
+        .into_iter()
+        .map(Some)
+        .collect();
+        let here = Vec3::new(5.0, 0.0, 90.0);
+        let way = way_ahead(&items, 3, here, &frame, 10.0);
+        assert_eq!(way.items, [Some(1), Some(3)]);
+        // 1e-3° of latitude is 111 m (110.97 m at 37°, by the standard formula).
+        assert!((way.waypoints_m[0].y - 110.97).abs() < 0.05, "{way:?}");
+        assert!((way.waypoints_m[0].z - 100.0).abs() < 1e-9);
+        let first = way_ahead(&items, 1, here, &frame, 10.0);
+        assert_eq!(first.items, [None, Some(1), Some(3)]);
+        assert_eq!(first.waypoints_m[0], here);
+    }
+}

@@ -1,0 +1,69 @@
+//! ArduPlane's flight modes.
+
+/// A flight mode: the numbers of `HEARTBEAT.custom_mode`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Mode(pub u32);
+
+/// Names as ArduPlane and its ground stations write them.
+const NAMES: [(u32, &str); 26] = [
+    (0, "MANUAL"),
+    (1, "CIRCLE"),
+    (2, "STABILIZE"),
+    (3, "TRAINING"),
+    (4, "ACRO"),
+    (5, "FBWA"),
+    (6, "FBWB"),
+    (7, "CRUISE"),
+    (8, "AUTOTUNE"),
+    (10, "AUTO"),
+    (11, "RTL"),
+    (12, "LOITER"),
+    (13, "TAKEOFF"),
+    (14, "AVOID_ADSB"),
+    (15, "GUIDED"),
+    (16, "INITIALISING"),
+    (17, "QSTABILIZE"),
+    (18, "QHOVER"),
+    (19, "QLOITER"),
+    (20, "QLAND"),
+    (21, "QRTL"),
+    (22, "QAUTOTUNE"),
+    (23, "QACRO"),
+    (24, "THERMAL"),
+    (25, "LOITER_ALT_QLAND"),
+    (26, "AUTOLAND"),
+];
+
+impl Mode {
+    /// FBWB: roll from the stick, altitude and airspeed held.
+    pub const FBWB: Self = Self(6);
+    /// CRUISE: heading and altitude held.
+    pub const CRUISE: Self = Self(7);
+    /// AUTO: the mission.
+    pub const AUTO: Self = Self(10);
+    /// RTL: home.
+    pub const RTL: Self = Self(11);
+    /// GUIDED: what a companion commands.
+    pub const GUIDED: Self = Self(15);
+
+    /// The name; `?` for a number without one.
+    pub fn name(self) -> &'static str {
+        NAMES
+            .iter()
+            .find(|row| row.0 == self.0)
+            .map_or("?", |row| row.1)
+    }
+
+    /// The mode with a name, in any case.
+    pub fn from_name(name: &str) -> Option<Self> {
+        NAMES
+            .iter()
+            .find(|row| row.1.eq_ignore_ascii_case(name))
+            .map(|row| Self(row.0))
+    }
+
+    /// Whether there is a path that can be left and rejoined.
+    pub fn can_be_taken_over(self) -> bool {
+        [Self::AUTO, Self::CRUISE, Self::FBWB, Self::RTL].contains(&self)
+    }
+}

@@ -1,0 +1,55 @@
+//! Messages on their way out, and the identities they are sent under.
+
+use mavlink::dialects::ardupilotmega::MavMessage;
+
+/// Component id of obstacle avoidance (`MAV_COMP_ID_OBSTACLE_AVOIDANCE`).
+pub const OWN_COMPONENT: u8 = 196;
+/// Component id of the autopilot.
+pub const AUTOPILOT: u8 = 1;
+
+/// A message to send.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outgoing {
+    /// System id of the sender.
+    pub system_id: u8,
+    /// The message.
+    pub message: MavMessage,
+}
+
+/// Most messages that wait to be sent; what comes beyond is dropped.
+const MOST_WAITING: usize = 256;
+
+/// Messages waiting to be sent.
+#[derive(Debug, Default)]
+pub struct Outbox {
+    own_system: u8,
+    waiting: Vec<Outgoing>,
+    /// How many were dropped.
+    pub dropped: u64,
+}
+
+impl Outbox {
+    /// Sets the system id that messages are sent under: the vehicle's.
+    pub(crate) fn set_own_system(&mut self, system_id: u8) {
+        self.own_system = system_id;
+    }
+
+    /// Adds a message under the own identity.
+    pub(crate) fn send(&mut self, message: MavMessage) {
+        self.send_as(self.own_system, message);
+    }
+
+    /// Adds a message under another system's identity.
+    pub(crate) fn send_as(&mut self, system_id: u8, message: MavMessage) {
+        if self.waiting.len() < MOST_WAITING {
+            self.waiting.push(Outgoing { system_id, message });
+        } else {
+            self.dropped += 1;
+        }
+    }
+
+    /// Takes what waits.
+    pub fn take(&mut self) -> Vec<Outgoing> {
+        core::mem::take(&mut self.waiting)
+    }
+}

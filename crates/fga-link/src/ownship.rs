@@ -1,0 +1,399 @@
+//! The aircraft's own state from its telemetry, as of now.
+//!
+//! Each message is dated by the vehicle's boot time ([`crate::clock`]); the state is carried from
+//! the moment of measurement to the moment asked for, along the arc that the aircraft flies.
+//! Handedness: the autopilot counts headings clockwise and banks to the right, the core counts
+//! courses anticlockwise from east and banks to the left. The turn from one to the other is made
+//! here and in [`crate::attitude`], nowhere else.
+
+use core::f64::consts::FRAC_PI_2;
+
+use fga::Vec3;
+use fga::angle::{course_of, wrap_pi};
+use fga::kinematics::STANDARD_GRAVITY_MPS2;
+use fga::situation::Ownship;
+use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
+use mavlink::dialects::ardupilotmega::{
+    ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, VFR_HUD_DATA, WIND_DATA,
+};
+
+use crate::clock::{BootClock, Stamp};
+use crate::number::degrees_from_e7;
+
+/// Never carried farther than this, seconds: staler telemetry is a fault, not a guess.
+const LONGEST_CARRY_S: f64 = 1.5;
+/// Wind older than this is not used, seconds.
+const WIND_LIFETIME_S: f64 = 10.0;
+/// Wind is rounded to this, metres per second: legs are laid anew with each change.
+const WIND_STEP_MPS: f64 = 0.25;
+/// Pieces of the arc along which a state is carried.
+const STEPS: u32 = 8;
+/// Slower than this over the ground or through the air it does not fly, metres per second.
+pub const FLYING_SPEED_MPS: f64 = 5.0;
+
+#[derive(Debug, Clone, Copy)]
+struct Position {
+    measured_s: f64,
+    place_m: Vec3,
+    velocity_mps: Vec3,
+    above_home_m: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Attitude {
+    measured_s: f64,
+    bank_rad: f64,
+    pitch_rad: f64,
+    heading_rad: f64,
+    yaw_rate_radps: f64,
+}
+
+/// Whether a message told anything new.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Update {
+    /// It did.
+    Fresh,
+    /// It is older than what is known, or not usable.
+    Ignored,
+    /// The vehicle started anew.
+    Restarted,
+}
+
+/// The state that the core is given, and what goes with it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State {
+    /// The state in the air mass; the position is over the ground.
+    pub ownship: Ownship,
+    /// Velocity over the ground, metres per second.
+    pub ground_velocity_mps: Vec3,
+    /// Velocity of the air over the ground, metres per second.
+    pub wind_mps: Vec3,
+    /// Height above home, metres.
+    pub above_home_m: f64,
+    /// Pitch angle as measured, radians.
+    pub pitch_rad: f64,
+    /// Rate of turn ψ̇, radians per second, positive to the left.
+    pub course_rate_radps: f64,
+}
+
+/// Collects telemetry of one vehicle.
+#[derive(Debug, Default)]
+pub struct OwnshipEstimate {
+    frame: Option<LocalFrame>,
+    position_clock: BootClock,
+    attitude_clock: BootClock,
+    position: Option<Position>,
+    attitude: Option<Attitude>,
+    airspeed_mps: Option<f64>,
+    wind: Option<(f64, Vec3)>,
+    /// Course through the air last handed out, not wrapped.
+    last_course_rad: Option<f64>,
+}
+
+impl OwnshipEstimate {
+    /// The local frame: its origin is the first position of the flight.
+    pub const fn frame(&self) -> Option<&LocalFrame> {
+        self.frame.as_ref()
+    }
+
+    /// Altitude of home above mean sea level, metres.
+    pub fn home_altitude_m(&self) -> Option<f64> {
+        let position = self.position?;
+        Some(self.frame?.origin().altitude_m + position.place_m.z - position.above_home_m)
+    }
+
+    /// Age of the older of position and attitude, seconds; `None` before both have come.
+    pub fn age_s(&self, now_s: f64) -> Option<f64> {
+        let oldest = self.position?.measured_s.min(self.attitude?.measured_s);
+        Some(now_s - oldest)
+    }
+
+    /// Takes a position.
+    pub fn take_position(&mut self, data: &GLOBAL_POSITION_INT_DATA, now_s: f64) -> Update {
+        let place = Geodetic::new(
+            degrees_from_e7(data.lat),
+            degrees_from_e7(data.lon),
+            f64::from(data.alt) * 1e-3,
+        );
+        // A receiver without a fix reports zero.
+        let Some(place) = place.filter(|_| data.lat != 0 || data.lon != 0) else {
+            return Update::Ignored;
+        };
+        let (measured_s, update) = match self.position_clock.stamp(data.time_boot_ms, now_s) {
+            Stamp::New { measured_s } => (measured_s, Update::Fresh),
+            Stamp::Restarted { measured_s } => (measured_s, Update::Restarted),
+            Stamp::Old => return Update::Ignored,
+        };
+        let frame = self
+            .frame
+            .get_or_insert_with(|| LocalFrame::new(place, Earth::Wgs84));
+        self.position = Some(Position {
+            measured_s,
+            place_m: frame.to_local_m(place),
+            velocity_mps: Vec3::new(
+                f64::from(data.vy) * 0.01,
+                f64::from(data.vx) * 0.01,
+                -f64::from(data.vz) * 0.01,
+            ),
+            above_home_m: f64::from(data.relative_alt) * 1e-3,
+        });
+        update
+    }
+
+    /// Takes an attitude.
+    pub fn take_attitude(&mut self, data: &ATTITUDE_DATA, now_s: f64) -> Update {
+        let finite = [data.roll, data.pitch, data.yaw, data.yawspeed]
+            .iter()
+            .all(|v| v.is_finite());
+        if !finite || data.roll.abs() > 4.0 || data.pitch.abs() > 2.0 {
+            return Update::Ignored;
+        }
+        let (measured_s, update) = match self.attitude_clock.stamp(data.time_boot_ms, now_s) {
+            Stamp::New { measured_s } => (measured_s, Update::Fresh),
+            Stamp::Restarted { measured_s } => (measured_s, Update::Restarted),
+            Stamp::Old => return Update::Ignored,
+        };
+        let bank_rad = -f64::from(data.roll);
+        self.attitude = Some(Attitude {
+            measured_s,
+            bank_rad,
+            pitch_rad: f64::from(data.pitch),
+            heading_rad: wrap_pi(FRAC_PI_2 - f64::from(data.yaw)),
+            // Body axis to vertical: ψ̇ = r cos φ / cos θ + q …; in a level coordinated turn
+            // r = ψ̇ cos φ.
+            yaw_rate_radps: -f64::from(data.yawspeed) / libm::cos(bank_rad).max(0.3),
+        });
+        update
+    }
+
+    /// Takes airspeed.
+    pub fn take_hud(&mut self, data: &VFR_HUD_DATA) {
+        let airspeed = f64::from(data.airspeed);
+        if airspeed.is_finite() && (0.0..500.0).contains(&airspeed) {
+            self.airspeed_mps = Some(airspeed);
+        }
+    }
+
+    /// Takes wind.
+    pub fn take_wind(&mut self, data: &WIND_DATA, now_s: f64) {
+        let from_rad = f64::from(data.direction).to_radians();
+        let speed = f64::from(data.speed);
+        if !from_rad.is_finite() || !(0.0..100.0).contains(&speed) {
+            return;
+        }
+        let step = |value: f64| (value / WIND_STEP_MPS).round() * WIND_STEP_MPS;
+        let velocity = Vec3::new(
+            step(-speed * libm::sin(from_rad)),
+            step(-speed * libm::cos(from_rad)),
+            0.0,
+        );
+        self.wind = Some((now_s, velocity));
+    }
+
+    /// Measured airspeed, metres per second.
+    pub const fn airspeed_mps(&self) -> Option<f64> {
+        self.airspeed_mps
+    }
+
+    /// Bank as last measured, radians, positive to the left.
+    pub fn bank_rad(&self) -> Option<f64> {
+        self.attitude.map(|attitude| attitude.bank_rad)
+    }
+
+    /// The state at `at_s` on the local clock, somewhat later than the last measurement.
+    ///
+    /// `commanded` is the bank that is being commanded and the lag with which it is followed: it
+    /// bends the path between the measurement and `at_s`. `None` before position and attitude
+    /// are known, or when the aircraft does not fly.
+    pub fn state_at(
+        &mut self,
+        at_s: f64,
+        commanded: Option<(f64, f64)>,
+        turn_rate_factor: f64,
+    ) -> Option<State> {
+        let (position, attitude) = (self.position?, self.attitude?);
+        let wind_mps = self
+            .wind
+            .filter(|(heard_s, _)| at_s - heard_s < WIND_LIFETIME_S)
+            .map_or(Vec3::ZERO, |(_, wind)| wind);
+        let air_mps = position.velocity_mps - wind_mps;
+        let speed = air_mps.length();
+        if speed < FLYING_SPEED_MPS {
+            return None;
+        }
+        let mut bank_rad = attitude.bank_rad;
+        let carry_bank_s = (at_s - attitude.measured_s).clamp(0.0, LONGEST_CARRY_S);
+        let rate_of = |bank_rad: f64| {
+            turn_rate_factor * STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad.clamp(-1.3, 1.3)) / speed
+        };
+        // The measured rate of turn tells more than the bank, as far as it goes.
+        let offset_radps = attitude.yaw_rate_radps - rate_of(attitude.bank_rad);
+        let offset_radps = offset_radps.clamp(-0.15, 0.15);
+        let carry_s = (at_s - position.measured_s).clamp(0.0, LONGEST_CARRY_S);
+        let (mut place_m, mut course_rad) = (position.place_m, course_of(air_mps));
+        let climb_rad = libm::asin((air_mps.z / speed).clamp(-1.0, 1.0));
+        let level = speed * libm::cos(climb_rad);
+        let step_s = carry_s / f64::from(STEPS);
+        for n in 0..STEPS {
+            let step_at_s = at_s - carry_s + (f64::from(n) + 0.5) * step_s;
+            let since_attitude_s = step_at_s - attitude.measured_s;
+            let bank_then_rad = bank_after(attitude.bank_rad, commanded, since_attitude_s);
+            let rate = rate_of(bank_then_rad) + offset_radps;
+            let middle_rad = course_rad + 0.5 * rate * step_s;
+            place_m += Vec3::new(
+                (level * libm::cos(middle_rad) + wind_mps.x) * step_s,
+                (level * libm::sin(middle_rad) + wind_mps.y) * step_s,
+                air_mps.z * step_s,
+            );
+            course_rad += rate * step_s;
+        }
+        bank_rad = bank_after(bank_rad, commanded, carry_bank_s);
+        // Unwrapped along the flight, so that stages can tell turns beyond 180°.
+        let reference = self.last_course_rad.unwrap_or(course_rad);
+        let course_rad = reference + wrap_pi(course_rad - reference);
+        self.last_course_rad = Some(course_rad);
+        let ownship = Ownship {
+            position_m: place_m,
+            course_rad,
+            climb_rad,
+            bank_rad,
+            airspeed_mps: speed,
+        };
+        Some(State {
+            ownship,
+            ground_velocity_mps: ownship.velocity_mps() + wind_mps,
+            wind_mps,
+            above_home_m: position.above_home_m + place_m.z - position.place_m.z,
+            pitch_rad: attitude.pitch_rad,
+            course_rate_radps: attitude.yaw_rate_radps,
+        })
+    }
+
+    /// Heading of the nose in the core's sense, radians.
+    pub fn heading_rad(&self) -> Option<f64> {
+        self.attitude.map(|attitude| attitude.heading_rad)
+    }
+}
+
+/// The bank some time after a measurement, following a command by a first-order lag.
+fn bank_after(bank_rad: f64, commanded: Option<(f64, f64)>, after_s: f64) -> f64 {
+    match commanded {
+        Some((command_rad, lag_s)) if lag_s > 0.0 && after_s > 0.0 => {
+            command_rad + (bank_rad - command_rad) * libm::exp(-after_s / lag_s)
+        }
+        _ => bank_rad,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn position(boot_ms: u32, lat: i32, lon: i32) -> GLOBAL_POSITION_INT_DATA {
+        GLOBAL_POSITION_INT_DATA {
+            time_boot_ms: boot_ms,
+            lat,
+            lon,
+            alt: 104_000,
+            relative_alt: 100_000,
+            vx: 2500,
+            vy: 0,
+            vz: 0,
+            ..GLOBAL_POSITION_INT_DATA::DEFAULT
+        }
+    }
+
+    #[test]
+    fn north_flight_is_carried_north() {
+        let mut estimate = OwnshipEstimate::default();
+        assert!(estimate.state_at(0.0, None, 1.0).is_none());
+        estimate.take_position(&position(1000, 376_189_000, -1_223_750_000), 10.0);
+        estimate.take_attitude(
+            &ATTITUDE_DATA {
+                time_boot_ms: 1000,
+                ..ATTITUDE_DATA::DEFAULT
+            },
+            10.0,
+        );
+        let state = estimate.state_at(10.4, None, 1.0).unwrap();
+        assert!(state.ownship.position_m.distance(Vec3::new(0.0, 10.0, 0.0)) < 1e-6);
+        assert!((state.ownship.course_rad - FRAC_PI_2).abs() < 1e-9);
+        assert!((state.above_home_m - 100.0).abs() < 1e-9);
+        assert!((estimate.home_altitude_m().unwrap() - 4.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_right_bank_bends_the_path_to_the_right() {
+        let mut estimate = OwnshipEstimate::default();
+        estimate.take_position(&position(1000, 376_189_000, -1_223_750_000), 10.0);
+        // 25 m/s, 45°: g/V = 0.392 rad/s; the yaw gyro sees cos φ of it.
+        let rate = 9.806_65_f64 / 25.0;
+        let attitude = ATTITUDE_DATA {
+            time_boot_ms: 1000,
+            roll: core::f32::consts::FRAC_PI_4,
+            yawspeed: crate::number::single(rate * libm::cos(core::f64::consts::FRAC_PI_4)),
+            ..ATTITUDE_DATA::DEFAULT
+        };
+        estimate.take_attitude(&attitude, 10.0);
+        let state = estimate.state_at(11.0, None, 1.0).unwrap();
+        let radius = 25.0 / rate;
+        let expected = Vec3::new(
+            radius * (1.0 - libm::cos(rate)),
+            radius * libm::sin(rate),
+            0.0,
+        );
+        assert!(
+            state.ownship.position_m.distance(expected) < 0.05,
+            "{state:?}"
+        );
+        assert!((state.ownship.course_rad - (FRAC_PI_2 - rate)).abs() < 1e-3);
+        assert!(state.ownship.bank_rad < 0.0);
+    }
+
+    #[test]
+    fn wind_separates_course_from_track() {
+        let mut estimate = OwnshipEstimate::default();
+        estimate.take_position(&position(1000, 376_189_000, -1_223_750_000), 10.0);
+        estimate.take_attitude(
+            &ATTITUDE_DATA {
+                time_boot_ms: 1000,
+                ..ATTITUDE_DATA::DEFAULT
+            },
+            10.0,
+        );
+        // From the west with 5 m/s: it carries to the east, so the nose points west of north.
+        let wind = WIND_DATA {
+            direction: 270.0,
+            speed: 5.0,
+            speed_z: 0.0,
+        };
+        estimate.take_wind(&wind, 10.0);
+        let state = estimate.state_at(10.0, None, 1.0).unwrap();
+        assert!(state.wind_mps.distance(Vec3::new(5.0, 0.0, 0.0)) < 1e-9);
+        assert!(state.ownship.course_rad > FRAC_PI_2);
+        assert!(
+            state
+                .ground_velocity_mps
+                .distance(Vec3::new(0.0, 25.0, 0.0))
+                < 1e-9
+        );
+    }
+
+    #[test]
+    fn rubbish_is_ignored() {
+        let mut estimate = OwnshipEstimate::default();
+        assert_eq!(
+            estimate.take_position(&position(1, 0, 0), 1.0),
+            Update::Ignored
+        );
+        assert_eq!(
+            estimate.take_position(&position(1, i32::MAX, 5), 1.0),
+            Update::Ignored
+        );
+        let attitude = ATTITUDE_DATA {
+            roll: f32::NAN,
+            ..ATTITUDE_DATA::DEFAULT
+        };
+        assert_eq!(estimate.take_attitude(&attitude, 1.0), Update::Ignored);
+    }
+}

@@ -1,0 +1,221 @@
+//! The vehicle's parameters: asked for by name until they are known.
+
+use alloc::collections::BTreeMap;
+
+use fga::kinematics::{Response, STANDARD_GRAVITY_MPS2, Vehicle};
+use mavlink::dialects::ardupilotmega::{MavMessage, PARAM_REQUEST_READ_DATA, PARAM_VALUE_DATA};
+
+use crate::config::Config;
+use crate::outgoing::{AUTOPILOT, Outbox};
+
+/// What is asked for. Where a figure has had two names, the newer comes first; the older one is
+/// scaled by the factor beside it.
+const WANTED: [(&str, &str, f64); 15] = [
+    ("ROLL_LIMIT_DEG", "LIM_ROLL_CD", 0.01),
+    ("PTCH_LIM_MAX_DEG", "LIM_PITCH_MAX", 0.01),
+    ("PTCH_LIM_MIN_DEG", "LIM_PITCH_MIN", 0.01),
+    ("AIRSPEED_CRUISE", "TRIM_ARSPD_CM", 0.01),
+    ("AIRSPEED_MIN", "ARSPD_FBW_MIN", 1.0),
+    ("AIRSPEED_MAX", "ARSPD_FBW_MAX", 1.0),
+    ("MAV_GCS_SYSID", "SYSID_MYGCS", 1.0),
+    ("TECS_CLMB_MAX", "TECS_CLMB_MAX", 1.0),
+    ("TECS_SINK_MAX", "TECS_SINK_MAX", 1.0),
+    ("GUIDED_TIMEOUT", "GUIDED_TIMEOUT", 1.0),
+    ("RC_OVERRIDE_TIME", "RC_OVERRIDE_TIME", 1.0),
+    ("AVD_ENABLE", "AVD_ENABLE", 1.0),
+    ("AVD_F_ACTION", "AVD_F_ACTION", 1.0),
+    ("FENCE_ENABLE", "FENCE_ENABLE", 1.0),
+    ("WP_RADIUS", "WP_RADIUS", 1.0),
+];
+/// Without these it does not act: bank limit and cruise airspeed.
+const NEEDED: [&str; 2] = ["ROLL_LIMIT_DEG", "AIRSPEED_CRUISE"];
+/// Requests sent at once, time for their answers, and rounds before a name counts as absent.
+const BATCH: usize = 4;
+const ANSWER_S: f64 = 0.5;
+const MOST_ROUNDS: u8 = 8;
+/// Kept below the vehicle's own bank limit, degrees.
+const BELOW_LIMIT_DEG: f64 = 2.0;
+/// Rate of change of the climb angle, radians per second: a second and a half to 15°.
+const CLIMB_RATE_RADPS: f64 = 0.17;
+/// Part of the vehicle's climb and sink rates that is planned with.
+const CLIMB_SHARE: f64 = 0.8;
+
+/// The parameters known so far.
+#[derive(Debug, Default)]
+pub struct VehicleParameters {
+    values: BTreeMap<&'static str, f64>,
+    rounds: BTreeMap<&'static str, u8>,
+    again_s: f64,
+}
+
+impl VehicleParameters {
+    /// A parameter by its newer name.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.values.get(name).copied()
+    }
+
+    /// Whether every name has been answered or given up.
+    pub fn is_complete(&self) -> bool {
+        WANTED.iter().all(|row| self.is_settled(row.0))
+    }
+
+    /// Whether all is known that is needed to act.
+    pub fn is_sufficient(&self) -> bool {
+        NEEDED.iter().all(|name| self.values.contains_key(name))
+    }
+
+    fn is_settled(&self, name: &'static str) -> bool {
+        self.values.contains_key(name)
+            || self
+                .rounds
+                .get(name)
+                .is_some_and(|rounds| *rounds >= MOST_ROUNDS)
+    }
+
+    /// Takes a value; `true` where it is one of those asked for.
+    pub fn take(&mut self, data: &PARAM_VALUE_DATA) -> bool {
+        let (Ok(name), value) = (data.param_id.to_str(), f64::from(data.param_value)) else {
+            return false;
+        };
+        for (newer, older, scale) in WANTED {
+            let scale = if name == newer {
+                1.0
+            } else if name == older {
+                scale
+            } else {
+                continue;
+            };
+            if value.is_finite() {
+                self.values.insert(newer, value * scale);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Asks for what is not known.
+    pub fn tick(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) {
+        if now_s < self.again_s || self.is_complete() {
+            return;
+        }
+        self.again_s = now_s + ANSWER_S;
+        let missing: Vec<_> = WANTED
+            .iter()
+            .filter(|row| !self.is_settled(row.0))
+            .take(BATCH)
+            .collect();
+        for (newer, older, _) in missing {
+            let rounds = self.rounds.entry(newer).or_default();
+            let name = if rounds.is_multiple_of(2) {
+                newer
+            } else {
+                older
+            };
+            *rounds += 1;
+            outbox.send(MavMessage::PARAM_REQUEST_READ(PARAM_REQUEST_READ_DATA {
+                param_index: -1,
+                target_system,
+                target_component: AUTOPILOT,
+                param_id: (*name).into(),
+            }));
+        }
+    }
+
+    /// The largest bank that is commanded, radians; `None` until the vehicle's limit is known.
+    pub fn bank_limit_rad(&self, config: &Config) -> Option<f64> {
+        let limit_deg = self.get("ROLL_LIMIT_DEG").filter(|limit| *limit > 10.0)?;
+        let deg = (limit_deg - BELOW_LIMIT_DEG).min(config.vehicle.max_bank_deg);
+        Some(deg.clamp(5.0, 70.0).to_radians())
+    }
+
+    /// The vehicle's limits as the core takes them, at an airspeed.
+    pub fn vehicle(
+        &self,
+        config: &Config,
+        airspeed_mps: f64,
+        response: Response,
+    ) -> Option<Vehicle> {
+        let bank_rad = self.bank_limit_rad(config)?;
+        if !(airspeed_mps.is_finite() && airspeed_mps > 1.0) {
+            return None;
+        }
+        let turn_radius_m =
+            airspeed_mps * airspeed_mps / (STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad));
+        let limit_rad = config.vehicle.max_climb_deg.to_radians();
+        let angle = |rate_mps: f64| {
+            libm::asin((CLIMB_SHARE * rate_mps / airspeed_mps).clamp(0.0, 0.9)).min(limit_rad)
+        };
+        let (up, down) = if config.vehicle.vertical {
+            let climb = angle(self.get("TECS_CLMB_MAX").unwrap_or(0.0));
+            let sink = angle(self.get("TECS_SINK_MAX").unwrap_or(0.0));
+            (climb, sink)
+        } else {
+            (0.0, 0.0)
+        };
+        Some(Vehicle {
+            airspeed_mps,
+            turn_radius_m,
+            climb_min_rad: -down,
+            climb_max_rad: up,
+            climb_rate_radps: if config.vehicle.vertical {
+                CLIMB_RATE_RADPS
+            } else {
+                0.0
+            },
+            response,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(name: &str, value: f32) -> PARAM_VALUE_DATA {
+        PARAM_VALUE_DATA {
+            param_value: value,
+            param_id: name.into(),
+            ..PARAM_VALUE_DATA::DEFAULT
+        }
+    }
+
+    #[test]
+    fn both_generations_of_names_are_read() {
+        let mut parameters = VehicleParameters::default();
+        assert!(parameters.take(&value("LIM_ROLL_CD", 4500.0)));
+        assert!(parameters.take(&value("AIRSPEED_CRUISE", 22.0)));
+        assert!(!parameters.take(&value("RC1_MIN", 1000.0)));
+        assert_eq!(parameters.get("ROLL_LIMIT_DEG"), Some(45.0));
+        assert!(parameters.is_sufficient());
+    }
+
+    #[test]
+    fn limits_follow_from_parameters() {
+        let mut parameters = VehicleParameters::default();
+        parameters.take(&value("ROLL_LIMIT_DEG", 47.0));
+        parameters.take(&value("TECS_CLMB_MAX", 5.0));
+        let mut config = Config::default();
+        config.vehicle.vertical = true;
+        let vehicle = parameters
+            .vehicle(&config, 25.0, Response::default())
+            .unwrap();
+        // 25² / (9.80665 · tan 45°)
+        assert!((vehicle.turn_radius_m - 63.73).abs() < 0.01);
+        // asin(0.8 · 5 / 25) = 9.2° is limited to 8°.
+        assert!((vehicle.climb_max_rad.to_degrees() - 8.0).abs() < 1e-9);
+        assert_eq!(vehicle.climb_min_rad, 0.0);
+    }
+
+    #[test]
+    fn absent_parameters_are_given_up() {
+        let (mut parameters, mut outbox) = (VehicleParameters::default(), Outbox::default());
+        for n in 0..200_u8 {
+            parameters.tick(f64::from(n), 1, &mut outbox);
+        }
+        assert!(parameters.is_complete() && !parameters.is_sufficient());
+        assert_eq!(
+            outbox.take().len() + usize::try_from(outbox.dropped).unwrap(),
+            WANTED.len() * 8
+        );
+    }
+}

@@ -1,0 +1,231 @@
+//! Plays a script of traffic in real time: to a MAVLink endpoint, to whoever connects for
+//! BaseStation lines, or both.
+
+use core::sync::atomic::{AtomicBool, Ordering};
+use core::time::Duration;
+use std::io::{self, Write as _};
+use std::net::{TcpListener, TcpStream};
+use std::time::Instant;
+
+use mavlink::MavHeader;
+use mavlink::dialects::ardupilotmega::{
+    HEARTBEAT_DATA, MavAutopilot, MavMessage, MavModeFlag, MavState, MavType,
+};
+
+use crate::endpoint::{Endpoint, Writer, open};
+use crate::player::{LineTranslator, LoggedLine, Played, adsb_message, sbs_lines};
+use crate::wire::encode;
+
+/// System and component id of the player: an ADS-B receiver (`MAV_COMP_ID_ADSB`).
+const SYSTEM: u32 = 200;
+const COMPONENT: u8 = 156;
+/// Most readers of lines.
+const MOST_READERS: usize = 16;
+const STEP: Duration = Duration::from_millis(20);
+
+/// What is played.
+#[derive(Debug, Clone)]
+pub enum Script {
+    /// Aircraft on paths.
+    Aircraft(Vec<Played>),
+    /// A BaseStation log.
+    Log(Vec<LoggedLine>),
+}
+
+/// How it is played.
+#[derive(Debug, Clone)]
+pub struct PlayOptions {
+    /// Where `ADSB_VEHICLE` goes.
+    pub to: Option<Endpoint>,
+    /// Address on which BaseStation lines are served.
+    pub serve_sbs: Option<String>,
+    /// Times faster than recorded.
+    pub speed: f64,
+    /// Reports of each aircraft a second.
+    pub rate_hz: f64,
+    /// Begins again at the end.
+    pub again: bool,
+}
+
+struct Outputs {
+    writer: Option<Writer>,
+    sequence: u8,
+    listener: Option<TcpListener>,
+    readers: Vec<TcpStream>,
+    messages: u64,
+}
+
+impl Outputs {
+    fn message(&mut self, message: &MavMessage) {
+        let Some(writer) = &self.writer else { return };
+        let header = MavHeader {
+            system_id: SYSTEM,
+            component_id: COMPONENT,
+            sequence: self.sequence,
+        };
+        self.sequence = self.sequence.wrapping_add(1);
+        self.messages += 1;
+        writer.write(encode(header, message, None).raw_bytes());
+    }
+
+    fn lines(&mut self, text: &str) {
+        self.readers
+            .retain_mut(|reader| reader.write_all(text.as_bytes()).is_ok());
+    }
+
+    fn accept(&mut self) {
+        let Some(listener) = &self.listener else {
+            return;
+        };
+        while let Ok((stream, _)) = listener.accept() {
+            let ready = stream.set_nodelay(true).is_ok()
+                && stream.set_nonblocking(false).is_ok()
+                && stream
+                    .set_write_timeout(Some(Duration::from_millis(200)))
+                    .is_ok();
+            if ready && self.readers.len() < MOST_READERS {
+                self.readers.push(stream);
+            }
+        }
+    }
+
+    fn heartbeat(&mut self) {
+        self.message(&MavMessage::HEARTBEAT(HEARTBEAT_DATA {
+            custom_mode: 0,
+            mavtype: MavType::MAV_TYPE_ADSB,
+            autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
+            base_mode: MavModeFlag::empty(),
+            system_status: MavState::MAV_STATE_ACTIVE,
+            mavlink_version: 3,
+        }));
+    }
+}
+
+/// Plays until the script ends or `stop` is set; hands back how many messages were sent.
+///
+/// # Errors
+/// An endpoint or an address that cannot be opened.
+pub fn play(script: &Script, options: &PlayOptions, stop: &AtomicBool) -> io::Result<u64> {
+    let writer = match &options.to {
+        Some(endpoint) => Some(open(endpoint)?),
+        None => None,
+    };
+    // The reading half connects, and is needed for nothing else.
+    let (mut reader, writer) = match writer {
+        Some((reader, writer)) => (Some(reader), Some(writer)),
+        None => (None, None),
+    };
+    let listener = match &options.serve_sbs {
+        Some(address) => {
+            let listener = TcpListener::bind(address)?;
+            listener.set_nonblocking(true)?;
+            Some(listener)
+        }
+        None => None,
+    };
+    let mut outputs = Outputs {
+        writer,
+        sequence: 0,
+        listener,
+        readers: Vec::new(),
+        messages: 0,
+    };
+    let ended = &AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        if let Some(reader) = &mut reader {
+            scope.spawn(move || {
+                let mut buffer = [0; 2048];
+                while !ended.load(Ordering::Relaxed) {
+                    reader.read(&mut buffer);
+                }
+            });
+        }
+        loop {
+            let finished = match script {
+                Script::Aircraft(aircraft) => play_aircraft(aircraft, options, &mut outputs, stop),
+                Script::Log(lines) => play_log(lines, options, &mut outputs, stop),
+            };
+            if !finished || !options.again {
+                break;
+            }
+        }
+        ended.store(true, Ordering::Relaxed);
+    });
+    Ok(outputs.messages)
+}
+
+fn play_aircraft(
+    aircraft: &[Played],
+    options: &PlayOptions,
+    outputs: &mut Outputs,
+    stop: &AtomicBool,
+) -> bool {
+    let start = Instant::now();
+    let end_s = aircraft.iter().map(Played::end_s).fold(0.0, f64::max);
+    let (mut next_s, mut beat_s) = (0.0, 0.0);
+    loop {
+        if stop.load(Ordering::Relaxed) {
+            return false;
+        }
+        outputs.accept();
+        let real_s = start.elapsed().as_secs_f64();
+        let time_s = real_s * options.speed;
+        if time_s > end_s {
+            return true;
+        }
+        if real_s >= beat_s {
+            beat_s = real_s + 1.0;
+            outputs.heartbeat();
+        }
+        if real_s >= next_s {
+            next_s = real_s + 1.0 / options.rate_hz;
+            for played in aircraft {
+                if let Some(sample) = played.at(time_s) {
+                    outputs.message(&adsb_message(played.icao, &played.callsign, &sample));
+                    if !outputs.readers.is_empty() {
+                        outputs.lines(&sbs_lines(played.icao, &played.callsign, &sample));
+                    }
+                }
+            }
+        }
+        std::thread::sleep(STEP);
+    }
+}
+
+fn play_log(
+    lines: &[LoggedLine],
+    options: &PlayOptions,
+    outputs: &mut Outputs,
+    stop: &AtomicBool,
+) -> bool {
+    let start = Instant::now();
+    let mut translator = LineTranslator::default();
+    let mut beat_s = 0.0;
+    for line in lines {
+        loop {
+            if stop.load(Ordering::Relaxed) {
+                return false;
+            }
+            outputs.accept();
+            let real_s = start.elapsed().as_secs_f64();
+            if real_s >= beat_s {
+                beat_s = real_s + 1.0;
+                outputs.heartbeat();
+            }
+            let wait_s = line.time_s / options.speed - real_s;
+            if wait_s <= 0.0 {
+                break;
+            }
+            std::thread::sleep(STEP.min(Duration::from_secs_f64(wait_s)));
+        }
+        if !outputs.readers.is_empty() {
+            outputs.lines(&format!("{}\r\n", line.line));
+        }
+        if outputs.writer.is_some()
+            && let Some(message) = translator.message(&line.line, line.time_s)
+        {
+            outputs.message(&message);
+        }
+    }
+    true
+}

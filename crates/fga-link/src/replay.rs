@@ -1,0 +1,65 @@
+//! The decisions of a recorded flight, made again from its telemetry log.
+
+use std::io::{self, Read};
+
+use serde_json::Value;
+
+use crate::Companion;
+use crate::outgoing::OWN_COMPONENT;
+use crate::tlog::TlogReader;
+
+/// Time between the ticks that are put between the recorded messages, seconds.
+const TICK_S: f64 = 0.02;
+/// A longer pause in a log is a new flight, seconds: ticks are not put into it.
+const LONGEST_PAUSE_S: f64 = 60.0;
+
+/// What a replay did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Replayed {
+    /// Frames taken.
+    pub frames: u64,
+    /// Frames that were not understood.
+    pub skipped: u64,
+}
+
+/// Feeds a telemetry log to a companion and hands each line of its decision log to `line`.
+///
+/// What the companion of the recorded flight sent is left out; what this one would send goes
+/// nowhere.
+///
+/// # Errors
+/// A log that cannot be read, or what `line` says.
+pub fn replay(
+    log: impl Read,
+    companion: &mut Companion,
+    mut line: impl FnMut(&Value) -> io::Result<()>,
+) -> io::Result<Replayed> {
+    let mut reader = TlogReader::new(log);
+    companion.set_recorded();
+    let mut replayed = Replayed::default();
+    let mut begin_us = None;
+    let mut now_s = 0.0;
+    while let Some(logged) = reader.next_frame()? {
+        let begin_us = *begin_us.get_or_insert(logged.unix_us);
+        let at_s = (logged.unix_us.saturating_sub(begin_us)) as f64 * 1e-6;
+        if at_s - now_s > LONGEST_PAUSE_S {
+            now_s = at_s;
+        }
+        while now_s + TICK_S < at_s {
+            now_s += TICK_S;
+            companion.tick(now_s);
+            drop(companion.outbox());
+        }
+        now_s = at_s.max(now_s);
+        if logged.frame.header.component_id != OWN_COMPONENT {
+            replayed.frames += 1;
+            companion.receive(&logged.frame.header, &logged.frame.message, now_s);
+            drop(companion.outbox());
+        }
+        for entry in companion.take_log() {
+            line(&entry)?;
+        }
+    }
+    replayed.skipped = reader.skipped;
+    Ok(replayed)
+}

@@ -1,0 +1,163 @@
+//! How the vehicle follows, estimated in flight: turn-rate factor and bank lag.
+//!
+//! The factor is the measured rate of turn over g·tan φ/V while the bank is steady; the lag comes
+//! from how fast the bank goes to what is commanded, whether the companion commands it or the
+//! autopilot's own navigation does. Both start from the configuration's conservative figures and
+//! move to the estimate as evidence comes in; a little is always kept in hand.
+
+use fga::kinematics::{Response, STANDARD_GRAVITY_MPS2};
+
+use crate::config::ResponseConfig;
+
+/// Banks below this tell little about the turn rate, radians.
+const LEAST_BANK_RAD: f64 = 0.15;
+/// The bank is steady when it changes slower than this, radians per second.
+const STEADY_RADPS: f64 = 0.08;
+/// Banked seconds after which the estimate counts as much as the starting value.
+const FACTOR_EVIDENCE_S: f64 = 4.0;
+/// Part of the estimated factor that is planned with.
+const IN_HAND: f64 = 0.97;
+const FACTOR_RANGE: (f64, f64) = (0.4, 1.05);
+const LAG_RANGE_S: (f64, f64) = (0.1, 2.5);
+/// Longest gap between attitudes that is used, seconds.
+const LONGEST_GAP_S: f64 = 0.35;
+
+/// What is known about the response so far.
+#[derive(Debug, Clone)]
+pub struct ResponseEstimate {
+    start: Response,
+    enabled: bool,
+    last: Option<(f64, f64)>,
+    /// Σ dt, Σ dt · ratio over steady turns.
+    factor_weight_s: f64,
+    factor_sum_s: f64,
+    /// Σ e·φ̇ and Σ e² of φ̇ = e/τ, with the weight of the starting value.
+    lag_cross: f64,
+    lag_square: f64,
+}
+
+impl ResponseEstimate {
+    /// Starts from the configuration.
+    pub fn new(config: &ResponseConfig) -> Self {
+        // As if the starting lag had been seen in a second of rolling at half a radian of error.
+        let weight = 0.25;
+        Self {
+            start: Response {
+                dead_time_s: config.dead_time_s,
+                bank_time_constant_s: config.bank_time_constant_s,
+                turn_rate_factor: config.turn_rate_factor,
+            },
+            enabled: config.estimate,
+            last: None,
+            factor_weight_s: 0.0,
+            factor_sum_s: 0.0,
+            lag_cross: weight / config.bank_time_constant_s.max(0.1),
+            lag_square: weight,
+        }
+    }
+
+    /// Takes one attitude: bank and rate of turn (left positive), airspeed, and the bank commanded
+    /// a moment before, where known.
+    pub fn observe(
+        &mut self,
+        measured_s: f64,
+        bank_rad: f64,
+        course_rate_radps: f64,
+        airspeed_mps: f64,
+        commanded_rad: Option<f64>,
+    ) {
+        let last = self.last.replace((measured_s, bank_rad));
+        let Some((last_s, last_bank_rad)) = last else {
+            return;
+        };
+        let gap_s = measured_s - last_s;
+        if !(0.005..LONGEST_GAP_S).contains(&gap_s) || airspeed_mps < 5.0 {
+            return;
+        }
+        let bank_rate = (bank_rad - last_bank_rad) / gap_s;
+        if bank_rad.abs() > LEAST_BANK_RAD && bank_rate.abs() < STEADY_RADPS {
+            let ideal = STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad) / airspeed_mps;
+            let ratio = course_rate_radps / ideal;
+            if (0.2..1.5).contains(&ratio) {
+                self.factor_weight_s += gap_s;
+                self.factor_sum_s += gap_s * ratio;
+                // A memory of two minutes of turning.
+                if self.factor_weight_s > 120.0 {
+                    self.factor_weight_s *= 0.5;
+                    self.factor_sum_s *= 0.5;
+                }
+            }
+        }
+        if let Some(commanded_rad) = commanded_rad {
+            let error = commanded_rad - 0.5 * (bank_rad + last_bank_rad);
+            if error.abs() > 0.08 {
+                self.lag_cross += gap_s * error * bank_rate;
+                self.lag_square += gap_s * error * error;
+                if self.lag_square > 5.0 {
+                    self.lag_square *= 0.5;
+                    self.lag_cross *= 0.5;
+                }
+            }
+        }
+    }
+
+    /// The response to plan with.
+    pub fn response(&self) -> Response {
+        if !self.enabled {
+            return self.start;
+        }
+        let mut response = self.start;
+        if self.factor_weight_s > 0.5 {
+            let seen = IN_HAND * self.factor_sum_s / self.factor_weight_s;
+            let trust = self.factor_weight_s / (self.factor_weight_s + FACTOR_EVIDENCE_S);
+            let factor = self.start.turn_rate_factor + trust * (seen - self.start.turn_rate_factor);
+            response.turn_rate_factor = factor.clamp(FACTOR_RANGE.0, FACTOR_RANGE.1);
+        }
+        if self.lag_cross > 1e-3 {
+            let lag_s = self.lag_square / self.lag_cross;
+            response.bank_time_constant_s = lag_s.clamp(LAG_RANGE_S.0, LAG_RANGE_S.1);
+        }
+        response
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A first-order bank (τ = 0.5 s) and a factor of 0.74 are found from 20 Hz telemetry.
+    #[test]
+    fn factor_and_lag_are_found() {
+        let mut estimate = ResponseEstimate::new(&ResponseConfig::default());
+        let (mut bank, mut time) = (0.0_f64, 0.0);
+        for n in 0..4000_u32 {
+            let commanded = if n / 100 % 2 == 0 { 0.6 } else { -0.6 };
+            bank = commanded + (bank - commanded) * (-0.05_f64 / 0.5).exp();
+            time += 0.05;
+            let rate = 0.74 * 9.806_65 * bank.tan() / 25.0;
+            estimate.observe(time, bank, rate, 25.0, Some(commanded));
+        }
+        let response = estimate.response();
+        assert!(
+            (response.turn_rate_factor - 0.97 * 0.74).abs() < 0.005,
+            "{response:?}"
+        );
+        assert!(
+            (response.bank_time_constant_s - 0.5).abs() < 0.05,
+            "{response:?}"
+        );
+    }
+
+    #[test]
+    fn without_evidence_it_stays_conservative() {
+        let config = ResponseConfig::default();
+        let mut estimate = ResponseEstimate::new(&config);
+        for n in 0..100_u32 {
+            estimate.observe(f64::from(n) * 0.05, 0.01, 0.0, 25.0, None);
+        }
+        assert_eq!(
+            estimate.response().turn_rate_factor,
+            config.turn_rate_factor
+        );
+    }
+}

@@ -1,0 +1,158 @@
+//! Telling the world: texts, collision messages, values, and the decision log.
+
+use fga::avoider::Decision;
+use fga::situation::Obstacle;
+use mavlink::dialects::ardupilotmega::{
+    COLLISION_DATA, MavCollisionAction, MavCollisionSrc, MavCollisionThreatLevel, MavMessage,
+    MavSeverity, NAMED_VALUE_FLOAT_DATA, STATUSTEXT_DATA,
+};
+use serde_json::{Value, json};
+
+use crate::authority::{Authority, Severity};
+use crate::number::single;
+use crate::ownship::State;
+
+/// Longest text of one message.
+const LONGEST_TEXT: usize = 50;
+
+/// A text for the operator's screen; cut to the length of one message.
+pub fn text(severity: Severity, words: &str) -> MavMessage {
+    let severity = match severity {
+        Severity::Critical => MavSeverity::MAV_SEVERITY_CRITICAL,
+        Severity::Warning => MavSeverity::MAV_SEVERITY_WARNING,
+        Severity::Notice => MavSeverity::MAV_SEVERITY_NOTICE,
+        Severity::Info => MavSeverity::MAV_SEVERITY_INFO,
+    };
+    let fitting: String = words
+        .chars()
+        .filter(char::is_ascii)
+        .take(LONGEST_TEXT)
+        .collect();
+    MavMessage::STATUSTEXT(STATUSTEXT_DATA {
+        severity,
+        text: fitting.as_str().into(),
+        ..STATUSTEXT_DATA::DEFAULT
+    })
+}
+
+/// A named number; names have ten characters at most.
+pub fn value(name: &str, value: f64, time_boot_ms: u32) -> MavMessage {
+    MavMessage::NAMED_VALUE_FLOAT(NAMED_VALUE_FLOAT_DATA {
+        time_boot_ms,
+        value: single(value),
+        name: name.into(),
+    })
+}
+
+/// The `COLLISION` message for the threat of a decision.
+pub fn collision(
+    decision: &Decision,
+    obstacles: &[Obstacle],
+    own: &State,
+    engaged: bool,
+    id: u32,
+) -> Option<MavMessage> {
+    let threat = decision.record.threat?;
+    let obstacle = obstacles.iter().find(|obstacle| obstacle.id == threat.id)?;
+    // Where both would be on straight lines when it is closest.
+    let own_then_m = own.ownship.position_m + own.ground_velocity_mps * threat.closest_s;
+    let offset_m = obstacle.position_after_m(threat.closest_s) - own_then_m;
+    let horizontal_m = libm::hypot(offset_m.x, offset_m.y);
+    let climbs = decision
+        .command
+        .stages()
+        .iter()
+        .any(|stage| stage.climb_rad.abs() > 0.02);
+    Some(MavMessage::COLLISION(COLLISION_DATA {
+        id,
+        time_to_minimum_delta: single(threat.closest_s),
+        altitude_minimum_delta: single(offset_m.z.abs()),
+        horizontal_minimum_delta: single(horizontal_m),
+        src: MavCollisionSrc::MAV_COLLISION_SRC_ADSB,
+        action: match (engaged, climbs) {
+            (false, _) => MavCollisionAction::MAV_COLLISION_ACTION_REPORT,
+            (true, true) => MavCollisionAction::MAV_COLLISION_ACTION_MOVE_PERPENDICULAR,
+            (true, false) => MavCollisionAction::MAV_COLLISION_ACTION_MOVE_HORIZONTALLY,
+        },
+        threat_level: if engaged || threat.entry_s < 15.0 {
+            MavCollisionThreatLevel::MAV_COLLISION_THREAT_LEVEL_HIGH
+        } else {
+            MavCollisionThreatLevel::MAV_COLLISION_THREAT_LEVEL_LOW
+        },
+    }))
+}
+
+/// Three decimals: enough for a log.
+fn rounded(value: f64) -> Value {
+    if value.is_finite() {
+        json!((value * 1e3).round() / 1e3)
+    } else {
+        Value::Null
+    }
+}
+
+/// One line of the decision log.
+pub fn decision_line(
+    time_s: f64,
+    decision: &Decision,
+    own: &State,
+    authority: &Authority,
+    names: impl Fn(u32) -> String,
+) -> Value {
+    let record = &decision.record;
+    let position = own.ownship.position_m;
+    let stages: Vec<Value> = decision
+        .command
+        .stages()
+        .iter()
+        .map(|stage| {
+            json!({
+                "start_s": rounded(stage.start_s),
+                "course_rad": rounded(stage.course_rad),
+                "climb_rad": rounded(stage.climb_rad),
+            })
+        })
+        .collect();
+    json!({
+        "kind": "decision",
+        "t_s": rounded(time_s),
+        "state": decision.state.name(),
+        "authority": authority.name(),
+        "reason": format!("{:?}", record.reason),
+        "x_m": rounded(position.x),
+        "y_m": rounded(position.y),
+        "z_m": rounded(position.z),
+        "course_rad": rounded(own.ownship.course_rad),
+        "bank_rad": rounded(own.ownship.bank_rad),
+        "threat": record.threat.map(|threat| json!({
+            "id": threat.id,
+            "name": names(threat.id),
+            "entry_s": rounded(threat.entry_s),
+            "closest_s": rounded(threat.closest_s),
+            "margin_m": rounded(threat.margin_m),
+        })),
+        "start_s": record.start_s.map(rounded),
+        "latest_start_s": record.latest_start_s.map(rounded),
+        "margin_m": record.chosen.map(|candidate| rounded(candidate.margin_m)),
+        "tracked": record.work.tracked,
+        "candidates": record.work.candidates,
+        "stages": stages,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_texts_are_cut_and_foreign_letters_left_out() {
+        let MavMessage::STATUSTEXT(data) = text(Severity::Info, &"é".repeat(3)) else {
+            panic!("another message")
+        };
+        assert_eq!(data.text.to_str().unwrap(), "");
+        let MavMessage::STATUSTEXT(data) = text(Severity::Info, &"x".repeat(80)) else {
+            panic!("another message")
+        };
+        assert_eq!(data.text.to_str().unwrap().len(), 50);
+    }
+}

@@ -1,0 +1,155 @@
+//! Telemetry logs (`.tlog`): every frame with the time at which it came or went.
+//!
+//! The format of the ground stations: a big-endian count of microseconds since 1970, then the
+//! frame, again and again.
+
+use std::io::{self, Read, Write};
+
+use crate::wire::{Frame, Framer};
+
+/// Writes a telemetry log.
+#[derive(Debug)]
+pub struct TlogWriter<W: Write> {
+    to: W,
+}
+
+impl<W: Write> TlogWriter<W> {
+    /// A log that goes to `to`.
+    pub const fn new(to: W) -> Self {
+        Self { to }
+    }
+
+    /// Appends a frame.
+    ///
+    /// # Errors
+    /// What the writer underneath says.
+    pub fn write(&mut self, unix_us: u64, frame: &[u8]) -> io::Result<()> {
+        self.to.write_all(&unix_us.to_be_bytes())?;
+        self.to.write_all(frame)
+    }
+
+    /// Hands what is buffered to the system.
+    ///
+    /// # Errors
+    /// What the writer underneath says.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.to.flush()
+    }
+}
+
+/// A frame of a log and its time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Logged {
+    /// Microseconds since 1970.
+    pub unix_us: u64,
+    /// The frame.
+    pub frame: Frame,
+}
+
+/// Reads a telemetry log; frames that are not understood are left out.
+#[derive(Debug)]
+pub struct TlogReader<R: Read> {
+    from: R,
+    /// Frames that were not understood.
+    pub skipped: u64,
+}
+
+/// First byte and header length of MAVLink 1 and 2 frames.
+const VERSION_1: u8 = 0xFE;
+const VERSION_2: u8 = 0xFD;
+
+impl<R: Read> TlogReader<R> {
+    /// A log that comes from `from`.
+    pub const fn new(from: R) -> Self {
+        Self { from, skipped: 0 }
+    }
+
+    /// The next frame; `None` at the end, also at one that was cut.
+    ///
+    /// # Errors
+    /// What the reader underneath says, or that this is no telemetry log.
+    pub fn next_frame(&mut self) -> io::Result<Option<Logged>> {
+        loop {
+            let mut stamp = [0; 8];
+            if !self.fill(&mut stamp)? {
+                return Ok(None);
+            }
+            let unix_us = u64::from_be_bytes(stamp);
+            let mut begin = [0; 3];
+            if !self.fill(&mut begin)? {
+                return Ok(None);
+            }
+            let [start, payload, flags] = begin;
+            let length = match start {
+                VERSION_1 => 8 + usize::from(payload),
+                VERSION_2 => 12 + usize::from(payload) + if flags & 1 == 0 { 0 } else { 13 },
+                other => {
+                    return Err(io::Error::new(
+                        io::ErrorKind::InvalidData,
+                        format!(
+                            "no telemetry log: a frame begins with {other:#04x}, expected 0xfd or 0xfe"
+                        ),
+                    ));
+                }
+            };
+            let mut bytes = vec![0; length];
+            if let Some(slot) = bytes.get_mut(..3) {
+                slot.copy_from_slice(&begin);
+            }
+            let rest = bytes.get_mut(3..).unwrap_or_default();
+            if !self.fill(rest)? {
+                return Ok(None);
+            }
+            let mut found = None;
+            Framer::new(None).push(&bytes, |frame| found = Some(frame));
+            match found {
+                Some(frame) => return Ok(Some(Logged { unix_us, frame })),
+                None => self.skipped += 1,
+            }
+        }
+    }
+
+    /// Fills a buffer; `false` at the end of the file.
+    fn fill(&mut self, buffer: &mut [u8]) -> io::Result<bool> {
+        match self.from.read_exact(buffer) {
+            Ok(()) => Ok(true),
+            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::encode;
+    use mavlink::MavHeader;
+    use mavlink::dialects::ardupilotmega::{MavMessage, PING_DATA};
+
+    #[test]
+    fn what_is_written_is_read_and_a_cut_end_is_an_end() {
+        let mut file = Vec::new();
+        let mut writer = TlogWriter::new(&mut file);
+        for seq in 0..3_u32 {
+            let ping = MavMessage::PING(PING_DATA {
+                seq,
+                ..PING_DATA::DEFAULT
+            });
+            let raw = encode(MavHeader::default(), &ping, None);
+            writer
+                .write(1_700_000_000_000_000 + u64::from(seq), raw.raw_bytes())
+                .unwrap();
+        }
+        file.truncate(file.len() - 1);
+        let mut reader = TlogReader::new(file.as_slice());
+        let first = reader.next_frame().unwrap().unwrap();
+        assert_eq!(first.unix_us, 1_700_000_000_000_000);
+        assert!(reader.next_frame().unwrap().is_some());
+        assert!(reader.next_frame().unwrap().is_none());
+        assert!(
+            TlogReader::new(&b"12345678not a log"[..])
+                .next_frame()
+                .is_err()
+        );
+    }
+}

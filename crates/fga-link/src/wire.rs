@@ -1,0 +1,284 @@
+//! Bytes to MAVLink 2 messages and back.
+//!
+//! [`Framer`] takes bytes as a socket or a serial port gives them, in pieces of any size, with
+//! noise between the frames, and yields whole messages whose checksum (and signature, where a key
+//! is set) is right. It never holds more than one frame and a read.
+
+use alloc::sync::Arc;
+
+use mavlink::dialects::ardupilotmega::MavMessage;
+use mavlink::{
+    MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message, SigningConfig, SigningData,
+};
+
+/// First byte of a MAVLink 2 frame.
+const START: u8 = 0xFD;
+/// Start, nine bytes of header.
+const HEADER_LENGTH: usize = 10;
+const CHECKSUM_LENGTH: usize = 2;
+const SIGNATURE_LENGTH: usize = 13;
+/// Flag of a signed frame; a frame with any other incompatibility flag must not be processed.
+const FLAG_SIGNED: u8 = 0x01;
+/// Longest frame, bytes.
+pub const LONGEST_FRAME: usize = mavlink::consts::MAX_FRAME_SIZE;
+
+/// Key of MAVLink 2 message signing, and whether unsigned frames are still taken.
+#[derive(Clone)]
+pub struct Signing(Arc<SigningData>);
+
+impl core::fmt::Debug for Signing {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("Signing(key hidden)")
+    }
+}
+
+impl Signing {
+    /// Signs what is sent with `key` and refuses what is not signed with it, unless `allow_unsigned`.
+    pub fn new(key: [u8; 32], link_id: u8, allow_unsigned: bool) -> Self {
+        let config = SigningConfig::new(key, link_id, true, allow_unsigned);
+        Self(Arc::new(SigningData::from_config(config)))
+    }
+}
+
+/// A message with its sender and its bytes as received.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Sender and sequence number.
+    pub header: MavHeader,
+    /// The message.
+    pub message: MavMessage,
+    raw: MAVLinkV2MessageRaw,
+}
+
+impl Frame {
+    /// The frame's bytes.
+    pub fn bytes(&self) -> &[u8] {
+        self.raw.raw_bytes()
+    }
+}
+
+/// What a [`Framer`] met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct FrameCounts {
+    /// Messages handed on.
+    pub good: u64,
+    /// Bytes that belonged to no valid frame.
+    pub skipped_bytes: u64,
+    /// Frames with a wrong or missing signature.
+    pub refused: u64,
+    /// Frames with a right checksum whose content is not of the dialect.
+    pub not_understood: u64,
+}
+
+/// Finds frames in a stream of bytes.
+#[derive(Debug, Default)]
+pub struct Framer {
+    buffer: Vec<u8>,
+    signing: Option<Signing>,
+    counts: FrameCounts,
+}
+
+impl Framer {
+    /// A framer; with `signing` it checks signatures.
+    pub fn new(signing: Option<Signing>) -> Self {
+        Self {
+            buffer: Vec::with_capacity(2 * LONGEST_FRAME),
+            signing,
+            counts: FrameCounts::default(),
+        }
+    }
+
+    /// What was met so far.
+    pub const fn counts(&self) -> FrameCounts {
+        self.counts
+    }
+
+    /// Forgets a frame that was begun: for the end of a datagram or a connection.
+    pub fn reset(&mut self) {
+        self.counts.skipped_bytes += self.buffer.len() as u64;
+        self.buffer.clear();
+    }
+
+    /// Takes bytes and calls `sink` for each whole message in them.
+    pub fn push(&mut self, mut bytes: &[u8], mut sink: impl FnMut(Frame)) {
+        while !bytes.is_empty() {
+            let room = 2 * LONGEST_FRAME - self.buffer.len().min(2 * LONGEST_FRAME - 1);
+            let (now, later) = bytes.split_at(room.min(bytes.len()));
+            self.buffer.extend_from_slice(now);
+            bytes = later;
+            self.take_frames(&mut sink);
+        }
+    }
+
+    fn take_frames(&mut self, sink: &mut impl FnMut(Frame)) {
+        let mut from = 0;
+        loop {
+            let rest = self.buffer.get(from..).unwrap_or_default();
+            let Some(start) = rest.iter().position(|byte| *byte == START) else {
+                self.counts.skipped_bytes += rest.len() as u64;
+                from = self.buffer.len();
+                break;
+            };
+            self.counts.skipped_bytes += start as u64;
+            from += start;
+            let rest = rest.get(start..).unwrap_or_default();
+            let (Some(&payload), Some(&flags)) = (rest.get(1), rest.get(2)) else {
+                break;
+            };
+            let signature = if flags & FLAG_SIGNED == 0 {
+                0
+            } else {
+                SIGNATURE_LENGTH
+            };
+            let length = HEADER_LENGTH + usize::from(payload) + CHECKSUM_LENGTH + signature;
+            if flags & !FLAG_SIGNED != 0 {
+                self.counts.skipped_bytes += 1;
+                from += 1;
+                continue;
+            }
+            let Some(candidate) = rest.get(..length) else {
+                break;
+            };
+            let mut whole = [0; LONGEST_FRAME];
+            if let Some(part) = whole.get_mut(..length) {
+                part.copy_from_slice(candidate);
+            }
+            let raw = MAVLinkV2MessageRaw::from_bytes_unparsed(whole);
+            if !raw.has_valid_crc::<MavMessage>() {
+                self.counts.skipped_bytes += 1;
+                from += 1;
+                continue;
+            }
+            from += length;
+            self.take_frame(&raw, sink);
+        }
+        self.buffer.drain(..from.min(self.buffer.len()));
+    }
+
+    fn take_frame(&mut self, raw: &MAVLinkV2MessageRaw, sink: &mut impl FnMut(Frame)) {
+        if let Some(signing) = &self.signing
+            && !signing.0.verify_signature(raw)
+        {
+            self.counts.refused += 1;
+            return;
+        }
+        let Ok(message) = MavMessage::parse(MavlinkVersion::V2, raw.message_id(), raw.payload())
+        else {
+            self.counts.not_understood += 1;
+            return;
+        };
+        self.counts.good += 1;
+        let header = MavHeader {
+            system_id: raw.system_id(),
+            component_id: raw.component_id(),
+            sequence: raw.sequence(),
+        };
+        sink(Frame {
+            header,
+            message,
+            raw: *raw,
+        });
+    }
+}
+
+/// The bytes of a message, signed where a key is set.
+pub fn encode(
+    header: MavHeader,
+    message: &MavMessage,
+    signing: Option<&Signing>,
+) -> MAVLinkV2MessageRaw {
+    let mut raw = MAVLinkV2MessageRaw::new();
+    if let Some(Signing(data)) = signing {
+        raw.serialize_message_for_signing(header, message);
+        data.sign_message(&mut raw);
+    } else {
+        raw.serialize_message(header, message);
+    }
+    raw
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, PING_DATA};
+
+    fn header(sequence: u8) -> MavHeader {
+        MavHeader {
+            system_id: 7,
+            component_id: 196,
+            sequence,
+        }
+    }
+
+    fn attitude(yaw: f32) -> MavMessage {
+        MavMessage::ATTITUDE(ATTITUDE_DATA {
+            time_boot_ms: 5,
+            yaw,
+            ..ATTITUDE_DATA::DEFAULT
+        })
+    }
+
+    fn all(framer: &mut Framer, bytes: &[u8]) -> Vec<Frame> {
+        let mut frames = Vec::new();
+        framer.push(bytes, |frame| frames.push(frame));
+        frames
+    }
+
+    #[test]
+    fn frames_are_found_in_any_pieces_and_between_noise() {
+        let mut stream = vec![0xFD, 3, 0, 9, 0xFE];
+        for n in 0..20_u8 {
+            stream.extend_from_slice(encode(header(n), &attitude(f32::from(n)), None).raw_bytes());
+            stream.extend_from_slice(&[0xFD; 3]);
+        }
+        // A whole frame's worth of anything lets the last false start be recognised.
+        stream.extend_from_slice(&[0; 300]);
+        for piece in [1, 2, 7, 64, 281, 5000] {
+            let mut framer = Framer::new(None);
+            let frames: Vec<Frame> = stream
+                .chunks(piece)
+                .flat_map(|chunk| all(&mut framer, chunk))
+                .collect();
+            assert_eq!(frames.len(), 20, "pieces of {piece}");
+            assert_eq!(frames[19].message, attitude(19.0));
+            assert!(framer.buffer.len() < 2 * LONGEST_FRAME);
+        }
+    }
+
+    #[test]
+    fn a_flipped_bit_loses_one_frame_only() {
+        let mut stream = Vec::new();
+        for n in 0..3_u8 {
+            stream.extend_from_slice(encode(header(n), &attitude(1.0), None).raw_bytes());
+        }
+        stream[15] ^= 4;
+        stream.extend_from_slice(&[0; 300]);
+        assert_eq!(all(&mut Framer::new(None), &stream).len(), 2);
+    }
+
+    #[test]
+    fn signed_links_refuse_others() {
+        let key = Signing::new([7; 32], 1, false);
+        let receiver = || Some(Signing::new([7; 32], 1, false));
+        let other = Signing::new([8; 32], 1, false);
+        let ping = MavMessage::PING(PING_DATA {
+            seq: 3,
+            ..PING_DATA::DEFAULT
+        });
+        let good = encode(header(0), &ping, Some(&key));
+        assert_eq!(all(&mut Framer::new(receiver()), good.raw_bytes()).len(), 1);
+        let mut framer = Framer::new(receiver());
+        assert!(
+            all(
+                &mut framer,
+                encode(header(0), &ping, Some(&other)).raw_bytes()
+            )
+            .is_empty()
+        );
+        assert!(all(&mut framer, encode(header(0), &ping, None).raw_bytes()).is_empty());
+        assert_eq!(framer.counts().refused, 2);
+        // Twice the same frame is a replay.
+        assert_eq!(all(&mut framer, good.raw_bytes()).len(), 1);
+        assert_eq!(all(&mut framer, good.raw_bytes()).len(), 0);
+    }
+}

@@ -1,0 +1,375 @@
+//! The companion and the emulator side by side in scaled time, with a bad network between them.
+#![allow(
+    dead_code,
+    unreachable_pub,
+    clippy::std_instead_of_alloc,
+    clippy::std_instead_of_core,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a bench that several test programs use in part; its numbers are small"
+)]
+
+use std::collections::BinaryHeap;
+
+use fga_emulator::{Emulator, Item, Mode, STEP_S, Settings};
+use fga_link::{Companion, Config};
+use mavlink::MavHeader;
+use mavlink::dialects::ardupilotmega::{
+    ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, MavCmd, MavFrame, MavMessage,
+};
+
+/// `SplitMix64`: small, seeded, the same everywhere.
+#[derive(Debug, Clone)]
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * ((self.next() >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+}
+
+/// What the network does to packets.
+#[derive(Debug, Clone, Copy)]
+pub struct Network {
+    pub loss: f64,
+    pub delay_s: f64,
+    pub jitter_s: f64,
+    pub copies: f64,
+}
+
+pub const GOOD: Network = Network {
+    loss: 0.0,
+    delay_s: 0.01,
+    jitter_s: 0.0,
+    copies: 0.0,
+};
+/// 5 % lost, up to 200 ms late and so out of order, 3 % twice.
+pub const BAD: Network = Network {
+    loss: 0.05,
+    delay_s: 0.02,
+    jitter_s: 0.2,
+    copies: 0.03,
+};
+
+struct Packet {
+    due_us: u64,
+    number: u64,
+    to_vehicle: bool,
+    header: MavHeader,
+    message: MavMessage,
+}
+
+impl PartialEq for Packet {
+    fn eq(&self, other: &Self) -> bool {
+        (self.due_us, self.number) == (other.due_us, other.number)
+    }
+}
+impl Eq for Packet {}
+impl PartialOrd for Packet {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Packet {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        (other.due_us, other.number).cmp(&(self.due_us, self.number))
+    }
+}
+
+/// Another aircraft on a path of its own.
+#[derive(Debug, Clone, Copy)]
+pub struct Intruder {
+    pub icao: u32,
+    /// Position at time 0 of the world, metres.
+    pub position_m: [f64; 3],
+    /// Velocity at time 0, metres per second.
+    pub velocity_mps: [f64; 3],
+    /// It turns at this rate (clockwise positive, radians per second) …
+    pub turn_rate_radps: f64,
+    /// … between these times, seconds.
+    pub turn_s: [f64; 2],
+    /// It is reported once it is this close, metres.
+    pub shown_m: f64,
+}
+
+impl Intruder {
+    pub fn straight(icao: u32, position_m: [f64; 3], velocity_mps: [f64; 3]) -> Self {
+        Self {
+            icao,
+            position_m,
+            velocity_mps,
+            turn_rate_radps: 0.0,
+            turn_s: [0.0, 0.0],
+            shown_m: f64::INFINITY,
+        }
+    }
+
+    fn step(&mut self, time_s: f64, by_s: f64) {
+        if time_s >= self.turn_s[0] && time_s < self.turn_s[1] {
+            let (sin, cos) = (self.turn_rate_radps * by_s).sin_cos();
+            let [east, north, _] = self.velocity_mps;
+            self.velocity_mps[0] = east * cos + north * sin;
+            self.velocity_mps[1] = north * cos - east * sin;
+        }
+        for (position, rate) in self.position_m.iter_mut().zip(self.velocity_mps) {
+            *position += rate * by_s;
+        }
+    }
+}
+
+pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2) + (a[2] - b[2]).powi(2)).sqrt()
+}
+
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "independent switches of the bench"
+)]
+pub struct World {
+    pub emulator: Emulator,
+    pub companion: Companion,
+    pub intruders: Vec<Intruder>,
+    pub shown: Vec<bool>,
+    pub time_s: f64,
+    pub network: Network,
+    /// The companion is dead from here on.
+    pub killed: bool,
+    /// Nothing passes at all.
+    pub cut: bool,
+    /// Nothing passes but heartbeats.
+    pub no_telemetry: bool,
+    pub random: Random,
+    queue: BinaryHeap<Packet>,
+    number: u64,
+    sequences: [u8; 4],
+    next_report_s: Vec<f64>,
+    /// Least distance to each intruder, metres, and when.
+    pub least_m: Vec<(f64, f64)>,
+    /// Every message the companion sent, with its time.
+    pub sent: Vec<(f64, MavMessage)>,
+    pub keep_sent: bool,
+}
+
+/// A mission along these points; item 0 is home.
+pub fn mission(emulator: &Emulator, points_m: &[[f64; 3]]) -> Vec<Item> {
+    let home = *emulator.home();
+    let mut items = vec![Item {
+        command: MavCmd::MAV_CMD_NAV_WAYPOINT,
+        frame: MavFrame::MAV_FRAME_GLOBAL,
+        ..Item::waypoint(&home, [0.0, 0.0, home.altitude_m])
+    }];
+    items.extend(points_m.iter().map(|point| Item::waypoint(&home, *point)));
+    items
+}
+
+impl World {
+    /// North along the y axis at 100 m: waypoints at 0 (behind), 6 km, 9 km, and east from there.
+    pub fn new(config: &str, network: Network, seed: u64) -> Self {
+        let mut emulator = Emulator::new(Settings::default());
+        let points = [
+            [0.0, 0.0, 100.0],
+            [0.0, 6000.0, 100.0],
+            [0.0, 9000.0, 100.0],
+            [3000.0, 9000.0, 100.0],
+        ];
+        let items = mission(&emulator, &points);
+        emulator.set_mission(items, 2);
+        let companion = Companion::new(Config::parse(config).expect("configuration"), false)
+            .expect("companion");
+        Self {
+            emulator,
+            companion,
+            intruders: Vec::new(),
+            shown: Vec::new(),
+            time_s: 0.0,
+            network,
+            killed: false,
+            cut: false,
+            no_telemetry: false,
+            random: Random::new(seed),
+            queue: BinaryHeap::new(),
+            number: 0,
+            sequences: [0; 4],
+            next_report_s: Vec::new(),
+            least_m: Vec::new(),
+            sent: Vec::new(),
+            keep_sent: false,
+        }
+    }
+
+    pub fn add(&mut self, intruder: Intruder) {
+        self.intruders.push(intruder);
+        self.shown.push(false);
+        self.next_report_s.push(0.0);
+        self.least_m.push((f64::INFINITY, 0.0));
+    }
+
+    fn post(&mut self, to_vehicle: bool, sender: usize, ids: (u8, u8), message: &MavMessage) {
+        let sequence = self.sequences[sender];
+        self.sequences[sender] = sequence.wrapping_add(1);
+        if self.cut {
+            return;
+        }
+        if self.no_telemetry && !to_vehicle && !matches!(message, MavMessage::HEARTBEAT(_)) {
+            return;
+        }
+        let header = MavHeader {
+            system_id: u32::from(ids.0),
+            component_id: ids.1,
+            sequence,
+        };
+        let copies = if self.random.uniform(0.0, 1.0) < self.network.copies {
+            2
+        } else {
+            1
+        };
+        for _ in 0..copies {
+            if self.random.uniform(0.0, 1.0) < self.network.loss {
+                continue;
+            }
+            let delay_s = self.network.delay_s + self.random.uniform(0.0, self.network.jitter_s);
+            self.number += 1;
+            self.queue.push(Packet {
+                due_us: ((self.time_s + delay_s) * 1e6) as u64,
+                number: self.number,
+                to_vehicle,
+                header,
+                message: message.clone(),
+            });
+        }
+    }
+
+    /// Sends a message to the companion as a ground station.
+    pub fn say_from_ground(&mut self, message: &MavMessage) {
+        self.post(false, 3, (255, 190), message);
+    }
+
+    pub fn step(&mut self) {
+        self.time_s += STEP_S;
+        let time_s = self.time_s;
+        self.emulator.advance(STEP_S);
+        let own_m = self.emulator.plant().position_m();
+        for index in 0..self.intruders.len() {
+            self.intruders[index].step(time_s, STEP_S);
+            let range_m = distance(own_m, self.intruders[index].position_m);
+            if range_m < self.least_m[index].0 {
+                self.least_m[index] = (range_m, time_s);
+            }
+            if range_m <= self.intruders[index].shown_m {
+                self.shown[index] = true;
+            }
+            if self.shown[index] && time_s >= self.next_report_s[index] {
+                self.next_report_s[index] = time_s + 0.5;
+                let report = self.report(index);
+                self.post(false, 2, (200, 156), &report);
+            }
+        }
+        for message in self.emulator.drain() {
+            let ids = (self.emulator.system_id(), 1);
+            self.post(false, 0, ids, &message);
+        }
+        while self
+            .queue
+            .peek()
+            .is_some_and(|packet| packet.due_us as f64 * 1e-6 <= time_s)
+        {
+            let Some(packet) = self.queue.pop() else {
+                break;
+            };
+            if packet.to_vehicle {
+                self.emulator.receive(&packet.header, &packet.message);
+            } else if !self.killed {
+                self.companion
+                    .receive(&packet.header, &packet.message, time_s);
+                self.flush();
+            }
+        }
+        if !self.killed {
+            self.companion.tick(time_s);
+            self.flush();
+        }
+    }
+
+    fn flush(&mut self) {
+        for outgoing in self.companion.outbox() {
+            if self.keep_sent {
+                self.sent.push((self.time_s, outgoing.message.clone()));
+            }
+            self.post(true, 1, (outgoing.system_id, 196), &outgoing.message);
+        }
+    }
+
+    fn report(&self, index: usize) -> MavMessage {
+        let intruder = &self.intruders[index];
+        let place = self.emulator.home().to_place(intruder.position_m);
+        let [east, north, up] = intruder.velocity_mps;
+        let heading = east.atan2(north).to_degrees().rem_euclid(360.0);
+        MavMessage::ADSB_VEHICLE(ADSB_VEHICLE_DATA {
+            ICAO_address: intruder.icao,
+            lat: place.latitude_e7,
+            lon: place.longitude_e7,
+            altitude: place.altitude_mm,
+            heading: (heading * 100.0) as u16,
+            hor_velocity: (east.hypot(north) * 100.0) as u16,
+            ver_velocity: (up * 100.0) as i16,
+            flags: AdsbFlags::ADSB_FLAGS_VALID_COORDS
+                | AdsbFlags::ADSB_FLAGS_VALID_ALTITUDE
+                | AdsbFlags::ADSB_FLAGS_VALID_HEADING
+                | AdsbFlags::ADSB_FLAGS_VALID_VELOCITY
+                | AdsbFlags::ADSB_FLAGS_VERTICAL_VELOCITY_VALID,
+            altitude_type: AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC,
+            callsign: "TEST".into(),
+            ..ADSB_VEHICLE_DATA::DEFAULT
+        })
+    }
+
+    pub fn run_until(&mut self, time_s: f64) {
+        while self.time_s < time_s {
+            self.step();
+        }
+    }
+
+    /// Runs until a condition holds; panics after `longest_s`.
+    pub fn run_while(
+        &mut self,
+        longest_s: f64,
+        what: &str,
+        mut goes_on: impl FnMut(&Self) -> bool,
+    ) {
+        let end_s = self.time_s + longest_s;
+        while goes_on(self) {
+            assert!(
+                self.time_s < end_s,
+                "waited {longest_s} s for: {what}; {}",
+                self.companion.status_line(self.time_s)
+            );
+            self.step();
+        }
+    }
+
+    pub fn mode(&self) -> Mode {
+        self.emulator.mode()
+    }
+
+    /// Distance from the leg along the y axis, metres, and angle to it, radians.
+    pub fn off_leg(&self) -> (f64, f64) {
+        let plant = self.emulator.plant();
+        let velocity = plant.velocity_mps();
+        (
+            plant.position_m()[0].abs(),
+            velocity[0].atan2(velocity[1]).abs(),
+        )
+    }
+}
