@@ -1,0 +1,252 @@
+//! `fga batch`: encounters that somebody else made.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use fga_formats::OutputError;
+use fga_formats::atomic::{self, AtomicFile};
+use fga_formats::encounters;
+use fga_sim::batch::{
+    BatchRow, BatchSettings, RESULT_COLUMNS, TIMING_COLUMNS, TRACK_COLUMNS, fly_all,
+};
+use serde_json::json;
+
+use crate::common::{
+    OutArgs, PolicyArgs, ThreadArgs, VehicleArgs, interrupted, print, watch_for_interrupt,
+};
+use crate::failure::Failure;
+use crate::provenance::{Provenance, file_fingerprint};
+
+/// Options of `fga batch`.
+#[derive(Args, Debug)]
+pub(crate) struct BatchArgs {
+    /// Encounters: a CSV file with the columns
+    /// `encounter,obstacle,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,radius_m`.
+    encounters: PathBuf,
+    #[command(flatten)]
+    policy: PolicyArgs,
+    #[command(flatten)]
+    vehicle: VehicleArgs,
+    #[command(flatten)]
+    out: OutArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    /// Longest time flown in an encounter, seconds.
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive_seconds, allow_negative_numbers = true)]
+    horizon: f64,
+    /// Write tracks.csv too: where the aircraft was, at most 0.1 s apart.
+    #[arg(long)]
+    tracks: bool,
+    /// Master seed of the sensor noise of the vehicle file.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+}
+
+/// A positive number of seconds, at most a day.
+pub(crate) fn positive_seconds(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|seconds| *seconds > 0.0 && *seconds <= 86_400.0)
+        .ok_or_else(|| "expected a positive number of seconds, at most 86400".into())
+}
+
+/// Files of a batch in the making.
+struct Files {
+    results: AtomicFile,
+    timing: AtomicFile,
+    tracks: Option<AtomicFile>,
+    folder: PathBuf,
+    line: Vec<u8>,
+}
+
+impl Files {
+    fn create(folder: PathBuf, tracks: bool) -> Result<Self, OutputError> {
+        let begin = |name: &str, columns: &str| {
+            let path = folder.join(name);
+            let mut file = AtomicFile::create(&path)?;
+            writeln!(file, "{columns}").map_err(|error| OutputError::new(path, error))?;
+            Ok::<_, OutputError>(file)
+        };
+        Ok(Self {
+            results: begin("results.csv", RESULT_COLUMNS)?,
+            timing: begin("timing.csv", TIMING_COLUMNS)?,
+            tracks: tracks
+                .then(|| begin("tracks.csv", TRACK_COLUMNS))
+                .transpose()?,
+            line: Vec::new(),
+            folder,
+        })
+    }
+
+    fn take(&mut self, row: &BatchRow) -> Result<(), OutputError> {
+        let folder = &self.folder;
+        let failed = |name: &'static str| move |error| OutputError::new(folder.join(name), error);
+        self.line.clear();
+        row.push_result(&mut self.line);
+        self.results
+            .write_all(&self.line)
+            .map_err(failed("results.csv"))?;
+        self.line.clear();
+        row.push_timing(&mut self.line);
+        self.timing
+            .write_all(&self.line)
+            .map_err(failed("timing.csv"))?;
+        if let Some(tracks) = &mut self.tracks {
+            tracks
+                .write_all(&row.track_rows)
+                .map_err(failed("tracks.csv"))?;
+        }
+        Ok(())
+    }
+
+    fn commit(self) -> Result<PathBuf, OutputError> {
+        if let Some(tracks) = self.tracks {
+            tracks.commit()?;
+        }
+        self.timing.commit()?;
+        self.results.commit()?;
+        Ok(self.folder)
+    }
+}
+
+/// Figures over all encounters.
+#[derive(Default)]
+struct Totals {
+    encounters: usize,
+    separated: usize,
+    manoeuvred: usize,
+    least_margin_m: Option<(f64, u64)>,
+    cross_track_m: Vec<f64>,
+    extra_path_m: Vec<f64>,
+    median_ns: Vec<u64>,
+    max_ns: u64,
+    decisions: usize,
+}
+
+impl Totals {
+    fn take(&mut self, row: &BatchRow) {
+        self.encounters += 1;
+        self.decisions += row.decisions;
+        self.separated += usize::from(row.separated());
+        let margin_m = row.outcome.min_margin_m;
+        if self
+            .least_margin_m
+            .is_none_or(|(least, _)| margin_m < least)
+        {
+            self.least_margin_m = Some((margin_m, row.encounter));
+        }
+        if row.outcome.start_s.is_some() {
+            self.manoeuvred += 1;
+            self.cross_track_m.push(row.outcome.max_cross_track_m);
+            self.extra_path_m.push(row.outcome.extra_path_m);
+        }
+        self.median_ns.push(row.decision_median_ns);
+        self.max_ns = self.max_ns.max(row.decision_max_ns);
+    }
+}
+
+fn median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// Flies the encounters and writes `results.csv`, `timing.csv`, `run.json`, `tracks.csv`.
+pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
+    let provenance = Provenance::begin();
+    let settings = BatchSettings {
+        model: args.vehicle.model()?,
+        policy: args.policy.choice()?,
+        horizon_s: args.horizon,
+        seed: args.seed,
+        tracks: args.tracks,
+    };
+    let encounters = encounters::read(&args.encounters)?;
+    let input_hash = file_fingerprint(&args.encounters)?;
+    let folder = args.out.prepare(&args.encounters)?;
+    watch_for_interrupt();
+    let mut files = Files::create(folder, args.tracks)?;
+    let mut totals = Totals::default();
+    args.threads.install(|| {
+        fly_all(&encounters, &settings, |row| {
+            if interrupted() {
+                return Err(Failure::Interrupted);
+            }
+            totals.take(row);
+            Ok(files.take(row)?)
+        })
+    })??;
+    let folder = files.commit()?;
+    let flown_s = provenance.elapsed_s();
+    let configuration = json!({
+        "policy": settings.policy.name(),
+        "vehicle": format!("{:?}", settings.model),
+        "horizon_s": args.horizon,
+        "seed": args.seed,
+        "input_sha256": input_hash,
+    });
+    totals.median_ns.sort_unstable();
+    let median_us = totals
+        .median_ns
+        .get(totals.median_ns.len() / 2)
+        .map_or(0.0, |ns| *ns as f64 / 1000.0);
+    let max_us = totals.max_ns as f64 / 1000.0;
+    let document = provenance.to_json(
+        "batch",
+        &configuration,
+        json!({
+            "input": args.encounters.display().to_string(),
+            "policy": settings.policy.name(),
+            "vehicle": settings.model.name,
+            "seed": args.seed,
+            "encounters": totals.encounters,
+            "separated": totals.separated,
+            "manoeuvred": totals.manoeuvred,
+            "decisions": totals.decisions,
+            "decision_median_us": median_us,
+            "decision_max_us": max_us,
+            "encounters_per_s": totals.encounters as f64 / flown_s,
+        }),
+    );
+    atomic::write(&folder.join("run.json"), format!("{document:#}\n"))?;
+    let mut lines = vec![
+        format!(
+            "{} encounters, policy {}, vehicle {}",
+            totals.encounters,
+            settings.policy.name(),
+            settings.model.name
+        ),
+        format!(
+            "separated {} ({:.2} %), manoeuvred {}",
+            totals.separated,
+            100.0 * totals.separated as f64 / totals.encounters as f64,
+            totals.manoeuvred
+        ),
+    ];
+    if let Some((margin_m, encounter)) = totals.least_margin_m {
+        lines.push(format!(
+            "least margin {margin_m:.2} m, in encounter {encounter}"
+        ));
+    }
+    if let (Some(cross_m), Some(extra_m)) = (
+        median(&mut totals.cross_track_m),
+        median(&mut totals.extra_path_m),
+    ) {
+        lines.push(format!(
+            "with a manoeuvre: median largest cross-track distance {cross_m:.1} m, median extra \
+             path {extra_m:.1} m"
+        ));
+    }
+    lines.push(format!(
+        "decision time: median over encounters of the median {median_us:.2} us, longest \
+         {max_us:.1} us"
+    ));
+    lines.push(format!(
+        "{:.0} encounters a second; results in {}\n",
+        totals.encounters as f64 / flown_s,
+        folder.display()
+    ));
+    print(&lines.join("\n"))?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,402 @@
+//! `fga campaign`: drawn encounters by the million, each flown by every policy.
+
+use core::time::Duration;
+use std::io::{IsTerminal as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::{Args, Subcommand};
+use fga_formats::atomic;
+use fga_formats::error::read_text;
+use fga_sim::campaign::file::{self, Overrides};
+use fga_sim::campaign::{
+    Assembled, Campaign, CampaignError, DecisionTimes, Folder, Manifest, Progress, RESULTS, Shard,
+    Stamp, Task, assemble, merge, reread, run as fly,
+};
+use fga_sim::policy::PolicyChoice;
+use serde_json::{Value, json};
+
+use crate::campaign_summary::{in_words, write_summary};
+use crate::common::{OutArgs, ThreadArgs, interrupted, print, watch_for_interrupt};
+use crate::failure::Failure;
+use crate::provenance::Provenance;
+use crate::run::summary as run_summary;
+use crate::run_files;
+
+/// Options of `fga campaign`.
+#[derive(Args, Debug)]
+pub(crate) struct CampaignArgs {
+    #[command(subcommand)]
+    command: CampaignCommand,
+}
+
+#[derive(Subcommand, Debug)]
+enum CampaignCommand {
+    /// Fly a campaign, or go on with one.
+    Run(RunArgs),
+    /// Put the parts of a campaign together.
+    Merge(MergeArgs),
+    /// Fly one encounter of a campaign again and write what `fga run` writes.
+    Show(ShowArgs),
+}
+
+#[derive(Args, Debug)]
+struct RunArgs {
+    /// The campaign file (.toml).
+    file: PathBuf,
+    /// Encounters in all, over all cells; without it as many as the file says.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    encounters: Option<u64>,
+    /// Go on with what is in the folder; an empty folder starts.
+    #[arg(long)]
+    resume: bool,
+    /// Fly only part K of N, counted from 1; `fga campaign merge` puts them together.
+    #[arg(long, value_name = "K/N", value_parser = Shard::parse)]
+    shard: Option<Shard>,
+    /// Ask the oracle which encounters could be saved.
+    #[arg(long)]
+    oracle: bool,
+    /// Write results.csv too.
+    #[arg(long)]
+    csv: bool,
+    /// A policy in place of the file's, as in "published --start t0"; may be given several times.
+    #[arg(long, value_name = "POLICY")]
+    policy: Vec<String>,
+    /// A vehicle file in place of the one that the file names.
+    #[arg(long, value_name = "FILE")]
+    vehicle: Option<PathBuf>,
+    #[command(flatten)]
+    out: OutArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+}
+
+#[derive(Args, Debug)]
+struct MergeArgs {
+    /// Folders of the parts.
+    #[arg(required = true, value_name = "DIR")]
+    parts: Vec<PathBuf>,
+    /// Folder for the whole campaign.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Write results.csv too.
+    #[arg(long)]
+    csv: bool,
+}
+
+#[derive(Args, Debug)]
+struct ShowArgs {
+    /// Folder of a campaign.
+    folder: PathBuf,
+    /// Number of the encounter, from 0.
+    #[arg(long, value_name = "N")]
+    encounter: u64,
+    /// What decides; without it the campaign's first policy.
+    #[arg(long, value_name = "POLICY")]
+    policy: Option<String>,
+    /// When a manoeuvre begins: t0, tc, latest, free or Cs=0.5.
+    #[arg(long, value_name = "START", requires = "policy")]
+    start: Option<String>,
+    /// Folder for the flight; without it out/<name of the folder>-<number>.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl From<CampaignError> for Failure {
+    fn from(error: CampaignError) -> Self {
+        match error {
+            CampaignError::Output(error) => Self::Output(error),
+            other => Self::Input(other.to_string()),
+        }
+    }
+}
+
+/// Does what the subcommand says.
+pub(crate) fn run(args: &CampaignArgs) -> Result<ExitCode, Failure> {
+    match &args.command {
+        CampaignCommand::Run(args) => run_campaign(args),
+        CampaignCommand::Merge(args) => merge_parts(args),
+        CampaignCommand::Show(args) => show(args),
+    }
+}
+
+fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
+    let provenance = Provenance::begin();
+    let overrides = Overrides {
+        encounters: args.encounters,
+        policies: args.policy.clone(),
+        vehicle: args.vehicle.as_deref().map(read_text).transpose()?,
+        oracle: args.oracle,
+    };
+    let configuration = file::read(&args.file, &overrides)?;
+    let campaign = Campaign::new(configuration, &args.file)?;
+    let task = Task {
+        campaign: &campaign,
+        shard: args.shard.unwrap_or(Shard::WHOLE),
+        stamp: Stamp {
+            target: env!("FGA_TARGET").into(),
+        },
+        folder: Folder::at(&args.out.prepare(&args.file)?),
+        resume: args.resume,
+    };
+    let manifest = task.manifest();
+    if args.resume && task.folder.file(RESULTS).exists() {
+        return finished(&task, &manifest);
+    }
+    watch_for_interrupt();
+    let mut display = Display::new();
+    let begun = Instant::now();
+    let flown = args.threads.install(|| {
+        fly(&task, &|| !interrupted(), &mut |progress| {
+            display.show(progress);
+        })
+    })?;
+    display.end();
+    let times = match flown {
+        Err(error @ CampaignError::Stopped { .. }) => {
+            eprintln!("fga: {error}");
+            return Ok(ExitCode::from(130));
+        }
+        other => other?,
+    };
+    let fly_s = begun.elapsed().as_secs_f64();
+    let part = task.shard;
+    let more = json!({
+        "input": args.file.display().to_string(),
+        "shard": format!("{}/{}", part.number, part.of),
+        "decision_times": decision_times(&campaign, &times, fly_s),
+    });
+    if part != Shard::WHOLE {
+        let document = document(&provenance, &manifest, more);
+        atomic::write(&task.folder.file("run.json"), format!("{document:#}\n"))?;
+        print(&format!(
+            "part {}/{} of {} is complete; put the parts together with fga campaign merge\n",
+            part.number, part.of, campaign.configuration.name
+        ))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let blocks = task.folder.blocks()?;
+    let assembled = assemble(&blocks, &campaign, &task.stamp, &task.folder, args.csv)?;
+    finish(
+        &task.folder,
+        &campaign,
+        &manifest,
+        assembled,
+        &provenance,
+        more,
+    )?;
+    if let Some(line) = rate(&times, fly_s) {
+        print(&line)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The folder holds all results already.
+fn finished(task: &Task<'_>, manifest: &Manifest) -> Result<ExitCode, Failure> {
+    task.folder.open(manifest, true)?;
+    let expected = std::fs::read(task.folder.file("run.json"))
+        .ok()
+        .and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok())
+        .and_then(|document| Some(document.get("results_sha256")?.as_str()?.to_owned()));
+    let assembled = reread(&task.folder, task.campaign, expected.as_deref())?;
+    task.folder.remove_blocks()?;
+    print(&in_words(
+        task.campaign,
+        &assembled.summary,
+        task.folder.path(),
+    ))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes everything about a complete campaign and says it.
+fn finish(
+    folder: &Folder,
+    campaign: &Campaign,
+    manifest: &Manifest,
+    mut assembled: Assembled,
+    provenance: &Provenance,
+    mut more: Value,
+) -> Result<(), Failure> {
+    write_summary(folder.path(), campaign, &assembled.summary)?;
+    if let Some(more) = more.as_object_mut() {
+        more.insert("results_sha256".into(), json!(assembled.sha256));
+    }
+    let document = document(provenance, manifest, more);
+    atomic::write(&folder.file("run.json"), format!("{document:#}\n"))?;
+    assembled.commit()?;
+    folder.remove_blocks()?;
+    print(&in_words(campaign, &assembled.summary, folder.path()))
+}
+
+fn document(provenance: &Provenance, manifest: &Manifest, more: Value) -> Value {
+    let configuration = serde_json::to_value(&manifest.configuration).unwrap_or_default();
+    let mut document = provenance.to_json("campaign", &configuration, more);
+    if let Some(document) = document.as_object_mut() {
+        let hash = json!(manifest.configuration_hash);
+        document.insert("configuration_hash".into(), hash);
+        document.insert("seed".into(), json!(manifest.configuration.seeds));
+    }
+    document
+}
+
+fn decision_times(campaign: &Campaign, times: &[DecisionTimes], fly_s: f64) -> Value {
+    let encounters = times.first().map_or(0, |times| times.encounters);
+    let policies: Vec<Value> = campaign
+        .configuration
+        .policies
+        .iter()
+        .zip(times)
+        .map(|(policy, times)| {
+            json!({
+                "policy": policy,
+                "encounters": times.encounters,
+                "decisions": times.decisions,
+                "decision_median_us": times.median_us.at(0.5),
+                "decision_median_p99_us": times.median_us.at(0.99),
+                "decision_max_us": times.max_ns as f64 / 1000.0,
+                "flight_mean_us": times.flight_ns as f64 / 1000.0 / times.encounters.max(1) as f64,
+            })
+        })
+        .collect();
+    json!({
+        "encounters_flown": encounters,
+        "flying_s": fly_s,
+        "encounters_per_s": encounters as f64 / fly_s,
+        "policies": policies,
+    })
+}
+
+fn rate(times: &[DecisionTimes], fly_s: f64) -> Option<String> {
+    let encounters = times.first()?.encounters;
+    (encounters > 0).then(|| {
+        format!(
+            "{encounters} encounters flown in {fly_s:.1} s: {:.0} a second\n",
+            encounters as f64 / fly_s
+        )
+    })
+}
+
+fn merge_parts(args: &MergeArgs) -> Result<ExitCode, Failure> {
+    let provenance = Provenance::begin();
+    let parts = merge(&args.parts)?;
+    let folder = Folder::at(&args.out);
+    if folder.manifest()?.is_some() || folder.file(RESULTS).exists() {
+        return Err(Failure::Input(format!(
+            "{}: holds a campaign already, expected an empty folder",
+            args.out.display()
+        )));
+    }
+    atomic::prepare_folder(&args.out)?;
+    let stamp = &parts.manifest.stamp;
+    let assembled = assemble(&parts.blocks, &parts.campaign, stamp, &folder, args.csv)?;
+    folder.write_manifest(&parts.manifest)?;
+    let from: Vec<String> = args.parts.iter().map(|p| p.display().to_string()).collect();
+    let more = json!({ "merged_from": from });
+    finish(
+        &folder,
+        &parts.campaign,
+        &parts.manifest,
+        assembled,
+        &provenance,
+        more,
+    )?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
+    let provenance = Provenance::begin();
+    let Some(manifest) = Folder::at(&args.folder).manifest()? else {
+        return Err(Failure::Input(format!(
+            "{}: holds no campaign, expected a folder that fga campaign run wrote",
+            args.folder.display()
+        )));
+    };
+    let campaign = Campaign::new(manifest.configuration.clone(), &args.folder)?;
+    let policy = match (&args.policy, campaign.policies.first()) {
+        (Some(name), _) => match &args.start {
+            Some(start) => PolicyChoice::parse(name, Some(start)),
+            None => fga_sim::campaign::parse_policy(name),
+        }
+        .map_err(Failure::Input)?,
+        (None, Some(first)) => *first,
+        (None, None) => PolicyChoice::default(),
+    };
+    let log = campaign.show(args.encounter, &policy)?;
+    let folder = args.out.clone().unwrap_or_else(|| {
+        let name = args.folder.file_name().unwrap_or("campaign".as_ref());
+        Path::new("out").join(format!("{}-{}", name.to_string_lossy(), args.encounter))
+    });
+    atomic::prepare_folder(&folder)?;
+    let configuration = json!({
+        "campaign": manifest.configuration_hash,
+        "encounter": args.encounter,
+        "policy": log.policy,
+    });
+    let mut more = run_summary(&log);
+    if let Some(more) = more.as_object_mut() {
+        more.insert("input".into(), json!(args.folder.display().to_string()));
+        more.insert("seed".into(), json!(log.plan.world.seed));
+        more.insert("vehicle".into(), json!(log.plan.model.name));
+    }
+    let document = provenance.to_json("campaign show", &configuration, more);
+    run_files::write(&folder, &log, &document)?;
+    print(&crate::run::in_words(&log, &folder))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Progress on standard error: one line that is written over on a terminal, else one now and then.
+struct Display {
+    terminal: bool,
+    shown: Option<Instant>,
+}
+
+impl Display {
+    fn new() -> Self {
+        Self {
+            terminal: std::io::stderr().is_terminal(),
+            shown: None,
+        }
+    }
+
+    fn show(&mut self, progress: &Progress) {
+        let pause = Duration::from_millis(if self.terminal { 500 } else { 10_000 });
+        if self.shown.is_some_and(|shown| shown.elapsed() < pause) {
+            return;
+        }
+        self.shown = Some(Instant::now());
+        let rate = (progress.done - progress.before) as f64 / progress.elapsed_s.max(1e-9);
+        let left_s = (progress.total - progress.done) as f64 / rate.max(1e-9);
+        let line = format!(
+            "{} of {} encounters ({:.1} %), {rate:.0} a second, {} left",
+            progress.done,
+            progress.total,
+            100.0 * progress.done as f64 / progress.total.max(1) as f64,
+            duration(left_s)
+        );
+        let mut out = std::io::stderr().lock();
+        let _ = if self.terminal {
+            write!(out, "\r{line:<78}")
+        } else {
+            writeln!(out, "{line}")
+        };
+        let _ = out.flush();
+    }
+
+    fn end(&self) {
+        if self.terminal && self.shown.is_some() {
+            eprintln!();
+        }
+    }
+}
+
+/// A time in words.
+fn duration(seconds: f64) -> String {
+    if seconds < 90.0 {
+        format!("{seconds:.0} s")
+    } else if seconds < 5400.0 {
+        format!("{:.0} min", seconds / 60.0)
+    } else {
+        format!("{:.1} h", seconds / 3600.0)
+    }
+}

@@ -1,0 +1,212 @@
+//! What a campaign says together: `summary.csv`, `summary.json`, and the printed table.
+
+use core::fmt::Write as _;
+use std::path::Path;
+
+use fga_formats::OutputError;
+use fga_formats::atomic;
+use fga_report::interval::Estimate;
+use fga_sim::campaign::{Campaign, Quantiles, Summary, Totals};
+use serde_json::{Map, Value, json};
+
+/// Shares of the distributions that are written.
+const SHARES: [(&str, f64); 5] = [
+    ("p01", 0.01),
+    ("p05", 0.05),
+    ("p50", 0.5),
+    ("p95", 0.95),
+    ("p99", 0.99),
+];
+
+/// The source that stands for all of them.
+const ALL: &str = "all";
+
+/// One row: names and values in order.
+fn row_of(policy: &str, source: &str, totals: &Totals) -> Vec<(String, Value)> {
+    let mut row = vec![
+        ("policy".to_owned(), json!(policy)),
+        ("source".to_owned(), json!(source)),
+        ("encounters".to_owned(), json!(totals.encounters)),
+        ("threatened".to_owned(), json!(totals.threatened)),
+    ];
+    let mut share = |name: &str, count: u64, of: u64| {
+        let estimate = Estimate::wilson(count, of);
+        row.push((name.to_owned(), json!(count)));
+        for (end, value) in [
+            ("share", estimate.map(|e| e.value)),
+            ("low", estimate.map(|e| e.low)),
+            ("high", estimate.map(|e| e.high)),
+        ] {
+            row.push((format!("{name}_{end}"), json!(value.map(rounded))));
+        }
+    };
+    share("separated", totals.separated, totals.encounters);
+    share("avoidable", totals.avoidable, totals.asked);
+    share(
+        "saved_of_avoidable",
+        totals.saved_of_avoidable,
+        totals.avoidable,
+    );
+    share(
+        "saved_of_lost",
+        totals.saved_of_lost,
+        totals.asked - totals.avoidable,
+    );
+    share("manoeuvred", totals.manoeuvred, totals.encounters);
+    share(
+        "needless",
+        totals.needless,
+        totals.encounters - totals.threatened,
+    );
+    share("caused", totals.caused, totals.encounters);
+    share("rejoined", totals.rejoined, totals.manoeuvred);
+    for (name, unit, quantiles) in distributions(totals) {
+        for (label, share) in SHARES {
+            row.push((
+                format!("{name}_{label}_{unit}"),
+                json!(quantiles.at(share).map(rounded)),
+            ));
+        }
+    }
+    row
+}
+
+fn distributions(totals: &Totals) -> [(&'static str, &'static str, &Quantiles); 4] {
+    [
+        ("margin", "m", &totals.margin_m),
+        ("cross_track", "m", &totals.cross_track_m),
+        ("extra_path", "m", &totals.extra_path_m),
+        ("time_away", "s", &totals.time_away_s),
+    ]
+}
+
+/// Six decimals.
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+fn rows(campaign: &Campaign, summary: &Summary) -> Vec<Vec<(String, Value)>> {
+    let name =
+        |names: &[String], index: u32| names.get(index as usize).cloned().unwrap_or_default();
+    let policies = &campaign.configuration.policies;
+    let all = summary
+        .policies()
+        .map(|(policy, totals)| row_of(&name(policies, policy), ALL, totals));
+    let each = summary.sources().map(|(policy, source, totals)| {
+        row_of(
+            &name(policies, policy),
+            &name(campaign.source_names(), source),
+            totals,
+        )
+    });
+    all.chain(each).collect()
+}
+
+/// Writes `summary.csv` and `summary.json`.
+pub(crate) fn write_summary(
+    folder: &Path,
+    campaign: &Campaign,
+    summary: &Summary,
+) -> Result<(), OutputError> {
+    let rows = rows(campaign, summary);
+    let mut csv = String::new();
+    if let Some(first) = rows.first() {
+        let names: Vec<&str> = first.iter().map(|(name, _)| name.as_str()).collect();
+        csv.push_str(&names.join(","));
+        csv.push('\n');
+    }
+    for row in &rows {
+        let fields: Vec<String> = row.iter().map(|(_, value)| field(value)).collect();
+        csv.push_str(&fields.join(","));
+        csv.push('\n');
+    }
+    atomic::write(&folder.join("summary.csv"), csv)?;
+    let objects: Vec<Value> = rows
+        .into_iter()
+        .map(|row| Value::Object(row.into_iter().collect::<Map<_, _>>()))
+        .collect();
+    let document = json!({
+        "name": campaign.configuration.name,
+        "configuration_hash": campaign.hash,
+        "rows": objects,
+    });
+    atomic::write(&folder.join("summary.json"), format!("{document:#}\n"))
+}
+
+/// A value as a CSV field.
+fn field(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) if text.contains([',', '"', '\n', '\r']) => {
+            format!("\"{}\"", text.replace('"', "\"\""))
+        }
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+/// The summary for people.
+pub(crate) fn in_words(campaign: &Campaign, summary: &Summary, folder: &Path) -> String {
+    let configuration = &campaign.configuration;
+    let mut text = format!(
+        "{}: {} encounters from {} sources, vehicle {}\n",
+        configuration.name,
+        configuration.encounters,
+        campaign.source_names().len(),
+        campaign.model.name
+    );
+    let _ = writeln!(
+        text,
+        "{:<28} {:>24} {:>24} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "policy",
+        "separated (%)",
+        "saved of avoidable (%)",
+        "needless",
+        "caused",
+        "margin",
+        "away (m)",
+        "away (s)"
+    );
+    for (policy, totals) in summary.policies() {
+        let name = configuration
+            .policies
+            .get(policy as usize)
+            .map_or("", String::as_str);
+        let median = |quantiles: &Quantiles| {
+            quantiles
+                .at(0.5)
+                .map_or_else(|| "-".to_owned(), |value| format!("{value:.1}"))
+        };
+        let _ = writeln!(
+            text,
+            "{name:<28} {:>24} {:>24} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            percent(Estimate::wilson(totals.separated, totals.encounters)),
+            percent(Estimate::wilson(
+                totals.saved_of_avoidable,
+                totals.avoidable
+            )),
+            totals.needless,
+            totals.caused,
+            median(&totals.margin_m),
+            median(&totals.cross_track_m),
+            median(&totals.time_away_s),
+        );
+    }
+    let _ = writeln!(text, "(95 % intervals by Wilson; margin, away: medians)");
+    let _ = writeln!(text, "results in {}", folder.display());
+    text
+}
+
+fn percent(estimate: Option<Estimate>) -> String {
+    estimate.map_or_else(
+        || "-".into(),
+        |e| {
+            format!(
+                "{:.2} [{:.2}, {:.2}]",
+                100.0 * e.value,
+                100.0 * e.low,
+                100.0 * e.high
+            )
+        },
+    )
+}

@@ -1,0 +1,117 @@
+//! What several commands share: options, output folder, threads, Ctrl-C, printing.
+
+use core::num::NonZeroUsize;
+use core::sync::atomic::{AtomicBool, Ordering};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use fga_formats::InputError;
+use fga_sim::policy::{POLICY_NAMES, PolicyChoice};
+use fga_sim::vehicle_file::VehicleModel;
+
+use crate::failure::Failure;
+
+/// What decides.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct PolicyArgs {
+    /// What decides: turn-aware, published, published-literal, circle, none.
+    #[arg(long, value_name = "POLICY", default_value = "turn-aware")]
+    pub(crate) policy: String,
+    /// When a manoeuvre begins: t0, tc, latest, free or Cs=0.5.
+    #[arg(long, value_name = "START")]
+    pub(crate) start: Option<String>,
+}
+
+impl PolicyArgs {
+    /// The policy meant.
+    pub(crate) fn choice(&self) -> Result<PolicyChoice, Failure> {
+        debug_assert!(POLICY_NAMES.contains("turn-aware"));
+        PolicyChoice::parse(&self.policy, self.start.as_deref()).map_err(Failure::Input)
+    }
+}
+
+/// Which aircraft.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct VehicleArgs {
+    /// Vehicle file; without it the scenario's own, else the built-in one of the paper's Table 4.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) vehicle: Option<PathBuf>,
+}
+
+impl VehicleArgs {
+    /// The vehicle file given, if one is.
+    pub(crate) fn given(&self) -> Result<Option<VehicleModel>, InputError> {
+        self.vehicle.as_deref().map(VehicleModel::read).transpose()
+    }
+
+    /// The vehicle file given, else the built-in one.
+    pub(crate) fn model(&self) -> Result<VehicleModel, InputError> {
+        self.given()?.map_or_else(VehicleModel::built_in, Ok)
+    }
+}
+
+/// Where results go.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct OutArgs {
+    /// Folder for the results; without it out/<name of the input>.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+impl OutArgs {
+    /// The folder, made and proved to be writable.
+    pub(crate) fn prepare(&self, input: &Path) -> Result<PathBuf, Failure> {
+        let folder = self
+            .out
+            .clone()
+            .unwrap_or_else(|| Path::new("out").join(input.file_stem().unwrap_or("run".as_ref())));
+        fga_formats::atomic::prepare_folder(&folder)?;
+        Ok(folder)
+    }
+}
+
+/// How many threads.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct ThreadArgs {
+    /// Threads to use; without it one for each core.
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+}
+
+impl ThreadArgs {
+    /// Runs `work` on so many threads.
+    pub(crate) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads.map_or(0, NonZeroUsize::get))
+            .build()
+            .map_err(|error| Failure::Input(format!("threads cannot be started: {error}")))?;
+        Ok(pool.install(work))
+    }
+}
+
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// From now on Ctrl-C is remembered, so that unfinished files can be taken away; a second one ends
+/// the program at once.
+pub(crate) fn watch_for_interrupt() {
+    // Without a handler Ctrl-C ends the program at once, which is safe too.
+    let _ = ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::SeqCst) {
+            std::process::exit(130);
+        }
+    });
+}
+
+/// Whether Ctrl-C was pressed.
+pub(crate) fn interrupted() -> bool {
+    INTERRUPTED.load(Ordering::SeqCst)
+}
+
+/// Prints to standard output.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())
+        .and_then(|()| out.flush())
+        .map_err(Failure::of_stdout)
+}

@@ -1,0 +1,100 @@
+//! `fga export`: a run for other programs.
+
+use core::time::Duration;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::thread::sleep;
+use std::time::Instant;
+
+use clap::Args;
+use fga_formats::export::flightgear::{self, Sender};
+use fga_formats::export::{self, Format};
+use fga_formats::flight::Flight;
+use fga_formats::{InputError, atomic};
+
+use crate::common::{interrupted, print, watch_for_interrupt};
+use crate::failure::Failure;
+use crate::flight_file;
+
+/// Options of `fga export`.
+#[derive(Args, Debug)]
+pub(crate) struct ExportArgs {
+    /// Folder that `fga run` wrote, or the flight.json in it.
+    run: PathBuf,
+    /// Write a file: kml (Google Earth), czml (Cesium), geojson (maps), mcap (Foxglove, PlotJuggler).
+    #[arg(long, required_unless_present = "flightgear")]
+    format: Option<Format>,
+    /// File to write; without it flight.<format> beside the run.
+    #[arg(long, value_name = "FILE", requires = "format")]
+    out: Option<PathBuf>,
+    /// Play the flight to a FlightGear at this address; its protocol file fga.xml is written beside
+    /// the run.
+    #[arg(long, value_name = "HOST:PORT")]
+    flightgear: Option<String>,
+    /// How many times faster than it was flown it is played.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor, requires = "flightgear")]
+    speed: f64,
+}
+
+/// A factor from 0.01 to 1000.
+fn factor(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|factor| (0.01..=1000.0).contains(factor))
+        .ok_or_else(|| "expected a factor from 0.01 to 1000".into())
+}
+
+/// Reads the run and writes or plays it.
+pub(crate) fn run(args: &ExportArgs) -> Result<ExitCode, Failure> {
+    let file = if args.run.is_dir() {
+        args.run.join(flight_file::NAME)
+    } else {
+        args.run.clone()
+    };
+    let flight = Flight::read(&file)?;
+    if let Some(format) = args.format {
+        let out = args
+            .out
+            .clone()
+            .unwrap_or_else(|| file.with_file_name(format!("flight.{format}")));
+        export::write(&flight, format, &out)?;
+        print(&format!("{}\n", out.display()))?;
+    }
+    if let Some(target) = &args.flightgear {
+        let protocol = file.with_file_name("fga.xml");
+        atomic::write(&protocol, flightgear::PROTOCOL_XML)?;
+        print(&format!("{}\n", protocol.display()))?;
+        play(&flight, target, args.speed)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Sends the flight at its pace; Ctrl-C ends it.
+fn play(flight: &Flight, target: &str, speed: f64) -> Result<(), Failure> {
+    let sender = Sender::new(target).map_err(|error| {
+        let message = format!("cannot be sent to: {error}, expected HOST:PORT of a FlightGear");
+        InputError::in_file(target, message)
+    })?;
+    watch_for_interrupt();
+    let frame = flight.frame();
+    let begun = Instant::now();
+    let first_s = flight.span_s().0;
+    for (index, sample) in flight.samples.iter().enumerate() {
+        if interrupted() {
+            return Err(Failure::Interrupted);
+        }
+        let due = Duration::try_from_secs_f64((sample.time_s - first_s) / speed);
+        sleep(due.unwrap_or_default().saturating_sub(begun.elapsed()));
+        // The speed over the ground since the sample before, for the instrument.
+        let speed_mps = index
+            .checked_sub(1)
+            .and_then(|before| flight.samples.get(before))
+            .or(flight.samples.get(1))
+            .map_or(0.0, |other| {
+                let distance_m = (sample.position_m - other.position_m).length();
+                distance_m / (sample.time_s - other.time_s).abs().max(1e-9)
+            });
+        sender.send(&frame, sample, speed_mps);
+    }
+    Ok(())
+}

@@ -1,0 +1,71 @@
+//! Why a command did not do what was asked.
+
+use std::io;
+
+use fga::avoider::SettingsError;
+use fga_formats::{InputError, OutputError};
+use fga_sim::batch::BatchError;
+
+/// Why a command did not do what was asked; shown as one sentence.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// The input or the usage was wrong.
+    Input(String),
+    /// An output could not be written.
+    Output(OutputError),
+    /// Standard output was closed by whoever read it, which is not an error.
+    BrokenPipe,
+    /// Ctrl-C.
+    Interrupted,
+}
+
+impl core::fmt::Display for Failure {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Input(message) => f.write_str(message),
+            Self::Output(error) => write!(f, "{error}"),
+            Self::BrokenPipe => f.write_str("standard output was closed"),
+            Self::Interrupted => f.write_str("interrupted"),
+        }
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+impl From<SettingsError> for Failure {
+    fn from(error: SettingsError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::Output(error)
+    }
+}
+
+impl From<BatchError<Self>> for Failure {
+    fn from(error: BatchError<Self>) -> Self {
+        match error {
+            BatchError::Sink(failure) => failure,
+            other @ (BatchError::Settings(_) | BatchError::Wind { .. }) => {
+                Self::Input(other.to_string())
+            }
+        }
+    }
+}
+
+impl Failure {
+    /// What an error of standard output means.
+    pub(crate) fn of_stdout(error: io::Error) -> Self {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            Self::BrokenPipe
+        } else {
+            Self::Output(OutputError::new("standard output", error))
+        }
+    }
+}

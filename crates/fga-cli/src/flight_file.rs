@@ -1,0 +1,111 @@
+//! The flight as other programs get it: `flight.json`, which `fga export` reads.
+
+use std::path::Path;
+
+use fga_formats::OutputError;
+use fga_formats::flight::{Flight, FlightEvent, FlightObstacle, FlightSample, ObstacleSample};
+use fga_formats::geodesy::{Earth, LocalFrame};
+use fga_sim::run::RunLog;
+use fga_sim::track::Track;
+use serde_json::Value;
+
+/// The file's name within the folder of a run.
+pub(crate) const NAME: &str = "flight.json";
+
+/// An obstacle seen at one moment only is shown for so long, seconds.
+const MOMENT_S: f64 = 0.1;
+
+/// Writes the flight into `folder`.
+pub(crate) fn write(
+    folder: &Path,
+    log: &RunLog,
+    events: &[(f64, Value)],
+) -> Result<(), OutputError> {
+    flight(log, events).write(&folder.join(NAME))
+}
+
+fn flight(log: &RunLog, events: &[(f64, Value)]) -> Flight {
+    let mut samples: Vec<FlightSample> = Vec::with_capacity(log.samples.len());
+    for sample in &log.samples {
+        // The last moment may be logged twice.
+        if samples
+            .last()
+            .is_some_and(|last| last.time_s >= sample.time_s)
+        {
+            continue;
+        }
+        samples.push(FlightSample {
+            time_s: sample.time_s,
+            position_m: sample.position_m,
+            course_rad: sample.course_rad,
+            climb_rad: sample.climb_rad,
+            bank_rad: sample.bank_rad,
+            state: sample.state.name().into(),
+        });
+    }
+    let obstacles = log
+        .plan
+        .world
+        .obstacles
+        .iter()
+        .zip(&log.obstacles)
+        .map(|(obstacle, flown)| FlightObstacle {
+            name: flown.name.clone(),
+            volume: obstacle.volume,
+            track: rows(&obstacle.track, log.outcome.end_s),
+        })
+        .collect();
+    Flight {
+        name: log.plan.name.clone(),
+        policy: log.policy.clone(),
+        origin: log.plan.frame.as_ref().map(LocalFrame::origin),
+        earth: log
+            .plan
+            .frame
+            .as_ref()
+            .map_or(Earth::Wgs84, LocalFrame::earth),
+        start_unix_s: None,
+        samples,
+        mission: log.plan.world.mission_m.clone(),
+        obstacles,
+        events: events
+            .iter()
+            .map(|(time_s, event)| FlightEvent {
+                time_s: *time_s,
+                kind: word(event, "reason")
+                    .or(word(event, "event"))
+                    .unwrap_or_default(),
+                text: word(event, "text").unwrap_or_default(),
+                detail: event.clone(),
+            })
+            .collect(),
+    }
+}
+
+fn word(event: &Value, key: &str) -> Option<String> {
+    event.get(key)?.as_str().map(str::to_owned)
+}
+
+/// The track while the flight lasts; one row for an obstacle that stands.
+fn rows(track: &Track, end_s: f64) -> Vec<ObstacleSample> {
+    let row = |time_s, position_m| ObstacleSample { time_s, position_m };
+    match track {
+        Track::Straight {
+            position_m,
+            velocity_mps,
+        } => {
+            let mut rows = vec![row(0.0, *position_m)];
+            if *velocity_mps != fga::Vec3::ZERO && end_s > 0.0 {
+                rows.push(row(end_s, *position_m + *velocity_mps * end_s));
+            }
+            rows
+        }
+        Track::Points { points, .. } => {
+            let mut rows: Vec<_> = points.iter().map(|p| row(p.time_s, p.position_m)).collect();
+            if let [only] = rows[..] {
+                rows.push(row(only.time_s + MOMENT_S, only.position_m));
+            }
+            rows
+        }
+    }
+}

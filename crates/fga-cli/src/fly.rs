@@ -1,0 +1,101 @@
+//! `fga fly`: the companion on a vehicle, or its decisions again from a recording.
+
+use alloc::sync::Arc;
+use core::sync::atomic::{AtomicBool, Ordering};
+use std::fs::{self, File};
+use std::io::{self, BufReader, Write as _};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use fga_link::endpoint::Endpoint;
+use fga_link::fly::{FlyOptions, fly};
+use fga_link::replay::replay;
+use fga_link::traffic::receiver::ReceiverEndpoint;
+use fga_link::{Companion, Config};
+
+use crate::failure::Failure;
+
+/// Flies avoiding manoeuvres on an ArduPlane vehicle over MAVLink.
+#[derive(Args)]
+pub(crate) struct FlyArgs {
+    /// Where the vehicle is: udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or serial:PATH[:BAUD].
+    #[arg(long, value_name = "ENDPOINT", required_unless_present = "replay")]
+    connect: Option<Endpoint>,
+    /// The configuration (TOML); without it every key has its default.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// A receiver of traffic: sbs:HOST:PORT or beast:HOST:PORT; may be given several times.
+    #[arg(long, value_name = "RECEIVER")]
+    traffic: Vec<ReceiverEndpoint>,
+    /// Report only: command nothing.
+    #[arg(long)]
+    dry_run: bool,
+    /// Decide again from a telemetry log instead of flying; the decisions go to standard output.
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["connect", "traffic"])]
+    replay: Option<PathBuf>,
+    /// Folder for the telemetry log and the decision log.
+    #[arg(long, value_name = "DIR", default_value = "out/fly")]
+    out: PathBuf,
+    /// No status line.
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
+    let config = read_config(args.config.as_ref())?;
+    if let Some(path) = &args.replay {
+        return run_replay(config, path);
+    }
+    let Some(endpoint) = args.connect.clone() else {
+        return Err(Failure::Input("--connect ENDPOINT is missing".to_owned()));
+    };
+    let options = FlyOptions {
+        endpoint,
+        config,
+        traffic: args.traffic.clone(),
+        dry_run: args.dry_run,
+        out: args.out.clone(),
+        status: !args.quiet,
+    };
+    fly(&options, &stop_on_interrupt()).map_err(|error| Failure::Input(format!("fly: {error}")))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A flag that Ctrl-C and the end of the service set.
+pub(crate) fn stop_on_interrupt() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    // A second handler cannot be set; the first one serves then.
+    let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
+    stop
+}
+
+fn read_config(path: Option<&PathBuf>) -> Result<Config, Failure> {
+    let Some(path) = path else {
+        return Ok(Config::default());
+    };
+    let text = fs::read_to_string(path)
+        .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
+    Config::parse(&text).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
+}
+
+fn run_replay(config: Config, path: &PathBuf) -> Result<ExitCode, Failure> {
+    let named = |error: io::Error| Failure::Input(format!("{}: {error}", path.display()));
+    let log = BufReader::new(File::open(path).map_err(named)?);
+    let mut companion =
+        Companion::new(config, false).map_err(|error| Failure::Input(error.to_string()))?;
+    let mut failed = None;
+    let mut out = io::stdout().lock();
+    let done = replay(log, &mut companion, |line| {
+        writeln!(out, "{line}").inspect_err(|error| failed = Some(error.kind()))
+    });
+    match (done, failed) {
+        (Ok(done), _) => {
+            eprintln!("{} frames, {} not understood", done.frames, done.skipped);
+            Ok(ExitCode::SUCCESS)
+        }
+        (Err(error), Some(_)) => Err(Failure::of_stdout(error)),
+        (Err(error), None) => Err(named(error)),
+    }
+}

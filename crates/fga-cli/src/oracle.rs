@@ -1,0 +1,145 @@
+//! `fga oracle`: could any manoeuvre save the encounter?
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use fga::Vec3;
+use fga::situation::ProtectedVolume;
+use fga_formats::OutputError;
+use fga_formats::atomic::AtomicFile;
+use fga_formats::encounters::{self, Encounter};
+use fga_formats::number::push_fixed;
+use fga_sim::batch::crab;
+use fga_sim::oracle::{
+    AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
+};
+use fga_sim::vehicle_file::VehicleModel;
+use rayon::prelude::*;
+
+use crate::batch::positive_seconds;
+use crate::common::{OutArgs, ThreadArgs, VehicleArgs, interrupted, print, watch_for_interrupt};
+use crate::failure::Failure;
+
+/// Encounters searched between two writings.
+const BLOCK: usize = 64;
+
+/// Options of `fga oracle`.
+#[derive(Args, Debug)]
+pub(crate) struct OracleArgs {
+    /// Encounters: a CSV file as for `fga batch`.
+    encounters: PathBuf,
+    #[command(flatten)]
+    vehicle: VehicleArgs,
+    #[command(flatten)]
+    out: OutArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    /// Time over which the margin counts, seconds.
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive_seconds, allow_negative_numbers = true)]
+    horizon: f64,
+}
+
+/// The best margin of one encounter, metres.
+fn search(
+    encounter: &Encounter,
+    model: &VehicleModel,
+    start: &OracleStart,
+    settings: &OracleSettings,
+) -> f64 {
+    let obstacles: Vec<OracleObstacle> = encounter
+        .obstacles
+        .iter()
+        .map(|obstacle| {
+            let radius_m = obstacle.radius_m;
+            OracleObstacle {
+                position_m: obstacle.position_m,
+                velocity_mps: obstacle.velocity_mps,
+                volume: match model.protection {
+                    ProtectedVolume::Sphere { .. } => ProtectedVolume::Sphere { radius_m },
+                    ProtectedVolume::Cylinder { half_height_m, .. } => ProtectedVolume::Cylinder {
+                        radius_m,
+                        half_height_m,
+                    },
+                },
+            }
+            .in_wind(model.wind_mps)
+        })
+        .collect();
+    best_margin(
+        start,
+        &OracleVehicle::from(&model.vehicle),
+        &obstacles,
+        settings,
+    )
+    .best_margin_m
+}
+
+/// Searches every encounter and writes `oracle.csv`.
+pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
+    let model = args.vehicle.model()?;
+    let encounters = encounters::read(&args.encounters)?;
+    let (course_rad, climb_rad) = crab(Vec3::X, model.vehicle.airspeed_mps, model.wind_mps)
+        .ok_or_else(|| {
+            Failure::Input(format!(
+                "wind of {} m/s at an airspeed of {} m/s, expected less: the line cannot be flown",
+                model.wind_mps.length(),
+                model.vehicle.airspeed_mps
+            ))
+        })?;
+    let start = OracleStart {
+        course_rad,
+        climb_rad,
+        ..OracleStart::ORIGIN
+    };
+    let settings = OracleSettings {
+        horizon_s: args.horizon,
+        ..OracleSettings::default()
+    };
+    let folder = args.out.prepare(&args.encounters)?;
+    watch_for_interrupt();
+    let path = folder.join("oracle.csv");
+    let failed = |error| OutputError::new(&path, error);
+    let mut file = AtomicFile::create(&path)?;
+    writeln!(file, "encounter,avoidable,best_margin_m").map_err(failed)?;
+    let mut avoidable = 0_usize;
+    let mut line = Vec::new();
+    args.threads.install(|| {
+        for block in encounters.chunks(BLOCK) {
+            let margins: Vec<f64> = block
+                .par_iter()
+                .map(|encounter| search(encounter, &model, &start, &settings))
+                .collect();
+            if interrupted() {
+                return Err(Failure::Interrupted);
+            }
+            for (encounter, margin_m) in block.iter().zip(margins) {
+                // Judged on the written number, so that the columns never disagree.
+                let written_m = as_written(margin_m);
+                let is_avoidable = written_m >= AVOIDABLE_MARGIN_M;
+                avoidable += usize::from(is_avoidable);
+                line.clear();
+                line.extend_from_slice(format!("{},{is_avoidable},", encounter.id).as_bytes());
+                push_fixed(&mut line, written_m, 6);
+                line.push(b'\n');
+                file.write_all(&line).map_err(failed)?;
+            }
+        }
+        Ok(())
+    })??;
+    file.commit()?;
+    print(&format!(
+        "{} encounters, vehicle {}: {avoidable} avoidable ({:.2} %); results in {}\n",
+        encounters.len(),
+        model.name,
+        100.0 * avoidable as f64 / encounters.len() as f64,
+        folder.display()
+    ))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Six decimals, as they are written.
+fn as_written(value: f64) -> f64 {
+    (value * 1e6).round_ties_even() / 1e6
+}

@@ -1,0 +1,65 @@
+//! What made the results: `run.json`.
+
+use std::path::Path;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+use fga_formats::InputError;
+use serde_json::{Value, json};
+use sha2::{Digest as _, Sha256};
+
+/// Begins when the command does.
+#[derive(Debug)]
+pub(crate) struct Provenance {
+    begun: Instant,
+    begun_unix_s: f64,
+}
+
+impl Provenance {
+    /// The command begins now.
+    pub(crate) fn begin() -> Self {
+        Self {
+            begun: Instant::now(),
+            begun_unix_s: SystemTime::now()
+                .duration_since(UNIX_EPOCH)
+                .map_or(0.0, |since| since.as_secs_f64()),
+        }
+    }
+
+    /// Seconds since the command began.
+    pub(crate) fn elapsed_s(&self) -> f64 {
+        self.begun.elapsed().as_secs_f64()
+    }
+
+    /// What made the results; `more` adds the command's own figures.
+    pub(crate) fn to_json(&self, command: &str, configuration: &Value, more: Value) -> Value {
+        let mut document = json!({
+            "command": command,
+            "version": env!("CARGO_PKG_VERSION"),
+            "target": env!("FGA_TARGET"),
+            "configuration_hash": fingerprint(configuration.to_string().as_bytes()),
+            "configuration": configuration,
+            "begun_unix_s": self.begun_unix_s,
+            "wall_s": self.elapsed_s(),
+        });
+        if let (Some(document), Value::Object(more)) = (document.as_object_mut(), more) {
+            document.extend(more);
+        }
+        document
+    }
+}
+
+/// SHA-256 of some bytes, in hexadecimal.
+pub(crate) fn fingerprint(bytes: &[u8]) -> String {
+    use core::fmt::Write as _;
+    let mut text = String::with_capacity(64);
+    for byte in Sha256::digest(bytes) {
+        let _ = write!(text, "{byte:02x}");
+    }
+    text
+}
+
+/// SHA-256 of a file.
+pub(crate) fn file_fingerprint(path: &Path) -> Result<String, InputError> {
+    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    Ok(fingerprint(&bytes))
+}

@@ -1,0 +1,311 @@
+//! From the log of a flight to what the replay page shows.
+
+use fga::Vec3;
+use fga::avoider::State;
+use fga::maneuver::{FlightPath, Flyer, Hazard, Maneuver, MotionState, Status, certify_all};
+use fga::situation::{Obstacle, Ownship};
+use fga_report::replay::{
+    ReplayDecision, ReplayEvent, ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind,
+    ReplayPiece, ReplayRun, ReplaySample,
+};
+use fga_sim::run::{DecisionLog, ObstacleOutcome, Plan, RunLog};
+use fga_sim::track::Track;
+use fga_sim::words::{decision_words, reason_words};
+
+/// Records that say nothing new are kept so far apart, seconds.
+const RECORD_EVERY_S: f64 = 0.5;
+/// How far ahead paths are drawn, seconds.
+const DRAWN_S: f64 = 15.0;
+/// Longest way back that is drawn, seconds.
+const WAY_BACK_S: f64 = 60.0;
+/// Time between the points of a drawn path, seconds.
+const POINT_EVERY_S: f64 = 0.25;
+/// Turns drawn beside what was decided, degrees to the left: what else could be flown.
+const FAN_DEG: [f64; 11] = [
+    120.0, 90.0, 60.0, 40.0, 20.0, 0.0, -20.0, -40.0, -60.0, -90.0, -120.0,
+];
+
+/// The flight as the page shows it, named after its policy. How long the decisions took stands in
+/// `run.json`: the page is the same every time, and live pages show it.
+pub(crate) fn replay_run(log: &RunLog) -> ReplayRun {
+    let mut drawer = Drawer::new(&log.plan);
+    let least = log
+        .obstacles
+        .iter()
+        .filter(|obstacle| obstacle.margin.value_m.is_finite())
+        .min_by(|a, b| a.margin.value_m.total_cmp(&b.margin.value_m));
+    ReplayRun {
+        name: log.policy.clone(),
+        samples: log.samples.iter().map(sample).collect(),
+        mission_m: log
+            .plan
+            .world
+            .mission_m
+            .iter()
+            .map(Vec3::to_array)
+            .collect(),
+        obstacles: obstacles(log),
+        decisions: drawer.decisions(log),
+        decision_times: Vec::new(),
+        events: log
+            .decisions
+            .iter()
+            .filter(|moment| moment.changed)
+            .map(|moment| ReplayEvent {
+                t_s: moment.time_s,
+                text: event_words(&log.plan, moment),
+            })
+            .collect(),
+        outcome: least.map(|obstacle| ReplayOutcome {
+            min_margin_m: obstacle.margin.value_m,
+            t_s: obstacle.margin.time_s,
+            obstacle: obstacle.id,
+        }),
+    }
+}
+
+fn sample(sample: &fga_sim::engine::Sample) -> ReplaySample {
+    ReplaySample {
+        t_s: sample.time_s,
+        position_m: sample.position_m.to_array(),
+        course_rad: sample.course_rad,
+        climb_rad: sample.climb_rad,
+        bank_rad: sample.bank_rad,
+        state: sample.state.into(),
+    }
+}
+
+/// What a decision says, in a few words.
+pub(crate) fn event_words(plan: &Plan, moment: &DecisionLog) -> String {
+    let record = &moment.decision.record;
+    let reason = reason_words(record.reason);
+    match record.threat {
+        Some(threat) => format!("{reason} ({})", name_of(plan, threat.id)),
+        None => reason.to_owned(),
+    }
+}
+
+fn obstacles(log: &RunLog) -> Vec<ReplayObstacle> {
+    let mut obstacles = planned_obstacles(&log.plan);
+    for (obstacle, outcome) in obstacles.iter_mut().zip(&log.obstacles) {
+        obstacle.known_from_s = match outcome.first_seen_s {
+            Some(first_s) => (first_s > 0.0).then_some(first_s),
+            // Never seen: not before the end.
+            None => Some(log.outcome.end_s + 1.0),
+        };
+    }
+    obstacles
+}
+
+/// The obstacles of a plan, known from when they appear on.
+pub(crate) fn planned_obstacles(plan: &Plan) -> Vec<ReplayObstacle> {
+    let named = plan.world.obstacles.iter().zip(&plan.names);
+    named
+        .map(|(obstacle, name)| {
+            let presence = obstacle.track.presence_s();
+            ReplayObstacle {
+                id: obstacle.id,
+                name: name.clone(),
+                volume: obstacle.volume,
+                motion: motion(&obstacle.track),
+                present_s: (presence.0.is_finite() || presence.1.is_finite())
+                    .then_some([presence.0, presence.1]),
+                known_from_s: (obstacle.appears_s > 0.0).then_some(obstacle.appears_s),
+            }
+        })
+        .collect()
+}
+
+fn name_of(plan: &Plan, id: u32) -> String {
+    let named = plan.world.obstacles.iter().zip(&plan.names);
+    let name = named.into_iter().find(|(obstacle, _)| obstacle.id == id);
+    name.map_or_else(|| "unknown".to_owned(), |(_, name)| name.clone())
+}
+
+fn motion(track: &Track) -> Vec<ReplayPiece> {
+    let mut pieces = Vec::new();
+    let (from_s, to_s) = track.presence_s();
+    let from_s = if from_s.is_finite() { from_s } else { 0.0 };
+    track.for_each_leg(from_s, to_s, |leg| {
+        let position = leg.position_at_m(leg.from_s);
+        let second_s = (leg.to_s - leg.from_s).clamp(1e-3, 1.0);
+        let velocity = (leg.position_at_m(leg.from_s + second_s) - position) / second_s;
+        pieces.push(ReplayPiece {
+            start_s: leg.from_s,
+            position_m: position.to_array(),
+            velocity_mps: velocity.to_array(),
+        });
+    });
+    pieces
+}
+
+/// Draws what was decided, and what else could have been flown.
+pub(crate) struct Drawer {
+    flyer: Flyer,
+    path: Box<FlightPath>,
+    wind_mps: Vec3,
+    horizon_s: f64,
+    margin_m: f64,
+}
+
+impl Drawer {
+    pub(crate) fn new(plan: &Plan) -> Self {
+        let world = &plan.world;
+        Self {
+            flyer: Flyer::new(&world.vehicle),
+            path: Box::default(),
+            wind_mps: world.wind_mps,
+            horizon_s: world.settings.horizon_s,
+            margin_m: world.settings.margin_m,
+        }
+    }
+
+    fn decisions(&mut self, log: &RunLog) -> Vec<ReplayDecision> {
+        let mut kept: Vec<ReplayDecision> = Vec::new();
+        for moment in &log.decisions {
+            if due(kept.last().map(|last| last.t_s), moment) {
+                kept.push(self.decision(&log.plan, moment, Some(&log.obstacles)));
+            }
+        }
+        kept
+    }
+
+    /// A record; with what became of the obstacles, also turns to compare with.
+    pub(crate) fn decision(
+        &mut self,
+        plan: &Plan,
+        moment: &DecisionLog,
+        seen: Option<&[ObstacleOutcome]>,
+    ) -> ReplayDecision {
+        let decision = &moment.decision;
+        let record = &decision.record;
+        let name = |id: u32| name_of(plan, id);
+        let mut lines: Vec<String> = decision_words(decision, &moment.ownship, name)
+            .split("; ")
+            .map(sentence)
+            .collect();
+        let own = &moment.ownship;
+        let mut paths = Vec::new();
+        if let (State::Threatened | State::Avoiding, Some(seen)) = (decision.state, seen) {
+            let hazards = known_hazards(plan, seen, moment);
+            for turn_deg in FAN_DEG {
+                let course_rad = own.course_rad + turn_deg.to_radians();
+                let turn = Maneuver::turn(0.0, course_rad, own.climb_rad);
+                paths.push(self.compared(own, &turn, &hazards));
+            }
+            let certified = |p: &&ReplayPath| p.kind == ReplayPathKind::Certified;
+            lines.push(format!(
+                "{} of {} ways on from here, drawn for comparison, stay clear.",
+                paths.iter().filter(certified).count(),
+                paths.len()
+            ));
+        }
+        if let Some(other) = &record.alternative {
+            let margin_m = finite(other.margin_m);
+            paths.push(self.drawn(
+                own,
+                &other.maneuver,
+                other.verdict.into(),
+                margin_m,
+                DRAWN_S,
+            ));
+        }
+        if decision.state == State::Recovering {
+            let kind = ReplayPathKind::WayBack;
+            let margin_m = record.chosen.and_then(|c| finite(c.margin_m));
+            paths.push(self.drawn(own, &decision.command, kind, margin_m, WAY_BACK_S));
+        } else if let Some(chosen) = &record.chosen {
+            let margin_m = finite(chosen.margin_m);
+            let kind = ReplayPathKind::Chosen;
+            let last_s = chosen.maneuver.stages().last().map_or(0.0, |s| s.start_s);
+            let until_s = (last_s + DRAWN_S).min(WAY_BACK_S);
+            paths.push(self.drawn(own, &chosen.maneuver, kind, margin_m, until_s));
+        }
+        ReplayDecision {
+            t_s: moment.time_s,
+            state: decision.state.into(),
+            lines,
+            threat: record.threat.map(|threat| threat.id),
+            latest_start_s: record.latest_start_s,
+            paths,
+        }
+    }
+
+    /// A manoeuvre that the page compares with: certified against what was known then.
+    fn compared(&mut self, own: &Ownship, maneuver: &Maneuver, hazards: &[Hazard]) -> ReplayPath {
+        let start = MotionState::of(own);
+        self.path
+            .predict(&self.flyer, &start, maneuver, self.horizon_s);
+        let certificate = certify_all(
+            &self.flyer,
+            &self.path,
+            hazards,
+            self.horizon_s,
+            f64::MIN,
+            f64::INFINITY,
+        );
+        let clear = certificate.status == Status::Proven && certificate.margin_m >= self.margin_m;
+        let kind = if clear {
+            ReplayPathKind::Certified
+        } else {
+            ReplayPathKind::Rejected
+        };
+        self.drawn(own, maneuver, kind, finite(certificate.margin_m), DRAWN_S)
+    }
+
+    fn drawn(
+        &mut self,
+        own: &Ownship,
+        maneuver: &Maneuver,
+        kind: ReplayPathKind,
+        margin_m: Option<f64>,
+        until_s: f64,
+    ) -> ReplayPath {
+        let start = MotionState::of(own);
+        self.path.predict(&self.flyer, &start, maneuver, until_s);
+        let mut points_m = Vec::new();
+        let mut at_s = 0.0;
+        while at_s <= until_s {
+            if let Some(state) = self.path.state_at(&self.flyer, at_s) {
+                // Predicted in the air mass, drawn over the ground.
+                points_m.push((state.position_m + self.wind_mps * at_s).to_array());
+            }
+            at_s += POINT_EVERY_S;
+        }
+        ReplayPath {
+            kind,
+            margin_m,
+            points_m,
+        }
+    }
+}
+
+/// The obstacles known at the moment, as they truly were, each on its straight way from there.
+fn known_hazards(plan: &Plan, seen: &[ObstacleOutcome], moment: &DecisionLog) -> Vec<Hazard> {
+    let world = &plan.world;
+    (0..)
+        .zip(world.obstacles.iter().zip(seen))
+        .filter(|(_, (_, seen))| seen.first_seen_s.is_some_and(|s| s <= moment.time_s))
+        .filter_map(|(index, (obstacle, _))| {
+            let (position_m, velocity_mps) = obstacle.track.at(moment.time_s)?;
+            let known = Obstacle::new(obstacle.id, position_m, velocity_mps, obstacle.volume);
+            Some(Hazard::new(index, &known, world.wind_mps, 0.0))
+        })
+        .collect()
+}
+
+/// Whether a decision is worth a record of its own after the one made at `last_s`.
+pub(crate) fn due(last_s: Option<f64>, moment: &DecisionLog) -> bool {
+    moment.changed || last_s.is_none_or(|last_s| moment.time_s - last_s >= RECORD_EVERY_S - 1e-6)
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+/// A phrase as a sentence of its own.
+fn sentence(phrase: &str) -> String {
+    let mut letters = phrase.chars();
+    let first = letters.next().map(|c| c.to_uppercase().to_string());
+    format!("{}{}.", first.unwrap_or_default(), letters.as_str())
+}

@@ -1,0 +1,248 @@
+//! `fga run`: one scenario or recording, flown and shown.
+
+use core::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use fga::situation::ProtectedVolume;
+use fga_formats::number::fixed;
+use fga_sim::policy::PolicyChoice;
+use fga_sim::run::{Plan, RunLog, fly};
+use serde_json::{Value, json};
+
+use crate::common::{OutArgs, PolicyArgs, ThreadArgs, VehicleArgs, print};
+use crate::failure::Failure;
+use crate::live::LiveView;
+use crate::provenance::{Provenance, file_fingerprint};
+use crate::run_files;
+
+/// Exit code of a run in which a protected volume was entered.
+const ENTERED: u8 = 2;
+
+/// Options of `fga run`.
+#[derive(Args, Debug)]
+pub(crate) struct RunArgs {
+    /// A scenario (.toml) or a recording (.daa).
+    file: PathBuf,
+    #[command(flatten)]
+    policy: PolicyArgs,
+    #[command(flatten)]
+    vehicle: VehicleArgs,
+    #[command(flatten)]
+    out: OutArgs,
+    #[command(flatten)]
+    _threads: ThreadArgs,
+    /// Print the summary as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Show the flight in the browser while it is flown, in real time.
+    #[arg(long)]
+    live: bool,
+    /// With --live: how many times faster than real time.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, requires = "live", value_parser = factor)]
+    speed: f64,
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(factor) if factor.is_finite() && factor > 0.0 => Ok(factor),
+        _ => Err("expected a number above 0".to_owned()),
+    }
+}
+
+/// Flies the file and writes what `fga run` writes.
+pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
+    let provenance = Provenance::begin();
+    let policy = args.policy.choice()?;
+    let plan = Plan::read(&args.file, args.vehicle.given()?)?;
+    let input_hash = file_fingerprint(&args.file)?;
+    let folder = args.out.prepare(&args.file)?;
+    let log = if args.live {
+        let mut live = begin_live(&plan, &policy, args.speed)?;
+        let log = fly(plan, &policy, &mut |moment| live.show(moment))?;
+        live.end(&log);
+        log
+    } else {
+        fly(plan, &policy, &mut |_| ())?
+    };
+    let configuration = json!({
+        "policy": log.policy,
+        "vehicle": format!("{:?}", log.plan.model),
+        "seed": log.plan.world.seed,
+        "input_sha256": input_hash,
+    });
+    let summary = summary(&log);
+    let mut more = summary.clone();
+    if let Some(more) = more.as_object_mut() {
+        more.insert("input".into(), json!(args.file.display().to_string()));
+        more.insert("seed".into(), json!(log.plan.world.seed));
+        more.insert("vehicle".into(), json!(log.plan.model.name));
+    }
+    let document = provenance.to_json("run", &configuration, more);
+    run_files::write(&folder, &log, &document)?;
+    if args.json {
+        print(&format!("{summary:#}\n"))?;
+    } else {
+        print(&in_words(&log, &folder))?;
+    }
+    Ok(if log.outcome.separated() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(ENTERED)
+    })
+}
+
+fn begin_live(plan: &Plan, policy: &PolicyChoice, speed: f64) -> Result<LiveView, Failure> {
+    let live = LiveView::begin(plan, &policy.name(), speed)
+        .map_err(|error| Failure::Input(format!("the live view cannot be served: {error}")))?;
+    eprintln!("live at http://{}/", live.address());
+    Ok(live)
+}
+
+/// A finite number, or null.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+/// The summary as JSON, keys as the columns of the files.
+pub(crate) fn summary(log: &RunLog) -> Value {
+    let outcome = &log.outcome;
+    let times = log.decision_times();
+    let obstacles: Vec<Value> = log
+        .obstacles
+        .iter()
+        .map(|obstacle| {
+            let half_height_m = match obstacle.volume {
+                ProtectedVolume::Sphere { .. } => None,
+                ProtectedVolume::Cylinder { half_height_m, .. } => Some(half_height_m),
+            };
+            json!({
+                "obstacle": obstacle.id,
+                "name": obstacle.name,
+                "separated": obstacle.margin.value_m >= 0.0,
+                "min_separation_m": finite(obstacle.separation.value_m),
+                "min_separation_t_s": finite(obstacle.separation.value_m).map(|_| obstacle.separation.time_s),
+                "min_margin_m": finite(obstacle.margin.value_m),
+                "min_margin_t_s": finite(obstacle.margin.value_m).map(|_| obstacle.margin.time_s),
+                "radius_m": obstacle.volume.radius_m(),
+                "half_height_m": half_height_m,
+                "first_seen_s": obstacle.first_seen_s,
+            })
+        })
+        .collect();
+    json!({
+        "name": log.plan.name,
+        "policy": log.policy,
+        "separated": outcome.separated(),
+        "min_separation_m": finite(outcome.min_separation_m),
+        "min_margin_m": finite(outcome.min_margin_m),
+        "threat_s": outcome.threat_s,
+        "start_s": outcome.start_s,
+        "clear_s": outcome.clear_s,
+        "rejoined_s": outcome.rejoined_s,
+        "max_cross_track_m": outcome.max_cross_track_m,
+        "extra_path_m": outcome.extra_path_m,
+        "mission_flown": outcome.mission_flown,
+        "end_s": outcome.end_s,
+        "decisions": log.decisions.len(),
+        "decision_median_us": times.median_us,
+        "decision_p99_us": times.p99_us,
+        "decision_max_us": times.max_us,
+        "obstacles": obstacles,
+    })
+}
+
+/// The summary in words.
+pub(crate) fn in_words(log: &RunLog, folder: &Path) -> String {
+    let mut text = String::new();
+    // Writing to a string does not fail.
+    let _ = describe(&mut text, log, folder);
+    text
+}
+
+fn describe(text: &mut String, log: &RunLog, folder: &Path) -> core::fmt::Result {
+    let outcome = &log.outcome;
+    writeln!(
+        text,
+        "{}: policy {}, vehicle {}, {:.1} s flown",
+        log.plan.name, log.policy, log.plan.model.name, outcome.end_s
+    )?;
+    let mut rows: Vec<_> = log.obstacles.iter().collect();
+    rows.sort_by(|a, b| a.margin.value_m.total_cmp(&b.margin.value_m));
+    if rows.is_empty() {
+        writeln!(text, "no obstacles")?;
+    } else {
+        writeln!(
+            text,
+            "{:<24} {:>14} {:>9} {:>20} {:>10}",
+            "obstacle", "separation (m)", "at (s)", "protected (m)", "margin (m)"
+        )?;
+    }
+    for obstacle in rows {
+        let name: String = obstacle
+            .name
+            .chars()
+            .filter(|c| !c.is_control())
+            .take(24)
+            .collect();
+        let protected = match obstacle.volume {
+            ProtectedVolume::Sphere { radius_m } => format!("{radius_m:.1}"),
+            ProtectedVolume::Cylinder {
+                radius_m,
+                half_height_m,
+            } => format!("{radius_m:.1} x +-{half_height_m:.1}"),
+        };
+        if obstacle.separation.value_m.is_finite() {
+            writeln!(
+                text,
+                "{name:<24} {:>14.2} {:>9.2} {protected:>20} {:>10.2}{}",
+                obstacle.separation.value_m,
+                obstacle.separation.time_s,
+                obstacle.margin.value_m,
+                if obstacle.margin.value_m < 0.0 {
+                    "  ENTERED"
+                } else {
+                    ""
+                }
+            )?;
+        } else {
+            writeln!(
+                text,
+                "{name:<24} {:>14} {:>9} {protected:>20}",
+                "never there", ""
+            )?;
+        }
+    }
+    let at = |time_s: Option<f64>| time_s.map_or("never".into(), |t| format!("{t:.1} s"));
+    writeln!(
+        text,
+        "threat seen {}; manoeuvre began {}; clear {}; route rejoined {}",
+        at(outcome.threat_s),
+        at(outcome.start_s),
+        at(outcome.clear_s),
+        at(outcome.rejoined_s)
+    )?;
+    writeln!(
+        text,
+        "largest distance from the route {:.1} m, extra path {} m{}",
+        outcome.max_cross_track_m,
+        // Never as -0.0.
+        fixed(outcome.extra_path_m, 1),
+        if outcome.mission_flown {
+            ", mission flown to its end"
+        } else {
+            ""
+        }
+    )?;
+    let times = log.decision_times();
+    writeln!(
+        text,
+        "decision time: median {:.2} us, 99 % {:.2} us, longest {:.2} us ({} decisions)",
+        times.median_us,
+        times.p99_us,
+        times.max_us,
+        log.decisions.len()
+    )?;
+    writeln!(text, "results in {}", folder.display())
+}

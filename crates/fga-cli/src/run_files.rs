@@ -1,0 +1,266 @@
+//! The files of one flight: `track.csv`, `events.jsonl`, `overview.svg`, `replay.html`, `run.json`.
+
+use std::path::Path;
+
+use fga::avoider::{Candidate, State, Verdict};
+use fga_formats::OutputError;
+use fga_formats::atomic;
+use fga_formats::number::push_fixed;
+use fga_report::overview::{self, Closest, Moment, MomentKind, Overview};
+use fga_report::replay::{Replay, render};
+use fga_sim::run::{DecisionLog, RunLog};
+use fga_sim::track::Track;
+use fga_sim::words::{decision_words, reason_key};
+use serde_json::{Value, json};
+
+use crate::flight_file;
+use crate::replay_page::replay_run;
+
+/// Writes the files of a flight into `folder`.
+pub(crate) fn write(folder: &Path, log: &RunLog, document: &Value) -> Result<(), OutputError> {
+    atomic::write(&folder.join("track.csv"), track_csv(log))?;
+    let events = events(log);
+    atomic::write(&folder.join("events.jsonl"), events_jsonl(&events))?;
+    flight_file::write(folder, log, &events)?;
+    atomic::write(&folder.join("overview.svg"), overview(log).to_svg())?;
+    let replay = Replay {
+        title: log.plan.name.clone(),
+        runs: vec![replay_run(log)],
+    };
+    atomic::write(&folder.join("replay.html"), render(&replay))?;
+    atomic::write(&folder.join("run.json"), format!("{document:#}\n"))
+}
+
+fn track_csv(log: &RunLog) -> Vec<u8> {
+    let mut text = b"t_s,x_m,y_m,z_m,course_rad,climb_rad,bank_rad,state\n".to_vec();
+    for sample in &log.samples {
+        for value in [
+            sample.time_s,
+            sample.position_m.x,
+            sample.position_m.y,
+            sample.position_m.z,
+            sample.course_rad,
+            sample.climb_rad,
+            sample.bank_rad,
+        ] {
+            push_fixed(&mut text, value, 6);
+            text.push(b',');
+        }
+        text.extend_from_slice(sample.state.name().as_bytes());
+        text.push(b'\n');
+    }
+    text
+}
+
+/// The decisions that say something new and the closest approaches, in order of time.
+fn events(log: &RunLog) -> Vec<(f64, Value)> {
+    let mut events: Vec<(f64, Value)> = log
+        .decisions
+        .iter()
+        .filter(|decision| decision.changed)
+        .map(|decision| (decision.time_s, decision_event(log, decision)))
+        .collect();
+    for obstacle in &log.obstacles {
+        if obstacle.separation.value_m.is_finite() {
+            let time_s = obstacle.margin.time_s;
+            events.push((
+                time_s,
+                json!({
+                    "t_s": time_s,
+                    "event": "closest-approach",
+                    "obstacle": obstacle.id,
+                    "name": obstacle.name,
+                    "min_separation_m": obstacle.separation.value_m,
+                    "min_margin_m": obstacle.margin.value_m,
+                    "text": format!(
+                        "closest to {}: {:.1} m between the centres, {:.1} m {} its protected volume",
+                        obstacle.name,
+                        obstacle.separation.value_m,
+                        obstacle.margin.value_m.abs(),
+                        if obstacle.margin.value_m < 0.0 { "inside" } else { "outside" }
+                    ),
+                }),
+            ));
+        }
+    }
+    events.sort_by(|a, b| a.0.total_cmp(&b.0));
+    events
+}
+
+/// The events, one JSON object a line.
+fn events_jsonl(events: &[(f64, Value)]) -> String {
+    let mut text = String::new();
+    for (_, event) in events {
+        text.push_str(&event.to_string());
+        text.push('\n');
+    }
+    text
+}
+
+/// One decision with its whole record, in words and numbers.
+fn decision_event(log: &RunLog, moment: &DecisionLog) -> Value {
+    let decision = &moment.decision;
+    let record = &decision.record;
+    let name_of = |id: u32| log.name_of(id).to_string();
+    let threat = record.threat.map(|threat| {
+        json!({
+            "obstacle": threat.id,
+            "name": name_of(threat.id),
+            "entry_s": finite(threat.entry_s),
+            "closest_s": finite(threat.closest_s),
+            "margin_m": finite(threat.margin_m),
+        })
+    });
+    json!({
+        "t_s": moment.time_s,
+        "event": "decision",
+        "state": decision.state.name(),
+        "reason": reason_key(record.reason),
+        "text": decision_words(decision, &moment.ownship, name_of),
+        "x_m": moment.ownship.position_m.x,
+        "y_m": moment.ownship.position_m.y,
+        "z_m": moment.ownship.position_m.z,
+        "course_rad": moment.ownship.course_rad,
+        "climb_rad": moment.ownship.climb_rad,
+        "bank_rad": moment.ownship.bank_rad,
+        "airspeed_mps": moment.ownship.airspeed_mps,
+        "threat": threat,
+        "latest_start_s": record.latest_start_s,
+        "start_s": record.start_s,
+        "command": maneuver(&decision.command),
+        "chosen": record.chosen.as_ref().map(candidate),
+        "alternative": record.alternative.as_ref().map(candidate),
+        "tracked": record.work.tracked,
+        "threats": record.work.threats,
+        "candidates": record.work.candidates,
+        "limit_met": record.work.limit_met,
+    })
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn maneuver(maneuver: &fga::maneuver::Maneuver) -> Vec<Value> {
+    maneuver
+        .stages()
+        .iter()
+        .map(|stage| {
+            json!({
+                "start_s": finite(stage.start_s),
+                "course_rad": stage.course_rad,
+                "climb_rad": stage.climb_rad,
+                "rate_share": stage.rate_share,
+            })
+        })
+        .collect()
+}
+
+fn candidate(candidate: &Candidate) -> Value {
+    json!({
+        "maneuver": maneuver(&candidate.maneuver),
+        "margin_m": finite(candidate.margin_m),
+        "cost": finite(candidate.cost),
+        "verdict": match candidate.verdict {
+            Verdict::Certified => "certified",
+            Verdict::Rejected => "rejected",
+            Verdict::Chosen => "chosen",
+        },
+    })
+}
+
+/// The critical moments: where the avoider's state says that one was met.
+fn moments(log: &RunLog) -> Vec<Moment> {
+    let mut moments = Vec::new();
+    let mut before = State::Cruise;
+    for entry in &log.decisions {
+        let now = entry.decision.state;
+        let away = matches!(before, State::Avoiding | State::Recovering);
+        let on_route = matches!(now, State::Cruise | State::Threatened);
+        let kinds = [
+            (away && on_route, MomentKind::Rejoined),
+            (
+                before != now && now == State::Threatened,
+                MomentKind::ThreatSeen,
+            ),
+            (
+                before != now && now == State::Avoiding,
+                MomentKind::ManeuverBegun,
+            ),
+        ];
+        let met = kinds
+            .into_iter()
+            .filter_map(|(met, kind)| met.then_some(kind));
+        moments.extend(met.map(|kind| Moment {
+            time_s: entry.time_s,
+            kind,
+            obstacle: entry.decision.record.threat.map(|threat| threat.id),
+        }));
+        before = now;
+    }
+    moments
+}
+
+/// The picture's data.
+pub(crate) fn overview(log: &RunLog) -> Overview {
+    let end_s = log.outcome.end_s;
+    let obstacles = log
+        .plan
+        .world
+        .obstacles
+        .iter()
+        .zip(&log.obstacles)
+        .map(|(obstacle, flown)| overview::Obstacle {
+            id: obstacle.id,
+            name: flown.name.clone(),
+            volume: obstacle.volume,
+            track: track_points(&obstacle.track, end_s),
+            closest: flown.separation.value_m.is_finite().then_some(Closest {
+                time_s: flown.margin.time_s,
+                separation_m: flown.separation.value_m,
+                margin_m: flown.margin.value_m,
+            }),
+        })
+        .collect();
+    Overview {
+        title: format!("{} ({})", log.plan.name, log.policy),
+        mission_m: log.plan.world.mission_m.clone(),
+        samples: log
+            .samples
+            .iter()
+            .map(|sample| overview::Sample {
+                time_s: sample.time_s,
+                position_m: sample.position_m,
+                state: match sample.state {
+                    State::Cruise => overview::State::Cruise,
+                    State::Threatened => overview::State::Threatened,
+                    State::Avoiding => overview::State::Avoiding,
+                    State::Recovering => overview::State::Recovering,
+                },
+            })
+            .collect(),
+        obstacles,
+        moments: moments(log),
+    }
+}
+
+fn track_points(track: &Track, end_s: f64) -> Vec<overview::TrackPoint> {
+    let point = |time_s, position_m| overview::TrackPoint { time_s, position_m };
+    match track {
+        Track::Straight {
+            position_m,
+            velocity_mps,
+        } if *velocity_mps == fga::Vec3::ZERO => vec![point(0.0, *position_m)],
+        Track::Straight {
+            position_m,
+            velocity_mps,
+        } => vec![
+            point(0.0, *position_m),
+            point(end_s, *position_m + *velocity_mps * end_s),
+        ],
+        Track::Points { points, .. } => points
+            .iter()
+            .map(|p| point(p.time_s, p.position_m))
+            .collect(),
+    }
+}

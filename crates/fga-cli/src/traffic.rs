@@ -1,0 +1,116 @@
+//! `fga traffic`: plays other aircraft to a vehicle or to readers of BaseStation lines.
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use fga_link::endpoint::Endpoint;
+use fga_link::play::{PlayOptions, Script, play};
+use fga_link::player::{Line, Played, from_recording, read_sbs_log, read_tracks};
+
+use crate::failure::Failure;
+use crate::fly::stop_on_interrupt;
+
+/// Plays intruders as `ADSB_VEHICLE` messages and as BaseStation lines.
+#[derive(Args)]
+pub(crate) struct TrafficArgs {
+    /// What to play: a .daa recording, a .json of state vectors or a BaseStation log (also .gz).
+    #[arg(value_name = "FILE", required_unless_present = "line")]
+    file: Option<PathBuf>,
+    /// A straight line: `ICAO,LATITUDE,LONGITUDE,ALTITUDE_M,TRACK_DEG,SPEED_MPS[,CLIMB_MPS[,AT_S]]`.
+    #[arg(long, conflicts_with = "file", allow_hyphen_values = true)]
+    line: Vec<Line>,
+    /// Sends `ADSB_VEHICLE` there: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT.
+    #[arg(long, value_name = "ENDPOINT")]
+    to: Option<Endpoint>,
+    /// Serves BaseStation lines on this address, such as 127.0.0.1:30003.
+    #[arg(long, value_name = "HOST:PORT", required_unless_present = "to")]
+    serve_sbs: Option<String>,
+    /// Times faster than recorded.
+    #[arg(long, default_value_t = 1.0)]
+    speed: f64,
+    /// Reports of each aircraft a second.
+    #[arg(long, default_value_t = 2.0)]
+    rate: f64,
+    /// Begins again at the end.
+    #[arg(long)]
+    again: bool,
+}
+
+pub(crate) fn run(args: &TrafficArgs) -> Result<ExitCode, Failure> {
+    if !(0.01..=1000.0).contains(&args.speed) {
+        return Err(Failure::Input(format!(
+            "--speed is {}, expected 0.01 to 1000",
+            args.speed
+        )));
+    }
+    if !(0.1..=50.0).contains(&args.rate) {
+        return Err(Failure::Input(format!(
+            "--rate is {}, expected 0.1 to 50",
+            args.rate
+        )));
+    }
+    let script = match &args.file {
+        Some(path) => read_script(path)?,
+        None => Script::Aircraft(args.line.iter().map(|line| line.0.clone()).collect()),
+    };
+    let options = PlayOptions {
+        to: args.to.clone(),
+        serve_sbs: args.serve_sbs.clone(),
+        speed: args.speed,
+        rate_hz: args.rate,
+        again: args.again,
+    };
+    let sent = play(&script, &options, &stop_on_interrupt())
+        .map_err(|error| Failure::Input(format!("traffic: {error}")))?;
+    eprintln!("{sent} messages sent");
+    Ok(ExitCode::SUCCESS)
+}
+
+fn read_script(path: &Path) -> Result<Script, Failure> {
+    let named =
+        |error: &dyn core::fmt::Display| Failure::Input(format!("{}: {error}", path.display()));
+    let name = path
+        .file_name()
+        .map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    let plain = name.trim_end_matches(".gz");
+    if Path::new(plain)
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("daa"))
+    {
+        let recording = fga_formats::daa::read(path)?;
+        return aircraft(
+            path,
+            from_recording(&recording),
+            "aircraft with latitude and longitude",
+        );
+    }
+    let file = File::open(path).map_err(|error| named(&error))?;
+    let mut from: Box<dyn Read> = if plain == name {
+        Box::new(file)
+    } else {
+        Box::new(flate2::read::GzDecoder::new(file))
+    };
+    if Path::new(plain)
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
+    {
+        let mut text = String::new();
+        from.read_to_string(&mut text)
+            .map_err(|error| named(&error))?;
+        let tracks = read_tracks(&text).map_err(|error| named(&error))?;
+        return aircraft(path, tracks, "state vectors");
+    }
+    Ok(Script::Log(
+        read_sbs_log(BufReader::new(from)).map_err(|error| named(&error))?,
+    ))
+}
+
+fn aircraft(path: &Path, played: Vec<Played>, expected: &str) -> Result<Script, Failure> {
+    if played.is_empty() {
+        return Err(Failure::Input(format!("{}: no {expected}", path.display())));
+    }
+    Ok(Script::Aircraft(played))
+}
