@@ -16,10 +16,6 @@ use crate::situation::Ownship;
 /// Longest step, in bank time constants, over which the course rate is taken as constant.
 const LAG_STEP: f64 = 0.2;
 
-/// Mean over such a step of a rate that falls by e in it, as a share of the rate at its beginning:
-/// 1 − 1/e. So the course closes in on its target while the command eases off.
-const EASED_SHARE: f64 = 0.632_120_558_828_557_7;
-
 /// An angle closer to its target than this has reached it, radians.
 const REACHED_RAD: f64 = 1e-11;
 
@@ -195,26 +191,33 @@ impl Flyer {
         let full = self.bank_rad(self.course_rate_radps * rate_share);
         let step_s = LAG_STEP * tau;
         let wanted_rate = left_after_rollout / step_s;
-        let commanded = if self.rate_radps(full) <= wanted_rate.abs() {
+        let saturated = self.rate_radps(full) <= wanted_rate.abs();
+        let commanded = if saturated {
             libm::copysign(full, left_after_rollout)
         } else {
-            self.bank_rad(EASED_SHARE * wanted_rate)
+            self.bank_rad(wanted_rate)
         };
         let level = state.bank_rad.abs() < LEVEL_BANK_RAD;
         if level && (left_after_rollout.abs() < LEVEL_BANK_RAD || full <= 0.0) {
+            // The last thousandth of the turn, so that no bias in course is left to fly on with.
+            let (rate, turn_s) = if turn_left.abs() < REACHED_RAD || full <= 0.0 {
+                (0.0, f64::INFINITY)
+            } else {
+                (turn_left / step_s, step_s)
+            };
             return Piece {
-                duration_s: climb_s,
-                course_rate_radps: 0.0,
+                duration_s: climb_s.min(turn_s),
+                course_rate_radps: rate,
                 climb_rate_radps: climb_rate,
                 bank_end_rad: 0.0,
             };
         }
         let to_go = commanded - state.bank_rad;
-        let saturated = commanded.abs() == full;
-        let longest_s = if saturated && to_go.abs() < 1e-3 {
-            f64::INFINITY
-        } else {
-            step_s
+        let longest_s = match saturated {
+            true if to_go.abs() < 1e-3 => f64::INFINITY,
+            true => step_s,
+            // The easing command is exponential in the rate, not quite in the bank.
+            false => 0.4 * step_s,
         };
         // The full command begins to ease off here: what is left to turn after a roll-out falls at
         // the commanded rate, whatever the bank.
@@ -228,7 +231,16 @@ impl Flyer {
             .min(longest_s)
             .min(climb_s)
             .min(limit_s);
-        let bank_after = |share: f64| commanded - to_go * libm::exp(-share * duration_s / tau);
+        // φ' = (φ_c − φ)/τ with φ_c constant, or falling as e^(−t/step) while the command eases off.
+        let bank_after = |share: f64| {
+            let held = libm::exp(-share * duration_s / tau);
+            if saturated {
+                return commanded - to_go * held;
+            }
+            let lag = commanded * LAG_STEP / (1.0 - LAG_STEP);
+            let eased = libm::exp(-share * duration_s / step_s);
+            (state.bank_rad + lag) * held - lag * eased
+        };
         let bank_end_rad = bank_after(1.0);
         // Mean over the step by Simpson's rule.
         let rate = (self.rate_radps(state.bank_rad)
