@@ -3,21 +3,24 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Instant;
 
 use clap::Args;
 use fga_formats::OutputError;
 use fga_formats::atomic::{self, AtomicFile};
-use fga_formats::encounters;
+use fga_formats::encounters::{self, Encounter};
 use fga_sim::batch::{
     BatchRow, BatchSettings, RESULT_COLUMNS, TIMING_COLUMNS, TRACK_COLUMNS, fly_all,
 };
 use serde_json::json;
 
+use crate::batch_replays;
 use crate::common::{
     OutArgs, PolicyArgs, ThreadArgs, VehicleArgs, interrupted, print, watch_for_interrupt,
 };
 use crate::failure::Failure;
 use crate::provenance::{Provenance, file_fingerprint};
+use crate::worst::Worst;
 
 /// Options of `fga batch`.
 #[derive(Args, Debug)]
@@ -39,6 +42,9 @@ pub(crate) struct BatchArgs {
     /// Write tracks.csv too: where the aircraft was, at most 0.1 s apart.
     #[arg(long)]
     tracks: bool,
+    /// Write replay pages of the N worst encounters: replay/<encounter>.html.
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    replay: usize,
     /// Master seed of the sensor noise of the vehicle file.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
@@ -145,6 +151,52 @@ impl Totals {
         self.median_ns.push(row.decision_median_ns);
         self.max_ns = self.max_ns.max(row.decision_max_ns);
     }
+
+    /// Decision times, microseconds: the median over encounters of the median, and the longest.
+    fn decision_us(&mut self) -> (f64, f64) {
+        let middle = self.median_ns.len() / 2;
+        self.median_ns.sort_unstable();
+        let median_ns = self.median_ns.get(middle).copied().unwrap_or_default();
+        (median_ns as f64 / 1000.0, self.max_ns as f64 / 1000.0)
+    }
+
+    /// What came of them, a line each.
+    fn in_words(&mut self, settings: &BatchSettings) -> Vec<String> {
+        let (median_us, max_us) = self.decision_us();
+        let mut lines = vec![
+            format!(
+                "{} encounters, policy {}, vehicle {}",
+                self.encounters,
+                settings.policy.name(),
+                settings.model.name
+            ),
+            format!(
+                "separated {} ({:.2} %), manoeuvred {}",
+                self.separated,
+                100.0 * self.separated as f64 / self.encounters as f64,
+                self.manoeuvred
+            ),
+        ];
+        if let Some((margin_m, encounter)) = self.least_margin_m {
+            lines.push(format!(
+                "least margin {margin_m:.2} m, in encounter {encounter}"
+            ));
+        }
+        if let (Some(cross_m), Some(extra_m)) = (
+            median(&mut self.cross_track_m),
+            median(&mut self.extra_path_m),
+        ) {
+            lines.push(format!(
+                "with a manoeuvre: median largest cross-track distance {cross_m:.1} m, median extra \
+                 path {extra_m:.1} m"
+            ));
+        }
+        lines.push(format!(
+            "decision time: median over encounters of the median {median_us:.2} us, longest \
+             {max_us:.1} us"
+        ));
+        lines
+    }
 }
 
 fn median(values: &mut [f64]) -> Option<f64> {
@@ -152,7 +204,8 @@ fn median(values: &mut [f64]) -> Option<f64> {
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// Flies the encounters and writes `results.csv`, `timing.csv`, `run.json`, `tracks.csv`.
+/// Flies the encounters and writes `results.csv`, `timing.csv`, `run.json`, `tracks.csv`
+/// and `replay/`.
 pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let provenance = Provenance::begin();
     let settings = BatchSettings {
@@ -168,17 +221,28 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
     watch_for_interrupt();
     let mut files = Files::create(folder, args.tracks)?;
     let mut totals = Totals::default();
+    let mut worst = Worst::new(args.replay);
+    let mut flown = encounters.iter();
+    let begun = Instant::now();
     args.threads.install(|| {
         fly_all(&encounters, &settings, |row| {
             if interrupted() {
                 return Err(Failure::Interrupted);
             }
             totals.take(row);
+            // Rows come in the order of the encounters.
+            if let Some(encounter) = flown.next() {
+                worst.take(row.outcome.min_margin_m, encounter);
+            }
             Ok(files.take(row)?)
         })
     })??;
+    let flown_s = begun.elapsed().as_secs_f64();
+    let shown: Vec<&Encounter> = worst.into_items().collect();
+    args.threads
+        .install(|| batch_replays::write(&files.folder, &shown, &settings))??;
     let folder = files.commit()?;
-    let flown_s = provenance.elapsed_s();
+    batch_replays::remove_others(&folder, &shown)?;
     let configuration = json!({
         "policy": settings.policy.name(),
         "vehicle": format!("{:?}", settings.model),
@@ -186,12 +250,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
         "seed": args.seed,
         "input_sha256": input_hash,
     });
-    totals.median_ns.sort_unstable();
-    let median_us = totals
-        .median_ns
-        .get(totals.median_ns.len() / 2)
-        .map_or(0.0, |ns| *ns as f64 / 1000.0);
-    let max_us = totals.max_ns as f64 / 1000.0;
+    let (median_us, max_us) = totals.decision_us();
     let document = provenance.to_json(
         "batch",
         &configuration,
@@ -210,38 +269,14 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
         }),
     );
     atomic::write(&folder.join("run.json"), format!("{document:#}\n"))?;
-    let mut lines = vec![
-        format!(
-            "{} encounters, policy {}, vehicle {}",
-            totals.encounters,
-            settings.policy.name(),
-            settings.model.name
-        ),
-        format!(
-            "separated {} ({:.2} %), manoeuvred {}",
-            totals.separated,
-            100.0 * totals.separated as f64 / totals.encounters as f64,
-            totals.manoeuvred
-        ),
-    ];
-    if let Some((margin_m, encounter)) = totals.least_margin_m {
+    let mut lines = totals.in_words(&settings);
+    if !shown.is_empty() {
         lines.push(format!(
-            "least margin {margin_m:.2} m, in encounter {encounter}"
+            "replay pages of the {} worst encounters; fga view {} lists them",
+            shown.len(),
+            folder.display()
         ));
     }
-    if let (Some(cross_m), Some(extra_m)) = (
-        median(&mut totals.cross_track_m),
-        median(&mut totals.extra_path_m),
-    ) {
-        lines.push(format!(
-            "with a manoeuvre: median largest cross-track distance {cross_m:.1} m, median extra \
-             path {extra_m:.1} m"
-        ));
-    }
-    lines.push(format!(
-        "decision time: median over encounters of the median {median_us:.2} us, longest \
-         {max_us:.1} us"
-    ));
     lines.push(format!(
         "{:.0} encounters a second; results in {}\n",
         totals.encounters as f64 / flown_s,

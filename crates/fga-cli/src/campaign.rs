@@ -18,7 +18,7 @@ use fga_sim::policy::PolicyChoice;
 use serde_json::{Value, json};
 
 use crate::campaign_summary::{in_words, write_summary};
-use crate::common::{OutArgs, ThreadArgs, interrupted, print, watch_for_interrupt};
+use crate::common::{OutArgs, OverlayArgs, ThreadArgs, interrupted, print, watch_for_interrupt};
 use crate::failure::Failure;
 use crate::provenance::Provenance;
 use crate::run::summary as run_summary;
@@ -98,6 +98,8 @@ struct ShowArgs {
     /// When a manoeuvre begins: t0, tc, latest, free or Cs=0.5.
     #[arg(long, value_name = "START", requires = "policy")]
     start: Option<String>,
+    #[command(flatten)]
+    overlay: OverlayArgs,
     /// Folder for the flight; without it out/<name of the folder>-<number>.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -322,6 +324,12 @@ fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
         (None, Some(first)) => *first,
         (None, None) => PolicyChoice::default(),
     };
+    let overlaid = args
+        .overlay
+        .choices(&policy)?
+        .iter()
+        .map(|policy| campaign.show(args.encounter, policy))
+        .collect::<Result<Vec<_>, _>>()?;
     let log = campaign.show(args.encounter, &policy)?;
     let folder = args.out.clone().unwrap_or_else(|| {
         let name = args.folder.file_name().unwrap_or("campaign".as_ref());
@@ -332,6 +340,7 @@ fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
         "campaign": manifest.configuration_hash,
         "encounter": args.encounter,
         "policy": log.policy,
+        "overlay": overlaid.iter().map(|log| log.policy.as_str()).collect::<Vec<_>>(),
     });
     let mut more = run_summary(&log);
     if let Some(more) = more.as_object_mut() {
@@ -340,8 +349,8 @@ fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
         more.insert("vehicle".into(), json!(log.plan.model.name));
     }
     let document = provenance.to_json("campaign show", &configuration, more);
-    run_files::write(&folder, &log, &document)?;
-    print(&crate::run::in_words(&log, &folder))?;
+    run_files::write(&folder, &log, &overlaid, &document)?;
+    print(&crate::run::in_words(&log, &overlaid, &folder))?;
     Ok(ExitCode::SUCCESS)
 }
 

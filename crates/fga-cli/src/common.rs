@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fga_formats::InputError;
+use fga_sim::campaign::parse_policy;
 use fga_sim::policy::{POLICY_NAMES, PolicyChoice};
 use fga_sim::vehicle_file::VehicleModel;
 
@@ -28,6 +29,34 @@ impl PolicyArgs {
     pub(crate) fn choice(&self) -> Result<PolicyChoice, Failure> {
         debug_assert!(POLICY_NAMES.contains("turn-aware"));
         PolicyChoice::parse(&self.policy, self.start.as_deref()).map_err(Failure::Input)
+    }
+}
+
+/// What else the replay page shows.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct OverlayArgs {
+    /// Policies to fly too, laid over the replay page, as in "none,published --start t0".
+    #[arg(long, value_name = "POLICIES", value_delimiter = ',')]
+    overlay: Vec<String>,
+}
+
+impl OverlayArgs {
+    /// The policies to lay over that of `flown`.
+    pub(crate) fn choices(&self, flown: &PolicyChoice) -> Result<Vec<PolicyChoice>, Failure> {
+        let mut names = vec![flown.name()];
+        let mut choices = Vec::new();
+        for text in &self.overlay {
+            let choice = parse_policy(text).map_err(Failure::Input)?;
+            let name = choice.name();
+            if names.contains(&name) {
+                let message =
+                    format!("--overlay {name}: is flown already, expected another policy");
+                return Err(Failure::Input(message));
+            }
+            names.push(name);
+            choices.push(choice);
+        }
+        Ok(choices)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The command line of fga: one file per command, each an adapter from files to the libraries.
 
 mod batch;
+mod batch_replays;
 mod campaign;
 mod campaign_summary;
 mod common;
@@ -21,6 +22,7 @@ mod run_files;
 #[cfg(feature = "fly")]
 mod traffic;
 mod view;
+mod worst;
 
 extern crate alloc;
 

@@ -5,8 +5,8 @@ use fga::avoider::State;
 use fga::maneuver::{FlightPath, Flyer, Hazard, Maneuver, MotionState, Status, certify_all};
 use fga::situation::{Obstacle, Ownship};
 use fga_report::replay::{
-    ReplayDecision, ReplayEvent, ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind,
-    ReplayPiece, ReplayRun, ReplaySample,
+    Replay, ReplayDecision, ReplayEvent, ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind,
+    ReplayPiece, ReplayRun, ReplaySample, render,
 };
 use fga_sim::run::{DecisionLog, ObstacleOutcome, Plan, RunLog};
 use fga_sim::track::Track;
@@ -25,9 +25,20 @@ const FAN_DEG: [f64; 11] = [
     120.0, 90.0, 60.0, 40.0, 20.0, 0.0, -20.0, -40.0, -60.0, -90.0, -120.0,
 ];
 
+/// The page of an encounter: its flights, one over the other; the first one is in focus.
+pub(crate) fn page<'a>(logs: impl IntoIterator<Item = &'a RunLog>) -> String {
+    let mut logs = logs.into_iter().peekable();
+    render(&Replay {
+        title: logs
+            .peek()
+            .map_or_else(String::new, |log| log.plan.name.clone()),
+        runs: logs.map(replay_run).collect(),
+    })
+}
+
 /// The flight as the page shows it, named after its policy. How long the decisions took stands in
 /// `run.json`: the page is the same every time, and live pages show it.
-pub(crate) fn replay_run(log: &RunLog) -> ReplayRun {
+fn replay_run(log: &RunLog) -> ReplayRun {
     let mut drawer = Drawer::new(&log.plan);
     let least = log
         .obstacles

@@ -11,7 +11,7 @@ use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, RunLog, fly};
 use serde_json::{Value, json};
 
-use crate::common::{OutArgs, PolicyArgs, ThreadArgs, VehicleArgs, print};
+use crate::common::{OutArgs, OverlayArgs, PolicyArgs, ThreadArgs, VehicleArgs, print};
 use crate::failure::Failure;
 use crate::live::LiveView;
 use crate::provenance::{Provenance, file_fingerprint};
@@ -29,6 +29,8 @@ pub(crate) struct RunArgs {
     policy: PolicyArgs,
     #[command(flatten)]
     vehicle: VehicleArgs,
+    #[command(flatten)]
+    overlay: OverlayArgs,
     #[command(flatten)]
     out: OutArgs,
     #[command(flatten)]
@@ -55,9 +57,14 @@ fn factor(text: &str) -> Result<f64, String> {
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let provenance = Provenance::begin();
     let policy = args.policy.choice()?;
+    let overlay = args.overlay.choices(&policy)?;
     let plan = Plan::read(&args.file, args.vehicle.given()?)?;
     let input_hash = file_fingerprint(&args.file)?;
     let folder = args.out.prepare(&args.file)?;
+    let overlaid = overlay
+        .iter()
+        .map(|policy| fly(plan.clone(), policy, &mut |_| ()))
+        .collect::<Result<Vec<_>, _>>()?;
     let log = if args.live {
         let mut live = begin_live(&plan, &policy, args.speed)?;
         let log = fly(plan, &policy, &mut |moment| live.show(moment))?;
@@ -66,12 +73,15 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     } else {
         fly(plan, &policy, &mut |_| ())?
     };
-    let configuration = json!({
+    let mut configuration = json!({
         "policy": log.policy,
         "vehicle": format!("{:?}", log.plan.model),
         "seed": log.plan.world.seed,
         "input_sha256": input_hash,
     });
+    if !overlaid.is_empty() {
+        configuration["overlay"] = overlaid.iter().map(|log| log.policy.as_str()).collect();
+    }
     let summary = summary(&log);
     let mut more = summary.clone();
     if let Some(more) = more.as_object_mut() {
@@ -80,11 +90,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         more.insert("vehicle".into(), json!(log.plan.model.name));
     }
     let document = provenance.to_json("run", &configuration, more);
-    run_files::write(&folder, &log, &document)?;
+    run_files::write(&folder, &log, &overlaid, &document)?;
     if args.json {
         print(&format!("{summary:#}\n"))?;
     } else {
-        print(&in_words(&log, &folder))?;
+        print(&in_words(&log, &overlaid, &folder))?;
     }
     Ok(if log.outcome.separated() {
         ExitCode::SUCCESS
@@ -153,15 +163,16 @@ pub(crate) fn summary(log: &RunLog) -> Value {
     })
 }
 
-/// The summary in words.
-pub(crate) fn in_words(log: &RunLog, folder: &Path) -> String {
+/// The summary in words, with a line for each flight laid over it.
+pub(crate) fn in_words(log: &RunLog, overlaid: &[RunLog], folder: &Path) -> String {
     let mut text = String::new();
     // Writing to a string does not fail.
-    let _ = describe(&mut text, log, folder);
+    let _ = describe(&mut text, log, overlaid);
+    let _ = writeln!(text, "results in {}", folder.display());
     text
 }
 
-fn describe(text: &mut String, log: &RunLog, folder: &Path) -> core::fmt::Result {
+fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::Result {
     let outcome = &log.outcome;
     writeln!(
         text,
@@ -244,5 +255,18 @@ fn describe(text: &mut String, log: &RunLog, folder: &Path) -> core::fmt::Result
         times.max_us,
         log.decisions.len()
     )?;
-    writeln!(text, "results in {}", folder.display())
+    for log in overlaid {
+        let least_m = log.outcome.min_margin_m;
+        writeln!(
+            text,
+            "laid over the replay page: {}{}",
+            log.policy,
+            if least_m.is_finite() {
+                format!(", least margin {least_m:.2} m")
+            } else {
+                String::new()
+            }
+        )?;
+    }
+    Ok(())
 }

@@ -7,27 +7,31 @@ use fga_formats::OutputError;
 use fga_formats::atomic;
 use fga_formats::number::push_fixed;
 use fga_report::overview::{self, Closest, Moment, MomentKind, Overview};
-use fga_report::replay::{Replay, render};
 use fga_sim::run::{DecisionLog, RunLog};
 use fga_sim::track::Track;
 use fga_sim::words::{decision_words, reason_key};
 use serde_json::{Value, json};
 
 use crate::flight_file;
-use crate::replay_page::replay_run;
+use crate::replay_page;
 
-/// Writes the files of a flight into `folder`.
-pub(crate) fn write(folder: &Path, log: &RunLog, document: &Value) -> Result<(), OutputError> {
+/// Writes the files of a flight into `folder`. The replay page also holds `overlaid`, the same
+/// encounter under other policies.
+pub(crate) fn write(
+    folder: &Path,
+    log: &RunLog,
+    overlaid: &[RunLog],
+    document: &Value,
+) -> Result<(), OutputError> {
     atomic::write(&folder.join("track.csv"), track_csv(log))?;
     let events = events(log);
     atomic::write(&folder.join("events.jsonl"), events_jsonl(&events))?;
     flight_file::write(folder, log, &events)?;
     atomic::write(&folder.join("overview.svg"), overview(log).to_svg())?;
-    let replay = Replay {
-        title: log.plan.name.clone(),
-        runs: vec![replay_run(log)],
-    };
-    atomic::write(&folder.join("replay.html"), render(&replay))?;
+    atomic::write(
+        &folder.join("replay.html"),
+        replay_page::page(core::iter::once(log).chain(overlaid)),
+    )?;
     atomic::write(&folder.join("run.json"), format!("{document:#}\n"))
 }
 

@@ -7,7 +7,7 @@ use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 
 use support::{errors, fga_in};
 
@@ -77,6 +77,146 @@ fn the_page_of_a_run_says_what_was_decided() {
     assert_eq!(back["paths"][0]["kind"], 3, "the way back");
 }
 
+/// Names of the runs of a page, and how much each one flew.
+fn runs(page: &str) -> Vec<(String, usize)> {
+    let data = data(page);
+    let runs = data["runs"].as_array().unwrap().iter();
+    runs.map(|run| {
+        let name = run["name"].as_str().unwrap().to_owned();
+        (name, run["samples"]["t"].as_str().unwrap().len())
+    })
+    .collect()
+}
+
+#[test]
+fn policies_are_laid_over_the_page_of_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    scenario(folder.path());
+    let overlay = "published --start t0, none";
+    let arguments = ["run", "mast.toml", "--overlay", overlay, "--out", "out"];
+    let output = fga_in(folder.path(), &arguments);
+    assert!(
+        output.status.success(),
+        "the flown policy says what came of it"
+    );
+    let page = fs::read_to_string(folder.path().join("out/replay.html")).unwrap();
+    let runs = runs(&page);
+    let names: Vec<&str> = runs.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["turn-aware", "published --start t0", "none"]);
+    assert!(runs.iter().all(|(_, bytes)| *bytes > 100));
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        told.contains("laid over the replay page: none, least margin -2"),
+        "{told}"
+    );
+    // Nothing else of the run changes.
+    let alone = fga_in(folder.path(), &["run", "mast.toml", "--out", "alone"]);
+    assert!(alone.status.success());
+    for file in ["track.csv", "events.jsonl", "overview.svg", "flight.json"] {
+        let read = |out: &str| fs::read(folder.path().join(out).join(file)).unwrap();
+        assert!(read("out") == read("alone"), "{file}");
+    }
+    for (overlay, complaint) in [
+        ("turn-aware", "--overlay turn-aware: is flown already"),
+        ("none,none", "--overlay none: is flown already"),
+        ("nobody", "unknown policy"),
+    ] {
+        let output = fga_in(folder.path(), &["run", "mast.toml", "--overlay", overlay]);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(errors(&output).contains(complaint), "{}", errors(&output));
+        assert_eq!(errors(&output).lines().count(), 1);
+    }
+}
+
+/// Encounters of one obstacle each that comes head-on, `aside_m` off the line.
+fn head_on(aside_m: &[f64]) -> String {
+    let rows = (10..).zip(aside_m);
+    let rows = rows.map(|(number, aside_m)| format!("{number},1,600,{aside_m},0,-10,0,0,30"));
+    let columns = "encounter,obstacle,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,radius_m";
+    let lines: Vec<String> = core::iter::once(columns.to_owned()).chain(rows).collect();
+    lines.join("\n") + "\n"
+}
+
+fn pages(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_batch_shows_its_worst_encounters() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(at.join("e.csv"), head_on(&[25.0, 60.0, 5.0, 29.0, 200.0])).unwrap();
+    let batch = |more: &[&str]| {
+        let arguments = ["batch", "e.csv", "--policy", "none", "--out", "runs/b"];
+        let output = fga_in(at, &[&arguments, more].concat());
+        assert!(output.status.success(), "{}", errors(&output));
+    };
+    batch(&["--tracks", "--replay", "2"]);
+    // Encounter 12 is entered by 25 m, encounter 10 by 5 m.
+    assert_eq!(pages(&at.join("runs/b/replay")), ["10.html", "12.html"]);
+    let page = fs::read_to_string(at.join("runs/b/replay/12.html")).unwrap();
+    assert_eq!(data(&page)["title"], "encounter 12");
+    let margin_m = data(&page)["runs"][0]["outcome"]["margin"]
+        .as_f64()
+        .unwrap();
+    let results = fs::read_to_string(at.join("runs/b/results.csv")).unwrap();
+    let row = results
+        .lines()
+        .find(|line| line.starts_with("12,"))
+        .unwrap();
+    let written: f64 = row.split(',').nth(3).unwrap().parse().unwrap();
+    assert!((margin_m - written).abs() < 1e-6 && (margin_m + 25.0).abs() < 1e-6);
+    let before = fs::read(at.join("runs/b/replay/12.html")).unwrap();
+    // Pages of results that are no longer there do not stay.
+    batch(&["--replay", "1", "--threads", "1"]);
+    assert_eq!(pages(&at.join("runs/b/replay")), ["12.html"]);
+    assert!(fs::read(at.join("runs/b/replay/12.html")).unwrap() == before);
+    let mut server = serve(at, "runs");
+    let table = get(&server.address, "/");
+    assert!(table.contains("/replay/b/replay/12.html"), "{table}");
+    let page = get(&server.address, "/replay/b/replay/12.html");
+    assert!(page.contains("\"title\":\"encounter 12\""));
+    server.stop();
+    batch(&["--replay", "9"]);
+    assert_eq!(pages(&at.join("runs/b/replay")).len(), 5);
+    batch(&[]);
+    assert!(pages(&at.join("runs/b/replay")).is_empty());
+}
+
+/// `fga view` on a free port.
+struct Viewed {
+    process: Child,
+    address: String,
+}
+
+fn serve(folder: &Path, path: &str) -> Viewed {
+    let mut process = Command::new(env!("CARGO_BIN_EXE_fga"))
+        .current_dir(folder)
+        .args(["view", path, "--listen", "127.0.0.1:0"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut address = String::new();
+    let stdout = process.stdout.take().unwrap();
+    BufReader::new(stdout).read_line(&mut address).unwrap();
+    Viewed {
+        process,
+        address: address.trim().to_owned(),
+    }
+}
+
+impl Viewed {
+    fn stop(&mut self) {
+        self.process.kill().unwrap();
+        self.process.wait().unwrap();
+    }
+}
+
 #[test]
 fn a_folder_of_runs_is_served() {
     let folder = tempfile::tempdir().unwrap();
@@ -88,23 +228,14 @@ fn a_folder_of_runs_is_served() {
             &["run", "mast.toml", "--policy", policy, "--out", &out],
         );
     }
-    let mut server = Command::new(env!("CARGO_BIN_EXE_fga"))
-        .current_dir(folder.path())
-        .args(["view", "runs", "--listen", "127.0.0.1:0"])
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut address = String::new();
-    let stdout = server.stdout.take().unwrap();
-    BufReader::new(stdout).read_line(&mut address).unwrap();
-    let table = get(address.trim(), "/");
+    let mut server = serve(folder.path(), "runs");
+    let table = get(&server.address, "/");
     assert!(table.contains("/replay/none/replay.html"), "{table}");
     assert!(table.contains("\"separated\":false"));
-    let page = get(address.trim(), "/replay/turn-aware/replay.html");
+    let page = get(&server.address, "/replay/turn-aware/replay.html");
     assert!(page.contains("id=\"data\""));
-    assert!(get(address.trim(), "/replay/../mast.toml").starts_with("HTTP/1.1 404"));
-    server.kill().unwrap();
-    server.wait().unwrap();
+    assert!(get(&server.address, "/replay/../mast.toml").starts_with("HTTP/1.1 404"));
+    server.stop();
 }
 
 #[test]

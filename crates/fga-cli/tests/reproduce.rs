@@ -35,8 +35,20 @@ fn the_report_is_whole_and_opens_offline() {
         "fig-14-15.csv",
         "tables-5-6.csv",
         "run.json",
+        "fig-16-replay.html",
+        "fig-17-replay.html",
+        "sfo-replay.html",
     ] {
         assert!(folder.path().join("r/data").join(file).exists(), "{file}");
+    }
+    // The flights of a figure are one page, which the report links to.
+    assert!(page.contains("href=\"data/fig-17-replay.html\""));
+    let replay = fs::read_to_string(folder.path().join("r/data/fig-17-replay.html")).unwrap();
+    for policy in ["published --start t0", "published --start tc", "turn-aware"] {
+        assert!(
+            replay.contains(&format!("\"name\":\"{policy}\"")),
+            "{policy}"
+        );
     }
     // Every point has all four series, and no share is outside its interval.
     let csv = fs::read_to_string(folder.path().join("r/data/fig-14-15.csv")).unwrap();

@@ -20,6 +20,7 @@ use fga::situation::ProtectedVolume;
 
 use crate::engine::{Engine, Observer, Outcome, Sample};
 use crate::policy::PolicyChoice;
+use crate::run::{Plan, RunLog, fly};
 use crate::track::Track;
 use crate::vehicle_file::VehicleModel;
 use crate::world::{Ending, StartState, World, WorldObstacle};
@@ -225,6 +226,40 @@ pub fn fly_one(
         decisions,
         track_rows: rows.rows,
     })
+}
+
+/// An encounter as a plan for [`show`], in the world that [`empty_world`] gave.
+pub fn plan(mut world: World, encounter: &Encounter, model: &VehicleModel) -> Plan {
+    populate(&mut world, encounter, &model.protection);
+    Plan {
+        name: format!("encounter {}", encounter.id),
+        description: String::new(),
+        names: encounter
+            .obstacles
+            .iter()
+            .map(|obstacle| format!("obstacle {}", obstacle.id))
+            .collect(),
+        frame: None,
+        time_offset_s: 0.0,
+        model: model.clone(),
+        world,
+    }
+}
+
+/// Flies the plan of an encounter exactly as [`fly_all`] does and logs everything.
+///
+/// # Errors
+/// Settings or limits that the core refuses.
+pub fn show(plan: Plan, policy: &PolicyChoice) -> Result<RunLog, SettingsError> {
+    let mut log = fly(plan, policy, &mut |_| ())?;
+    // The line goes on for ever; shown is what was flown of it and a little more.
+    let farthest_m = log
+        .samples
+        .iter()
+        .map(|sample| sample.position_m.x)
+        .fold(100.0, f64::max);
+    log.plan.world.mission_m = vec![Vec3::ZERO, Vec3::X * (farthest_m * 1.1)];
+    Ok(log)
 }
 
 /// Collects the rows of `tracks.csv`.

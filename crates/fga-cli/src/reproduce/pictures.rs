@@ -12,6 +12,7 @@ use fga_sim::vehicle_file::VehicleModel;
 
 use super::{Setting, next};
 use crate::failure::Failure;
+use crate::replay_page;
 use crate::run_files::overview;
 
 const RASCAL: &str = include_str!("../../../../vehicles/rascal-110.toml");
@@ -105,6 +106,13 @@ fn section(case: &Case, setting: &Setting<'_>, paper: &VehicleModel) -> Result<S
             rows,
         }),
     );
+    let file = format!("{}-replay.html", case.name);
+    let page = replay_page::page(flown.iter().map(|(_, log)| log));
+    atomic::write(&setting.data.join(&file), page)?;
+    blocks.push(Block::Files(vec![(
+        format!("data/{file}"),
+        "the flights one over the other, to look at in a browser".into(),
+    )]));
     blocks.push(Block::Reading(reading(case, &flown)));
     Ok(Section {
         title: case.title.into(),

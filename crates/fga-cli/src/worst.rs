@@ -1,0 +1,67 @@
+//! The worst of many results: those with the least margin, the first of equals first.
+
+/// Keeps the few with the least margin of any number, in the memory of the few.
+#[derive(Debug)]
+pub(crate) struct Worst<T> {
+    most: usize,
+    kept: Vec<(f64, u64, T)>,
+    seen: u64,
+}
+
+impl<T> Worst<T> {
+    /// Keeps at most so many.
+    pub(crate) const fn new(most: usize) -> Self {
+        Self {
+            most,
+            kept: Vec::new(),
+            seen: 0,
+        }
+    }
+
+    /// Takes one more.
+    pub(crate) fn take(&mut self, margin_m: f64, item: T) {
+        self.kept.push((margin_m, self.seen, item));
+        self.seen += 1;
+        if self.kept.len() >= 2 * self.most.max(512) {
+            self.cut();
+        }
+    }
+
+    /// Those kept, the worst one first.
+    pub(crate) fn into_items(mut self) -> impl Iterator<Item = T> {
+        self.cut();
+        self.kept.into_iter().map(|(_, _, item)| item)
+    }
+
+    fn cut(&mut self) {
+        self.kept
+            .sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        self.kept.truncate(self.most);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_margins_stay_in_order() {
+        let mut worst = Worst::new(3);
+        for number in 0..5_000_u32 {
+            // A permutation: 1237 and 5000 have no common factor.
+            let place = number * 1237 % 5000;
+            worst.take(f64::from(place / 2), place);
+        }
+        let kept: Vec<u32> = worst.into_items().collect();
+        assert_eq!(kept.len(), 3);
+        assert_eq!(kept[2] / 2, 1);
+        assert!(kept[..2].contains(&0) && kept[..2].contains(&1));
+    }
+
+    #[test]
+    fn none_are_kept_where_none_are_asked_for() {
+        let mut worst = Worst::new(0);
+        worst.take(-1.0, ());
+        assert_eq!(worst.into_items().count(), 0);
+    }
+}
