@@ -2,8 +2,10 @@
 
 interface Row {
   name: string;
+  source: string;
   policy: string;
   separated: boolean | null;
+  avoidable: boolean | null;
   min_margin_m: number | null;
   max_cross_track_m: number | null;
   extra_path_m: number | null;
@@ -18,25 +20,38 @@ interface Column {
   number: boolean;
   key(row: Row): string | number | null;
   text(row: Row): string;
+  bad?(row: Row): boolean;
 }
 
 const metres = (value: number | null) => (value === null ? "" : value.toFixed(2).replace("-", "−"));
 
-const COLUMNS: Column[] = [
-  { title: "Run", number: false, key: (r) => r.name, text: (r) => r.name },
+const lost = (row: Row) => row.separated === false;
+
+const RUN: Column = { title: "Run", number: false, key: (r) => r.name, text: (r) => r.name };
+const OUTCOME: Column = {
+  title: "Outcome",
+  number: false,
+  // Lost ones come first in rising order.
+  key: (r) => (r.separated === null ? 2 : Number(r.separated)),
+  text: (r) => (r.separated === null ? "unknown" : r.separated ? "kept" : "lost"),
+  bad: lost,
+};
+const EVERY_COLUMN: Column[] = [
+  RUN,
   { title: "Policy", number: false, key: (r) => r.policy, text: (r) => r.policy },
+  OUTCOME,
   {
-    title: "Outcome",
+    title: "Avoidable",
     number: false,
-    // Lost ones come first in rising order.
-    key: (r) => (r.separated === null ? 2 : Number(r.separated)),
-    text: (r) => (r.separated === null ? "unknown" : r.separated ? "kept" : "lost"),
+    key: (r) => (r.avoidable === null ? null : Number(!r.avoidable)),
+    text: (r) => (r.avoidable === null ? "" : r.avoidable ? "yes" : "no"),
   },
   {
     title: "Least margin, m",
     number: true,
     key: (r) => r.min_margin_m,
     text: (r) => metres(r.min_margin_m),
+    bad: lost,
   },
   {
     title: "Cross-track, m",
@@ -50,18 +65,22 @@ const COLUMNS: Column[] = [
     key: (r) => r.extra_path_m,
     text: (r) => metres(r.extra_path_m),
   },
+  { title: "Drawn from", number: false, key: (r) => r.source, text: (r) => r.source },
 ];
-const OUTCOME = 2;
-const MARGIN = 3;
 
 const $ = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
-const data = JSON.parse($("data").textContent ?? "") as { title: string; rows: Row[] };
-let column = OUTCOME;
+const data = JSON.parse($("data").textContent ?? "") as {
+  title: string;
+  note: string;
+  rows: Row[];
+};
+const columns = EVERY_COLUMN.filter((c) => c === RUN || data.rows.some((row) => c.text(row) !== ""));
+let by = OUTCOME;
 let rising = true;
 
 const order = new Intl.Collator(undefined, { numeric: true });
 
-function compare(a: Row, b: Row, by: Column): number {
+function compare(a: Row, b: Row): number {
   const x = by.key(a);
   const y = by.key(b);
   if (x === null || y === null) return Number(x === null) - Number(y === null);
@@ -71,28 +90,28 @@ function compare(a: Row, b: Row, by: Column): number {
 
 function draw(): void {
   const words = $<HTMLInputElement>("filter").value.toLowerCase().split(/\s+/).filter(Boolean);
-  const lost = $<HTMLInputElement>("lost").checked;
+  const lostOnly = $<HTMLInputElement>("lost").checked;
   const linked = $<HTMLInputElement>("with").checked;
   const rows = data.rows.filter((row) => {
-    if (lost && row.separated !== false) return false;
+    if (lostOnly && !lost(row)) return false;
     if (linked && row.link === null) return false;
-    const text = `${row.name} ${row.policy}`.toLowerCase();
+    const text = `${row.name} ${row.policy} ${row.source}`.toLowerCase();
     return words.every((word) => text.includes(word));
   });
-  const by = COLUMNS[column]!;
-  rows.sort((a, b) => compare(a, b, by) || (a.min_margin_m ?? 1e9) - (b.min_margin_m ?? 1e9));
+  rows.sort((a, b) => compare(a, b) || (a.min_margin_m ?? 1e9) - (b.min_margin_m ?? 1e9));
   const head = document.querySelector("thead tr")!;
   head.replaceChildren(
-    ...COLUMNS.map(({ title, number }, i) => {
+    ...columns.map((column) => {
+      const { title, number } = column;
       const cell = document.createElement("th");
       cell.className = number ? "number" : "";
       const button = document.createElement("button");
       button.type = "button";
-      button.textContent = i === column ? `${title} ${rising ? "▲" : "▼"}` : title;
-      if (i === column) cell.setAttribute("aria-sort", rising ? "ascending" : "descending");
+      button.textContent = column === by ? `${title} ${rising ? "▲" : "▼"}` : title;
+      if (column === by) cell.setAttribute("aria-sort", rising ? "ascending" : "descending");
       button.addEventListener("click", () => {
-        rising = i === column ? !rising : true;
-        column = i;
+        rising = column === by ? !rising : true;
+        by = column;
         draw();
       });
       cell.append(button);
@@ -102,28 +121,30 @@ function draw(): void {
   document.querySelector("tbody")!.replaceChildren(
     ...rows.slice(0, SHOWN).map((row) => {
       const line = document.createElement("tr");
-      COLUMNS.forEach(({ number, text }, i) => {
+      for (const column of columns) {
         const cell = document.createElement("td");
-        cell.className = number ? "number" : i === 0 ? "name" : "";
-        if ((i === OUTCOME || i === MARGIN) && row.separated === false) cell.classList.add("bad");
-        if (i === 0 && row.link !== null) {
+        cell.className = column.number ? "number" : column === RUN ? "name" : "";
+        if (column.bad?.(row)) cell.classList.add("bad");
+        if (column === RUN && row.link !== null) {
           const link = document.createElement("a");
           link.href = row.link;
-          link.textContent = text(row);
+          link.textContent = column.text(row);
           cell.append(link);
-        } else cell.textContent = text(row);
+        } else cell.textContent = column.text(row);
         line.append(cell);
-      });
+      }
       return line;
     }),
   );
   const all = data.rows.length;
-  const lostOnes = rows.filter((row) => row.separated === false).length;
+  const lostOnes = rows.filter(lost).length;
   const shown = rows.length > SHOWN ? `first ${SHOWN} of ` : "";
   $("count").textContent = `${shown}${rows.length} of ${all} runs, ${lostOnes} lost`;
 }
 
 $("title").textContent = data.title;
+$("note").textContent = data.note;
+$("note").hidden = data.note === "";
 const dark = matchMedia("(prefers-color-scheme: dark)").matches;
 document.documentElement.classList.toggle("dark", dark);
 $("theme").addEventListener("click", () => document.documentElement.classList.toggle("dark"));

@@ -3,6 +3,7 @@
 mod batch;
 mod batch_replays;
 mod campaign;
+mod campaign_catalogue;
 mod campaign_summary;
 mod common;
 mod export;
@@ -55,7 +56,7 @@ enum Command {
     Reproduce(reproduce::ReproduceArgs),
     /// Write a run as a file for Google Earth, Cesium, maps or Foxglove, or play it to FlightGear.
     Export(export::ExportArgs),
-    /// Show a folder of runs in the browser.
+    /// Show a folder of runs, or a campaign, in the browser.
     View(view::ViewArgs),
     /// Fly avoiding manoeuvres on an ArduPlane vehicle over MAVLink.
     #[cfg(feature = "fly")]

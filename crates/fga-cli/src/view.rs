@@ -1,4 +1,4 @@
-//! `fga view`: a folder of runs in the browser.
+//! `fga view`: a folder of runs, or a campaign, in the browser.
 
 use core::net::SocketAddr;
 use std::path::PathBuf;
@@ -7,13 +7,14 @@ use std::process::ExitCode;
 use clap::Args;
 use fga_view::{Folder, Server};
 
+use crate::campaign_catalogue::CampaignCatalogue;
 use crate::common::print;
 use crate::failure::Failure;
 
 /// Options of `fga view`.
 #[derive(Args, Debug)]
 pub(crate) struct ViewArgs {
-    /// A folder of runs, of batches, or of a single run.
+    /// A folder of runs, of batches, of a single run, or of a campaign.
     path: PathBuf,
     /// Address to answer on; port 0 takes a free one.
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8787")]
@@ -22,9 +23,13 @@ pub(crate) struct ViewArgs {
 
 /// Serves the folder until the program is ended.
 pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode, Failure> {
-    let folder = Folder::open(&args.path)
-        .map_err(|error| Failure::Input(format!("{}: {error}", args.path.display())))?;
-    let server = Server::catalogue(args.listen, folder)
+    let unusable = |error| Failure::Input(format!("{}: {error}", args.path.display()));
+    let folder = Folder::open(&args.path).map_err(unusable)?;
+    let server = match CampaignCatalogue::open(&args.path)? {
+        Some(campaign) => Server::catalogue(args.listen, campaign),
+        None => Server::catalogue(args.listen, folder),
+    };
+    let server = server
         .map_err(|error| Failure::Input(format!("cannot answer on {}: {error}", args.listen)))?;
     print(&format!("http://{}/\n", server.address()))?;
     server.wait();

@@ -176,12 +176,12 @@ fn a_batch_shows_its_worst_encounters() {
     batch(&["--replay", "1", "--threads", "1"]);
     assert_eq!(pages(&at.join("runs/b/replay")), ["12.html"]);
     assert!(fs::read(at.join("runs/b/replay/12.html")).unwrap() == before);
-    let mut server = serve(at, "runs");
+    let server = serve(at, "runs");
     let table = get(&server.address, "/");
     assert!(table.contains("/replay/b/replay/12.html"), "{table}");
     let page = get(&server.address, "/replay/b/replay/12.html");
     assert!(page.contains("\"title\":\"encounter 12\""));
-    server.stop();
+    drop(server);
     batch(&["--replay", "9"]);
     assert_eq!(pages(&at.join("runs/b/replay")).len(), 5);
     batch(&[]);
@@ -210,8 +210,8 @@ fn serve(folder: &Path, path: &str) -> Viewed {
     }
 }
 
-impl Viewed {
-    fn stop(&mut self) {
+impl Drop for Viewed {
+    fn drop(&mut self) {
         self.process.kill().unwrap();
         self.process.wait().unwrap();
     }
@@ -228,14 +228,117 @@ fn a_folder_of_runs_is_served() {
             &["run", "mast.toml", "--policy", policy, "--out", &out],
         );
     }
-    let mut server = serve(folder.path(), "runs");
+    let server = serve(folder.path(), "runs");
     let table = get(&server.address, "/");
     assert!(table.contains("/replay/none/replay.html"), "{table}");
     assert!(table.contains("\"separated\":false"));
     let page = get(&server.address, "/replay/turn-aware/replay.html");
     assert!(page.contains("id=\"data\""));
     assert!(get(&server.address, "/replay/../mast.toml").starts_with("HTTP/1.1 404"));
-    server.stop();
+    drop(server);
+}
+
+/// A campaign flown into `runs/<name>`.
+fn campaign(folder: &Path, name: &str, encounters: u32, policies: &str) {
+    let text = format!(
+        "name = \"{name}\"\nencounters = {encounters}\nseeds = [3]\npolicies = {policies}\n\
+         horizon_s = 20\n[[grid]]\nfamily = \"threats\"\ncount = [1, 2]\n\
+         first_seen_m = [300]\nspeed_mps = [[15, 30]]\n"
+    );
+    let file = format!("{name}.toml");
+    fs::write(folder.join(&file), text).unwrap();
+    let out = format!("runs/{name}");
+    let output = fga_in(folder, &["campaign", "run", &file, "--out", &out]);
+    assert!(output.status.success(), "{}", errors(&output));
+}
+
+#[test]
+fn a_campaign_is_listed_and_its_encounters_are_flown_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    campaign(at, "two", 40, r#"["published --start t0", "none"]"#);
+    let server = serve(at, "runs/two");
+    let listing = data(&get(&server.address, "/"));
+    assert_eq!(listing["title"], "Campaign two");
+    let note = listing["note"].as_str().unwrap();
+    assert!(
+        note.starts_with("40 of 40 encounters flown, each by 2 policies."),
+        "{note}"
+    );
+    let rows = listing["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 80);
+    assert!(rows[0]["source"].as_str().unwrap().contains("threats"));
+    let lost = rows
+        .iter()
+        .find(|row| row["policy"] == "none" && row["separated"] == false)
+        .unwrap();
+    let link = lost["link"].as_str().unwrap();
+    let number = lost["name"].as_str().unwrap();
+    let page = get(&server.address, link);
+    let seen = runs(&page);
+    assert_eq!(
+        (seen[0].0.as_str(), seen[1].0.as_str()),
+        ("none", "published --start t0")
+    );
+    let margin = |page: &str| data(page)["runs"][0]["outcome"]["margin"].as_f64().unwrap();
+    assert!((margin(&page) - lost["min_margin_m"].as_f64().unwrap()).abs() < 2e-6);
+    // The same page as on the command line.
+    let show = [
+        "campaign",
+        "show",
+        "runs/two",
+        "--encounter",
+        number,
+        "--policy",
+        "none",
+    ];
+    let more = ["--overlay", "published --start t0", "--out", "shown"];
+    let output = fga_in(at, &[&show[..], &more].concat());
+    assert!(output.status.success(), "{}", errors(&output));
+    let shown = fs::read_to_string(at.join("shown/replay.html")).unwrap();
+    assert_eq!(data(&shown), data(&page));
+    for key in ["40/0", "0/2", "0", "0/0/0", "-1/0", "campaign.json"] {
+        let answer = get(&server.address, &format!("/replay/{key}"));
+        assert!(answer.starts_with("HTTP/1.1 404"), "{key}: {answer}");
+    }
+    drop(server);
+}
+
+#[test]
+fn of_a_large_campaign_the_worst_are_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    campaign(at, "large", 5_100, r#"["none"]"#);
+    let server = serve(at, "runs/large");
+    let listing = data(&get(&server.address, "/"));
+    drop(server);
+    let note = listing["note"].as_str().unwrap();
+    let told = "Of 5100 flights the 5000 with the least margin are listed, 5000 of each policy.";
+    assert!(note.contains(told), "{note}");
+    let rows = listing["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 5_000);
+    let margins = |index: usize| rows[index]["min_margin_m"].as_f64().unwrap();
+    assert!((1..rows.len()).all(|index| margins(index - 1) <= margins(index)));
+    // Not complete: what is flown is listed.
+    fs::remove_file(at.join("runs/large/results.parquet")).unwrap();
+    let server = serve(at, "runs/large");
+    let listing = data(&get(&server.address, "/"));
+    drop(server);
+    assert!(
+        listing["note"]
+            .as_str()
+            .unwrap()
+            .starts_with("0 of 5100 encounters flown")
+    );
+    // Damaged: one sentence.
+    fs::write(at.join("runs/large/results.parquet"), "no table").unwrap();
+    let output = fga_in(at, &["view", "runs/large", "--listen", "127.0.0.1:0"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        errors(&output).contains("results.parquet: cannot be used"),
+        "{}",
+        errors(&output)
+    );
 }
 
 #[test]

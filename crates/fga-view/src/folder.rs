@@ -2,7 +2,7 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use fga_report::listing::ListingRow;
+use fga_report::listing::{Listing, ListingRow};
 use serde_json::Value;
 
 use crate::Catalogue;
@@ -38,7 +38,9 @@ impl Folder {
         if let Ok(text) = fs::read_to_string(folder.join("run.json")) {
             // A folder of other people's files may hold anything: what does not parse is no run.
             let document: Value = serde_json::from_str(&text).unwrap_or_default();
-            if folder.join("results.csv").is_file() {
+            if document.get("command").and_then(Value::as_str) == Some("campaign") {
+                rows.push(self.campaign(folder, &document));
+            } else if folder.join("results.csv").is_file() {
                 self.batch(folder, &document, rows);
             } else if document.is_object() {
                 rows.push(self.run(folder, &document));
@@ -64,6 +66,19 @@ impl Folder {
         Ok(())
     }
 
+    /// A campaign, whose encounters this does not know.
+    fn campaign(&self, folder: &Path, document: &Value) -> ListingRow {
+        let name = document.pointer("/configuration/name");
+        ListingRow {
+            name: format!(
+                "{} ({}, a campaign: view its folder)",
+                self.relative(folder),
+                name.and_then(Value::as_str).unwrap_or_default()
+            ),
+            ..ListingRow::default()
+        }
+    }
+
     fn run(&self, folder: &Path, document: &Value) -> ListingRow {
         let text = |key: &str| document.get(key).and_then(Value::as_str);
         let number = |key: &str| document.get(key).and_then(Value::as_f64);
@@ -78,6 +93,8 @@ impl Folder {
         ListingRow {
             name,
             policy: text("policy").unwrap_or_default().to_owned(),
+            source: String::new(),
+            avoidable: None,
             separated: document.get("separated").and_then(Value::as_bool),
             min_margin_m: number("min_margin_m"),
             max_cross_track_m: number("max_cross_track_m"),
@@ -119,6 +136,8 @@ impl Folder {
                     format!("{place} {encounter}")
                 },
                 policy: policy.unwrap_or_default().to_owned(),
+                source: String::new(),
+                avoidable: None,
                 separated: separated.and_then(|c| record.get(c)?.parse().ok()),
                 min_margin_m: number(margin),
                 max_cross_track_m: number(cross_track),
@@ -158,15 +177,19 @@ impl Folder {
 }
 
 impl Catalogue for Folder {
-    fn title(&self) -> String {
-        let name = self.root.file_name();
-        name.map_or_else(|| "Runs".to_owned(), |n| n.to_string_lossy().into_owned())
-    }
-
-    fn rows(&self) -> io::Result<Vec<ListingRow>> {
+    fn listing(&self) -> io::Result<Listing> {
         let mut rows = Vec::new();
         self.collect(&self.root, 0, &mut rows)?;
-        Ok(rows)
+        let name = self.root.file_name();
+        Ok(Listing {
+            title: name.map_or_else(|| "Runs".to_owned(), |n| n.to_string_lossy().into_owned()),
+            note: if rows.len() >= MAX_ROWS {
+                format!("There are more than these {MAX_ROWS} runs.")
+            } else {
+                String::new()
+            },
+            rows,
+        })
     }
 
     fn page(&self, key: &str) -> io::Result<Option<String>> {
@@ -196,8 +219,11 @@ mod tests {
         write(home.path(), "b/results.csv", results);
         write(home.path(), "b/replay/7.html", "seven");
         write(home.path(), "c/run.json", "not JSON");
+        let campaign = r#"{"command":"campaign","configuration":{"name":"night"}}"#;
+        write(home.path(), "d/run.json", campaign);
+        write(home.path(), "d/results.csv", results);
         let folder = Folder::open(home.path()).expect("open");
-        let rows = folder.rows().expect("rows");
+        let rows = folder.listing().expect("listing").rows;
         let seen: Vec<_> = rows
             .iter()
             .map(|r| {
@@ -220,6 +246,7 @@ mod tests {
                 ),
                 ("b 7", Some(true), Some(2.0), Some("b/replay/7.html")),
                 ("b 8", Some(true), Some(10.0), None),
+                ("d (night, a campaign: view its folder)", None, None, None),
             ]
         );
         let page = folder.page("b/replay/7.html").expect("read");

@@ -155,16 +155,16 @@ async fn blocking<T: Send + 'static>(
 
 async fn table(State(catalogue): Shown) -> Result<Response, Response> {
     let page = blocking(move || {
-        let mut rows = catalogue.rows()?;
-        for row in &mut rows {
+        let mut shown = catalogue.listing()?;
+        for row in &mut shown.rows {
             row.link = row.link.as_deref().map(address_of);
         }
-        if let [row] = rows.as_slice()
+        if let [row] = shown.rows.as_slice()
             && let Some(link) = &row.link
         {
             return Ok(Err(link.clone()));
         }
-        Ok(Ok(listing::render(&catalogue.title(), &rows)))
+        Ok(Ok(listing::render(&shown)))
     })
     .await?;
     Ok(match page {

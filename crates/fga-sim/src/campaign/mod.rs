@@ -14,6 +14,7 @@
 //! | what is known of one encounter flown? | [`Row`] |
 //! | how are rows kept? | [`table`] |
 //! | what is in a folder of results? | [`folder`] |
+//! | which rows does a folder hold? | [`RowFiles`] |
 //! | who flies them? | [`run()`], [`merge()`] |
 //! | what do they say together? | [`Totals`] |
 
@@ -22,6 +23,7 @@ pub mod file;
 pub mod flight;
 pub mod folder;
 pub mod merge;
+pub mod rows;
 pub mod run;
 mod show;
 pub mod table;
@@ -31,6 +33,7 @@ pub use configuration::{Campaign, Configuration, parse_policy};
 pub use flight::{Flown, Flyer, Row};
 pub use folder::{Folder, Manifest, RESULTS, Shard, Stamp};
 pub use merge::{Assembled, assemble, merge, reread};
+pub use rows::RowFiles;
 pub use run::{DecisionTimes, Progress, Task, run};
 pub use totals::{Quantiles, Summary, Totals};
 

@@ -1,0 +1,162 @@
+//! A campaign in the browser: its worst encounters, each flown again when it is opened.
+
+use std::io;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+use fga_report::listing::{Listing, ListingRow};
+use fga_sim::campaign::{Campaign, CampaignError, Folder, Manifest, Row, RowFiles};
+use fga_sim::policy::PolicyChoice;
+use fga_view::Catalogue;
+
+use crate::replay_page;
+use crate::worst::Worst;
+
+/// Most rows listed, over all policies.
+const MOST_ROWS: usize = 5_000;
+
+/// Most flights on one page: as many as keys switch.
+const MOST_FLIGHTS: usize = 9;
+
+/// A campaign whose encounters are flown again when they are opened, by what `fga campaign show`
+/// flies them with.
+pub(crate) struct CampaignCatalogue {
+    folder: Folder,
+    campaign: Campaign,
+    /// What was listed last, and the files that it was read from.
+    listed: Mutex<Option<(RowFiles, Listing)>>,
+    /// One encounter is flown at a time, however many are asked for.
+    flying: Mutex<()>,
+}
+
+impl CampaignCatalogue {
+    /// The campaign of a folder; `None` where there is none.
+    pub(crate) fn open(path: &Path) -> Result<Option<Self>, CampaignError> {
+        let folder = Folder::at(path);
+        let Some(Manifest { configuration, .. }) = folder.manifest()? else {
+            return Ok(None);
+        };
+        let catalogue = Self {
+            campaign: Campaign::new(configuration, path)?,
+            folder,
+            listed: Mutex::default(),
+            flying: Mutex::default(),
+        };
+        // A damaged table is said at once, not in the browser.
+        catalogue.read()?;
+        Ok(Some(catalogue))
+    }
+
+    /// The listing, read again only where the files are others.
+    fn read(&self) -> Result<Listing, CampaignError> {
+        // What a poisoned lock holds is whole: it is replaced at once.
+        let mut listed = self.listed.lock().unwrap_or_else(PoisonError::into_inner);
+        let files = RowFiles::of(&self.folder)?;
+        if let Some((known, listing)) = &*listed
+            && *known == files
+        {
+            return Ok(listing.clone());
+        }
+        let listing = self.list(&files)?;
+        *listed = Some((files, listing.clone()));
+        Ok(listing)
+    }
+
+    fn list(&self, files: &RowFiles) -> Result<Listing, CampaignError> {
+        let policies = &self.campaign.policies;
+        let of_each = MOST_ROWS.div_ceil(policies.len().max(1));
+        let mut worst: Vec<Worst<Row>> = policies.iter().map(|_| Worst::new(of_each)).collect();
+        let mut flights = 0_u64;
+        files.read(&self.campaign, |row| {
+            flights += 1;
+            if let Some(worst) = worst.get_mut(row.policy as usize) {
+                worst.take(row.min_margin_m, *row);
+            }
+        })?;
+        let rows: Vec<ListingRow> = worst
+            .into_iter()
+            .flat_map(Worst::into_items)
+            .map(|row| self.row(&row))
+            .collect();
+        Ok(Listing {
+            title: format!("Campaign {}", self.campaign.configuration.name),
+            note: self.note(flights, rows.len() as u64, of_each),
+            rows,
+        })
+    }
+
+    fn note(&self, flights: u64, listed: u64, of_each: usize) -> String {
+        let configuration = &self.campaign.configuration;
+        let policies = configuration.policies.len() as u64;
+        let mut sentences = vec![format!(
+            "{} of {} encounters flown, each by {policies} {}.",
+            flights / policies.max(1),
+            configuration.encounters,
+            if policies == 1 { "policy" } else { "policies" }
+        )];
+        if listed < flights {
+            sentences.push(format!(
+                "Of {flights} flights the {listed} with the least margin are listed, {of_each} of \
+                 each policy."
+            ));
+        }
+        sentences.push("An encounter is flown again when it is opened.".into());
+        let version = env!("CARGO_PKG_VERSION");
+        if configuration.version != version {
+            sentences.push(format!(
+                "The campaign was flown by version {}, this is {version}: what is shown may differ.",
+                configuration.version
+            ));
+        }
+        sentences.join(" ")
+    }
+
+    fn row(&self, row: &Row) -> ListingRow {
+        let name = |names: &[String], index: u32| names.get(index as usize).cloned();
+        let finite = |value: f64| value.is_finite().then_some(value);
+        ListingRow {
+            name: row.encounter.to_string(),
+            source: name(self.campaign.source_names(), row.source).unwrap_or_default(),
+            policy: name(&self.campaign.configuration.policies, row.policy).unwrap_or_default(),
+            separated: Some(row.separated),
+            avoidable: row.avoidable(),
+            min_margin_m: finite(row.min_margin_m),
+            max_cross_track_m: finite(row.max_cross_track_m),
+            extra_path_m: finite(row.extra_path_m),
+            link: Some(format!("{}/{}", row.encounter, row.policy)),
+        }
+    }
+
+    /// The encounter and the policies of a key, the one asked for first.
+    fn asked(&self, key: &str) -> Option<(u64, Vec<PolicyChoice>)> {
+        let (encounter, first) = key.split_once('/')?;
+        let encounter = encounter.parse().ok()?;
+        let mut policies = self.campaign.policies.clone();
+        let first: usize = first.parse().ok()?;
+        if first >= policies.len() || encounter >= self.campaign.configuration.encounters {
+            return None;
+        }
+        policies[..=first].rotate_right(1);
+        policies.truncate(MOST_FLIGHTS);
+        Some((encounter, policies))
+    }
+}
+
+impl Catalogue for CampaignCatalogue {
+    fn listing(&self) -> io::Result<Listing> {
+        self.read().map_err(io::Error::other)
+    }
+
+    fn page(&self, key: &str) -> io::Result<Option<String>> {
+        let Some((encounter, policies)) = self.asked(key) else {
+            return Ok(None);
+        };
+        let _flying = self.flying.lock().unwrap_or_else(PoisonError::into_inner);
+        let logs = policies
+            .iter()
+            .map(|policy| self.campaign.show(encounter, policy))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(io::Error::other)?;
+        Ok(Some(replay_page::page(&logs)))
+    }
+}
