@@ -12,12 +12,14 @@ import {
   type RawRun,
   Run,
   type RunEvent,
+  type Vec3,
 } from "./data";
 
 type Message =
   | { type: "reset" }
   | { type: "run"; data: RawRun }
   | { type: "sample"; run: number; row: number[] }
+  | { type: "mission"; run: number; points: Vec3[] }
   | { type: "obstacle"; run: number; data: RawObstacle; motion: string }
   | { type: "decision"; run: number; data: RawDecision; points: string }
   | { type: "time"; run: number; row: [number, number] }
@@ -47,6 +49,9 @@ export function apply(runs: Run[], text: string): Change {
       if (run.n > 0 && !(message.row[0]! > run.end)) return "none";
       run.push(message.row);
       return "growth";
+    case "mission":
+      run.mission = message.points;
+      return "structure";
     case "obstacle": {
       const obstacle = new Obstacle(message.data, floats(message.motion), 0);
       const place = run.obstacles.findIndex((o) => o.id === obstacle.id);

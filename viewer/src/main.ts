@@ -12,6 +12,7 @@ import {
   fillRuns,
   SHOWN_WORDS,
   stateWords,
+  updateMargins,
 } from "./panel";
 import { Plots } from "./plots";
 import { type Moment, Scene, type Shown } from "./scene";
@@ -348,6 +349,7 @@ class App {
       else {
         this.scene?.rebuildTracks(this.runs, this.focus, this.theme);
         this.retime();
+        updateMargins($("runs"), this.runs);
       }
       if (first) {
         this.atEnd = true;

@@ -140,6 +140,16 @@ export function fillRuns(
   );
 }
 
+/** Says the least margins of the runs anew, as a live run goes on. */
+export function updateMargins(root: HTMLElement, runs: Run[]): void {
+  root.querySelectorAll("small").forEach((words, i) => {
+    const run = runs[i];
+    if (!run) return;
+    words.textContent = marginWords(run);
+    words.classList.toggle("bad", (run.least()?.margin ?? 0) < 0);
+  });
+}
+
 export function fillEvents(root: HTMLElement, run: Run | undefined, seek: (t: number) => void) {
   const events = (run?.events ?? []).slice(0, 300);
   root.replaceChildren(

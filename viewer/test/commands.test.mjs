@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { execFileSync, spawn, spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
@@ -97,6 +98,15 @@ async function viewed(folder, checks) {
     await context.close();
     server.kill();
   }
+}
+
+/** A port that nobody listens on. */
+async function freePort() {
+  const server = createServer();
+  await new Promise((done) => server.listen(0, "127.0.0.1", done));
+  const { port } = server.address();
+  await new Promise((done) => server.close(done));
+  return port;
 }
 
 const ready = (page) => page.waitForFunction(() => globalThis.fgaReplay !== undefined);
@@ -281,4 +291,58 @@ test("fga run --live is followed to its end", async () => {
   assert.equal(await ended, 0);
   const track = readFileSync(join(HOME, "live/track.csv"), "utf8").trim().split("\n");
   assert.ok(track.length > 300);
+});
+
+test("fga fly --live shows the flight, the threat and the avoidance", async () => {
+  // The ArduPlane-like emulator flies north; a mast stands on its way.
+  const made = ["build", "--quiet", "--workspace", "--example", "emulator", "--profile", "test"];
+  const built = execFileSync("cargo", [...made, "--message-format=json"], {
+    cwd: ROOT,
+    stdio: ["ignore", "pipe", "inherit"],
+    maxBuffer: 1 << 28,
+  });
+  const artifacts = built.toString().trim().split("\n").map((line) => JSON.parse(line));
+  const place = artifacts.findLast((a) => a.target?.name === "emulator" && a.executable);
+  const config = `[[obstacle]]
+name = "mast <b>"
+latitude_deg = 37.6243
+longitude_deg = -122.375
+altitude_m = 104
+radius_m = 60
+`;
+  writeFileSync(join(HOME, "fly.toml"), config);
+  const port = await freePort();
+  const emulator = spawn(place.executable, [`tcpin:127.0.0.1:${port}`, "120"], { stdio: "ignore" });
+  const connect = ["--connect", `tcp:127.0.0.1:${port}`, "--config", "fly.toml", "--out", "fly"];
+  const companion = spawn(program, ["fly", ...connect, "--live", "--quiet"], {
+    cwd: HOME,
+    stdio: ["ignore", "ignore", "pipe"],
+  });
+  const ended = new Promise((done) => companion.on("exit", done));
+  try {
+    const lines = createInterface({ input: companion.stderr })[Symbol.asyncIterator]();
+    const address = (await lines.next()).value.replace("live at ", "");
+    const { page, errors, close } = await open(browser, address);
+    const says = (words) =>
+      page.waitForFunction(
+        (text) => document.getElementById("events").textContent.includes(text),
+        words,
+        { timeout: 90_000 },
+      );
+    await says("in command");
+    await says("a certified manoeuvre begins (mast <b>)");
+    assert.match(await page.locator("#decision").textContent(), /mast <b>/);
+    await page.waitForFunction(() => globalThis.fgaReplay.stats().samples[0] > 80);
+    assert.ok((await stats(page)).live);
+    if (process.env.SHOTS) await page.screenshot({ path: join(process.env.SHOTS, "fly.png") });
+    await drawn(page);
+    companion.kill("SIGINT");
+    await page.waitForFunction(() => document.getElementById("live").textContent === "ended");
+    assert.deepEqual(errors, []);
+    await close();
+    assert.equal(await ended, 0);
+  } finally {
+    companion.kill();
+    emulator.kill();
+  }
 });

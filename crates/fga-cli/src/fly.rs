@@ -1,6 +1,7 @@
 //! `fga fly`: the companion on a vehicle, or its decisions again from a recording.
 
 use alloc::sync::Arc;
+use core::net::SocketAddr;
 use core::sync::atomic::{AtomicBool, Ordering};
 use std::fs::{self, File};
 use std::io::{self, BufReader, Write as _};
@@ -15,6 +16,7 @@ use fga_link::traffic::receiver::ReceiverEndpoint;
 use fga_link::{Companion, Config};
 
 use crate::failure::Failure;
+use crate::fly_live::FlyLive;
 
 /// Flies avoiding manoeuvres on an ArduPlane vehicle over MAVLink.
 #[derive(Args)]
@@ -37,6 +39,17 @@ pub(crate) struct FlyArgs {
     /// Folder for the telemetry log and the decision log.
     #[arg(long, value_name = "DIR", default_value = "out/fly")]
     out: PathBuf,
+    /// Show the flight in the browser.
+    #[arg(long, conflicts_with = "replay")]
+    live: bool,
+    /// With --live: address to answer on; port 0 takes a free one.
+    #[arg(
+        long,
+        value_name = "ADDRESS:PORT",
+        default_value = "127.0.0.1:0",
+        requires = "live"
+    )]
+    listen: SocketAddr,
     /// No status line.
     #[arg(long)]
     quiet: bool,
@@ -58,8 +71,24 @@ pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
         out: args.out.clone(),
         status: !args.quiet,
     };
-    fly(&options, &stop_on_interrupt()).map_err(|error| Failure::Input(format!("fly: {error}")))?;
+    let mut live = args.live.then(|| begin_live(args.listen)).transpose()?;
+    let flown = fly(&options, &stop_on_interrupt(), &mut |companion| {
+        if let Some(live) = &mut live {
+            live.show(companion);
+        }
+    });
+    if let Some(live) = live {
+        live.end();
+    }
+    flown.map_err(|error| Failure::Input(format!("fly: {error}")))?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn begin_live(address: SocketAddr) -> Result<FlyLive, Failure> {
+    let live = FlyLive::begin(address)
+        .map_err(|error| Failure::Input(format!("cannot answer on {address}: {error}")))?;
+    eprintln!("live at http://{}/", live.address());
+    Ok(live)
 }
 
 /// A flag that Ctrl-C and the end of the service set.

@@ -78,7 +78,7 @@ impl LiveView {
                 decision_us: moment.elapsed_ns as f64 / 1000.0,
             },
         });
-        if due(self.last_record_s, moment) {
+        if due(self.last_record_s, t_s, moment.changed) {
             self.last_record_s = Some(t_s);
             let decision = self.drawer.decision(&self.plan, moment, None);
             self.live.send(&LiveMessage::Decision { run: 0, decision });

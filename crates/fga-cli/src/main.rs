@@ -11,6 +11,8 @@ mod failure;
 mod flight_file;
 #[cfg(feature = "fly")]
 mod fly;
+#[cfg(feature = "fly")]
+mod fly_live;
 mod live;
 mod oracle;
 mod provenance;

@@ -1,7 +1,8 @@
 //! From the log of a flight to what the replay page shows.
 
 use fga::Vec3;
-use fga::avoider::State;
+use fga::avoider::{Decision, State};
+use fga::kinematics::Vehicle;
 use fga::maneuver::{FlightPath, Flyer, Hazard, Maneuver, MotionState, Status, certify_all};
 use fga::situation::{Obstacle, Ownship};
 use fga_report::replay::{
@@ -160,21 +161,34 @@ pub(crate) struct Drawer {
 }
 
 impl Drawer {
+    /// For the aircraft of a plan.
     pub(crate) fn new(plan: &Plan) -> Self {
         let world = &plan.world;
+        let settings = &world.settings;
+        Self::of(
+            &world.vehicle,
+            world.wind_mps,
+            settings.horizon_s,
+            settings.margin_m,
+        )
+    }
+
+    /// For an aircraft in a wind that certifies so far ahead and keeps so much.
+    pub(crate) fn of(vehicle: &Vehicle, wind_mps: Vec3, horizon_s: f64, margin_m: f64) -> Self {
         Self {
-            flyer: Flyer::new(&world.vehicle),
+            flyer: Flyer::new(vehicle),
             path: Box::default(),
-            wind_mps: world.wind_mps,
-            horizon_s: world.settings.horizon_s,
-            margin_m: world.settings.margin_m,
+            wind_mps,
+            horizon_s,
+            margin_m,
         }
     }
 
     fn decisions(&mut self, log: &RunLog) -> Vec<ReplayDecision> {
         let mut kept: Vec<ReplayDecision> = Vec::new();
         for moment in &log.decisions {
-            if due(kept.last().map(|last| last.t_s), moment) {
+            let last_s = kept.last().map(|last| last.t_s);
+            if due(last_s, moment.time_s, moment.changed) {
                 kept.push(self.decision(&log.plan, moment, Some(&log.obstacles)));
             }
         }
@@ -188,21 +202,40 @@ impl Drawer {
         moment: &DecisionLog,
         seen: Option<&[ObstacleOutcome]>,
     ) -> ReplayDecision {
-        let decision = &moment.decision;
-        let record = &decision.record;
+        let threatened = threatened(moment.decision.state);
+        let hazards = seen
+            .filter(|_| threatened)
+            .map(|seen| known_hazards(plan, seen, moment));
         let name = |id: u32| name_of(plan, id);
-        let mut lines: Vec<String> = decision_words(decision, &moment.ownship, name)
+        let DecisionLog {
+            time_s,
+            decision,
+            ownship,
+            ..
+        } = moment;
+        self.record(*time_s, decision, ownship, name, hazards.as_deref())
+    }
+
+    /// A record; with what is known of the obstacles, also turns to compare with.
+    pub(crate) fn record(
+        &mut self,
+        time_s: f64,
+        decision: &Decision,
+        own: &Ownship,
+        name: impl Fn(u32) -> String,
+        hazards: Option<&[Hazard]>,
+    ) -> ReplayDecision {
+        let record = &decision.record;
+        let mut lines: Vec<String> = decision_words(decision, own, name)
             .split("; ")
             .map(sentence)
             .collect();
-        let own = &moment.ownship;
         let mut paths = Vec::new();
-        if let (State::Threatened | State::Avoiding, Some(seen)) = (decision.state, seen) {
-            let hazards = known_hazards(plan, seen, moment);
+        if let Some(hazards) = hazards.filter(|_| threatened(decision.state)) {
             for turn_deg in FAN_DEG {
                 let course_rad = own.course_rad + turn_deg.to_radians();
                 let turn = Maneuver::turn(0.0, course_rad, own.climb_rad);
-                paths.push(self.compared(own, &turn, &hazards));
+                paths.push(self.compared(own, &turn, hazards));
             }
             let certified = |p: &&ReplayPath| p.kind == ReplayPathKind::Certified;
             lines.push(format!(
@@ -233,7 +266,7 @@ impl Drawer {
             paths.push(self.drawn(own, &chosen.maneuver, kind, margin_m, until_s));
         }
         ReplayDecision {
-            t_s: moment.time_s,
+            t_s: time_s,
             state: decision.state.into(),
             lines,
             threat: record.threat.map(|threat| threat.id),
@@ -291,6 +324,10 @@ impl Drawer {
     }
 }
 
+const fn threatened(state: State) -> bool {
+    matches!(state, State::Threatened | State::Avoiding)
+}
+
 /// The obstacles known at the moment, as they truly were, each on its straight way from there.
 fn known_hazards(plan: &Plan, seen: &[ObstacleOutcome], moment: &DecisionLog) -> Vec<Hazard> {
     let world = &plan.world;
@@ -305,9 +342,9 @@ fn known_hazards(plan: &Plan, seen: &[ObstacleOutcome], moment: &DecisionLog) ->
         .collect()
 }
 
-/// Whether a decision is worth a record of its own after the one made at `last_s`.
-pub(crate) fn due(last_s: Option<f64>, moment: &DecisionLog) -> bool {
-    moment.changed || last_s.is_none_or(|last_s| moment.time_s - last_s >= RECORD_EVERY_S - 1e-6)
+/// Whether a decision, changed or not, is worth a record of its own after the one made at `last_s`.
+pub(crate) fn due(last_s: Option<f64>, time_s: f64, changed: bool) -> bool {
+    changed || last_s.is_none_or(|last_s| time_s - last_s >= RECORD_EVERY_S - 1e-6)
 }
 
 fn finite(value: f64) -> Option<f64> {

@@ -179,11 +179,16 @@ impl Logs {
     }
 }
 
-/// Flies until `stop` is set; hands the vehicle back before it returns.
+/// Flies until `stop` is set; hands the vehicle back before it returns. `watch` sees the companion
+/// after each step; the flight waits for it.
 ///
 /// # Errors
 /// An endpoint that cannot be opened, or logs that cannot be written.
-pub fn fly(options: &FlyOptions, stop: &Arc<AtomicBool>) -> io::Result<()> {
+pub fn fly(
+    options: &FlyOptions,
+    stop: &Arc<AtomicBool>,
+    watch: &mut dyn FnMut(&Companion),
+) -> io::Result<()> {
     let invalid = |error: crate::config::ConfigError| {
         io::Error::new(io::ErrorKind::InvalidInput, error.to_string())
     };
@@ -201,7 +206,7 @@ pub fn fly(options: &FlyOptions, stop: &Arc<AtomicBool>) -> io::Result<()> {
     let begin_us = u64::try_from(begin.as_micros()).unwrap_or(0);
     let mut logs = Logs::create(&options.out, begin_us)?;
     let (to, events) = sync_channel(QUEUE);
-    let watch = Arc::new(Watch::default());
+    let ticks = Arc::new(Watch::default());
     thread::scope(|scope| {
         let (link_to, link_signing, link_stop) = (to.clone(), signing.clone(), Arc::clone(stop));
         scope.spawn(move || read_link(reader, link_signing, &link_to, &link_stop));
@@ -214,7 +219,7 @@ pub fn fly(options: &FlyOptions, stop: &Arc<AtomicBool>) -> io::Result<()> {
             });
         }
         let (watched, watch_writer, watch_signing) =
-            (Arc::clone(&watch), writer.clone(), signing.clone());
+            (Arc::clone(&ticks), writer.clone(), signing.clone());
         let watch_stop = Arc::clone(stop);
         scope.spawn(move || {
             keep_watch(
@@ -233,7 +238,7 @@ pub fn fly(options: &FlyOptions, stop: &Arc<AtomicBool>) -> io::Result<()> {
             begin_us,
             sequences: Sequences::default(),
         };
-        let result = pilot.run(&events, &mut logs, stop, &watch, options.status);
+        let result = pilot.run(&events, &mut logs, stop, &ticks, watch, options.status);
         stop.store(true, Ordering::Relaxed);
         result
     })
@@ -254,7 +259,8 @@ impl Pilot<'_> {
         events: &Receiver<Event>,
         logs: &mut Logs,
         stop: &AtomicBool,
-        watch: &Watch,
+        ticks: &Watch,
+        watch: &mut dyn FnMut(&Companion),
         status: bool,
     ) -> io::Result<()> {
         let mut shown = Instant::now();
@@ -276,14 +282,15 @@ impl Pilot<'_> {
             let now_s = self.now_s();
             self.companion.tick(now_s);
             self.send(logs, now_s)?;
-            watch
+            watch(self.companion);
+            ticks
                 .ticked_ms
                 .store(to_u64(now_s * 1e3), Ordering::Relaxed);
             let owed = self
                 .companion
                 .owed_mode()
                 .zip(self.companion.vehicle_system());
-            *watch.owed.lock().unwrap_or_else(PoisonError::into_inner) =
+            *ticks.owed.lock().unwrap_or_else(PoisonError::into_inner) =
                 owed.map(|(mode, system)| (system, mode.0));
             logs.flush_now_and_then()?;
             if status && shown.elapsed() >= Duration::from_millis(500) {

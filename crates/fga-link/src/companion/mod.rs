@@ -6,6 +6,7 @@
 //! program, the replay of a recording and the tests in scaled time all drive the same thing.
 
 mod decide;
+mod picture;
 mod receive;
 mod send;
 
@@ -29,6 +30,8 @@ use crate::response::ResponseEstimate;
 use crate::telling;
 use crate::traffic::fence::Fence;
 use crate::traffic::{Report, TrackTable};
+
+pub use picture::Picture;
 
 /// Most lines of the log that wait to be taken.
 const MOST_LOG_LINES: usize = 4096;

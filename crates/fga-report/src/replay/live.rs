@@ -28,6 +28,13 @@ pub enum LiveMessage {
         /// Where it is.
         sample: ReplaySample,
     },
+    /// The mission is another one now.
+    Mission {
+        /// Which run.
+        run: usize,
+        /// Its waypoints, metres.
+        mission_m: Vec<[f64; 3]>,
+    },
     /// An obstacle appears or, where its identifier is known, is known better.
     Obstacle {
         /// Which run.
@@ -85,6 +92,7 @@ impl LiveMessage {
                 ];
                 typed("sample", Some(*run), "row", row)
             }
+            Self::Mission { run, mission_m } => typed("mission", Some(*run), "points", mission_m),
             Self::Obstacle { run, obstacle } => {
                 let mut pool = Vec::new();
                 let data = encode::obstacle(obstacle, &mut pool);

@@ -1,0 +1,66 @@
+//! What a picture of the moment shows: for whoever watches the flight.
+
+use fga::Vec3;
+use fga::avoider::Decision;
+use fga::kinematics::Vehicle;
+use fga::situation::{Obstacle, ObstacleKind};
+
+use super::Companion;
+use crate::authority::Authority;
+use crate::ownship::State;
+
+/// The last decision and what it was made from.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// Moment that the decision was made for, seconds since the companion began.
+    pub time_s: f64,
+    /// The aircraft at that moment.
+    pub own: State,
+    /// What was decided.
+    pub decision: Decision,
+    /// Name of the threat, where there is one.
+    pub threat_name: Option<String>,
+    /// Who flies.
+    pub authority: Authority,
+    /// The limits that were planned with.
+    pub vehicle: Vehicle,
+    /// Other aircraft and virtual obstacles with their names; without fence, floor and ceiling.
+    pub obstacles: Vec<(Obstacle, String)>,
+    /// The way ahead, metres, local frame.
+    pub waypoints_m: Vec<Vec3>,
+    /// How far ahead separation is certified, seconds.
+    pub horizon_s: f64,
+    /// What is kept beyond a protected volume, metres.
+    pub margin_m: f64,
+}
+
+impl Companion {
+    /// The moment that the last decision was made for, seconds.
+    pub fn decided_for_s(&self) -> Option<f64> {
+        self.decided.map(|decided| decided.for_s)
+    }
+
+    /// The picture of the last decision; `None` before the first.
+    pub fn picture(&self) -> Option<Picture> {
+        let decided = self.decided?;
+        let threat = decided.decision.record.threat;
+        let beings = self
+            .obstacles
+            .iter()
+            .filter(|obstacle| obstacle.kind != ObstacleKind::NaturalBarrier);
+        Some(Picture {
+            time_s: decided.for_s,
+            own: decided.own,
+            decision: decided.decision,
+            threat_name: threat.map(|threat| self.obstacle_name(threat.id)),
+            authority: self.keeper.state(),
+            vehicle: *self.vehicle()?,
+            obstacles: beings
+                .map(|obstacle| (*obstacle, self.obstacle_name(obstacle.id)))
+                .collect(),
+            waypoints_m: self.way.waypoints_m.clone(),
+            horizon_s: self.config.protection.horizon_s,
+            margin_m: self.config.protection.margin_m,
+        })
+    }
+}
