@@ -56,6 +56,57 @@ impl Estimate {
             high: (centre + half).clamp(share, 1.0),
         })
     }
+
+    /// The mean of some values with its 95 % interval by the normal approximation; `None` for
+    /// fewer than two values or one that is not finite.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use fga_report::interval::Estimate;
+    ///
+    /// let mean = Estimate::mean(&[1.0, 2.0, 3.0]).unwrap();
+    /// assert_eq!(mean.value, 2.0);
+    /// // The standard error is 1/√3.
+    /// assert!((mean.high - 2.0 - 1.959964 / 3.0_f64.sqrt()).abs() < 1e-6);
+    /// ```
+    pub fn mean(values: &[f64]) -> Option<Self> {
+        let n = values.len() as f64;
+        if values.len() < 2 || values.iter().any(|v| !v.is_finite()) {
+            return None;
+        }
+        let mean = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+        let half = Z95 * libm::sqrt(squares / (n - 1.0) / n);
+        Some(Self {
+            value: mean,
+            low: mean - half,
+            high: mean + half,
+        })
+    }
+
+    /// Σ a / Σ b over pairs (a, b) with its 95 % interval by the delta method; `None` for fewer
+    /// than two pairs, one that is not finite, or Σ b ≤ 0.
+    ///
+    /// W. G. Cochran, Sampling Techniques (1977), §6.4.
+    pub fn ratio(pairs: &[(f64, f64)]) -> Option<Self> {
+        let (a, b) = pairs
+            .iter()
+            .fold((0.0, 0.0), |(a, b), pair| (a + pair.0, b + pair.1));
+        let ratio = a / b;
+        if b <= 0.0 {
+            return None;
+        }
+        // The ratio is as uncertain as the mean of the residuals a − R b over the mean of b.
+        let residuals: Vec<f64> = pairs.iter().map(|(a, b)| a - ratio * b).collect();
+        let mean = Self::mean(&residuals)?;
+        let half = (mean.high - mean.value) * pairs.len() as f64 / b;
+        Some(Self {
+            value: ratio,
+            low: ratio - half,
+            high: ratio + half,
+        })
+    }
 }
 
 #[cfg(test)]
@@ -73,5 +124,16 @@ mod tests {
         assert!((none.high - 0.161_125_2).abs() < 1e-6);
         assert_eq!(Estimate::wilson(0, 0), None);
         assert_eq!(Estimate::wilson(2, 1), None);
+    }
+
+    #[test]
+    fn a_ratio_with_its_interval_by_hand() {
+        // R = 6/12; residuals 1 − 1 = 0, 2 − 3 = −1, 3 − 2 = 1: s = 1, over √3, over b̄ = 4.
+        let ratio = Estimate::ratio(&[(1.0, 2.0), (2.0, 6.0), (3.0, 4.0)]).unwrap();
+        assert!((ratio.value - 0.5).abs() < 1e-12);
+        assert!((ratio.high - 0.5 - Z95 / 3.0_f64.sqrt() / 4.0).abs() < 1e-12);
+        assert_eq!(Estimate::ratio(&[(1.0, 2.0)]), None);
+        assert_eq!(Estimate::ratio(&[(1.0, 0.0), (1.0, 0.0)]), None);
+        assert_eq!(Estimate::mean(&[1.0, f64::NAN]), None);
     }
 }

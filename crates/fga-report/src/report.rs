@@ -275,9 +275,22 @@ impl Block {
     }
 }
 
+/// A table of more columns is set narrower.
+const WIDE: usize = 6;
+
+/// Text of so many characters is not broken into lines.
+const SHORT: usize = 30;
+
 impl Table {
     fn write(&self, page: &mut String) {
-        page.push_str("<div class=\"table\"><table>\n");
+        // Many numbers side by side: their intervals go below them.
+        let numbers = self.columns.iter().filter(|c| c.numeric).count();
+        let class = if numbers > WIDE {
+            "table wide"
+        } else {
+            "table"
+        };
+        let _ = writeln!(page, "<div class=\"{class}\"><table>");
         if !self.caption.is_empty() {
             let _ = writeln!(page, "<caption>{}</caption>", escape(&self.caption));
         }
@@ -302,6 +315,12 @@ impl Table {
                     " class=\"number\""
                 } else {
                     ""
+                };
+                let class = match row.get(index) {
+                    Some(Cell::Text(text)) if class.is_empty() && text.chars().count() <= SHORT => {
+                        " class=\"short\""
+                    }
+                    _ => class,
                 };
                 let cell = row.get(index).map_or_else(String::new, Cell::html);
                 let _ = write!(page, "<td{class}>{cell}</td>");
@@ -352,7 +371,8 @@ figure{margin:1.5rem 0;break-inside:avoid}figure svg{display:block;max-width:100
 figcaption,caption{color:var(--muted);font-size:.9rem;text-align:left;margin-top:.5rem}caption{margin:0 0 .4rem}
 .table{overflow-x:auto;margin:1.5rem 0}table{border-collapse:collapse;font-size:.92rem;font-variant-numeric:tabular-nums;min-width:50%}
 th,td{padding:.35rem .8rem .35rem 0;text-align:left;border-bottom:1px solid var(--line);vertical-align:baseline}th{font-weight:600;vertical-align:bottom}
-.number{text-align:right;white-space:nowrap}td small{color:var(--muted)}
+.number{text-align:right}td.number,.short{white-space:nowrap}td small{color:var(--muted)}
+.wide table{font-size:.82rem}.wide th,.wide td{padding-right:.6rem}.wide small{display:block;line-height:1.2}
 .reading{display:grid;grid-template-columns:max-content 1fr;gap:.4rem 1.2rem;margin:1.5rem 0;padding:1rem 1.1rem;background:var(--soft);border-radius:6px}
 .reading dt{color:var(--muted)}.reading dd{margin:0}.reading dt:last-of-type{color:var(--ink);font-weight:600}.reading dd:last-of-type{font-weight:600}
 .files{font-size:.92rem}
