@@ -70,7 +70,7 @@ fn engage(pilot: &mut dyn Pilot, model: &VehicleModel) -> (f64, Ownship, [Obstac
         });
         let decision = pilot.step(&situation(time_s, plant.ownship(), &now));
         plant.command(&decision.command, period_s);
-        plant.advance(period_s, |_| {});
+        plant.advance(period_s, |_, _| {});
     }
     (20.0 * period_s, plant.ownship(), now)
 }

@@ -14,7 +14,7 @@ use crate::progress::MissionProgress;
 use crate::sensor::Sensor;
 use crate::separation::Separation;
 use crate::track::Track;
-use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD, Ending, World};
+use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD, Ending, World, WorldObstacle};
 
 /// Samples are at most this far apart, seconds.
 const LONGEST_SAMPLE_S: f64 = 0.1;
@@ -251,10 +251,9 @@ impl Flight<'_> {
             self.advance(&decision, time_s, step_s, observer);
             if last {
                 self.follow_recording(limit_s);
-                self.progress.follow(
-                    self.plant.ownship().position_m,
-                    self.plant.ground_velocity_mps(),
-                );
+                let plant = &self.plant;
+                self.progress
+                    .follow(plant.ownship().position_m, || plant.ground_velocity_mps());
                 self.show(limit_s, decision.state, observer);
                 break limit_s;
             }
@@ -306,8 +305,9 @@ impl Flight<'_> {
             self.replaying = None;
         }
         self.show(time_s, decision.state, observer);
+        let plant = &self.plant;
         self.progress
-            .follow(ownship.position_m, self.plant.ground_velocity_mps());
+            .follow(ownship.position_m, || plant.ground_velocity_mps());
         decision
     }
 
@@ -332,15 +332,15 @@ impl Flight<'_> {
     ) {
         let obstacles = &self.world.obstacles;
         let separations = &mut *self.separations;
-        let mut measure = |arc: &Arc| {
+        let mut measure = |arc: &Arc, end_m: Vec3| {
             for (separation, obstacle) in separations.iter_mut().zip(obstacles) {
-                separation.observe(arc, &obstacle.track);
+                separation.observe(arc, end_m, &obstacle.track);
             }
         };
         if let Some(recorded) = self.replaying {
             recorded_arcs(recorded, time_s, time_s + step_s, &mut |arc| {
                 self.flown_m += arc.airspeed_mps * arc.duration_s;
-                measure(arc);
+                measure(arc, arc.end_m());
             });
         } else {
             self.plant.command(&decision.command, step_s);
@@ -371,17 +371,23 @@ impl Flight<'_> {
         match world.ending {
             Ending::Horizon => false,
             Ending::MissionFlown => milestones.mission_flown && milestones.last == State::Cruise,
+            // Most flights are not back: what is cheap is asked first.
+            Ending::BackAndPassed
+                if milestones.last != State::Cruise
+                    || self.progress.cross_track_m() > BACK_WITHIN_M =>
+            {
+                false
+            }
             Ending::BackAndPassed => {
                 let position_m = self.plant.ownship().position_m;
                 let velocity_mps = self.plant.ground_velocity_mps();
-                milestones.last == State::Cruise
-                    && self.progress.cross_track_m() <= BACK_WITHIN_M
-                    && velocity_mps.angle_between(self.progress.direction()) <= BACK_WITHIN_RAD
-                    && world.obstacles.iter().all(|obstacle| {
-                        obstacle.track.at(time_s).is_none_or(|(at_m, moving_mps)| {
-                            (position_m - at_m).dot(velocity_mps - moving_mps) >= 0.0
-                        })
+                let passed = |obstacle: &WorldObstacle| {
+                    obstacle.track.at(time_s).is_none_or(|(at_m, moving_mps)| {
+                        (position_m - at_m).dot(velocity_mps - moving_mps) >= 0.0
                     })
+                };
+                world.obstacles.iter().all(passed)
+                    && velocity_mps.angle_between(self.progress.direction()) <= BACK_WITHIN_RAD
             }
         }
     }
@@ -421,7 +427,7 @@ const CORNER_APART_S: f64 = 1e-3;
 fn fly_step(
     plant: &mut Plant,
     step_s: f64,
-    mut flown: impl FnMut(&Arc),
+    mut flown: impl FnMut(&Arc, Vec3),
     mut sample: impl FnMut(&Ownship, Vec3, f64),
 ) -> f64 {
     let from_s = plant.time_s();
@@ -436,13 +442,13 @@ fn fly_step(
     let mut rates = None;
     for k in 1..=pieces {
         let until_s = from_s + step_s * f64::from(k) / f64::from(pieces);
-        plant.advance(until_s - plant.time_s(), |arc| {
+        plant.advance(until_s - plant.time_s(), |arc, end_m| {
             path_m += if arc.wind_mps == Vec3::ZERO {
                 arc.airspeed_mps * arc.duration_s
             } else {
-                arc.position_m.distance(arc.end_m())
+                arc.position_m.distance(end_m)
             };
-            flown(arc);
+            flown(arc, end_m);
             let now = (arc.course_rate_radps, arc.climb_rate_radps);
             let (course_rate, climb_rate) = rates.replace(now).unwrap_or(now);
             let corner = (now.0 - course_rate).abs() > CORNER_RADPS

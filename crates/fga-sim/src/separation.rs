@@ -135,24 +135,34 @@ impl Separation {
         note(&mut self.margin, self.volume.margin_m(offset_m), time_s);
     }
 
-    /// Takes a flown arc into account.
+    /// Takes a flown arc into account that ends at `end_m`.
     #[inline]
-    pub fn observe(&mut self, arc: &Arc, track: &Track) {
+    pub fn observe(&mut self, arc: &Arc, end_m: Vec3, track: &Track) {
         if arc.start_s + arc.duration_s <= self.skip_until_s {
             return;
         }
-        self.observe_near(arc, track);
+        self.observe_near(arc, end_m, track);
     }
 
-    fn observe_near(&mut self, arc: &Arc, track: &Track) {
+    fn observe_near(&mut self, arc: &Arc, end_m: Vec3, track: &Track) {
         let end_s = arc.start_s + arc.duration_s;
+        let acceleration_mps2 = arc.acceleration_bound_mps2();
         let mut last = None;
         track.for_each_leg(arc.start_s, end_s, |leg| {
-            let offset_at =
-                |time_s: f64| arc.position_at_m(time_s - arc.start_s) - leg.position_at_m(time_s);
+            let offset_at = |time_s: f64| {
+                // Most pieces are whole arcs, whose ends are known.
+                let at_m = if time_s == arc.start_s {
+                    arc.position_m
+                } else if time_s == end_s {
+                    end_m
+                } else {
+                    arc.position_at_m(time_s - arc.start_s)
+                };
+                at_m - leg.position_at_m(time_s)
+            };
             let piece = Piece {
                 offset_at: &offset_at,
-                acceleration_mps2: arc.acceleration_bound_mps2(),
+                acceleration_mps2,
             };
             let from = (leg.from_s, offset_at(leg.from_s));
             let to = (leg.to_s, offset_at(leg.to_s));
@@ -200,7 +210,14 @@ impl<F: Fn(f64) -> Vec3> Piece<'_, F> {
         }
         if departure_m <= STRAIGHT_M || span_s < 1e-6 {
             let time_s = from.0 + share * span_s;
-            note(least, measure.of((self.offset_at)(time_s)), time_s);
+            let offset_m = if share == 0.0 {
+                from.1
+            } else if share == 1.0 {
+                to.1
+            } else {
+                (self.offset_at)(time_s)
+            };
+            note(least, measure.of(offset_m), time_s);
             return;
         }
         let middle_s = f64::midpoint(from.0, to.0);
@@ -252,17 +269,15 @@ mod tests {
             // Flown as forty arcs, so that skipping is exercised.
             for k in 0..40 {
                 let from = f64::from(k) * 0.1;
-                separation.observe(
-                    &Arc {
-                        start_s: from,
-                        duration_s: 0.1,
-                        position_m: arc.position_at_m(from),
-                        course_rad: arc.course_rad + p * from,
-                        climb_rad: arc.climb_rad + q * from,
-                        ..arc
-                    },
-                    &track,
-                );
+                let piece = Arc {
+                    start_s: from,
+                    duration_s: 0.1,
+                    position_m: arc.position_at_m(from),
+                    course_rad: arc.course_rad + p * from,
+                    climb_rad: arc.climb_rad + q * from,
+                    ..arc
+                };
+                separation.observe(&piece, piece.end_m(), &track);
             }
             let mut sampled = f64::INFINITY;
             let mut closest = f64::INFINITY;
@@ -284,7 +299,7 @@ mod tests {
         arc.climb_rad = 0.0;
         let track = Track::straight(Vec3::new(60.0, 7.0, 0.0), Vec3::new(-15.0, 0.0, 0.0));
         let mut separation = Separation::new(ProtectedVolume::Sphere { radius_m: 5.0 });
-        separation.observe(&arc, &track);
+        separation.observe(&arc, arc.end_m(), &track);
         assert!((separation.margin().value_m - 2.0).abs() < 1e-12);
         assert!((separation.distance().time_s - 2.0).abs() < 1e-12);
     }

@@ -40,7 +40,7 @@ fn fly(vehicle: Vehicle, maneuver: &Maneuver, seconds: u32, mut show: impl FnMut
     plant.place(0.0, Vec3::ZERO, 0.0, 0.0);
     plant.command(maneuver, f64::INFINITY);
     for k in 1..=10 * seconds {
-        plant.advance(f64::from(k) * 0.1 - plant.time_s(), |_| ());
+        plant.advance(f64::from(k) * 0.1 - plant.time_s(), |_, _| ());
         show(f64::from(k) * 0.1, &plant);
     }
 }
@@ -125,7 +125,7 @@ fn a_lagged_turn_agrees_with_small_euler_steps() {
     plant.place(0.0, Vec3::ZERO, 0.0, 0.0);
     // Far enough that the full bank is commanded throughout.
     plant.command(&Maneuver::turn(0.0, 20.0, 0.0), f64::INFINITY);
-    plant.advance(4.0, |_| ());
+    plant.advance(4.0, |_, _| ());
     let (mut x, mut y, mut course, mut bank) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
     let commanded = (225.0_f64 / (9.806_65 * 30.0)).atan();
     let h = 1e-4;
@@ -155,9 +155,9 @@ fn the_pi_autopilot_settles_on_its_course() {
     plant.place(0.0, Vec3::ZERO, 0.0, 0.0);
     plant.command(&Maneuver::turn(0.0, 1.0, 0.1), f64::INFINITY);
     let mut largest = 0.0_f64;
-    plant.advance(2.0, |arc| largest = largest.max(arc.course_rate_radps));
+    plant.advance(2.0, |arc, _| largest = largest.max(arc.course_rate_radps));
     assert!((largest - 0.5).abs() < 1e-9, "the rate is limited to V/ρ");
-    plant.advance(38.0, |_| ());
+    plant.advance(38.0, |_, _| ());
     let own = plant.ownship();
     assert!((own.course_rad - 1.0).abs() < 0.01 && (own.climb_rad - 0.1).abs() < 0.01);
 }
@@ -170,7 +170,7 @@ fn wind_carries_the_path_along() {
         let mut plant = Plant::new(vehicle(Response::default()), Autopilot::Direct, wind);
         plant.place(0.0, Vec3::ZERO, 0.0, 0.0);
         plant.command(&maneuver, f64::INFINITY);
-        plant.advance(7.0, |_| ());
+        plant.advance(7.0, |_, _| ());
         plant.ownship().position_m
     };
     assert!(flown(wind).distance(flown(Vec3::ZERO) + wind * 7.0) < 1e-9);

@@ -72,7 +72,7 @@ fn roll_out_integral(bank_rad: f64) -> f64 {
 
 impl Plant {
     /// Flies Runge–Kutta steps until `until_s`.
-    pub(super) fn fly_lagged(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc)) {
+    pub(super) fn fly_lagged(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         let span_s = until_s - self.time_s;
         #[expect(
             clippy::cast_possible_truncation,
@@ -89,7 +89,7 @@ impl Plant {
         self.time_s = until_s;
     }
 
-    fn step_lagged(&mut self, step_s: f64, flown: &mut impl FnMut(&Arc)) {
+    fn step_lagged(&mut self, step_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         let bank_command = self.bank_command_rad(step_s);
         let climb_rate = self.climb_rate_command_radps(step_s);
         let time_constant_s = self.vehicle.response.bank_time_constant_s;
@@ -123,7 +123,7 @@ impl Plant {
             .plus(k2, step_s / 3.0)
             .plus(k3, step_s / 3.0)
             .plus(k4, step_s / 6.0);
-        flown(&Arc {
+        let arc = Arc {
             start_s: self.time_s,
             duration_s: step_s,
             position_m: before.position_m,
@@ -133,7 +133,8 @@ impl Plant {
             climb_rate_radps: climb_rate,
             airspeed_mps: speed,
             wind_mps: wind,
-        });
+        };
+        flown(&arc, after.position_m);
         self.position_m = after.position_m;
         self.course_rad = after.course_rad;
         self.bank_rad = after.bank_rad;

@@ -151,8 +151,8 @@ impl Plant {
         }
     }
 
-    /// Flies for `duration_s` seconds and shows every arc flown, in order.
-    pub fn advance(&mut self, duration_s: f64, mut flown: impl FnMut(&Arc)) {
+    /// Flies for `duration_s` seconds and shows every arc flown and where it ends, in order.
+    pub fn advance(&mut self, duration_s: f64, mut flown: impl FnMut(&Arc, Vec3)) {
         let end_s = self.time_s + duration_s;
         let lagged =
             self.vehicle.response.bank_time_constant_s > 0.0 || self.autopilot != Autopilot::Direct;
@@ -187,7 +187,7 @@ impl Plant {
     }
 
     /// Flies exact arcs until `until_s`.
-    fn fly_exact(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc)) {
+    fn fly_exact(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         let climb_target = self.climb_target_rad();
         let (course_target, course_limit) = self.active.map_or((self.course_rad, 0.0), |stage| {
             (
@@ -216,8 +216,9 @@ impl Plant {
                 airspeed_mps: self.airspeed_mps,
                 wind_mps: self.wind_mps,
             };
-            flown(&arc);
-            self.position_m = arc.end_m();
+            let end_m = arc.end_m();
+            flown(&arc, end_m);
+            self.position_m = end_m;
             self.course_rad = if duration_s == turn_s {
                 course_target
             } else {
