@@ -1,9 +1,15 @@
-//! The loop over the blocks of a campaign.
+//! The loop over the encounters of a campaign.
+//!
+//! Every thread takes the next few encounters, in their order, until none are left. Whoever flies
+//! the last one of a block writes it, while the others go on: no thread waits for another, neither
+//! at the end of a block nor for the disk. No more blocks are in memory than there are threads, and
+//! one.
 
+use alloc::collections::BTreeMap;
+use core::sync::atomic::{AtomicU64, Ordering};
 use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
-
-use rayon::prelude::*;
 
 use super::flight::Flyer;
 use super::folder::{Manifest, read_block};
@@ -75,11 +81,14 @@ impl Task<'_> {
     }
 }
 
+/// Encounters that a thread takes at once.
+const TAKEN: u64 = 4;
+
 /// Flies every block that is not there yet, on the threads of the current pool.
 ///
-/// `go_on` is asked now and then; once it says no, the running block is dropped and the finished
-/// ones stay. `show` is told of every finished block. Gives the decision times of each policy,
-/// of the encounters that were flown now.
+/// `go_on` is asked now and then; once it says no, running blocks are dropped and the finished ones
+/// stay. `show` is told of every finished block. Gives the decision times of each policy, of the
+/// encounters that were flown now.
 ///
 /// # Errors
 /// A folder of another campaign, a damaged block, an output that cannot be written, or
@@ -87,7 +96,7 @@ impl Task<'_> {
 pub fn run(
     task: &Task<'_>,
     go_on: &(impl Fn() -> bool + Sync),
-    show: &mut dyn FnMut(&Progress),
+    show: &mut (dyn FnMut(&Progress) + Send),
 ) -> Result<Vec<DecisionTimes>, CampaignError> {
     let campaign = task.campaign;
     let configuration = &campaign.configuration;
@@ -111,33 +120,141 @@ pub fn run(
         progress.done += size(*block);
     }
     progress.before = progress.done;
-    let mut times = vec![DecisionTimes::default(); campaign.policies.len()];
-    let begun = Instant::now();
     // Settings are checked once here; the same ones fly every encounter.
     Flyer::new(campaign)?;
-    for block in (0..configuration.blocks()).filter(|block| task.shard.has(*block)) {
-        if finished.contains_key(&block) {
-            continue;
+    let work = Work {
+        task,
+        blocks: (0..configuration.blocks())
+            .filter(|block| task.shard.has(*block) && !finished.contains_key(block))
+            .collect(),
+        next: AtomicU64::new(0),
+        begun: Instant::now(),
+        state: Mutex::new(WorkState {
+            running: BTreeMap::new(),
+            times: vec![DecisionTimes::default(); campaign.policies.len()],
+            progress,
+            show,
+            error: None,
+        }),
+    };
+    rayon::broadcast(|_| work.go_through(go_on));
+    let state = work
+        .state
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner);
+    match state.error {
+        Some(error) => Err(error),
+        None if state.progress.done < state.progress.total => Err(CampaignError::Stopped {
+            done: state.progress.done,
+            total: state.progress.total,
+        }),
+        None => Ok(state.times),
+    }
+}
+
+/// What is left to be done, and how far it is.
+struct Work<'a> {
+    task: &'a Task<'a>,
+    /// Numbers of the blocks to be flown.
+    blocks: Vec<u64>,
+    /// The next encounters to be taken, counted over these blocks in portions of [`TAKEN`].
+    next: AtomicU64,
+    begun: Instant,
+    state: Mutex<WorkState<'a>>,
+}
+
+struct WorkState<'a> {
+    /// Encounters flown of the blocks that are not finished.
+    running: BTreeMap<u64, BTreeMap<u64, Vec<Flown>>>,
+    times: Vec<DecisionTimes>,
+    progress: Progress,
+    show: &'a mut (dyn FnMut(&Progress) + Send),
+    /// The first thing that went wrong.
+    error: Option<CampaignError>,
+}
+
+impl<'a> Work<'a> {
+    fn state(&self) -> MutexGuard<'_, WorkState<'a>> {
+        // A thread that panicked takes the program with it.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next encounters to be flown and their block.
+    fn take(&self) -> Option<(u64, core::ops::Range<u64>)> {
+        let configuration = &self.task.campaign.configuration;
+        let portions = configuration.block.div_ceil(TAKEN);
+        loop {
+            let taken = self.next.fetch_add(1, Ordering::Relaxed);
+            let index = usize::try_from(taken / portions).ok()?;
+            let block = *self.blocks.get(index)?;
+            let range = configuration.range_of(block);
+            let first = range.start + taken % portions * TAKEN;
+            // The last block may be a short one.
+            if first < range.end {
+                return Some((block, first..(first + TAKEN).min(range.end)));
+            }
         }
-        let Some(flown) = fly_block(campaign, configuration.range_of(block), go_on)? else {
-            return Err(CampaignError::Stopped {
-                done: progress.done,
-                total: progress.total,
-            });
-        };
-        for flown in &flown {
-            if let Some(times) = times.get_mut(flown.row.policy as usize) {
+    }
+
+    /// Flies on until nothing is left, it is to stop, or something went wrong.
+    fn go_through(&self, go_on: &(impl Fn() -> bool + Sync)) {
+        if let Err(error) = self.try_to_go_through(go_on) {
+            self.state().error.get_or_insert(error);
+            // Nobody begins anything any more.
+            self.next.store(u64::MAX / 2, Ordering::Relaxed);
+        }
+    }
+
+    fn try_to_go_through(&self, go_on: &impl Fn() -> bool) -> Result<(), CampaignError> {
+        let mut flyer = Flyer::new(self.task.campaign)?;
+        while let Some((block, numbers)) = self.take() {
+            let mut flown = Vec::with_capacity(numbers.clone().count());
+            for number in numbers {
+                if !go_on() {
+                    return Ok(());
+                }
+                let mut rows = Vec::with_capacity(self.task.campaign.policies.len());
+                flyer.fly(number, &mut rows)?;
+                flown.push((number, rows));
+            }
+            if let Some(rows) = self.add(block, flown) {
+                self.write(block, &rows)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds encounters to their block; all of its rows in order once it is whole.
+    fn add(&self, block: u64, flown: Vec<(u64, Vec<Flown>)>) -> Option<Vec<Flown>> {
+        let range = self.task.campaign.configuration.range_of(block);
+        let mut state = self.state();
+        let running = state.running.entry(block).or_default();
+        running.extend(flown);
+        if running.len() as u64 != range.end - range.start {
+            return None;
+        }
+        let whole = state.running.remove(&block)?;
+        Some(whole.into_values().flatten().collect())
+    }
+
+    fn write(&self, block: u64, flown: &[Flown]) -> Result<(), CampaignError> {
+        let task = self.task;
+        let rows: Vec<Row> = flown.iter().map(|flown| flown.row).collect();
+        task.folder
+            .write_block(block, &rows, task.campaign, &task.stamp)?;
+        let range = task.campaign.configuration.range_of(block);
+        let mut state = self.state();
+        for flown in flown {
+            if let Some(times) = state.times.get_mut(flown.row.policy as usize) {
                 times.take(flown);
             }
         }
-        let rows: Vec<Row> = flown.iter().map(|flown| flown.row).collect();
-        task.folder
-            .write_block(block, &rows, campaign, &task.stamp)?;
-        progress.done += size(block);
-        progress.elapsed_s = begun.elapsed().as_secs_f64();
-        show(&progress);
+        state.progress.done += range.end - range.start;
+        state.progress.elapsed_s = self.begun.elapsed().as_secs_f64();
+        let progress = state.progress;
+        (state.show)(&progress);
+        Ok(())
     }
-    Ok(times)
 }
 
 /// Whether a block that is there belongs here and is still what was written.
@@ -151,30 +268,4 @@ fn check(block: u64, path: &Path, task: &Task<'_>) -> Result<(), CampaignError> 
         )));
     }
     read_block(path, block, task.campaign).map(drop)
-}
-
-/// Flies the encounters of a block; `None` where it was stopped.
-fn fly_block(
-    campaign: &Campaign,
-    range: core::ops::Range<u64>,
-    go_on: &(impl Fn() -> bool + Sync),
-) -> Result<Option<Vec<Flown>>, CampaignError> {
-    let flown: Vec<Vec<Flown>> = range
-        .into_par_iter()
-        .map_init(
-            || Flyer::new(campaign),
-            |flyer, number| {
-                let mut flown = Vec::with_capacity(campaign.policies.len());
-                if go_on() {
-                    match flyer {
-                        Ok(flyer) => flyer.fly(number, &mut flown)?,
-                        Err(error) => return Err(CampaignError::Other(error.to_string())),
-                    }
-                }
-                Ok(flown)
-            },
-        )
-        .collect::<Result<_, _>>()?;
-    let complete = flown.iter().all(|rows| !rows.is_empty());
-    Ok(complete.then(|| flown.into_iter().flatten().collect()))
 }
