@@ -24,7 +24,8 @@ pub(crate) fn write(
     flight(log, events).write(&folder.join(NAME))
 }
 
-fn flight(log: &RunLog, events: &[(f64, Value)]) -> Flight {
+/// The flight with its events.
+pub(crate) fn flight(log: &RunLog, events: &[(f64, Value)]) -> Flight {
     let mut samples: Vec<FlightSample> = Vec::with_capacity(log.samples.len());
     for sample in &log.samples {
         // The last moment may be logged twice.

@@ -57,7 +57,7 @@ fn track_csv(log: &RunLog) -> Vec<u8> {
 }
 
 /// The decisions that say something new and the closest approaches, in order of time.
-fn events(log: &RunLog) -> Vec<(f64, Value)> {
+pub(crate) fn events(log: &RunLog) -> Vec<(f64, Value)> {
     let mut events: Vec<(f64, Value)> = log
         .decisions
         .iter()

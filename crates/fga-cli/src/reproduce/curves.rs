@@ -6,6 +6,7 @@ use fga_formats::atomic;
 use fga_report::interval::Estimate;
 use fga_report::plot::{Axis, Claim, Line, LineChart, LinePoint};
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
+use fga_sim::campaign::Row;
 
 use super::flights::{Flights, fly};
 use super::{Setting, next};
@@ -151,8 +152,9 @@ fn section(figure: &Figure, setting: &Setting<'_>) -> Result<Section, Failure> {
             .iter()
             .map(|(_, _, cell)| cell.clone())
             .collect();
-        let flights = fly(setting, &cells, &POLICIES, true)?;
+        let flights = fly(setting, &cells, &POLICIES)?;
         everything.take(&flights);
+        everything.take_claims(curve, &flights);
         for (index, (x, name, cell)) in curve.points.iter().enumerate() {
             let mut row = vec![Cell::Text(curve.title.clone()), Cell::Text(name.clone())];
             for (series, label) in NAMES.iter().enumerate() {
@@ -232,9 +234,15 @@ struct Comparison {
     encounters: u64,
     avoidable: u64,
     saved: [u64; 3],
-    saved_of_lost: u64,
+    /// Encounters in which turn-aware keeps more than the oracle found, by more than its fineness.
+    beyond: u64,
     worst: Option<(f64, String)>,
+    /// What the paper states, and whether turn-aware is at least as good at each of its points.
+    claims: Vec<(String, bool)>,
 }
+
+/// The oracle's fineness, metres.
+const FINENESS_M: f64 = 0.05;
 
 impl Comparison {
     fn take(&mut self, flights: &Flights) {
@@ -258,11 +266,34 @@ impl Comparison {
                     if policy == TURN_AWARE {
                         self.encounters += totals.encounters;
                         self.avoidable += totals.avoidable;
-                        self.saved_of_lost += totals.saved_of_lost;
                     }
                 }
             }
         }
+    }
+
+    fn take_claims(&mut self, curve: &Curve, flights: &Flights) {
+        for claim in &curve.claims {
+            let met = curve
+                .points
+                .iter()
+                .enumerate()
+                .filter(|(_, (x, _, _))| (claim.from..=claim.to).contains(x))
+                .filter_map(|(index, _)| value(flights, TURN_AWARE, index))
+                .all(|share| share.value >= claim.y);
+            let label = claim.label.trim_start_matches("paper: ").to_owned();
+            self.claims.push((label, met));
+        }
+        let beyond = |rows: &&Vec<Row>| {
+            rows.get(TURN_AWARE).is_some_and(|row| {
+                row.separated
+                    && row.avoidable() == Some(false)
+                    && row
+                        .oracle_margin_m
+                        .is_some_and(|oracle_m| row.min_margin_m > oracle_m + FINENESS_M)
+            })
+        };
+        self.beyond += flights.rows.iter().filter(beyond).count() as u64;
     }
 
     fn share(&self, count: u64) -> String {
@@ -284,14 +315,20 @@ impl Comparison {
                 100.0 * gap
             )
         });
-        let lost = if self.saved_of_lost > 0 {
+        let beyond = if self.beyond > 0 {
             format!(
-                " It saved {} that the oracle calls lost, so the oracle's search is not exhaustive there.",
-                self.saved_of_lost
+                " In {} encounters it keeps a larger margin than the oracle found, so the oracle's \
+                 search is not exhaustive there.",
+                self.beyond
             )
         } else {
             String::new()
         };
+        let mut claims = String::new();
+        for (label, met) in &self.claims {
+            let verdict = if *met { "reaches" } else { "does not reach" };
+            let _ = write!(claims, " It {verdict} the paper's \"{label}\".");
+        }
         Reading {
             paper: paper.into(),
             published: format!(
@@ -304,7 +341,7 @@ impl Comparison {
             reading: format!(
                 "Of what can be saved, the published algorithm saves {:.1} % at t_c and {:.1} % at \
                  t_0, turn-aware {:.1} %; turn-aware is level with the oracle, within its interval, \
-                 in {within} of {} points{worst}.{lost}",
+                 in {within} of {} points{worst}.{claims}{beyond}",
                 saved(0),
                 saved(1),
                 saved(TURN_AWARE),

@@ -3,29 +3,54 @@
 use std::path::Path;
 
 use fga_report::interval::Estimate;
-use fga_sim::campaign::{Campaign, Configuration, Flyer, Summary, Totals};
+use fga_sim::campaign::{Campaign, Configuration, Flown, Flyer, Row, Summary, Totals};
 use rayon::prelude::*;
 
 use super::Setting;
 use crate::common::interrupted;
 use crate::failure::Failure;
 
+/// How the name of a cell ends whose obstacles all stay at the aircraft's altitude.
+pub(super) const PLANAR: &str = ",planar";
+
+/// Table 4's aircraft forbidden to climb.
+const PLANAR_VEHICLE: &str = include_str!("../../../../vehicles/paper-planar.toml");
+
 /// What came of them.
 pub(super) struct Flights {
+    /// The encounters.
+    pub(super) campaign: Campaign,
+    /// Rows of each encounter, one for each policy.
+    pub(super) rows: Vec<Vec<Row>>,
     /// Counts.
     pub(super) summary: Summary,
-    /// Mean time of a whole flight of each policy, seconds.
-    pub(super) mean_s: Vec<f64>,
-    cells: Vec<String>,
+    /// Times of each policy.
+    pub(super) times: Vec<Times>,
 }
 
-/// Flies `setting.encounters` encounters of each cell by each policy.
+/// How long the flights of one policy took, means over the flights.
+#[expect(
+    clippy::struct_field_names,
+    reason = "the unit, as everywhere in this project"
+)]
+#[derive(Clone, Copy, Default)]
+pub(super) struct Times {
+    /// Of the whole flight, seconds.
+    pub(super) flight_s: f64,
+    /// Of its median decision, seconds.
+    pub(super) median_s: f64,
+    /// Of its longest decision, seconds.
+    pub(super) longest_s: f64,
+}
+
+/// Flies `setting.encounters` encounters of each cell by each policy, and asks the oracle. Cells
+/// end in `,planar` all or none: then the aircraft is forbidden to climb.
 pub(super) fn fly(
     setting: &Setting<'_>,
     cells: &[String],
     policies: &[&str],
-    oracle: bool,
 ) -> Result<Flights, Failure> {
+    let planar = cells.iter().any(|cell| cell.ends_with(PLANAR));
     let configuration = Configuration {
         name: "reproduce".into(),
         version: env!("CARGO_PKG_VERSION").into(),
@@ -34,10 +59,10 @@ pub(super) fn fly(
         seeds: vec![setting.seed],
         policies: policies.iter().map(|&policy| policy.to_owned()).collect(),
         horizon_s: 60.0,
-        oracle,
+        oracle: true,
         cells: cells.to_vec(),
         files: Vec::new(),
-        vehicle: None,
+        vehicle: planar.then(|| PLANAR_VEHICLE.into()),
         vehicle_sha256: String::new(),
     };
     let campaign = Campaign::new(configuration, Path::new("reproduce"))?;
@@ -59,17 +84,22 @@ pub(super) fn fly(
         )
         .collect::<Result<Vec<_>, Failure>>()?;
     let mut summary = Summary::default();
-    let mut mean_s = vec![0.0; policies.len()];
-    for row in flown.iter().flatten() {
-        summary.take(&row.row);
-        if let Some(mean_s) = mean_s.get_mut(row.row.policy as usize) {
-            *mean_s += row.flight_ns as f64 * 1e-9 / flown.len() as f64;
+    let mut times = vec![Times::default(); policies.len()];
+    let share_s = 1e-9 / flown.len() as f64;
+    for flown in flown.iter().flatten() {
+        summary.take(&flown.row);
+        if let Some(times) = times.get_mut(flown.row.policy as usize) {
+            times.flight_s += flown.flight_ns as f64 * share_s;
+            times.median_s += flown.decision_median_ns as f64 * share_s;
+            times.longest_s += flown.decision_max_ns as f64 * share_s;
         }
     }
+    let only_rows = |flown: &Vec<Flown>| flown.iter().map(|flown| flown.row).collect();
     Ok(Flights {
+        rows: flown.iter().map(only_rows).collect(),
+        campaign,
         summary,
-        mean_s,
-        cells: cells.to_vec(),
+        times,
     })
 }
 
@@ -96,6 +126,6 @@ impl Flights {
 
     /// The cells.
     pub(super) fn cells(&self) -> &[String] {
-        &self.cells
+        &self.campaign.configuration.cells
     }
 }

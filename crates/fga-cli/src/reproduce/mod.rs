@@ -4,13 +4,21 @@
 //! |---|---|
 //! | Tables 3, 4, 7 | [`settings`] |
 //! | Figs. 12–15 | [`curves`] |
+//! | bounds 1–3 | [`bounds`] |
+//! | `L_1` < `L_3` | [`paths`] |
 //! | Tables 5, 6 | [`times`] |
+//! | "67 % shorter" | [`shorter`] |
+//! | every method on identical encounters | [`methods`] |
 //! | Figs. 16, 17, 25, 26 | [`pictures`] |
 
+mod bounds;
 mod curves;
 mod flights;
+mod methods;
+mod paths;
 mod pictures;
 mod settings;
+mod shorter;
 mod times;
 
 use std::path::{Path, PathBuf};
@@ -95,7 +103,9 @@ pub(crate) fn run(args: &ReproduceArgs) -> Result<ExitCode, Failure> {
     report.sections = args.threads.install(|| {
         let mut sections = settings::sections(&model);
         sections.extend(curves::sections(&setting)?);
-        sections.push(times::section(&setting)?);
+        sections.extend(bounds::sections(&setting, &model)?);
+        sections.push(paths::section(&setting)?);
+        sections.extend(methods::sections(&setting)?);
         sections.extend(pictures::sections(&setting, &model)?);
         Ok::<_, Failure>(sections)
     })??;

@@ -2,9 +2,12 @@
 
 use std::path::Path;
 
+use fga::Vec3;
 use fga_formats::atomic;
+use fga_formats::export::{self, Format};
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 use fga_sim::campaign::parse_policy;
+use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 use fga_sim::run::{RunLog, fly};
 use fga_sim::scenario;
 use fga_sim::toml_input::TomlText;
@@ -12,8 +15,7 @@ use fga_sim::vehicle_file::VehicleModel;
 
 use super::{Setting, next};
 use crate::failure::Failure;
-use crate::replay_page;
-use crate::run_files::overview;
+use crate::{flight_file, replay_page, run_files};
 
 const RASCAL: &str = include_str!("../../../../vehicles/rascal-110.toml");
 
@@ -26,13 +28,22 @@ struct Case {
     paper: &'static str,
 }
 
+/// Started at once and as late as can be; and as the policy likes.
+const STARTS: [&str; 5] = [
+    "published --start t0",
+    "published --start tc",
+    "turn-aware --start t0",
+    "turn-aware --start latest",
+    "turn-aware",
+];
+
 const CASES: [Case; 3] = [
     Case {
         title: "Fig. 16: a static obstacle in three dimensions",
         name: "fig-16",
         scenario: include_str!("../../../../scenarios/fig-16.toml"),
         rascal: false,
-        policies: &["published --start t0", "published --start tc", "turn-aware"],
+        policies: &STARTS,
         paper: "The aircraft avoids a single obstacle with minimal deviation, started at t_0 and at t_c.",
     },
     Case {
@@ -40,7 +51,7 @@ const CASES: [Case; 3] = [
         name: "fig-17",
         scenario: include_str!("../../../../scenarios/fig-17.toml"),
         rascal: false,
-        policies: &["published --start t0", "published --start tc", "turn-aware"],
+        policies: &STARTS,
         paper: "The aircraft avoids several obstacles and returns to its path, started at t_0 and at t_c.",
     },
     Case {
@@ -76,14 +87,19 @@ fn section(case: &Case, setting: &Setting<'_>, paper: &VehicleModel) -> Result<S
             Cell::Text((*name).to_owned()),
             Cell::Number(outcome.min_margin_m, 2),
             Cell::Number(outcome.max_cross_track_m, 1),
-            Cell::Number(outcome.extra_path_m, 1),
+            Cell::Number(path_m(&log), 0),
+            Cell::Text(format!(
+                "{} of {}",
+                reached(&log),
+                log.plan.world.mission_m.len()
+            )),
             outcome.start_s.map_or(Cell::Empty, |s| Cell::Number(s, 1)),
             outcome
                 .rejoined_s
                 .map_or(Cell::Empty, |s| Cell::Number(s, 1)),
         ]);
-        let svg = overview(&log).to_svg();
-        let file = format!("{}-{}.svg", case.name, name.replace(" --start ", "-"));
+        let svg = run_files::overview(&log).to_svg();
+        let file = file_name(case, name, "svg");
         atomic::write(&setting.data.join(&file), &svg)?;
         blocks.push(Block::Figure {
             svg,
@@ -99,7 +115,8 @@ fn section(case: &Case, setting: &Setting<'_>, paper: &VehicleModel) -> Result<S
                 Column::text("policy"),
                 Column::number("least margin (m)"),
                 Column::number("largest distance from the route (m)"),
-                Column::number("extra path (m)"),
+                Column::number("path flown (m)"),
+                Column::number(&format!("waypoints within {REACHED_M} m")),
                 Column::number("began (s)"),
                 Column::number("rejoined (s)"),
             ],
@@ -109,15 +126,81 @@ fn section(case: &Case, setting: &Setting<'_>, paper: &VehicleModel) -> Result<S
     let file = format!("{}-replay.html", case.name);
     let page = replay_page::page(flown.iter().map(|(_, log)| log));
     atomic::write(&setting.data.join(&file), page)?;
-    blocks.push(Block::Files(vec![(
+    let mut files = vec![(
         format!("data/{file}"),
         "the flights one over the other, to look at in a browser".into(),
-    )]));
+    )];
+    for (name, log) in &flown {
+        // Only a flight that has a place on the globe.
+        if log.plan.frame.is_some() {
+            let file = file_name(case, name, "kml");
+            let flight = flight_file::flight(log, &run_files::events(log));
+            export::write(&flight, Format::Kml, &setting.data.join(&file))?;
+            files.push((format!("data/{file}"), format!("{name}, for Google Earth")));
+        }
+    }
+    blocks.push(Block::Files(files));
     blocks.push(Block::Reading(reading(case, &flown)));
     Ok(Section {
         title: case.title.into(),
         blocks,
     })
+}
+
+/// A waypoint counts as reached within this distance, metres: corners are cut.
+const REACHED_M: f64 = 150.0;
+
+/// Waypoints that the flight came near.
+fn reached(log: &RunLog) -> usize {
+    let near = |waypoint_m: &&Vec3| {
+        log.samples
+            .iter()
+            .any(|sample| sample.position_m.distance(**waypoint_m) <= REACHED_M)
+    };
+    log.plan.world.mission_m.iter().filter(near).count()
+}
+
+/// Path flown over the ground, metres.
+fn path_m(log: &RunLog) -> f64 {
+    log.samples
+        .windows(2)
+        .map(|pair| pair[0].position_m.distance(pair[1].position_m))
+        .sum()
+}
+
+fn file_name(case: &Case, policy: &str, ending: &str) -> String {
+    format!(
+        "{}-{}.{ending}",
+        case.name,
+        policy.replace(" --start ", "-")
+    )
+}
+
+/// The margin that the oracle keeps from the state in which the flight begins, up to the first
+/// minute, metres; obstacles straight on at their first velocity.
+fn allowed_m(log: &RunLog) -> f64 {
+    let world = &log.plan.world;
+    let start = OracleStart {
+        position_m: world.start.position_m,
+        course_rad: world.start.course_rad,
+        climb_rad: world.start.climb_rad,
+        bank_rad: 0.0,
+    };
+    let obstacles: Vec<OracleObstacle> = world
+        .obstacles
+        .iter()
+        .filter_map(|obstacle| {
+            let (position_m, velocity_mps) = obstacle.track.at(0.0)?;
+            let seen = OracleObstacle {
+                position_m,
+                velocity_mps,
+                volume: obstacle.volume,
+            };
+            Some(seen.in_wind(world.wind_mps))
+        })
+        .collect();
+    let vehicle = OracleVehicle::from(&world.vehicle);
+    best_margin(&start, &vehicle, &obstacles, &OracleSettings::default()).best_margin_m
 }
 
 fn fly_case(case: &Case, policy: &str, paper: &VehicleModel) -> Result<RunLog, Failure> {
@@ -138,20 +221,22 @@ fn fly_case(case: &Case, policy: &str, paper: &VehicleModel) -> Result<RunLog, F
 fn reading(case: &Case, flown: &[(&str, RunLog)]) -> Reading {
     let words = |(name, log): &(&str, RunLog)| {
         format!(
-            "{name}: {}, least margin {:.2} m, extra path {:.1} m",
+            "{name}: {}, least margin {:.2} m, {:.0} m of path past {} of {} waypoints",
             if log.outcome.separated() {
                 "separated"
             } else {
                 "entered the volume"
             },
             log.outcome.min_margin_m,
-            log.outcome.extra_path_m
+            path_m(log),
+            reached(log),
+            log.plan.world.mission_m.len()
         )
     };
     let of = |own: bool| {
         let told: Vec<String> = flown
             .iter()
-            .filter(|(name, _)| (*name == "turn-aware") == own)
+            .filter(|(name, _)| name.starts_with("turn-aware") == own)
             .map(words)
             .collect();
         told.join("; ") + "."
@@ -160,26 +245,39 @@ fn reading(case: &Case, flown: &[(&str, RunLog)]) -> Reading {
         .iter()
         .filter(|(_, log)| log.outcome.separated())
         .count();
+    let whole = |log: &RunLog| reached(log) == log.plan.world.mission_m.len();
     let shortest = flown
         .iter()
-        .filter(|(_, log)| log.outcome.separated())
-        .min_by(|a, b| {
-            a.1.outcome
-                .extra_path_m
-                .total_cmp(&b.1.outcome.extra_path_m)
-        });
+        .filter(|(_, log)| log.outcome.separated() && whole(log))
+        .min_by(|a, b| path_m(&a.1).total_cmp(&path_m(&b.1)));
+    let left_out: Vec<&str> = flown
+        .iter()
+        .filter(|(_, log)| !whole(log))
+        .map(|(name, _)| *name)
+        .collect();
     Reading {
         paper: case.paper.into(),
         published: of(false),
         turn_aware: of(true),
-        oracle: "Not asked: one flight, not a share.".into(),
+        oracle: flown.first().map_or_else(String::new, |(_, log)| {
+            format!(
+                "Can be kept clear: from the state at the start some manoeuvre keeps {:.0} m over the \
+                 first minute, at whatever length of path.",
+                allowed_m(log)
+            )
+        }),
         reading: format!(
-            "{separated} of {} stay outside the protected volumes{}; the paper's own positions are not \
-             given, so the pictures compare in kind only.",
+            "{separated} of {} stay outside the protected volumes{}{}; the paper's own positions are \
+             not given, so the pictures compare in kind only.",
             flown.len(),
             shortest.map_or_else(String::new, |(name, _)| format!(
-                ", {name} with the least extra path"
-            ))
+                ", {name} on the shortest way past all waypoints"
+            )),
+            if left_out.is_empty() {
+                String::new()
+            } else {
+                format!("; {} leaves waypoints out", left_out.join(" and "))
+            }
         ),
     }
 }
