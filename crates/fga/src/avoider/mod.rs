@@ -27,6 +27,7 @@ use crate::avoider::published::Edition;
 use crate::conflict::LARGEST;
 use crate::kinematics::Vehicle;
 use crate::maneuver::{FlightPath, Flyer, Maneuver, MotionState};
+use crate::selection::turn_aware::Proof;
 use crate::situation::{Obstacle, Ownship};
 
 /// The mission in the local frame: fly from each waypoint to the next along the straight leg.
@@ -70,8 +71,10 @@ struct Plan {
     start_s: f64,
     /// When a way back is on the mission again, or infinity.
     joined_s: f64,
-    /// Whether its separation was certified when it was chosen.
-    certified: bool,
+    /// What is known of its separation.
+    proof: Proof,
+    /// Since when nothing is certified, seconds on the situation's clock.
+    open_since_s: f64,
     margin_m: f64,
     cost: f64,
     /// Latest certified start, seconds on the situation's clock.

@@ -11,10 +11,11 @@ use crate::angle::{Side, direction};
 use crate::avoider::{Against, Avoider, Decision, Plan, Reason, Situation, Start, State, Threat};
 use crate::conflict::{Conflict, Relative, assess, detect, threatens};
 use crate::limit::Limit as _;
-use crate::maneuver::{Maneuver, MotionState, Stage, certify_all};
+use crate::maneuver::{Maneuver, MotionState, Stage, certify_set};
 use crate::paths::RoundObstacle;
 use crate::recovery::dubins::{ClimbLimits, DubinsPath, SegmentKind};
 use crate::recovery::waypoint::{Reach, next_waypoint};
+use crate::selection::turn_aware::Proof;
 use crate::selection::{literal, published};
 use crate::situation::{Motion, Obstacle, Ownship};
 use crate::timing::{Geometry, Times};
@@ -102,7 +103,8 @@ impl Avoider {
             decided_s: time_s,
             start_s,
             joined_s: f64::INFINITY,
-            certified: false,
+            proof: Proof::Open,
+            open_since_s: f64::INFINITY,
             margin_m: f64::NEG_INFINITY,
             cost: 0.0,
             latest_start_s: None,
@@ -222,7 +224,12 @@ impl Avoider {
         let plan = Plan {
             maneuver,
             decided_s: time_s,
-            certified: clears,
+            proof: if clears {
+                Proof::Certified
+            } else {
+                Proof::Open
+            },
+            open_since_s: f64::INFINITY,
             margin_m,
             cost,
             ..plan
@@ -327,7 +334,8 @@ impl Avoider {
             maneuver: along(&next.path, own.course_rad, own.airspeed_mps, radius_m),
             decided_s: situation.time_s,
             joined_s: situation.time_s + duration_s,
-            certified: true,
+            proof: Proof::Certified,
+            open_since_s: f64::INFINITY,
             ..*plan
         })
     }
@@ -347,7 +355,7 @@ impl Avoider {
             self.path
                 .predict(&self.flyer, now, &plan.remaining(time_s), left_s);
             let hazards = self.tracks.hazards();
-            let ahead = certify_all(&self.flyer, &self.path, hazards, left_s, 0.0, 0.0);
+            let ahead = certify_set(&self.flyer, &self.path, hazards, left_s, 0.0, 0.0);
             if ahead.margin_m >= 0.0 {
                 return self.report(&plan, time_s, Reason::RejoinKept);
             }
@@ -430,7 +438,8 @@ impl Avoider {
             decided_s: time_s,
             start_s: time_s + wait_s,
             joined_s: time_s + wait_s + round.length_m() / own.airspeed_mps,
-            certified: true,
+            proof: Proof::Certified,
+            open_since_s: f64::INFINITY,
             margin_m: self.settings.margin_m,
             cost: 0.0,
             latest_start_s: Some(time_s + wait_s),

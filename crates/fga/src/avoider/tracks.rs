@@ -2,11 +2,11 @@
 
 use crate::Vec3;
 use crate::avoider::Situation;
-use crate::maneuver::Hazard;
+use crate::maneuver::{Hazard, Hazards, MAX_HAZARDS};
 use crate::situation::{Obstacle, ProtectedVolume};
 
 /// Most obstacles that a decision takes into account: the most urgent ones.
-pub const MAX_TRACKED: usize = 128;
+pub const MAX_TRACKED: usize = MAX_HAZARDS;
 
 /// How far inside a volume the aircraft may come again while it leaves it, as a share of its depth.
 const LEAVING_SHARE: f64 = 0.98;
@@ -14,10 +14,9 @@ const LEAVING_SHARE: f64 = 0.98;
 /// The hazards of one step.
 #[derive(Debug, Clone)]
 pub(super) struct Tracks {
-    hazards: [Hazard; MAX_TRACKED],
+    hazards: Hazards,
     /// The same obstacles as they are known, in the air mass.
     obstacles: [Obstacle; MAX_TRACKED],
-    len: usize,
     /// Obstacles within the surveillance radius.
     pub(super) seen: u32,
     /// Whether the aircraft is inside a protected volume.
@@ -28,30 +27,25 @@ pub(super) struct Tracks {
 
 impl Tracks {
     pub(super) const fn new() -> Self {
-        let none = Hazard {
-            index: 0,
-            position_m: Vec3::ZERO,
-            velocity_mps: Vec3::ZERO,
-            volume: ProtectedVolume::Sphere { radius_m: 0.0 },
-            growth_mps: 0.0,
-        };
+        let none = ProtectedVolume::Sphere { radius_m: 0.0 };
         Self {
-            hazards: [none; MAX_TRACKED],
-            obstacles: [Obstacle::new(0, Vec3::ZERO, Vec3::ZERO, none.volume); MAX_TRACKED],
-            len: 0,
+            hazards: Hazards::new(),
+            obstacles: [Obstacle::new(0, Vec3::ZERO, Vec3::ZERO, none); MAX_TRACKED],
             seen: 0,
             inside: false,
             overflow: false,
         }
     }
 
-    pub(super) fn hazards(&self) -> &[Hazard] {
-        self.hazards.get(..self.len).unwrap_or(&[])
+    pub(super) const fn hazards(&self) -> &Hazards {
+        &self.hazards
     }
 
     /// The obstacles as they are known, in the air mass, in the order of the hazards.
     pub(super) fn obstacles(&self) -> &[Obstacle] {
-        self.obstacles.get(..self.len).unwrap_or(&[])
+        self.obstacles
+            .get(..self.hazards.rows().len())
+            .unwrap_or(&[])
     }
 
     /// Identifier of the hazard with an index.
@@ -69,7 +63,8 @@ impl Tracks {
         horizon_s: f64,
         sigmas: f64,
     ) {
-        (self.len, self.seen, self.inside, self.overflow) = (0, 0, false, false);
+        self.hazards.clear();
+        (self.seen, self.inside, self.overflow) = (0, false, false);
         let own = situation.ownship;
         let square = |x: f64| x * x;
         for obstacle in situation.obstacles.iter() {
@@ -97,13 +92,14 @@ impl Tracks {
 
     fn keep(&mut self, situation: &Situation<'_>, obstacle: &Obstacle, sigmas: f64) {
         let own = situation.ownship.position_m;
-        let mut place = self.len;
+        let mut place = self.hazards.rows().len();
         if place >= MAX_TRACKED {
             self.overflow = true;
             let urgency = |hazard: &Hazard| hazard.margin_m(own, 0.0);
             let new = Hazard::new(0, obstacle, situation.wind_mps, sigmas);
             let farthest = self
                 .hazards
+                .rows()
                 .iter()
                 .enumerate()
                 .max_by(|a, b| urgency(a.1).total_cmp(&urgency(b.1)));
@@ -119,15 +115,13 @@ impl Tracks {
             self.inside |= obstacle.volume.margin_m(own - obstacle.position_m) < 0.0;
             hazard.volume = relaxed(&hazard.volume, own - obstacle.position_m);
         }
-        if let (Some(slot), Some(known)) =
-            (self.hazards.get_mut(place), self.obstacles.get_mut(place))
+        if self.hazards.put(place, hazard)
+            && let Some(known) = self.obstacles.get_mut(place)
         {
-            *slot = hazard;
             *known = Obstacle {
                 velocity_mps: hazard.velocity_mps,
                 ..*obstacle
             };
-            self.len = self.len.max(place + 1);
         }
     }
 }

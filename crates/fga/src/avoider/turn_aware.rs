@@ -6,12 +6,12 @@ use crate::avoider::{
     Against, Avoider, Candidate, Decision, Plan, Reason, Situation, Start, State, Threat, Verdict,
 };
 use crate::limit::Limit as _;
-use crate::maneuver::{Maneuver, MotionState, certify, certify_all};
+use crate::maneuver::{Maneuver, MotionState, certify, certify_set};
 use crate::recovery::join::JoinLimits;
-use crate::selection::turn_aware::{Effort, Found, Scene, Search};
+use crate::selection::turn_aware::{Effort, Found, Proof, Scene, Search};
 
 /// Tests of a straight line against an obstacle that one search may make: some 10 ns each.
-const WORK_LIMIT: u32 = 420_000;
+const WORK_LIMIT: u32 = 80_000;
 
 /// A manoeuvre under way is kept while this share of the margin is certified.
 const KEEP_SHARE: f64 = 0.5;
@@ -22,12 +22,12 @@ const CLEARLY_BETTER_M: f64 = 0.5;
 /// Cycles between two searches while nothing is certified.
 const SEARCH_AGAIN: u32 = 5;
 
-/// A margin below this is not made good by searching again, metres.
-const HOPELESS_M: f64 = -4.0;
+/// For this long, while nothing is certified, the searches are over all manoeuvres, each over other
+/// grids, seconds; later only near the one that is flown.
+const SEARCH_ALL_S: f64 = 0.65;
 
-/// For this long after the start the searches while nothing is certified are over all manoeuvres,
-/// seconds, each with other seeds; later only near the one that is flown.
-const SEARCH_ALL_S: f64 = 1.25;
+/// Where the margin of the manoeuvre under way has moved by this, the obstacles have, metres.
+const NEWS_M: f64 = 1.0;
 
 /// Starts that are compared when the start is free, as shares of the time to the first entry.
 const FREE_STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
@@ -135,7 +135,7 @@ impl Avoider {
         let target_m = self.settings.margin_m;
         self.path.predict(&self.flyer, now, nominal, horizon_s);
         let mut first: Option<Threat> = None;
-        for hazard in self.tracks.hazards() {
+        for hazard in self.tracks.hazards().rows() {
             let closest = certify(
                 &self.flyer,
                 &self.path,
@@ -171,7 +171,7 @@ impl Avoider {
         let first = first?;
         let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
         let mut against = Against::default();
-        for hazard in self.tracks.hazards() {
+        for hazard in self.tracks.hazards().rows() {
             let closest = certify(&self.flyer, &self.path, hazard, same_s, f64::MIN, target_m);
             if closest.margin_m < target_m {
                 against.add(self.tracks.id(hazard.index));
@@ -224,13 +224,14 @@ impl Avoider {
             choose(search, start, entry_s, period_s)
         });
         let decision = match found {
-            Some((found, maneuver, certified)) => {
+            Some((found, maneuver, proof)) => {
                 let plan = Plan {
                     maneuver,
                     decided_s: situation.time_s,
                     start_s: situation.time_s + found.turns.wait_s,
                     joined_s: f64::INFINITY,
-                    certified,
+                    proof,
+                    open_since_s: situation.time_s,
                     margin_m: found.margin_m,
                     cost: found.cost,
                     latest_start_s: latest_s.map(|latest_s| situation.time_s + latest_s),
@@ -239,7 +240,7 @@ impl Avoider {
                     next_start_s: None,
                 };
                 self.plan = Some(plan);
-                let (state, reason) = if !certified {
+                let (state, reason) = if proof != Proof::Certified {
                     let inside = self.tracks.inside;
                     let reason = if inside {
                         Reason::InsideVolume
@@ -267,7 +268,8 @@ impl Avoider {
     /// Whether what is left of a plan is still certified.
     fn still_holds(&mut self, plan: &Plan, time_s: f64, now: &MotionState) -> bool {
         let keep_m = KEEP_SHARE * self.settings.margin_m;
-        plan.certified && self.margin_of(&plan.remaining(time_s), now, (keep_m, keep_m)) >= keep_m
+        plan.proof == Proof::Certified
+            && self.margin_of(&plan.remaining(time_s), now, (keep_m, keep_m)) >= keep_m
     }
 
     /// Margin of a manoeuvre, between `floor_m`, below which it is not told, and `enough_m`.
@@ -280,7 +282,7 @@ impl Avoider {
         let horizon_s = self.settings.horizon_s;
         self.path.predict(&self.flyer, now, maneuver, horizon_s);
         let hazards = self.tracks.hazards();
-        certify_all(
+        certify_set(
             &self.flyer,
             &self.path,
             hazards,
@@ -306,28 +308,40 @@ impl Avoider {
         if self.still_holds(&plan, time_s, now) {
             return self.report(&plan, time_s, Reason::ManeuverKept);
         }
-        let again = time_s - plan.start_s < SEARCH_ALL_S && plan.margin_m > HOPELESS_M;
-        if !plan.certified && !again && !self.cycle.is_multiple_of(SEARCH_AGAIN) {
-            return self.report(&plan, time_s, Reason::BestAvailable);
-        }
-        let hold = Maneuver::hold();
         let flown = plan.remaining(time_s);
-        let variety = self.cycle;
-        let effort = if plan.certified || again {
-            Effort::Full
-        } else {
-            Effort::Quick
+        let kept_m = self.margin_of(&flown, now, (f64::MIN, ENOUGH_M));
+        let is_news = plan.proof == Proof::Certified || (kept_m - plan.margin_m).abs() > NEWS_M;
+        let open_since_s = if is_news { time_s } else { plan.open_since_s };
+        let look_again = self.cycle.is_multiple_of(SEARCH_AGAIN);
+        let effort = match plan.proof {
+            Proof::Hopeless if !is_news && !look_again => {
+                return self.report(&plan, time_s, Reason::BestAvailable);
+            }
+            Proof::Open if time_s - open_since_s >= SEARCH_ALL_S => {
+                if !look_again {
+                    return self.report(&plan, time_s, Reason::BestAvailable);
+                }
+                Effort::Quick
+            }
+            _ => Effort::Full,
         };
+        let hold = Maneuver::hold();
+        let variety = self.cycle;
         let (found, candidates, limit_met) = self.search(&hold, now, |search| {
-            search.cheapest(0.0).map(|found| (found, true)).or_else(|| {
-                let best = search.best(Some(&flown), effort, variety)?;
-                Some((best, best.margin_m >= search.target_m()))
-            })
+            let single = search.cheapest(0.0);
+            single
+                .map(|found| (found, Proof::Certified))
+                .or_else(|| search.best(Some(&flown), effort, variety))
         });
-        let remaining = plan.remaining(time_s);
-        let kept_m = self.margin_of(&remaining, now, (f64::MIN, ENOUGH_M));
+        let proof = match found {
+            Some((_, Proof::Certified)) => Proof::Certified,
+            Some((_, proof)) if effort == Effort::Full => proof,
+            _ => plan.proof,
+        };
         let decision = match found {
-            Some((found, certified)) if certified || found.margin_m > kept_m + CLEARLY_BETTER_M => {
+            Some((found, _))
+                if proof == Proof::Certified || found.margin_m > kept_m + CLEARLY_BETTER_M =>
+            {
                 let departure = *now;
                 let maneuver = self
                     .search(&hold, now, |search| {
@@ -339,15 +353,16 @@ impl Avoider {
                     decided_s: time_s,
                     start_s: plan.start_s.min(time_s),
                     joined_s: f64::INFINITY,
-                    certified,
+                    proof,
+                    open_since_s,
                     margin_m: found.margin_m,
                     cost: found.cost,
                     next_start_s: None,
-                    against: self.also_against(&remaining, now, plan.against),
+                    against: self.also_against(&flown, now, plan.against),
                     ..plan
                 };
                 self.plan = Some(plan);
-                let reason = if certified {
+                let reason = if proof == Proof::Certified {
                     Reason::ManeuverReplaced
                 } else {
                     Reason::BestAvailable
@@ -356,7 +371,8 @@ impl Avoider {
             }
             _ => {
                 let plan = Plan {
-                    certified: false,
+                    proof,
+                    open_since_s,
                     margin_m: kept_m,
                     ..plan
                 };
@@ -380,7 +396,7 @@ impl Avoider {
         let horizon_s = self.settings.horizon_s;
         let target_m = self.settings.margin_m;
         self.path.predict(&self.flyer, now, maneuver, horizon_s);
-        for hazard in self.tracks.hazards() {
+        for hazard in self.tracks.hazards().rows() {
             let id = self.tracks.id(hazard.index);
             let closest = certify(
                 &self.flyer,
@@ -449,7 +465,7 @@ impl Avoider {
             decided_s: situation.time_s,
             start_s: situation.time_s,
             joined_s: situation.time_s + joined.joined_s,
-            certified: true,
+            proof: Proof::Certified,
             margin_m: target_m,
             cost: 0.0,
             next_start_s: None,
@@ -497,7 +513,7 @@ impl Avoider {
         let own = situation.ownship;
         let velocity_mps = own.velocity_mps();
         let mut ahead = WayAhead::Clear;
-        for hazard in self.tracks.hazards() {
+        for hazard in self.tracks.hazards().rows() {
             let along = |until_s: f64| {
                 certify(&self.flyer, &self.path, hazard, until_s, target_m, target_m)
             };
@@ -578,7 +594,7 @@ impl Avoider {
             maneuver: command,
             margin_m: plan.margin_m,
             cost: plan.cost,
-            verdict: if plan.certified {
+            verdict: if plan.proof == Proof::Certified {
                 Verdict::Chosen
             } else {
                 Verdict::Rejected
@@ -594,7 +610,7 @@ fn choose(
     start: Start,
     entry_s: f64,
     period_s: f64,
-) -> (Option<(Found, Maneuver, bool)>, Option<f64>) {
+) -> (Option<(Found, Maneuver, Proof)>, Option<f64>) {
     let mut latest_s = None;
     let found = match start {
         Start::AtDetection => search.cheapest(0.0),
@@ -618,18 +634,12 @@ fn choose(
             })
         }
     };
-    let (found, certified) = if found.is_some() {
-        (found, true)
-    } else {
-        let best = search.best(None, Effort::Full, 0);
-        (
-            best,
-            best.is_some_and(|best| best.margin_m >= search.target_m()),
-        )
-    };
-    let found = found.map(|found| {
+    let found = found
+        .map(|found| (found, Proof::Certified))
+        .or_else(|| search.best(None, Effort::Full, 0));
+    let found = found.map(|(found, proof)| {
         let departure = search.departure(found.turns.wait_s);
-        (found, search.maneuver(&found.turns, &departure), certified)
+        (found, search.maneuver(&found.turns, &departure), proof)
     });
     (found, latest_s)
 }

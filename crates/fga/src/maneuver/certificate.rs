@@ -7,154 +7,12 @@
 //! bow is a lower bound; chords that decide the answer are split until the bow no longer matters.
 
 use crate::Vec3;
-use crate::limit::Limit as _;
+use crate::maneuver::hazards::{Hazard, HazardSet, Line};
 use crate::maneuver::path::{FlightPath, Node};
 use crate::maneuver::{Flyer, MotionState};
-use crate::situation::{Obstacle, ProtectedVolume};
 
 /// A chord that decides the answer is split into this many.
 const SPLITS: u32 = 5;
-
-/// Golden-section steps on a cylinder's chord: they shrink it by 0.618⁴⁸ ≈ 10⁻¹⁰.
-const GOLDEN_STEPS: u32 = 48;
-
-/// An obstacle as the certificate sees it: a volume that moves and grows.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hazard {
-    /// Place of the obstacle in the caller's list.
-    pub index: u32,
-    /// Centre at time 0, metres, air-mass frame.
-    pub position_m: Vec3,
-    /// Velocity in the air mass, metres per second.
-    pub velocity_mps: Vec3,
-    /// The volume at time 0, uncertainty included.
-    pub volume: ProtectedVolume,
-    /// How fast its surface moves outwards as the prediction ages, metres per second.
-    pub growth_mps: f64,
-}
-
-impl Hazard {
-    /// The obstacle in an air mass that moves with `wind_mps`, its volume widened by `sigmas`
-    /// standard deviations of position now and of velocity as time goes on.
-    pub fn new(index: u32, obstacle: &Obstacle, wind_mps: Vec3, sigmas: f64) -> Self {
-        let uncertainty = obstacle.uncertainty;
-        Self {
-            index,
-            position_m: obstacle.position_m,
-            velocity_mps: obstacle.velocity_mps - wind_mps,
-            volume: obstacle.volume.grown(sigmas * uncertainty.position_m),
-            growth_mps: sigmas * uncertainty.velocity_mps,
-        }
-    }
-
-    fn offset_m(&self, position_m: Vec3, at_s: f64) -> Vec3 {
-        position_m - (self.position_m + self.velocity_mps * at_s)
-    }
-
-    /// Signed distance from the volume's surface at a time, metres; negative inside.
-    pub fn margin_m(&self, position_m: Vec3, at_s: f64) -> f64 {
-        self.volume.margin_m(self.offset_m(position_m, at_s)) - self.growth_mps * at_s
-    }
-
-    /// Least margin of a point that moves straight for `duration_s`, and when, if it is below
-    /// `below_m`.
-    ///
-    /// `from_m` and `velocity_mps` are the point's at time `at_s`.
-    #[inline]
-    pub(crate) fn least_on_line(
-        &self,
-        from_m: Vec3,
-        velocity_mps: Vec3,
-        at_s: f64,
-        duration_s: f64,
-        below_m: f64,
-    ) -> Option<(f64, f64)> {
-        let offset = self.offset_m(from_m, at_s);
-        let velocity = velocity_mps - self.velocity_mps;
-        let growth = self.growth_mps;
-        let radius = match self.volume {
-            ProtectedVolume::Sphere { radius_m } => radius_m,
-            ProtectedVolume::Cylinder { .. } => self.volume.bounding_radius_m(),
-        } + growth * at_s;
-        let square = velocity.length_squared();
-        let along = -offset.dot(velocity);
-        // Squares only, until the sphere is close enough to matter.
-        let nearest_s = if along <= 0.0 {
-            0.0
-        } else if along >= square * duration_s {
-            duration_s
-        } else {
-            along / square
-        };
-        let reach = radius + below_m + growth * duration_s;
-        if reach < 0.0 {
-            return None;
-        }
-        let nearest_square = (offset + velocity * nearest_s).length_squared();
-        if nearest_square >= reach * reach {
-            return None;
-        }
-        let (margin, when) = match self.volume {
-            ProtectedVolume::Sphere { .. } if growth == 0.0 => {
-                (libm::sqrt(nearest_square) - radius, nearest_s)
-            }
-            ProtectedVolume::Sphere { .. } => {
-                let when = growing_nearest_s(offset, velocity, square, along, growth, duration_s);
-                let distance = (offset + velocity * when).length();
-                (distance - radius - growth * when, when)
-            }
-            ProtectedVolume::Cylinder { .. } => {
-                let margin =
-                    |t: f64| self.volume.margin_m(offset + velocity * t) - growth * (at_s + t);
-                let speed = libm::sqrt(square) + growth;
-                least_of_convex(margin, duration_s, speed)
-            }
-        };
-        (margin < below_m).then_some((margin, at_s + when))
-    }
-}
-
-/// When |q + w t| − g t is least on [0, duration]: where the closing speed falls to the growth.
-fn growing_nearest_s(
-    offset: Vec3,
-    velocity: Vec3,
-    square: f64,
-    along: f64,
-    growth: f64,
-    duration_s: f64,
-) -> f64 {
-    let faster = square - growth * growth;
-    if faster <= 0.0 {
-        // The volume grows faster than the aircraft can leave: the end is worst.
-        return duration_s;
-    }
-    let foot_s = along / square;
-    let miss = (offset + velocity * foot_s).length();
-    let beyond_s = growth * miss / libm::sqrt(square * faster);
-    (foot_s + beyond_s).limited(0.0, duration_s)
-}
-
-/// Minimum of a convex function with slope at most `speed` on [0, duration], from below.
-fn least_of_convex(margin: impl Fn(f64) -> f64, duration_s: f64, speed: f64) -> (f64, f64) {
-    const RATIO: f64 = 0.618_033_988_749_894_9;
-    let (mut low, mut high) = (0.0, duration_s);
-    let mut left = high - RATIO * (high - low);
-    let mut right = low + RATIO * (high - low);
-    let (mut at_left, mut at_right) = (margin(left), margin(right));
-    for _ in 0..GOLDEN_STEPS {
-        if at_left <= at_right {
-            (high, right, at_right) = (right, left, at_left);
-            left = high - RATIO * (high - low);
-            at_left = margin(left);
-        } else {
-            (low, left, at_left) = (left, right, at_right);
-            right = low + RATIO * (high - low);
-            at_right = margin(right);
-        }
-    }
-    let middle = 0.5 * (low + high);
-    (margin(middle) - 0.5 * speed * (high - low), middle)
-}
 
 /// Whether the bound is proven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -196,21 +54,9 @@ impl Certificate {
     pub fn holds(&self, margin_m: f64) -> bool {
         self.status == Status::Proven && self.margin_m >= margin_m
     }
-
-    /// The worse of two.
-    #[must_use]
-    pub fn worse(self, other: Self) -> Self {
-        if other.margin_m < self.margin_m {
-            other
-        } else {
-            self
-        }
-    }
 }
 
-/// Bounds the separation from one hazard along a path up to `horizon_s`.
-///
-/// Stops early below `floor_m`; margins beyond `enough_m` are not told apart.
+/// Bounds the separation from one hazard along a path up to `horizon_s`: [`certify_all`] of one.
 pub fn certify(
     flyer: &Flyer,
     path: &FlightPath,
@@ -219,63 +65,13 @@ pub fn certify(
     floor_m: f64,
     enough_m: f64,
 ) -> Certificate {
-    let nodes = path.nodes();
-    // First the chords as they are: none whose margin less its bow is above this can decide.
-    let mut decides = Certificate::clear(enough_m);
-    for_each_chord(flyer, path, horizon_s, |chord| {
-        let below = decides.margin_m - chord.bow_m;
-        if let Some((margin, at_s)) = chord.least(hazard, below) {
-            lower(&mut decides, margin + chord.bow_m, at_s, hazard);
-        }
-        decides.margin_m >= floor_m
-    });
-    if decides.margin_m < floor_m {
-        return Certificate {
-            status: Status::BelowFloor,
-            ..decides
-        };
-    }
-    // Then those that can, split until the bow no longer matters.
-    let mut worst = decides;
-    for_each_chord(flyer, path, horizon_s, |chord| {
-        if chord.least(hazard, worst.margin_m + chord.bow_m).is_some() {
-            chord.split(flyer, hazard, &mut worst);
-        }
-        worst.margin_m >= floor_m
-    });
-    if worst.margin_m < floor_m {
-        return Certificate {
-            status: Status::BelowFloor,
-            ..worst
-        };
-    }
-    if let Some(last) = nodes.last().filter(|last| last.state.time_s <= horizon_s) {
-        let state = &last.state;
-        let duration_s = horizon_s - state.time_s;
-        let velocity = path.end_velocity_mps();
-        let below = worst.margin_m;
-        if let Some((margin_m, at_s)) =
-            hazard.least_on_line(state.position_m, velocity, state.time_s, duration_s, below)
-        {
-            worst = Certificate {
-                margin_m,
-                at_s,
-                hazard: Some(hazard.index),
-                ..worst
-            };
-        }
-    }
-    worst.status = if worst.margin_m < floor_m {
-        Status::BelowFloor
-    } else if path.is_complete() {
-        Status::Proven
-    } else {
-        Status::LimitMet
-    };
-    worst
+    let one = core::slice::from_ref(hazard);
+    certify_all(flyer, path, one, horizon_s, floor_m, enough_m)
 }
 
-/// Bounds the separation from every hazard along a path: the worst of [`certify`].
+/// Bounds the separation from every hazard along a path up to `horizon_s`, seconds.
+///
+/// Stops early below `floor_m`; margins beyond `enough_m` are not told apart.
 pub fn certify_all(
     flyer: &Flyer,
     path: &FlightPath,
@@ -284,23 +80,64 @@ pub fn certify_all(
     floor_m: f64,
     enough_m: f64,
 ) -> Certificate {
+    certify_set(flyer, path, hazards, horizon_s, floor_m, enough_m)
+}
+
+/// [`certify_all`] of hazards that may be held in blocks.
+pub(crate) fn certify_set<H: HazardSet + ?Sized>(
+    flyer: &Flyer,
+    path: &FlightPath,
+    hazards: &H,
+    horizon_s: f64,
+    floor_m: f64,
+    enough_m: f64,
+) -> Certificate {
+    // First the chords as they are: none whose margin less its bow is above this can decide.
     let mut worst = Certificate::clear(enough_m);
-    for hazard in hazards {
-        let one = certify(flyer, path, hazard, horizon_s, floor_m, worst.margin_m);
-        worst = Certificate {
-            status: worst.status,
-            ..worst.worse(one)
-        };
-        if one.status != Status::Proven {
-            worst.status = one.status;
-            if one.status == Status::BelowFloor {
-                return worst;
+    let above = for_each_chord(flyer, path, horizon_s, |chord| {
+        let below_m = worst.margin_m - chord.bow_m;
+        hazards.each_close(&chord.line, below_m, |hazard| {
+            let below_m = worst.margin_m - chord.bow_m;
+            if let Some((margin, at_s)) = hazard.least_on_line(&chord.line, below_m) {
+                lower(&mut worst, margin + chord.bow_m, at_s, hazard);
             }
-        }
-    }
-    if !path.is_complete() {
-        worst.status = Status::LimitMet;
-    }
+            worst.margin_m >= floor_m
+        })
+    });
+    // Then those that can, split until the bow no longer matters.
+    let above = above
+        && for_each_chord(flyer, path, horizon_s, |chord| {
+            let below_m = worst.margin_m + chord.bow_m;
+            hazards.each_close(&chord.line, below_m, |hazard| {
+                let below_m = worst.margin_m + chord.bow_m;
+                if hazard.least_on_line(&chord.line, below_m).is_some() {
+                    chord.split(flyer, hazard, &mut worst);
+                }
+                worst.margin_m >= floor_m
+            })
+        });
+    let last = path.nodes().last().map(|last| last.state);
+    let above = above
+        && last.is_none_or(|state| {
+            let line = Line {
+                from_m: state.position_m,
+                velocity_mps: path.end_velocity_mps(),
+                at_s: state.time_s,
+                duration_s: horizon_s - state.time_s,
+            };
+            line.duration_s < 0.0
+                || hazards.each_close(&line, worst.margin_m, |hazard| {
+                    if let Some((margin, at_s)) = hazard.least_on_line(&line, worst.margin_m) {
+                        lower(&mut worst, margin, at_s, hazard);
+                    }
+                    worst.margin_m >= floor_m
+                })
+        });
+    worst.status = match above {
+        false => Status::BelowFloor,
+        true if path.is_complete() => Status::Proven,
+        true => Status::LimitMet,
+    };
     worst
 }
 
@@ -309,8 +146,8 @@ pub fn certify_all(
 pub(crate) struct Chord<'a> {
     node: &'a Node,
     end_m: Vec3,
-    duration_s: f64,
-    velocity_mps: Vec3,
+    /// The line.
+    pub(crate) line: Line,
     /// How far the flight may bow from it, metres.
     pub(crate) bow_m: f64,
 }
@@ -323,36 +160,27 @@ impl<'a> Chord<'a> {
         (duration_s > 0.0).then(|| Self {
             node,
             end_m,
-            duration_s,
-            velocity_mps: (end_m - node.state.position_m) / duration_s,
+            line: Line {
+                from_m: node.state.position_m,
+                velocity_mps: (end_m - node.state.position_m) / duration_s,
+                at_s: node.state.time_s,
+                duration_s,
+            },
             bow_m: node.acceleration_mps2 * duration_s * duration_s / 8.0,
         })
-    }
-
-    /// Least margin on the chord and when, if it is below `below_m`.
-    #[inline]
-    pub(crate) fn least(&self, hazard: &Hazard, below_m: f64) -> Option<(f64, f64)> {
-        let from = &self.node.state;
-        hazard.least_on_line(
-            from.position_m,
-            self.velocity_mps,
-            from.time_s,
-            self.duration_s,
-            below_m,
-        )
     }
 
     /// Lowers `worst` to a bound over the shorter chords between exact points in between.
     fn split(&self, flyer: &Flyer, hazard: &Hazard, worst: &mut Certificate) {
         let mut from: MotionState = self.node.state;
         if self.bow_m == 0.0 {
-            if let Some((margin, at_s)) = self.least(hazard, worst.margin_m) {
+            if let Some((margin, at_s)) = hazard.least_on_line(&self.line, worst.margin_m) {
                 lower(worst, margin, at_s, hazard);
             }
             return;
         }
         let piece = self.node.piece();
-        let step_s = self.duration_s / f64::from(SPLITS);
+        let step_s = self.line.duration_s / f64::from(SPLITS);
         let bow_m = self.bow_m / f64::from(SPLITS * SPLITS);
         for part in 1..=SPLITS {
             let to = if part == SPLITS {
@@ -363,11 +191,14 @@ impl<'a> Chord<'a> {
             } else {
                 flyer.advance(&from, &piece, step_s)
             };
-            let velocity = (to.position_m - from.position_m) / step_s;
-            let below = worst.margin_m + bow_m;
-            if let Some((margin, at_s)) =
-                hazard.least_on_line(from.position_m, velocity, from.time_s, step_s, below)
-            {
+            let line = Line {
+                from_m: from.position_m,
+                velocity_mps: (to.position_m - from.position_m) / step_s,
+                at_s: from.time_s,
+                duration_s: step_s,
+            };
+            let below_m = worst.margin_m + bow_m;
+            if let Some((margin, at_s)) = hazard.least_on_line(&line, below_m) {
                 lower(worst, margin - bow_m, at_s, hazard);
             }
             from = to;
@@ -384,7 +215,8 @@ impl<'a> Chord<'a> {
         floor_m: f64,
         worst: &mut Certificate,
     ) {
-        let Some((margin, at_s)) = self.least(hazard, worst.margin_m + self.bow_m) else {
+        let below_m = worst.margin_m + self.bow_m;
+        let Some((margin, at_s)) = hazard.least_on_line(&self.line, below_m) else {
             return;
         };
         if margin - self.bow_m < floor_m && margin + self.bow_m >= floor_m {
@@ -395,18 +227,19 @@ impl<'a> Chord<'a> {
     }
 }
 
-/// Shows the chords of a path up to `horizon_s`, the last one cut there, until `visit` is false.
+/// Shows the chords of a path up to `horizon_s`, the last one cut there, until `visit` is false;
+/// says whether it never was.
 #[inline]
 fn for_each_chord(
     flyer: &Flyer,
     path: &FlightPath,
     horizon_s: f64,
     mut visit: impl FnMut(&Chord<'_>) -> bool,
-) {
+) -> bool {
     for pair in path.nodes().windows(2) {
         let [node, next] = pair else { continue };
         if node.state.time_s >= horizon_s {
-            return;
+            return true;
         }
         let chord = if next.state.time_s > horizon_s {
             let end = flyer.advance(&node.state, &node.piece(), horizon_s - node.state.time_s);
@@ -415,9 +248,10 @@ fn for_each_chord(
             Chord::new(node, next.state.position_m, next.state.time_s)
         };
         if chord.is_some_and(|chord| !visit(&chord)) {
-            return;
+            return false;
         }
     }
+    true
 }
 
 fn lower(worst: &mut Certificate, margin_m: f64, at_s: f64, hazard: &Hazard) {

@@ -8,14 +8,17 @@
 //! | how close to an obstacle, in continuous time? | [`certify`] |
 
 mod certificate;
+mod hazards;
 mod motion;
 mod path;
 
-pub(crate) use certificate::Chord;
-pub use certificate::{Certificate, Hazard, Status, certify, certify_all};
+pub use certificate::{Certificate, Status, certify, certify_all};
+pub(crate) use certificate::{Chord, certify_set};
+pub use hazards::{Hazard, Hazards, MAX_HAZARDS};
+pub(crate) use hazards::{HazardSet, Line};
 pub(crate) use motion::ArcSteps;
 pub use motion::{Flyer, MotionState, Target};
-pub(crate) use path::whole;
+pub(crate) use path::{CHORD_BOW_M, whole};
 pub use path::{FlightPath, MAX_NODES, Node};
 
 use crate::angle::Side;

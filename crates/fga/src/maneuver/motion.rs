@@ -16,6 +16,9 @@ use crate::situation::Ownship;
 /// Longest step, in bank time constants, over which the course rate is taken as constant.
 const LAG_STEP: f64 = 0.2;
 
+/// A bank, or a change of bank, over which the course rate is as good as linear, radians.
+const LITTLE_RAD: f64 = 0.15;
+
 /// An angle closer to its target than this has reached it, radians.
 const REACHED_RAD: f64 = 1e-11;
 
@@ -213,11 +216,16 @@ impl Flyer {
             };
         }
         let to_go = commanded - state.bank_rad;
-        let longest_s = match saturated {
-            true if to_go.abs() < 1e-3 => f64::INFINITY,
-            true => step_s,
+        let nearly = to_go.abs() < LITTLE_RAD;
+        let longest_s = if saturated && to_go.abs() < 1e-3 {
+            f64::INFINITY
+        } else if nearly && (saturated || state.bank_rad.abs() < LITTLE_RAD) {
+            2.5 * step_s
+        } else if !saturated && commanded.abs() > LITTLE_RAD {
             // The easing command is exponential in the rate, not quite in the bank.
-            false => 0.4 * step_s,
+            0.4 * step_s
+        } else {
+            step_s
         };
         // The full command begins to ease off here: what is left to turn after a roll-out falls at
         // the commanded rate, whatever the bank.

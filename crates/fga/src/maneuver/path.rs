@@ -11,7 +11,7 @@ pub const MAX_NODES: usize = 320;
 /// How far the path may bow from the chord between two nodes, metres.
 ///
 /// The certificate subtracts this bow and splits the chords that matter, so it sets speed, not truth.
-const CHORD_BOW_M: f64 = 0.16;
+pub(crate) const CHORD_BOW_M: f64 = 0.16;
 
 /// A moment of the predicted flight and the constant rates until the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]

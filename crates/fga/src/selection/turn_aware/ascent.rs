@@ -1,116 +1,191 @@
 //! Climbing from a manoeuvre to one nearby with a larger margin.
+//!
+//! Near a manoeuvre the margin of each obstacle is linear in the parameters, its slope that of the
+//! position at the moment of the closest approach. The step in a box that lifts the least of the
+//! margins most is a small linear program; the box shrinks where the truth falls short of it.
 
 use crate::limit::Limit as _;
-use crate::maneuver::{Certificate, certify};
+use crate::maneuver::{Flyer, Hazard, Line, MotionState};
 
 use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 
 /// Parameters of a manoeuvre: wait s, turn rad, climb rad, after s, turn rad, climb rad.
 const PARAMETERS: usize = 6;
 
-/// Natural steps of the parameters.
-const SCALES: [f64; PARAMETERS] = [0.4, 0.2, 0.1, 0.4, 0.2, 0.1];
+/// Natural steps of the parameters, times as the angles turned meanwhile.
+const STEPS_RAD: Vector = [0.2, 0.2, 0.1, 0.2, 0.2, 0.1];
 
 /// Obstacles that a step takes into account: the closest ones.
 const CLOSEST: usize = 12;
 
-/// Obstacles farther than the closest one by this do not matter to a climb, metres.
-const NEAR_M: f64 = 60.0;
+/// Obstacles farther than the closest one by this do not matter to a climb, turn radii.
+const NEAR: f64 = 1.3;
 
-/// Most steps.
-const STEPS: u32 = 24;
-
-/// Step of the differences, in units of [`SCALES`].
-const DIFFERENCE: f64 = 2e-3;
+/// Step of the differences, in units of the natural steps.
+const DIFFERENCE: f64 = 1e-4;
 
 /// Rounds of the linear program.
-const ROUNDS: u32 = 80;
+const ROUNDS: u32 = 60;
 
-/// The box of a step is never smaller than this, in units of [`SCALES`].
-const SMALLEST_BOX: f64 = 4e-3;
+/// The largest box of a step, in units of the natural steps.
+const LARGEST_BOX: f64 = 2.0;
+
+/// A climb that would gain less than this is over, metres.
+const LEAST_GAIN_M: f64 = 2e-3;
 
 type Vector = [f64; PARAMETERS];
 
-/// The margins of the closest obstacles, and the least of all.
-#[derive(Clone, Copy)]
-struct Margins {
-    of: [f64; CLOSEST],
-    least_m: f64,
+/// The closest approach to an obstacle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Approach {
+    place: usize,
+    margin_m: f64,
+    at_s: f64,
+}
+
+/// The closest approaches to the closest obstacles, in no order.
+#[derive(Debug, Clone, Copy)]
+struct Approaches {
+    all: [Approach; CLOSEST],
+    len: usize,
+}
+
+impl Approaches {
+    const NONE: Self = Self {
+        all: [Approach {
+            place: 0,
+            margin_m: ENOUGH_M,
+            at_s: 0.0,
+        }; CLOSEST],
+        len: 0,
+    };
+
+    fn iter(&self) -> impl Iterator<Item = &Approach> {
+        self.all.iter().take(self.len)
+    }
+
+    fn least_m(&self) -> f64 {
+        self.iter().fold(ENOUGH_M, |least, a| least.min(a.margin_m))
+    }
+
+    /// Takes one in, in place of the farthest where it is full.
+    fn take(&mut self, new: Approach) {
+        if let Some(slot) = self.all.get_mut(self.len) {
+            *slot = new;
+            self.len += 1;
+            return;
+        }
+        let farthest = self
+            .all
+            .iter_mut()
+            .max_by(|a, b| a.margin_m.total_cmp(&b.margin_m));
+        if let Some(farthest) = farthest.filter(|farthest| farthest.margin_m > new.margin_m) {
+            *farthest = new;
+        }
+    }
 }
 
 /// A climb under way.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Ascent {
-    best: Found,
     at: Vector,
-    /// Places of the closest obstacles.
-    closest: [usize; CLOSEST],
-    count: usize,
     used: usize,
+    approaches: Approaches,
+    /// Natural steps of the parameters.
+    scales: Vector,
+    /// Half the width of the box of the next step, in units of the natural steps.
+    size: f64,
+    done: bool,
 }
 
 impl Ascent {
-    pub(super) fn new(seed: Found) -> Self {
-        let used = if seed.turns.second.is_some() {
-            PARAMETERS
-        } else {
-            3
-        };
-        let at = to_vector(&seed.turns);
+    /// From a manoeuvre.
+    pub(super) fn new(seed: &Found, flyer: &Flyer) -> Self {
+        let [wait, turn, climb, after, second_turn, second_climb] = STEPS_RAD;
+        let rate = flyer.course_rate_radps();
+        let two = seed.turns.second.is_some();
         Self {
-            best: seed,
-            at,
-            closest: [0; CLOSEST],
-            count: 0,
-            used,
+            at: to_vector(&seed.turns),
+            used: if two { PARAMETERS } else { 3 },
+            approaches: Approaches::NONE,
+            scales: [
+                wait / rate,
+                turn,
+                climb,
+                after / rate,
+                second_turn,
+                second_climb,
+            ],
+            size: 1.0,
+            done: false,
         }
     }
 
-    /// Climbs until it is certified, no longer gets higher, or the work limit is met.
-    pub(super) fn run(mut self, search: &mut Search<'_>) -> Found {
+    /// The least margin so far, metres, not yet certified.
+    pub(super) fn least_m(&self) -> f64 {
+        self.approaches.least_m()
+    }
+
+    /// Whether it no longer gets higher.
+    pub(super) const fn is_done(&self) -> bool {
+        self.done
+    }
+
+    /// Climbs some steps, until it is above the target, no longer gets higher, or the limit of
+    /// work is met.
+    pub(super) fn climb(&mut self, search: &mut Search<'_>, steps: u32) {
         self.find_closest(search);
-        let Some(mut margins) = self.margins(search, &self.at) else {
-            return self.best;
-        };
-        let mut size = 1.0;
-        for _ in 0..STEPS {
-            if margins.least_m >= search.scene.target_m || search.limit_met() {
-                break;
+        // Certified margins are a little less than these.
+        let enough_m = search.scene.target_m + LEAST_GAIN_M;
+        for _ in 0..steps {
+            if self.done || self.least_m() >= enough_m || search.limit_met() {
+                return;
             }
-            let slopes = self.slopes(search, &margins);
-            let mut improved = false;
-            while size > SMALLEST_BOX {
-                let step = self.best_step(&margins, &slopes, size);
-                let mut tried = self.at;
-                for ((x, step), scale) in tried.iter_mut().zip(step).zip(SCALES) {
-                    *x += step * scale;
-                }
-                let tried = within(tried, search.scene.climb_limits_rad);
-                match self.margins(search, &tried) {
-                    Some(there) if there.least_m > margins.least_m + 1e-4 => {
-                        (self.at, margins) = (tried, there);
-                        improved = true;
-                        size = (1.6 * size).min(2.0);
-                        break;
-                    }
-                    _ => size *= 0.4,
-                }
-            }
-            if !improved {
-                break;
-            }
+            self.step(search);
         }
+    }
+
+    /// What was reached, certified.
+    pub(super) fn certified(&self, search: &mut Search<'_>) -> Found {
         let turns = self.turns(&self.at);
         let departure = search.departure(turns.wait_s);
         let certificate = search.certify(&turns, &departure, f64::MIN);
-        if certificate.margin_m > self.best.margin_m {
-            let cost = search.cost(&turns, &departure);
-            self.best = Found {
-                turns,
-                margin_m: certificate.margin_m,
-                cost,
-            };
+        Found {
+            turns,
+            margin_m: certificate.margin_m,
+            cost: search.cost(&turns, &departure),
         }
-        self.best
+    }
+
+    /// One step uphill, in a box that shrinks until it goes up.
+    fn step(&mut self, search: &mut Search<'_>) {
+        let here_m = self.least_m();
+        let bounds = bounds(search.scene.climb_limits_rad);
+        let slopes = self.slopes(search, &bounds);
+        loop {
+            let (step, lifted_m) = self.best_step(&slopes, &bounds);
+            let promised_m = lifted_m - here_m;
+            if promised_m < LEAST_GAIN_M || search.limit_met() {
+                self.done = true;
+                return;
+            }
+            let mut tried = self.at;
+            for ((x, step), scale) in tried.iter_mut().zip(step).zip(self.scales) {
+                *x += step * scale;
+            }
+            let there = self.look(search, &tried);
+            let gained_m = there.map_or(f64::MIN, |there| there.least_m() - here_m);
+            if let Some(there) = there
+                && gained_m > 0.1 * promised_m
+            {
+                (self.at, self.approaches) = (tried, there);
+                if gained_m > 0.5 * promised_m {
+                    self.size = (2.0 * self.size).min(LARGEST_BOX);
+                }
+                return;
+            }
+            self.size *= 0.35;
+        }
     }
 
     fn turns(&self, at: &Vector) -> Turns {
@@ -135,169 +210,187 @@ impl Ascent {
         }
     }
 
-    /// Notes the obstacles that come closest on the seed's path.
+    /// Notes the obstacles that come closest now.
     fn find_closest(&mut self, search: &mut Search<'_>) {
-        let turns = self.turns(&self.at);
-        predict(search, &turns);
-        let scene = search.scene;
-        let mut margins = [f64::INFINITY; CLOSEST];
-        for (place, hazard) in scene.hazards.iter().enumerate() {
-            let one = certify(
-                scene.flyer,
-                search.path,
-                hazard,
-                scene.horizon_s,
-                f64::MIN,
-                ENOUGH_M,
-            );
-            // Insertion into the short sorted list.
-            let mut entry = (one.margin_m, place);
-            for (margin, closest) in margins.iter_mut().zip(&mut self.closest) {
-                if entry.0 < *margin {
-                    core::mem::swap(margin, &mut entry.0);
-                    core::mem::swap(closest, &mut entry.1);
+        let hazards = search.scene.hazards.rows();
+        let mut closest = Approaches::NONE;
+        if predict(search, &self.turns(&self.at)) {
+            for (place, hazard) in hazards.iter().enumerate() {
+                if let Some(approach) = nearest(search, place, hazard) {
+                    closest.take(approach);
                 }
             }
+            search.count_path(search.path.nodes().len() / 2);
+        } else {
+            self.done = true;
         }
-        let [least_m, ..] = margins;
-        let near = margins
-            .iter()
-            .filter(|margin| **margin < least_m + NEAR_M)
-            .count();
-        self.count = scene.hazards.len().min(near);
-        search.work = search
-            .work
-            .saturating_add(work_of(search, scene.hazards.len()));
+        let near_m = closest.least_m() + NEAR * search.scene.turn_radius_m();
+        self.approaches = Approaches::NONE;
+        for approach in closest.iter().filter(|approach| approach.margin_m < near_m) {
+            self.approaches.take(*approach);
+        }
     }
 
-    /// Margins of the closest obstacles; `None` where the path cannot be predicted to its end.
-    fn margins(&self, search: &mut Search<'_>, at: &Vector) -> Option<Margins> {
+    /// The approaches of the noted obstacles with other parameters; `None` where the path cannot be
+    /// predicted to its end.
+    fn look(&self, search: &mut Search<'_>, at: &Vector) -> Option<Approaches> {
         search.evaluated += 1;
-        let turns = self.turns(at);
-        predict(search, &turns);
-        if !search.path.is_complete() {
+        if !predict(search, &self.turns(at)) {
             return None;
         }
-        let scene = search.scene;
-        let mut margins = Margins {
-            of: [f64::INFINITY; CLOSEST],
-            least_m: ENOUGH_M,
-        };
-        let places = self.closest.iter().take(self.count);
-        for (margin, place) in margins.of.iter_mut().zip(places) {
-            let Some(hazard) = scene.hazards.get(*place) else {
-                continue;
-            };
-            let one: Certificate = certify(
-                scene.flyer,
-                search.path,
-                hazard,
-                scene.horizon_s,
-                f64::MIN,
-                ENOUGH_M,
-            );
-            *margin = one.margin_m;
-            margins.least_m = margins.least_m.min(one.margin_m);
+        let hazards = search.scene.hazards.rows();
+        let mut approaches = Approaches::NONE;
+        for known in self.approaches.iter() {
+            if let Some(approach) = hazards
+                .get(known.place)
+                .and_then(|hazard| nearest(search, known.place, hazard))
+            {
+                approaches.take(approach);
+            }
         }
-        search.work = search.work.saturating_add(work_of(search, self.count));
-        Some(margins)
+        search.count(super::PREDICTION_WORK + search.path.nodes().len() * self.approaches.len / 2);
+        Some(approaches)
     }
 
-    /// How each margin changes with each parameter, per unit of [`SCALES`].
-    fn slopes(&self, search: &mut Search<'_>, here: &Margins) -> [Vector; CLOSEST] {
+    /// How each margin changes with each parameter, per natural step: that of the distance at
+    /// the moment of the closest approach.
+    fn slopes(
+        &self,
+        search: &mut Search<'_>,
+        bounds: &[(f64, f64); PARAMETERS],
+    ) -> [Vector; CLOSEST] {
+        let hazards = search.scene.hazards.rows();
+        let flyer = search.scene.flyer;
         let mut slopes = [[0.0; PARAMETERS]; CLOSEST];
-        for parameter in 0..self.used {
+        let moves = self.scales.iter().zip(bounds).enumerate().take(self.used);
+        for (parameter, (scale, (_, high))) in moves {
             let mut moved = self.at;
-            let scale = SCALES.get(parameter).copied().unwrap_or(1.0);
             let Some(x) = moved.get_mut(parameter) else {
                 continue;
             };
             // Away from a limit that it stands at.
-            let (_, high) = search.scene.climb_limits_rad;
-            let is_climb = parameter == 2 || parameter == 5;
-            let sign = if is_climb && *x + DIFFERENCE * scale > high {
-                -1.0
-            } else {
-                1.0
-            };
-            *x += sign * DIFFERENCE * scale;
-            let Some(there) = self.margins(search, &moved) else {
+            let difference = DIFFERENCE * scale;
+            let sign = if *x + difference > *high { -1.0 } else { 1.0 };
+            *x += sign * difference;
+            if !predict(search, &self.turns(&moved)) {
                 continue;
-            };
-            for ((slope, there), here) in slopes.iter_mut().zip(there.of).zip(here.of) {
-                if let Some(slope) = slope.get_mut(parameter)
-                    && there.is_finite()
-                {
-                    *slope = sign * (there - here) / DIFFERENCE;
+            }
+            search.count(super::PREDICTION_WORK + self.approaches.len);
+            for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
+                let Some(hazard) = hazards.get(known.place) else {
+                    continue;
+                };
+                let Some(state) = search.path.state_at(flyer, known.at_s) else {
+                    continue;
+                };
+                let margin_m = hazard.margin_m(state.position_m, known.at_s);
+                if let Some(slope) = slope.get_mut(parameter) {
+                    *slope = sign * (margin_m - known.margin_m) / DIFFERENCE;
                 }
             }
         }
         slopes
     }
 
-    /// The step within the box ±`size` that lifts the least margin most, to first order: the
-    /// linear program max t, mᵢ + sᵢ·d ≥ t, |dⱼ| ≤ size, by averaged subgradients.
-    fn best_step(&self, here: &Margins, slopes: &[Vector; CLOSEST], size: f64) -> Vector {
+    /// The step within the box and the bounds that lifts the least margin most, to first order, and
+    /// to what: the linear program max t, mᵢ + sᵢ·d ≥ t, by subgradients.
+    fn best_step(
+        &self,
+        slopes: &[Vector; CLOSEST],
+        bounds: &[(f64, f64); PARAMETERS],
+    ) -> (Vector, f64) {
+        let mut room = [(0.0, 0.0); PARAMETERS];
+        for ((room, (low, high)), (x, scale)) in room
+            .iter_mut()
+            .zip(bounds)
+            .zip(self.at.iter().zip(self.scales))
+        {
+            let down = ((low - x) / scale).max(-self.size).min(0.0);
+            let up = ((high - x) / scale).min(self.size).max(0.0);
+            *room = (down, up);
+        }
         let mut step = [0.0; PARAMETERS];
-        let mut best = (here.least_m, step);
+        let mut best = (step, self.least_m());
         for round in 1..=ROUNDS {
             let mut least: Option<(f64, &Vector)> = None;
-            for (margin, slope) in here.of.iter().zip(slopes).take(self.count) {
-                let lifted = margin + dot(slope, &step);
+            for (known, slope) in self.approaches.iter().zip(slopes) {
+                let lifted = known.margin_m + dot(slope, &step);
                 if least.is_none_or(|(known, _)| lifted < known) {
                     least = Some((lifted, slope));
                 }
             }
             let Some((lifted, slope)) = least else { break };
-            if lifted > best.0 {
-                best = (lifted, step);
+            if lifted > best.1 {
+                best = (step, lifted);
             }
             let norm = libm::sqrt(dot(slope, slope));
             if norm <= 0.0 {
                 break;
             }
-            let pace = 1.5 * size / (norm * libm::sqrt(f64::from(round)));
-            for (x, slope) in step.iter_mut().zip(slope) {
-                *x = (*x + pace * slope).limited(-size, size);
+            let pace = 1.5 * self.size / (norm * libm::sqrt(f64::from(round)));
+            for ((x, slope), (down, up)) in step.iter_mut().zip(slope).zip(room) {
+                *x = (*x + pace * slope).limited(down, up);
             }
         }
-        best.1
+        best
     }
 }
 
-/// Predicts a manoeuvre into the search's path.
-fn predict(search: &mut Search<'_>, turns: &Turns) {
+/// Predicts a manoeuvre into the search's path; says whether it is complete.
+fn predict(search: &mut Search<'_>, turns: &Turns) -> bool {
     let departure = search.departure(turns.wait_s);
     let maneuver = search.maneuver(turns, &departure);
     let scene = search.scene;
     search
         .path
         .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
+    search.path.is_complete()
 }
 
-/// Line tests of certifying the path against some obstacles.
-fn work_of(search: &Search<'_>, obstacles: usize) -> u32 {
-    let tests = 2 * search.path.nodes().len() * obstacles;
-    u32::try_from(tests)
-        .unwrap_or(u32::MAX)
-        .saturating_add(super::PREDICTION_WORK)
+/// The closest approach to a hazard along the path: on its chords, then on the flight itself.
+fn nearest(search: &Search<'_>, place: usize, hazard: &Hazard) -> Option<Approach> {
+    let scene = search.scene;
+    let mut least = (f64::INFINITY, 0.0);
+    let mut look = |from: &MotionState, velocity_mps, until_s: f64| {
+        let line = Line {
+            from_m: from.position_m,
+            velocity_mps,
+            at_s: from.time_s,
+            duration_s: until_s - from.time_s,
+        };
+        if line.duration_s > 0.0
+            && let Some(found) = hazard.least_on_line(&line, least.0)
+        {
+            least = found;
+        }
+    };
+    let nodes = search.path.nodes();
+    for pair in nodes.windows(2) {
+        let [node, next] = pair else { continue };
+        let (from, to) = (&node.state, &next.state);
+        let span = to.position_m - from.position_m;
+        look(from, span / (to.time_s - from.time_s), to.time_s);
+    }
+    let last = nodes.last()?;
+    look(&last.state, search.path.end_velocity_mps(), scene.horizon_s);
+    let at_s = least.1;
+    let state = search.path.state_at(scene.flyer, at_s)?;
+    Some(Approach {
+        place,
+        margin_m: hazard.margin_m(state.position_m, at_s),
+        at_s,
+    })
 }
 
 fn dot(a: &Vector, b: &Vector) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The parameters within their limits.
-fn within(at: Vector, (low, high): (f64, f64)) -> Vector {
-    let [wait_s, turn, climb, after_s, second_turn, second_climb] = at;
-    [
-        wait_s.max(0.0),
-        turn.limited(-MAX_TURN_RAD, MAX_TURN_RAD),
-        climb.limited(low, high),
-        after_s.max(0.0),
-        second_turn.limited(-MAX_TURN_RAD, MAX_TURN_RAD),
-        second_climb.limited(low, high),
-    ]
+/// The least and largest value of each parameter.
+fn bounds(climb: (f64, f64)) -> [(f64, f64); PARAMETERS] {
+    let turn = (-MAX_TURN_RAD, MAX_TURN_RAD);
+    let time = (0.0, 1e3);
+    [time, turn, climb, time, turn, climb]
 }
 
 fn to_vector(turns: &Turns) -> Vector {

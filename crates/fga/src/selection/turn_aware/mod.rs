@@ -13,9 +13,11 @@ mod two_stage;
 
 pub use two_stage::Effort;
 
+use sweep::Sweep;
+
 use crate::limit::Limit as _;
 use crate::maneuver::{
-    Certificate, FlightPath, Flyer, Hazard, Maneuver, MotionState, Stage, certify, certify_all,
+    Certificate, FlightPath, Flyer, Hazards, Maneuver, MotionState, Stage, certify, certify_set,
     whole,
 };
 
@@ -29,7 +31,7 @@ const ENOUGH_M: f64 = 1e3;
 const CLIMB_STEP_RAD: f64 = 0.03;
 
 /// What predicting a path takes, in line tests.
-const PREDICTION_WORK: u32 = 150;
+const PREDICTION_WORK: usize = 40;
 
 /// Halvings of the grid step when a turn is refined.
 const REFINEMENTS: u32 = 7;
@@ -69,6 +71,17 @@ pub struct Found {
     pub cost: f64,
 }
 
+/// What is known of the best manoeuvre that was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Proof {
+    /// It keeps the separation that was asked for.
+    Certified,
+    /// It does not, and another may be found by looking again.
+    Open,
+    /// It does not, and no other one will.
+    Hopeless,
+}
+
 /// What a search is made in.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
@@ -81,7 +94,7 @@ pub struct Scene<'a> {
     /// Course and climb angle from which deviations are counted, `ψ_ori` and `θ_ori`, radians.
     pub original: (f64, f64),
     /// The obstacles.
-    pub hazards: &'a [Hazard],
+    pub hazards: &'a Hazards,
     /// How far ahead separation is certified, seconds.
     pub horizon_s: f64,
     /// Separation beyond the volumes that a certified manoeuvre keeps, metres.
@@ -97,6 +110,11 @@ impl Scene<'_> {
     fn cost(&self, course_rad: f64, climb_rad: f64) -> f64 {
         self.costs.0 * (course_rad - self.original.0).abs()
             + self.costs.1 * (climb_rad - self.original.1).abs()
+    }
+
+    /// Radius of the tightest turn that is really flown, metres.
+    fn turn_radius_m(&self) -> f64 {
+        self.flyer.airspeed_mps() / self.flyer.course_rate_radps()
     }
 
     /// Whether the vehicle is held at its altitude.
@@ -141,7 +159,7 @@ pub struct Search<'a> {
     path: &'a mut FlightPath,
     /// Manoeuvres evaluated so far.
     pub evaluated: u32,
-    /// Line tests against obstacles so far: what the time goes into.
+    /// Tests of a line against four obstacles so far: what the time goes into.
     work: u32,
     limit: u32,
     /// The hazard that decided last: looked at first, it decides most often again.
@@ -149,7 +167,7 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// A search that makes at most about `limit` tests of a straight line against an obstacle.
+    /// A search that makes at most about `limit` tests of a line against four obstacles.
     pub fn new(scene: Scene<'a>, path: &'a mut FlightPath, limit: u32) -> Self {
         Self {
             scene,
@@ -168,15 +186,17 @@ impl<'a> Search<'a> {
 
     /// Whether the share of the work that sweeps may take is used up.
     const fn sweeps_done(&self) -> bool {
-        self.work >= self.limit / 2
+        self.work >= self.limit / 5 * 4
     }
 
-    fn count_work(&mut self, nodes: usize) {
-        let tests = u32::try_from(2 * nodes * self.scene.hazards.len()).unwrap_or(u32::MAX);
-        self.work = self
-            .work
-            .saturating_add(tests)
-            .saturating_add(PREDICTION_WORK);
+    fn count(&mut self, work: usize) {
+        let work = u32::try_from(work).unwrap_or(u32::MAX);
+        self.work = self.work.saturating_add(work);
+    }
+
+    /// Counts predicting a path of some nodes and certifying it.
+    fn count_path(&mut self, nodes: usize) {
+        self.count(PREDICTION_WORK + 2 * nodes * self.scene.hazards.block_count());
     }
 
     /// The commands of a manoeuvre: the mission up to its start, then its turns.
@@ -229,7 +249,7 @@ impl<'a> Search<'a> {
         }
         self.path
             .predict(scene.flyer, &scene.start, scene.nominal, scene.horizon_s);
-        certify_all(
+        certify_set(
             scene.flyer,
             self.path,
             scene.hazards,
@@ -247,8 +267,8 @@ impl<'a> Search<'a> {
         let maneuver = self.maneuver(turns, departure);
         self.path
             .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
-        self.count_work(self.path.nodes().len());
-        certify_all(
+        self.count_path(self.path.nodes().len());
+        certify_set(
             scene.flyer,
             self.path,
             scene.hazards,
@@ -272,7 +292,7 @@ impl<'a> Search<'a> {
         self.path
             .predict(scene.flyer, &scene.start, scene.nominal, scene.horizon_s);
         let mut until_s = turns.wait_s;
-        for hazard in scene.hazards {
+        for hazard in scene.hazards.rows() {
             let closest = certify(
                 scene.flyer,
                 self.path,
@@ -338,26 +358,28 @@ impl<'a> Search<'a> {
                     MAX_TURN_RAD
                 };
                 let offset = (scene.original.0 - departure.course_rad) * side.sign();
-                let max_turn = (room + offset).min(MAX_TURN_RAD);
-                if max_turn < 0.0 {
+                // A step more: its last part may be taken back again.
+                let step_rad = sweep::LONGEST_STEP_RAD;
+                let max_turn_rad = (room + offset + step_rad).min(MAX_TURN_RAD);
+                if max_turn_rad < 0.0 {
                     continue;
                 }
                 let mut first: Option<(f64, f64)> = None;
-                self.sweep(
-                    &departure,
+                let sweep = Sweep {
+                    from: departure,
                     before_m,
                     side,
                     climb_rad,
-                    max_turn,
-                    scene.target_m,
-                    |leave| {
-                        let reached = leave.margin_m >= scene.target_m;
-                        if reached {
-                            first = Some((leave.turn_rad, leave.margin_m));
-                        }
-                        reached
-                    },
-                );
+                    max_turn_rad,
+                    floor_m: scene.target_m,
+                };
+                self.sweep(&sweep, |leave| {
+                    let reached = leave.margin_m >= scene.target_m;
+                    if reached {
+                        first = Some((leave.turn_rad, leave.margin_m));
+                    }
+                    reached
+                });
                 let Some((turn_rad, margin_m)) = first else {
                     continue;
                 };
@@ -385,7 +407,7 @@ impl<'a> Search<'a> {
     fn refined(&mut self, found: Found, departure: &MotionState) -> Found {
         let scene = self.scene;
         let turn = found.turns.turn_rad;
-        let step = scene.flyer.course_rate_radps() * sweep::STEP_S_AT_MOST;
+        let step = sweep::LONGEST_STEP_RAD;
         let mut best = found;
         let mut share = 0.0;
         let mut width = 1.0;

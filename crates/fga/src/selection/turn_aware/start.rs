@@ -2,7 +2,7 @@
 
 use crate::angle::Side;
 
-use super::{MAX_TURN_RAD, Search};
+use super::{MAX_TURN_RAD, Search, Sweep};
 
 /// Moments that are looked at before halving.
 const MOMENTS: u32 = 12;
@@ -43,18 +43,18 @@ impl Search<'_> {
         for climb_rad in self.scene.extreme_climbs() {
             for side in Side::BOTH {
                 let mut found = false;
-                self.sweep(
-                    &departure,
+                let sweep = Sweep {
+                    from: departure,
                     before_m,
                     side,
                     climb_rad,
-                    MAX_TURN_RAD,
-                    target_m,
-                    |leave| {
-                        found = leave.margin_m >= target_m;
-                        found
-                    },
-                );
+                    max_turn_rad: MAX_TURN_RAD,
+                    floor_m: target_m,
+                };
+                self.sweep(&sweep, |leave| {
+                    found = leave.margin_m >= target_m;
+                    found
+                });
                 if found {
                     return true;
                 }

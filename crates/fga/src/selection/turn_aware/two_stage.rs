@@ -5,23 +5,61 @@
 //! parameters nearby, and the step in a box that lifts the least of them most is taken.
 
 use crate::angle::Side;
-use crate::maneuver::{Maneuver, MotionState, certify_all, whole};
+use crate::maneuver::{
+    Certificate, Hazard, Hazards, Maneuver, MotionState, Target, certify, whole,
+};
 
 use super::ascent::Ascent;
-use super::sweep::Leave;
-use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
+use super::sweep::{Leave, Sweep};
+use super::{ENOUGH_M, Found, MAX_TURN_RAD, Proof, Scene, Search, SecondTurn, Turns};
 
-/// Straight times between two turns that are searched, seconds from the end of the first.
-const GAPS_S: [f64; 6] = [0.0, 0.7, 1.5, 2.5, 4.0, 6.5];
+/// Straight flight between two turns that is searched, in turn radii.
+const GAPS: [f64; 6] = [0.0, 0.35, 0.75, 1.25, 2.0, 3.25];
 
 /// The same in the plane, where there are fewer manoeuvres to look at.
-const PLANAR_GAPS_S: [f64; 11] = [0.0, 0.3, 0.6, 1.0, 1.4, 1.9, 2.5, 3.2, 4.2, 5.5, 7.5];
+const PLANAR_GAPS: [f64; 10] = [0.0, 0.25, 0.5, 0.75, 1.0, 1.3, 1.65, 2.1, 2.75, 3.75];
 
-/// Steps of the first turn between two departures to the second.
+/// Steps of an arc between two ends of first turns that are searched.
 const STRIDE: usize = 2;
 
-/// Most departures of an arc.
-const DEPARTURES: usize = 20;
+/// Most ends of first turns on an arc.
+const PLACES: usize = 20;
+
+/// Every so many of them are in one grid.
+const COARSE: usize = 4;
+
+/// Every so many of the straight times are in one grid.
+const GAP_SHIFTS: usize = 2;
+
+/// Grids that interleave.
+const GRIDS: usize = COARSE * GAP_SHIFTS;
+
+/// Grids that a search looks at before its work is used up.
+const GRIDS_A_SEARCH: usize = 3;
+
+/// The grids in turn, each as coarse as climbing can make up for. One climb target for both turns
+/// is what most often does; two of them take longer and come in between.
+const PASSES: [(usize, Climbs); 2 * GRIDS] = {
+    use Climbs::{Different, Same};
+    [
+        (0, Same),
+        (1, Same),
+        (2, Same),
+        (0, Different),
+        (3, Same),
+        (4, Same),
+        (1, Different),
+        (5, Same),
+        (6, Same),
+        (2, Different),
+        (7, Same),
+        (3, Different),
+        (4, Different),
+        (5, Different),
+        (6, Different),
+        (7, Different),
+    ]
+};
 
 /// Widest range of first turns of which one seed is kept, radians.
 const BIN_RAD: f64 = 0.6;
@@ -41,18 +79,22 @@ const KINDS_OF_ONE: usize = 2 * CLIMBS;
 /// Those of one stage, of two in each range of first turns, and the manoeuvre under way.
 const KINDS: usize = KINDS_OF_ONE + KINDS_OF_ONE * KINDS_OF_ONE * BINS + 1;
 
-/// Seeds that lie this far below the best one are not worth a look, metres.
-const WORTH_M: f64 = 8.0;
+/// Seeds that lie this far below the best one are not worth a look, turn radii.
+const WORTH: f64 = 0.27;
 
-/// A second turn never gains more than about 9 m: where the best single one lacks more than this,
-/// none is looked for, metres.
-const MOST_GAIN_M: f64 = 14.0;
+/// Where the best single turn lacks more than this, no second one is looked for, turn radii: it
+/// gains up to about a third of one.
+const MOST_GAIN: f64 = 0.47;
 
-/// Groups of seeds that climb in successive searches.
-const VARIETIES: usize = 4;
+/// Where single turns stay this far short of clearing one obstacle, with nothing else about, no
+/// manoeuvre clears it, turn radii.
+const ALONE: f64 = 0.0033;
 
-/// Seeds that climb.
-const CLIMBERS: usize = 24;
+/// Seeds that climb a little; the best of them go on.
+const CLIMBERS: usize = 16;
+
+/// How many climb on in each round, and how many steps.
+const ROUNDS: [(usize, u32); 4] = [(CLIMBERS, 2), (CLIMBERS / 2, 4), (CLIMBERS / 4, 8), (2, 16)];
 
 /// How hard to look for the largest margin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,22 +112,27 @@ enum Climbs {
     Different,
 }
 
+/// Ends of first turns with their climb targets, a row for each side and climb target.
+type Departures = [[Option<(Leave, f64)>; PLACES]; KINDS_OF_ONE];
+
 /// The best manoeuvre of each kind.
 struct Seeds {
     found: [Option<Found>; KINDS],
     best_m: f64,
+    worth_m: f64,
 }
 
 impl Seeds {
-    const fn new() -> Self {
+    const fn new(worth_m: f64) -> Self {
         Self {
             found: [None; KINDS],
             best_m: f64::MIN,
+            worth_m,
         }
     }
 
     fn floor_m(&self) -> f64 {
-        self.best_m - WORTH_M
+        self.best_m - self.worth_m
     }
 
     fn floor_of_m(&self, kind: usize) -> f64 {
@@ -118,38 +165,111 @@ fn margin(slot: Option<&Found>) -> f64 {
     slot.map_or(f64::MIN, |found| found.margin_m)
 }
 
+fn height(climber: Option<&Ascent>) -> f64 {
+    climber.map_or(f64::MIN, Ascent::least_m)
+}
+
+fn keep_larger(best: &mut Option<Found>, found: Found) {
+    if best.is_none_or(|best| found.margin_m > best.margin_m) {
+        *best = Some(found);
+    }
+}
+
 impl Search<'_> {
     /// The manoeuvre with the largest margin, single or two-stage; ends as soon as one is
     /// certified. `flown` is the one under way, from which it climbs too; with `effort`
     /// [`Effort::Quick`] two-stage manoeuvres are looked for near that one only.
-    /// Successive searches with another `variety` climb from other seeds.
+    /// Searches with another `variety` begin with another grid.
     pub fn best(
         &mut self,
         flown: Option<&Maneuver>,
         effort: Effort,
         variety: u32,
-    ) -> Option<Found> {
+    ) -> Option<(Found, Proof)> {
         let target_m = self.scene.target_m;
         let mut best: Option<Found> = None;
-        let mut seeds = Seeds::new();
+        let mut seeds = Seeds::new(WORTH * self.scene.turn_radius_m());
         let start = self.scene.start;
         if let Some(found) = flown.and_then(|flown| self.in_terms_of_search(flown)) {
             seeds.take(KINDS - 1, found);
         }
         self.collect_single(&start, &mut seeds);
         self.climb(&mut seeds, KINDS_OF_ONE, &mut best);
-        let decided = best.is_some_and(|best| {
-            best.margin_m >= target_m || best.margin_m < target_m - MOST_GAIN_M
-        });
-        if effort == Effort::Quick || decided {
-            return best;
+        let found = best?;
+        if found.margin_m >= target_m {
+            return Some((found, Proof::Certified));
         }
-        self.collect_double(&start, &mut seeds);
-        for _ in 0..(variety as usize % VARIETIES) * CLIMBERS / VARIETIES {
-            seeds.pop();
+        if effort == Effort::Quick {
+            return Some((found, Proof::Open));
         }
-        self.climb(&mut seeds, CLIMBERS, &mut best);
-        best
+        if found.margin_m < target_m - MOST_GAIN * self.scene.turn_radius_m()
+            || self.is_hopeless(&found)
+        {
+            return Some((found, Proof::Hopeless));
+        }
+        let departures = self.departures(&start, seeds.floor_m());
+        for (shift, climbs) in PASSES {
+            if climbs == Climbs::Different && self.scene.is_planar() {
+                continue;
+            }
+            let grid = (GRIDS_A_SEARCH * variety as usize + shift) % GRIDS;
+            self.collect_double(&start, &departures, (grid, climbs), &mut seeds);
+            self.climb(&mut seeds, CLIMBERS, &mut best);
+            let found = best?;
+            if found.margin_m >= target_m {
+                return Some((found, Proof::Certified));
+            }
+            if self.limit_met() {
+                break;
+            }
+        }
+        best.map(|found| (found, Proof::Open))
+    }
+
+    /// Whether one obstacle alone is more than no second turn could avoid.
+    ///
+    /// From a single obstacle the hardest turn and climb lead away farthest; a second turn adds
+    /// something only between several.
+    fn is_hopeless(&mut self, found: &Found) -> bool {
+        let scene = self.scene;
+        let departure = self.departure(found.turns.wait_s);
+        let maneuver = self.maneuver(&found.turns, &departure);
+        scene.hazards.rows().iter().any(|hazard| {
+            self.path
+                .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
+            self.count_path(self.path.nodes().len());
+            let (horizon_s, target_m) = (scene.horizon_s, scene.target_m);
+            let one = certify(
+                scene.flyer,
+                self.path,
+                hazard,
+                horizon_s,
+                target_m,
+                target_m,
+            );
+            !one.holds(target_m) && self.is_too_much(hazard)
+        })
+    }
+
+    /// Whether an obstacle could not be avoided if there were no other.
+    fn is_too_much(&mut self, hazard: &Hazard) -> bool {
+        let scene = self.scene;
+        let mut alone = Hazards::new();
+        alone.put(0, *hazard);
+        let scene_alone = Scene {
+            hazards: &alone,
+            ..scene
+        };
+        let mut search = Search::new(scene_alone, self.path, self.limit);
+        let mut seeds = Seeds::new(WORTH * scene.turn_radius_m());
+        let mut farthest = None;
+        search.collect_single(&scene.start, &mut seeds);
+        search.climb(&mut seeds, 2, &mut farthest);
+        let (evaluated, work) = (search.evaluated, search.work);
+        self.evaluated += evaluated;
+        self.work = self.work.saturating_add(work);
+        let short_m = ALONE * scene.turn_radius_m();
+        farthest.is_some_and(|farthest| farthest.margin_m < scene.target_m - short_m)
     }
 
     /// The manoeuvre under way in the terms of the search.
@@ -179,17 +299,40 @@ impl Search<'_> {
         })
     }
 
-    /// Lets the best seeds climb; ends at the first that is certified.
+    /// Lets the best seeds climb, all of them a little and the best of those on; ends with the round
+    /// in which some are certified, with the cheapest of them.
     fn climb(&mut self, seeds: &mut Seeds, count: usize, best: &mut Option<Found>) {
-        for _ in 0..count {
-            let Some(seed) = seeds.pop() else { return };
-            let found = Ascent::new(seed).run(self);
-            if best.is_none_or(|best| found.margin_m > best.margin_m) {
-                *best = Some(found);
+        let mut climbers: [Option<Ascent>; CLIMBERS] = [None; CLIMBERS];
+        for slot in climbers.iter_mut().take(count) {
+            *slot = seeds.pop().map(|seed| Ascent::new(&seed, self.scene.flyer));
+        }
+        for (most, steps) in ROUNDS {
+            let mut cheapest: Option<Found> = None;
+            for climber in climbers.iter_mut().take(most).flatten() {
+                if climber.is_done() {
+                    continue;
+                }
+                climber.climb(self, steps);
+                if climber.least_m() >= self.scene.target_m {
+                    let found = climber.certified(self);
+                    if found.margin_m >= self.scene.target_m
+                        && cheapest.is_none_or(|cheapest| found.cost < cheapest.cost)
+                    {
+                        cheapest = Some(found);
+                    }
+                }
+                if self.limit_met() {
+                    break;
+                }
             }
-            if found.margin_m >= self.scene.target_m || self.limit_met() {
+            if cheapest.is_some() {
+                *best = cheapest;
                 return;
             }
+            climbers.sort_unstable_by(|a, b| height(b.as_ref()).total_cmp(&height(a.as_ref())));
+        }
+        if let Some(highest) = climbers.iter().flatten().next() {
+            keep_larger(best, highest.certified(self));
         }
     }
 
@@ -200,20 +343,20 @@ impl Search<'_> {
             .flat_map(|climb| Side::BOTH.map(|side| (climb, side)));
         for (kind, (climb_rad, side)) in kinds.enumerate() {
             let mut best: Option<Leave> = None;
-            self.sweep(
-                start,
-                ENOUGH_M,
+            let sweep = Sweep {
+                from: *start,
+                before_m: ENOUGH_M,
                 side,
                 climb_rad,
-                MAX_TURN_RAD,
-                f64::MIN,
-                |leave| {
-                    if best.is_none_or(|best| leave.margin_m > best.margin_m) {
-                        best = Some(leave);
-                    }
-                    false
-                },
-            );
+                max_turn_rad: MAX_TURN_RAD,
+                floor_m: f64::MIN,
+            };
+            self.sweep(&sweep, |leave| {
+                if best.is_none_or(|best| leave.margin_m > best.margin_m) {
+                    best = Some(leave);
+                }
+                false
+            });
             if let Some(leave) = best {
                 let turns = Turns {
                     wait_s: 0.0,
@@ -234,52 +377,59 @@ impl Search<'_> {
         }
     }
 
-    fn collect_double(&mut self, start: &MotionState, seeds: &mut Seeds) {
-        let mut departures = [[None; DEPARTURES]; KINDS_OF_ONE];
+    /// First turns and where they end, by side and climb target.
+    fn departures(&mut self, start: &MotionState, floor_m: f64) -> Departures {
+        let mut departures = [[None; PLACES]; KINDS_OF_ONE];
         let kinds = self
             .scene
             .extreme_climbs()
             .flat_map(|climb| Side::BOTH.map(|side| (climb, side)));
-        let floor_m = seeds.floor_m();
         for ((climb_rad, side), row) in kinds.zip(&mut departures) {
-            let mut index = 0;
-            self.sweep(
-                start,
-                ENOUGH_M,
+            let mut places = row.iter_mut();
+            let mut step = 0;
+            let sweep = Sweep {
+                from: *start,
+                before_m: ENOUGH_M,
                 side,
                 climb_rad,
-                MAX_FIRST_TURN_RAD,
+                max_turn_rad: MAX_FIRST_TURN_RAD,
                 floor_m,
-                |leave| {
-                    if index % STRIDE == 0
-                        && let Some(slot) = row.get_mut(index / STRIDE)
-                    {
-                        *slot = Some((leave, climb_rad));
-                    }
-                    index += 1;
-                    false
-                },
-            );
-        }
-        // What most often does comes first, so that what is left out when the work is used up is
-        // the rest: one climb target for both turns, coarsely, then finely, then two of them.
-        let passes = [
-            (0, Climbs::Same),
-            (1, Climbs::Same),
-            (0, Climbs::Different),
-            (1, Climbs::Different),
-        ];
-        for (parity, climbs) in passes {
-            for place in (parity..DEPARTURES).step_by(2) {
-                for (kind, row) in departures.iter().enumerate() {
-                    let Some((leave, climb_rad)) = row.get(place).copied().flatten() else {
-                        continue;
-                    };
-                    self.second_turns(start, (kind, climb_rad), &leave, climbs, seeds);
-                    if self.sweeps_done() || seeds.best_m >= self.scene.target_m {
-                        return;
-                    }
+            };
+            self.sweep(&sweep, |leave| {
+                if step % STRIDE == 0
+                    && let Some(place) = places.next()
+                {
+                    *place = Some((leave, climb_rad));
                 }
+                step += 1;
+                false
+            });
+        }
+        departures
+    }
+
+    fn collect_double(
+        &mut self,
+        start: &MotionState,
+        departures: &Departures,
+        (grid, climbs): (usize, Climbs),
+        seeds: &mut Seeds,
+    ) {
+        let (shift, gap_shift) = (grid % COARSE, grid / COARSE);
+        for place in (shift..PLACES).step_by(COARSE) {
+            for (kind, row) in departures.iter().enumerate() {
+                let Some((leave, climb_rad)) = row.get(place).copied().flatten() else {
+                    continue;
+                };
+                let first = (kind, climb_rad, leave);
+                self.second_turns(start, &first, gap_shift, climbs, seeds);
+                if self.sweeps_done() {
+                    return;
+                }
+            }
+            // Not before both sides have been looked at, so that neither is preferred.
+            if seeds.best_m >= self.scene.target_m {
+                return;
             }
         }
     }
@@ -288,49 +438,40 @@ impl Search<'_> {
     fn second_turns(
         &mut self,
         start: &MotionState,
-        (first_kind, first_climb): (usize, f64),
-        leave: &Leave,
+        (first_kind, first_climb, leave): &(usize, f64, Leave),
+        gap_shift: usize,
         climbs: Climbs,
         seeds: &mut Seeds,
     ) {
         let scene = self.scene;
-        if climbs == Climbs::Different && scene.is_planar() {
-            return;
-        }
-        let gaps: &[f64] = if scene.is_planar() {
-            &PLANAR_GAPS_S
+        let (first_kind, first_climb) = (*first_kind, *first_climb);
+        let gaps = if scene.is_planar() {
+            &PLANAR_GAPS[..]
         } else {
-            &GAPS_S
+            &GAPS
         };
         let bin = BINS.min(whole(leave.turn_rad.abs() / BIN_RAD, BINS)) - 1;
-        for gap_s in gaps.iter().copied() {
-            let at_s = leave.state.time_s + gap_s;
-            let first = Turns {
-                wait_s: start.time_s,
-                turn_rad: leave.turn_rad,
-                climb_rad: first_climb,
-                second: None,
-            };
-            let maneuver = self.maneuver(&first, start);
-            self.path
-                .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
+        let first = Turns {
+            wait_s: start.time_s,
+            turn_rad: leave.turn_rad,
+            climb_rad: first_climb,
+            second: None,
+        };
+        let mut before = Certificate::clear(leave.before_m);
+        let mut from = leave.state;
+        let on = Target {
+            course_rad: start.course_rad + leave.turn_rad,
+            climb_rad: first_climb,
+            rate_share: 1.0,
+        };
+        for gap in gaps.iter().skip(gap_shift).step_by(GAP_SHIFTS) {
             let floor_m = seeds.floor_m();
-            let before = certify_all(
-                scene.flyer,
-                self.path,
-                scene.hazards,
-                at_s,
-                floor_m,
-                ENOUGH_M,
-            );
-            self.count_work(self.path.nodes().len());
+            let at_s = leave.state.time_s + gap / scene.flyer.course_rate_radps();
+            from = self.fly_until(&from, &on, at_s, floor_m, &mut before);
             let before_m = before.margin_m;
             if before_m <= floor_m {
                 return;
             }
-            let Some(from) = self.path.state_at(scene.flyer, at_s) else {
-                return;
-            };
             let kinds = scene
                 .extreme_climbs()
                 .flat_map(|climb| Side::BOTH.map(|side| (climb, side)));
@@ -341,20 +482,20 @@ impl Search<'_> {
                 let kind = KINDS_OF_ONE + (first_kind * KINDS_OF_ONE + kind) * BINS + bin;
                 let floor_m = seeds.floor_of_m(kind);
                 let mut best: Option<Leave> = None;
-                self.sweep(
-                    &from,
+                let sweep = Sweep {
+                    from,
                     before_m,
                     side,
                     climb_rad,
-                    MAX_FIRST_TURN_RAD,
+                    max_turn_rad: MAX_FIRST_TURN_RAD,
                     floor_m,
-                    |leave| {
-                        if best.is_none_or(|best| leave.margin_m > best.margin_m) {
-                            best = Some(leave);
-                        }
-                        leave.margin_m >= scene.target_m
-                    },
-                );
+                };
+                self.sweep(&sweep, |leave| {
+                    if best.is_none_or(|best| leave.margin_m > best.margin_m) {
+                        best = Some(leave);
+                    }
+                    leave.margin_m >= scene.target_m
+                });
                 let Some(last) = best.filter(|best| best.margin_m > floor_m) else {
                     continue;
                 };
@@ -377,9 +518,6 @@ impl Search<'_> {
                         cost,
                     },
                 );
-                if last.margin_m >= scene.target_m {
-                    return;
-                }
             }
         }
     }

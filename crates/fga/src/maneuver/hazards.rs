@@ -1,0 +1,342 @@
+//! The obstacles as the certificate sees them, one by one and four at a time.
+
+use glam::{BVec4, DVec4};
+
+use crate::Vec3;
+use crate::situation::{Obstacle, ProtectedVolume};
+
+/// Most hazards of a [`Hazards`].
+pub const MAX_HAZARDS: usize = 128;
+
+/// Hazards of a block.
+const LANES: usize = 4;
+
+/// Golden-section steps on a cylinder's chord: they shrink it by 0.618⁴⁸ ≈ 10⁻¹⁰.
+const GOLDEN_STEPS: u32 = 48;
+
+/// An obstacle as the certificate sees it: a volume that moves and grows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hazard {
+    /// Place of the obstacle in the caller's list.
+    pub index: u32,
+    /// Centre at time 0, metres, air-mass frame.
+    pub position_m: Vec3,
+    /// Velocity in the air mass, metres per second.
+    pub velocity_mps: Vec3,
+    /// The volume at time 0, uncertainty included.
+    pub volume: ProtectedVolume,
+    /// How fast its surface moves outwards as the prediction ages, metres per second.
+    pub growth_mps: f64,
+}
+
+/// A point that moves straight for a while, in the air mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Line {
+    /// Where it begins, metres.
+    pub from_m: Vec3,
+    /// Its velocity, metres per second.
+    pub velocity_mps: Vec3,
+    /// When it begins, seconds from the decision.
+    pub at_s: f64,
+    /// How long it lasts, seconds.
+    pub duration_s: f64,
+}
+
+impl Hazard {
+    /// The obstacle in an air mass that moves with `wind_mps`, its volume widened by `sigmas`
+    /// standard deviations of position now and of velocity as time goes on.
+    pub fn new(index: u32, obstacle: &Obstacle, wind_mps: Vec3, sigmas: f64) -> Self {
+        let uncertainty = obstacle.uncertainty;
+        Self {
+            index,
+            position_m: obstacle.position_m,
+            velocity_mps: obstacle.velocity_mps - wind_mps,
+            volume: obstacle.volume.grown(sigmas * uncertainty.position_m),
+            growth_mps: sigmas * uncertainty.velocity_mps,
+        }
+    }
+
+    fn offset_m(&self, position_m: Vec3, at_s: f64) -> Vec3 {
+        position_m - (self.position_m + self.velocity_mps * at_s)
+    }
+
+    /// Signed distance from the volume's surface at a time, metres; negative inside.
+    pub fn margin_m(&self, position_m: Vec3, at_s: f64) -> f64 {
+        self.volume.margin_m(self.offset_m(position_m, at_s)) - self.growth_mps * at_s
+    }
+
+    /// Radius of a sphere about the volume at time 0, metres.
+    fn bounding_radius_m(&self) -> f64 {
+        match self.volume {
+            ProtectedVolume::Sphere { radius_m } => radius_m,
+            ProtectedVolume::Cylinder { .. } => self.volume.bounding_radius_m(),
+        }
+    }
+
+    /// Least margin of a point that moves straight, and when, if it is below `below_m`.
+    #[inline]
+    pub(crate) fn least_on_line(&self, line: &Line, below_m: f64) -> Option<(f64, f64)> {
+        let (at_s, duration_s) = (line.at_s, line.duration_s);
+        let offset = self.offset_m(line.from_m, at_s);
+        let velocity = line.velocity_mps - self.velocity_mps;
+        let growth = self.growth_mps;
+        let radius = self.bounding_radius_m() + growth * at_s;
+        let square = velocity.length_squared();
+        let along = -offset.dot(velocity);
+        // Squares only, until the sphere is close enough to matter.
+        let nearest_s = if along <= 0.0 {
+            0.0
+        } else if along >= square * duration_s {
+            duration_s
+        } else {
+            along / square
+        };
+        let reach = radius + below_m + growth * duration_s;
+        if reach < 0.0 {
+            return None;
+        }
+        let nearest_square = (offset + velocity * nearest_s).length_squared();
+        if nearest_square >= reach * reach {
+            return None;
+        }
+        let (margin, when) = match self.volume {
+            ProtectedVolume::Sphere { .. } if growth == 0.0 => {
+                (libm::sqrt(nearest_square) - radius, nearest_s)
+            }
+            ProtectedVolume::Sphere { .. } => {
+                let when = growing_nearest_s(offset, velocity, square, along, growth, duration_s);
+                let distance = (offset + velocity * when).length();
+                (distance - radius - growth * when, when)
+            }
+            ProtectedVolume::Cylinder { .. } => {
+                let margin =
+                    |t: f64| self.volume.margin_m(offset + velocity * t) - growth * (at_s + t);
+                let speed = libm::sqrt(square) + growth;
+                least_of_convex(margin, duration_s, speed)
+            }
+        };
+        (margin < below_m).then_some((margin, at_s + when))
+    }
+}
+
+/// When |q + w t| − g t is least on [0, duration]: where the closing speed falls to the growth.
+fn growing_nearest_s(
+    offset: Vec3,
+    velocity: Vec3,
+    square: f64,
+    along: f64,
+    growth: f64,
+    duration_s: f64,
+) -> f64 {
+    let faster = square - growth * growth;
+    if faster <= 0.0 {
+        // The volume grows faster than the aircraft can leave: the end is worst.
+        return duration_s;
+    }
+    let foot_s = along / square;
+    let miss = (offset + velocity * foot_s).length();
+    let beyond_s = growth * miss / libm::sqrt(square * faster);
+    let when = foot_s + beyond_s;
+    if when > duration_s {
+        duration_s
+    } else if when > 0.0 {
+        when
+    } else {
+        0.0
+    }
+}
+
+/// Minimum of a convex function with slope at most `speed` on [0, duration], from below.
+fn least_of_convex(margin: impl Fn(f64) -> f64, duration_s: f64, speed: f64) -> (f64, f64) {
+    const RATIO: f64 = 0.618_033_988_749_894_9;
+    let (mut low, mut high) = (0.0, duration_s);
+    let mut left = high - RATIO * (high - low);
+    let mut right = low + RATIO * (high - low);
+    let (mut at_left, mut at_right) = (margin(left), margin(right));
+    for _ in 0..GOLDEN_STEPS {
+        if at_left <= at_right {
+            (high, right, at_right) = (right, left, at_left);
+            left = high - RATIO * (high - low);
+            at_left = margin(left);
+        } else {
+            (low, left, at_left) = (left, right, at_right);
+            right = low + RATIO * (high - low);
+            at_right = margin(right);
+        }
+    }
+    let middle = 0.5 * (low + high);
+    (margin(middle) - 0.5 * speed * (high - low), middle)
+}
+
+/// Hazards, and which of them a line may come close to.
+pub(crate) trait HazardSet {
+    /// Shows each hazard whose margin on `line` may be below `below_m`, metres, and perhaps others,
+    /// until `visit` returns false. Says whether none did.
+    fn each_close(&self, line: &Line, below_m: f64, visit: impl FnMut(&Hazard) -> bool) -> bool;
+}
+
+impl HazardSet for [Hazard] {
+    fn each_close(&self, _: &Line, _: f64, visit: impl FnMut(&Hazard) -> bool) -> bool {
+        self.iter().all(visit)
+    }
+}
+
+/// Four hazards side by side, as spheres about their volumes.
+///
+/// Three coordinates of four hazards each, so that the arithmetic becomes vector instructions.
+#[derive(Debug, Clone, Copy)]
+struct Block {
+    position_m: [DVec4; 3],
+    velocity_mps: [DVec4; 3],
+    /// Minus infinity where there is no hazard.
+    radius_m: DVec4,
+    growth_mps: DVec4,
+}
+
+impl Block {
+    const NONE: Self = Self {
+        position_m: [DVec4::ZERO; 3],
+        velocity_mps: [DVec4::ZERO; 3],
+        radius_m: DVec4::NEG_INFINITY,
+        growth_mps: DVec4::ZERO,
+    };
+
+    /// Which of the four may have a margin below `below_m` on the line: the first part of
+    /// [`Hazard::least_on_line`].
+    #[inline]
+    fn close(&self, line: &Line, below_m: f64) -> BVec4 {
+        let [px, py, pz] = self.position_m;
+        let [vx, vy, vz] = self.velocity_mps;
+        let (from, speed) = (line.from_m, line.velocity_mps);
+        let dx = DVec4::splat(from.x) - (px + vx * line.at_s);
+        let dy = DVec4::splat(from.y) - (py + vy * line.at_s);
+        let dz = DVec4::splat(from.z) - (pz + vz * line.at_s);
+        let wx = DVec4::splat(speed.x) - vx;
+        let wy = DVec4::splat(speed.y) - vy;
+        let wz = DVec4::splat(speed.z) - vz;
+        let square = wx * wx + wy * wy + wz * wz;
+        let along = dx * wx + dy * wy + dz * wz;
+        // Without relative motion 0/0 is no number; `max` then gives its other argument.
+        let nearest_s = (-along / square)
+            .max(DVec4::ZERO)
+            .min(DVec4::splat(line.duration_s));
+        let nx = dx + wx * nearest_s;
+        let ny = dy + wy * nearest_s;
+        let nz = dz + wz * nearest_s;
+        let growth = self.growth_mps * (line.at_s + line.duration_s);
+        let reach = (self.radius_m + growth + DVec4::splat(below_m)).max(DVec4::ZERO);
+        (nx * nx + ny * ny + nz * nz).cmplt(reach * reach)
+    }
+
+    fn put(&mut self, lane: usize, hazard: &Hazard) {
+        let set = |lanes: &mut DVec4, value: f64| {
+            let mut all = lanes.to_array();
+            if let Some(one) = all.get_mut(lane) {
+                *one = value;
+            }
+            *lanes = DVec4::from_array(all);
+        };
+        let coordinates = |v: Vec3| v.to_array();
+        let position = self.position_m.iter_mut();
+        for (lanes, value) in position.zip(coordinates(hazard.position_m)) {
+            set(lanes, value);
+        }
+        let velocity = self.velocity_mps.iter_mut();
+        for (lanes, value) in velocity.zip(coordinates(hazard.velocity_mps)) {
+            set(lanes, value);
+        }
+        set(&mut self.radius_m, hazard.bounding_radius_m());
+        set(&mut self.growth_mps, hazard.growth_mps);
+    }
+}
+
+/// A set of hazards of fixed capacity, that finds the few a line comes close to in blocks of four.
+#[derive(Debug, Clone)]
+pub struct Hazards {
+    rows: [Hazard; MAX_HAZARDS],
+    blocks: [Block; MAX_HAZARDS / LANES],
+    len: usize,
+}
+
+impl Default for Hazards {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Hazards {
+    /// No hazards.
+    pub const fn new() -> Self {
+        let none = Hazard {
+            index: 0,
+            position_m: Vec3::ZERO,
+            velocity_mps: Vec3::ZERO,
+            volume: ProtectedVolume::Sphere { radius_m: 0.0 },
+            growth_mps: 0.0,
+        };
+        Self {
+            rows: [none; MAX_HAZARDS],
+            blocks: [Block::NONE; MAX_HAZARDS / LANES],
+            len: 0,
+        }
+    }
+
+    /// Forgets all hazards.
+    pub fn clear(&mut self) {
+        for block in self.blocks.iter_mut().take(self.len.div_ceil(LANES)) {
+            *block = Block::NONE;
+        }
+        self.len = 0;
+    }
+
+    /// The hazards one by one.
+    pub fn rows(&self) -> &[Hazard] {
+        self.rows.get(..self.len).unwrap_or(&[])
+    }
+
+    /// How many blocks of four they fill.
+    pub(crate) const fn block_count(&self) -> usize {
+        self.len.div_ceil(LANES)
+    }
+
+    /// Puts a hazard at a place: in place of one that is there, or behind the last one. False where
+    /// there is no such place.
+    pub fn put(&mut self, place: usize, hazard: Hazard) -> bool {
+        if place > self.len {
+            return false;
+        }
+        let (Some(row), Some(block)) =
+            (self.rows.get_mut(place), self.blocks.get_mut(place / LANES))
+        else {
+            return false;
+        };
+        *row = hazard;
+        self.len = self.len.max(place + 1);
+        block.put(place % LANES, &hazard);
+        true
+    }
+}
+
+impl HazardSet for Hazards {
+    #[inline]
+    fn each_close(
+        &self,
+        line: &Line,
+        below_m: f64,
+        mut visit: impl FnMut(&Hazard) -> bool,
+    ) -> bool {
+        let rows = self.rows().chunks(LANES);
+        for (block, rows) in self.blocks.iter().zip(rows) {
+            let close = block.close(line, below_m);
+            if !close.any() {
+                continue;
+            }
+            for (row, close) in rows.iter().zip(<[bool; LANES]>::from(close)) {
+                if close && !visit(row) {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+}
