@@ -213,7 +213,8 @@ pub fn fly(
         for endpoint in &options.traffic {
             let (to, stop) = (to.clone(), Arc::clone(stop));
             scope.spawn(move || {
-                receiver::read(endpoint, start, &stop, |report| {
+                let clock_s = || start.elapsed().as_secs_f64();
+                receiver::read(endpoint, clock_s, &stop, |report| {
                     send_or_drop(&to, Event::Traffic(Box::new(report)))
                 });
             });

@@ -4,36 +4,16 @@
 
 extern crate alloc;
 
-use alloc::collections::BTreeMap;
-use std::io::{BufReader, Read as _};
-use std::path::PathBuf;
+mod common;
 
+use alloc::collections::BTreeMap;
 use fga::Vec3;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_formats::traffic::sbs;
 use fga_link::Config;
-use fga_link::player::{LoggedLine, read_sbs_log};
+use fga_link::player::LoggedLine;
 use fga_link::traffic::receiver::Joiner;
 use fga_link::traffic::{Source, TrackTable};
-
-fn log() -> Option<Vec<LoggedLine>> {
-    let folder = std::env::var_os("FGA_DATA").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        PathBuf::from,
-    );
-    let path = folder.join("adsb/stratux-es.log.gz");
-    let Ok(file) = std::fs::File::open(&path) else {
-        let missing = format!("{} is missing (FGA_DATA names the folder)", path.display());
-        assert!(std::env::var("CI").is_err(), "{missing}");
-        eprintln!("skipped: {missing}");
-        return None;
-    };
-    let mut text = String::new();
-    flate2::read::GzDecoder::new(file)
-        .read_to_string(&mut text)
-        .expect("gzip");
-    Some(read_sbs_log(BufReader::new(text.as_bytes())).expect("a log"))
-}
 
 /// Last airborne position of each aircraft whose altitude is known by then: plain text handling.
 fn independent(lines: &[LoggedLine]) -> BTreeMap<u32, (f64, f64, f64)> {
@@ -63,7 +43,9 @@ fn independent(lines: &[LoggedLine]) -> BTreeMap<u32, (f64, f64, f64)> {
 
 #[test]
 fn every_aircraft_with_positions_is_tracked_where_it_is() {
-    let Some(lines) = log() else { return };
+    let Some(lines) = common::sbs_log() else {
+        return;
+    };
     let expected = independent(&lines);
     assert!(expected.len() >= 40, "{}", expected.len());
     let mut joiner = Joiner::new(Source::Sbs);
@@ -119,7 +101,9 @@ fn every_aircraft_with_positions_is_tracked_where_it_is() {
 
 #[test]
 fn played_for_hours_it_does_not_grow() {
-    let Some(lines) = log() else { return };
+    let Some(lines) = common::sbs_log() else {
+        return;
+    };
     let mut joiner = Joiner::new(Source::Sbs);
     let config = Config::default();
     let mut tracks = TrackTable::new(&config.traffic, None);

@@ -33,6 +33,8 @@ use crate::traffic::{Report, TrackTable};
 
 pub use picture::Picture;
 
+/// System id of the first heartbeats, until a vehicle is heard: that of most vehicles.
+const FIRST_SYSTEM: u8 = 1;
 /// Most lines of the log that wait to be taken.
 const MOST_LOG_LINES: usize = 4096;
 
@@ -146,11 +148,16 @@ impl Companion {
             )));
         }
         let never = f64::NEG_INFINITY;
+        let mut outbox = Outbox::default();
+        outbox.set_own_system(match config.vehicle.system_id {
+            0 => FIRST_SYSTEM,
+            system_id => system_id,
+        });
         Ok(Self {
             take_over,
             dry_run,
             recorded: false,
-            outbox: Outbox::default(),
+            outbox,
             log: Vec::new(),
             heard: None,
             streams_heard: [never; send::STREAMS.len()],

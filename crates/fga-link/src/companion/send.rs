@@ -25,10 +25,12 @@ pub(super) struct Stream {
     interval_s: f64,
 }
 
+/// Number of the message that prompts targets and decisions.
+const ATTITUDE: f32 = 30.0;
 /// The streams and their intervals; the heartbeat more often than usual, because it tells the mode.
 pub(super) const STREAMS: [Stream; 8] = [
     Stream {
-        message_id: 30.0,
+        message_id: ATTITUDE,
         interval_s: 0.05,
     },
     Stream {
@@ -91,9 +93,7 @@ impl Companion {
     pub(super) fn send_regular(&mut self, now_s: f64) {
         if now_s >= self.due.heartbeat_s {
             self.due.heartbeat_s = now_s + 1.0;
-            if self.heard.is_none() {
-                return;
-            }
+            // From the beginning: a peer that waits on a UDP port answers only who spoke first.
             self.outbox.send(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
                 custom_mode: 0,
                 mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
@@ -102,7 +102,9 @@ impl Companion {
                 system_status: MavState::MAV_STATE_ACTIVE,
                 mavlink_version: 3,
             }));
-            self.ask_for_streams(now_s);
+            if self.heard.is_some() {
+                self.ask_for_streams(now_s);
+            }
         }
         let Some(system) = self.vehicle_system() else {
             return;
@@ -127,7 +129,13 @@ impl Companion {
             // The heartbeat is heard anyway: its rate is asked for once.
             if now_s - *heard_s > STREAM_SILENT_S {
                 *heard_s = now_s;
-                let interval_us = single(stream.interval_s * 1e6);
+                // Each target answers an attitude.
+                let interval_s = if stream.message_id == ATTITUDE {
+                    stream.interval_s.min(1.0 / self.config.command.rate_hz)
+                } else {
+                    stream.interval_s
+                };
+                let interval_us = single(interval_s * 1e6);
                 self.commands.send(
                     Command::long(
                         MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL,

@@ -4,7 +4,6 @@ use core::str::FromStr;
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 use std::collections::HashMap;
-use std::time::Instant;
 
 use fga::Vec3;
 use fga_formats::geodesy::Geodetic;
@@ -152,10 +151,11 @@ impl Joiner {
 }
 
 /// Reads a receiver until `stop` is set, connecting again where the connection is lost; each report
-/// goes to `take`, which says whether to go on.
+/// goes to `take`, which says whether to go on. `clock_s` tells the time of what was just read,
+/// seconds.
 pub fn read(
     endpoint: &ReceiverEndpoint,
-    start: Instant,
+    clock_s: impl Fn() -> f64,
     stop: &AtomicBool,
     mut take: impl FnMut(Report) -> bool,
 ) {
@@ -177,7 +177,7 @@ pub fn read(
         match open_reader.read(&mut buffer) {
             Received::Bytes(count) => {
                 let bytes = buffer.get(..count).unwrap_or_default();
-                let now_s = start.elapsed().as_secs_f64();
+                let now_s = clock_s();
                 let mut goes_on = true;
                 let mut report = |message: TrafficReport| {
                     if let Some(report) = joiner.take(&message, now_s) {

@@ -10,13 +10,42 @@
 )]
 
 use std::collections::BinaryHeap;
+use std::io::{BufReader, Read as _};
+use std::path::PathBuf;
 
 use fga_emulator::{Emulator, Item, Mode, STEP_S, Settings};
+use fga_link::player::{LoggedLine, read_sbs_log};
 use fga_link::{Companion, Config};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, MavCmd, MavFrame, MavMessage,
 };
+
+/// A file of the third-party data; where it is missing, the test is skipped, or fails in CI.
+pub fn data(name: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("FGA_DATA").map_or_else(
+        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
+        PathBuf::from,
+    );
+    let path = folder.join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    let missing = format!("{} is missing (FGA_DATA names the folder)", path.display());
+    assert!(std::env::var("CI").is_err(), "{missing}");
+    eprintln!("skipped: {missing}");
+    None
+}
+
+/// The recorded BaseStation log.
+pub fn sbs_log() -> Option<Vec<LoggedLine>> {
+    let file = std::fs::File::open(data("adsb/stratux-es.log.gz")?).expect("readable");
+    let mut text = String::new();
+    flate2::read::GzDecoder::new(file)
+        .read_to_string(&mut text)
+        .expect("gzip");
+    Some(read_sbs_log(BufReader::new(text.as_bytes())).expect("a log"))
+}
 
 /// `SplitMix64`: small, seeded, the same everywhere.
 #[derive(Debug, Clone)]
