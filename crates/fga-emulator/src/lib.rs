@@ -277,6 +277,11 @@ impl Emulator {
         self.ignore_attitude = ignore;
     }
 
+    /// For tests: a gust that moves the aircraft at once, metres.
+    pub fn displace(&mut self, by_m: [f64; 3]) {
+        self.plant.displace(by_m);
+    }
+
     /// For tests: the autopilot starts anew in the air; its boot time begins at zero.
     pub fn reboot(&mut self) {
         self.time_s = 0.0;

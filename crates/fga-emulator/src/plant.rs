@@ -136,6 +136,12 @@ impl Plant {
         ]
     }
 
+    pub(crate) fn displace(&mut self, by_m: [f64; 3]) {
+        for (position, by) in self.position_m.iter_mut().zip(by_m) {
+            *position += by;
+        }
+    }
+
     pub(crate) fn step(&mut self, target: &Target, parameters: &Parameters, step_s: f64) {
         let limit = parameters.value("ROLL_LIMIT_DEG").to_radians();
         self.commanded_bank_rad = target.bank_rad.clamp(-limit, limit);

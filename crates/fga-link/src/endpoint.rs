@@ -461,4 +461,42 @@ mod tests {
         while calling.read(&mut buffer) == Received::Nothing {}
         assert_eq!(&buffer[..5], b"there");
     }
+
+    #[cfg(all(feature = "serial", unix))]
+    #[test]
+    fn a_serial_port_carries_bytes_both_ways() {
+        use serialport::{SerialPort as _, TTYPort};
+
+        let (mut other_end, port) = TTYPort::pair().unwrap();
+        let path = port.name().unwrap();
+        let (mut reader, writer) = open(&format!("serial:{path}:57600").parse().unwrap()).unwrap();
+        other_end.write_all(b"from the vehicle").unwrap();
+        let (mut buffer, mut heard) = ([0; 64], Vec::new());
+        while heard.len() < 16 {
+            if let Received::Bytes(count) = reader.read(&mut buffer) {
+                heard.extend_from_slice(&buffer[..count]);
+            }
+        }
+        assert_eq!(heard, b"from the vehicle");
+        assert!(writer.write(b"to the vehicle"));
+        let mut heard = [0; 14];
+        other_end.read_exact(&mut heard).unwrap();
+        assert_eq!(&heard, b"to the vehicle");
+    }
+
+    #[test]
+    fn a_lost_connection_is_made_again() {
+        let server = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = server.local_addr().unwrap().to_string();
+        let (mut reader, writer) = open(&Endpoint::Tcp(address)).unwrap();
+        let mut buffer = [0; 8];
+        for word in [b"one", b"two"] {
+            while reader.read(&mut buffer) != Received::NewConnection {}
+            let (mut stream, _) = server.accept().unwrap();
+            stream.write_all(word).unwrap();
+            while reader.read(&mut buffer) != Received::Bytes(3) {}
+            assert_eq!(&buffer[..3], word);
+            assert!(writer.write(b"heard"));
+        }
+    }
 }

@@ -356,3 +356,35 @@ impl Pilot<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_that_hangs_in_a_manoeuvre_has_its_mode_restored() {
+        let vehicle = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+        let address = vehicle.local_addr().unwrap().to_string();
+        let (_reader, writer) = open(&Endpoint::UdpOut(address)).unwrap();
+        let watch = Watch {
+            ticked_ms: AtomicU64::new(0),
+            owed: Mutex::new(Some((1, 10))),
+        };
+        let stop = AtomicBool::new(false);
+        let start = Instant::now();
+        let mut heard = None;
+        thread::scope(|scope| {
+            scope.spawn(|| keep_watch(&watch, &writer, None, start, &stop));
+            let mut buffer = [0; 300];
+            let count = vehicle.recv(&mut buffer).unwrap();
+            stop.store(true, Ordering::Relaxed);
+            Framer::new(None).push(&buffer[..count], |frame| heard = Some(frame.message));
+        });
+        let Some(MavMessage::COMMAND_LONG(command)) = heard else {
+            panic!("{heard:?}");
+        };
+        assert_eq!(command.command, MavCmd::MAV_CMD_DO_SET_MODE);
+        assert_eq!((command.target_system, command.param2), (1, 10.0));
+        assert!(start.elapsed() >= STALLED);
+    }
+}

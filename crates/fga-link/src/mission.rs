@@ -39,6 +39,7 @@ pub struct Download {
     attempts: u8,
     again_s: f64,
     items: Option<Vec<Item>>,
+    changes: u32,
 }
 
 impl Download {
@@ -52,7 +53,18 @@ impl Download {
             attempts: 0,
             again_s: f64::NEG_INFINITY,
             items: None,
+            changes: 0,
         }
+    }
+
+    /// The kind of list.
+    pub const fn kind(&self) -> MavMissionType {
+        self.kind
+    }
+
+    /// How often a list was downloaded that differs from the one before.
+    pub const fn changes(&self) -> u32 {
+        self.changes
     }
 
     /// The list as last downloaded whole.
@@ -103,7 +115,11 @@ impl Download {
         if self.arriving.len() < self.expected {
             return false;
         }
-        self.items = Some(core::mem::take(&mut self.arriving));
+        let arrived = Some(core::mem::take(&mut self.arriving));
+        if arrived != self.items {
+            self.items = arrived;
+            self.changes += 1;
+        }
         self.stage = Stage::Idle;
         true
     }

@@ -201,6 +201,64 @@ fn a_refused_take_over_is_told() {
 }
 
 #[test]
+fn after_three_refusals_only_the_operator_arms_it_again() {
+    let mut world = head_on("", GOOD, 3);
+    // Slower traffic, so that there is time for them all.
+    world.intruders[0].velocity_mps = [0.0, -5.0, 0.0];
+    world.run_while(40.0, "ready", |w| {
+        w.companion.authority() != Authority::Ready
+    });
+    world.emulator.refuse_commands(true);
+    world.run_while(90.0, "switched off", |w| {
+        !w.emulator
+            .texts()
+            .iter()
+            .any(|text| text.contains("refused too often"))
+    });
+    let refused = reaction(Fault::TakeOverRefused).text;
+    let told = world
+        .emulator
+        .texts()
+        .iter()
+        .filter(|text| *text == refused);
+    assert_eq!(told.count(), 3);
+    world.emulator.refuse_commands(false);
+    world.run_until(world.time_s + 10.0);
+    assert_eq!(world.mode(), Mode::Auto);
+    assert_eq!(world.companion.authority(), Authority::Waiting);
+}
+
+#[test]
+fn below_the_floor_in_a_manoeuvre_the_mode_is_restored() {
+    let mut world = head_on("", GOOD, 3);
+    until_in_command(&mut world);
+    // A sink of 85 m, to 15 m: the floor is at 30 m.
+    world.emulator.displace([0.0, 0.0, -85.0]);
+    world.run_while(5.0, "release", |w| !is_released(w, Fault::BelowFloor));
+    world.run_until(world.time_s + 1.0);
+    assert_eq!(world.mode(), Mode::Auto);
+    assert!(was_told(&world, Fault::BelowFloor));
+}
+
+#[test]
+fn the_operator_switches_it_off_in_a_manoeuvre() {
+    let mut world = head_on("", GOOD, 3);
+    until_in_command(&mut world);
+    world.say_from_ground(&MavMessage::PARAM_SET(PARAM_SET_DATA {
+        param_value: 0.0,
+        target_system: 1,
+        target_component: 196,
+        param_id: "FGA_ENABLE".into(),
+        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+    }));
+    world.run_while(2.0, "release", |w| !is_released(w, Fault::OperatorOff));
+    world.run_until(world.time_s + 10.0);
+    assert_eq!(world.mode(), Mode::Auto);
+    assert!(was_told(&world, Fault::OperatorOff));
+    assert!(is_released(&world, Fault::OperatorOff));
+}
+
+#[test]
 fn a_refused_return_is_told_and_left_to_the_pilot() {
     let mut world = head_on("", GOOD, 3);
     until_in_command(&mut world);

@@ -60,6 +60,7 @@ struct Due {
     values_s: f64,
     collision_s: f64,
     heading_s: f64,
+    fence_s: f64,
 }
 
 /// The last decision and what goes with it.
@@ -98,6 +99,8 @@ pub struct Companion {
     mission: Download,
     fence_download: Download,
     fence: Fence,
+    /// Which of the downloaded fences is laid into the local frame.
+    fence_laid: u32,
     mission_item: Option<u16>,
     mission_total: Option<u16>,
     ownship: OwnshipEstimate,
@@ -166,6 +169,7 @@ impl Companion {
             mission: Download::new(MavMissionType::MAV_MISSION_TYPE_MISSION),
             fence_download: Download::new(MavMissionType::MAV_MISSION_TYPE_FENCE),
             fence: Fence::default(),
+            fence_laid: 0,
             mission_item: None,
             mission_total: None,
             ownship: OwnshipEstimate::default(),
@@ -201,6 +205,7 @@ impl Companion {
                 values_s: never,
                 collision_s: never,
                 heading_s: never,
+                fence_s: never,
             },
             last_logged: None,
             counts: Counts::default(),

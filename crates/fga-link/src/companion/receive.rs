@@ -4,8 +4,8 @@ use fga::avoider::Reason;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     ATTITUDE_DATA, COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd,
-    MavMessage, MavModeFlag, MavParamType, MavResult, MavType, PARAM_SET_DATA, PARAM_VALUE_DATA,
-    PING_DATA,
+    MavMessage, MavMissionType, MavModeFlag, MavParamType, MavResult, MavType, PARAM_SET_DATA,
+    PARAM_VALUE_DATA, PING_DATA,
 };
 use serde_json::json;
 
@@ -178,12 +178,9 @@ impl Companion {
                 }
             }
             MavMessage::MISSION_ACK(data)
-                if data.target_system != 0
-                    && data.target_component != OWN_COMPONENT
-                    && !self.mission.is_busy() =>
+                if data.target_system != 0 && data.target_component != OWN_COMPONENT =>
             {
-                // Somebody else has just uploaded a mission.
-                self.mission.begin();
+                self.list_uploaded(data.mission_type);
             }
             MavMessage::COMMAND_ACK(data) => {
                 let for_us = data.target_component == OWN_COMPONENT || data.target_component == 0;
@@ -222,6 +219,19 @@ impl Companion {
         );
     }
 
+    /// Somebody else has just uploaded a list: it is read again.
+    fn list_uploaded(&mut self, kind: MavMissionType) {
+        if kind == self.mission.kind() && !self.mission.is_busy() {
+            self.mission.begin();
+        }
+        if kind == self.fence_download.kind()
+            && self.config.safety.use_fence
+            && !self.fence_download.is_busy()
+        {
+            self.fence_download.begin();
+        }
+    }
+
     fn mission_arrived(&mut self, now_s: f64) {
         let count = self.mission.items().map_or(0, <[_]>::len);
         self.note(now_s, "mission", json!({ "items": count }));
@@ -242,15 +252,22 @@ impl Companion {
         let (Some(items), Some(frame)) = (self.fence_download.items(), self.ownship.frame()) else {
             return;
         };
-        if items.is_empty() || !self.fence.is_empty() {
+        let changes = self.fence_download.changes();
+        if self.fence_laid == changes {
             return;
         }
+        let again = self.fence_laid > 0;
+        self.fence_laid = changes;
+        let count = items.len();
         self.fence = fence::Fence::new(items, frame);
         self.note(
             now_s,
             "fence",
-            json!({ "incomplete": self.fence.incomplete }),
+            json!({ "items": count, "incomplete": self.fence.incomplete }),
         );
+        if again {
+            self.tell(Severity::Notice, "fga: the fence has changed", now_s);
+        }
         if self.fence.incomplete {
             self.tell(
                 Severity::Warning,

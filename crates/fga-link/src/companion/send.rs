@@ -80,6 +80,8 @@ pub(super) const fn stream_slot(message: &MavMessage) -> Option<usize> {
     })
 }
 
+/// The fence is downloaded again this long after the last time, seconds.
+const FENCE_AGAIN_S: f64 = 30.0;
 /// A heading target is sent again when it changes by this, or after this time.
 const HEADING_STEP_RAD: f64 = 0.035;
 const HEADING_AGAIN_S: f64 = 1.0;
@@ -114,9 +116,22 @@ impl Companion {
         if !self.mission.is_busy() {
             self.fence_download.tick(now_s, system, &mut self.outbox);
         }
+        self.look_for_fence(now_s);
         if now_s >= self.due.values_s {
             self.due.values_s = now_s + 0.5;
             self.send_values();
+        }
+    }
+
+    /// Downloads the fence now and then: no message tells every change of it.
+    fn look_for_fence(&mut self, now_s: f64) {
+        if self.fence_download.is_busy() {
+            self.due.fence_s = now_s + FENCE_AGAIN_S;
+        } else if now_s >= self.due.fence_s
+            && self.fence_download.changes() > 0
+            && !self.keeper.is_engaged()
+        {
+            self.fence_download.begin();
         }
     }
 

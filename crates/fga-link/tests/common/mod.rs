@@ -206,7 +206,12 @@ pub fn mission(emulator: &Emulator, points_m: &[[f64; 3]]) -> Vec<Item> {
 impl World {
     /// North along the y axis at 100 m: waypoints at 0 (behind), 6 km, 9 km, and east from there.
     pub fn new(config: &str, network: Network, seed: u64) -> Self {
-        let mut emulator = Emulator::new(Settings::default());
+        Self::with(Settings::default(), config, network, seed)
+    }
+
+    /// The same with another aircraft, another start or wind.
+    pub fn with(settings: Settings, config: &str, network: Network, seed: u64) -> Self {
+        let mut emulator = Emulator::new(settings);
         let points = [
             [0.0, 0.0, 100.0],
             [0.0, 6000.0, 100.0],
