@@ -92,7 +92,7 @@ fn intruder(random: &mut Random, kind: Kind, icao: u32, shown_m: f64) -> Intrude
 /// What the oracle is asked.
 type Scene = (OracleStart, OracleVehicle, Vec<OracleObstacle>);
 
-/// The aircraft with its real limits, and the first intruder, now.
+/// The aircraft with its real limits, and the intruders, now.
 fn scene(world: &World) -> Scene {
     let plant = world.emulator.plant();
     let settings = PlantSettings::default();
@@ -119,7 +119,6 @@ fn scene(world: &World) -> Scene {
     let obstacles: Vec<OracleObstacle> = world
         .intruders
         .iter()
-        .take(1)
         .map(|other| OracleObstacle {
             position_m: place(other.position_m),
             velocity_mps: place(other.velocity_mps),
@@ -134,7 +133,7 @@ fn scene(world: &World) -> Scene {
 #[derive(Debug)]
 struct Result {
     /// Where separation was lost: the largest margin that is possible from the moment at which
-    /// the intruder is shown; `None` where that is not known (two intruders, one that turns).
+    /// all intruders are shown; `None` where that is not known (one that turns).
     best_m: Option<f64>,
     seed: u32,
     kind: Kind,
@@ -161,7 +160,7 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64)) -> Result {
     let mut best_m = None;
     while world.time_s < 115.0 || (world.mode() != Mode::Auto && world.time_s < 300.0) {
         world.step();
-        if best_m.is_none() && world.shown[0] && shown.1 < 400.0 {
+        if best_m.is_none() && world.shown.iter().all(|shown| *shown) && shown.1 < 400.0 {
             best_m = Some(scene(&world));
         }
         let (across_m, angle_rad) = world.off_leg();
@@ -190,10 +189,7 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64)) -> Result {
         }
         eprintln!("{:?}", world.emulator.mode_changes());
     }
-    let straight = matches!(
-        kind,
-        Kind::Static | Kind::HeadOn | Kind::Crossing | Kind::Overtaking
-    );
+    let straight = !matches!(kind, Kind::Turning);
     Result {
         best_m: best_m.filter(|_| straight && least_m < PROTECTED_M).map(
             |(start, vehicle, obstacles)| {
