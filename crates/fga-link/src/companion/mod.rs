@@ -5,10 +5,12 @@
 //! [`Companion::outbox`] holds what is to be sent and [`Companion::take_log`] what happened. The
 //! program, the replay of a recording and the tests in scaled time all drive the same thing.
 
+mod around;
 mod decide;
 mod picture;
 mod receive;
 mod send;
+mod way;
 
 use fga::avoider::{Avoider, Decision};
 use fga::kinematics::Vehicle;
@@ -176,7 +178,7 @@ impl Companion {
             response: ResponseEstimate::new(&config.response),
             navigation_bank_rad: None,
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
-            virtual_reports: decide::virtual_reports(&config),
+            virtual_reports: around::virtual_reports(&config),
             keeper: Keeper::new(target, config.safety.armed_at_start),
             avoider: None,
             way: Way::default(),
@@ -413,7 +415,7 @@ impl Companion {
         }
         let index = usize::try_from(id).unwrap_or(usize::MAX);
         let own = index
-            .checked_sub(decide::FIRST_VIRTUAL_ID)
+            .checked_sub(around::FIRST_VIRTUAL_ID)
             .and_then(|index| self.config.obstacle.get(index));
         match (id, own) {
             (FLOOR_ID, _) => "floor".to_owned(),

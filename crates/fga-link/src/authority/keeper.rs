@@ -1,0 +1,307 @@
+//! The state machine.
+
+use super::{Action, Authority, Fault, HandBack, Late, Rearm, Severity, reaction};
+use crate::mode::Mode;
+
+/// Time for the take-over to be confirmed, seconds.
+const TAKE_OVER_S: f64 = 3.0;
+/// Time for the return to be confirmed, seconds.
+const RETURN_S: f64 = 5.0;
+/// A request that was on its way when the pilot changed the mode arrives within this, seconds. If it
+/// does, the pilot's mode is set again.
+const LATE_S: f64 = 0.8;
+/// All must be well for this long before it is ready again by itself, seconds.
+const SETTLE_S: f64 = 3.0;
+
+/// The state machine of authority. It reads no clock and sends nothing itself.
+#[derive(Debug)]
+pub struct Keeper {
+    state: Authority,
+    /// The mode that manoeuvres are flown in.
+    target: Mode,
+    enabled: bool,
+    well_since_s: Option<f64>,
+}
+
+impl Keeper {
+    /// A keeper that flies manoeuvres in `target`; `enabled` lets it act without being armed.
+    pub const fn new(target: Mode, enabled: bool) -> Self {
+        Self {
+            state: Authority::Waiting,
+            target,
+            enabled,
+            well_since_s: None,
+        }
+    }
+
+    /// Where it stands.
+    pub const fn state(&self) -> Authority {
+        self.state
+    }
+
+    /// Whether the operator lets it act.
+    pub const fn is_enabled(&self) -> bool {
+        self.enabled
+    }
+
+    /// Whether attitude targets and the like are to be sent.
+    pub const fn commands(&self) -> bool {
+        matches!(
+            self.state,
+            Authority::Taking { .. } | Authority::InCommand { .. }
+        )
+    }
+
+    /// Whether the vehicle's mode is not its own affair now.
+    pub const fn is_engaged(&self) -> bool {
+        matches!(
+            self.state,
+            Authority::Taking { .. } | Authority::InCommand { .. } | Authority::Returning { .. }
+        )
+    }
+
+    /// The operator's switch.
+    pub fn set_enabled(&mut self, enabled: bool, now_s: f64) -> Vec<Action> {
+        let was = core::mem::replace(&mut self.enabled, enabled);
+        if !enabled {
+            return if was {
+                self.fault(Fault::OperatorOff, now_s)
+            } else {
+                Vec::new()
+            };
+        }
+        if let Authority::Released { owed, .. } = self.state
+            && owed.is_none()
+        {
+            self.state = Authority::Waiting;
+            self.well_since_s = None;
+        }
+        vec![Action::Tell(Severity::Info, "fga: armed by the operator")]
+    }
+
+    /// Whether all preconditions hold now; called with every tick.
+    pub fn readiness(&mut self, ready: bool, now_s: f64) -> Vec<Action> {
+        if !ready {
+            self.well_since_s = None;
+            if self.state == Authority::Ready {
+                self.state = Authority::Waiting;
+            }
+            return Vec::new();
+        }
+        let well_s = now_s - *self.well_since_s.get_or_insert(now_s);
+        match self.state {
+            Authority::Waiting if self.enabled => {
+                self.state = Authority::Ready;
+                vec![Action::Tell(Severity::Info, "fga: ready")]
+            }
+            Authority::Released {
+                since_s,
+                fault,
+                owed: None,
+                ..
+            } if self.enabled
+                && reaction(fault).rearm == Rearm::Automatic
+                && well_s >= SETTLE_S
+                && now_s - since_s >= SETTLE_S =>
+            {
+                self.state = Authority::Waiting;
+                Vec::new()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The avoider wants to fly.
+    pub fn take_over(&mut self, mode: Mode, now_s: f64) -> Vec<Action> {
+        if self.state != Authority::Ready {
+            return Vec::new();
+        }
+        self.state = Authority::Taking {
+            since_s: now_s,
+            previous: mode,
+        };
+        vec![Action::SetMode(self.target), Action::Began]
+    }
+
+    /// The avoider is done.
+    pub fn hand_back(&mut self, now_s: f64) -> Vec<Action> {
+        let (Authority::Taking { previous, .. } | Authority::InCommand { previous, .. }) =
+            self.state
+        else {
+            return Vec::new();
+        };
+        self.state = Authority::Returning {
+            since_s: now_s,
+            previous,
+        };
+        vec![Action::SetMode(previous)]
+    }
+
+    /// A heartbeat told the mode.
+    pub fn mode(&mut self, mode: Mode, now_s: f64) -> Vec<Action> {
+        match self.state {
+            Authority::Taking { previous, .. } if mode == self.target => {
+                self.state = Authority::InCommand {
+                    since_s: now_s,
+                    previous,
+                };
+                vec![Action::CancelSetMode]
+            }
+            Authority::Taking { previous, .. } if mode == previous => Vec::new(),
+            Authority::InCommand { .. } | Authority::Returning { .. } if mode == self.target => {
+                Vec::new()
+            }
+            Authority::Returning { previous, .. } if mode == previous => {
+                self.state = Authority::Ready;
+                vec![Action::CancelSetMode, Action::Returned]
+            }
+            Authority::InCommand { .. } => self.fault(Fault::ModeChanged, now_s),
+            Authority::Taking { .. } => self.pilot_chose(mode, self.target, now_s),
+            Authority::Returning { previous, .. } => self.pilot_chose(mode, previous, now_s),
+            Authority::Released {
+                since_s,
+                fault,
+                owed: Some(owed),
+                late,
+            } => {
+                if mode == self.target {
+                    return vec![Action::SetMode(owed)];
+                }
+                self.state = Authority::Released {
+                    since_s,
+                    fault,
+                    owed: None,
+                    late,
+                };
+                vec![Action::CancelSetMode]
+            }
+            Authority::Released {
+                since_s,
+                fault,
+                owed: None,
+                late: Some(late),
+            } => {
+                let is_late = mode == late.asked && now_s - since_s <= LATE_S;
+                if is_late {
+                    return vec![Action::SetMode(late.chosen)];
+                }
+                if mode != late.chosen || now_s - since_s > LATE_S {
+                    self.state = Authority::Released {
+                        since_s,
+                        fault,
+                        owed: None,
+                        late: None,
+                    };
+                }
+                vec![Action::CancelSetMode]
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The pilot chose a mode while a request for another one was on its way.
+    fn pilot_chose(&mut self, chosen: Mode, asked: Mode, now_s: f64) -> Vec<Action> {
+        let actions = self.fault(Fault::ModeChanged, now_s);
+        if let Authority::Released { late, .. } = &mut self.state {
+            *late = Some(Late { asked, chosen });
+        }
+        actions
+    }
+
+    /// A request for a mode was refused, or not answered.
+    pub fn mode_refused(&mut self, now_s: f64) -> Vec<Action> {
+        match self.state {
+            Authority::Taking { .. } => self.fault(Fault::TakeOverRefused, now_s),
+            Authority::Returning { .. } => self.fault(Fault::ReturnRefused, now_s),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Time passes.
+    pub fn tick(&mut self, now_s: f64) -> Vec<Action> {
+        match self.state {
+            Authority::Taking { since_s, .. } if now_s - since_s > TAKE_OVER_S => {
+                self.fault(Fault::TakeOverRefused, now_s)
+            }
+            Authority::Returning { since_s, .. } if now_s - since_s > RETURN_S => {
+                self.fault(Fault::ReturnRefused, now_s)
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Something went wrong.
+    pub fn fault(&mut self, fault: Fault, now_s: f64) -> Vec<Action> {
+        let row = reaction(fault);
+        let previous = match self.state {
+            Authority::Taking { previous, .. }
+            | Authority::InCommand { previous, .. }
+            | Authority::Returning { previous, .. } => previous,
+            Authority::Ready | Authority::Waiting => {
+                // Nothing is flown: what matters is only whether it may act, and readiness says.
+                if row.rearm == Rearm::Operator && fault != Fault::OperatorOff {
+                    return Vec::new();
+                }
+                self.state = Authority::Waiting;
+                return if fault == Fault::OperatorOff {
+                    vec![Action::Tell(row.severity, row.text)]
+                } else {
+                    Vec::new()
+                };
+            }
+            Authority::Released {
+                fault: before,
+                owed,
+                late,
+                ..
+            } => {
+                // A link that is lost or telemetry that stays away changes nothing any more; what
+                // only the operator can undo does.
+                if row.rearm == Rearm::Automatic || reaction(before).rearm == Rearm::Operator {
+                    return Vec::new();
+                }
+                self.enabled = false;
+                let restores = row.hand_back != HandBack::LeaveAlone;
+                self.state = Authority::Released {
+                    since_s: now_s,
+                    fault,
+                    owed: owed.filter(|_| restores),
+                    late,
+                };
+                let mut actions = vec![Action::Tell(row.severity, row.text)];
+                if !restores {
+                    actions.push(Action::CancelSetMode);
+                }
+                return actions;
+            }
+        };
+        let mut actions = Vec::new();
+        let owed = match row.hand_back {
+            HandBack::LeaveAlone => {
+                actions.push(Action::CancelSetMode);
+                None
+            }
+            HandBack::Restore => {
+                actions.push(Action::SetMode(previous));
+                Some(previous)
+            }
+            HandBack::RestoreWhenHeard => {
+                actions.push(Action::CancelSetMode);
+                Some(previous)
+            }
+        };
+        self.state = Authority::Released {
+            since_s: now_s,
+            fault,
+            owed,
+            late: None,
+        };
+        self.well_since_s = None;
+        if row.rearm == Rearm::Operator {
+            self.enabled = false;
+        }
+        actions.push(Action::Ended(fault));
+        actions.push(Action::Tell(row.severity, row.text));
+        actions
+    }
+}

@@ -1,0 +1,158 @@
+//! What can go wrong, and what is done about it.
+
+/// What can go wrong, or be taken over by others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Fault {
+    /// A mode that was not asked for here: the pilot, the ground station or a failsafe.
+    ModeChanged,
+    /// The vehicle was disarmed.
+    Disarmed,
+    /// Below the floor.
+    BelowFloor,
+    /// Position or attitude too old.
+    TelemetryStale,
+    /// No heartbeat.
+    LinkLost,
+    /// The take-over was refused, or not answered in time.
+    TakeOverRefused,
+    /// The return to the previous mode was refused, or not answered in time.
+    ReturnRefused,
+    /// The vehicle does not do what is commanded.
+    NotFollowing,
+    /// The autopilot started anew.
+    AutopilotRestarted,
+    /// The operator ended it by parameter or command.
+    OperatorOff,
+}
+
+/// What is done about the mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HandBack {
+    /// The mode from before the manoeuvre is set.
+    Restore,
+    /// The mode from before the manoeuvre is set as soon as the vehicle is heard again, unless it
+    /// has changed meanwhile.
+    RestoreWhenHeard,
+    /// Nothing is sent.
+    LeaveAlone,
+}
+
+/// When it may act again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rearm {
+    /// By itself, once all is well for a while.
+    Automatic,
+    /// When the operator arms it again by `FGA_ENABLE` or the command.
+    Operator,
+}
+
+/// How grave it is, for the operator's screen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Severity {
+    /// Act now.
+    Critical,
+    /// Look at it.
+    Warning,
+    /// Good to know.
+    Notice,
+    /// Routine.
+    Info,
+}
+
+/// The reaction to a fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reaction {
+    /// What happened.
+    pub fault: Fault,
+    /// What is done about the mode, where a manoeuvre was under way.
+    pub hand_back: HandBack,
+    /// When it may act again.
+    pub rearm: Rearm,
+    /// How the operator is told.
+    pub severity: Severity,
+    /// What the operator is told, 50 characters at most.
+    pub text: &'static str,
+}
+
+/// Every fault and its reaction: the table of `docs/fly-safety.md`.
+pub const REACTIONS: [Reaction; 10] = [
+    Reaction {
+        fault: Fault::ModeChanged,
+        hand_back: HandBack::LeaveAlone,
+        rearm: Rearm::Operator,
+        severity: Severity::Warning,
+        text: "fga: mode changed by others, released",
+    },
+    Reaction {
+        fault: Fault::Disarmed,
+        hand_back: HandBack::LeaveAlone,
+        rearm: Rearm::Automatic,
+        severity: Severity::Notice,
+        text: "fga: vehicle disarmed, released",
+    },
+    Reaction {
+        fault: Fault::BelowFloor,
+        hand_back: HandBack::Restore,
+        rearm: Rearm::Automatic,
+        severity: Severity::Critical,
+        text: "fga: below the floor, mode restored",
+    },
+    Reaction {
+        fault: Fault::TelemetryStale,
+        hand_back: HandBack::Restore,
+        rearm: Rearm::Automatic,
+        severity: Severity::Critical,
+        text: "fga: telemetry stale, mode restored",
+    },
+    Reaction {
+        fault: Fault::LinkLost,
+        hand_back: HandBack::RestoreWhenHeard,
+        rearm: Rearm::Automatic,
+        severity: Severity::Critical,
+        text: "fga: link lost",
+    },
+    Reaction {
+        fault: Fault::TakeOverRefused,
+        hand_back: HandBack::Restore,
+        rearm: Rearm::Automatic,
+        severity: Severity::Critical,
+        text: "fga: take-over refused, cannot avoid",
+    },
+    Reaction {
+        fault: Fault::ReturnRefused,
+        hand_back: HandBack::LeaveAlone,
+        rearm: Rearm::Operator,
+        severity: Severity::Critical,
+        text: "fga: mode not restored, pilot must set it",
+    },
+    Reaction {
+        fault: Fault::NotFollowing,
+        hand_back: HandBack::Restore,
+        rearm: Rearm::Operator,
+        severity: Severity::Critical,
+        text: "fga: vehicle does not follow, mode restored",
+    },
+    Reaction {
+        fault: Fault::AutopilotRestarted,
+        hand_back: HandBack::LeaveAlone,
+        rearm: Rearm::Operator,
+        severity: Severity::Critical,
+        text: "fga: autopilot restarted, released",
+    },
+    Reaction {
+        fault: Fault::OperatorOff,
+        hand_back: HandBack::Restore,
+        rearm: Rearm::Operator,
+        severity: Severity::Notice,
+        text: "fga: switched off by the operator",
+    },
+];
+
+/// The reaction to a fault.
+pub fn reaction(fault: Fault) -> &'static Reaction {
+    // The table holds every fault (tested); the first row is the most careful answer.
+    REACTIONS
+        .iter()
+        .find(|row| row.fault == fault)
+        .unwrap_or(&REACTIONS[0])
+}

@@ -1,0 +1,132 @@
+//! What is around the aircraft: virtual obstacles, tracks, the fence, floor and ceiling.
+
+use fga::Vec3;
+use fga::situation::{Obstacle, ProtectedVolume};
+use fga_formats::geodesy::Geodetic;
+
+use super::Companion;
+use crate::config::{Config, VirtualObstacle};
+use crate::ownship::State;
+use crate::traffic::fence::{CEILING_ID, FLOOR_ID, layer};
+use crate::traffic::report::Quality;
+use crate::traffic::{Report, Source};
+
+/// Identifier of the first virtual obstacle.
+pub(super) const FIRST_VIRTUAL_ID: usize = 1_000;
+/// Tracks that one decision takes into account.
+const MOST_TRACKS: usize = 64;
+/// The configuration's obstacles: a report each, the volume, and when they were at that place.
+pub(super) fn virtual_reports(config: &Config) -> Vec<(Report, ProtectedVolume, f64)> {
+    config.obstacle.iter().filter_map(virtual_report).collect()
+}
+
+fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume, f64)> {
+    let place = Geodetic::new(
+        obstacle.latitude_deg,
+        obstacle.longitude_deg,
+        obstacle.altitude_m,
+    )?;
+    let track_rad = obstacle.track_deg.to_radians();
+    let velocity = Vec3::new(
+        obstacle.speed_mps * libm::sin(track_rad),
+        obstacle.speed_mps * libm::cos(track_rad),
+        obstacle.climb_mps,
+    );
+    let volume = match obstacle.half_height_m {
+        Some(half_height_m) => ProtectedVolume::Cylinder {
+            radius_m: obstacle.radius_m,
+            half_height_m,
+        },
+        None => ProtectedVolume::Sphere {
+            radius_m: obstacle.radius_m,
+        },
+    };
+    let report = Report {
+        source: Source::Virtual,
+        icao: 0,
+        callsign: obstacle.name.clone(),
+        place,
+        velocity_mps: Some(velocity),
+        valid_s: 0.0,
+        quality: Quality {
+            position_m: 0.0,
+            geometric_altitude: true,
+        },
+    };
+    Some((report, volume, 0.0))
+}
+
+impl Companion {
+    pub(super) fn gather_obstacles(&mut self, state: &State, now_s: f64) {
+        self.obstacles.clear();
+        let at_s = now_s + self.response.response().dead_time_s;
+        let own_m = state.ownship.position_m;
+        let within_m = self.config.protection.surveillance_m;
+        if let Some(frame) = self.ownship.frame() {
+            for (index, (report, volume, since_s)) in self.virtual_reports.iter().enumerate() {
+                let Ok(id) = u32::try_from(FIRST_VIRTUAL_ID + index) else {
+                    break;
+                };
+                let velocity_mps =
+                    frame.velocity_mps(report.place, report.velocity_mps.unwrap_or(Vec3::ZERO));
+                let position_m = frame.to_local_m(report.place) + velocity_mps * (at_s - since_s);
+                if (position_m - own_m).length() - volume.bounding_radius_m() < within_m {
+                    self.obstacles
+                        .push(Obstacle::new(id, position_m, velocity_mps, *volume));
+                }
+            }
+        }
+        let protection = &self.config.protection;
+        let volume = match protection.half_height_m {
+            Some(half_height_m) => ProtectedVolume::Cylinder {
+                radius_m: protection.radius_m,
+                half_height_m,
+            },
+            None => ProtectedVolume::Sphere {
+                radius_m: protection.radius_m,
+            },
+        };
+        self.tracks.obstacles(
+            at_s,
+            own_m,
+            within_m,
+            volume,
+            MOST_TRACKS,
+            &mut self.obstacles,
+        );
+        if self.config.safety.use_fence {
+            self.fence.obstacles(own_m, &mut self.obstacles);
+        }
+        let climbs = self
+            .avoider
+            .as_ref()
+            .is_some_and(|avoider| avoider.vehicle().can_climb());
+        if climbs {
+            let home_z = own_m.z - state.above_home_m;
+            let floor_z = home_z + self.config.safety.floor_m;
+            let clearance = 2.0 * self.config.protection.margin_m;
+            if self
+                .way
+                .waypoints_m
+                .iter()
+                .all(|w| w.z > floor_z + clearance)
+                && own_m.z > floor_z + clearance
+            {
+                self.obstacles.push(layer(FLOOR_ID, floor_z, true, own_m));
+            }
+            if let Some(ceiling_m) = self.config.safety.ceiling_m {
+                let ceiling_z = home_z + ceiling_m;
+                if self
+                    .way
+                    .waypoints_m
+                    .iter()
+                    .all(|w| w.z < ceiling_z - clearance)
+                    && own_m.z < ceiling_z - clearance
+                {
+                    self.obstacles
+                        .push(layer(CEILING_ID, ceiling_z, false, own_m));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! The way that the vehicle means to fly, and whether it is back on it.
+
+use fga::Vec3;
+use fga::angle::{course_of, wrap_pi};
+use fga::avoider::State as AvoiderState;
+use mavlink::dialects::ardupilotmega::MavCmd;
+use serde_json::json;
+
+use super::Companion;
+use crate::commands::Command;
+use crate::mission::{Way, item_position_m, way_ahead};
+use crate::mode::Mode;
+use crate::number::single;
+use crate::ownship::State;
+
+/// Length of the line that is flown on in CRUISE, metres.
+const CRUISE_AHEAD_M: f64 = 50_000.0;
+/// In CRUISE the line is laid anew when the aircraft is off it by this, metres and radians.
+const CRUISE_OFF_M: f64 = 12.0;
+const CRUISE_OFF_RAD: f64 = 0.05;
+/// Back on the leg: this close, this well aligned.
+const ON_LEG_M: f64 = 12.0;
+const ON_LEG_RAD: f64 = 0.06;
+const ON_LEG_HEIGHT_M: f64 = 12.0;
+impl Companion {
+    /// The way ahead as the vehicle would fly it by itself; not touched while the companion flies.
+    pub(super) fn renew_way(&mut self, state: &State, now_s: f64) {
+        let Some(heard) = self.heard else { return };
+        if self.keeper.is_engaged() && self.avoider.is_some() {
+            return;
+        }
+        let own_m = state.ownship.position_m;
+        let track_rad = course_of(state.ground_velocity_mps);
+        let busy = self
+            .avoider
+            .as_ref()
+            .is_some_and(|a| a.state() != AvoiderState::Cruise);
+        match heard.mode {
+            Mode::AUTO => {
+                let same_item = self.way_mode == Some(Mode::AUTO)
+                    && self.current_leg_item() == self.mission_item;
+                if same_item || (busy && self.way_mode == Some(Mode::AUTO) && self.item_is_ahead())
+                {
+                    return;
+                }
+                let (Some(items), Some(item), Some(frame), Some(home_m)) = (
+                    self.mission.items(),
+                    self.mission_item,
+                    self.ownship.frame(),
+                    self.ownship.home_altitude_m(),
+                ) else {
+                    return;
+                };
+                self.way = way_ahead(items, item, own_m, frame, home_m);
+            }
+            Mode::RTL => {
+                if self.way_mode == Some(Mode::RTL) {
+                    return;
+                }
+                let home = self.home_m(own_m);
+                self.way = Way {
+                    waypoints_m: home.map_or_else(Vec::new, |home_m| vec![own_m, home_m]),
+                    items: vec![None, None],
+                };
+            }
+            mode => {
+                let off = self.way.waypoints_m.first().is_none_or(|from| {
+                    let ahead = self
+                        .way
+                        .waypoints_m
+                        .get(1)
+                        .map_or(Vec3::X, |to| *to - *from);
+                    let along = ahead.normalize_or_zero();
+                    let across = (own_m - *from).cross(along).length();
+                    across > CRUISE_OFF_M
+                        || wrap_pi(course_of(ahead) - track_rad).abs() > CRUISE_OFF_RAD
+                });
+                if busy || (self.way_mode == Some(mode) && !off) {
+                    return;
+                }
+                let ahead = Vec3::new(libm::cos(track_rad), libm::sin(track_rad), 0.0);
+                self.way = Way {
+                    waypoints_m: vec![own_m, own_m + ahead * CRUISE_AHEAD_M],
+                    items: vec![None, None],
+                };
+            }
+        }
+        self.way_mode = Some(heard.mode);
+        self.avoider = None;
+        self.note(
+            now_s,
+            "way",
+            json!({
+                "mode": heard.mode.name(),
+                "item": self.mission_item,
+                "waypoints_m": self.way.waypoints_m.iter().map(|w| [w.x, w.y, w.z]).collect::<Vec<_>>(),
+            }),
+        );
+    }
+
+    fn home_m(&self, own_m: Vec3) -> Option<Vec3> {
+        let item = self.mission.items()?.first()?.as_ref()?;
+        let frame = self.ownship.frame()?;
+        let mut home_m = item_position_m(item, frame, self.ownship.home_altitude_m()?, own_m.z)?;
+        home_m.z = own_m.z;
+        Some(home_m)
+    }
+
+    /// The mission item at the end of the leg that the avoider is on.
+    fn current_leg_item(&self) -> Option<u16> {
+        let leg = self
+            .avoider
+            .as_ref()
+            .map_or(0, |avoider| avoider.leg_index());
+        let last = self.way.items.len().saturating_sub(1);
+        self.way.items.get((leg + 1).min(last)).copied().flatten()
+    }
+
+    /// Whether the vehicle's item is one of the way's.
+    fn item_is_ahead(&self) -> bool {
+        self.mission_item.is_some() && self.way.items.contains(&self.mission_item)
+    }
+
+    pub(super) fn is_on_leg(&self, state: &State) -> bool {
+        let leg = self
+            .avoider
+            .as_ref()
+            .map_or(0, |avoider| avoider.leg_index());
+        let ends = self
+            .way
+            .waypoints_m
+            .get(leg)
+            .zip(self.way.waypoints_m.get(leg + 1));
+        let Some((from, to)) = ends else { return true };
+        let ahead = *to - *from;
+        let level = Vec3::new(ahead.x, ahead.y, 0.0).normalize_or_zero();
+        let offset = state.ownship.position_m - *from;
+        let across_m = (offset.x * level.y - offset.y * level.x).abs();
+        let along = (offset.x * level.x + offset.y * level.y).max(0.0);
+        let length_m = libm::hypot(ahead.x, ahead.y).max(1.0);
+        let height_m = from.z + ahead.z * (along / length_m).min(1.0);
+        let angle_rad = wrap_pi(course_of(state.ground_velocity_mps) - course_of(level));
+        let climbs = self
+            .avoider
+            .as_ref()
+            .is_some_and(|avoider| avoider.vehicle().can_climb());
+        across_m < ON_LEG_M
+            && angle_rad.abs() < ON_LEG_RAD
+            && (!climbs || (state.ownship.position_m.z - height_m).abs() < ON_LEG_HEIGHT_M)
+    }
+
+    /// Tells the vehicle which item to fly to, where waypoints were passed meanwhile.
+    pub(super) fn resume_item(&mut self, now_s: f64) {
+        if self.owed_mode() != Some(Mode::AUTO) {
+            return;
+        }
+        let (Some(item), Some(known)) = (self.current_leg_item(), self.mission_item) else {
+            return;
+        };
+        if item != known {
+            self.commands.send(
+                Command::long(
+                    MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT,
+                    single(f64::from(item)),
+                    0.0,
+                ),
+                true,
+            );
+            self.note(now_s, "set-item", json!({ "item": item }));
+        }
+    }
+}
