@@ -220,6 +220,7 @@ fn finish(
     provenance: &Provenance,
     mut more: Value,
 ) -> Result<(), Failure> {
+    write_events(folder, campaign)?;
     write_summary(folder.path(), campaign, &assembled.summary)?;
     if let Some(more) = more.as_object_mut() {
         more.insert("results_sha256".into(), json!(assembled.sha256));
@@ -229,6 +230,25 @@ fn finish(
     assembled.commit()?;
     folder.remove_blocks()?;
     print(&in_words(campaign, &assembled.summary, folder.path()))
+}
+
+/// Writes the events of the encounters that the campaign names, each flown again by every policy.
+fn write_events(folder: &Folder, campaign: &Campaign) -> Result<(), Failure> {
+    let configuration = &campaign.configuration;
+    if configuration.events.is_empty() {
+        return Ok(());
+    }
+    let events = folder.file("events");
+    atomic::prepare_folder(&events)?;
+    for &number in &configuration.events {
+        for (name, policy) in configuration.policies.iter().zip(&campaign.policies) {
+            let log = campaign.show(number, policy)?;
+            let file = format!("{number}-{}.jsonl", name.replace(" --start ", "-"));
+            let text = run_files::events_jsonl(&run_files::events(&log));
+            atomic::write(&events.join(file), text)?;
+        }
+    }
+    Ok(())
 }
 
 fn document(provenance: &Provenance, manifest: &Manifest, more: Value) -> Value {

@@ -92,7 +92,7 @@ pub(crate) fn events(log: &RunLog) -> Vec<(f64, Value)> {
 }
 
 /// The events, one JSON object a line.
-fn events_jsonl(events: &[(f64, Value)]) -> String {
+pub(crate) fn events_jsonl(events: &[(f64, Value)]) -> String {
     let mut text = String::new();
     for (_, event) in events {
         text.push_str(&event.to_string());

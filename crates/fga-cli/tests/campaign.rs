@@ -147,6 +147,85 @@ fn an_encounter_shown_alone_is_the_one_of_the_table() {
     );
 }
 
+#[test]
+fn events_of_chosen_encounters_are_logged_whole_and_in_parts() {
+    let folder = written();
+    let at = folder.path();
+    let chosen = CAMPAIGN.replace("horizon_s", "events = [7, 401]\nhorizon_s");
+    fs::write(at.join("small.toml"), &chosen).unwrap();
+    campaign(at, &["--out", "all"]);
+    for part in ["1/2", "2/2"] {
+        campaign(at, &["--shard", part, "--out", &part[..1]]);
+    }
+    let output = fga_in(at, &["campaign", "merge", "1", "2", "--out", "merged"]);
+    assert!(output.status.success(), "{}", errors(&output));
+    let text = |path: &str| fs::read_to_string(at.join(path)).unwrap();
+    for file in ["7-none", "7-published-t0", "401-none", "401-published-t0"] {
+        let events = text(&format!("all/events/{file}.jsonl"));
+        assert_eq!(events, text(&format!("merged/events/{file}.jsonl")));
+        for line in events.lines() {
+            serde_json::from_str::<serde_json::Value>(line).unwrap();
+        }
+    }
+    let show = ["campaign", "show", "all", "--encounter", "401", "--out"];
+    let policy = ["alone", "--policy", "published --start t0"];
+    assert!(fga_in(at, &[&show[..], &policy].concat()).status.success());
+    assert_eq!(
+        text("all/events/401-published-t0.jsonl"),
+        text("alone/events.jsonl")
+    );
+    // The results do not depend on what is logged besides.
+    fs::write(at.join("small.toml"), CAMPAIGN).unwrap();
+    campaign(at, &["--out", "without"]);
+    assert!(results(at, "all") == results(at, "without"));
+}
+
+/// Runs the program with `arguments`, files being no larger than `blocks` times 512 bytes: to it
+/// that is what a full disk is, a write that fails.
+#[cfg(unix)]
+fn with_small_files(at: &Path, blocks: u32, arguments: &[&str]) -> std::process::Output {
+    Command::new("sh")
+        .current_dir(at)
+        .arg("-c")
+        .arg(format!(
+            "trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\""
+        ))
+        .arg(env!("CARGO_BIN_EXE_fga"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_loses_nothing_that_was_finished() {
+    let folder = written();
+    let at = folder.path();
+    campaign(at, &["--out", "once"]);
+    let run = ["campaign", "run", "small.toml", "--out", "full", "--resume"];
+    // Room for the blocks one by one and not for the table of all of them.
+    let room = u32::try_from(results(at, "once").len() / 512 * 3 / 4).unwrap();
+    let output = with_small_files(at, room, &run);
+    assert_eq!(output.status.code(), Some(1), "{}", errors(&output));
+    let error = errors(&output);
+    assert!(
+        error.contains("results.parquet") && !error.contains("panicked"),
+        "{error}"
+    );
+    let there = blocks(&at.join("full"));
+    assert_eq!(there.len(), 3, "{error}");
+    assert!(!at.join("full/results.parquet").exists());
+    // Room for no block at all: those that are there stay.
+    fs::remove_file(&there[1]).unwrap();
+    let output = with_small_files(at, 8, &run);
+    assert_eq!(output.status.code(), Some(1), "{}", errors(&output));
+    assert!(errors(&output).contains("blocks"), "{}", errors(&output));
+    assert_eq!(blocks(&at.join("full")).len(), 2);
+    // Room again.
+    campaign(at, &["--out", "full", "--resume"]);
+    assert!(results(at, "once") == results(at, "full"));
+}
+
 fn blocks(folder: &Path) -> Vec<PathBuf> {
     fs::read_dir(folder.join("blocks")).map_or_else(
         |_| Vec::new(),
@@ -266,6 +345,11 @@ fn what_cannot_be_flown_is_said_in_one_sentence() {
         ),
         ("seeds = [3, 4]", "seeds = []", "seeds is empty"),
         ("horizon_s = 20", "horizon = 20", "unknown field `horizon`"),
+        (
+            "horizon_s = 20",
+            "events = [600]",
+            "events names encounter 600, expected 0 to 599",
+        ),
         (
             "\"threats\"",
             "\"thread\"",

@@ -64,6 +64,7 @@ pub(super) fn fly(
         files: Vec::new(),
         vehicle: planar.then(|| PLANAR_VEHICLE.into()),
         vehicle_sha256: String::new(),
+        events: Vec::new(),
     };
     let campaign = Campaign::new(configuration, Path::new("reproduce"))?;
     let flown = (0..campaign.configuration.encounters)

@@ -61,12 +61,16 @@ pub struct Configuration {
     pub vehicle: Option<String>,
     /// Fingerprint of the aircraft that was read from it.
     pub vehicle_sha256: String,
+    /// Encounters whose events are logged.
+    pub events: Vec<u64>,
 }
 
 impl Configuration {
-    /// Fingerprint of all that the results depend on; where files lie does not matter.
+    /// Fingerprint of all that the results depend on; where files lie and what is logged besides
+    /// does not matter.
     pub fn hash(&self) -> String {
         let mut placeless = self.clone();
+        placeless.events.clear();
         for file in &mut placeless.files {
             file.path = PathBuf::new();
         }
@@ -229,6 +233,12 @@ impl Campaign {
         }
         if configuration.cells.is_empty() && configuration.files.is_empty() {
             return other("the grid is empty, expected at least one cell or file of encounters");
+        }
+        let last = configuration.encounters - 1;
+        if let Some(number) = configuration.events.iter().find(|number| **number > last) {
+            return Err(CampaignError::Other(format!(
+                "events names encounter {number}, expected 0 to {last}"
+            )));
         }
         let in_files = self.encounters_of_files();
         if configuration.cells.is_empty() && configuration.encounters > in_files {

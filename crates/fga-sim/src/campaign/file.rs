@@ -9,6 +9,7 @@
 //! vehicle = "paper.toml"       # beside this file; Table 4's without it
 //! files = ["mine.csv"]         # encounters as for `fga batch`, beside this file
 //! cells = ["wall-gap,planar"]  # single cells by name
+//! events = [0, 17]             # encounters whose events are logged, by number
 //!
 //! [[grid]]                     # every combination is a cell
 //! family = "threats"           # or from-anywhere
@@ -64,6 +65,8 @@ struct File {
     files: Vec<Spanned<String>>,
     #[serde(default)]
     cells: Vec<Spanned<String>>,
+    #[serde(default)]
+    events: Vec<Spanned<u64>>,
     #[serde(default)]
     grid: Vec<Spanned<Grid>>,
 }
@@ -196,7 +199,25 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         files,
         vehicle_sha256: fingerprint(format!("{model:?}").as_bytes()),
         vehicle,
+        events: events(&text, &file.events, encounters)?,
     })
+}
+
+/// Encounters whose events are logged.
+fn events(
+    text: &TomlText<'_>,
+    named: &[Spanned<u64>],
+    encounters: u64,
+) -> Result<Vec<u64>, InputError> {
+    let last = encounters - 1;
+    if let Some(number) = named.iter().find(|number| *number.get_ref() > last) {
+        let message = format!(
+            "events names encounter {}, expected 0 to {last}",
+            number.get_ref()
+        );
+        return Err(text.error_at(number, message));
+    }
+    Ok(named.iter().map(|number| *number.get_ref()).collect())
 }
 
 /// Policies by their full names, each once.

@@ -178,9 +178,10 @@ impl<W: Write + Send> TableWriter<W> {
     }
 }
 
-/// The configuration without the places of files, which do not matter.
+/// The configuration without the places of files and what is logged besides, which do not matter.
 fn placeless(campaign: &Campaign) -> String {
     let mut configuration = campaign.configuration.clone();
+    configuration.events.clear();
     for file in &mut configuration.files {
         file.path = file.path.file_name().map(Into::into).unwrap_or_default();
     }
