@@ -110,35 +110,46 @@ impl<S: Steering> Steering for Lowered<S> {
     }
 }
 
+/// Every policy with the settings it ships with.
+fn all() -> Result<Vec<(String, Factory)>, String> {
+    let baselines = Baseline::ALL.iter().map(|baseline| baseline.name());
+    ["none"]
+        .into_iter()
+        .chain(baselines)
+        .chain(["turn-aware"])
+        .map(|name| {
+            let choice = PolicyChoice::parse(name, None)?;
+            let factory: Factory = Box::new(move |settings, vehicle| {
+                choice
+                    .pilot(settings, vehicle)
+                    .expect("settings of Table 4")
+            });
+            Ok((choice.name(), factory))
+        })
+        .collect()
+}
+
+/// The velocity methods, seeing obstacles at their own height lower by several shares.
+fn lowered() -> Vec<(String, Factory)> {
+    let mut list = Vec::new();
+    for share in [0.0, 0.01, 0.02, 0.05, 0.1, 0.2] {
+        let orca = Lowered(Orca::default(), share);
+        list.push((format!("orca {share}"), with(orca)));
+        let voltage = Lowered(VoltagePotential::default(), share);
+        list.push((format!("mvp {share}"), with(voltage)));
+        let obstacles = Lowered(VelocityObstacles::default(), share);
+        list.push((format!("velocity-obstacles {share}"), with(obstacles)));
+    }
+    list
+}
+
 fn candidates(method: &str) -> Result<Vec<(String, Factory)>, String> {
     let mut list: Vec<(String, Factory)> = Vec::new();
-    let named = |name: &str, start: Option<&str>| -> Result<(String, Factory), String> {
-        let choice = PolicyChoice::parse(name, start)?;
-        let factory: Factory = Box::new(move |settings, vehicle| {
-            choice
-                .pilot(settings, vehicle)
-                .expect("settings of Table 4")
-        });
-        Ok((choice.name(), factory))
-    };
     if method == "all" {
-        list.push(named("none", None)?);
-        for baseline in Baseline::ALL {
-            list.push(named(baseline.name(), None)?);
-        }
-        list.push(named("turn-aware", None)?);
-        return Ok(list);
+        return all();
     }
     if method == "lowered" {
-        for share in [0.0, 0.01, 0.02, 0.05, 0.1, 0.2] {
-            let orca = Lowered(Orca::default(), share);
-            list.push((format!("orca {share}"), with(orca)));
-            let voltage = Lowered(VoltagePotential::default(), share);
-            list.push((format!("mvp {share}"), with(voltage)));
-            let obstacles = Lowered(VelocityObstacles::default(), share);
-            list.push((format!("velocity-obstacles {share}"), with(obstacles)));
-        }
-        return Ok(list);
+        return Ok(lowered());
     }
     match Baseline::parse(method) {
         Some(Baseline::PotentialField) => {
