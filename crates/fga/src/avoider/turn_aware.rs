@@ -41,6 +41,28 @@ const SHALLOW_RAD: f64 = 0.5;
 /// A way back that leaves out a leg is looked for this long after the manoeuvre was chosen, seconds.
 const SKIP_AFTER_S: f64 = 4.0;
 
+/// After this long without a way back one is also looked for behind an obstacle that flies
+/// alongside, seconds.
+const DETOUR_AFTER_S: f64 = 8.0;
+
+/// An obstacle flies alongside that is no farther than this, turn radii, ...
+const ALONGSIDE: f64 = 2.0;
+
+/// ... and no faster relative to the aircraft than this share of its airspeed.
+const ALONGSIDE_SPEED: f64 = 0.4;
+
+/// Turns with which such a detour begins, radians, and the straight flight after them, turn radii.
+const DETOURS: [(f64, f64); 8] = [
+    (3.14, 0.0),
+    (-3.14, 0.0),
+    (2.1, 1.0),
+    (-2.1, 1.0),
+    (4.7, 0.0),
+    (-4.7, 0.0),
+    (1.3, 3.0),
+    (-1.3, 3.0),
+];
+
 /// Longest flight at a shallow intercept angle, seconds.
 const SHALLOW_S: f64 = 15.0;
 
@@ -438,13 +460,25 @@ impl Avoider {
         // Leaving out a leg is for when this one cannot be joined at any angle.
         let patient = situation.time_s - plan.decided_s < SKIP_AFTER_S;
         let skipped = if patient { 0 } else { MAX_SKIPPED };
-        let (joined, index) =
-            self.progress
-                .way_back(mission, now, &self.flyer, &limits, skipped, &mut self.path)?;
+        let waits = situation.time_s - plan.start_s > DETOUR_AFTER_S;
+        let detour = (turn % 2 == 1 && waits && self.is_accompanied(situation, plan))
+            .then(|| self.detour(now, turn / 2));
+        let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
+        let (joined, index) = self.progress.way_back(
+            mission,
+            &from,
+            &self.flyer,
+            &limits,
+            skipped,
+            &mut self.path,
+        )?;
         if intercept_rad < SHALLOW_RAD && joined.joined_s > SHALLOW_S {
             return None;
         }
-        let mut maneuver = joined.maneuver;
+        let mut maneuver = first;
+        for stage in joined.maneuver.stages() {
+            maneuver.push(*stage);
+        }
         let bend = Bend {
             index,
             straight_s: joined.joined_s,
@@ -483,6 +517,31 @@ impl Avoider {
             self.progress.advance_to(index, mission, now, &self.flyer);
         }
         back
+    }
+
+    /// Whether an obstacle of the encounter flies alongside, so that it does not pass.
+    fn is_accompanied(&self, situation: &Situation<'_>, plan: &Plan) -> bool {
+        let own = situation.ownship;
+        let velocity_mps = own.velocity_mps();
+        let near_m = ALONGSIDE * own.airspeed_mps / self.flyer.course_rate_radps();
+        self.tracks.hazards().rows().iter().any(|hazard| {
+            let slow_mps = ALONGSIDE_SPEED * own.airspeed_mps;
+            plan.against.contains(self.tracks.id(hazard.index))
+                && (velocity_mps - hazard.velocity_mps).length_squared() < slow_mps * slow_mps
+                && hazard.margin_m(own.position_m, 0.0) < near_m
+        })
+    }
+
+    /// A turn away from what flies alongside, one of several, and the aircraft after it.
+    fn detour(&mut self, now: &MotionState, which: usize) -> (Maneuver, MotionState) {
+        let index = which % DETOURS.len();
+        let (turn_rad, radii) = DETOURS.get(index).copied().unwrap_or_default();
+        let maneuver = Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
+        let until_s = (turn_rad.abs() + radii) / self.flyer.course_rate_radps();
+        self.path.predict(&self.flyer, now, &maneuver, until_s);
+        let mut from = self.path.state_at(&self.flyer, until_s).unwrap_or(*now);
+        from.time_s = until_s;
+        (maneuver, from)
     }
 
     /// A way back that meets other obstacles later, with the manoeuvre that avoids those.
