@@ -1,9 +1,12 @@
 //! The turn-aware policy: look, plan, fly, return.
 
+use core::f64::consts::PI;
+
 use crate::avoider::mission::{Bend, MAX_SKIPPED};
 use crate::avoider::quiet::LineAhead;
 use crate::avoider::{
-    Against, Avoider, Candidate, Decision, Plan, Reason, Situation, Start, State, Threat, Verdict,
+    Against, Avoider, Candidate, Decision, Objective, Plan, Reason, Situation, Start, State,
+    Threat, Verdict,
 };
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, MotionState, certify, certify_set};
@@ -53,8 +56,8 @@ const ALONGSIDE_SPEED: f64 = 0.4;
 
 /// Turns with which such a detour begins, radians, and the straight flight after them, turn radii.
 const DETOURS: [(f64, f64); 8] = [
-    (3.14, 0.0),
-    (-3.14, 0.0),
+    (PI, 0.0),
+    (-PI, 0.0),
     (2.1, 1.0),
     (-2.1, 1.0),
     (4.7, 0.0),
@@ -224,6 +227,7 @@ impl Avoider {
             target_m: self.settings.margin_m,
             climb_limits_rad: (low, high),
             costs: (self.settings.heading_cost, self.settings.pitch_cost),
+            objective: self.settings.objective,
         };
         let mut search = Search::new(scene, &mut self.path, WORK_LIMIT);
         let answer = look(&mut search);
@@ -710,7 +714,12 @@ fn least_departure(search: &mut Search<'_>, entry_s: f64) -> Option<Found> {
         let Some(found) = search.cheapest(share * entry_s) else {
             continue;
         };
-        let departure_m = search.departure_m(&found.turns);
+        let departure = search.departure_of(&found.turns);
+        let departure_m = match search.objective() {
+            Objective::PaperCost => departure.aside_m + departure.extra_path_m(),
+            Objective::LeastDeviation => departure.aside_m,
+            Objective::ShortestPath => departure.extra_path_m(),
+        };
         if best.is_none_or(|(least_m, _)| departure_m < least_m) {
             best = Some((departure_m, found));
         }

@@ -2,5 +2,6 @@
 
 mod circle;
 mod flight;
+mod objectives;
 mod properties;
 mod states;

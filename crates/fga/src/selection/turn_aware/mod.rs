@@ -15,6 +15,7 @@ pub use two_stage::Effort;
 
 use sweep::Sweep;
 
+use crate::avoider::Objective;
 use crate::limit::Limit as _;
 use crate::maneuver::{
     Certificate, FlightPath, Flyer, Hazards, Maneuver, MotionState, Stage, certify, certify_set,
@@ -67,8 +68,25 @@ pub struct Found {
     pub turns: Turns,
     /// Lower bound of its separation beyond the volumes, metres.
     pub margin_m: f64,
-    /// `η_ψ` |Δψ| + `η_θ` |Δθ| (Alg. 2 line 20), of the larger of its stages.
+    /// Its cost by the scene's objective.
     pub cost: f64,
+}
+
+/// How far a manoeuvre departs from the mission.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Departure {
+    /// Distance from the mission when the last threatening obstacle is closest, metres.
+    pub aside_m: f64,
+    /// How far it lags behind the mission then, metres.
+    pub behind_m: f64,
+}
+
+impl Departure {
+    /// What it adds to the path until the aircraft is back, metres: a way back at a moderate
+    /// intercept angle takes about a quarter of the distance more.
+    pub fn extra_path_m(&self) -> f64 {
+        self.behind_m + 0.27 * self.aside_m
+    }
 }
 
 /// What is known of the best manoeuvre that was found.
@@ -103,6 +121,8 @@ pub struct Scene<'a> {
     pub climb_limits_rad: (f64, f64),
     /// `η_ψ` and `η_θ`, per radian.
     pub costs: (f64, f64),
+    /// What the cheapest manoeuvre is.
+    pub objective: Objective,
 }
 
 impl Scene<'_> {
@@ -283,9 +303,13 @@ impl<'a> Search<'a> {
         self.scene.target_m
     }
 
-    /// How far a manoeuvre departs from the mission, metres: its distance from the mission when the
-    /// last threatening obstacle is closest, and the path that it adds until it is back.
-    pub fn departure_m(&mut self, turns: &Turns) -> f64 {
+    /// What the cheapest manoeuvre is.
+    pub const fn objective(&self) -> Objective {
+        self.scene.objective
+    }
+
+    /// How far a manoeuvre departs from the mission.
+    pub fn departure_of(&mut self, turns: &Turns) -> Departure {
         let scene = self.scene;
         let departure = self.departure(turns.wait_s);
         let maneuver = self.maneuver(turns, &departure);
@@ -318,13 +342,23 @@ impl<'a> Search<'a> {
         let offset = flown.position_m - planned.position_m;
         let along = crate::angle::direction(scene.original.0, scene.original.1);
         let behind_m = -offset.dot(along);
-        let aside_m = (offset + along * behind_m).length();
-        // The way back at a moderate intercept angle adds about a quarter of the distance.
-        aside_m + behind_m + 0.27 * aside_m
+        Departure {
+            aside_m: (offset + along * behind_m).length(),
+            behind_m,
+        }
     }
 
-    /// Its cost: that of the stage that departs most.
-    pub fn cost(&self, turns: &Turns, departure: &MotionState) -> f64 {
+    /// Its cost by the scene's objective.
+    pub fn cost(&mut self, turns: &Turns, departure: &MotionState) -> f64 {
+        match self.scene.objective {
+            Objective::PaperCost => self.paper_cost(turns, departure),
+            Objective::LeastDeviation => self.departure_of(turns).aside_m,
+            Objective::ShortestPath => self.departure_of(turns).extra_path_m(),
+        }
+    }
+
+    /// `η_ψ` |Δψ| + `η_θ` |Δθ| (Alg. 2 line 20) of the stage that departs most.
+    fn paper_cost(&self, turns: &Turns, departure: &MotionState) -> f64 {
         let course = departure.course_rad + turns.turn_rad;
         let first = self.scene.cost(course, turns.climb_rad);
         turns.second.map_or(first, |second| {
@@ -346,13 +380,17 @@ impl<'a> Search<'a> {
         let departure = self.departure(wait_s);
         let mut best: Option<Found> = None;
         for climb_rad in scene.climb_targets() {
-            let climb_cost = scene.costs.1 * (climb_rad - scene.original.1).abs();
+            // The least that the paper's objective gives at this climb target.
+            let climb_cost = match scene.objective {
+                Objective::PaperCost => scene.costs.1 * (climb_rad - scene.original.1).abs(),
+                Objective::LeastDeviation | Objective::ShortestPath => f64::MIN,
+            };
             if best.is_some_and(|found| climb_cost >= found.cost) || self.limit_met() {
                 break;
             }
             for side in crate::angle::Side::BOTH {
                 let left_cost = best.map_or(f64::INFINITY, |found| found.cost) - climb_cost;
-                let room = if scene.costs.0 > 0.0 {
+                let room = if scene.costs.0 > 0.0 && scene.objective == Objective::PaperCost {
                     left_cost / scene.costs.0
                 } else {
                     MAX_TURN_RAD
@@ -389,10 +427,11 @@ impl<'a> Search<'a> {
                     climb_rad,
                     second: None,
                 };
+                let cost = self.cost(&turns, &departure);
                 let found = Found {
                     turns,
                     margin_m,
-                    cost: self.cost(&turns, &departure),
+                    cost,
                 };
                 let found = self.refined(found, &departure);
                 if best.is_none_or(|best| found.cost < best.cost) {
