@@ -2,6 +2,7 @@
 
 use core::f64::consts::PI;
 
+use crate::angle::Side;
 use crate::avoider::mission::{Bend, MAX_SKIPPED};
 use crate::avoider::quiet::LineAhead;
 use crate::avoider::{
@@ -707,11 +708,12 @@ fn choose(
     (found, latest_s)
 }
 
-/// The cheapest manoeuvre at several starts, and of these the one that departs least.
+/// The cheapest manoeuvre to each side at several starts, and of these the one that departs least.
 fn least_departure(search: &mut Search<'_>, entry_s: f64) -> Option<Found> {
     let mut best: Option<(f64, Found)> = None;
-    for share in FREE_STARTS {
-        let Some(found) = search.cheapest(share * entry_s) else {
+    let choices = FREE_STARTS.map(|share| Side::BOTH.map(|side| (share, side)));
+    for (share, side) in choices.into_iter().flatten() {
+        let Some(found) = search.cheapest_to(&[side], share * entry_s) else {
             continue;
         };
         let departure = search.departure_of(&found.turns);

@@ -15,6 +15,7 @@ pub use two_stage::Effort;
 
 use sweep::Sweep;
 
+use crate::angle::Side;
 use crate::avoider::Objective;
 use crate::limit::Limit as _;
 use crate::maneuver::{
@@ -33,6 +34,9 @@ const CLIMB_STEP_RAD: f64 = 0.03;
 
 /// What predicting a path takes, in line tests.
 const PREDICTION_WORK: usize = 40;
+
+/// An obstacle that takes longer than this to pass is taken to have passed then, seconds.
+const LONGEST_PASS_S: f64 = 60.0;
 
 /// Halvings of the grid step when a turn is refined.
 const REFINEMENTS: u32 = 7;
@@ -75,7 +79,7 @@ pub struct Found {
 /// How far a manoeuvre departs from the mission.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
-    /// Distance from the mission when the last threatening obstacle is closest, metres.
+    /// Distance from the mission when the last threatening obstacle has passed, metres.
     pub aside_m: f64,
     /// How far it lags behind the mission then, metres.
     pub behind_m: f64,
@@ -308,25 +312,38 @@ impl<'a> Search<'a> {
         self.scene.objective
     }
 
-    /// How far a manoeuvre departs from the mission.
+    /// How far a manoeuvre departs from the mission until the obstacles that it avoids have passed.
     pub fn departure_of(&mut self, turns: &Turns) -> Departure {
         let scene = self.scene;
         let departure = self.departure(turns.wait_s);
         let maneuver = self.maneuver(turns, &departure);
         self.path
+            .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
+        let end = self
+            .path
+            .nodes()
+            .last()
+            .map_or(scene.start, |node| node.state);
+        let end_velocity_mps = self.path.end_velocity_mps();
+        self.path
             .predict(scene.flyer, &scene.start, scene.nominal, scene.horizon_s);
         let mut until_s = turns.wait_s;
         for hazard in scene.hazards.rows() {
+            let (horizon_s, target_m) = (scene.horizon_s, scene.target_m);
             let closest = certify(
                 scene.flyer,
                 self.path,
                 hazard,
-                scene.horizon_s,
+                horizon_s,
                 f64::MIN,
-                scene.target_m,
+                target_m,
             );
-            if closest.margin_m < scene.target_m {
-                until_s = until_s.max(closest.at_s);
+            if closest.margin_m < target_m {
+                let offset = end.position_m - hazard.position_m - hazard.velocity_mps * end.time_s;
+                let relative = end_velocity_mps - hazard.velocity_mps;
+                let after_s = -offset.dot(relative) / relative.length_squared().max(1e-9);
+                let passes_s = end.time_s + after_s.max(0.0);
+                until_s = until_s.max(closest.at_s).max(passes_s.min(LONGEST_PASS_S));
             }
         }
         let planned = self
@@ -372,6 +389,11 @@ impl<'a> Search<'a> {
     /// already found; then halves the step between the last turn that fails and the first that
     /// does.
     pub fn cheapest(&mut self, wait_s: f64) -> Option<Found> {
+        self.cheapest_to(&Side::BOTH, wait_s)
+    }
+
+    /// The cheapest certified single turn to one of some sides, as in [`Self::cheapest`].
+    pub fn cheapest_to(&mut self, sides: &[Side], wait_s: f64) -> Option<Found> {
         let scene = self.scene;
         let before_m = self.margin_before(wait_s);
         if before_m < scene.target_m {
@@ -388,7 +410,7 @@ impl<'a> Search<'a> {
             if best.is_some_and(|found| climb_cost >= found.cost) || self.limit_met() {
                 break;
             }
-            for side in crate::angle::Side::BOTH {
+            for side in sides.iter().copied() {
                 let left_cost = best.map_or(f64::INFINITY, |found| found.cost) - climb_cost;
                 let room = if scene.costs.0 > 0.0 && scene.objective == Objective::PaperCost {
                     left_cost / scene.costs.0
