@@ -138,8 +138,8 @@ function draw(): void {
   );
   const all = data.rows.length;
   const lostOnes = rows.filter(lost).length;
-  const shown = rows.length > SHOWN ? `first ${SHOWN} of ` : "";
-  $("count").textContent = `${shown}${rows.length} of ${all} runs, ${lostOnes} lost`;
+  const shown = rows.length > SHOWN ? `; the first ${SHOWN} are shown` : "";
+  $("count").textContent = `${rows.length} of ${all} runs, ${lostOnes} lost${shown}`;
 }
 
 $("title").textContent = data.title;

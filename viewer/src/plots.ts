@@ -152,6 +152,8 @@ const KINDS: Kind[] = [
   },
 ];
 
+const DECISION_TIME = KINDS[KINDS.length - 1];
+
 export class Plots {
   private plots: { plot: uPlot; value: HTMLElement; now: HTMLElement; kind: Kind; host: HTMLElement }[] =
     [];
@@ -176,7 +178,10 @@ export class Plots {
     this.input = input;
     for (const { plot } of this.plots) plot.destroy();
     this.root.replaceChildren();
-    this.plots = KINDS.map((kind) => this.make(kind, input));
+    // Most pages have no decision times: an empty plot would take its room from the others.
+    const timed = input.runs.some((run) => run.timeT.length > 0);
+    const kinds = KINDS.filter((kind) => kind !== DECISION_TIME || timed);
+    this.plots = kinds.map((kind) => this.make(kind, input));
     this.fit();
   }
 

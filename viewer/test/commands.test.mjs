@@ -1,31 +1,22 @@
 // The program itself: what its commands write and serve, in the browser.
 
 import assert from "node:assert/strict";
-import { execFileSync, spawn, spawnSync } from "node:child_process";
+import { spawn, spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { after, before, describe, test } from "node:test";
-import { fileURLToPath } from "node:url";
 import { colours, launch, open, seek, settle, stats } from "./browser.mjs";
+import { built } from "./program.mjs";
 
-const ROOT = fileURLToPath(new URL("../..", import.meta.url));
 const HOME = mkdtempSync(join(tmpdir(), "fga-commands-"));
 let browser;
 let program;
 
 before(async () => {
-  // As the tests of the workspace built it.
-  const build = ["build", "--quiet", "--workspace", "--bin", "fga", "--profile", "test"];
-  const built = execFileSync("cargo", [...build, "--message-format=json"], {
-    cwd: ROOT,
-    stdio: ["ignore", "pipe", "inherit"],
-    maxBuffer: 1 << 28,
-  });
-  const artifacts = built.toString().trim().split("\n").map((line) => JSON.parse(line));
-  program = artifacts.findLast((a) => a.target?.name === "fga" && a.executable)?.executable;
+  program = built("--bin", "fga");
   browser = await launch();
 });
 
@@ -295,14 +286,7 @@ test("fga run --live is followed to its end", async () => {
 
 test("fga fly --live shows the flight, the threat and the avoidance", async () => {
   // The ArduPlane-like emulator flies north; a mast stands on its way.
-  const made = ["build", "--quiet", "--workspace", "--example", "emulator", "--profile", "test"];
-  const built = execFileSync("cargo", [...made, "--message-format=json"], {
-    cwd: ROOT,
-    stdio: ["ignore", "pipe", "inherit"],
-    maxBuffer: 1 << 28,
-  });
-  const artifacts = built.toString().trim().split("\n").map((line) => JSON.parse(line));
-  const place = artifacts.findLast((a) => a.target?.name === "emulator" && a.executable);
+  const vehicle = built("--example", "emulator");
   const config = `[[obstacle]]
 name = "mast <b>"
 latitude_deg = 37.6243
@@ -312,7 +296,7 @@ radius_m = 60
 `;
   writeFileSync(join(HOME, "fly.toml"), config);
   const port = await freePort();
-  const emulator = spawn(place.executable, [`tcpin:127.0.0.1:${port}`, "120"], { stdio: "ignore" });
+  const emulator = spawn(vehicle, [`tcpin:127.0.0.1:${port}`, "120"], { stdio: "ignore" });
   const connect = ["--connect", `tcp:127.0.0.1:${port}`, "--config", "fly.toml", "--out", "fly"];
   const companion = spawn(program, ["fly", ...connect, "--live", "--quiet"], {
     cwd: HOME,

@@ -7,17 +7,15 @@ import { mkdtempSync, rmSync, statSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, describe, test } from "node:test";
-import { fileURLToPath } from "node:url";
 import { colours, launch, open, seek, settle, stats } from "./browser.mjs";
+import { built } from "./program.mjs";
 
-const ROOT = fileURLToPath(new URL("../..", import.meta.url));
 const PAGES = mkdtempSync(join(tmpdir(), "fga-replay-"));
 const page = (name) => join(PAGES, `${name}.html`);
 let browser;
 
 before(async () => {
-  const made = ["run", "--quiet", "-p", "fga-report", "--example", "replay_fixture", "--", PAGES];
-  execFileSync("cargo", made, { cwd: ROOT, stdio: "inherit" });
+  execFileSync(built("--example", "replay_fixture"), [PAGES], { stdio: "inherit" });
   browser = await launch();
 });
 

@@ -7,12 +7,10 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { after, before, test } from "node:test";
-import { fileURLToPath } from "node:url";
 import { colours, launch, open, seek, settle, stats } from "./browser.mjs";
+import { built } from "./program.mjs";
 
-const ROOT = fileURLToPath(new URL("../..", import.meta.url));
 const RUNS = mkdtempSync(join(tmpdir(), "fga-view-"));
-const cargo = (...args) => execFileSync("cargo", args, { cwd: ROOT, stdio: "inherit" });
 let browser;
 let server;
 let live;
@@ -27,15 +25,15 @@ function run(name, margin) {
 }
 
 before(async () => {
-  cargo("run", "--quiet", "-p", "fga-report", "--example", "replay_fixture", "--", join(RUNS, "fixtures"));
-  cargo("build", "--quiet", "-p", "fga-view", "--example", "live_fixture");
-  copyFileSync(join(RUNS, "fixtures/lost.html"), join(run("lost", -25), "replay.html"));
-  copyFileSync(join(RUNS, "fixtures/encounter.html"), join(run("good", 53.9), "replay.html"));
+  const fixtures = join(RUNS, "fixtures");
+  execFileSync(built("--example", "replay_fixture"), [fixtures], { stdio: "inherit" });
+  copyFileSync(join(fixtures, "lost.html"), join(run("lost", -25), "replay.html"));
+  copyFileSync(join(fixtures, "encounter.html"), join(run("good", 53.9), "replay.html"));
   run("<img src=x>", 1.5);
   run("run 10", 10);
   run("run 9", 9);
-  const command = ["run", "--quiet", "-p", "fga-view", "--example", "live_fixture", "--", RUNS];
-  server = spawn("cargo", command, { cwd: ROOT, stdio: ["pipe", "pipe", "inherit"] });
+  const live_fixture = built("--example", "live_fixture");
+  server = spawn(live_fixture, [RUNS], { stdio: ["pipe", "pipe", "inherit"] });
   const lines = createInterface({ input: server.stdout })[Symbol.asyncIterator]();
   live = (await lines.next()).value;
   table = (await lines.next()).value;

@@ -1,0 +1,24 @@
+//! Chores of the repository, as `cargo xtask CHORE`.
+//!
+//! | chore | what it does |
+//! |---|---|
+//! | `pictures` | makes every picture of README and docs anew, from real runs |
+
+mod pictures;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["pictures"] => pictures::make(),
+        _ => Err("expected cargo xtask pictures".to_owned()),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("xtask: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
