@@ -4,7 +4,7 @@
 //! Needs Python with `pymavlink`; `FGA_PYTHON` names the interpreter. Without it the test is skipped,
 //! except in CI.
 
-use std::io::{Read as _, Write as _};
+use std::io::Write as _;
 use std::process::{Command, Stdio};
 
 use fga_link::attitude::attitude_message;
@@ -12,7 +12,7 @@ use fga_link::authority::Severity;
 use fga_link::paper::override_message;
 use fga_link::player::{Line, adsb_message};
 use fga_link::telling;
-use fga_link::wire::{Framer, encode};
+use fga_link::wire::{Framer, Signing, encode};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MISSION_REQUEST_INT_DATA, MavCmd,
@@ -61,8 +61,9 @@ fn messages() -> Vec<MavMessage> {
     ]
 }
 
-#[test]
-fn pymavlink_reads_what_is_sent_and_is_read() {
+/// What pymavlink makes of frames: their fields, and its own frames with the same messages. `None`
+/// where it is not installed.
+fn echoed(bytes: &[u8], key: Option<&str>) -> Option<(Vec<serde_json::Value>, Vec<u8>)> {
     let python = std::env::var("FGA_PYTHON").unwrap_or_else(|_| "python3".into());
     let present = Command::new(&python)
         .args(["-c", "import pymavlink.dialects.v20.ardupilotmega"])
@@ -73,20 +74,11 @@ fn pymavlink_reads_what_is_sent_and_is_read() {
         let missing = format!("{python} has no module pymavlink (FGA_PYTHON names another)");
         assert!(std::env::var("CI").is_err(), "{missing}");
         eprintln!("skipped: {missing}");
-        return;
-    }
-    let sent = messages();
-    let mut bytes = Vec::new();
-    for (sequence, message) in (0_u8..).zip(&sent) {
-        let header = MavHeader {
-            system_id: 1,
-            component_id: 196,
-            sequence,
-        };
-        bytes.extend_from_slice(encode(header, message, None).raw_bytes());
+        return None;
     }
     let mut peer = Command::new(&python)
         .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peer/echo.py"))
+        .args(key)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -95,25 +87,61 @@ fn pymavlink_reads_what_is_sent_and_is_read() {
     peer.stdin
         .take()
         .expect("piped")
-        .write_all(&bytes)
+        .write_all(bytes)
         .expect("written");
-    let (mut echoed, mut told) = (Vec::new(), String::new());
-    peer.stdout
-        .take()
-        .expect("piped")
-        .read_to_end(&mut echoed)
-        .expect("read");
-    peer.stderr
-        .take()
-        .expect("piped")
-        .read_to_string(&mut told)
-        .expect("read");
-    assert!(peer.wait().expect("ends").success(), "{told}");
-    let fields: Vec<serde_json::Value> = told
+    let output = peer.wait_with_output().expect("ends");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{told}");
+    let fields = told
         .lines()
         .map(|line| serde_json::from_str(line).expect("JSON"))
         .collect();
-    assert_eq!(fields.len(), sent.len(), "{told}");
+    Some((fields, output.stdout))
+}
+
+fn encoded(messages: &[MavMessage], signing: Option<&Signing>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for (sequence, message) in (0_u8..).zip(messages) {
+        let header = MavHeader {
+            system_id: 1,
+            component_id: 196,
+            sequence,
+        };
+        bytes.extend_from_slice(encode(header, message, signing).raw_bytes());
+    }
+    bytes
+}
+
+#[test]
+fn signatures_are_those_of_pymavlink() {
+    let key = "0f".repeat(32);
+    let signing = || Signing::new([0x0F; 32], 1, false);
+    let sent = messages();
+    let Some((fields, back)) = echoed(&encoded(&sent, Some(&signing())), Some(&key)) else {
+        return;
+    };
+    assert_eq!(fields.len(), sent.len());
+    let (mut framer, mut heard) = (Framer::new(Some(signing())), Vec::new());
+    framer.push(&back, |frame| heard.push(frame.message));
+    assert_eq!(heard, sent);
+    // Neither takes what is not signed, or signed otherwise.
+    let other = Signing::new([0x1F; 32], 1, false);
+    let mut refused = encoded(&sent, None);
+    refused.extend(encoded(&sent, Some(&other)));
+    let (fields, _) = echoed(&refused, Some(&key)).expect("installed");
+    assert!(fields.is_empty(), "{fields:?}");
+    let mut framer = Framer::new(Some(other));
+    framer.push(&back, |frame| panic!("{frame:?}"));
+    assert_eq!(framer.counts().refused, sent.len() as u64);
+}
+
+#[test]
+fn pymavlink_reads_what_is_sent_and_is_read() {
+    let sent = messages();
+    let Some((fields, echoed)) = echoed(&encoded(&sent, None), None) else {
+        return;
+    };
+    assert_eq!(fields.len(), sent.len());
     assert!(
         fields
             .iter()
