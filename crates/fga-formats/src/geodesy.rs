@@ -32,15 +32,19 @@ pub struct Geodetic {
     pub altitude_m: f64,
 }
 
+/// Altitudes that anything flies or lies at, metres; frames hold within them, and not at the earth's
+/// centre.
+const ALTITUDES_M: core::ops::RangeInclusive<f64> = -20_000.0..=1_000_000.0;
+
 impl Geodetic {
-    /// A place from degrees and metres; `None` unless all are finite, the latitude is within
-    /// ±90° and the longitude within ±360°.
+    /// A place from degrees and metres; `None` unless the latitude is within ±90°, the longitude
+    /// within ±360° and the altitude from −20 km to 1,000 km.
     pub fn new(latitude_deg: f64, longitude_deg: f64, altitude_m: f64) -> Option<Self> {
         let valid = latitude_deg.is_finite()
             && latitude_deg.abs() <= 90.0
             && longitude_deg.is_finite()
             && longitude_deg.abs() <= 360.0
-            && altitude_m.is_finite();
+            && ALTITUDES_M.contains(&altitude_m);
         valid.then_some(Self {
             latitude_deg,
             longitude_deg,
@@ -289,6 +293,21 @@ mod tests {
     }
 
     // From the radii of curvature M = a(1 − e²)/(1 − e² sin²φ)^(3/2) and N cos φ at φ = 45°:
+    #[test]
+    fn places_are_checked() {
+        for [latitude, longitude, altitude] in [
+            [90.1, 0.0, 0.0],
+            [0.0, 360.1, 0.0],
+            [f64::NAN, 0.0, 0.0],
+            [0.0, 0.0, f64::INFINITY],
+            [0.0, 0.0, -1.2e11],
+            [0.0, 0.0, 1.1e6],
+        ] {
+            assert_eq!(Geodetic::new(latitude, longitude, altitude), None);
+        }
+        assert!(Geodetic::new(-90.0, 360.0, -430.0).is_some());
+    }
+
     // 111 131.8 m for a degree of latitude and 78 846.8 m for one of longitude.
     #[test]
     fn degrees_on_the_ellipsoid_have_the_tabulated_length() {

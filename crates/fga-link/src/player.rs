@@ -384,6 +384,8 @@ mod tests {
             "ABC123,95,0,0,0,0",
             "ABC123,1,2,3,4",
             "A,1,2,3,4,nan",
+            // Found by fuzzing: beyond the other side of the earth, where no frame holds.
+            "ABC,35,1,-122012200904,0904,0,3",
         ] {
             assert!(wrong.parse::<Line>().is_err(), "{wrong}");
         }

@@ -28,7 +28,7 @@ use mavlink::dialects::ardupilotmega::{MavMessage, PARAM_REQUEST_READ_DATA};
 const AHEAD_M: f64 = 700.0;
 const RADIUS_M: f64 = 60.0;
 /// The flight is over when the mission is resumed, or given up after this.
-const LONGEST: Duration = Duration::from_secs(180);
+const LONGEST: Duration = Duration::from_mins(3);
 
 fn python() -> Option<String> {
     let python = std::env::var("FGA_PYTHON").unwrap_or_else(|_| "python3".into());
@@ -141,10 +141,10 @@ fn watch_from_ground(ground: &UdpSocket, stop: &AtomicBool) -> (Vec<u32>, u32) {
             continue;
         };
         framer.push(&buffer[..count], |frame| match frame.message {
-            MavMessage::HEARTBEAT(data) if frame.header.component_id == 1 => {
-                if modes.last() != Some(&data.custom_mode) {
-                    modes.push(data.custom_mode);
-                }
+            MavMessage::HEARTBEAT(data)
+                if frame.header.component_id == 1 && modes.last() != Some(&data.custom_mode) =>
+            {
+                modes.push(data.custom_mode);
             }
             MavMessage::PARAM_VALUE(data) => {
                 answers += u32::from(data.param_id.to_str() == Ok("WP_LOITER_RAD"));
