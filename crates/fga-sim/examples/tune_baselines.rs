@@ -174,8 +174,8 @@ fn candidates(method: &str) -> Result<Vec<(String, Factory)>, String> {
             }
         }
         Some(Baseline::VoltagePotential) => {
-            for look_ahead_s in [10.0, 20.0, 60.0] {
-                for inflation in [1.1, 1.4, 2.0, 2.5, 3.0] {
+            for look_ahead_s in [5.0, 10.0, 20.0, 60.0] {
+                for inflation in [2.0, 2.5, 3.0, 4.0, 5.0] {
                     let method = VoltagePotential {
                         look_ahead_s,
                         inflation,
@@ -203,8 +203,8 @@ fn candidates(method: &str) -> Result<Vec<(String, Factory)>, String> {
             }
         }
         Some(Baseline::WaypointGreedy | Baseline::WaypointOptimal) => {
-            for half_edge_m in [45.0, 60.0, 90.0, 120.0] {
-                for inflation in [1.05, 1.2, 1.4] {
+            for half_edge_m in [60.0, 90.0, 120.0, 160.0] {
+                for inflation in [1.05, 1.2, 1.4, 1.7] {
                     for (points, goal_m) in [(5, 200.0), (5, 300.0), (5, 500.0), (9, 300.0)] {
                         let cube = Cube {
                             half_edge_m,

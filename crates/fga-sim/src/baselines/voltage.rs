@@ -24,8 +24,8 @@ pub struct VoltagePotential {
 impl Default for VoltagePotential {
     fn default() -> Self {
         Self {
-            look_ahead_s: 20.0,
-            inflation: 3.0,
+            look_ahead_s: 5.0,
+            inflation: 4.0,
         }
     }
 }
