@@ -1,0 +1,53 @@
+//! Encounters that were lost once, each of which the oracle saves: none is lost again, and the
+//! aircraft comes back after each.
+
+use std::path::Path;
+
+use fga::avoider::{Policy, Start};
+use fga_formats::encounters;
+use fga_sim::batch::{BatchSettings, fly_all};
+use fga_sim::policy::PolicyChoice;
+use fga_sim::vehicle_file::VehicleModel;
+
+fn fly(file: &str, planar: bool) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data")
+        .join(file);
+    let encounters = encounters::read(&path).unwrap();
+    let mut model = VehicleModel::built_in().unwrap();
+    model.settings.surveillance_radius_m = f64::INFINITY;
+    if planar {
+        (model.vehicle.climb_min_rad, model.vehicle.climb_max_rad) = (0.0, 0.0);
+    }
+    let settings = BatchSettings {
+        model,
+        policy: PolicyChoice::Core(Policy::TurnAware(Start::Free)),
+        horizon_s: 120.0,
+        seed: 0,
+        tracks: false,
+    };
+    let mut lost = Vec::new();
+    fly_all::<()>(&encounters, &settings, |row| {
+        if !row.outcome.separated() {
+            lost.push(format!(
+                "{}: {:.3} m",
+                row.encounter, row.outcome.min_margin_m
+            ));
+        } else if row.outcome.rejoined_s.is_none() {
+            lost.push(format!("{}: never back", row.encounter));
+        }
+        Ok(())
+    })
+    .unwrap();
+    assert!(lost.is_empty(), "{file}: {lost:?}");
+}
+
+#[test]
+fn in_space() {
+    fly("lost-once.csv", false);
+}
+
+#[test]
+fn in_the_plane() {
+    fly("lost-once-planar.csv", true);
+}
