@@ -1,0 +1,265 @@
+//! The way back: the earliest certified rejoin of the mission, and the flight along it.
+
+use core::f64::consts::PI;
+
+use crate::avoider::mission::{Bend, MAX_SKIPPED};
+use crate::avoider::{Avoider, Decision, Plan, Reason, Situation, Start, State};
+use crate::limit::Limit as _;
+use crate::maneuver::{Maneuver, MotionState, certify};
+use crate::recovery::join::JoinLimits;
+use crate::selection::turn_aware::Proof;
+
+use super::{ENOUGH_M, NEXT_ENCOUNTER_S};
+
+/// Angles at which the way back intercepts the mission, radians, preferred first.
+const INTERCEPTS_RAD: [f64; 6] = [0.52, 0.79, 0.35, 1.05, 0.17, 1.45];
+
+/// Intercept angles below this are only for a mission that is near, radians.
+const SHALLOW_RAD: f64 = 0.5;
+
+/// A way back that leaves out a leg is looked for this long after the manoeuvre was chosen, seconds.
+const SKIP_AFTER_S: f64 = 4.0;
+
+/// After this long without a way back one is also looked for behind an obstacle that flies
+/// alongside, seconds.
+const DETOUR_AFTER_S: f64 = 8.0;
+
+/// An obstacle flies alongside that is no farther than this, turn radii, ...
+const ALONGSIDE: f64 = 2.0;
+
+/// ... and no faster relative to the aircraft than this share of its airspeed.
+const ALONGSIDE_SPEED: f64 = 0.4;
+
+/// Turns with which such a detour begins, radians, and the straight flight after them, turn radii.
+const DETOURS: [(f64, f64); 8] = [
+    (PI, 0.0),
+    (-PI, 0.0),
+    (2.1, 1.0),
+    (-2.1, 1.0),
+    (4.7, 0.0),
+    (-4.7, 0.0),
+    (1.3, 3.0),
+    (-1.3, 3.0),
+];
+
+/// Longest flight at a shallow intercept angle, seconds.
+const SHALLOW_S: f64 = 15.0;
+
+/// An obstacle that takes longer than this to pass flies alongside; the mission does not wait for
+/// it, seconds.
+const LONGEST_PASS_S: f64 = 20.0;
+
+/// Cycles between two looks for a way back, each at one intercept angle.
+const LOOK_BACK_EVERY: u32 = 2;
+
+/// What a way back meets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum WayAhead {
+    /// Nothing over the whole horizon.
+    Clear,
+    /// Only obstacles of another encounter, once it is back on the mission.
+    NextEncounter,
+    /// An obstacle of this encounter, or any before it is back.
+    Blocked,
+}
+
+impl Avoider {
+    /// A certified way back to the mission, if there is one now.
+    pub(super) fn way_back(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        plan: &Plan,
+    ) -> Option<Plan> {
+        let target_m = self.settings.margin_m;
+        let horizon_s = self.settings.horizon_s;
+        if !self.cycle.is_multiple_of(LOOK_BACK_EVERY) {
+            return None;
+        }
+        let turn = (self.cycle / LOOK_BACK_EVERY) as usize;
+        let other = 1 + turn / 2 % (INTERCEPTS_RAD.len() - 1);
+        let place = if turn.is_multiple_of(2) { 0 } else { other };
+        let intercept_rad = *INTERCEPTS_RAD.get(place)?;
+        let climb_limits_rad = self.climb_limits_rad();
+        let limits = JoinLimits {
+            intercept_rad,
+            climb_limits_rad,
+        };
+        let mission = &situation.mission;
+        // Leaving out a leg is for when this one cannot be joined at any angle.
+        let patient = situation.time_s - plan.decided_s < SKIP_AFTER_S;
+        let skipped = if patient { 0 } else { MAX_SKIPPED };
+        let waits = situation.time_s - plan.start_s > DETOUR_AFTER_S;
+        let detour = (turn % 2 == 1 && waits && self.is_accompanied(situation, plan))
+            .then(|| self.detour(now, turn / 2));
+        let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
+        let (joined, index) = self.progress.way_back(
+            mission,
+            &from,
+            &self.flyer,
+            &limits,
+            skipped,
+            &mut self.path,
+        )?;
+        if intercept_rad < SHALLOW_RAD && joined.joined_s > SHALLOW_S {
+            return None;
+        }
+        let mut maneuver = first;
+        for stage in joined.maneuver.stages() {
+            maneuver.push(*stage);
+        }
+        let bend = Bend {
+            index,
+            straight_s: joined.joined_s,
+            along_m: joined.along_m,
+        };
+        self.progress.round_corners(
+            mission,
+            &self.flyer,
+            climb_limits_rad,
+            horizon_s,
+            &mut maneuver,
+            bend,
+        );
+        self.path.predict(&self.flyer, now, &maneuver, horizon_s);
+        let ahead = self.way_ahead(plan, joined.joined_s, situation);
+        let back = Plan {
+            maneuver,
+            decided_s: situation.time_s,
+            start_s: situation.time_s,
+            joined_s: situation.time_s + joined.joined_s,
+            proof: Proof::Certified,
+            margin_m: target_m,
+            cost: 0.0,
+            next_start_s: None,
+            ..*plan
+        };
+        let back = match ahead {
+            WayAhead::Blocked => None,
+            WayAhead::Clear => {
+                let margin_m = self.margin_of(&maneuver, now, (f64::MIN, ENOUGH_M));
+                Some(Plan { margin_m, ..back })
+            }
+            WayAhead::NextEncounter => self.way_back_and_on(&back, joined.joined_s, now),
+        };
+        if back.is_some() {
+            self.progress.advance_to(index, mission, now, &self.flyer);
+        }
+        back
+    }
+
+    /// Whether an obstacle of the encounter flies alongside, so that it does not pass.
+    fn is_accompanied(&self, situation: &Situation<'_>, plan: &Plan) -> bool {
+        let own = situation.ownship;
+        let velocity_mps = own.velocity_mps();
+        let near_m = ALONGSIDE * own.airspeed_mps / self.flyer.course_rate_radps();
+        self.tracks.hazards().rows().iter().any(|hazard| {
+            let slow_mps = ALONGSIDE_SPEED * own.airspeed_mps;
+            plan.against.contains(self.tracks.id(hazard.index))
+                && (velocity_mps - hazard.velocity_mps).length_squared() < slow_mps * slow_mps
+                && hazard.margin_m(own.position_m, 0.0) < near_m
+        })
+    }
+
+    /// A turn away from what flies alongside, one of several, and the aircraft after it.
+    fn detour(&mut self, now: &MotionState, which: usize) -> (Maneuver, MotionState) {
+        let index = which % DETOURS.len();
+        let (turn_rad, radii) = DETOURS.get(index).copied().unwrap_or_default();
+        let maneuver = Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
+        let until_s = (turn_rad.abs() + radii) / self.flyer.course_rate_radps();
+        self.path.predict(&self.flyer, now, &maneuver, until_s);
+        let mut from = self.path.state_at(&self.flyer, until_s).unwrap_or(*now);
+        from.time_s = until_s;
+        (maneuver, from)
+    }
+
+    /// A way back that meets other obstacles later, with the manoeuvre that avoids those.
+    fn way_back_and_on(&mut self, back: &Plan, joined_s: f64, now: &MotionState) -> Option<Plan> {
+        let maneuver = back.maneuver;
+        let (threat, against) = self.first_threat(&maneuver, now)?;
+        let found = self.search(&maneuver, now, |search| {
+            let found = search.cheapest(joined_s)?;
+            let departure = search.departure(joined_s);
+            Some((found, search.maneuver(&found.turns, &departure)))
+        });
+        let (found, maneuver) = found.0?;
+        Some(Plan {
+            maneuver,
+            margin_m: found.margin_m,
+            cost: found.cost,
+            next_start_s: Some(back.joined_s),
+            threat: Some(threat),
+            against,
+            ..*back
+        })
+    }
+
+    /// How clear the way back in the path is.
+    fn way_ahead(&self, plan: &Plan, joined_s: f64, situation: &Situation<'_>) -> WayAhead {
+        let target_m = self.settings.margin_m;
+        let horizon_s = self.settings.horizon_s;
+        let own = situation.ownship;
+        let velocity_mps = own.velocity_mps();
+        let mut ahead = WayAhead::Clear;
+        for hazard in self.tracks.hazards().rows() {
+            let along = |until_s: f64| {
+                certify(&self.flyer, &self.path, hazard, until_s, target_m, target_m)
+            };
+            let whole = along(horizon_s);
+            if whole.holds(target_m) {
+                continue;
+            }
+            if !along(joined_s.min(horizon_s)).holds(target_m) {
+                return WayAhead::Blocked;
+            }
+            if plan.against.contains(self.tracks.id(hazard.index)) {
+                // Before it has passed it would be this encounter over again.
+                let offset = hazard.position_m - own.position_m;
+                let relative = velocity_mps - hazard.velocity_mps;
+                let square = relative.length_squared().max(1e-9);
+                let passes_s = (offset.dot(relative) / square).limited(0.0, LONGEST_PASS_S);
+                if whole.at_s < passes_s + NEXT_ENCOUNTER_S {
+                    return WayAhead::Blocked;
+                }
+            }
+            ahead = WayAhead::NextEncounter;
+        }
+        ahead
+    }
+
+    /// On the way back.
+    pub(super) fn come_back(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        start: Start,
+    ) -> Decision {
+        let time_s = situation.time_s;
+        if let Some(plan) = self.plan {
+            if let Some(start_s) = plan.next_start_s.filter(|start_s| time_s >= *start_s) {
+                self.plan = Some(Plan {
+                    start_s,
+                    next_start_s: None,
+                    ..plan
+                });
+                self.state = State::Threatened;
+                return self.watch(situation, now, start);
+            }
+            if time_s >= plan.joined_s {
+                self.plan = None;
+                self.state = State::Cruise;
+                let mut decision = self.watch(situation, now, start);
+                if decision.record.reason == Reason::Clear {
+                    decision.record.reason = Reason::Rejoined;
+                }
+                return decision;
+            }
+            if self.still_holds(&plan, time_s, now) {
+                return self.report(&plan, time_s, Reason::RejoinKept);
+            }
+        }
+        self.plan = None;
+        self.state = State::Cruise;
+        self.watch(situation, now, start)
+    }
+}
