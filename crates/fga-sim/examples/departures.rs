@@ -3,6 +3,8 @@
 //! `departures compare SEED COUNT [CELL…]`: `turn-aware` beside `published --start t0` on the same
 //! encounters: saved by each, and over those saved by both the medians of the largest cross-track
 //! deviation and the extra path, each flight continued until it is back, at most 300 s.
+//! `departures oracle SEED COUNT [CELL…]`: `turn-aware` beside the oracle's safe manoeuvre of least
+//! departure, followed from when the obstacles have passed by the same way back.
 //! `departures latest SEED COUNT [CELL…]`: `turn-aware --start latest`: how long before the last
 //! moment at which the oracle still finds a way out it starts.
 //! `departures needless SEED COUNT`: traffic that passes close but clear: is anything done, is
@@ -11,12 +13,16 @@
 use std::process::ExitCode;
 
 use fga::Vec3;
+use fga::avoider::{Avoider, Decision, Policy, Settings, Situation, State};
+use fga::maneuver::{Maneuver, Stage};
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga_sim::batch::{BatchSettings, empty_world};
 use fga_sim::encounters::{Encounter, EncounterSource, Random, Range};
 use fga_sim::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
-use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
-use fga_sim::policy::PolicyChoice;
+use fga_sim::oracle::{
+    OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin, least_departure,
+};
+use fga_sim::policy::{Pilot, PolicyChoice};
 use fga_sim::track::Track;
 use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::WorldObstacle;
@@ -86,9 +92,20 @@ fn fly(
     policy: &str,
     start: Option<&str>,
 ) -> Result<(Outcome, Last), String> {
+    let policy = PolicyChoice::parse(policy, start)?;
+    fly_under(encounter, planar, policy, |pilot| pilot)
+}
+
+/// Flies an encounter under a policy's pilot, or under one made of it.
+fn fly_under(
+    encounter: &Encounter,
+    planar: bool,
+    policy: PolicyChoice,
+    make: impl FnOnce(Box<dyn Pilot + Send>) -> Box<dyn Pilot + Send>,
+) -> Result<(Outcome, Last), String> {
     let settings = BatchSettings {
         model: model(planar)?,
-        policy: PolicyChoice::parse(policy, start)?,
+        policy,
         horizon_s: LONGEST_S,
         seed: 0,
         tracks: false,
@@ -102,13 +119,104 @@ fn fly(
             WorldObstacle::new(o.id, track, o.volume)
         })
         .collect();
-    let mut pilot = settings
+    let pilot = settings
         .policy
         .pilot(&world.settings, &world.vehicle)
         .map_err(|e| e.to_string())?;
+    let mut pilot = make(pilot);
     let mut last = Last::default();
     let outcome = Engine::new().fly(&world, pilot.as_mut(), &mut last);
     Ok((outcome, last))
+}
+
+/// Flies a manoeuvre of the oracle, then the policy's way back.
+struct OraclePilot {
+    maneuver: Maneuver,
+    until_s: f64,
+    /// What the decisions are made of until then.
+    idle: Avoider,
+    back: Box<dyn Pilot + Send>,
+}
+
+impl Pilot for OraclePilot {
+    fn step(&mut self, situation: &Situation<'_>) -> Decision {
+        if situation.time_s >= self.until_s {
+            return self.back.step(situation);
+        }
+        Decision {
+            state: State::Avoiding,
+            command: self.maneuver.after(situation.time_s),
+            ..self.idle.step(situation)
+        }
+    }
+}
+
+/// Flies the oracle's safe manoeuvre of least departure; `None` where it finds none.
+fn fly_oracle(encounter: &Encounter, planar: bool) -> Result<Option<Outcome>, String> {
+    let vehicle = OracleVehicle::from(&model(planar)?.vehicle);
+    let obstacles: Vec<_> = encounter
+        .obstacles
+        .iter()
+        .map(OracleObstacle::from)
+        .collect();
+    let (start, settings) = (OracleStart::ORIGIN, OracleSettings::default());
+    let Some(best) = least_departure(&start, &vehicle, &obstacles, &settings, 0.05) else {
+        return Ok(None);
+    };
+    let of = best.maneuver;
+    let rate_radps = vehicle.course_rate_radps;
+    let mut maneuver = Maneuver::hold();
+    let mut stage = |start_s, course_rad, climb_rad| {
+        maneuver.push(Stage {
+            start_s,
+            course_rad,
+            climb_rad,
+            rate_share: 1.0,
+        });
+    };
+    stage(of.wait_s, of.turn1_rad, of.climb1_rad);
+    let second_s = of.wait_s + of.turn1_rad.abs() / rate_radps + of.straight_s;
+    stage(second_s, of.turn1_rad + of.turn2_rad, of.climb2_rad);
+    let idle = Settings {
+        policy: Policy::None,
+        ..Settings::default()
+    };
+    let idle = Avoider::new(idle, model(planar)?.vehicle).map_err(|e| e.to_string())?;
+    let policy = PolicyChoice::parse("turn-aware", None)?;
+    let flown = fly_under(encounter, planar, policy, |back| {
+        Box::new(OraclePilot {
+            maneuver,
+            until_s: best.passed_s,
+            idle,
+            back,
+        })
+    })?;
+    Ok(Some(flown.0))
+}
+
+fn beside_oracle(cell: &str, seed: u64, count: u64) -> Result<(), String> {
+    let source = EncounterSource::parse(cell, seed)?;
+    let flown: Vec<_> = (0..count)
+        .into_par_iter()
+        .map(|n| {
+            let encounter = source.encounter(n);
+            let (ours, _) = fly(&encounter, source.planar, "turn-aware", None)?;
+            Ok(fly_oracle(&encounter, source.planar)?.map(|best| (ours, best)))
+        })
+        .collect::<Result<_, String>>()?;
+    let both: Vec<_> = flown
+        .into_iter()
+        .flatten()
+        .filter(|(ours, best)| ours.separated() && best.separated())
+        .collect();
+    let of = |value: fn(&Outcome) -> f64| {
+        let ours = median(both.iter().map(|pair| value(&pair.0)).collect());
+        let best = median(both.iter().map(|pair| value(&pair.1)).collect());
+        format!("{ours:.2},{best:.2}")
+    };
+    let (cross, extra) = (of(|o| o.max_cross_track_m), of(|o| o.extra_path_m));
+    println!("{cell},{},{cross},{extra}", both.len());
+    Ok(())
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -305,7 +413,7 @@ fn needless(seed: u64, count: u64) -> Result<(), String> {
 
 fn run(arguments: &[String]) -> Result<(), String> {
     let [mode, seed, count, chosen @ ..] = arguments else {
-        return Err("usage: departures compare|latest|needless SEED COUNT [CELL…]".into());
+        return Err("usage: departures compare|oracle|latest|needless SEED COUNT [CELL…]".into());
     };
     let number = |text: &str| {
         text.parse::<u64>()
@@ -327,11 +435,19 @@ fn run(arguments: &[String]) -> Result<(), String> {
                 .iter()
                 .try_for_each(|cell| compare(cell, seed, count))
         }
+        "oracle" => {
+            println!("cell,saved by both,cross m,oracle cross m,extra m,oracle extra m");
+            chosen
+                .iter()
+                .try_for_each(|cell| beside_oracle(cell, seed, count))
+        }
         "latest" => {
             println!("cell,avoidable,saved,median s before the latest,most s,lost");
             chosen.iter().try_for_each(|cell| latest(cell, seed, count))
         }
         "needless" => needless(seed, count),
-        other => Err(format!("{other}: expected compare, latest or needless")),
+        other => Err(format!(
+            "{other}: expected compare, oracle, latest or needless"
+        )),
     }
 }
