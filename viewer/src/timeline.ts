@@ -69,7 +69,9 @@ export class Timeline {
       from = i;
     }
     context.fillStyle = theme.foreground;
-    for (const event of run.events) context.fillRect(x(event.t) - 0.5, 3, 1, height - 6);
+    // Many events would hide the states: they stay below the band then.
+    const top = run.events.length > width / 12 ? height - 8 : 3;
+    for (const event of run.events) context.fillRect(x(event.t) - 0.5, top, 1, height - 3 - top);
     if (this.latest !== null) {
       const at = x(this.latest);
       context.save();

@@ -1,7 +1,7 @@
 //! From the log of a flight to what the replay page shows.
 
 use fga::Vec3;
-use fga::avoider::{Decision, State};
+use fga::avoider::{Decision, Reason, State};
 use fga::kinematics::Vehicle;
 use fga::maneuver::{FlightPath, Flyer, Hazard, Maneuver, MotionState, Status, certify_all};
 use fga::situation::{Obstacle, Ownship};
@@ -13,6 +13,8 @@ use fga_sim::run::{DecisionLog, ObstacleOutcome, Plan, RunLog};
 use fga_sim::track::Track;
 use fga_sim::words::{decision_words, reason_words};
 
+/// What the records of a flight without a policy say.
+const NO_POLICY: &str = "no policy decides, the mission is flown";
 /// Records that say nothing new are kept so far apart, seconds.
 const RECORD_EVERY_S: f64 = 0.5;
 /// How far ahead paths are drawn, seconds.
@@ -46,7 +48,7 @@ fn replay_run(log: &RunLog) -> ReplayRun {
         .iter()
         .filter(|obstacle| obstacle.margin.value_m.is_finite())
         .min_by(|a, b| a.margin.value_m.total_cmp(&b.margin.value_m));
-    ReplayRun {
+    let mut run = ReplayRun {
         name: log.policy.clone(),
         samples: log.samples.iter().map(sample).collect(),
         mission_m: log
@@ -73,6 +75,27 @@ fn replay_run(log: &RunLog) -> ReplayRun {
             t_s: obstacle.margin.time_s,
             obstacle: obstacle.id,
         }),
+    };
+    if log.policy == "none" {
+        say_no_policy(&mut run);
+    }
+    run
+}
+
+/// Without a policy nobody looks: that nothing comes too close is not what its records mean.
+fn say_no_policy(run: &mut ReplayRun) {
+    let clear = reason_words(Reason::Clear);
+    for event in run.events.iter_mut().filter(|event| event.text == clear) {
+        NO_POLICY.clone_into(&mut event.text);
+    }
+    for decision in &mut run.decisions {
+        for line in decision
+            .lines
+            .iter_mut()
+            .filter(|line| **line == sentence(clear))
+        {
+            *line = sentence(NO_POLICY);
+        }
     }
 }
 

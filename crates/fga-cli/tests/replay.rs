@@ -104,6 +104,19 @@ fn policies_are_laid_over_the_page_of_a_run() {
     let names: Vec<&str> = runs.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["turn-aware", "published --start t0", "none"]);
     assert!(runs.iter().all(|(_, bytes)| *bytes > 100));
+    let unled = &data(&page)["runs"][2];
+    assert!(
+        unled["decisions"][0]["lines"][0]
+            .as_str()
+            .unwrap()
+            .starts_with("No policy")
+    );
+    assert!(
+        unled["events"][0]["text"]
+            .as_str()
+            .unwrap()
+            .starts_with("no policy")
+    );
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
         told.contains("laid over the replay page: none, least margin -2"),
