@@ -307,13 +307,12 @@ export class Plots {
   update(run: Run | undefined, t: number): void {
     if (!this.held) this.t = t;
     this.moment = () => {
+      const [from, to] = this.input ? this.reach(this.input) : [0, 1];
       for (const { plot, value, now, kind } of this.plots) {
-        // The range is the scale's own function; this makes it ask again.
-        if (this.windowed && !this.held) plot.setScale("x", { min: t, max: t });
+        if (this.windowed && !this.held) plot.setScale("x", { min: from, max: to });
         const text = run && run.n > 0 ? kind.read(run, t) : "no data";
         if (value.textContent !== text) value.textContent = text;
         // Not the plot's own conversion: it takes a new range over a moment later.
-        const [from, to] = this.input ? this.reach(this.input) : [0, 1];
         const x = ((t - from) / (to - from)) * plot.over.clientWidth;
         now.hidden = !Number.isFinite(x) || x < -1 || x > plot.over.clientWidth + 1;
         now.style.transform = `translateX(${x}px)`;

@@ -225,6 +225,25 @@ test("1,000 obstacles are a dozen draw calls", () =>
     assert.ok(triangles < 500_000, `${triangles} triangles`);
   }));
 
+test("the plots of a long run show the minute around the moment", () =>
+  inPage("long", {}, async (view) => {
+    const plot = view.locator(".plot canvas").first();
+    const shot = async () => (await plot.screenshot()).toString("base64");
+    const pictures = new Set();
+    for (const t of [100, 300, 500]) {
+      await seek(view, t);
+      pictures.add(await shot());
+    }
+    assert.equal(pictures.size, 3);
+    // A click in the middle of the window is the moment itself.
+    const over = view.locator(".plot .u-over").first();
+    const { width, height } = await over.boundingBox();
+    await over.click({ position: { x: width / 2, y: height / 2 } });
+    assert.ok(Math.abs((await stats(view)).t - 500) < 1);
+    await over.click({ position: { x: width / 4, y: height / 2 } });
+    assert.ok(Math.abs((await stats(view)).t - 485) < 2);
+  }));
+
 test("draw calls and triangles do not grow with the length of the run", async () => {
   const cost = async (name) => {
     let seen;
