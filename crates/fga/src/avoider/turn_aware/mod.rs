@@ -22,11 +22,11 @@ const KEEP_SHARE: f64 = 0.5;
 const CLEARLY_BETTER_M: f64 = 0.5;
 
 /// Cycles between two searches while nothing is certified.
-const SEARCH_AGAIN: u32 = 5;
+const SEARCH_AGAIN: u32 = 10;
 
 /// For this long, while nothing is certified, the searches are over all manoeuvres, each over other
 /// grids, seconds; later only near the one that is flown.
-const SEARCH_ALL_S: f64 = 0.65;
+const SEARCH_ALL_S: f64 = 0.35;
 
 /// Where the margin of the manoeuvre under way has moved by this, the obstacles have, metres.
 const NEWS_M: f64 = 1.0;

@@ -96,6 +96,9 @@ const CLIMBERS: usize = 16;
 /// How many climb on in each round, and how many steps.
 const ROUNDS: [(usize, u32); 4] = [(CLIMBERS, 2), (CLIMBERS / 2, 4), (CLIMBERS / 4, 8), (2, 16)];
 
+/// The same for single turns.
+const SINGLE_ROUNDS: [(usize, u32); 3] = [(CLIMBERS, 2), (3, 4), (1, 16)];
+
 /// How hard to look for the largest margin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
@@ -194,7 +197,7 @@ impl Search<'_> {
             seeds.take(KINDS - 1, found);
         }
         self.collect_single(&start, &mut seeds);
-        self.climb(&mut seeds, KINDS_OF_ONE, &mut best);
+        self.climb(&mut seeds, KINDS_OF_ONE, &SINGLE_ROUNDS, &mut best);
         let found = best?;
         if found.margin_m >= target_m {
             return Some((found, Proof::Certified));
@@ -214,7 +217,7 @@ impl Search<'_> {
             }
             let grid = (GRIDS_A_SEARCH * variety as usize + shift) % GRIDS;
             self.collect_double(&start, &departures, (grid, climbs), &mut seeds);
-            self.climb(&mut seeds, CLIMBERS, &mut best);
+            self.climb(&mut seeds, CLIMBERS, &ROUNDS, &mut best);
             let found = best?;
             if found.margin_m >= target_m {
                 return Some((found, Proof::Certified));
@@ -264,7 +267,7 @@ impl Search<'_> {
         let mut seeds = Seeds::new(WORTH * scene.turn_radius_m());
         let mut farthest = None;
         search.collect_single(&scene.start, &mut seeds);
-        search.climb(&mut seeds, 2, &mut farthest);
+        search.climb(&mut seeds, 2, &SINGLE_ROUNDS, &mut farthest);
         let (evaluated, work) = (search.evaluated, search.work);
         self.evaluated += evaluated;
         self.work = self.work.saturating_add(work);
@@ -301,12 +304,18 @@ impl Search<'_> {
 
     /// Lets the best seeds climb, all of them a little and the best of those on; ends with the round
     /// in which some are certified, with the cheapest of them.
-    fn climb(&mut self, seeds: &mut Seeds, count: usize, best: &mut Option<Found>) {
+    fn climb(
+        &mut self,
+        seeds: &mut Seeds,
+        count: usize,
+        rounds: &[(usize, u32)],
+        best: &mut Option<Found>,
+    ) {
         let mut climbers: [Option<Ascent>; CLIMBERS] = [None; CLIMBERS];
         for slot in climbers.iter_mut().take(count) {
             *slot = seeds.pop().map(|seed| Ascent::new(&seed, self.scene.flyer));
         }
-        for (most, steps) in ROUNDS {
+        for (most, steps) in rounds.iter().copied() {
             let mut cheapest: Option<Found> = None;
             for climber in climbers.iter_mut().take(most).flatten() {
                 if climber.is_done() {
