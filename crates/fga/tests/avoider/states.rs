@@ -3,6 +3,8 @@
 use fga::Vec3;
 use fga::avoider::{Policy, Reason, SettingsError, Start, State};
 
+use fga::situation::{Obstacle, ProtectedVolume};
+
 use crate::flight::{Flight, planar, settings, sphere, vehicle};
 
 const AHEAD: Vec3 = Vec3::new(200.0, 5.0, 0.0);
@@ -219,4 +221,48 @@ fn limits_and_settings_that_are_not_numbers_are_refused() {
         refused(&|s, _| s.policy = Policy::TurnAware(Start::Score(f64::NAN))),
         "C_s"
     );
+}
+
+/// A floor, a ceiling and posts to either side leave only a descent that levels off.
+#[test]
+fn between_floor_and_ceiling_it_descends_and_levels_off() {
+    let cylinder = |id, position_m, velocity_mps, radius_m, half_height_m| {
+        let volume = ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        };
+        Obstacle::new(id, position_m, velocity_mps, volume)
+    };
+    let layer = |id, z_m| cylinder(id, Vec3::Z * z_m, Vec3::ZERO, 1e5, 2000.0);
+    let oncoming = Vec3::new(600.0, 0.0, -10.0);
+    let mut obstacles = vec![
+        cylinder(1, oncoming, -15.0 * Vec3::X, 40.0, 30.0),
+        layer(2, 2015.0),
+        layer(3, -2080.0),
+    ];
+    for k in 0..20_u32 {
+        let x_m = 40.0 * f64::from(k) - 100.0;
+        for (side, y_m) in [(0, -35.0), (1, 35.0)] {
+            let post = cylinder(
+                10 + 2 * k + side,
+                Vec3::new(x_m, y_m, 0.0),
+                Vec3::ZERO,
+                20.0,
+                300.0,
+            );
+            obstacles.push(post);
+        }
+    }
+    let mut flight = Flight::new(settings(Policy::TurnAware(Start::Free)), vehicle());
+    let mut lowest_m = 0.0_f64;
+    for _ in 0..600 {
+        flight.cycle(&mut obstacles);
+        lowest_m = lowest_m.min(flight.own.position_m.z);
+        for obstacle in &obstacles {
+            let offset_m = flight.own.position_m - obstacle.position_m;
+            assert!(obstacle.volume.margin_m(offset_m) > 0.0, "{obstacle:?}");
+        }
+    }
+    assert!(lowest_m < -40.0, "{lowest_m}");
+    assert!(flight.own.position_m.z.abs() < 1.0);
 }

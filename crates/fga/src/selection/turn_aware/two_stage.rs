@@ -61,6 +61,9 @@ const PASSES: [(usize, Climbs); 2 * GRIDS] = {
     ]
 };
 
+/// When a climb or descent straight ahead levels off, in turn radii.
+const LEVEL_AFTER: [f64; 10] = [0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0];
+
 /// Widest range of first turns of which one seed is kept, radians.
 const BIN_RAD: f64 = 0.6;
 
@@ -81,10 +84,6 @@ const KINDS: usize = KINDS_OF_ONE + KINDS_OF_ONE * KINDS_OF_ONE * BINS + 1;
 
 /// Seeds that lie this far below the best one are not worth a look, turn radii.
 const WORTH: f64 = 0.27;
-
-/// Where the best single turn lacks more than this, no second one is looked for, turn radii: it
-/// gains up to about a third of one.
-const MOST_GAIN: f64 = 0.47;
 
 /// Where single turns stay this far short of clearing one obstacle, with nothing else about, no
 /// manoeuvre clears it, turn radii.
@@ -197,7 +196,10 @@ impl Search<'_> {
             seeds.take(KINDS - 1, found);
         }
         self.collect_single(&start, &mut seeds);
-        self.climb(&mut seeds, KINDS_OF_ONE, &SINGLE_ROUNDS, &mut best);
+        if effort == Effort::Full {
+            self.collect_levelled(&start, &mut seeds);
+        }
+        self.climb(&mut seeds, KINDS_OF_ONE + 2, &SINGLE_ROUNDS, &mut best);
         let found = best?;
         if found.margin_m >= target_m {
             return Some((found, Proof::Certified));
@@ -205,9 +207,7 @@ impl Search<'_> {
         if effort == Effort::Quick {
             return Some((found, Proof::Open));
         }
-        if found.margin_m < target_m - MOST_GAIN * self.scene.turn_radius_m()
-            || self.is_hopeless(&found)
-        {
+        if self.is_hopeless(&found) {
             return Some((found, Proof::Hopeless));
         }
         let departures = self.departures(&start, seeds.floor_m());
@@ -379,6 +379,41 @@ impl Search<'_> {
                     Found {
                         turns,
                         margin_m: leave.margin_m,
+                        cost,
+                    },
+                );
+            }
+        }
+    }
+
+    /// Climbs and descents straight ahead that level off again: for layers of airspace, where no
+    /// climb angle can be kept.
+    fn collect_levelled(&mut self, start: &MotionState, seeds: &mut Seeds) {
+        let climbs = self.scene.extreme_climbs();
+        let level_rad = self.scene.original.1;
+        let rate_radps = self.scene.flyer.course_rate_radps();
+        let sides = Side::BOTH.len();
+        for (place, climb_rad) in climbs.enumerate().skip(1) {
+            let kind = KINDS_OF_ONE + place * sides * KINDS_OF_ONE * BINS;
+            for radii in LEVEL_AFTER {
+                let turns = Turns {
+                    wait_s: 0.0,
+                    turn_rad: 0.0,
+                    climb_rad,
+                    second: Some(SecondTurn {
+                        after_s: radii / rate_radps,
+                        turn_rad: 0.0,
+                        climb_rad: level_rad,
+                    }),
+                };
+                let floor_m = seeds.floor_of_m(kind);
+                let margin_m = self.certify(&turns, start, floor_m).margin_m;
+                let cost = self.cost(&turns, start);
+                seeds.take(
+                    kind,
+                    Found {
+                        turns,
+                        margin_m,
                         cost,
                     },
                 );
