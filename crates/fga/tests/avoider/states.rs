@@ -1,7 +1,7 @@
 //! One test for each way from state to state.
 
 use fga::Vec3;
-use fga::avoider::{Policy, Reason, SettingsError, Start, State};
+use fga::avoider::{Policy, Reason, Settings, SettingsError, Start, State};
 
 use fga::situation::{Obstacle, ProtectedVolume};
 
@@ -253,7 +253,12 @@ fn between_floor_and_ceiling_it_descends_and_levels_off() {
             obstacles.push(post);
         }
     }
-    let mut flight = Flight::new(settings(Policy::TurnAware(Start::Free)), vehicle());
+    // A layer's centre is far away.
+    let settings = Settings {
+        surveillance_radius_m: f64::INFINITY,
+        ..settings(Policy::TurnAware(Start::Free))
+    };
+    let mut flight = Flight::new(settings, vehicle());
     let mut lowest_m = 0.0_f64;
     for _ in 0..600 {
         flight.cycle(&mut obstacles);
