@@ -1,7 +1,11 @@
 //! Counts the encounters that the oracle saves and a policy loses.
 //!
-//! `lost_encounters CELL SEED COUNT [START]`, CELL as in `generate_encounters`, START one of
+//! `lost_encounters CELL SEED COUNT [START] [turning]`, CELL as in `generate_encounters`, START one of
 //! `free`, `t0`, `latest` or a `C_s`. Prints one line for the cell and one for each lost encounter.
+//!
+//! With `turning` the closest intruder turns by 45° to either side one second after the policy has
+//! begun to avoid; the oracle then learns of it when the policy does: it starts from where the
+//! aircraft is at that moment.
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -25,8 +29,21 @@ fn main() -> ExitCode {
     }
 }
 
+/// Time from the beginning of the avoidance to the intruder's turn, seconds.
+const TURNS_AFTER_S: f64 = 1.0;
+
+/// By how much it turns, radians.
+const TURNS_BY_RAD: f64 = core::f64::consts::FRAC_PI_4;
+
+/// Where everything was when an intruder turned.
+struct Turned {
+    own: MotionState,
+    rows: Vec<Obstacle>,
+}
+
 struct Flown {
     margin_m: f64,
+    turned: Option<Turned>,
     largest_cross_m: f64,
     extra_path_m: Option<f64>,
     acted: bool,
@@ -45,10 +62,24 @@ fn vehicle(planar: bool) -> Vehicle {
     }
 }
 
+/// Turns the intruder that is closest to a position, to the left in encounters of an even number.
+fn turn_closest(rows: &mut [Obstacle], position_m: Vec3, number: u64) {
+    let distance_m = |row: &Obstacle| row.position_m.distance(position_m);
+    let closest = rows
+        .iter_mut()
+        .min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
+    if let Some(row) = closest {
+        let side = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let (sin, cos) = (side * TURNS_BY_RAD).sin_cos();
+        let v = row.velocity_mps;
+        row.velocity_mps = Vec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z);
+    }
+}
+
 fn fly(
     encounter: &Encounter,
     planar: bool,
-    policy: Policy,
+    (policy, turning): (Policy, bool),
     times: &mut Vec<f64>,
     searches: &mut Vec<f64>,
 ) -> Flown {
@@ -70,8 +101,10 @@ fn fly(
         bank_rad: 0.0,
     };
     let mut rows: Vec<Obstacle> = encounter.obstacles.clone();
+    let mut avoids_s = f64::INFINITY;
     let mut flown = Flown {
         margin_m: f64::INFINITY,
+        turned: None,
         largest_cross_m: 0.0,
         extra_path_m: None,
         acted: false,
@@ -79,8 +112,15 @@ fn fly(
     };
     for cycle in 0..600 {
         let time_s = f64::from(cycle) * 0.1;
-        for (row, start) in rows.iter_mut().zip(&encounter.obstacles) {
-            row.position_m = start.position_after_m(time_s);
+        if cycle > 0 {
+            for row in &mut rows {
+                row.position_m = row.position_after_m(0.1);
+            }
+        }
+        if turning && flown.turned.is_none() && time_s >= avoids_s + TURNS_AFTER_S - 1e-9 {
+            turn_closest(&mut rows, own.position_m, encounter.number);
+            let rows = rows.clone();
+            flown.turned = Some(Turned { own, rows });
         }
         let ownship = Ownship {
             position_m: own.position_m,
@@ -114,6 +154,9 @@ fn fly(
                 .push((time_s, decision.state, own.position_m.y));
         }
         flown.acted |= decision.state == State::Avoiding;
+        if decision.state == State::Avoiding {
+            avoids_s = avoids_s.min(time_s);
+        }
         own.time_s = 0.0;
         path.predict(&flyer, &own, &decision.command, 0.2);
         let hazards: Vec<Hazard> = rows
@@ -153,7 +196,7 @@ fn run(arguments: &[String]) -> Result<(), String> {
             .map_err(|e| format!("{text}: expected a number: {e}"))
     };
     let policy = match rest.first().map(String::as_str) {
-        None | Some("free") => Policy::TurnAware(Start::Free),
+        None | Some("free" | "turning") => Policy::TurnAware(Start::Free),
         Some("t0") => Policy::TurnAware(Start::AtDetection),
         Some("latest") => Policy::TurnAware(Start::Latest),
         Some("published") => Policy::Published(Start::AtDetection),
@@ -167,6 +210,7 @@ fn run(arguments: &[String]) -> Result<(), String> {
                 .map_err(|e| format!("{score}: expected a score: {e}"))?,
         )),
     };
+    let turning = rest.iter().any(|word| word == "turning");
     let source = EncounterSource::parse(cell, number(seed)?)?;
     let oracle_vehicle = OracleVehicle::from(&vehicle(source.planar));
     let (mut lost, mut unsaved, mut saved) = (0, 0, 0);
@@ -175,7 +219,13 @@ fn run(arguments: &[String]) -> Result<(), String> {
     let mut searches = Vec::new();
     for n in 0..number(count)? {
         let encounter = source.encounter(n);
-        let flown = fly(&encounter, source.planar, policy, &mut times, &mut searches);
+        let flown = fly(
+            &encounter,
+            source.planar,
+            (policy, turning),
+            &mut times,
+            &mut searches,
+        );
         if flown.margin_m >= 0.0 {
             saved += 1;
             crosses.push(flown.largest_cross_m);
@@ -188,13 +238,21 @@ fn run(arguments: &[String]) -> Result<(), String> {
             }
             continue;
         }
-        let obstacles: Vec<OracleObstacle> = encounter
-            .obstacles
-            .iter()
-            .map(OracleObstacle::from)
-            .collect();
+        let (start, rows) = match &flown.turned {
+            Some(turned) => (
+                OracleStart {
+                    position_m: turned.own.position_m,
+                    course_rad: turned.own.course_rad,
+                    climb_rad: turned.own.climb_rad,
+                    ..OracleStart::ORIGIN
+                },
+                &turned.rows,
+            ),
+            None => (OracleStart::ORIGIN, &encounter.obstacles),
+        };
+        let obstacles: Vec<OracleObstacle> = rows.iter().map(OracleObstacle::from).collect();
         let answer = best_margin(
-            &OracleStart::ORIGIN,
+            &start,
             &oracle_vehicle,
             &obstacles,
             &OracleSettings::default(),
