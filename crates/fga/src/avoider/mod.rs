@@ -75,6 +75,8 @@ struct Plan {
     proof: Proof,
     /// Since when nothing is certified, seconds on the situation's clock.
     open_since_s: f64,
+    /// The obstacles when it was last searched for.
+    picture: tracks::Picture,
     margin_m: f64,
     cost: f64,
     /// Latest certified start, seconds on the situation's clock.

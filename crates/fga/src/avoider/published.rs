@@ -105,6 +105,7 @@ impl Avoider {
             joined_s: f64::INFINITY,
             proof: Proof::Open,
             open_since_s: f64::INFINITY,
+            picture: self.tracks.picture(),
             margin_m: f64::NEG_INFINITY,
             cost: 0.0,
             latest_start_s: None,
@@ -230,6 +231,7 @@ impl Avoider {
                 Proof::Open
             },
             open_since_s: f64::INFINITY,
+            picture: self.tracks.picture(),
             margin_m,
             cost,
             ..plan
@@ -336,6 +338,7 @@ impl Avoider {
             joined_s: situation.time_s + duration_s,
             proof: Proof::Certified,
             open_since_s: f64::INFINITY,
+            picture: self.tracks.picture(),
             ..*plan
         })
     }
@@ -440,6 +443,7 @@ impl Avoider {
             joined_s: time_s + wait_s + round.length_m() / own.airspeed_mps,
             proof: Proof::Certified,
             open_since_s: f64::INFINITY,
+            picture: self.tracks.picture(),
             margin_m: self.settings.margin_m,
             cost: 0.0,
             latest_start_s: Some(time_s + wait_s),

@@ -11,6 +11,25 @@ pub const MAX_TRACKED: usize = MAX_HAZARDS;
 /// How far inside a volume the aircraft may come again while it leaves it, as a share of its depth.
 const LEAVING_SHARE: f64 = 0.98;
 
+/// What tells whether the obstacles still do what they did.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Picture {
+    count: usize,
+    /// Sum of their velocities, metres per second.
+    velocity_mps: Vec3,
+}
+
+impl Picture {
+    /// Whether obstacles came, went, or turned, by more than the velocities are uncertain.
+    pub(super) fn differs_from(&self, other: &Self) -> bool {
+        let change_mps = (self.velocity_mps - other.velocity_mps).length();
+        self.count != other.count || change_mps > NEWS_MPS
+    }
+}
+
+/// A change of velocities by this is not noise, metres per second.
+const NEWS_MPS: f64 = 3.0;
+
 /// The hazards of one step.
 #[derive(Debug, Clone)]
 pub(super) struct Tracks {
@@ -39,6 +58,15 @@ impl Tracks {
 
     pub(super) const fn hazards(&self) -> &Hazards {
         &self.hazards
+    }
+
+    /// The obstacles now, to be compared with later.
+    pub(super) fn picture(&self) -> Picture {
+        let rows = self.hazards.rows();
+        Picture {
+            count: rows.len(),
+            velocity_mps: rows.iter().map(|hazard| hazard.velocity_mps).sum(),
+        }
     }
 
     /// The obstacles as they are known, in the air mass, in the order of the hazards.

@@ -205,6 +205,7 @@ impl Avoider {
                     joined_s: f64::INFINITY,
                     proof,
                     open_since_s: situation.time_s,
+                    picture: self.tracks.picture(),
                     margin_m: found.margin_m,
                     cost: found.cost,
                     latest_start_s: latest_s.map(|latest_s| situation.time_s + latest_s),
@@ -283,7 +284,10 @@ impl Avoider {
         }
         let flown = plan.remaining(time_s);
         let kept_m = self.margin_of(&flown, now, (f64::MIN, ENOUGH_M));
-        let is_news = plan.proof == Proof::Certified || (kept_m - plan.margin_m).abs() > NEWS_M;
+        let picture = self.tracks.picture();
+        let is_news = plan.proof == Proof::Certified
+            || (kept_m - plan.margin_m).abs() > NEWS_M
+            || picture.differs_from(&plan.picture);
         let open_since_s = if is_news { time_s } else { plan.open_since_s };
         let look_again = self.cycle.is_multiple_of(SEARCH_AGAIN);
         let effort = match plan.proof {
@@ -328,6 +332,7 @@ impl Avoider {
                     joined_s: f64::INFINITY,
                     proof,
                     open_since_s,
+                    picture,
                     margin_m: found.margin_m,
                     cost: found.cost,
                     next_start_s: None,
@@ -346,6 +351,7 @@ impl Avoider {
                 let plan = Plan {
                     proof,
                     open_since_s,
+                    picture,
                     margin_m: kept_m,
                     ..plan
                 };
