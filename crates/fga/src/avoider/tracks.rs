@@ -60,6 +60,13 @@ impl Tracks {
         &self.hazards
     }
 
+    /// Whether any obstacle is known with an uncertainty only.
+    pub(super) fn is_uncertain(&self) -> bool {
+        self.obstacles().iter().any(|obstacle| {
+            obstacle.uncertainty.position_m > 0.0 || obstacle.uncertainty.velocity_mps > 0.0
+        })
+    }
+
     /// The obstacles now, to be compared with later.
     pub(super) fn picture(&self) -> Picture {
         let rows = self.hazards.rows();

@@ -12,8 +12,11 @@ use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, MotionState, certify, certify_set};
 use crate::selection::turn_aware::{Effort, Found, Proof, Scene, Search};
 
-/// Tests of a straight line against an obstacle that one search may make: some 10 ns each.
+/// Tests of a line against four obstacles that one search may make: some 25 ns each.
 const WORK_LIMIT: u32 = 80_000;
+
+/// The same with bank lag, where a path has several times as many pieces.
+const LAGGED_WORK_LIMIT: u32 = 4 * WORK_LIMIT;
 
 /// A manoeuvre under way is kept while this share of the margin is certified.
 const KEEP_SHARE: f64 = 0.5;
@@ -27,6 +30,10 @@ const SEARCH_AGAIN: u32 = 10;
 /// For this long, while nothing is certified, the searches are over all manoeuvres, each over other
 /// grids, seconds; later only near the one that is flown.
 const SEARCH_ALL_S: f64 = 0.35;
+
+/// Cycles between two searches over all manoeuvres while nothing is certified and obstacles are
+/// known with an uncertainty, which moves from cycle to cycle.
+const LOOK_AT_NOISE: u32 = 2;
 
 /// Where the margin of the manoeuvre under way has moved by this, the obstacles have, metres.
 const NEWS_M: f64 = 1.0;
@@ -176,7 +183,12 @@ impl Avoider {
             costs: (self.settings.heading_cost, self.settings.pitch_cost),
             objective: self.settings.objective,
         };
-        let mut search = Search::new(scene, &mut self.path, WORK_LIMIT);
+        let limit = if self.flyer.is_ideal() {
+            WORK_LIMIT
+        } else {
+            LAGGED_WORK_LIMIT
+        };
+        let mut search = Search::new(scene, &mut self.path, limit);
         let answer = look(&mut search);
         (answer, search.evaluated, search.limit_met())
     }
@@ -287,7 +299,8 @@ impl Avoider {
         let picture = self.tracks.picture();
         let is_news = plan.proof == Proof::Certified
             || (kept_m - plan.margin_m).abs() > NEWS_M
-            || picture.differs_from(&plan.picture);
+            || picture.differs_from(&plan.picture)
+            || (self.tracks.is_uncertain() && self.cycle.is_multiple_of(LOOK_AT_NOISE));
         let open_since_s = if is_news { time_s } else { plan.open_since_s };
         let look_again = self.cycle.is_multiple_of(SEARCH_AGAIN);
         let effort = match plan.proof {

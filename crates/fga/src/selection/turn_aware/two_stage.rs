@@ -207,7 +207,14 @@ impl Search<'_> {
         if effort == Effort::Quick {
             return Some((found, Proof::Open));
         }
-        if self.is_hopeless(&found) {
+        // A volume that grows with uncertainty may be too much today and not tomorrow.
+        let is_certain = self
+            .scene
+            .hazards
+            .rows()
+            .iter()
+            .all(|h| h.growth_mps == 0.0);
+        if is_certain && self.is_hopeless(&found) {
             return Some((found, Proof::Hopeless));
         }
         let departures = self.departures(&start, seeds.floor_m());
