@@ -95,7 +95,7 @@ impl<'a> Ascent<'a> {
             }
             race.push(Climber {
                 margin,
-                point: point(seed),
+                point: seed.to_array(),
                 scale: 1.0,
                 done: false,
             });
@@ -131,7 +131,7 @@ impl<'a> Ascent<'a> {
             if !two {
                 next[5] = next[2];
             }
-            let margin = self.look(&maneuver(&next));
+            let margin = self.look(&OracleManeuver::from_array(next));
             let share = (margin - climber.margin) / gain;
             if margin > climber.margin {
                 climber.point = next;
@@ -182,7 +182,7 @@ impl<'a> Ascent<'a> {
         self.flight.fly(
             self.start,
             self.vehicle,
-            &maneuver(&climber.point),
+            &OracleManeuver::from_array(climber.point),
             self.horizon_s,
         );
         let mut here = core::mem::take(&mut self.here);
@@ -216,8 +216,12 @@ impl<'a> Ascent<'a> {
             if !two {
                 beside[5] = beside[2];
             }
-            self.flight
-                .fly(self.start, self.vehicle, &maneuver(&beside), self.horizon_s);
+            self.flight.fly(
+                self.start,
+                self.vehicle,
+                &OracleManeuver::from_array(beside),
+                self.horizon_s,
+            );
             leg_margins(&self.flight, self.bodies, band + 5.0, &mut there);
             for (slope, &j) in self.slopes.iter_mut().zip(&lowest) {
                 slope.gradient[k] = (there[j] - here[j]) / change;
@@ -225,35 +229,5 @@ impl<'a> Ascent<'a> {
         }
         self.here = here;
         self.there = there;
-    }
-}
-
-fn point(maneuver: &OracleManeuver) -> Point {
-    [
-        maneuver.wait_s,
-        maneuver.turn1_rad,
-        maneuver.climb1_rad,
-        maneuver.straight_s,
-        maneuver.turn2_rad,
-        maneuver.climb2_rad,
-    ]
-}
-
-fn maneuver(point: &Point) -> OracleManeuver {
-    let [
-        wait_s,
-        turn1_rad,
-        climb1_rad,
-        straight_s,
-        turn2_rad,
-        climb2_rad,
-    ] = *point;
-    OracleManeuver {
-        wait_s,
-        turn1_rad,
-        climb1_rad,
-        straight_s,
-        turn2_rad,
-        climb2_rad,
     }
 }

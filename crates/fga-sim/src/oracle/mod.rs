@@ -206,6 +206,40 @@ pub struct OracleManeuver {
     pub climb2_rad: f64,
 }
 
+impl OracleManeuver {
+    /// The parameters in the order in which they are declared.
+    const fn to_array(self) -> [f64; 6] {
+        [
+            self.wait_s,
+            self.turn1_rad,
+            self.climb1_rad,
+            self.straight_s,
+            self.turn2_rad,
+            self.climb2_rad,
+        ]
+    }
+
+    /// The manoeuvre of such parameters.
+    const fn from_array(parameters: [f64; 6]) -> Self {
+        let [
+            wait_s,
+            turn1_rad,
+            climb1_rad,
+            straight_s,
+            turn2_rad,
+            climb2_rad,
+        ] = parameters;
+        Self {
+            wait_s,
+            turn1_rad,
+            climb1_rad,
+            straight_s,
+            turn2_rad,
+            climb2_rad,
+        }
+    }
+}
+
 /// Which manoeuvres are searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Stages {

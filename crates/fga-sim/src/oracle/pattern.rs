@@ -61,7 +61,7 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
         let mut race: Vec<(f64, Point)> = Vec::with_capacity(seeds.len());
         for (_, seed) in seeds {
             let value = (self.value)(seed, f64::NEG_INFINITY);
-            let point = point(seed);
+            let point = seed.to_array();
             self.keep(value, &point);
             if self.best.0 >= self.enough {
                 return;
@@ -87,7 +87,7 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
 
     fn keep(&mut self, value: f64, point: &Point) {
         if value > self.best.0 {
-            self.best = (value, maneuver(point));
+            self.best = (value, OracleManeuver::from_array(*point));
         }
     }
 
@@ -147,7 +147,7 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
                 if point == entry.1 {
                     break;
                 }
-                let value = (self.value)(&maneuver(&point), entry.0);
+                let value = (self.value)(&OracleManeuver::from_array(point), entry.0);
                 if value <= entry.0 {
                     break;
                 }
@@ -170,36 +170,6 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
         for climb in [climb1, climb2] {
             *climb = climb.clamp(self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
         }
-    }
-}
-
-fn point(maneuver: &OracleManeuver) -> Point {
-    [
-        maneuver.wait_s,
-        maneuver.turn1_rad,
-        maneuver.climb1_rad,
-        maneuver.straight_s,
-        maneuver.turn2_rad,
-        maneuver.climb2_rad,
-    ]
-}
-
-fn maneuver(point: &Point) -> OracleManeuver {
-    let [
-        wait_s,
-        turn1_rad,
-        climb1_rad,
-        straight_s,
-        turn2_rad,
-        climb2_rad,
-    ] = *point;
-    OracleManeuver {
-        wait_s,
-        turn1_rad,
-        climb1_rad,
-        straight_s,
-        turn2_rad,
-        climb2_rad,
     }
 }
 

@@ -319,25 +319,20 @@ impl Avoider {
         let variety = self.cycle;
         let (found, candidates, limit_met) = self.search(&hold, now, |search| {
             let single = search.cheapest(0.0);
-            single
+            let (found, proof) = single
                 .map(|found| (found, Proof::Certified))
-                .or_else(|| search.best(Some(&flown), effort, variety))
+                .or_else(|| search.best(Some(&flown), effort, variety))?;
+            Some((found, search.maneuver(&found.turns, now), proof))
         });
         let proof = match found {
-            Some((_, Proof::Certified)) => Proof::Certified,
-            Some((_, proof)) if effort == Effort::Full => proof,
+            Some((_, _, Proof::Certified)) => Proof::Certified,
+            Some((_, _, proof)) if effort == Effort::Full => proof,
             _ => plan.proof,
         };
         let decision = match found {
-            Some((found, _))
+            Some((found, maneuver, _))
                 if proof == Proof::Certified || found.margin_m > kept_m + CLEARLY_BETTER_M =>
             {
-                let departure = *now;
-                let maneuver = self
-                    .search(&hold, now, |search| {
-                        search.maneuver(&found.turns, &departure)
-                    })
-                    .0;
                 let plan = Plan {
                     maneuver,
                     decided_s: time_s,

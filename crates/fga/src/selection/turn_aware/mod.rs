@@ -174,6 +174,12 @@ impl Scene<'_> {
             .chain((high > original).then_some(high))
             .chain((low < original).then_some(low))
     }
+
+    /// Those climb targets with a turn to either side.
+    fn extreme_turns(&self) -> impl Iterator<Item = (f64, Side)> + use<> {
+        self.extreme_climbs()
+            .flat_map(|climb_rad| Side::BOTH.map(|side| (climb_rad, side)))
+    }
 }
 
 /// A search under way: the scene, scratch space and a count of the work done.

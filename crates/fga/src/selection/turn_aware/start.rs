@@ -1,7 +1,5 @@
 //! The latest moment at which a certified manoeuvre still exists: the exact counterpart of `t_c`.
 
-use crate::angle::Side;
-
 use super::{MAX_TURN_RAD, Search, Sweep};
 
 /// Moments that are looked at before halving.
@@ -40,26 +38,21 @@ impl Search<'_> {
             return false;
         }
         let departure = self.departure(wait_s);
-        for climb_rad in self.scene.extreme_climbs() {
-            for side in Side::BOTH {
-                let mut found = false;
-                let sweep = Sweep {
-                    from: departure,
-                    before_m,
-                    side,
-                    climb_rad,
-                    max_turn_rad: MAX_TURN_RAD,
-                    floor_m: target_m,
-                };
-                self.sweep(&sweep, |leave| {
-                    found = leave.margin_m >= target_m;
-                    found
-                });
-                if found {
-                    return true;
-                }
-            }
-        }
-        false
+        self.scene.extreme_turns().any(|(climb_rad, side)| {
+            let mut found = false;
+            let sweep = Sweep {
+                from: departure,
+                before_m,
+                side,
+                climb_rad,
+                max_turn_rad: MAX_TURN_RAD,
+                floor_m: target_m,
+            };
+            self.sweep(&sweep, |leave| {
+                found = leave.margin_m >= target_m;
+                found
+            });
+            found
+        })
     }
 }

@@ -353,11 +353,7 @@ impl Search<'_> {
     }
 
     fn collect_single(&mut self, start: &MotionState, seeds: &mut Seeds) {
-        let kinds = self
-            .scene
-            .extreme_climbs()
-            .flat_map(|climb| Side::BOTH.map(|side| (climb, side)));
-        for (kind, (climb_rad, side)) in kinds.enumerate() {
+        for (kind, (climb_rad, side)) in self.scene.extreme_turns().enumerate() {
             let mut best: Option<Leave> = None;
             let sweep = Sweep {
                 from: *start,
@@ -431,11 +427,7 @@ impl Search<'_> {
     /// First turns and where they end, by side and climb target.
     fn departures(&mut self, start: &MotionState, floor_m: f64) -> Departures {
         let mut departures = [[None; PLACES]; KINDS_OF_ONE];
-        let kinds = self
-            .scene
-            .extreme_climbs()
-            .flat_map(|climb| Side::BOTH.map(|side| (climb, side)));
-        for ((climb_rad, side), row) in kinds.zip(&mut departures) {
+        for ((climb_rad, side), row) in self.scene.extreme_turns().zip(&mut departures) {
             let mut places = row.iter_mut();
             let mut step = 0;
             let sweep = Sweep {
@@ -523,10 +515,7 @@ impl Search<'_> {
             if before_m <= floor_m {
                 return;
             }
-            let kinds = scene
-                .extreme_climbs()
-                .flat_map(|climb| Side::BOTH.map(|side| (climb, side)));
-            for (kind, (climb_rad, side)) in kinds.enumerate() {
+            for (kind, (climb_rad, side)) in scene.extreme_turns().enumerate() {
                 if (climb_rad == first_climb) != (climbs == Climbs::Same) {
                     continue;
                 }
