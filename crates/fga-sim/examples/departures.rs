@@ -139,6 +139,11 @@ struct OraclePilot {
 }
 
 impl Pilot for OraclePilot {
+    fn restart(&mut self) {
+        self.idle.restart();
+        self.back.restart();
+    }
+
     fn step(&mut self, situation: &Situation<'_>) -> Decision {
         if situation.time_s >= self.until_s {
             return self.back.step(situation);

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use fga::situation::ProtectedVolume;
 
 use crate::engine::{Engine, Observer, Outcome, Sample};
-use crate::policy::PolicyChoice;
+use crate::policy::{Pilot, PolicyChoice};
 use crate::run::{Plan, RunLog, fly};
 use crate::track::Track;
 use crate::vehicle_file::VehicleModel;
@@ -174,13 +174,17 @@ pub fn fly_all<E>(
         airspeed_mps: settings.model.vehicle.airspeed_mps,
     })?;
     // Settings are checked once here; the same ones fly every encounter.
-    settings.policy.pilot(&world.settings, &world.vehicle)?;
+    let pilot = || settings.policy.pilot(&world.settings, &world.vehicle);
+    pilot()?;
     for block in encounters.chunks(BLOCK) {
         let rows: Vec<Result<BatchRow, SettingsError>> = block
             .par_iter()
             .map_init(
-                || (Engine::new(), world.clone()),
-                |(engine, world), encounter| fly_one(engine, world, encounter, settings),
+                || pilot().map(|pilot| (Engine::new(), world.clone(), pilot)),
+                |thread, encounter| {
+                    let (engine, world, pilot) = thread.as_mut().map_err(|error| *error)?;
+                    Ok(fly_one(engine, world, pilot.as_mut(), encounter, settings))
+                },
             )
             .collect();
         for row in rows {
@@ -190,26 +194,24 @@ pub fn fly_all<E>(
     Ok(())
 }
 
-/// Flies one encounter.
-///
-/// # Errors
-/// Settings or limits that the core refuses.
+/// Flies one encounter with a pilot of the settings' policy.
 pub fn fly_one(
     engine: &mut Engine,
     world: &mut World,
+    pilot: &mut dyn Pilot,
     encounter: &Encounter,
     settings: &BatchSettings,
-) -> Result<BatchRow, SettingsError> {
+) -> BatchRow {
     populate(world, encounter, &settings.model.protection);
-    let mut pilot = settings.policy.pilot(&world.settings, &world.vehicle)?;
+    pilot.restart();
     let mut rows = TrackRows {
         encounter: encounter.id,
         rows: Vec::new(),
     };
     let outcome = if settings.tracks {
-        engine.fly(world, pilot.as_mut(), &mut rows)
+        engine.fly(world, pilot, &mut rows)
     } else {
-        engine.fly(world, pilot.as_mut(), &mut ())
+        engine.fly(world, pilot, &mut ())
     };
     let elapsed_ns = engine.elapsed_ns();
     let decisions = elapsed_ns.len();
@@ -218,14 +220,14 @@ pub fn fly_one(
         0 => 0,
         count => *elapsed_ns.select_nth_unstable(count / 2).1,
     };
-    Ok(BatchRow {
+    BatchRow {
         encounter: encounter.id,
         outcome,
         decision_median_ns,
         decision_max_ns,
         decisions,
         track_rows: rows.rows,
-    })
+    }
 }
 
 /// An encounter as a plan for [`show`], in the world that [`empty_world`] gave.

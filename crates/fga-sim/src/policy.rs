@@ -12,12 +12,17 @@ pub trait Pilot {
 
     /// Takes over changed limits of the vehicle; called only before it has manoeuvred.
     fn retune(&mut self, _vehicle: &Vehicle) {}
+
+    /// Forgets the last flight: the next step is the first of another one, with a vehicle of the
+    /// limits that it was made for.
+    fn restart(&mut self);
 }
 
 /// The core's avoider.
 #[derive(Debug)]
 pub struct CorePilot {
     avoider: Avoider,
+    vehicle: Vehicle,
 }
 
 impl CorePilot {
@@ -28,6 +33,7 @@ impl CorePilot {
     pub fn new(settings: Settings, vehicle: Vehicle) -> Result<Self, SettingsError> {
         Ok(Self {
             avoider: Avoider::new(settings, vehicle)?,
+            vehicle,
         })
     }
 }
@@ -40,6 +46,14 @@ impl Pilot for CorePilot {
     fn retune(&mut self, vehicle: &Vehicle) {
         // Limits that the core refuses leave it with those that it has.
         let _ = self.avoider.set_vehicle(*vehicle);
+    }
+
+    fn restart(&mut self) {
+        self.avoider.restart();
+        if *self.avoider.vehicle() != self.vehicle {
+            // It had these limits before.
+            let _ = self.avoider.set_vehicle(self.vehicle);
+        }
     }
 }
 

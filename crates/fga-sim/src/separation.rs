@@ -208,6 +208,26 @@ impl<F: Fn(f64) -> Vec3> Piece<'_, F> {
         if chord_m - departure_m >= least.value_m {
             return;
         }
+        if let Measure::Distance = measure {
+            // Between its ends the path is off the chord by less than a/2 · h times the time to the
+            // nearer one. Where the chord closes faster than that, the nearer end is the least.
+            let along_m = to.1 - from.1;
+            let moves_on = |along: f64, end_m: Vec3| {
+                along > 0.0
+                    && along * along > 16.0 * departure_m * departure_m * end_m.length_squared()
+            };
+            let nearer = if moves_on(-to.1.dot(along_m), to.1) {
+                Some(to)
+            } else if moves_on(from.1.dot(along_m), from.1) {
+                Some(from)
+            } else {
+                None
+            };
+            if let Some((time_s, offset_m)) = nearer {
+                note(least, measure.of(offset_m), time_s);
+                return;
+            }
+        }
         if departure_m <= STRAIGHT_M || span_s < 1e-6 {
             let time_s = from.0 + share * span_s;
             let offset_m = if share == 0.0 {

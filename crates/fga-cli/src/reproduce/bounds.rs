@@ -505,13 +505,13 @@ fn least_distances(
                     id: 0,
                     obstacles: vec![obstacle],
                 };
-                batch::fly_one(
-                    &mut Engine::new(),
-                    &mut world.clone(),
-                    &encounter,
-                    &settings,
-                )
-                .is_ok_and(|row| row.separated())
+                let mut world = world.clone();
+                let pilot = policy.pilot(&world.settings, &world.vehicle);
+                pilot.is_ok_and(|mut pilot| {
+                    let engine = &mut Engine::new();
+                    batch::fly_one(engine, &mut world, pilot.as_mut(), &encounter, &settings)
+                        .separated()
+                })
             })
         }))
     };

@@ -25,6 +25,9 @@ const WISH_AHEAD_S: f64 = 10.0;
 
 /// A method: the velocity it would like to fly, or `None` where the mission may be flown.
 pub trait Steering {
+    /// Forgets the last flight.
+    fn restart(&mut self) {}
+
     /// Decides; only the direction of the velocity through the air counts.
     fn steer(&mut self, view: &View<'_>) -> Option<Vec3>;
 
@@ -194,6 +197,12 @@ impl<S: Steering> BaselinePilot<S> {
 }
 
 impl<S: Steering> Pilot for BaselinePilot<S> {
+    fn restart(&mut self) {
+        self.method.restart();
+        self.guide.restart();
+        self.state = State::Cruise;
+    }
+
     fn step(&mut self, situation: &Situation<'_>) -> Decision {
         let mut decision = self.guide.step(situation);
         if decision.record.reason == Reason::InvalidInput {

@@ -164,6 +164,10 @@ impl WaypointGreedy {
 }
 
 impl Steering for WaypointGreedy {
+    fn restart(&mut self) {
+        self.path = Path::default();
+    }
+
     fn steer(&mut self, view: &View<'_>) -> Option<Vec3> {
         let cube = self.cube;
         self.path.follow(&cube, view, |candidates| {
@@ -205,6 +209,10 @@ impl WaypointOptimal {
 }
 
 impl Steering for WaypointOptimal {
+    fn restart(&mut self) {
+        self.path = Path::default();
+    }
+
     fn steer(&mut self, view: &View<'_>) -> Option<Vec3> {
         let (cube, most) = (self.cube, self.most_extended);
         self.path.follow(&cube, view, |candidates| {

@@ -1,6 +1,7 @@
 //! One encounter of a campaign flown by every policy.
 
 use fga::Vec3;
+use fga::avoider::SettingsError;
 use fga::situation::ProtectedVolume;
 
 use super::{Campaign, CampaignError};
@@ -9,6 +10,7 @@ use crate::engine::Engine;
 use crate::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
 };
+use crate::policy::Pilot;
 use crate::world::World;
 
 /// What is known of one encounter flown by one policy. Lengths are kept to a micrometre.
@@ -90,12 +92,11 @@ pub struct Flown {
 }
 
 /// What a thread needs to fly encounters.
-#[derive(Debug)]
 pub struct Flyer<'a> {
     campaign: &'a Campaign,
     engine: Engine,
     world: World,
-    settings: Vec<BatchSettings>,
+    policies: Vec<(BatchSettings, Box<dyn Pilot + Send>)>,
     line_velocity_mps: Vec3,
     oracle: Option<(OracleVehicle, OracleStart, OracleSettings)>,
 }
@@ -104,7 +105,7 @@ impl<'a> Flyer<'a> {
     /// For this campaign.
     ///
     /// # Errors
-    /// A wind in which the line cannot be flown.
+    /// A wind in which the line cannot be flown, or settings that the core refuses.
     pub fn new(campaign: &'a Campaign) -> Result<Self, CampaignError> {
         let world = campaign.world()?;
         Ok(Self {
@@ -113,11 +114,14 @@ impl<'a> Flyer<'a> {
                 .configuration
                 .oracle
                 .then(|| campaign.oracle(&world)),
-            settings: campaign
+            policies: campaign
                 .policies
                 .iter()
-                .map(|p| campaign.settings(*p))
-                .collect(),
+                .map(|policy| {
+                    let pilot = policy.pilot(&world.settings, &world.vehicle)?;
+                    Ok((campaign.settings(*policy), pilot))
+                })
+                .collect::<Result<_, SettingsError>>()?,
             engine: Engine::new(),
             world,
             campaign,
@@ -127,7 +131,7 @@ impl<'a> Flyer<'a> {
     /// Draws and flies the encounter of this number with every policy.
     ///
     /// # Errors
-    /// A number past the last, or settings that the core refuses.
+    /// A number past the last.
     pub fn fly(&mut self, number: u64, take: &mut Vec<Flown>) -> Result<(), CampaignError> {
         let drawn = self.campaign.draw(number)?;
         self.world.seed = drawn.seed;
@@ -169,14 +173,15 @@ impl<'a> Flyer<'a> {
                 .collect();
             kept(best_margin(start, vehicle, &obstacles, settings).best_margin_m)
         });
-        for (policy, settings) in (0..).zip(&self.settings) {
+        for (policy, (settings, pilot)) in (0..).zip(&mut self.policies) {
             let begun = std::time::Instant::now();
             let flown = batch::fly_one(
                 &mut self.engine,
                 &mut self.world,
+                pilot.as_mut(),
                 &drawn.encounter,
                 settings,
-            )?;
+            );
             let flight_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
             let outcome = &flown.outcome;
             let caused = self

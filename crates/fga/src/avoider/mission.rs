@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::angle::wrap_pi;
 use crate::avoider::Mission;
 use crate::limit::Limit as _;
-use crate::maneuver::{FlightPath, Flyer, Maneuver, MotionState, Stage};
+use crate::maneuver::{Flyer, Maneuver, MotionState, Stage};
 use crate::recovery::join::{Join, JoinLimits, is_on_leg, join};
 use crate::recovery::leg::Leg;
 
@@ -144,10 +144,9 @@ impl Progress {
         flyer: &Flyer,
         limits: &JoinLimits,
         skipped: usize,
-        path: &mut FlightPath,
     ) -> Option<(Join, usize)> {
         let leg = self.leg(state);
-        let mut joined = join(flyer, &leg, state, limits, path);
+        let mut joined = join(flyer, &leg, state, limits);
         let mut left_m = leg.length_m - self.lead_m;
         let mut next = self.next;
         let mut index = self.index;
@@ -159,7 +158,7 @@ impl Progress {
                 return None;
             }
             index += 1;
-            joined = join(flyer, &leg, state, limits, path);
+            joined = join(flyer, &leg, state, limits);
             next = self.leg_at(mission, index + 1);
             let lead_m = next.map_or(0.0, |next| leg.lead_m(&next, radius_m(flyer)));
             left_m = leg.length_m - lead_m;
@@ -232,7 +231,6 @@ impl Progress {
         flyer: &Flyer,
         climb_limits_rad: (f64, f64),
         horizon_s: f64,
-        path: &mut FlightPath,
     ) -> (Maneuver, f64) {
         let leg = self.leg(state);
         let (mut maneuver, straight_s, along_m) = if is_on_leg(&leg, state) {
@@ -251,12 +249,12 @@ impl Progress {
                 intercept_rad: GUIDANCE_INTERCEPT_RAD,
                 climb_limits_rad,
             };
-            let back = self.way_back(mission, state, flyer, &limits, MAX_SKIPPED, path);
+            let back = self.way_back(mission, state, flyer, &limits, MAX_SKIPPED);
             let joined = if let Some((joined, index)) = back {
                 self.advance_to(index, mission, state, flyer);
                 joined
             } else {
-                join(flyer, &leg, state, &limits, path)
+                join(flyer, &leg, state, &limits)
             };
             (joined.maneuver, joined.joined_s, joined.along_m)
         };

@@ -155,6 +155,16 @@ impl Avoider {
         })
     }
 
+    /// Forgets everything but settings and vehicle: the next step is the first of another flight.
+    pub fn restart(&mut self) {
+        self.state = State::Cruise;
+        self.progress = mission::Progress::new();
+        self.tracks.clear();
+        self.plan = None;
+        self.last_time_s = f64::NEG_INFINITY;
+        self.cycle = 0;
+    }
+
     /// The vehicle's limits as they are assumed.
     pub const fn vehicle(&self) -> &Vehicle {
         &self.vehicle
@@ -244,7 +254,6 @@ impl Avoider {
             &self.flyer,
             self.climb_limits_rad(),
             self.settings.horizon_s,
-            &mut self.path,
         )
     }
 

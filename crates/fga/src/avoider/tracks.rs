@@ -56,6 +56,11 @@ impl Tracks {
         }
     }
 
+    pub(super) fn clear(&mut self) {
+        self.hazards.clear();
+        (self.seen, self.inside, self.overflow) = (0, false, false);
+    }
+
     pub(super) const fn hazards(&self) -> &Hazards {
         &self.hazards
     }
@@ -98,8 +103,7 @@ impl Tracks {
         horizon_s: f64,
         sigmas: f64,
     ) {
-        self.hazards.clear();
-        (self.seen, self.inside, self.overflow) = (0, false, false);
+        self.clear();
         let own = situation.ownship;
         let square = |x: f64| x * x;
         for obstacle in situation.obstacles.iter() {

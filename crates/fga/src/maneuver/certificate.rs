@@ -92,18 +92,21 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     floor_m: f64,
     enough_m: f64,
 ) -> Certificate {
-    // First the chords as they are: none whose margin less its bow is above this can decide.
+    // First the chords as they are: none whose margin less its bow is above this can decide. That
+    // is nothing new where one mark is floor and ceiling.
     let mut worst = Certificate::clear(enough_m);
-    let above = for_each_chord(flyer, path, horizon_s, |chord| {
-        let below_m = worst.margin_m - chord.bow_m;
-        hazards.each_close(&chord.line, below_m, |hazard| {
+    let one_mark = floor_m >= enough_m;
+    let above = one_mark
+        || for_each_chord(flyer, path, horizon_s, |chord| {
             let below_m = worst.margin_m - chord.bow_m;
-            if let Some((margin, at_s)) = hazard.least_on_line(&chord.line, below_m) {
-                lower(&mut worst, margin + chord.bow_m, at_s, hazard);
-            }
-            worst.margin_m >= floor_m
-        })
-    });
+            hazards.each_close(&chord.line, below_m, |hazard| {
+                let below_m = worst.margin_m - chord.bow_m;
+                if let Some((margin, at_s)) = hazard.least_on_line(&chord.line, below_m) {
+                    lower(&mut worst, margin + chord.bow_m, at_s, hazard);
+                }
+                worst.margin_m >= floor_m
+            })
+        });
     // Then those that can, split until the bow no longer matters.
     let above = above
         && for_each_chord(flyer, path, horizon_s, |chord| {

@@ -11,6 +11,9 @@ pub const MAX_HAZARDS: usize = 128;
 /// Hazards of a block.
 const LANES: usize = 4;
 
+/// So few hazards are looked at one by one sooner than in a block.
+const FEW: usize = 3;
+
 /// Golden-section steps on a cylinder's chord: they shrink it by 0.618⁴⁸ ≈ 10⁻¹⁰.
 const GOLDEN_STEPS: u32 = 48;
 
@@ -325,6 +328,9 @@ impl HazardSet for Hazards {
         below_m: f64,
         mut visit: impl FnMut(&Hazard) -> bool,
     ) -> bool {
+        if self.len <= FEW {
+            return self.rows().iter().all(visit);
+        }
         let rows = self.rows().chunks(LANES);
         for (block, rows) in self.blocks.iter().zip(rows) {
             let close = block.close(line, below_m);

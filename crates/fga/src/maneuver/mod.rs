@@ -16,9 +16,9 @@ pub use certificate::{Certificate, Status, certify, certify_all};
 pub(crate) use certificate::{Chord, certify_set};
 pub use hazards::{Hazard, Hazards, MAX_HAZARDS};
 pub(crate) use hazards::{HazardSet, Line};
-pub(crate) use motion::ArcSteps;
+pub(crate) use motion::{ArcSteps, Piece};
 pub use motion::{Flyer, MotionState, Target};
-pub(crate) use path::{CHORD_BOW_M, whole};
+pub(crate) use path::{CHORD_BOW_M, for_each_piece, whole};
 pub use path::{FlightPath, MAX_NODES, Node};
 
 use crate::angle::Side;

@@ -319,27 +319,31 @@ impl Flyer {
     ) -> Vec3 {
         let half_course = 0.5 * course_rate_radps * after_s;
         let half_climb = 0.5 * climb_rate_radps * after_s;
-        let course = course_rad + half_course;
-        let climb = climb_rad + half_climb;
         let scale = self.airspeed_mps * after_s;
+        let course = unit(course_rad + half_course);
+        let climb = unit(climb_rad + half_climb);
+        let course_half = unit(half_course);
         if climb_rate_radps == 0.0 {
-            let chord = scale * sinc(half_course);
-            let (sin_climb, cos_climb) = sincos(climb_rad);
-            let (sin_course, cos_course) = libm::sincos(course);
+            let chord = scale * sinc(half_course, course_half);
             return Vec3::new(
-                chord * cos_climb * cos_course,
-                chord * cos_climb * sin_course,
-                scale * sin_climb,
+                chord * climb.0 * course.0,
+                chord * climb.0 * course.1,
+                scale * climb.1,
             );
         }
-        let sum = 0.5 * sinc(half_course + half_climb);
-        let difference = 0.5 * sinc(half_course - half_climb);
-        let (sin_sum, cos_sum) = libm::sincos(course + climb);
-        let (sin_difference, cos_difference) = libm::sincos(course - climb);
+        let climb_half = unit(half_climb);
+        let sum = times(course, climb);
+        let difference = times(course, conjugate(climb));
+        let sum_chord = 0.5 * sinc(half_course + half_climb, times(course_half, climb_half));
+        let difference_chord = 0.5
+            * sinc(
+                half_course - half_climb,
+                times(course_half, conjugate(climb_half)),
+            );
         Vec3::new(
-            scale * (sum * cos_sum + difference * cos_difference),
-            scale * (sum * sin_sum + difference * sin_difference),
-            scale * sinc(half_climb) * libm::sin(climb),
+            scale * (sum_chord * sum.0 + difference_chord * difference.0),
+            scale * (sum_chord * sum.1 + difference_chord * difference.1),
+            scale * sinc(half_climb, climb_half) * climb.1,
         )
     }
 
@@ -374,39 +378,54 @@ fn times(a: Complex, b: Complex) -> Complex {
     (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
 }
 
-/// e^(i angle).
+const fn conjugate(a: Complex) -> Complex {
+    (a.0, -a.1)
+}
+
+/// e^(i angle); free for level flight.
 fn unit(angle_rad: f64) -> Complex {
-    let (sin, cos) = sincos(angle_rad);
+    if angle_rad == 0.0 {
+        return (1.0, 0.0);
+    }
+    let (sin, cos) = libm::sincos(angle_rad);
     (cos, sin)
 }
 
-/// scale · sinc(half) · e^(i half): the mean of a unit complex number that turns by 2 · half.
-fn mean(half_rad: f64, scale: f64) -> Complex {
-    let chord = scale * sinc(half_rad);
-    let (cos, sin) = unit(half_rad);
-    (chord * cos, chord * sin)
+/// scale · sinc(half) · e^(i half): the mean of a unit complex number that turns by 2 · half, from
+/// e^(i half).
+fn mean(half_rad: f64, half: Complex, scale: f64) -> Complex {
+    let chord = scale * sinc(half_rad, half);
+    (chord * half.0, chord * half.1)
 }
 
 impl ArcSteps {
     /// Steps of `step_s` seconds along `piece` from `state`.
     pub(crate) fn new(flyer: &Flyer, state: &MotionState, piece: &Piece, step_s: f64) -> Self {
-        let course = piece.course_rate_radps * step_s;
-        let climb = piece.climb_rate_radps * step_s;
+        let half_course = 0.5 * piece.course_rate_radps * step_s;
+        let half_climb = 0.5 * piece.climb_rate_radps * step_s;
         let scale = flyer.airspeed_mps * step_s;
+        let (course, climb) = (unit(state.course_rad), unit(state.climb_rad));
+        let (course_half, climb_half) = (unit(half_course), unit(half_climb));
+        let sum_half = times(course_half, climb_half);
+        let difference_half = times(course_half, conjugate(climb_half));
         Self {
             state: *state,
             step_s,
-            course_step_rad: course,
-            climb_step_rad: climb,
+            course_step_rad: 2.0 * half_course,
+            climb_step_rad: 2.0 * half_climb,
             airspeed_mps: flyer.airspeed_mps,
-            sum: unit(state.course_rad + state.climb_rad),
-            difference: unit(state.course_rad - state.climb_rad),
-            climb: unit(state.climb_rad),
-            turn: [unit(course + climb), unit(course - climb), unit(climb)],
+            sum: times(course, climb),
+            difference: times(course, conjugate(climb)),
+            climb,
+            turn: [
+                times(sum_half, sum_half),
+                times(difference_half, difference_half),
+                times(climb_half, climb_half),
+            ],
             shift: [
-                mean(0.5 * (course + climb), 0.5 * scale),
-                mean(0.5 * (course - climb), 0.5 * scale),
-                mean(0.5 * climb, scale),
+                mean(half_course + half_climb, sum_half, 0.5 * scale),
+                mean(half_course - half_climb, difference_half, 0.5 * scale),
+                mean(half_climb, climb_half, scale),
             ],
         }
     }
@@ -443,20 +462,11 @@ impl ArcSteps {
     }
 }
 
-/// sin(x) / x.
-fn sinc(x: f64) -> f64 {
+/// sin(x) / x, from e^(i x).
+fn sinc(x: f64, unit: Complex) -> f64 {
     if x.abs() < 1e-4 {
         1.0 - x * x / 6.0
     } else {
-        libm::sin(x) / x
-    }
-}
-
-/// Sine and cosine, free for level flight.
-fn sincos(angle_rad: f64) -> (f64, f64) {
-    if angle_rad == 0.0 {
-        (0.0, 1.0)
-    } else {
-        libm::sincos(angle_rad)
+        unit.1 / x
     }
 }

@@ -1,9 +1,12 @@
 //! Where a manoeuvre leads: nodes on the predicted flight path, close enough for tight chords.
 
+use core::iter::Peekable;
+use core::slice::Iter;
+
 use crate::Vec3;
 use crate::limit::Limit as _;
 use crate::maneuver::motion::{ArcSteps, Piece};
-use crate::maneuver::{Flyer, Maneuver, MotionState, Target};
+use crate::maneuver::{Flyer, Maneuver, MotionState, Stage, Target};
 
 /// Most nodes of a path.
 pub const MAX_NODES: usize = 320;
@@ -46,6 +49,76 @@ impl Node {
 )]
 pub(crate) fn whole(steps: f64, most: usize) -> usize {
     libm::ceil(steps).limited(1.0, most as f64) as usize
+}
+
+/// The pieces of constant rates of which the flight of a manoeuvre is made.
+struct Pieces<'a> {
+    flyer: &'a Flyer,
+    stages: Peekable<Iter<'a, Stage>>,
+    target: Target,
+}
+
+impl<'a> Pieces<'a> {
+    fn new(flyer: &'a Flyer, start: &MotionState, maneuver: &'a Maneuver) -> Self {
+        Self {
+            flyer,
+            stages: maneuver.stages().iter().peekable(),
+            target: Target {
+                course_rad: start.course_rad,
+                climb_rad: start.climb_rad,
+                rate_share: 1.0,
+            },
+        }
+    }
+
+    /// The piece that begins at a state, how long it is flown, seconds (infinite for the last one),
+    /// and when at most it ends: with the next command, or at `limit_s`.
+    fn next(&mut self, state: &MotionState, limit_s: f64) -> (Piece, f64, f64) {
+        while let Some(stage) = self.stages.next_if(|stage| stage.start_s <= state.time_s) {
+            self.target = Target {
+                course_rad: stage.course_rad,
+                climb_rad: stage.climb_rad,
+                rate_share: stage.rate_share,
+            };
+        }
+        let next_s = self.stages.peek().map_or(f64::INFINITY, |s| s.start_s);
+        let until_s = next_s.min(limit_s);
+        let left_s = until_s - state.time_s;
+        let piece = self.flyer.next_piece_within(state, &self.target, left_s);
+        (piece, piece.duration_s.min(left_s), until_s)
+    }
+}
+
+/// Shows the pieces of the flight of a manoeuvre up to `limit_s`, each with the state in which it
+/// begins and its duration, seconds, which is infinite for the last one where there is no limit.
+/// Hands back the state in which the last one begins, or ends at the limit.
+///
+/// Without nodes, this is the cheap way to ask for some moments of a flight.
+pub(crate) fn for_each_piece(
+    flyer: &Flyer,
+    start: &MotionState,
+    maneuver: &Maneuver,
+    limit_s: f64,
+    mut visit: impl FnMut(&MotionState, &Piece, f64),
+) -> MotionState {
+    let mut state = *start;
+    let mut pieces = Pieces::new(flyer, start, maneuver);
+    for _ in 0..MAX_NODES {
+        if state.time_s >= limit_s {
+            break;
+        }
+        let (piece, duration_s, until_s) = pieces.next(&state, limit_s);
+        visit(&state, &piece, duration_s);
+        if duration_s == f64::INFINITY {
+            break;
+        }
+        let ends = duration_s >= until_s - state.time_s;
+        state = flyer.advance(&state, &piece, duration_s);
+        if ends {
+            state.time_s = until_s;
+        }
+    }
+    state
 }
 
 /// A predicted flight: nodes in time, then straight on from the last one.
@@ -199,24 +272,9 @@ impl FlightPath {
         horizon_s: f64,
     ) {
         let mut state = *start;
-        let mut stages = maneuver.stages().iter().peekable();
-        let mut target = Target {
-            course_rad: state.course_rad,
-            climb_rad: state.climb_rad,
-            rate_share: 1.0,
-        };
+        let mut pieces = Pieces::new(flyer, start, maneuver);
         loop {
-            while let Some(stage) = stages.next_if(|stage| stage.start_s <= state.time_s) {
-                target = Target {
-                    course_rad: stage.course_rad,
-                    climb_rad: stage.climb_rad,
-                    rate_share: stage.rate_share,
-                };
-            }
-            let until_s = stages.peek().map_or(f64::INFINITY, |next| next.start_s);
-            let left_s = until_s - state.time_s;
-            let piece = flyer.next_piece_within(&state, &target, left_s);
-            let duration_s = piece.duration_s.min(left_s);
+            let (piece, duration_s, until_s) = pieces.next(&state, f64::INFINITY);
             if duration_s == f64::INFINITY || state.time_s >= horizon_s {
                 self.finish(flyer, &state);
                 return;

@@ -6,7 +6,7 @@
 
 use crate::angle::wrap_pi;
 use crate::limit::Limit as _;
-use crate::maneuver::{FlightPath, Flyer, Maneuver, MotionState, Stage};
+use crate::maneuver::{Flyer, Maneuver, MotionState, Stage, for_each_piece};
 use crate::recovery::leg::Leg;
 
 /// Cross-track and height error at which the aircraft is on its leg, metres.
@@ -99,17 +99,9 @@ impl Shot {
 }
 
 /// The way onto a leg from a state, at an intercept angle or a smaller one where the leg is near.
-///
-/// `path` is scratch space; it holds the flight up to the leg afterwards.
-pub fn join(
-    flyer: &Flyer,
-    leg: &Leg,
-    state: &MotionState,
-    limits: &JoinLimits,
-    path: &mut FlightPath,
-) -> Join {
+pub fn join(flyer: &Flyer, leg: &Leg, state: &MotionState, limits: &JoinLimits) -> Join {
     let mut shot = aim(flyer, leg, state, limits);
-    let mut join = fly(flyer, leg, state, &shot, path);
+    let mut join = fly(flyer, leg, state, &shot);
     for _ in 0..CORRECTIONS {
         if join.cross_m.abs() < 1e-6 && join.above_m.abs() < 1e-6 {
             break;
@@ -125,15 +117,14 @@ pub fn join(
         if climbing.abs() > 1e-3 * flyer.airspeed_mps() {
             shot.level_at_s = (shot.level_at_s - join.above_m / climbing).max(state.time_s);
         }
-        join = fly(flyer, leg, state, &shot, path);
+        join = fly(flyer, leg, state, &shot);
     }
     join
 }
 
-fn fly(flyer: &Flyer, leg: &Leg, state: &MotionState, shot: &Shot, path: &mut FlightPath) -> Join {
+fn fly(flyer: &Flyer, leg: &Leg, state: &MotionState, shot: &Shot) -> Join {
     let maneuver = shot.maneuver(state.time_s);
-    path.predict(flyer, state, &maneuver, f64::INFINITY);
-    let end = path.nodes().last().map_or(*state, |node| node.state);
+    let end = for_each_piece(flyer, state, &maneuver, f64::INFINITY, |_, _, _| ());
     let position = leg.position(end.position_m, end.time_s);
     Join {
         maneuver,

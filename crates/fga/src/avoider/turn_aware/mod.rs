@@ -205,10 +205,10 @@ impl Avoider {
     ) -> Decision {
         let period_s = self.settings.decision_period_s;
         let entry_s = threat.entry_s;
-        let ((found, latest_s), candidates, limit_met) = self.search(nominal, now, |search| {
+        let (choice, candidates, limit_met) = self.search(nominal, now, |search| {
             choose(search, start, entry_s, period_s)
         });
-        let decision = match found {
+        let decision = match choice.chosen {
             Some((found, maneuver, proof)) => {
                 let plan = Plan {
                     maneuver,
@@ -220,7 +220,7 @@ impl Avoider {
                     picture: self.tracks.picture(),
                     margin_m: found.margin_m,
                     cost: found.cost,
-                    latest_start_s: latest_s.map(|latest_s| situation.time_s + latest_s),
+                    latest_start_s: choice.latest_s.map(|latest_s| situation.time_s + latest_s),
                     threat: Some(threat),
                     against,
                     next_start_s: None,
@@ -245,6 +245,7 @@ impl Avoider {
             None => self.decision(nominal, Reason::BestAvailable),
         };
         let mut decision = decision;
+        decision.record.alternative = choice.alternative;
         decision.record.work.candidates = candidates;
         decision.record.work.limit_met = limit_met || self.tracks.overflow;
         decision.record.work.threats = 1;
@@ -297,14 +298,16 @@ impl Avoider {
         let flown = plan.remaining(time_s);
         let kept_m = self.margin_of(&flown, now, (f64::MIN, ENOUGH_M));
         let picture = self.tracks.picture();
+        // The volume that it is inside of shrinks with its depth.
+        let inside = self.tracks.inside;
         let is_news = plan.proof == Proof::Certified
-            || (kept_m - plan.margin_m).abs() > NEWS_M
+            || (!inside && (kept_m - plan.margin_m).abs() > NEWS_M)
             || picture.differs_from(&plan.picture)
             || (self.tracks.is_uncertain() && self.cycle.is_multiple_of(LOOK_AT_NOISE));
         let open_since_s = if is_news { time_s } else { plan.open_since_s };
         let look_again = self.cycle.is_multiple_of(SEARCH_AGAIN);
         let effort = match plan.proof {
-            Proof::Hopeless if !is_news && !look_again => {
+            Proof::Hopeless if !(is_news || inside && look_again) => {
                 return self.report(&plan, time_s, Reason::BestAvailable);
             }
             Proof::Open if time_s - open_since_s >= SEARCH_ALL_S => {
@@ -429,17 +432,31 @@ impl Avoider {
     }
 }
 
+/// What a search chose.
+struct Choice {
+    /// The manoeuvre in both forms, and what is known of it.
+    chosen: Option<(Found, Maneuver, Proof)>,
+    /// Latest start of a certified one, seconds from now, where it was looked for.
+    latest_s: Option<f64>,
+    /// The best one to the other side, where it was looked for.
+    alternative: Option<Candidate>,
+}
+
 /// The manoeuvre and its start: certified if there is one, else the best available.
-fn choose(
-    search: &mut Search<'_>,
-    start: Start,
-    entry_s: f64,
-    period_s: f64,
-) -> (Option<(Found, Maneuver, Proof)>, Option<f64>) {
-    let mut latest_s = None;
+fn choose(search: &mut Search<'_>, start: Start, entry_s: f64, period_s: f64) -> Choice {
+    let (mut latest_s, mut alternative) = (None, None);
     let found = match start {
         Start::AtDetection => search.cheapest(0.0),
-        Start::Free => least_departure(search, entry_s),
+        Start::Free => {
+            let [found, other] = least_departure(search, entry_s);
+            alternative = other.map(|other| Candidate {
+                maneuver: as_maneuver(search, &other),
+                margin_m: other.margin_m,
+                cost: other.cost,
+                verdict: Verdict::Certified,
+            });
+            found
+        }
         Start::Latest | Start::Score(_) => {
             let score = if let Start::Score(score) = start {
                 score
@@ -462,30 +479,41 @@ fn choose(
     let found = found
         .map(|found| (found, Proof::Certified))
         .or_else(|| search.best(None, Effort::Full, 0));
-    let found = found.map(|(found, proof)| {
-        let departure = search.departure(found.turns.wait_s);
-        (found, search.maneuver(&found.turns, &departure), proof)
-    });
-    (found, latest_s)
+    Choice {
+        chosen: found.map(|(found, proof)| (found, as_maneuver(search, &found), proof)),
+        latest_s,
+        alternative,
+    }
 }
 
-/// The cheapest manoeuvre to each side at several starts, and of these the one that departs least.
-fn least_departure(search: &mut Search<'_>, entry_s: f64) -> Option<Found> {
-    let mut best: Option<(f64, Found)> = None;
-    let choices = FREE_STARTS.map(|share| Side::BOTH.map(|side| (share, side)));
-    for (share, side) in choices.into_iter().flatten() {
-        let Some(found) = search.cheapest_to(&[side], share * entry_s) else {
-            continue;
-        };
-        let departure = search.departure_of(&found.turns);
-        let departure_m = match search.objective() {
-            Objective::PaperCost => departure.aside_m + departure.extra_path_m(),
-            Objective::LeastDeviation => departure.aside_m,
-            Objective::ShortestPath => departure.extra_path_m(),
-        };
-        if best.is_none_or(|(least_m, _)| departure_m < least_m) {
-            best = Some((departure_m, found));
+fn as_maneuver(search: &Search<'_>, found: &Found) -> Maneuver {
+    search.maneuver(&found.turns, &search.departure(found.turns.wait_s))
+}
+
+/// The cheapest manoeuvre to each side at several starts: of these the one that departs least, and
+/// that to the other side.
+fn least_departure(search: &mut Search<'_>, entry_s: f64) -> [Option<Found>; 2] {
+    let [mut left, mut right] = Side::BOTH.map(|side| {
+        let mut best: Option<(f64, Found)> = None;
+        for share in FREE_STARTS {
+            let Some(found) = search.cheapest_to(&[side], share * entry_s) else {
+                continue;
+            };
+            let departure = search.departure_of(&found.turns);
+            let departure_m = match search.objective() {
+                Objective::PaperCost => departure.aside_m + departure.extra_path_m(),
+                Objective::LeastDeviation => departure.aside_m,
+                Objective::ShortestPath => departure.extra_path_m(),
+            };
+            if best.is_none_or(|(least_m, _)| departure_m < least_m) {
+                best = Some((departure_m, found));
+            }
         }
+        best
+    });
+    let departure_m = |best: &Option<(f64, Found)>| best.map_or(f64::INFINITY, |best| best.0);
+    if departure_m(&right) < departure_m(&left) {
+        (left, right) = (right, left);
     }
-    best.map(|(_, found)| found)
+    [left, right].map(|best| best.map(|(_, found)| found))
 }

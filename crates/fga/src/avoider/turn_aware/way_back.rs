@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use crate::avoider::mission::{Bend, MAX_SKIPPED};
 use crate::avoider::{Avoider, Decision, Plan, Reason, Situation, Start, State};
 use crate::limit::Limit as _;
-use crate::maneuver::{Maneuver, MotionState, certify};
+use crate::maneuver::{Maneuver, MotionState, certify, for_each_piece};
 use crate::recovery::join::JoinLimits;
 use crate::selection::turn_aware::Proof;
 
@@ -93,14 +93,9 @@ impl Avoider {
         let detour = (turn % 2 == 1 && waits && self.is_accompanied(situation, plan))
             .then(|| self.detour(now, turn / 2));
         let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
-        let (joined, index) = self.progress.way_back(
-            mission,
-            &from,
-            &self.flyer,
-            &limits,
-            skipped,
-            &mut self.path,
-        )?;
+        let (joined, index) =
+            self.progress
+                .way_back(mission, &from, &self.flyer, &limits, skipped)?;
         if intercept_rad < SHALLOW_RAD && joined.joined_s > SHALLOW_S {
             return None;
         }
@@ -162,14 +157,12 @@ impl Avoider {
     }
 
     /// A turn away from what flies alongside, one of several, and the aircraft after it.
-    fn detour(&mut self, now: &MotionState, which: usize) -> (Maneuver, MotionState) {
+    fn detour(&self, now: &MotionState, which: usize) -> (Maneuver, MotionState) {
         let index = which % DETOURS.len();
         let (turn_rad, radii) = DETOURS.get(index).copied().unwrap_or_default();
         let maneuver = Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
         let until_s = (turn_rad.abs() + radii) / self.flyer.course_rate_radps();
-        self.path.predict(&self.flyer, now, &maneuver, until_s);
-        let mut from = self.path.state_at(&self.flyer, until_s).unwrap_or(*now);
-        from.time_s = until_s;
+        let from = for_each_piece(&self.flyer, now, &maneuver, until_s, |_, _, _| ());
         (maneuver, from)
     }
 

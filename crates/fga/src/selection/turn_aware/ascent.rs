@@ -5,7 +5,7 @@
 //! margins most is a small linear program; the box shrinks where the truth falls short of it.
 
 use crate::limit::Limit as _;
-use crate::maneuver::{Flyer, Hazard, Line, MotionState};
+use crate::maneuver::{Flyer, Hazard, Line, Maneuver, MotionState, for_each_piece};
 
 use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 
@@ -260,7 +260,7 @@ impl Ascent {
         bounds: &[(f64, f64); PARAMETERS],
     ) -> [Vector; CLOSEST] {
         let hazards = search.scene.hazards.rows();
-        let flyer = search.scene.flyer;
+        let (flyer, horizon_s) = (search.scene.flyer, search.scene.horizon_s);
         let mut slopes = [[0.0; PARAMETERS]; CLOSEST];
         let moves = self.scales.iter().zip(bounds).enumerate().take(self.used);
         for (parameter, (scale, (_, high))) in moves {
@@ -272,22 +272,30 @@ impl Ascent {
             let difference = DIFFERENCE * scale;
             let sign = if *x + difference > *high { -1.0 } else { 1.0 };
             *x += sign * difference;
-            if !predict(search, &self.turns(&moved)) {
-                continue;
-            }
+            let maneuver = maneuver(search, &self.turns(&moved));
             search.count(super::PREDICTION_WORK + self.approaches.len);
-            for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
-                let Some(hazard) = hazards.get(known.place) else {
-                    continue;
-                };
-                let Some(state) = search.path.state_at(flyer, known.at_s) else {
-                    continue;
-                };
-                let margin_m = hazard.margin_m(state.position_m, known.at_s);
-                if let Some(slope) = slope.get_mut(parameter) {
-                    *slope = sign * (margin_m - known.margin_m) / DIFFERENCE;
-                }
-            }
+            let start = search.scene.start;
+            for_each_piece(
+                flyer,
+                &start,
+                &maneuver,
+                horizon_s,
+                |from, piece, lasts_s| {
+                    for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
+                        let since_s = known.at_s - from.time_s;
+                        if since_s < 0.0 || since_s > lasts_s {
+                            continue;
+                        }
+                        let state = flyer.advance(from, piece, since_s);
+                        if let Some(hazard) = hazards.get(known.place)
+                            && let Some(slope) = slope.get_mut(parameter)
+                        {
+                            let margin_m = hazard.margin_m(state.position_m, known.at_s);
+                            *slope = sign * (margin_m - known.margin_m) / DIFFERENCE;
+                        }
+                    }
+                },
+            );
         }
         slopes
     }
@@ -336,10 +344,13 @@ impl Ascent {
     }
 }
 
+fn maneuver(search: &Search<'_>, turns: &Turns) -> Maneuver {
+    search.maneuver(turns, &search.departure(turns.wait_s))
+}
+
 /// Predicts a manoeuvre into the search's path; says whether it is complete.
 fn predict(search: &mut Search<'_>, turns: &Turns) -> bool {
-    let departure = search.departure(turns.wait_s);
-    let maneuver = search.maneuver(turns, &departure);
+    let maneuver = maneuver(search, turns);
     let scene = search.scene;
     search
         .path

@@ -20,7 +20,7 @@ use crate::avoider::Objective;
 use crate::limit::Limit as _;
 use crate::maneuver::{
     Certificate, FlightPath, Flyer, Hazards, Maneuver, MotionState, Stage, certify, certify_set,
-    whole,
+    for_each_piece, whole,
 };
 
 /// Largest single turn that is searched, radians: short of a full circle.
@@ -37,9 +37,6 @@ const PREDICTION_WORK: usize = 40;
 
 /// An obstacle that takes longer than this to pass is taken to have passed then, seconds.
 const LONGEST_PASS_S: f64 = 60.0;
-
-/// Halvings of the grid step when a turn is refined.
-const REFINEMENTS: u32 = 7;
 
 /// A manoeuvre in the terms of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -256,19 +253,14 @@ impl<'a> Search<'a> {
     }
 
     /// The aircraft when a manoeuvre departs from the mission after a wait.
-    pub fn departure(&mut self, wait_s: f64) -> MotionState {
-        let scene = self.scene;
-        if wait_s <= 0.0 {
-            return scene.start;
-        }
-        self.path
-            .predict(scene.flyer, &scene.start, scene.nominal, wait_s);
-        let mut state = self
-            .path
-            .state_at(scene.flyer, wait_s)
-            .unwrap_or(scene.start);
-        state.time_s = wait_s;
-        state
+    pub fn departure(&self, wait_s: f64) -> MotionState {
+        let Scene {
+            flyer,
+            start,
+            nominal,
+            ..
+        } = self.scene;
+        for_each_piece(flyer, &start, nominal, wait_s, |_, _, _| ())
     }
 
     /// Margin along the mission up to a wait's end, metres.
@@ -406,6 +398,9 @@ impl<'a> Search<'a> {
             return None;
         }
         let departure = self.departure(wait_s);
+        if !self.has_turn(&departure, before_m, sides) {
+            return None;
+        }
         let mut best: Option<Found> = None;
         for climb_rad in scene.climb_targets() {
             // The least that the paper's objective gives at this climb target.
@@ -430,81 +425,31 @@ impl<'a> Search<'a> {
                 if max_turn_rad < 0.0 {
                     continue;
                 }
-                let mut first: Option<(f64, f64)> = None;
-                let sweep = Sweep {
+                let Some(leave) = self.smallest(&Sweep {
                     from: departure,
                     before_m,
                     side,
                     climb_rad,
                     max_turn_rad,
                     floor_m: scene.target_m,
-                };
-                self.sweep(&sweep, |leave| {
-                    let reached = leave.margin_m >= scene.target_m;
-                    if reached {
-                        first = Some((leave.turn_rad, leave.margin_m));
-                    }
-                    reached
-                });
-                let Some((turn_rad, margin_m)) = first else {
+                    enough_m: scene.target_m,
+                }) else {
                     continue;
                 };
                 let turns = Turns {
                     wait_s,
-                    turn_rad,
-                    climb_rad,
+                    turn_rad: leave.turn_rad,
+                    climb_rad: leave.climb_rad,
                     second: None,
                 };
                 let cost = self.cost(&turns, &departure);
                 let found = Found {
                     turns,
-                    margin_m,
+                    margin_m: leave.margin_m,
                     cost,
                 };
-                let found = self.refined(found, &departure);
                 if best.is_none_or(|best| found.cost < best.cost) {
                     best = Some(found);
-                }
-            }
-        }
-        best
-    }
-
-    /// Halves the last step of a turn (or of a climb without a turn) as long as it stays certified.
-    fn refined(&mut self, found: Found, departure: &MotionState) -> Found {
-        let scene = self.scene;
-        let turn = found.turns.turn_rad;
-        let step = sweep::LONGEST_STEP_RAD;
-        let mut best = found;
-        let mut share = 0.0;
-        let mut width = 1.0;
-        for _ in 0..REFINEMENTS {
-            width *= 0.5;
-            let tried = share + width;
-            let turns = if turn == 0.0 {
-                let climb = found.turns.climb_rad;
-                let back = libm::copysign(CLIMB_STEP_RAD, climb - scene.original.1) * tried;
-                Turns {
-                    climb_rad: climb - back,
-                    ..found.turns
-                }
-            } else {
-                let back = step.min(turn.abs()) * tried;
-                Turns {
-                    turn_rad: turn - libm::copysign(back, turn),
-                    ..found.turns
-                }
-            };
-            let certificate = self.certify(&turns, departure, scene.target_m);
-            if certificate.holds(scene.target_m) {
-                share = tried;
-                let cost = self.cost(&turns, departure);
-                if cost < best.cost {
-                    best = Found {
-                        turns,
-                        margin_m: certificate.margin_m,
-                        cost,
-                    };
                 }
             }
         }

@@ -1,6 +1,8 @@
 //! The latest moment at which a certified manoeuvre still exists: the exact counterpart of `t_c`.
 
 use super::{MAX_TURN_RAD, Search, Sweep};
+use crate::angle::Side;
+use crate::maneuver::MotionState;
 
 /// Moments that are looked at before halving.
 const MOMENTS: u32 = 12;
@@ -38,21 +40,24 @@ impl Search<'_> {
             return false;
         }
         let departure = self.departure(wait_s);
+        self.has_turn(&departure, before_m, &Side::BOTH)
+    }
+
+    /// Whether a certified single turn to one of some sides exists, level or at the steepest climb or
+    /// descent: where neither does, hardly ever does one in between.
+    pub(super) fn has_turn(&mut self, from: &MotionState, before_m: f64, sides: &[Side]) -> bool {
+        let target_m = self.scene.target_m;
         self.scene.extreme_turns().any(|(climb_rad, side)| {
-            let mut found = false;
             let sweep = Sweep {
-                from: departure,
+                from: *from,
                 before_m,
                 side,
                 climb_rad,
                 max_turn_rad: MAX_TURN_RAD,
                 floor_m: target_m,
+                enough_m: target_m,
             };
-            self.sweep(&sweep, |leave| {
-                found = leave.margin_m >= target_m;
-                found
-            });
-            found
+            sides.contains(&side) && self.sweep(&sweep).is_some()
         })
     }
 }

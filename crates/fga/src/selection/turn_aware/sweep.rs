@@ -4,17 +4,23 @@ use crate::Vec3;
 use crate::angle::Side;
 use crate::limit::Limit as _;
 use crate::maneuver::{
-    ArcSteps, CHORD_BOW_M, Certificate, Chord, Hazard, HazardSet as _, Line, MAX_NODES,
-    MotionState, Node, Target, whole,
+    ArcSteps, CHORD_BOW_M, Certificate, Chord, Flyer, Hazard, HazardSet as _, Line, MAX_NODES,
+    MotionState, Node, Piece, Target, whole,
 };
 
-use super::Search;
+use super::{CLIMB_STEP_RAD, Search, Turns};
 
 /// Longest step along an arc, radians: it bows from its chord by less than a thousandth of its radius.
 pub(super) const LONGEST_STEP_RAD: f64 = 0.1;
 
 /// What it takes to set up a sweep, in line tests.
 const SETUP_WORK: usize = 15;
+
+/// Halvings of the step between the last turn that fails and the first that does.
+const HALVINGS: u32 = 7;
+
+/// How far off the end of a turn with bank lag may be told, radians.
+const ROLL_OUT_RAD: f64 = 2e-3;
 
 /// Turns to one side at one climb target.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,9 +35,10 @@ pub(super) struct Sweep {
     pub climb_rad: f64,
     /// Largest turn, radians.
     pub max_turn_rad: f64,
-    /// Turns with a margin below this may be shown with any margin below it; the sweep ends where
-    /// the arc itself falls below, metres.
+    /// Turns with a margin below this are of no use, metres.
     pub floor_m: f64,
+    /// A turn with this margin will do, metres.
+    pub enough_m: f64,
 }
 
 /// A turn that ends where the arc is left.
@@ -39,6 +46,8 @@ pub(super) struct Sweep {
 pub(super) struct Leave {
     /// The turn, radians, left positive.
     pub turn_rad: f64,
+    /// Climb angle taken up meanwhile, radians.
+    pub climb_rad: f64,
     /// Lower bound of the separation of the whole manoeuvre, metres.
     pub margin_m: f64,
     /// The aircraft where it leaves the arc.
@@ -47,81 +56,327 @@ pub(super) struct Leave {
     pub before_m: f64,
 }
 
-impl Search<'_> {
-    /// Shows `visit` each turn of a sweep in growing order until it returns true.
-    pub(super) fn sweep(&mut self, sweep: &Sweep, mut visit: impl FnMut(Leave) -> bool) {
-        let scene = self.scene;
-        let flyer = scene.flyer;
-        let Sweep { from, floor_m, .. } = *sweep;
-        let target = Target {
-            course_rad: from.course_rad + sweep.side.sign() * sweep.max_turn_rad,
-            climb_rad: sweep.climb_rad,
-            rate_share: 1.0,
-        };
-        let (low, high) = scene.climb_limits_rad;
-        let climb_rad = sweep.climb_rad.limited(low, high);
-        self.count(SETUP_WORK);
-        let mut worst = Certificate::clear(sweep.before_m);
-        let mut state = from;
-        let settled = |s: &MotionState| flyer.is_ideal() && (s.climb_rad - climb_rad).abs() < 1e-9;
-        let margin_m = if settled(&state) {
-            self.straight_on(&state, flyer.velocity_mps(&state), &worst, floor_m)
-        } else {
-            self.rolled_out(&state, climb_rad, &worst, floor_m)
-        };
-        if visit(Leave {
-            turn_rad: 0.0,
-            margin_m,
-            state,
-            before_m: worst.margin_m,
-        }) {
-            return;
+/// A walk along the arc of a sweep, in steps of equal length but for the last of each piece, so that
+/// how far a sweep goes does not move its turns.
+#[derive(Clone, Copy)]
+struct Walk<'a> {
+    flyer: &'a Flyer,
+    target: Target,
+    state: MotionState,
+    velocity_mps: Vec3,
+    piece: Option<WalkPiece>,
+}
+
+/// What is left of a piece of constant rates.
+#[derive(Clone, Copy)]
+struct WalkPiece {
+    begin: MotionState,
+    piece: Piece,
+    steps: ArcSteps,
+    left: usize,
+    acceleration_mps2: f64,
+}
+
+impl<'a> Walk<'a> {
+    fn new(flyer: &'a Flyer, sweep: &Sweep) -> Self {
+        let from = sweep.from;
+        Self {
+            flyer,
+            target: Target {
+                course_rad: from.course_rad + sweep.side.sign() * sweep.max_turn_rad,
+                climb_rad: sweep.climb_rad,
+                rate_share: 1.0,
+            },
+            state: from,
+            velocity_mps: flyer.velocity_mps(&from),
+            piece: None,
         }
+    }
+
+    /// Goes one step on; gives where it came from, or nothing at the arc's end.
+    fn step(&mut self) -> Option<Node> {
+        if self.piece.as_ref().is_none_or(|piece| piece.left == 0) {
+            self.piece = Some(self.next_piece()?);
+        }
+        let at = self.piece.as_mut()?;
+        let node = Node {
+            state: *at.steps.state(),
+            course_rate_radps: at.piece.course_rate_radps,
+            climb_rate_radps: at.piece.climb_rate_radps,
+            acceleration_mps2: at.acceleration_mps2,
+        };
+        at.left -= 1;
+        if at.left == 0 {
+            self.state = self
+                .flyer
+                .advance(&at.begin, &at.piece, at.piece.duration_s);
+            self.velocity_mps = self.flyer.velocity_mps(&self.state);
+        } else {
+            at.steps.advance();
+            self.state = *at.steps.state();
+            self.velocity_mps = at.steps.velocity_mps();
+        }
+        Some(node)
+    }
+
+    fn next_piece(&self) -> Option<WalkPiece> {
+        let flyer = self.flyer;
+        let piece = flyer.next_piece(&self.state, &self.target);
+        if piece.duration_s == f64::INFINITY {
+            return None;
+        }
+        let longest_s = LONGEST_STEP_RAD / flyer.course_rate_radps();
+        Some(WalkPiece {
+            begin: self.state,
+            piece,
+            steps: ArcSteps::new(flyer, &self.state, &piece, longest_s),
+            left: whole(piece.duration_s / longest_s, MAX_NODES),
+            acceleration_mps2: flyer.acceleration_mps2(&piece),
+        })
+    }
+}
+
+impl Search<'_> {
+    /// The first turn of a sweep whose margin is enough; without one, the one whose margin above the
+    /// floor is largest.
+    pub(super) fn sweep(&mut self, sweep: &Sweep) -> Option<Leave> {
+        self.sweep_to(sweep).map(|(leave, _)| leave)
+    }
+
+    /// The first turn of a sweep whose margin is enough, ended earlier within its last step, or with
+    /// less of a climb where it does not turn at all, as long as that does.
+    pub(super) fn smallest(&mut self, sweep: &Sweep) -> Option<Leave> {
+        let (leave, last) = self.sweep_to(sweep)?;
+        Some(match last {
+            Some(node) => self.with_less_turn(&leave, &node, sweep),
+            None => self.with_less_climb(&leave, sweep),
+        })
+    }
+
+    /// The answer of [`Self::sweep`], and the node from which its last step begins.
+    ///
+    /// Where a turn fails, an obstacle comes too close at some moment. The longer that is ahead, the
+    /// farther a small change of the turn has moved the aircraft by then; turns that cannot have moved
+    /// it far enough are passed over, and the arc to them is looked at only once a turn does.
+    fn sweep_to(&mut self, sweep: &Sweep) -> Option<(Leave, Option<Node>)> {
+        let sign = sweep.side.sign();
+        let mut walk = Walk::new(self.scene.flyer, sweep);
+        let mut seen = walk;
+        let mut worst = Certificate::clear(sweep.before_m);
+        let mut floor_m = sweep.floor_m;
+        let mut best = None;
+        let mut best_m = f64::MIN;
+        let mut failing_rad = f64::MIN;
+        let mut last = None;
+        self.count(SETUP_WORK);
         loop {
-            let piece = flyer.next_piece(&state, &target);
-            if piece.duration_s == f64::INFINITY || self.limit_met() {
+            let turn_rad = self.turn_at(&walk.state, sweep);
+            if sign * turn_rad >= failing_rad {
+                let tail = self.tail(&walk.state, walk.velocity_mps, sweep, &worst, floor_m);
+                if tail.margin_m < floor_m {
+                    let turned_rad = sign * (walk.state.course_rad - sweep.from.course_rad);
+                    failing_rad = turned_rad + self.failing(&walk.state, &tail, sweep, floor_m);
+                } else {
+                    self.follow(&mut seen, &walk.state, floor_m, &mut worst);
+                    let margin_m = tail.margin_m.min(worst.margin_m);
+                    let leave = Leave {
+                        turn_rad,
+                        climb_rad: sweep.climb_rad,
+                        margin_m,
+                        state: walk.state,
+                        before_m: worst.margin_m,
+                    };
+                    if margin_m >= sweep.enough_m {
+                        return Some((leave, last));
+                    }
+                    if margin_m > floor_m {
+                        best = Some((leave, last));
+                        (best_m, floor_m) = (margin_m, margin_m);
+                    }
+                }
+            }
+            // What comes too close on the arc does so however far it is followed.
+            let arc_fails = worst.margin_m < floor_m || worst.margin_m <= best_m;
+            if arc_fails || failing_rad > sweep.max_turn_rad + ROLL_OUT_RAD || self.limit_met() {
+                return best;
+            }
+            last = walk.step();
+            if last.is_none() {
+                return best;
+            }
+        }
+    }
+
+    /// Shows the ends of the steps along the arc of a sweep while it stays above the floor.
+    pub(super) fn arc(&mut self, sweep: &Sweep, mut visit: impl FnMut(Leave)) {
+        let mut walk = Walk::new(self.scene.flyer, sweep);
+        let mut worst = Certificate::clear(sweep.before_m);
+        self.count(SETUP_WORK);
+        loop {
+            visit(Leave {
+                turn_rad: self.turn_at(&walk.state, sweep),
+                climb_rad: sweep.climb_rad,
+                margin_m: worst.margin_m,
+                state: walk.state,
+                before_m: worst.margin_m,
+            });
+            let Some(node) = walk.step() else { return };
+            self.along(&node, &walk.state, sweep.floor_m, &mut worst);
+            if worst.margin_m < sweep.floor_m || self.limit_met() {
                 return;
             }
-            let acceleration_mps2 = flyer.acceleration_mps2(&piece);
-            let longest_s = LONGEST_STEP_RAD / flyer.course_rate_radps();
-            // Equal steps but for the last, so that how far a sweep goes does not move its turns.
-            let count = whole(piece.duration_s / longest_s, MAX_NODES);
-            let begin = state;
-            let mut steps = ArcSteps::new(flyer, &begin, &piece, longest_s);
-            for step in 1..=count {
-                let node = Node {
-                    state: *steps.state(),
-                    course_rate_radps: piece.course_rate_radps,
-                    climb_rate_radps: piece.climb_rate_radps,
-                    acceleration_mps2,
-                };
-                steps.advance();
-                let mut velocity_mps = steps.velocity_mps();
-                state = *steps.state();
-                if step == count {
-                    state = flyer.advance(&begin, &piece, piece.duration_s);
-                    velocity_mps = flyer.velocity_mps(&state);
-                }
-                self.along(&node, &state, floor_m, &mut worst);
-                if worst.margin_m < floor_m {
-                    return;
-                }
-                let margin_m = if settled(&state) {
-                    self.straight_on(&state, velocity_mps, &worst, floor_m)
-                } else {
-                    self.rolled_out(&state, climb_rad, &worst, floor_m)
-                };
-                let rollout_rad = flyer.rollout_rad(state.bank_rad);
-                if visit(Leave {
-                    turn_rad: state.course_rad + rollout_rad - from.course_rad,
-                    margin_m,
-                    state,
-                    before_m: worst.margin_m,
-                }) {
-                    return;
-                }
+        }
+    }
+
+    /// The turn when the arc of a sweep is left at a state, radians.
+    fn turn_at(&self, state: &MotionState, sweep: &Sweep) -> f64 {
+        let flyer = self.scene.flyer;
+        let rollout_rad = if flyer.is_ideal() {
+            0.0
+        } else {
+            flyer.rollout_rad(state.bank_rad)
+        };
+        state.course_rad + rollout_rad - sweep.from.course_rad
+    }
+
+    /// Goes along an arc up to a state and lowers `worst` by it; ends early below `floor_m`.
+    fn follow(
+        &mut self,
+        walk: &mut Walk<'_>,
+        to: &MotionState,
+        floor_m: f64,
+        worst: &mut Certificate,
+    ) {
+        while walk.state.time_s < to.time_s && worst.margin_m >= floor_m {
+            let Some(node) = walk.step() else { return };
+            let state = walk.state;
+            self.along(&node, &state, floor_m, worst);
+        }
+    }
+
+    /// What is flown once the arc of a sweep is left at a state.
+    fn tail(
+        &mut self,
+        state: &MotionState,
+        velocity_mps: Vec3,
+        sweep: &Sweep,
+        before: &Certificate,
+        floor_m: f64,
+    ) -> Certificate {
+        let (low, high) = self.scene.climb_limits_rad;
+        let climb_rad = sweep.climb_rad.limited(low, high);
+        if self.is_settled(state, climb_rad) {
+            self.straight_on(state, velocity_mps, before, floor_m)
+        } else {
+            self.rolled_out(state, climb_rad, before, floor_m)
+        }
+    }
+
+    fn is_settled(&self, state: &MotionState, climb_rad: f64) -> bool {
+        self.scene.flyer.is_ideal() && (state.climb_rad - climb_rad).abs() < 1e-9
+    }
+
+    /// How much farther than at a state, left with too small a margin, a turn must at least go on
+    /// until its margin can be `floor_m`, radians; infinite where it never can.
+    ///
+    /// Turns that go on by Δψ have moved the aircraft by less than V Δψ (t − t₀) at the moment t of
+    /// the closest approach, where t₀ is when the arc is left.
+    fn failing(&self, state: &MotionState, tail: &Certificate, sweep: &Sweep, floor_m: f64) -> f64 {
+        let flyer = self.scene.flyer;
+        let (slack_m, slack_rad) = if self.is_settled(state, sweep.climb_rad) {
+            (0.0, 0.0)
+        } else {
+            // The margin is that of chords.
+            let rollout_rad = if flyer.is_ideal() { 0.0 } else { ROLL_OUT_RAD };
+            (2.0 * CHORD_BOW_M, rollout_rad)
+        };
+        let short_m = floor_m - tail.margin_m - slack_m;
+        let turns_away = state.bank_rad * sweep.side.sign() < 0.0;
+        if short_m <= 0.0 || turns_away {
+            return 0.0;
+        }
+        let lever_m = flyer.airspeed_mps() * (tail.at_s - state.time_s);
+        if lever_m <= 0.0 {
+            return f64::INFINITY;
+        }
+        (short_m / lever_m * (1.0 - 1e-9) - slack_rad).max(0.0)
+    }
+
+    /// A turn of a sweep, ended earlier within its last step.
+    fn with_less_turn(&mut self, leave: &Leave, last: &Node, sweep: &Sweep) -> Leave {
+        let flyer = self.scene.flyer;
+        let piece = last.piece();
+        let step_s = leave.state.time_s - last.state.time_s;
+        self.halved(leave, |search, share| {
+            let state = flyer.advance(&last.state, &piece, (1.0 - share) * step_s);
+            let between_rad = leave.turn_rad - search.turn_at(&last.state, sweep);
+            let left = Leave {
+                turn_rad: leave.turn_rad - share * between_rad,
+                state,
+                ..*leave
+            };
+            search.evaluated_at(&left, sweep)
+        })
+    }
+
+    /// A change of climb, ended earlier.
+    fn with_less_climb(&mut self, leave: &Leave, sweep: &Sweep) -> Leave {
+        let beyond_rad = leave.climb_rad - self.scene.original.1;
+        let back_rad = libm::copysign(CLIMB_STEP_RAD.min(beyond_rad.abs()), beyond_rad);
+        if back_rad == 0.0 {
+            return *leave;
+        }
+        self.halved(leave, |search, share| {
+            let climb_rad = leave.climb_rad - share * back_rad;
+            let left = Leave {
+                climb_rad,
+                ..*leave
+            };
+            search.evaluated_at(
+                &left,
+                &Sweep {
+                    climb_rad,
+                    ..*sweep
+                },
+            )
+        })
+    }
+
+    /// The last of a manoeuvre and those with the share of its last step taken back that still do.
+    fn halved(
+        &mut self,
+        leave: &Leave,
+        mut look: impl FnMut(&mut Self, f64) -> Option<Leave>,
+    ) -> Leave {
+        let mut best = *leave;
+        let (mut share, mut width) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            width *= 0.5;
+            if let Some(leave) = look(self, share + width) {
+                (best, share) = (leave, share + width);
             }
         }
+        best
+    }
+
+    /// A turn with its margin, if that is enough; `before_m` covers its arc.
+    fn evaluated_at(&mut self, leave: &Leave, sweep: &Sweep) -> Option<Leave> {
+        let flyer = self.scene.flyer;
+        let margin_m = if flyer.is_ideal() {
+            let before = Certificate::clear(leave.before_m);
+            let velocity_mps = flyer.velocity_mps(&leave.state);
+            self.tail(&leave.state, velocity_mps, sweep, &before, sweep.enough_m)
+                .margin_m
+        } else {
+            let turns = Turns {
+                wait_s: sweep.from.time_s,
+                turn_rad: leave.turn_rad,
+                climb_rad: leave.climb_rad,
+                second: None,
+            };
+            self.certify(&turns, &sweep.from, sweep.enough_m).margin_m
+        };
+        (margin_m >= sweep.enough_m).then_some(Leave { margin_m, ..*leave })
     }
 
     /// Lowers `worst` by the chord from a node to a state.
@@ -140,14 +395,14 @@ impl Search<'_> {
         }
     }
 
-    /// Margin when the aircraft flies straight on.
+    /// `before` lowered by flying straight on.
     fn straight_on(
         &mut self,
         state: &MotionState,
         velocity_mps: Vec3,
         before: &Certificate,
         floor_m: f64,
-    ) -> f64 {
+    ) -> Certificate {
         self.evaluated += 1;
         let mut worst = *before;
         let line = Line {
@@ -157,11 +412,11 @@ impl Search<'_> {
             duration_s: (self.scene.horizon_s - state.time_s).max(0.0),
         };
         self.lower(&line, 0.0, floor_m, &mut worst, |hazard, worst| {
-            if let Some((least_m, _)) = hazard.least_on_line(&line, worst.margin_m) {
-                worst.margin_m = least_m;
+            if let Some((least_m, at_s)) = hazard.least_on_line(&line, worst.margin_m) {
+                (worst.margin_m, worst.at_s) = (least_m, at_s);
             }
         });
-        worst.margin_m
+        worst
     }
 
     /// Shows `look` the hazards that a line may come close to, the one that decided last first,
@@ -193,16 +448,15 @@ impl Search<'_> {
         });
     }
 
-    /// Margin when the turn ends at `state`: roll-out and the rest of the climb change, then
-    /// straight.
+    /// `before` lowered by what follows a turn that ends at `state`: roll-out and the rest of the
+    /// climb change, then straight.
     fn rolled_out(
         &mut self,
         state: &MotionState,
         climb_rad: f64,
         before: &Certificate,
         floor_m: f64,
-    ) -> f64 {
-        self.evaluated += 1;
+    ) -> Certificate {
         let flyer = self.scene.flyer;
         let rest = Target {
             course_rad: state.course_rad + flyer.rollout_rad(state.bank_rad),

@@ -89,6 +89,10 @@ const WORTH: f64 = 0.27;
 /// manoeuvre clears it, turn radii.
 const ALONE: f64 = 0.0033;
 
+/// Where a whole search ends this far short, another one over other grids finds nothing either: those
+/// that did began no farther off than a quarter of it, turn radii.
+const FAR: f64 = 0.1;
+
 /// Seeds that climb a little; the best of them go on.
 const CLIMBERS: usize = 16;
 
@@ -115,7 +119,7 @@ enum Climbs {
 }
 
 /// Ends of first turns with their climb targets, a row for each side and climb target.
-type Departures = [[Option<(Leave, f64)>; PLACES]; KINDS_OF_ONE];
+type Departures = [[Option<Leave>; PLACES]; KINDS_OF_ONE];
 
 /// The best manoeuvre of each kind.
 struct Seeds {
@@ -233,7 +237,11 @@ impl Search<'_> {
                 break;
             }
         }
-        best.map(|found| (found, Proof::Open))
+        let found = best?;
+        let far_m = target_m - FAR * self.scene.turn_radius_m();
+        let is_far = is_certain && found.margin_m < far_m;
+        let proof = if is_far { Proof::Hopeless } else { Proof::Open };
+        Some((found, proof))
     }
 
     /// Whether one obstacle alone is more than no second turn could avoid.
@@ -354,20 +362,14 @@ impl Search<'_> {
 
     fn collect_single(&mut self, start: &MotionState, seeds: &mut Seeds) {
         for (kind, (climb_rad, side)) in self.scene.extreme_turns().enumerate() {
-            let mut best: Option<Leave> = None;
-            let sweep = Sweep {
+            let best = self.sweep(&Sweep {
                 from: *start,
                 before_m: ENOUGH_M,
                 side,
                 climb_rad,
                 max_turn_rad: MAX_TURN_RAD,
                 floor_m: f64::MIN,
-            };
-            self.sweep(&sweep, |leave| {
-                if best.is_none_or(|best| leave.margin_m > best.margin_m) {
-                    best = Some(leave);
-                }
-                false
+                enough_m: ENOUGH_M,
             });
             if let Some(leave) = best {
                 let turns = Turns {
@@ -437,15 +439,15 @@ impl Search<'_> {
                 climb_rad,
                 max_turn_rad: MAX_FIRST_TURN_RAD,
                 floor_m,
+                enough_m: ENOUGH_M,
             };
-            self.sweep(&sweep, |leave| {
+            self.arc(&sweep, |leave| {
                 if step % STRIDE == 0
                     && let Some(place) = places.next()
                 {
-                    *place = Some((leave, climb_rad));
+                    *place = Some(leave);
                 }
                 step += 1;
-                false
             });
         }
         departures
@@ -461,11 +463,10 @@ impl Search<'_> {
         let (shift, gap_shift) = (grid % COARSE, grid / COARSE);
         for place in (shift..PLACES).step_by(COARSE) {
             for (kind, row) in departures.iter().enumerate() {
-                let Some((leave, climb_rad)) = row.get(place).copied().flatten() else {
+                let Some(leave) = row.get(place).copied().flatten() else {
                     continue;
                 };
-                let first = (kind, climb_rad, leave);
-                self.second_turns(start, &first, gap_shift, climbs, seeds);
+                self.second_turns(start, &(kind, leave), gap_shift, climbs, seeds);
                 if self.sweeps_done() {
                     return;
                 }
@@ -481,13 +482,13 @@ impl Search<'_> {
     fn second_turns(
         &mut self,
         start: &MotionState,
-        (first_kind, first_climb, leave): &(usize, f64, Leave),
+        (first_kind, leave): &(usize, Leave),
         gap_shift: usize,
         climbs: Climbs,
         seeds: &mut Seeds,
     ) {
         let scene = self.scene;
-        let (first_kind, first_climb) = (*first_kind, *first_climb);
+        let first_climb = leave.climb_rad;
         let gaps = if scene.is_planar() {
             &PLANAR_GAPS[..]
         } else {
@@ -519,24 +520,17 @@ impl Search<'_> {
                 if (climb_rad == first_climb) != (climbs == Climbs::Same) {
                     continue;
                 }
-                let kind = KINDS_OF_ONE + (first_kind * KINDS_OF_ONE + kind) * BINS + bin;
+                let kind = KINDS_OF_ONE + (*first_kind * KINDS_OF_ONE + kind) * BINS + bin;
                 let floor_m = seeds.floor_of_m(kind);
-                let mut best: Option<Leave> = None;
-                let sweep = Sweep {
+                let Some(last) = self.sweep(&Sweep {
                     from,
                     before_m,
                     side,
                     climb_rad,
                     max_turn_rad: MAX_FIRST_TURN_RAD,
                     floor_m,
-                };
-                self.sweep(&sweep, |leave| {
-                    if best.is_none_or(|best| leave.margin_m > best.margin_m) {
-                        best = Some(leave);
-                    }
-                    leave.margin_m >= scene.target_m
-                });
-                let Some(last) = best.filter(|best| best.margin_m > floor_m) else {
+                    enough_m: scene.target_m,
+                }) else {
                     continue;
                 };
                 let after_s = at_s - start.time_s;
