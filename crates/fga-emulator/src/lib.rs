@@ -2,8 +2,8 @@
 //!
 //! It is *not* ArduPlane and shares no code with it. It has those modes, parameters, time-outs,
 //! acknowledgements and gates that a companion computer meets, with the behaviour that was
-//! measured on ArduPlane 4.7-dev in software in the loop, on a point mass: first-order roll,
-//! a turn rate of 0.74 of the ideal one, altitude by a climb angle with a lag.
+//! measured on ArduPlane 4.7-dev in software in the loop, on a point mass: roll by a
+//! limited rate, a turn rate of 0.74 of the ideal one, altitude by a climb angle with a lag.
 //!
 //! The emulator reads no clock and no socket: [`Emulator::receive`] takes a message,
 //! [`Emulator::advance`] lets time pass, [`Emulator::drain`] gives what it sends. Tests run it in
@@ -16,6 +16,8 @@
     deprecated,
     reason = "messages that vehicles and ground stations still send"
 )]
+
+extern crate alloc;
 
 mod geometry;
 mod guidance;
@@ -59,6 +61,8 @@ pub struct Settings {
     pub armed: bool,
     /// Wind velocity east and north, metres per second.
     pub wind_mps: [f64; 2],
+    /// The receiver has its first fix at this time since boot, seconds; the emulation begins at 20.
+    pub fix_s: f64,
 }
 
 impl Default for Settings {
@@ -76,6 +80,7 @@ impl Default for Settings {
             mode: Mode::Auto,
             armed: true,
             wind_mps: [0.0, 0.0],
+            fix_s: 0.0,
         }
     }
 }

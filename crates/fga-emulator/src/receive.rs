@@ -339,8 +339,7 @@ impl Emulator {
     }
 
     fn attitude_target(&mut self, data: &SET_ATTITUDE_TARGET_DATA) {
-        let ignored = AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE;
-        if self.mode != Mode::Guided || data.type_mask.contains(ignored) {
+        if self.mode != Mode::Guided {
             return;
         }
         let [w, x, y, z] = data.q.map(f64::from);
@@ -351,16 +350,14 @@ impl Emulator {
         let (w, x, y, z) = (w / norm, x / norm, y / norm, z / norm);
         let roll = libm::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y));
         let pitch = libm::asin((2.0 * (w * y - z * x)).clamp(-1.0, 1.0));
-        // A cleared bit of the body rates selects that axis of the attitude.
-        if !data
-            .type_mask
-            .contains(AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_ROLL_RATE_IGNORE)
-        {
+        // A cleared bit of a body rate selects that axis of the attitude; the cleared bit of the
+        // attitude selects them all.
+        let ignores = |bit| data.type_mask.contains(bit);
+        let all = !ignores(AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE);
+        if all || !ignores(AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_ROLL_RATE_IGNORE) {
             self.guided.bank = Some((roll, self.time_s));
         }
-        if !data
-            .type_mask
-            .contains(AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_PITCH_RATE_IGNORE)
+        if all || !ignores(AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_PITCH_RATE_IGNORE)
         {
             self.guided.pitch = Some((pitch, self.time_s));
         }

@@ -1,12 +1,13 @@
 //! What the autopilot sends by itself.
 
 use mavlink::dialects::ardupilotmega::{
-    ADSB_VEHICLE_DATA, ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, HEARTBEAT_DATA,
-    MISSION_CURRENT_DATA, MISSION_ITEM_REACHED_DATA, MavAutopilot, MavMessage, MavModeFlag,
-    MavState, MavType, NAV_CONTROLLER_OUTPUT_DATA, SYSTEM_TIME_DATA, VFR_HUD_DATA, WIND_DATA,
+    ADSB_VEHICLE_DATA, ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, GPS_RAW_INT_DATA, GpsFixType,
+    HEARTBEAT_DATA, MISSION_CURRENT_DATA, MISSION_ITEM_REACHED_DATA, MavAutopilot, MavMessage,
+    MavModeFlag, MavState, MavType, NAV_CONTROLLER_OUTPUT_DATA, SYSTEM_TIME_DATA, VFR_HUD_DATA,
+    WIND_DATA,
 };
 
-use crate::Emulator;
+use crate::{Emulator, Place};
 
 /// A message that is sent again and again.
 #[derive(Debug, Clone, Copy)]
@@ -18,6 +19,7 @@ struct Stream {
 
 pub(crate) const HEARTBEAT: u32 = 0;
 const SYSTEM_TIME: u32 = 2;
+const GPS_RAW_INT: u32 = 24;
 const ATTITUDE: u32 = 30;
 const GLOBAL_POSITION_INT: u32 = 33;
 const MISSION_CURRENT: u32 = 42;
@@ -47,6 +49,7 @@ impl Streams {
         let known = [
             HEARTBEAT,
             SYSTEM_TIME,
+            GPS_RAW_INT,
             ATTITUDE,
             GLOBAL_POSITION_INT,
             MISSION_CURRENT,
@@ -149,6 +152,20 @@ impl Emulator {
         }
     }
 
+    /// Where the autopilot believes to be: without a fix near latitude and longitude 0, from where
+    /// it dead-reckons.
+    #[expect(clippy::cast_possible_truncation, reason = "small numbers")]
+    fn place(&self) -> Place {
+        if self.time_s < self.settings.fix_s {
+            return Place {
+                latitude_e7: 1000 + (50.0 * self.time_s) as i32,
+                longitude_e7: -224,
+                altitude_mm: 90,
+            };
+        }
+        self.settings.home.to_place(self.plant.position_m())
+    }
+
     /// The message that tells a part of the state.
     #[expect(
         clippy::cast_possible_truncation,
@@ -169,12 +186,28 @@ impl Emulator {
                 roll: self.plant.bank_rad() as f32,
                 pitch: self.plant.pitch_rad() as f32,
                 yaw: self.plant.heading_rad() as f32,
-                rollspeed: 0.0,
+                rollspeed: self.plant.roll_rate_radps() as f32,
                 pitchspeed: 0.0,
-                yawspeed: (self.plant.turn_rate_radps() * libm::cos(self.plant.bank_rad())) as f32,
+                yawspeed: (self.plant.nose_rate_radps() * libm::cos(self.plant.bank_rad())) as f32,
             }),
+            GPS_RAW_INT => {
+                let fixed = self.time_s >= self.settings.fix_s;
+                let place = self.place();
+                MavMessage::GPS_RAW_INT(GPS_RAW_INT_DATA {
+                    time_usec: (self.time_s * 1e6) as u64,
+                    lat: if fixed { place.latitude_e7 } else { 0 },
+                    lon: if fixed { place.longitude_e7 } else { 0 },
+                    alt: if fixed { place.altitude_mm } else { 0 },
+                    fix_type: if fixed {
+                        GpsFixType::GPS_FIX_TYPE_3D_FIX
+                    } else {
+                        GpsFixType::GPS_FIX_TYPE_NO_FIX
+                    },
+                    ..GPS_RAW_INT_DATA::DEFAULT
+                })
+            }
             GLOBAL_POSITION_INT => {
-                let place = self.settings.home.to_place(self.plant.position_m());
+                let place = self.place();
                 MavMessage::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
                     time_boot_ms,
                     lat: place.latitude_e7,

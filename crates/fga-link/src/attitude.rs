@@ -11,9 +11,9 @@ use crate::number::single;
 use crate::outgoing::AUTOPILOT;
 
 /// The rest of a turn is rolled out over this many bank time constants.
-const ROLL_OUT_LAGS: f64 = 0.6;
+const ROLL_OUT_LAGS: f64 = 1.0;
 /// … and over no less than this, seconds.
-const SHORTEST_ROLL_OUT_S: f64 = 0.35;
+const SHORTEST_ROLL_OUT_S: f64 = 0.6;
 /// Pitch per metre of altitude error in level stages, radians; and its limit.
 const PITCH_PER_METRE: f64 = 0.012;
 const MOST_PITCH_CORRECTION_RAD: f64 = 0.07;
@@ -108,15 +108,17 @@ impl PitchKeeper {
 
 /// The message that commands a bank, and a pitch where given.
 ///
-/// A cleared rate bit selects that axis of the attitude; throttle and the other axes are left to
-/// the autopilot.
+/// A cleared rate bit selects that axis of the attitude, and the bit of the attitude itself stays
+/// set: cleared, it selects all axes, and ArduPlane would hold pitch and rudder at zero. Throttle
+/// and the other axes are left to the autopilot.
 pub fn attitude_message(
     bank_rad: f64,
     pitch_rad: Option<f64>,
     time_boot_ms: u32,
     target_system: u8,
 ) -> MavMessage {
-    let mut type_mask = AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_YAW_RATE_IGNORE
+    let mut type_mask = AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE
+        | AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_YAW_RATE_IGNORE
         | AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_THROTTLE_IGNORE;
     if pitch_rad.is_none() {
         type_mask |= AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_PITCH_RATE_IGNORE;
@@ -194,7 +196,7 @@ mod tests {
         // cos 15°, −sin 15°.
         assert!((data.q[0] - 0.965_925_8).abs() < 1e-6);
         assert!((data.q[1] + 0.258_819_05).abs() < 1e-6);
-        assert_eq!(data.type_mask.bits(), 0b0100_0110);
+        assert_eq!(data.type_mask.bits(), 0b1100_0110);
     }
 
     #[test]

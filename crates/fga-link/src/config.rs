@@ -188,7 +188,7 @@ impl Default for ResponseConfig {
     fn default() -> Self {
         Self {
             turn_rate_factor: 0.70,
-            bank_time_constant_s: 0.7,
+            bank_time_constant_s: 0.4,
             dead_time_s: 0.25,
             estimate: true,
         }

@@ -8,7 +8,7 @@
 //! | [`traffic`] | who else is there? |
 //! | [`mission`], [`parameters`], [`mode`] | what does the vehicle mean to do, and what can it do? |
 //! | [`response`] | how does it follow? |
-//! | [`attitude`], [`paper`], [`commands`] | how is it commanded? |
+//! | [`attitude`], [`commanded`], [`paper`], [`commands`] | how is it commanded? |
 //! | [`telling`] | who is told what? |
 //! | [`wire`], [`endpoint`], [`outgoing`], [`tlog`] | how do messages become bytes and go their way? |
 //! | [`fly`], [`replay`] | what drives the companion: sockets and a clock, or a recording? |
@@ -42,6 +42,7 @@ extern crate alloc;
 pub mod attitude;
 pub mod authority;
 pub mod clock;
+pub mod commanded;
 pub mod commands;
 pub mod companion;
 pub mod config;

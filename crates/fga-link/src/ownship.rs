@@ -10,7 +10,7 @@ use core::f64::consts::FRAC_PI_2;
 
 use fga::Vec3;
 use fga::angle::{course_of, wrap_pi};
-use fga::kinematics::STANDARD_GRAVITY_MPS2;
+use fga::kinematics::{Response, STANDARD_GRAVITY_MPS2};
 use fga::situation::Ownship;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use mavlink::dialects::ardupilotmega::{
@@ -18,6 +18,7 @@ use mavlink::dialects::ardupilotmega::{
 };
 
 use crate::clock::{BootClock, Stamp};
+use crate::commanded::Commanded;
 use crate::number::degrees_from_e7;
 
 /// Never carried farther than this, seconds: staler telemetry is a fault, not a guess.
@@ -26,14 +27,27 @@ const LONGEST_CARRY_S: f64 = 1.5;
 const WIND_LIFETIME_S: f64 = 10.0;
 /// Wind is rounded to this, metres per second: legs are laid anew with each change.
 const WIND_STEP_MPS: f64 = 0.25;
+/// Faster than this the bank changes, radians per second.
+const ROLLS_RADPS: f64 = 0.15;
 /// Pieces of the arc along which a state is carried.
 const STEPS: u32 = 8;
+/// A position farther from the origin of the local frame lays it anew, metres. Before its receiver
+/// has a fix, ArduPlane tells a place near latitude and longitude 0; and so far out the plane of the
+/// frame lies 30 m above the sea.
+const FRAME_REACH_M: f64 = 20_000.0;
+/// A position that is farther from the last than this, metres, and than the fastest aircraft flies,
+/// metres per second, is not believed …
+const JUMP_M: f64 = 200.0;
+const FASTEST_MPS: f64 = 150.0;
+/// … unless the last is older than this, seconds: longer than telemetry may be stale.
+const BELIEVED_AGAIN_S: f64 = 3.0;
 /// Slower than this over the ground or through the air it does not fly, metres per second.
 pub const FLYING_SPEED_MPS: f64 = 5.0;
 
 #[derive(Debug, Clone, Copy)]
 struct Position {
     measured_s: f64,
+    place: Geodetic,
     place_m: Vec3,
     velocity_mps: Vec3,
     above_home_m: f64,
@@ -46,6 +60,8 @@ struct Attitude {
     pitch_rad: f64,
     heading_rad: f64,
     yaw_rate_radps: f64,
+    /// Whether it is rolling.
+    rolls: bool,
 }
 
 /// Whether a message told anything new.
@@ -91,9 +107,24 @@ pub struct OwnshipEstimate {
 }
 
 impl OwnshipEstimate {
-    /// The local frame: its origin is the first position of the flight.
+    /// The local frame: its origin is the first position of the flight, or one on its way.
     pub const fn frame(&self) -> Option<&LocalFrame> {
         self.frame.as_ref()
+    }
+
+    /// Lays the local frame anew around the last position where that is far from the origin; all
+    /// that is known in the old frame is to be forgotten then.
+    pub fn lay_frame_anew(&mut self) -> bool {
+        let Some(position) = &mut self.position else {
+            return false;
+        };
+        if libm::hypot(position.place_m.x, position.place_m.y) <= FRAME_REACH_M {
+            return false;
+        }
+        let frame = LocalFrame::new(position.place, Earth::Wgs84);
+        position.place_m = frame.to_local_m(position.place);
+        self.frame = Some(frame);
+        true
     }
 
     /// Altitude of home above mean sea level, metres.
@@ -106,6 +137,11 @@ impl OwnshipEstimate {
     pub fn age_s(&self, now_s: f64) -> Option<f64> {
         let oldest = self.position?.measured_s.min(self.attitude?.measured_s);
         Some(now_s - oldest)
+    }
+
+    /// Age of the attitude, seconds.
+    pub fn attitude_age_s(&self, now_s: f64) -> Option<f64> {
+        Some(now_s - self.attitude?.measured_s)
     }
 
     /// Takes a position.
@@ -127,9 +163,18 @@ impl OwnshipEstimate {
         let frame = self
             .frame
             .get_or_insert_with(|| LocalFrame::new(place, Earth::Wgs84));
+        let place_m = frame.to_local_m(place);
+        if let Some(last) = self.position.filter(|_| update == Update::Fresh) {
+            let gap_s = (measured_s - last.measured_s).max(0.0);
+            let reached_m = JUMP_M + FASTEST_MPS * gap_s;
+            if gap_s < BELIEVED_AGAIN_S && place_m.distance(last.place_m) > reached_m {
+                return Update::Ignored;
+            }
+        }
         self.position = Some(Position {
             measured_s,
-            place_m: frame.to_local_m(place),
+            place,
+            place_m,
             velocity_mps: Vec3::new(
                 f64::from(data.vy) * 0.01,
                 f64::from(data.vx) * 0.01,
@@ -162,6 +207,7 @@ impl OwnshipEstimate {
             // Body axis to vertical: ψ̇ = r cos φ / cos θ + q …; in a level coordinated turn
             // r = ψ̇ cos φ.
             yaw_rate_radps: -f64::from(data.yawspeed) / libm::cos(bank_rad).max(0.3),
+            rolls: data.rollspeed.is_finite() && f64::from(data.rollspeed).abs() > ROLLS_RADPS,
         });
         update
     }
@@ -202,14 +248,13 @@ impl OwnshipEstimate {
 
     /// The state at `at_s` on the local clock, somewhat later than the last measurement.
     ///
-    /// `commanded` is the bank that is being commanded and the lag with which it is followed: it
-    /// bends the path between the measurement and `at_s`. `None` before position and attitude
-    /// are known, or when the aircraft does not fly.
+    /// The banks that were commanded lately bend the path between the measurement and `at_s`.
+    /// `None` before position and attitude are known, or when the aircraft does not fly.
     pub fn state_at(
         &mut self,
         at_s: f64,
-        commanded: Option<(f64, f64)>,
-        turn_rate_factor: f64,
+        commanded: &Commanded,
+        response: &Response,
     ) -> Option<State> {
         let (position, attitude) = (self.position?, self.attitude?);
         let wind_mps = self
@@ -221,14 +266,22 @@ impl OwnshipEstimate {
         if speed < FLYING_SPEED_MPS {
             return None;
         }
-        let mut bank_rad = attitude.bank_rad;
-        let carry_bank_s = (at_s - attitude.measured_s).clamp(0.0, LONGEST_CARRY_S);
-        let rate_of = |bank_rad: f64| {
-            turn_rate_factor * STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad.clamp(-1.3, 1.3)) / speed
+        let bank_at = |at_s: f64| {
+            let latest_s = attitude.measured_s + LONGEST_CARRY_S;
+            let at_s = at_s.min(latest_s);
+            commanded.bank_at(attitude.bank_rad, attitude.measured_s, at_s, response)
         };
-        // The measured rate of turn tells more than the bank, as far as it goes.
-        let offset_radps = attitude.yaw_rate_radps - rate_of(attitude.bank_rad);
-        let offset_radps = offset_radps.clamp(-0.15, 0.15);
+        let rate_of = |bank_rad: f64| {
+            response.turn_rate_factor * STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad.clamp(-1.3, 1.3))
+                / speed
+        };
+        // In a steady turn the measured rate tells more than the bank. While it rolls, the nose swings
+        // later than the course, and may even swing to the other side.
+        let offset_radps = if attitude.rolls {
+            0.0
+        } else {
+            (attitude.yaw_rate_radps - rate_of(attitude.bank_rad)).clamp(-0.15, 0.15)
+        };
         let carry_s = (at_s - position.measured_s).clamp(0.0, LONGEST_CARRY_S);
         let (mut place_m, mut course_rad) = (position.place_m, course_of(air_mps));
         let climb_rad = libm::asin((air_mps.z / speed).clamp(-1.0, 1.0));
@@ -236,9 +289,7 @@ impl OwnshipEstimate {
         let step_s = carry_s / f64::from(STEPS);
         for n in 0..STEPS {
             let step_at_s = at_s - carry_s + (f64::from(n) + 0.5) * step_s;
-            let since_attitude_s = step_at_s - attitude.measured_s;
-            let bank_then_rad = bank_after(attitude.bank_rad, commanded, since_attitude_s);
-            let rate = rate_of(bank_then_rad) + offset_radps;
+            let rate = rate_of(bank_at(step_at_s)) + offset_radps;
             let middle_rad = course_rad + 0.5 * rate * step_s;
             place_m += Vec3::new(
                 (level * libm::cos(middle_rad) + wind_mps.x) * step_s,
@@ -247,7 +298,6 @@ impl OwnshipEstimate {
             );
             course_rad += rate * step_s;
         }
-        bank_rad = bank_after(bank_rad, commanded, carry_bank_s);
         // Unwrapped along the flight, so that stages can tell turns beyond 180°.
         let reference = self.last_course_rad.unwrap_or(course_rad);
         let course_rad = reference + wrap_pi(course_rad - reference);
@@ -256,7 +306,7 @@ impl OwnshipEstimate {
             position_m: place_m,
             course_rad,
             climb_rad,
-            bank_rad,
+            bank_rad: bank_at(at_s),
             airspeed_mps: speed,
         };
         Some(State {
@@ -272,16 +322,6 @@ impl OwnshipEstimate {
     /// Heading of the nose in the core's sense, radians.
     pub fn heading_rad(&self) -> Option<f64> {
         self.attitude.map(|attitude| attitude.heading_rad)
-    }
-}
-
-/// The bank some time after a measurement, following a command by a first-order lag.
-fn bank_after(bank_rad: f64, commanded: Option<(f64, f64)>, after_s: f64) -> f64 {
-    match commanded {
-        Some((command_rad, lag_s)) if lag_s > 0.0 && after_s > 0.0 => {
-            command_rad + (bank_rad - command_rad) * libm::exp(-after_s / lag_s)
-        }
-        _ => bank_rad,
     }
 }
 
@@ -306,7 +346,11 @@ mod tests {
     #[test]
     fn north_flight_is_carried_north() {
         let mut estimate = OwnshipEstimate::default();
-        assert!(estimate.state_at(0.0, None, 1.0).is_none());
+        assert!(
+            estimate
+                .state_at(0.0, &Commanded::default(), &Response::default())
+                .is_none()
+        );
         estimate.take_position(&position(1000, 376_189_000, -1_223_750_000), 10.0);
         estimate.take_attitude(
             &ATTITUDE_DATA {
@@ -315,10 +359,38 @@ mod tests {
             },
             10.0,
         );
-        let state = estimate.state_at(10.4, None, 1.0).unwrap();
+        let state = estimate
+            .state_at(10.4, &Commanded::default(), &Response::default())
+            .unwrap();
         assert!(state.ownship.position_m.distance(Vec3::new(0.0, 10.0, 0.0)) < 1e-6);
         assert!((state.ownship.course_rad - FRAC_PI_2).abs() < 1e-9);
         assert!((state.above_home_m - 100.0).abs() < 1e-9);
+        assert!((estimate.home_altitude_m().unwrap() - 4.0).abs() < 1e-9);
+    }
+
+    /// As ArduPlane tells its place before and after the first fix.
+    #[test]
+    fn the_frame_is_laid_where_the_aircraft_is() {
+        let mut estimate = OwnshipEstimate::default();
+        for (n, lat) in (0_u32..80).zip(1000_i32..) {
+            let update = estimate.take_position(&position(n * 100, lat, -224), f64::from(n) * 0.1);
+            assert_eq!(update, Update::Fresh);
+        }
+        let place = |boot_ms| position(boot_ms, -353_632_621, 1_491_652_370);
+        assert_eq!(
+            estimate.take_position(&place(8000), 8.0),
+            Update::Ignored,
+            "it cannot have flown there"
+        );
+        assert!(!estimate.lay_frame_anew());
+        // Told again and again, it is believed.
+        for n in 81_u32..120 {
+            estimate.take_position(&place(n * 100), f64::from(n) * 0.1);
+        }
+        assert!(estimate.lay_frame_anew());
+        assert!(!estimate.lay_frame_anew());
+        let origin = estimate.frame().unwrap().origin();
+        assert!((origin.latitude_deg + 35.363_262_1).abs() < 1e-9);
         assert!((estimate.home_altitude_m().unwrap() - 4.0).abs() < 1e-9);
     }
 
@@ -335,7 +407,9 @@ mod tests {
             ..ATTITUDE_DATA::DEFAULT
         };
         estimate.take_attitude(&attitude, 10.0);
-        let state = estimate.state_at(11.0, None, 1.0).unwrap();
+        let state = estimate
+            .state_at(11.0, &Commanded::default(), &Response::default())
+            .unwrap();
         let radius = 25.0 / rate;
         let expected = Vec3::new(
             radius * (1.0 - libm::cos(rate)),
@@ -368,7 +442,9 @@ mod tests {
             speed_z: 0.0,
         };
         estimate.take_wind(&wind, 10.0);
-        let state = estimate.state_at(10.0, None, 1.0).unwrap();
+        let state = estimate
+            .state_at(10.0, &Commanded::default(), &Response::default())
+            .unwrap();
         assert!(state.wind_mps.distance(Vec3::new(5.0, 0.0, 0.0)) < 1e-9);
         assert!(state.ownship.course_rad > FRAC_PI_2);
         assert!(

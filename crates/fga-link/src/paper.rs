@@ -6,7 +6,7 @@
 //! roll takes.
 
 use fga::algorithm4::{Execution, Phase, Plan, pwm_us};
-use fga::kinematics::Response;
+use fga::kinematics::{Response, STANDARD_GRAVITY_MPS2};
 use fga::situation::{Obstacle, Ownship};
 use mavlink::dialects::ardupilotmega::{MavMessage, RC_CHANNELS_OVERRIDE_DATA};
 
@@ -14,6 +14,10 @@ use crate::number::to_u16;
 
 /// Faster than this an obstacle is not at rest, metres per second.
 const AT_REST_MPS: f64 = 1.0;
+
+/// The turn-rate factor is planned with a little low. Round the obstacle that is the wrong side: the
+/// circle would be tighter than meant. There it is taken larger by this.
+const ROUND_FACTOR: f64 = 1.07;
 
 /// Sticks to hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,8 +101,24 @@ impl PaperPilot {
         let offset = flown.obstacle.position_m - ownship.position_m;
         let range_m = libm::hypot(offset.x, offset.y) - ownship.airspeed_mps * early_s;
         let elapsed_s = time_s - flown.planned_s + early_s;
-        let command = flown.execution.step(elapsed_s, range_m, ownship.course_rad);
+        // The last turn ends on the course before: what is turned while rolling out is left out.
+        let rolling_out_rad = match flown.execution.phase() {
+            Phase::TurningBack => {
+                response.bank_time_constant_s
+                    * factor
+                    * STANDARD_GRAVITY_MPS2
+                    * libm::tan(ownship.bank_rad)
+                    / ownship.airspeed_mps
+            }
+            _ => 0.0,
+        };
+        let course_rad = ownship.course_rad + rolling_out_rad;
+        let command = flown.execution.step(elapsed_s, range_m, course_rad);
         // Back from the ideal bank to the one that is flown, and to the stick.
+        let factor = match command.phase {
+            Phase::RoundObstacle => factor * ROUND_FACTOR,
+            _ => factor,
+        };
         let bank_rad =
             libm::atan(libm::tan(command.bank_rad) / factor).clamp(-bank_limit_rad, bank_limit_rad);
         let roll_us = to_u16(pwm_us(bank_rad, full_stick_rad)?);

@@ -1,9 +1,10 @@
 //! How the vehicle follows, estimated in flight: turn-rate factor and bank lag.
 //!
-//! The factor is the measured rate of turn over g·tan φ/V while the bank is steady; the lag comes
-//! from how fast the bank goes to what is commanded, whether the companion commands it or the
-//! autopilot's own navigation does. Both start from the configuration's conservative figures and
-//! move to the estimate as evidence comes in; a little is always kept in hand.
+//! The factor is the measured rate of turn over g·tan φ/V while the bank is steady; dead time and
+//! lag come from how fast the bank goes to what the companion commands: of some dead times the one
+//! is taken with which a first-order lag explains the rolling best. All start from the
+//! configuration's conservative figures and move to the estimate as evidence comes in; of the
+//! factor a little is always kept in hand.
 
 use fga::kinematics::{Response, STANDARD_GRAVITY_MPS2};
 
@@ -19,6 +20,14 @@ const FACTOR_EVIDENCE_S: f64 = 4.0;
 const IN_HAND: f64 = 0.97;
 const FACTOR_RANGE: (f64, f64) = (0.4, 1.05);
 const LAG_RANGE_S: (f64, f64) = (0.1, 2.5);
+/// Dead times that are tried, seconds.
+const DEAD_TIMES_S: [f64; 10] = [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6];
+/// Errors of the bank below this tell little about the lag, radians.
+const LEAST_ERROR_RAD: f64 = 0.08;
+/// Rolling as long as this tells the dead time: error squared by time, rad² s.
+const DEAD_TIME_EVIDENCE: f64 = 0.5;
+/// Rolling is forgotten beyond this, rad² s.
+const ROLLING_MEMORY: f64 = 5.0;
 /// Longest gap between attitudes that is used, seconds.
 const LONGEST_GAP_S: f64 = 0.35;
 
@@ -31,9 +40,10 @@ pub struct ResponseEstimate {
     /// Σ dt, Σ dt · ratio over steady turns.
     factor_weight_s: f64,
     factor_sum_s: f64,
-    /// Σ e·φ̇ and Σ e² of φ̇ = e/τ, with the weight of the starting value.
-    lag_cross: f64,
-    lag_square: f64,
+    /// For each dead time Σ e·φ̇ and Σ e² of φ̇ = e/τ.
+    rolling: [(f64, f64); DEAD_TIMES_S.len()],
+    /// The same of the starting value.
+    rolling_start: (f64, f64),
 }
 
 impl ResponseEstimate {
@@ -51,20 +61,20 @@ impl ResponseEstimate {
             last: None,
             factor_weight_s: 0.0,
             factor_sum_s: 0.0,
-            lag_cross: weight / config.bank_time_constant_s.max(0.1),
-            lag_square: weight,
+            rolling: [(0.0, 0.0); DEAD_TIMES_S.len()],
+            rolling_start: (weight / config.bank_time_constant_s.max(0.1), weight),
         }
     }
 
-    /// Takes one attitude: bank and rate of turn (left positive), airspeed, and the bank commanded
-    /// a moment before, where known.
+    /// Takes one attitude: bank and rate of turn (left positive), airspeed, and the bank that was
+    /// commanded so many seconds before, where known.
     pub fn observe(
         &mut self,
         measured_s: f64,
         bank_rad: f64,
         course_rate_radps: f64,
         airspeed_mps: f64,
-        commanded_rad: Option<f64>,
+        commanded_before: impl Fn(f64) -> Option<f64>,
     ) {
         let last = self.last.replace((measured_s, bank_rad));
         let Some((last_s, last_bank_rad)) = last else {
@@ -88,17 +98,54 @@ impl ResponseEstimate {
                 }
             }
         }
-        if let Some(commanded_rad) = commanded_rad {
-            let error = commanded_rad - 0.5 * (bank_rad + last_bank_rad);
-            if error.abs() > 0.08 {
-                self.lag_cross += gap_s * error * bank_rate;
-                self.lag_square += gap_s * error * error;
-                if self.lag_square > 5.0 {
-                    self.lag_square *= 0.5;
-                    self.lag_cross *= 0.5;
-                }
+        self.observe_rolling(
+            gap_s,
+            0.5 * (bank_rad + last_bank_rad),
+            bank_rate,
+            commanded_before,
+        );
+    }
+
+    fn observe_rolling(
+        &mut self,
+        gap_s: f64,
+        bank_rad: f64,
+        bank_rate: f64,
+        commanded_before: impl Fn(f64) -> Option<f64>,
+    ) {
+        let mut errors = [0.0; DEAD_TIMES_S.len()];
+        for (error, dead_s) in errors.iter_mut().zip(DEAD_TIMES_S) {
+            // All of them or none: they are compared.
+            let Some(commanded_rad) = commanded_before(dead_s) else {
+                return;
+            };
+            *error = commanded_rad - bank_rad;
+        }
+        if errors.iter().all(|error| error.abs() < LEAST_ERROR_RAD) {
+            return;
+        }
+        for ((cross, square), error) in self.rolling.iter_mut().zip(errors) {
+            *cross += gap_s * error * bank_rate;
+            *square += gap_s * error * error;
+        }
+        if self.rolling.iter().any(|row| row.1 > ROLLING_MEMORY) {
+            for (cross, square) in &mut self.rolling {
+                *cross *= 0.5;
+                *square *= 0.5;
             }
         }
+    }
+
+    /// The dead time that explains the rolling best, with its sums.
+    fn best_rolling(&self) -> (f64, (f64, f64)) {
+        // What the fit φ̇ = e/τ explains of Σ φ̇².
+        let explained = |row: &(f64, f64)| row.0.max(0.0) * row.0 / row.1.max(1e-9);
+        DEAD_TIMES_S
+            .into_iter()
+            .zip(self.rolling)
+            .filter(|(_, row)| row.1 > DEAD_TIME_EVIDENCE)
+            .max_by(|a, b| explained(&a.1).total_cmp(&explained(&b.1)))
+            .unwrap_or((self.start.dead_time_s, (0.0, 0.0)))
     }
 
     /// The response to plan with.
@@ -113,8 +160,11 @@ impl ResponseEstimate {
             let factor = self.start.turn_rate_factor + trust * (seen - self.start.turn_rate_factor);
             response.turn_rate_factor = factor.clamp(FACTOR_RANGE.0, FACTOR_RANGE.1);
         }
-        if self.lag_cross > 1e-3 {
-            let lag_s = self.lag_square / self.lag_cross;
+        let (dead_time_s, rolling) = self.best_rolling();
+        response.dead_time_s = dead_time_s;
+        let cross = rolling.0 + self.rolling_start.0;
+        if cross > 1e-3 {
+            let lag_s = (rolling.1 + self.rolling_start.1) / cross;
             response.bank_time_constant_s = lag_s.clamp(LAG_RANGE_S.0, LAG_RANGE_S.1);
         }
         response
@@ -125,23 +175,33 @@ impl ResponseEstimate {
 mod tests {
     use super::*;
 
-    /// A first-order bank (τ = 0.5 s) and a factor of 0.74 are found from 20 Hz telemetry.
+    /// A first-order bank (τ = 0.5 s) 0.15 s late and a factor of 0.74 are found from telemetry.
     #[test]
-    fn factor_and_lag_are_found() {
+    fn factor_dead_time_and_lag_are_found() {
         let mut estimate = ResponseEstimate::new(&ResponseConfig::default());
         let (mut bank, mut time) = (0.0_f64, 0.0);
-        for n in 0..4000_u32 {
-            let commanded = if n / 100 % 2 == 0 { 0.6 } else { -0.6 };
-            bank = commanded + (bank - commanded) * (-0.05_f64 / 0.5).exp();
+        let commanded = |time: f64| {
+            if time.rem_euclid(10.0) < 5.0 {
+                0.6
+            } else {
+                -0.6
+            }
+        };
+        for _ in 0..4000_u32 {
+            let target = commanded(time - 0.15);
+            bank = target + (bank - target) * (-0.05_f64 / 0.5).exp();
             time += 0.05;
             let rate = 0.74 * 9.806_65 * bank.tan() / 25.0;
-            estimate.observe(time, bank, rate, 25.0, Some(commanded));
+            estimate.observe(time, bank, rate, 25.0, |before_s| {
+                Some(commanded(time - before_s))
+            });
         }
         let response = estimate.response();
         assert!(
             (response.turn_rate_factor - 0.97 * 0.74).abs() < 0.005,
             "{response:?}"
         );
+        assert!((response.dead_time_s - 0.15).abs() < 0.06, "{response:?}");
         assert!(
             (response.bank_time_constant_s - 0.5).abs() < 0.05,
             "{response:?}"
@@ -153,7 +213,7 @@ mod tests {
         let config = ResponseConfig::default();
         let mut estimate = ResponseEstimate::new(&config);
         for n in 0..100_u32 {
-            estimate.observe(f64::from(n) * 0.05, 0.01, 0.0, 25.0, None);
+            estimate.observe(f64::from(n) * 0.05, 0.01, 0.0, 25.0, |_| None);
         }
         assert_eq!(
             estimate.response().turn_rate_factor,

@@ -14,6 +14,9 @@
     reason = "older autopilots ask in the old way; coordinates fit"
 )]
 
+#[path = "common/ground.rs"]
+mod ground;
+
 use core::time::Duration;
 use std::io::{Read as _, Write as _};
 use std::net::TcpListener;
@@ -23,21 +26,14 @@ use std::time::Instant;
 use fga::Vec3;
 use fga_emulator::{Emulator, STEP_S, Settings};
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
-use fga_link::endpoint::{Received, Writer, open};
+use fga_link::endpoint::open;
 use fga_link::player::{Played, Sample, adsb_message};
 use fga_link::wire::{Frame, Framer, encode};
 use fga_link::{Companion, Config};
+use ground::{ALTITUDE_M, AUTO, CRUISE, FBWB, GUIDED, Ground, listen};
 use mavlink::MavHeader;
-use mavlink::dialects::ardupilotmega::{
-    COMMAND_LONG_DATA, HEARTBEAT_DATA, MISSION_COUNT_DATA, MISSION_ITEM_INT_DATA, MavCmd, MavFrame,
-    MavMessage, MavMissionType, MavModeFlag,
-};
+use mavlink::dialects::ardupilotmega::MavMessage;
 
-const FBWB: u32 = 6;
-const CRUISE: u32 = 7;
-const AUTO: u32 = 10;
-const GUIDED: u32 = 15;
-const ALTITUDE_M: f64 = 100.0;
 /// The leg on which all is met ends at this item.
 const LEG_ITEM: u16 = 3;
 const PROTECTED_M: f64 = 60.0;
@@ -71,19 +67,9 @@ struct Bench {
     clock: Clock,
     frames: Receiver<Frame>,
     heard: u64,
-    writer: Writer,
-    sent: u64,
+    ground: Ground,
     companion: Companion,
-    sequence: u8,
-    mode: u32,
-    modes: Vec<u32>,
-    armed: bool,
-    place: Option<Geodetic>,
-    velocity_mps: Vec3,
-    above_home_m: f64,
-    item: u16,
-    mission: Vec<MISSION_ITEM_INT_DATA>,
-    uploaded: bool,
+    home: Option<Geodetic>,
     threat: Option<Threat>,
     next_report_s: f64,
     next_heartbeat_s: f64,
@@ -93,35 +79,14 @@ struct Bench {
 
 impl Bench {
     fn new(endpoint: &str, clock: Clock) -> Self {
-        let (mut reader, writer) = open(&endpoint.parse().expect("endpoint")).expect("open");
-        let (to, frames) = sync_channel(4096);
-        std::thread::spawn(move || {
-            let mut framer = Framer::new(None);
-            let mut buffer = [0; 4096];
-            let mut wanted = true;
-            while wanted {
-                if let Received::Bytes(count) = reader.read(&mut buffer) {
-                    framer.push(&buffer[..count], |frame| wanted &= to.send(frame).is_ok());
-                }
-            }
-        });
+        let (reader, writer) = open(&endpoint.parse().expect("endpoint")).expect("open");
         Self {
             clock,
-            frames,
+            frames: listen(reader),
             heard: 0,
-            writer,
-            sent: 0,
+            ground: Ground::new(writer),
             companion: companion(""),
-            sequence: 0,
-            mode: 0,
-            modes: Vec::new(),
-            armed: false,
-            place: None,
-            velocity_mps: Vec3::ZERO,
-            above_home_m: 0.0,
-            item: 0,
-            mission: Vec::new(),
-            uploaded: false,
+            home: None,
             threat: None,
             next_report_s: 0.0,
             next_heartbeat_s: 0.0,
@@ -136,72 +101,16 @@ impl Bench {
         }
     }
 
-    fn send(&mut self, system_id: u8, component_id: u8, message: &MavMessage) {
-        let header = MavHeader {
-            system_id: u32::from(system_id),
-            component_id,
-            sequence: self.sequence,
-        };
-        self.sequence = self.sequence.wrapping_add(1);
-        let raw = encode(header, message, None);
-        self.sent += u64::from(self.writer.write(raw.raw_bytes()));
-    }
-
-    fn command(&mut self, command: MavCmd, param1: f32, param2: f32) {
-        let message = MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
-            command,
-            param1,
-            param2,
-            target_system: 1,
-            target_component: 1,
-            ..COMMAND_LONG_DATA::DEFAULT
-        });
-        self.send(255, 190, &message);
-    }
-
     fn take(&mut self, frame: &Frame) {
         let now_s = self.now_s();
         self.companion.receive(&frame.header, &frame.message, now_s);
-        match &frame.message {
-            MavMessage::HEARTBEAT(data) if frame.header.component_id == 1 => {
-                self.armed = data
-                    .base_mode
-                    .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED);
-                if self.mode != data.custom_mode {
-                    self.mode = data.custom_mode;
-                    self.modes.push(self.mode);
-                    eprintln!("{now_s:7.1} s mode {}", self.mode);
-                }
-            }
-            MavMessage::GLOBAL_POSITION_INT(data) => {
-                self.above_home_m = f64::from(data.relative_alt) * 1e-3;
-                self.velocity_mps = Vec3::new(
-                    f64::from(data.vy) * 0.01,
-                    f64::from(data.vx) * 0.01,
-                    -f64::from(data.vz) * 0.01,
-                );
-                self.place = Geodetic::new(
-                    f64::from(data.lat) * 1e-7,
-                    f64::from(data.lon) * 1e-7,
-                    f64::from(data.alt) * 1e-3,
-                );
-                self.measure(now_s);
-            }
-            MavMessage::MISSION_CURRENT(data) => self.item = data.seq,
-            MavMessage::MISSION_REQUEST_INT(data)
-                if data.mission_type == MavMissionType::MAV_MISSION_TYPE_MISSION =>
-            {
-                self.hand_over_item(data.seq);
-            }
-            MavMessage::MISSION_REQUEST(data) => self.hand_over_item(data.seq),
-            MavMessage::MISSION_ACK(data) if data.target_system == 255 => self.uploaded = true,
-            _ => {}
+        let mode = self.ground.mode;
+        self.ground.take(frame);
+        if self.ground.mode != mode {
+            eprintln!("{now_s:7.1} s mode {}", self.ground.mode);
         }
-    }
-
-    fn hand_over_item(&mut self, number: u16) {
-        if let Some(item) = self.mission.get(usize::from(number)).cloned() {
-            self.send(255, 190, &MavMessage::MISSION_ITEM_INT(item));
+        if matches!(frame.message, MavMessage::GLOBAL_POSITION_INT(_)) {
+            self.measure(now_s);
         }
     }
 
@@ -214,7 +123,7 @@ impl Bench {
                 }
             }
             Clock::Steps { go, done, now_s } => {
-                go.send(self.sent).expect("the emulator");
+                go.send(self.ground.sent).expect("the emulator");
                 let (time_s, sent) = done.recv().expect("the emulator");
                 *now_s = time_s;
                 while self.heard < sent {
@@ -233,19 +142,21 @@ impl Bench {
             let now_s = self.now_s();
             assert!(
                 now_s < end_s,
-                "waited {longest_s} s for {what}: {}",
-                self.companion.status_line(now_s)
+                "waited {longest_s} s for {what}: {}; {}",
+                self.companion.status_line(now_s),
+                self.ground.told(self.home)
             );
             self.pass();
             let now_s = self.now_s();
             if now_s >= self.next_heartbeat_s {
                 self.next_heartbeat_s = now_s + 1.0;
-                self.send(255, 190, &MavMessage::HEARTBEAT(HEARTBEAT_DATA::DEFAULT));
+                self.ground.heartbeat();
             }
             self.report_threat(now_s);
             self.companion.tick(now_s);
             for outgoing in self.companion.outbox() {
-                self.send(outgoing.system_id, 196, &outgoing.message);
+                self.ground
+                    .send_as(outgoing.system_id, 196, &outgoing.message);
             }
         }
     }
@@ -276,19 +187,16 @@ impl Bench {
 
     fn measure(&mut self, now_s: f64) {
         let sample = self.threat.as_ref().and_then(|t| t.path.at(now_s));
-        if let (Some(place), Some(sample)) = (self.place, sample) {
-            let away_m = LocalFrame::new(place, Earth::Wgs84)
-                .to_local_m(sample.place)
-                .length();
-            if away_m < self.least_m.0 {
-                self.least_m = (away_m, now_s);
-            }
+        if let Some(away_m) = sample.and_then(|sample| self.ground.away_m(sample.place))
+            && away_m < self.least_m.0
+        {
+            self.least_m = (away_m, now_s);
         }
     }
 
     /// A threat whose place is given from the vehicle: metres east and north.
     fn meet(&mut self, offset_m: Vec3, velocity_mps: Vec3, reported: bool) -> Geodetic {
-        let here = self.place.expect("a position");
+        let here = self.ground.place.expect("a position");
         let place = LocalFrame::new(here, Earth::Wgs84).to_geodetic(offset_m);
         let sample = Sample {
             time_s: self.now_s(),
@@ -304,66 +212,18 @@ impl Bench {
             reported,
         });
         self.least_m = (f64::INFINITY, 0.0);
-        self.modes.clear();
+        self.ground.modes.clear();
         place
-    }
-
-    /// Distance from a line north through home, metres, and angle to it, radians.
-    fn off_leg(&self, home: Geodetic) -> (f64, f64) {
-        let frame = LocalFrame::new(home, Earth::Wgs84);
-        let at_m = frame.to_local_m(self.place.expect("a position"));
-        (at_m.x.abs(), self.track_rad().abs())
-    }
-
-    /// Course over the ground, radians clockwise from north.
-    fn track_rad(&self) -> f64 {
-        self.velocity_mps.x.atan2(self.velocity_mps.y)
-    }
-
-    fn upload(&mut self, home: Geodetic) {
-        let frame = LocalFrame::new(home, Earth::Wgs84);
-        let item = |seq: u16, command: MavCmd, east_m: f64, north_m: f64| {
-            let place = frame.to_geodetic(Vec3::new(east_m, north_m, 0.0));
-            let takes_off = command == MavCmd::MAV_CMD_NAV_TAKEOFF;
-            MISSION_ITEM_INT_DATA {
-                seq,
-                command,
-                frame: MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
-                x: (place.latitude_deg * 1e7) as i32,
-                y: (place.longitude_deg * 1e7) as i32,
-                z: ALTITUDE_M as f32,
-                param1: if takes_off { 15.0 } else { 0.0 },
-                target_system: 1,
-                target_component: 1,
-                autocontinue: 1,
-                ..MISSION_ITEM_INT_DATA::DEFAULT
-            }
-        };
-        let way = MavCmd::MAV_CMD_NAV_WAYPOINT;
-        self.mission = vec![
-            item(0, way, 0.0, 0.0),
-            item(1, MavCmd::MAV_CMD_NAV_TAKEOFF, 0.0, 300.0),
-            item(2, way, 0.0, 800.0),
-            item(LEG_ITEM, way, 0.0, 15_000.0),
-            item(4, way, 3000.0, 15_000.0),
-        ];
-        let count = MavMessage::MISSION_COUNT(MISSION_COUNT_DATA {
-            count: 5,
-            target_system: 1,
-            target_component: 1,
-            ..MISSION_COUNT_DATA::DEFAULT
-        });
-        self.send(255, 190, &count);
     }
 
     fn change_mode(&mut self, mode: u32) {
         let mut again_s = 0.0;
         self.run(20.0, "the mode", move |b| {
-            if b.mode != mode && b.now_s() >= again_s {
+            if b.ground.mode != mode && b.now_s() >= again_s {
                 again_s = b.now_s() + 2.0;
-                b.command(MavCmd::MAV_CMD_DO_SET_MODE, 1.0, mode as f32);
+                b.ground.ask_for_mode(mode);
             }
-            b.mode == mode
+            b.ground.mode == mode
         });
     }
 }
@@ -382,39 +242,43 @@ fn disc(place: Geodetic, radius_m: f64) -> String {
 
 /// Take-off in AUTO, on to the leg; home is where the vehicle stands.
 fn take_off(bench: &mut Bench) -> Geodetic {
-    bench.run(60.0, "a position", |b| {
-        b.place.is_some_and(|p| p.latitude_deg != 0.0)
+    let mut again_s = 0.0;
+    bench.run(60.0, "a position", move |b| {
+        if b.now_s() >= again_s {
+            again_s = b.now_s() + 2.0;
+            b.ground.ask_for_messages();
+        }
+        b.ground.home().is_some()
     });
-    let home = bench.place.expect("a position");
-    bench.upload(home);
-    bench.run(20.0, "the mission", |b| b.uploaded);
+    let home = bench.ground.home().expect("a position");
+    bench.home = Some(home);
+    bench
+        .ground
+        .upload(home, &[(0.0, 800.0), (0.0, 15_000.0), (3000.0, 15_000.0)]);
+    bench.run(20.0, "the mission", |b| b.ground.uploaded);
     let mut again_s = 0.0;
     bench.run(180.0, "flight on the leg", move |b| {
         if b.now_s() > again_s {
             again_s = b.now_s() + 2.0;
-            if b.mode != AUTO {
-                b.command(MavCmd::MAV_CMD_DO_SET_MODE, 1.0, AUTO as f32);
-            } else if !b.armed {
-                b.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 0.0);
-            }
+            b.ground.ask_to_take_off();
         }
-        b.armed
-            && b.mode == AUTO
-            && b.item == LEG_ITEM
-            && b.above_home_m > 0.9 * ALTITUDE_M
-            && b.off_leg(home).0 < BACK_M
+        b.ground.armed
+            && b.ground.mode == AUTO
+            && b.ground.item == LEG_ITEM
+            && b.ground.above_home_m > 0.9 * ALTITUDE_M
+            && b.ground.off_leg(home).0 < BACK_M
     });
     home
 }
 
 /// The mission is left once and resumed, the threat is kept clear of, the leg is flown again.
 fn judge_encounter(bench: &mut Bench, home: Geodetic, what: &str) {
-    bench.run(90.0, "the take-over", |b| b.mode == GUIDED);
-    bench.run(120.0, "the return", |b| b.mode == AUTO);
+    bench.run(90.0, "the take-over", |b| b.ground.mode == GUIDED);
+    bench.run(120.0, "the return", |b| b.ground.mode == AUTO);
     bench.run(90.0, "the passage", |b| b.now_s() > b.least_m.1 + 3.0);
     let passed_s = bench.least_m.1;
     bench.run(passed_s + BACK_S - bench.now_s(), "the leg", |b| {
-        let (across_m, angle_rad) = b.off_leg(home);
+        let (across_m, angle_rad) = b.ground.off_leg(home);
         across_m <= BACK_M && angle_rad <= BACK_RAD
     });
     eprintln!(
@@ -423,12 +287,12 @@ fn judge_encounter(bench: &mut Bench, home: Geodetic, what: &str) {
         bench.now_s() - passed_s
     );
     assert!(bench.least_m.0 >= PROTECTED_M, "{what}");
-    assert_eq!(bench.modes, [GUIDED, AUTO], "{what}");
-    assert_eq!(bench.item, LEG_ITEM, "{what}");
+    assert_eq!(bench.ground.modes, [GUIDED, AUTO], "{what}");
+    assert_eq!(bench.ground.item, LEG_ITEM, "{what}");
     bench.threat = None;
     // The track is dropped, and all is quiet.
     bench.run_for(25.0);
-    assert_eq!(bench.mode, AUTO, "{what}");
+    assert_eq!(bench.ground.mode, AUTO, "{what}");
 }
 
 /// CRUISE, FBWB round the disc, CRUISE on the old course.
@@ -436,7 +300,7 @@ fn fly_algorithm_4(bench: &mut Bench) {
     bench.companion = companion("[safety]\narmed_at_start = false\n");
     bench.change_mode(CRUISE);
     bench.run_for(5.0);
-    let track_rad = bench.track_rad();
+    let track_rad = bench.ground.track_rad();
     let ahead = Vec3::new(track_rad.sin(), track_rad.cos(), 0.0);
     let place = bench.meet(ahead * 1200.0, Vec3::ZERO, false);
     let config = format!(
@@ -444,17 +308,17 @@ fn fly_algorithm_4(bench: &mut Bench) {
         disc(place, DISC_M)
     );
     bench.companion = companion(&config);
-    bench.run(90.0, "FBWB", |b| b.mode == FBWB);
-    bench.run(120.0, "CRUISE", |b| b.mode == CRUISE);
+    bench.run(90.0, "FBWB", |b| b.ground.mode == FBWB);
+    bench.run(120.0, "CRUISE", |b| b.ground.mode == CRUISE);
     bench.run(60.0, "the passage", |b| b.now_s() > b.least_m.1 + 3.0);
-    let off_rad = (bench.track_rad() - track_rad).abs();
+    let off_rad = (bench.ground.track_rad() - track_rad).abs();
     eprintln!(
         "Algorithm 4: least distance {:.1} m, course off by {:.1} degrees",
         bench.least_m.0,
         off_rad.to_degrees()
     );
     assert!(bench.least_m.0 >= DISC_M);
-    assert_eq!(bench.modes, [FBWB, CRUISE]);
+    assert_eq!(bench.ground.modes, [FBWB, CRUISE]);
     assert!(off_rad <= 2.0 * BACK_RAD);
 }
 
@@ -467,7 +331,7 @@ fn fly_the_course(bench: &mut Bench) {
 
     bench.companion = companion("");
     bench.run_for(10.0);
-    let own_mps = bench.velocity_mps.y;
+    let own_mps = bench.ground.velocity_mps.y;
     bench.meet(
         Vec3::new(0.0, 40.0 * (own_mps + 25.0), 0.0),
         Vec3::new(0.0, -25.0, 0.0),
@@ -475,7 +339,7 @@ fn fly_the_course(bench: &mut Bench) {
     );
     judge_encounter(bench, home, "head-on");
 
-    let own_mps = bench.velocity_mps.y;
+    let own_mps = bench.ground.velocity_mps.y;
     bench.meet(
         Vec3::new(5.0, -600.0, 0.0),
         Vec3::new(0.0, own_mps + 15.0, 0.0),
@@ -502,6 +366,7 @@ fn serve_emulator(server: &TcpListener, go: &Receiver<u64>, done: &SyncSender<(f
         position_m: [0.0, 0.0, 0.0],
         mode: fga_emulator::Mode::Manual,
         armed: false,
+        fix_s: 28.0,
         ..Settings::default()
     });
     let (mut stream, _) = server.accept().expect("the bench");

@@ -15,9 +15,12 @@ use fga_sim::oracle::{
 const OWN_MPS: f64 = 25.0;
 const MEET_S: f64 = 70.0;
 const PROTECTED_M: f64 = 60.0;
-/// Half a second between two reports, the network there and back: what no decision can gain, and
-/// on the good side.
-const DEAD_TIME_S: f64 = 0.3;
+/// The report to the companion and the change of mode to the vehicle: what no decision can gain.
+/// Taken as they were in the encounter, between the good side, and the worst that the network does
+/// to both and to the target that follows.
+const DEAD_TIME_S: (f64, f64) = (0.3, 0.5);
+/// The first-order lag that comes closest to the roll of the emulator.
+const BANK_TIME_CONSTANT_S: f64 = 0.4;
 
 #[derive(Debug, Clone, Copy)]
 enum Kind {
@@ -104,8 +107,8 @@ fn scene(world: &World) -> Scene {
         climb_min_rad: 0.0,
         climb_max_rad: 0.0,
         climb_rate_radps: 0.0,
-        dead_time_s: DEAD_TIME_S,
-        bank_time_constant_s: settings.roll_time_constant_s,
+        dead_time_s: DEAD_TIME_S.0,
+        bank_time_constant_s: BANK_TIME_CONSTANT_S,
         bank_max_rad: bank_rad,
         turn_rate_factor: settings.turn_rate_factor,
     };
@@ -161,7 +164,7 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64)) -> Result {
     while world.time_s < 115.0 || (world.mode() != Mode::Auto && world.time_s < 300.0) {
         world.step();
         if best_m.is_none() && world.shown.iter().all(|shown| *shown) && shown.1 < 400.0 {
-            best_m = Some(scene(&world));
+            best_m = Some((world.time_s, scene(&world)));
         }
         let (across_m, angle_rad) = world.off_leg();
         largest_m = largest_m.max(across_m);
@@ -192,8 +195,13 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64)) -> Result {
     let straight = !matches!(kind, Kind::Turning);
     Result {
         best_m: best_m.filter(|_| straight && least_m < PROTECTED_M).map(
-            |(start, vehicle, obstacles)| {
+            |(scene_s, (start, mut vehicle, obstacles))| {
                 let settings = OracleSettings::default();
+                // The emulator's clock began earlier.
+                let ahead_s = world.emulator.time_s() - world.time_s;
+                let change = world.emulator.mode_changes().first();
+                let waited_s = change.map_or(0.0, |change| change.time_s - ahead_s - scene_s);
+                vehicle.dead_time_s = waited_s.clamp(DEAD_TIME_S.0, DEAD_TIME_S.1);
                 best_margin(&start, &vehicle, &obstacles, &settings).best_margin_m
             },
         ),

@@ -246,3 +246,23 @@ fn other_modes_are_taken_over_only_where_that_is_allowed() {
         }
     }
 }
+
+/// The roll of an ArduPlane comes late and fast: a law that expects a slow one rocks the wings.
+#[test]
+fn turns_end_without_rocking() {
+    for network in [GOOD, BAD] {
+        let mut world = head_on(World::new("", network, 3));
+        let (mut travel_rad, mut bank_rad) = (0.0, 0.0);
+        while world.time_s < 110.0 {
+            world.step();
+            let now_rad = world.emulator.plant().bank_rad();
+            if world.mode() == Mode::Guided {
+                travel_rad += f64::abs(now_rad - bank_rad);
+            }
+            bank_rad = now_rad;
+        }
+        eprintln!("rolled through {travel_rad:.1} rad");
+        // Without an account of the commands under way it was 32 rad over the bad network.
+        assert!(travel_rad < 9.0);
+    }
+}

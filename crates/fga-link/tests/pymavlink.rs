@@ -149,7 +149,7 @@ fn pymavlink_reads_what_is_sent_and_is_read() {
     );
     // Numbers as pymavlink names and reads them.
     assert_eq!(fields[1]["mavpackettype"], "SET_ATTITUDE_TARGET");
-    assert_eq!(fields[1]["type_mask"], 0b0100_0100);
+    assert_eq!(fields[1]["type_mask"], 0b1100_0100);
     assert_eq!(fields[2]["chan1_raw"], 2000);
     assert_eq!(fields[3]["ICAO_address"], 0x00AB_C123);
     assert_eq!(fields[3]["callsign"], "FGA1");

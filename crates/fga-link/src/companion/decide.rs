@@ -28,14 +28,10 @@ impl Companion {
     /// The state at the moment at which a command sent now takes effect.
     pub(super) fn state_ahead(&mut self, now_s: f64) -> Option<State> {
         let response = self.response.response();
-        let commanded = self
-            .keeper
-            .commands()
-            .then_some((self.commanded.bank_rad, response.bank_time_constant_s));
         self.ownship.state_at(
             now_s + response.dead_time_s,
-            commanded,
-            response.turn_rate_factor,
+            &self.commanded_lately,
+            &response,
         )
     }
 

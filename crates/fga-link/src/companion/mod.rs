@@ -20,6 +20,7 @@ use serde_json::{Value, json};
 
 use crate::attitude::{AttitudeCommand, PitchKeeper};
 use crate::authority::{Action, Authority, Keeper, Severity};
+use crate::commanded::Commanded;
 use crate::commands::Commands;
 use crate::config::{CommandMode, Config, ConfigError};
 use crate::mission::{Download, Way};
@@ -37,6 +38,8 @@ pub use picture::Picture;
 
 /// System id of the first heartbeats, until a vehicle is heard: that of most vehicles.
 const FIRST_SYSTEM: u8 = 1;
+/// The bank before a manoeuvre is taken to have been kept for so long, seconds.
+const KEPT_BEFORE_S: f64 = 2.0;
 /// Most lines of the log that wait to be taken.
 const MOST_LOG_LINES: usize = 4096;
 
@@ -107,16 +110,18 @@ pub struct Companion {
     mission_total: Option<u16>,
     ownship: OwnshipEstimate,
     response: ResponseEstimate,
-    navigation_bank_rad: Option<f64>,
     tracks: TrackTable,
     virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
     keeper: Keeper,
     avoider: Option<Box<Avoider>>,
     way: Way,
     way_mode: Option<Mode>,
+    /// The vehicle's mission item when the way was laid.
+    way_item: Option<u16>,
     obstacles: Vec<Obstacle>,
     decided: Option<Decided>,
     commanded: AttitudeCommand,
+    commanded_lately: Commanded,
     following_since_s: Option<f64>,
     on_way_since_s: Option<f64>,
     refusals: u32,
@@ -176,19 +181,20 @@ impl Companion {
             mission_total: None,
             ownship: OwnshipEstimate::default(),
             response: ResponseEstimate::new(&config.response),
-            navigation_bank_rad: None,
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
             virtual_reports: around::virtual_reports(&config),
             keeper: Keeper::new(target, config.safety.armed_at_start),
             avoider: None,
             way: Way::default(),
             way_mode: None,
+            way_item: None,
             obstacles: Vec::new(),
             decided: None,
             commanded: AttitudeCommand {
                 bank_rad: 0.0,
                 climb_rad: None,
             },
+            commanded_lately: Commanded::default(),
             following_since_s: None,
             on_way_since_s: None,
             refusals: 0,
@@ -249,6 +255,11 @@ impl Companion {
     /// The vehicle's limits as they are planned with.
     pub fn vehicle(&self) -> Option<&Vehicle> {
         self.avoider.as_ref().map(|avoider| avoider.vehicle())
+    }
+
+    /// How the vehicle follows, as estimated so far.
+    pub fn response(&self) -> fga::kinematics::Response {
+        self.response.response()
     }
 
     /// The last decision.
@@ -347,6 +358,7 @@ impl Companion {
                 Action::Began => {
                     self.counts.maneuvers += 1;
                     self.pitch.begin();
+                    self.begin_commanding(now_s);
                     self.following_since_s = None;
                     self.on_way_since_s = None;
                     self.last_heading_rad = None;
@@ -374,10 +386,19 @@ impl Companion {
         }
     }
 
+    /// Until the first command takes effect, the aircraft keeps the bank that it has.
+    fn begin_commanding(&mut self, now_s: f64) {
+        self.commanded_lately.clear();
+        if let Some(bank_rad) = self.ownship.bank_rad() {
+            self.commanded_lately.push(now_s - KEPT_BEFORE_S, bank_rad);
+        }
+    }
+
     /// The avoider and its way are made anew with the next decision.
     fn forget_plan(&mut self) {
         self.avoider = None;
         self.decided = None;
+        self.commanded_lately.clear();
         self.paper = PaperPilot::default();
     }
 

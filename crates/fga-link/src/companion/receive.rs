@@ -1,6 +1,7 @@
 //! What each message does.
 
-use fga::avoider::Reason;
+use fga::avoider::{Reason, State as AvoiderState};
+use fga_formats::geodesy::LocalFrame;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     ATTITUDE_DATA, COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd,
@@ -129,12 +130,13 @@ impl Companion {
             MavMessage::GLOBAL_POSITION_INT(data) => {
                 let update = self.ownship.take_position(data, now_s);
                 self.after_update(update, now_s);
+                self.renew_frame(now_s);
             }
             MavMessage::ATTITUDE(data) => {
                 let update = self.ownship.take_attitude(data, now_s);
                 if update == Update::Fresh {
                     self.boot_ms = data.time_boot_ms;
-                    self.learn_response(data);
+                    self.learn_response(data, now_s);
                 }
                 self.after_update(update, now_s);
                 if update == Update::Fresh {
@@ -143,10 +145,6 @@ impl Companion {
             }
             MavMessage::VFR_HUD(data) => self.ownship.take_hud(data),
             MavMessage::WIND(data) => self.ownship.take_wind(data, now_s),
-            MavMessage::NAV_CONTROLLER_OUTPUT(data) => {
-                let degrees = f64::from(data.nav_roll);
-                self.navigation_bank_rad = (degrees.abs() < 90.0).then(|| -degrees.to_radians());
-            }
             MavMessage::PARAM_VALUE(data) => {
                 self.parameters.take(data);
             }
@@ -200,22 +198,45 @@ impl Companion {
         }
     }
 
-    fn learn_response(&mut self, data: &ATTITUDE_DATA) {
+    /// Lays the local frame anew where the aircraft is far from its origin and nothing threatens;
+    /// whatever is known in the old one is learnt again.
+    fn renew_frame(&mut self, now_s: f64) {
+        let busy = self
+            .avoider
+            .as_ref()
+            .is_some_and(|avoider| avoider.state() != AvoiderState::Cruise);
+        if self.keeper.is_engaged() || busy || !self.ownship.lay_frame_anew() {
+            return;
+        }
+        self.tracks.clear();
+        self.fence = fence::Fence::default();
+        self.fence_laid = 0;
+        self.way_mode = None;
+        self.forget_plan();
+        if let Some(origin) = self.ownship.frame().map(LocalFrame::origin) {
+            self.note(
+                now_s,
+                "frame",
+                json!({
+                    "latitude_deg": origin.latitude_deg,
+                    "longitude_deg": origin.longitude_deg,
+                }),
+            );
+        }
+    }
+
+    fn learn_response(&mut self, data: &ATTITUDE_DATA, now_s: f64) {
         let Some(airspeed_mps) = self.ownship.airspeed_mps() else {
             return;
         };
         let bank_rad = -f64::from(data.roll);
-        let commanded = if self.keeper.commands() {
-            Some(self.commanded.bank_rad)
-        } else {
-            self.navigation_bank_rad
-        };
+        let measured_s = now_s - self.ownship.attitude_age_s(now_s).unwrap_or(0.0);
         self.response.observe(
             f64::from(data.time_boot_ms) * 1e-3,
             bank_rad,
             -f64::from(data.yawspeed) / libm::cos(bank_rad).max(0.3),
             airspeed_mps,
-            commanded,
+            |before_s| self.commanded_lately.at(measured_s - before_s),
         );
     }
 

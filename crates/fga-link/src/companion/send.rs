@@ -28,7 +28,7 @@ pub(super) struct Stream {
 /// Number of the message that prompts targets and decisions.
 const ATTITUDE: f32 = 30.0;
 /// The streams and their intervals; the heartbeat more often than usual, because it tells the mode.
-pub(super) const STREAMS: [Stream; 8] = [
+pub(super) const STREAMS: [Stream; 7] = [
     Stream {
         message_id: ATTITUDE,
         interval_s: 0.05,
@@ -54,10 +54,6 @@ pub(super) const STREAMS: [Stream; 8] = [
         interval_s: 0.5,
     },
     Stream {
-        message_id: 62.0,
-        interval_s: 0.2,
-    },
-    Stream {
         message_id: 2.0,
         interval_s: 2.0,
     },
@@ -74,8 +70,7 @@ pub(super) const fn stream_slot(message: &MavMessage) -> Option<usize> {
         MavMessage::VFR_HUD(_) => 3,
         MavMessage::WIND(_) => 4,
         MavMessage::MISSION_CURRENT(_) => 5,
-        MavMessage::NAV_CONTROLLER_OUTPUT(_) => 6,
-        MavMessage::SYSTEM_TIME(_) => 7,
+        MavMessage::SYSTEM_TIME(_) => 6,
         _ => return None,
     })
 }
@@ -193,9 +188,14 @@ impl Companion {
             self.outbox
                 .send(telling::value("FGA_ENTRY", threat.entry_s, boot_ms));
         }
-        let factor = self.response.response().turn_rate_factor;
-        self.outbox
-            .send(telling::value("FGA_TURN", factor, boot_ms));
+        let response = self.response.response();
+        for (name, value) in [
+            ("FGA_TURN", response.turn_rate_factor),
+            ("FGA_LAG", response.bank_time_constant_s),
+            ("FGA_DEAD", response.dead_time_s),
+        ] {
+            self.outbox.send(telling::value(name, value, boot_ms));
+        }
         let state = match self.keeper.state() {
             Authority::Waiting => 0.0,
             Authority::Ready => 1.0,
@@ -254,6 +254,7 @@ impl Companion {
             CommandMode::Heading => self.command_heading(now_s, &state),
             CommandMode::Paper => self.command_sticks(),
         }
+        self.commanded_lately.push(now_s, self.commanded.bank_rad);
         self.watch_following(now_s);
     }
 

@@ -37,8 +37,10 @@ impl Companion {
             .is_some_and(|a| a.state() != AvoiderState::Cruise);
         match heard.mode {
             Mode::AUTO => {
+                // The avoider and the vehicle pass a waypoint at somewhat different moments.
                 let same_item = self.way_mode == Some(Mode::AUTO)
-                    && self.current_leg_item() == self.mission_item;
+                    && (self.way_item == self.mission_item
+                        || self.current_leg_item() == self.mission_item);
                 if same_item || (busy && self.way_mode == Some(Mode::AUTO) && self.item_is_ahead())
                 {
                     return;
@@ -86,6 +88,7 @@ impl Companion {
             }
         }
         self.way_mode = Some(heard.mode);
+        self.way_item = self.mission_item;
         self.avoider = None;
         self.note(
             now_s,

@@ -126,6 +126,11 @@ impl TrackTable {
         &self.tracks
     }
 
+    /// Forgets all tracks.
+    pub fn clear(&mut self) {
+        self.tracks.clear();
+    }
+
     /// The track with a number.
     pub fn get(&self, id: u32) -> Option<&Track> {
         self.tracks.iter().find(|track| track.id == id)

@@ -1,0 +1,390 @@
+//! Seeded encounters of ArduPlane in software in the loop with the running program `fga fly`:
+//! `cargo run --release -p fga-link --example encounters -- target/release/fga 500 2000 0 24
+//! tcp:127.0.0.1:5760 tcp:127.0.0.1:5762`.
+//!
+//! Arguments: the program; first shown at so many to so many metres; the first seed and how many;
+//! the vehicle's link for the ground station and the one for the program; then, where wanted, the
+//! configuration of the program and a folder for its logs. The vehicle stands on its runway and
+//! knows no mission; it takes off, flies north, and meets one encounter after the other on that
+//! leg. The intruders are reported by `ADSB_VEHICLE` twice a second on the ground station's link;
+//! the vehicle passes them on to the program's, as long as its own `ADSB_TYPE` is 0. All is judged
+//! by the vehicle's telemetry on the ground station's link. Real time: the vehicle runs at speed 1;
+//! several vehicles side by side are several runs of this program.
+
+#[path = "../tests/common/ground.rs"]
+mod ground;
+
+use core::time::Duration;
+use std::process::{Child, Command, ExitCode, Stdio};
+use std::sync::mpsc::Receiver;
+use std::time::Instant;
+
+use fga::Vec3;
+use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
+use fga_link::endpoint::open;
+use fga_link::player::{Played, Sample, adsb_message};
+use fga_link::wire::Frame;
+use ground::{ALTITUDE_M, AUTO, Ground, listen};
+
+const PROTECTED_M: f64 = 60.0;
+/// Back on the leg: this close and this well aligned.
+const BACK_M: f64 = 20.0;
+const BACK_RAD: f64 = 0.087_3;
+/// An encounter is watched for so long after the last intruder has passed, seconds …
+const AFTER_S: f64 = 45.0;
+/// … or until the mission flies again, but no longer than this.
+const LONGEST_AFTER_S: f64 = 240.0;
+/// The aircraft is steady on its leg for so long before the next one, seconds.
+const STEADY_S: f64 = 15.0;
+/// A waypoint stands on the leg every so often; the leg is as long as the aircraft can fly.
+const WAYPOINT_M: f64 = 5_000.0;
+const WAYPOINTS: u16 = 40;
+
+/// `SplitMix64`.
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^= z >> 31;
+        low + (high - low) * ((z >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+
+    fn side(&mut self) -> f64 {
+        if self.uniform(0.0, 1.0) < 0.5 {
+            1.0
+        } else {
+            -1.0
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    HeadOn,
+    Crossing,
+    Overtaking,
+    Climbing,
+    Two,
+}
+
+const KINDS: [Kind; 5] = [
+    Kind::HeadOn,
+    Kind::Crossing,
+    Kind::Overtaking,
+    Kind::Climbing,
+    Kind::Two,
+];
+
+/// An intruder: where it flies, and what has been seen of it.
+struct Intruder {
+    path: Played,
+    shown_m: f64,
+    shown: bool,
+    next_report_s: f64,
+    /// Least distance, metres, and when.
+    least_m: (f64, f64),
+}
+
+/// Velocity of an intruder, metres per second east, north, up.
+fn velocity(random: &mut Random, kind: Kind, own_mps: f64) -> Vec3 {
+    let (speed, track_deg) = match kind {
+        Kind::HeadOn => (
+            random.uniform(15.0, 40.0),
+            180.0 + random.uniform(-10.0, 10.0),
+        ),
+        Kind::Crossing | Kind::Climbing | Kind::Two => (
+            random.uniform(15.0, 40.0),
+            random.side() * random.uniform(60.0, 120.0),
+        ),
+        Kind::Overtaking => (
+            own_mps + random.uniform(13.0, 25.0),
+            random.uniform(-8.0, 8.0),
+        ),
+    };
+    let climb = match kind {
+        Kind::Climbing => random.side() * random.uniform(2.0, 5.0),
+        _ => 0.0,
+    };
+    let (sin, cos) = f64::to_radians(track_deg).sin_cos();
+    Vec3::new(speed * sin, speed * cos, climb)
+}
+
+/// Intruders that meet the aircraft, off by a few metres, a little after they are shown.
+fn intruders(seed: u32, kind: Kind, shown: (f64, f64), bench: &Bench) -> Vec<Intruder> {
+    let mut random = Random(u64::from(seed) * 7919 + 17);
+    let own = bench.ground.velocity_mps;
+    let kinds: &[Kind] = match kind {
+        Kind::Two => match seed / 5 % 3 {
+            0 => &[Kind::Crossing, Kind::HeadOn],
+            1 => &[Kind::Crossing, Kind::Crossing],
+            _ => &[Kind::Crossing, Kind::Overtaking],
+        },
+        _ => &[kind][..],
+    };
+    let paths: Vec<(Vec3, f64)> = kinds
+        .iter()
+        .map(|kind| {
+            let velocity = velocity(&mut random, *kind, own.y);
+            (velocity, random.uniform(shown.0, shown.1))
+        })
+        .collect();
+    // All meet the aircraft at about the same time.
+    let meet_s = paths
+        .iter()
+        .map(|(velocity, shown_m)| shown_m / (*velocity - own).length() + 3.0)
+        .fold(0.0, f64::max);
+    let here = bench.ground.place.expect("a position");
+    let frame = LocalFrame::new(here, Earth::Wgs84);
+    (0..)
+        .zip(paths)
+        .map(|(number, (velocity_mps, shown_m))| {
+            let at_s = meet_s
+                + if number > 0 {
+                    random.uniform(-4.0, 4.0)
+                } else {
+                    0.0
+                };
+            let meet = Vec3::new(
+                random.uniform(-30.0, 30.0),
+                own.y * at_s + random.uniform(-20.0, 20.0),
+                random.uniform(-15.0, 15.0),
+            );
+            Intruder {
+                path: Played {
+                    icao: 0x0010_0000 + seed * 16 + number,
+                    callsign: format!("E{seed}{number}"),
+                    samples: vec![Sample {
+                        time_s: bench.now_s(),
+                        place: frame.to_geodetic(meet - velocity_mps * at_s),
+                        velocity_mps,
+                    }],
+                },
+                shown_m,
+                shown: false,
+                next_report_s: 0.0,
+                least_m: (f64::INFINITY, 0.0),
+            }
+        })
+        .collect()
+}
+
+struct Bench {
+    start: Instant,
+    frames: Receiver<Frame>,
+    ground: Ground,
+    home: Option<Geodetic>,
+    intruders: Vec<Intruder>,
+    next_heartbeat_s: f64,
+    off_leg: (f64, f64),
+}
+
+impl Bench {
+    fn new(endpoint: &str) -> Self {
+        let (reader, writer) = open(&endpoint.parse().expect("endpoint")).expect("open");
+        Self {
+            start: Instant::now(),
+            frames: listen(reader),
+            ground: Ground::new(writer),
+            home: None,
+            intruders: Vec::new(),
+            next_heartbeat_s: 0.0,
+            off_leg: (f64::INFINITY, 0.0),
+        }
+    }
+
+    fn now_s(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    /// Hears the vehicle, and shows it what is near.
+    fn step(&mut self) {
+        if let Ok(frame) = self.frames.recv_timeout(Duration::from_millis(10)) {
+            self.ground.take(&frame);
+        }
+        let now_s = self.now_s();
+        if now_s >= self.next_heartbeat_s {
+            self.next_heartbeat_s = now_s + 1.0;
+            self.ground.heartbeat();
+        }
+        if let (Some(home), Some(_)) = (self.home, self.ground.place) {
+            self.off_leg = self.ground.off_leg(home);
+        }
+        for intruder in &mut self.intruders {
+            let Some(sample) = intruder.path.at(now_s) else {
+                continue;
+            };
+            let Some(away_m) = self.ground.away_m(sample.place) else {
+                continue;
+            };
+            if away_m < intruder.least_m.0 {
+                intruder.least_m = (away_m, now_s);
+            }
+            intruder.shown |= away_m < intruder.shown_m;
+            if intruder.shown && now_s >= intruder.next_report_s {
+                intruder.next_report_s = now_s + 0.5;
+                let message = adsb_message(intruder.path.icao, &intruder.path.callsign, &sample);
+                self.ground.send_as(200, 156, &message);
+            }
+        }
+    }
+
+    fn is_on_leg(&self) -> bool {
+        self.off_leg.0 <= BACK_M && self.off_leg.1 <= BACK_RAD
+    }
+
+    /// Runs until `done`, at most `longest_s`; `ask` every two seconds.
+    fn wait(
+        &mut self,
+        longest_s: f64,
+        what: &str,
+        mut ask: impl FnMut(&mut Ground),
+        mut done: impl FnMut(&Self) -> bool,
+    ) {
+        let (end_s, mut again_s) = (self.now_s() + longest_s, 0.0);
+        while !done(self) {
+            self.step();
+            if self.now_s() >= again_s {
+                again_s = self.now_s() + 2.0;
+                ask(&mut self.ground);
+            }
+            let told = self.ground.told(self.home);
+            assert!(self.now_s() < end_s, "no {what} in {longest_s} s: {told}");
+        }
+    }
+
+    fn take_off(&mut self) {
+        self.wait(90.0, "position", Ground::ask_for_messages, |b| {
+            b.ground.home().is_some()
+        });
+        let home = self.ground.home().expect("a position");
+        self.home = Some(home);
+        let waypoints: Vec<(f64, f64)> = core::iter::once(800.0)
+            .chain((1..=WAYPOINTS).map(|n| f64::from(n) * WAYPOINT_M))
+            .map(|north_m| (0.0, north_m))
+            .collect();
+        self.ground.upload(home, &waypoints);
+        self.wait(20.0, "mission", |_| (), |b| b.ground.uploaded);
+        self.wait(240.0, "flight on the leg", Ground::ask_to_take_off, |b| {
+            b.ground.armed
+                && b.ground.mode == AUTO
+                && b.ground.item >= 3
+                && b.ground.above_home_m > 0.9 * ALTITUDE_M
+        });
+    }
+
+    /// Flies on until the aircraft has been steady on its leg for a while.
+    fn settle(&mut self) {
+        let end_s = self.now_s() + 300.0;
+        let mut since_s = self.now_s();
+        while self.now_s() - since_s < STEADY_S {
+            self.step();
+            let steady = self.off_leg.0 < 5.0 && self.off_leg.1 < 0.05 && self.ground.mode == AUTO;
+            if !steady {
+                since_s = self.now_s();
+            }
+            assert!(self.now_s() < end_s, "never steady on the leg again");
+        }
+    }
+
+    fn encounter(&mut self, seed: u32, shown: (f64, f64)) -> bool {
+        let kind = KINDS[(seed % 5) as usize];
+        self.settle();
+        self.intruders = intruders(seed, kind, shown, self);
+        self.ground.modes.clear();
+        let begin_s = self.now_s();
+        let (mut largest_m, mut height_m, mut last_off_s) = (0.0_f64, 0.0_f64, begin_s);
+        let mut passed_s = f64::INFINITY;
+        loop {
+            self.step();
+            let now_s = self.now_s();
+            largest_m = largest_m.max(self.off_leg.0);
+            height_m = height_m.max((self.ground.above_home_m - ALTITUDE_M).abs());
+            if !self.is_on_leg() || self.ground.mode != AUTO {
+                last_off_s = now_s;
+            }
+            let least_s = self
+                .intruders
+                .iter()
+                .map(|i| i.least_m.1)
+                .fold(0.0, f64::max);
+            let all_shown = self.intruders.iter().all(|i| i.shown);
+            if all_shown && now_s > least_s + 3.0 {
+                passed_s = least_s;
+            }
+            let after_s = now_s - passed_s;
+            let back = self.ground.mode == AUTO && now_s - last_off_s > 5.0;
+            if after_s > LONGEST_AFTER_S || (after_s > AFTER_S && back) || now_s > begin_s + 400.0 {
+                break;
+            }
+        }
+        let least_m = self
+            .intruders
+            .iter()
+            .map(|i| i.least_m.0)
+            .fold(f64::INFINITY, f64::min);
+        let shown_m: Vec<String> = self
+            .intruders
+            .iter()
+            .map(|i| format!("{:.0}", i.shown_m))
+            .collect();
+        println!(
+            "{seed:3} {:10} shown {:9}: least {least_m:6.1} m, off the leg {largest_m:6.1} m, \
+             off its height {height_m:5.1} m, back after {:5.1} s, modes {:?}, item {}",
+            format!("{kind:?}"),
+            shown_m.join(" "),
+            (last_off_s - passed_s).max(0.0),
+            self.ground.modes,
+            self.ground.item,
+        );
+        self.intruders.clear();
+        least_m >= PROTECTED_M
+    }
+}
+
+/// The program, ended with this value.
+struct Program(Child);
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [program, from_m, to_m, first, count, ground, link, rest @ ..] = arguments.as_slice()
+    else {
+        eprintln!("PROGRAM FROM_M TO_M FIRST COUNT GROUND_LINK PROGRAM_LINK [CONFIG [FOLDER]]");
+        return ExitCode::from(2);
+    };
+    let shown = (
+        from_m.parse().expect("metres"),
+        to_m.parse().expect("metres"),
+    );
+    let first: u32 = first.parse().expect("a seed");
+    let count: u32 = count.parse().expect("a number");
+    let mut bench = Bench::new(ground);
+    let mut command = Command::new(program);
+    command.args(["fly", "--quiet", "--connect", link]);
+    if let Some(config) = rest.first() {
+        command.args(["--config", config]);
+    }
+    command.args([
+        "--out",
+        rest.get(1).map_or("out/encounters", String::as_str),
+    ]);
+    let child = command.stdin(Stdio::null()).spawn().expect("the program");
+    let _program = Program(child);
+    bench.take_off();
+    let kept = (first..first + count)
+        .filter(|seed| bench.encounter(*seed, shown))
+        .count();
+    println!("{kept} of {count} kept {PROTECTED_M} m");
+    ExitCode::SUCCESS
+}

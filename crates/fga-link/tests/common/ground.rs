@@ -1,0 +1,267 @@
+//! A ground station: what the tests with an ArduPlane see and say of it.
+#![allow(
+    deprecated,
+    dead_code,
+    unreachable_pub,
+    clippy::cast_possible_truncation,
+    reason = "used in part by several programs; coordinates fit"
+)]
+
+use std::sync::mpsc::{Receiver, sync_channel};
+
+use fga::Vec3;
+use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
+use fga_link::endpoint::{Reader, Received, Writer};
+use fga_link::wire::{Frame, Framer, encode};
+use mavlink::MavHeader;
+use mavlink::dialects::ardupilotmega::{
+    COMMAND_LONG_DATA, GpsFixType, HEARTBEAT_DATA, MISSION_COUNT_DATA, MISSION_ITEM_INT_DATA,
+    MavCmd, MavFrame, MavMessage, MavMissionType, MavModeFlag,
+};
+
+pub const FBWB: u32 = 6;
+pub const CRUISE: u32 = 7;
+pub const AUTO: u32 = 10;
+pub const GUIDED: u32 = 15;
+/// Height of every mission, metres above home.
+pub const ALTITUDE_M: f64 = 100.0;
+
+/// The frames that come over a link, in order.
+pub fn listen(mut reader: Reader) -> Receiver<Frame> {
+    let (to, frames) = sync_channel(4096);
+    std::thread::spawn(move || {
+        let mut framer = Framer::new(None);
+        let mut buffer = [0; 4096];
+        let mut wanted = true;
+        while wanted {
+            if let Received::Bytes(count) = reader.read(&mut buffer) {
+                framer.push(&buffer[..count], |frame| wanted &= to.send(frame).is_ok());
+            }
+        }
+    });
+    frames
+}
+
+/// The link to the vehicle, and what the vehicle has told.
+pub struct Ground {
+    writer: Writer,
+    sequence: u8,
+    /// Frames sent so far.
+    pub sent: u64,
+    pub mode: u32,
+    /// Modes since the list was cleared.
+    pub modes: Vec<u32>,
+    pub armed: bool,
+    pub place: Option<Geodetic>,
+    /// Where the satellites see it, once there is a fix.
+    fix: Option<Geodetic>,
+    /// East, north, up.
+    pub velocity_mps: Vec3,
+    pub above_home_m: f64,
+    pub item: u16,
+    mission: Vec<MISSION_ITEM_INT_DATA>,
+    pub uploaded: bool,
+}
+
+impl Ground {
+    pub fn new(writer: Writer) -> Self {
+        Self {
+            writer,
+            sequence: 0,
+            sent: 0,
+            mode: 0,
+            modes: Vec::new(),
+            armed: false,
+            place: None,
+            fix: None,
+            velocity_mps: Vec3::ZERO,
+            above_home_m: 0.0,
+            item: 0,
+            mission: Vec::new(),
+            uploaded: false,
+        }
+    }
+
+    /// Sends a message under these ids.
+    pub fn send_as(&mut self, system_id: u8, component_id: u8, message: &MavMessage) {
+        let header = MavHeader {
+            system_id: u32::from(system_id),
+            component_id,
+            sequence: self.sequence,
+        };
+        self.sequence = self.sequence.wrapping_add(1);
+        let raw = encode(header, message, None);
+        self.sent += u64::from(self.writer.write(raw.raw_bytes()));
+    }
+
+    /// Sends a message of the ground station.
+    pub fn send(&mut self, message: &MavMessage) {
+        self.send_as(255, 190, message);
+    }
+
+    pub fn heartbeat(&mut self) {
+        self.send(&MavMessage::HEARTBEAT(HEARTBEAT_DATA::DEFAULT));
+    }
+
+    pub fn command(&mut self, command: MavCmd, param1: f32, param2: f32) {
+        self.send(&MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
+            command,
+            param1,
+            param2,
+            target_system: 1,
+            target_component: 1,
+            ..COMMAND_LONG_DATA::DEFAULT
+        }));
+    }
+
+    /// Asks for the messages that are looked at here; some are told by default, and some rarely.
+    pub fn ask_for_messages(&mut self) {
+        for (message_id, interval_s) in [(24.0, 0.5), (33.0, 0.1), (42.0, 0.5)] {
+            self.command(
+                MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL,
+                message_id,
+                interval_s * 1e6,
+            );
+        }
+    }
+
+    /// Its place, once it is where the satellites see it: before the first fix the autopilot
+    /// dead-reckons from latitude and longitude 0.
+    pub fn home(&self) -> Option<Geodetic> {
+        let away_m = self.away_m(self.fix?)?;
+        self.place.filter(|_| away_m < 50.0)
+    }
+
+    pub fn ask_for_mode(&mut self, mode: u32) {
+        self.command(MavCmd::MAV_CMD_DO_SET_MODE, 1.0, mode as f32);
+    }
+
+    /// Asks for AUTO, then to be armed, where that is still to come.
+    pub fn ask_to_take_off(&mut self) {
+        if self.mode != AUTO {
+            self.ask_for_mode(AUTO);
+        } else if !self.armed {
+            self.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 0.0);
+        }
+    }
+
+    /// Takes what the vehicle tells.
+    pub fn take(&mut self, frame: &Frame) {
+        match &frame.message {
+            MavMessage::HEARTBEAT(data) if frame.header.component_id == 1 => {
+                self.armed = data
+                    .base_mode
+                    .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED);
+                if self.mode != data.custom_mode {
+                    self.mode = data.custom_mode;
+                    self.modes.push(self.mode);
+                }
+            }
+            MavMessage::GLOBAL_POSITION_INT(data) => {
+                self.above_home_m = f64::from(data.relative_alt) * 1e-3;
+                self.velocity_mps = Vec3::new(
+                    f64::from(data.vy) * 0.01,
+                    f64::from(data.vx) * 0.01,
+                    -f64::from(data.vz) * 0.01,
+                );
+                self.place = Geodetic::new(
+                    f64::from(data.lat) * 1e-7,
+                    f64::from(data.lon) * 1e-7,
+                    f64::from(data.alt) * 1e-3,
+                );
+            }
+            MavMessage::GPS_RAW_INT(data)
+                if data.fix_type as u32 >= GpsFixType::GPS_FIX_TYPE_3D_FIX as u32 =>
+            {
+                self.fix = Geodetic::new(
+                    f64::from(data.lat) * 1e-7,
+                    f64::from(data.lon) * 1e-7,
+                    f64::from(data.alt) * 1e-3,
+                );
+            }
+            MavMessage::MISSION_CURRENT(data) => self.item = data.seq,
+            MavMessage::MISSION_REQUEST_INT(data)
+                if data.mission_type == MavMissionType::MAV_MISSION_TYPE_MISSION =>
+            {
+                self.hand_over_item(data.seq);
+            }
+            MavMessage::MISSION_REQUEST(data) => self.hand_over_item(data.seq),
+            MavMessage::MISSION_ACK(data) if data.target_system == 255 => self.uploaded = true,
+            MavMessage::STATUSTEXT(data) => eprintln!("  {}", data.text.to_str().unwrap_or("?")),
+            _ => {}
+        }
+    }
+
+    fn hand_over_item(&mut self, number: u16) {
+        if let Some(item) = self.mission.get(usize::from(number)).cloned() {
+            self.send(&MavMessage::MISSION_ITEM_INT(item));
+        }
+    }
+
+    /// Uploads a mission: home, a take-off to the north, and waypoints so far east and north of
+    /// home, metres.
+    pub fn upload(&mut self, home: Geodetic, waypoints_m: &[(f64, f64)]) {
+        let frame = LocalFrame::new(home, Earth::Wgs84);
+        let way = MavCmd::MAV_CMD_NAV_WAYPOINT;
+        let mut items = vec![
+            (way, (0.0, 0.0)),
+            (MavCmd::MAV_CMD_NAV_TAKEOFF, (0.0, 300.0)),
+        ];
+        items.extend(waypoints_m.iter().map(|at_m| (way, *at_m)));
+        self.mission = (0..)
+            .zip(items)
+            .map(|(seq, (command, (east_m, north_m)))| {
+                let place = frame.to_geodetic(Vec3::new(east_m, north_m, 0.0));
+                let takes_off = command == MavCmd::MAV_CMD_NAV_TAKEOFF;
+                MISSION_ITEM_INT_DATA {
+                    seq,
+                    command,
+                    frame: MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
+                    x: (place.latitude_deg * 1e7) as i32,
+                    y: (place.longitude_deg * 1e7) as i32,
+                    z: ALTITUDE_M as f32,
+                    param1: if takes_off { 15.0 } else { 0.0 },
+                    target_system: 1,
+                    target_component: 1,
+                    autocontinue: 1,
+                    ..MISSION_ITEM_INT_DATA::DEFAULT
+                }
+            })
+            .collect();
+        self.send(&MavMessage::MISSION_COUNT(MISSION_COUNT_DATA {
+            count: u16::try_from(self.mission.len()).expect("a short mission"),
+            target_system: 1,
+            target_component: 1,
+            ..MISSION_COUNT_DATA::DEFAULT
+        }));
+    }
+
+    /// Where and how it flies, for one who waits in vain.
+    pub fn told(&self, home: Option<Geodetic>) -> String {
+        let off_leg = home
+            .filter(|_| self.place.is_some())
+            .map(|home| self.off_leg(home));
+        format!(
+            "mode {}, armed {}, item {}, {:.1} m above home, off the leg by {off_leg:?}",
+            self.mode, self.armed, self.item, self.above_home_m
+        )
+    }
+
+    /// Course over the ground, radians clockwise from north.
+    pub fn track_rad(&self) -> f64 {
+        self.velocity_mps.x.atan2(self.velocity_mps.y)
+    }
+
+    /// Distance from a line north through home, metres, and angle to it, radians.
+    pub fn off_leg(&self, home: Geodetic) -> (f64, f64) {
+        let frame = LocalFrame::new(home, Earth::Wgs84);
+        let at_m = frame.to_local_m(self.place.expect("a position"));
+        (at_m.x.abs(), self.track_rad().abs())
+    }
+
+    /// Distance to a place, metres.
+    pub fn away_m(&self, place: Geodetic) -> Option<f64> {
+        let frame = LocalFrame::new(self.place?, Earth::Wgs84);
+        Some(frame.to_local_m(place).length())
+    }
+}
