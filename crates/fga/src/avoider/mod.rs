@@ -85,6 +85,8 @@ struct Plan {
     /// When a manoeuvre against the next encounter begins that follows the way back, seconds on the
     /// situation's clock.
     next_start_s: Option<f64>,
+    /// What it was last found certified from.
+    basis: Option<turn_aware::Basis>,
     /// Identifiers of the obstacles that it was made against: the way back must be clear of them.
     against: Against,
 }
@@ -188,6 +190,9 @@ impl Avoider {
         settings::check_vehicle(&vehicle)?;
         self.vehicle = vehicle;
         self.flyer = Flyer::new(&vehicle);
+        if let Some(plan) = &mut self.plan {
+            plan.basis = None;
+        }
         Ok(())
     }
 

@@ -111,6 +111,7 @@ impl Avoider {
             latest_start_s: None,
             threat: Some(threat),
             next_start_s: None,
+            basis: None,
             against,
         };
         self.plan = Some(plan);
@@ -449,6 +450,7 @@ impl Avoider {
             latest_start_s: Some(time_s + wait_s),
             threat: Some(threat),
             next_start_s: None,
+            basis: None,
             against: Against::default(),
         };
         self.plan = Some(plan);

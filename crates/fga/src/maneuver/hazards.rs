@@ -189,27 +189,27 @@ impl HazardSet for [Hazard] {
 /// Three coordinates of four hazards each, so that the arithmetic becomes vector instructions.
 #[derive(Debug, Clone, Copy)]
 struct Block {
-    position_m: [DVec4; 3],
-    velocity_mps: [DVec4; 3],
+    position_m: [[f64; LANES]; 3],
+    velocity_mps: [[f64; LANES]; 3],
     /// Minus infinity where there is no hazard.
-    radius_m: DVec4,
-    growth_mps: DVec4,
+    radius_m: [f64; LANES],
+    growth_mps: [f64; LANES],
 }
 
 impl Block {
     const NONE: Self = Self {
-        position_m: [DVec4::ZERO; 3],
-        velocity_mps: [DVec4::ZERO; 3],
-        radius_m: DVec4::NEG_INFINITY,
-        growth_mps: DVec4::ZERO,
+        position_m: [[0.0; LANES]; 3],
+        velocity_mps: [[0.0; LANES]; 3],
+        radius_m: [f64::NEG_INFINITY; LANES],
+        growth_mps: [0.0; LANES],
     };
 
     /// Which of the four may have a margin below `below_m` on the line: the first part of
     /// [`Hazard::least_on_line`].
     #[inline]
     fn close(&self, line: &Line, below_m: f64) -> BVec4 {
-        let [px, py, pz] = self.position_m;
-        let [vx, vy, vz] = self.velocity_mps;
+        let [px, py, pz] = self.position_m.map(DVec4::from_array);
+        let [vx, vy, vz] = self.velocity_mps.map(DVec4::from_array);
         let (from, speed) = (line.from_m, line.velocity_mps);
         let dx = DVec4::splat(from.x) - (px + vx * line.at_s);
         let dy = DVec4::splat(from.y) - (py + vy * line.at_s);
@@ -226,30 +226,35 @@ impl Block {
         let nx = dx + wx * nearest_s;
         let ny = dy + wy * nearest_s;
         let nz = dz + wz * nearest_s;
-        let growth = self.growth_mps * (line.at_s + line.duration_s);
-        let reach = (self.radius_m + growth + DVec4::splat(below_m)).max(DVec4::ZERO);
+        let growth = DVec4::from_array(self.growth_mps) * (line.at_s + line.duration_s);
+        let radius = DVec4::from_array(self.radius_m);
+        let reach = (radius + growth + DVec4::splat(below_m)).max(DVec4::ZERO);
         (nx * nx + ny * ny + nz * nz).cmplt(reach * reach)
     }
 
     fn put(&mut self, lane: usize, hazard: &Hazard) {
-        let set = |lanes: &mut DVec4, value: f64| {
-            let mut all = lanes.to_array();
-            if let Some(one) = all.get_mut(lane) {
-                *one = value;
+        let Self {
+            position_m: [px, py, pz],
+            velocity_mps: [vx, vy, vz],
+            radius_m,
+            growth_mps,
+        } = self;
+        let (position, velocity) = (hazard.position_m, hazard.velocity_mps);
+        let values = [
+            (px, position.x),
+            (py, position.y),
+            (pz, position.z),
+            (vx, velocity.x),
+            (vy, velocity.y),
+            (vz, velocity.z),
+            (radius_m, hazard.bounding_radius_m()),
+            (growth_mps, hazard.growth_mps),
+        ];
+        for (lanes, value) in values {
+            if let Some(slot) = lanes.get_mut(lane) {
+                *slot = value;
             }
-            *lanes = DVec4::from_array(all);
-        };
-        let coordinates = |v: Vec3| v.to_array();
-        let position = self.position_m.iter_mut();
-        for (lanes, value) in position.zip(coordinates(hazard.position_m)) {
-            set(lanes, value);
         }
-        let velocity = self.velocity_mps.iter_mut();
-        for (lanes, value) in velocity.zip(coordinates(hazard.velocity_mps)) {
-            set(lanes, value);
-        }
-        set(&mut self.radius_m, hazard.bounding_radius_m());
-        set(&mut self.growth_mps, hazard.growth_mps);
     }
 }
 

@@ -1,6 +1,9 @@
 //! The turn-aware policy: look, plan, fly, return.
 
+mod holding;
 mod way_back;
+
+pub(super) use holding::Basis;
 
 use crate::angle::Side;
 use crate::avoider::quiet::LineAhead;
@@ -17,9 +20,6 @@ const WORK_LIMIT: u32 = 80_000;
 
 /// The same with bank lag, where a path has several times as many pieces.
 const LAGGED_WORK_LIMIT: u32 = 4 * WORK_LIMIT;
-
-/// A manoeuvre under way is kept while this share of the margin is certified.
-const KEEP_SHARE: f64 = 0.5;
 
 /// Another uncertified manoeuvre must be better by this to be flown instead, metres.
 const CLEARLY_BETTER_M: f64 = 0.5;
@@ -90,7 +90,7 @@ impl Avoider {
     fn watch(&mut self, situation: &Situation<'_>, now: &MotionState, start: Start) -> Decision {
         if let Some(plan) = self.plan
             && self.state == State::Threatened
-            && self.still_holds(&plan, situation.time_s, now)
+            && self.still_holds(&plan, situation, now)
         {
             if plan.start_s > situation.time_s {
                 return self.report(&plan, situation.time_s, Reason::WaitingForStart);
@@ -224,6 +224,7 @@ impl Avoider {
                     threat: Some(threat),
                     against,
                     next_start_s: None,
+                    basis: None,
                 };
                 self.plan = Some(plan);
                 let (state, reason) = if proof != Proof::Certified {
@@ -250,13 +251,6 @@ impl Avoider {
         decision.record.work.limit_met = limit_met || self.tracks.overflow;
         decision.record.work.threats = 1;
         decision
-    }
-
-    /// Whether what is left of a plan is still certified.
-    fn still_holds(&mut self, plan: &Plan, time_s: f64, now: &MotionState) -> bool {
-        let keep_m = KEEP_SHARE * self.settings.margin_m;
-        plan.proof == Proof::Certified
-            && self.margin_of(&plan.remaining(time_s), now, (keep_m, keep_m)) >= keep_m
     }
 
     /// Margin of a manoeuvre, between `floor_m`, below which it is not told, and `enough_m`.
@@ -292,7 +286,7 @@ impl Avoider {
             self.state = State::Recovering;
             return self.report(&back, time_s, Reason::RejoinChosen);
         }
-        if self.still_holds(&plan, time_s, now) {
+        if self.still_holds(&plan, situation, now) {
             return self.report(&plan, time_s, Reason::ManeuverKept);
         }
         let flown = plan.remaining(time_s);
@@ -347,6 +341,7 @@ impl Avoider {
                     margin_m: found.margin_m,
                     cost: found.cost,
                     next_start_s: None,
+                    basis: None,
                     against: self.also_against(&flown, now, plan.against),
                     ..plan
                 };

@@ -127,6 +127,7 @@ impl Avoider {
             margin_m: target_m,
             cost: 0.0,
             next_start_s: None,
+            basis: None,
             ..*plan
         };
         let back = match ahead {
@@ -247,7 +248,7 @@ impl Avoider {
                 }
                 return decision;
             }
-            if self.still_holds(&plan, time_s, now) {
+            if self.still_holds(&plan, situation, now) {
                 return self.report(&plan, time_s, Reason::RejoinKept);
             }
         }

@@ -398,11 +398,11 @@ impl<'a> Search<'a> {
             return None;
         }
         let departure = self.departure(wait_s);
-        if !self.has_turn(&departure, before_m, sides) {
-            return None;
-        }
         let mut best: Option<Found> = None;
-        for climb_rad in scene.climb_targets() {
+        for (place, climb_rad) in scene.climb_targets().enumerate() {
+            if place == 1 && best.is_none() && !self.has_steep_turn(&departure, before_m, sides) {
+                return None;
+            }
             // The least that the paper's objective gives at this climb target.
             let climb_cost = match scene.objective {
                 Objective::PaperCost => scene.costs.1 * (climb_rad - scene.original.1).abs(),

@@ -40,24 +40,41 @@ impl Search<'_> {
             return false;
         }
         let departure = self.departure(wait_s);
-        self.has_turn(&departure, before_m, &Side::BOTH)
+        let level = self.has_turn(&departure, before_m, &Side::BOTH, self.scene.original.1);
+        level || self.has_steep_turn(&departure, before_m, &Side::BOTH)
     }
 
-    /// Whether a certified single turn to one of some sides exists, level or at the steepest climb or
-    /// descent: where neither does, hardly ever does one in between.
-    pub(super) fn has_turn(&mut self, from: &MotionState, before_m: f64, sides: &[Side]) -> bool {
+    /// Whether a certified single turn to one of some sides exists at the steepest climb or descent:
+    /// where neither does, hardly ever does one in between.
+    pub(super) fn has_steep_turn(
+        &mut self,
+        from: &MotionState,
+        before_m: f64,
+        sides: &[Side],
+    ) -> bool {
+        let mut climbs = self.scene.extreme_climbs().skip(1);
+        climbs.any(|climb_rad| self.has_turn(from, before_m, sides, climb_rad))
+    }
+
+    fn has_turn(
+        &mut self,
+        from: &MotionState,
+        before_m: f64,
+        sides: &[Side],
+        climb_rad: f64,
+    ) -> bool {
         let target_m = self.scene.target_m;
-        self.scene.extreme_turns().any(|(climb_rad, side)| {
-            let sweep = Sweep {
+        sides.iter().any(|side| {
+            self.sweep(&Sweep {
                 from: *from,
                 before_m,
-                side,
+                side: *side,
                 climb_rad,
                 max_turn_rad: MAX_TURN_RAD,
                 floor_m: target_m,
                 enough_m: target_m,
-            };
-            sides.contains(&side) && self.sweep(&sweep).is_some()
+            })
+            .is_some()
         })
     }
 }

@@ -63,18 +63,18 @@ struct Walk<'a> {
     flyer: &'a Flyer,
     target: Target,
     state: MotionState,
-    velocity_mps: Vec3,
+    /// Where the last step began.
+    before: MotionState,
     piece: Option<WalkPiece>,
 }
 
-/// What is left of a piece of constant rates.
+/// A piece of constant rates and how many steps of it are left.
 #[derive(Clone, Copy)]
 struct WalkPiece {
     begin: MotionState,
     piece: Piece,
     steps: ArcSteps,
     left: usize,
-    acceleration_mps2: f64,
 }
 
 impl<'a> Walk<'a> {
@@ -88,50 +88,57 @@ impl<'a> Walk<'a> {
                 rate_share: 1.0,
             },
             state: from,
-            velocity_mps: flyer.velocity_mps(&from),
+            before: from,
             piece: None,
         }
     }
 
-    /// Goes one step on; gives where it came from, or nothing at the arc's end.
-    fn step(&mut self) -> Option<Node> {
-        if self.piece.as_ref().is_none_or(|piece| piece.left == 0) {
-            self.piece = Some(self.next_piece()?);
-        }
-        let at = self.piece.as_mut()?;
-        let node = Node {
-            state: *at.steps.state(),
-            course_rate_radps: at.piece.course_rate_radps,
-            climb_rate_radps: at.piece.climb_rate_radps,
-            acceleration_mps2: at.acceleration_mps2,
+    /// Goes one step on; false at the arc's end.
+    fn step(&mut self) -> bool {
+        let at = match &mut self.piece {
+            Some(at) if at.left > 0 => at,
+            slot => {
+                let flyer = self.flyer;
+                let piece = flyer.next_piece(&self.state, &self.target);
+                if piece.duration_s == f64::INFINITY {
+                    return false;
+                }
+                let longest_s = LONGEST_STEP_RAD / flyer.course_rate_radps();
+                slot.insert(WalkPiece {
+                    begin: self.state,
+                    piece,
+                    steps: ArcSteps::new(flyer, &self.state, &piece, longest_s),
+                    left: whole(piece.duration_s / longest_s, MAX_NODES),
+                })
+            }
         };
+        self.before = self.state;
         at.left -= 1;
-        if at.left == 0 {
-            self.state = self
-                .flyer
-                .advance(&at.begin, &at.piece, at.piece.duration_s);
-            self.velocity_mps = self.flyer.velocity_mps(&self.state);
+        self.state = if at.left == 0 {
+            self.flyer
+                .advance(&at.begin, &at.piece, at.piece.duration_s)
         } else {
             at.steps.advance();
-            self.state = *at.steps.state();
-            self.velocity_mps = at.steps.velocity_mps();
-        }
-        Some(node)
+            *at.steps.state()
+        };
+        true
     }
 
-    fn next_piece(&self) -> Option<WalkPiece> {
-        let flyer = self.flyer;
-        let piece = flyer.next_piece(&self.state, &self.target);
-        if piece.duration_s == f64::INFINITY {
-            return None;
+    /// Velocity now, metres per second.
+    fn velocity_mps(&self) -> Vec3 {
+        match &self.piece {
+            Some(at) if at.left > 0 => at.steps.velocity_mps(),
+            _ => self.flyer.velocity_mps(&self.state),
         }
-        let longest_s = LONGEST_STEP_RAD / flyer.course_rate_radps();
-        Some(WalkPiece {
-            begin: self.state,
-            piece,
-            steps: ArcSteps::new(flyer, &self.state, &piece, longest_s),
-            left: whole(piece.duration_s / longest_s, MAX_NODES),
-            acceleration_mps2: flyer.acceleration_mps2(&piece),
+    }
+
+    /// The node from which the last step began.
+    fn last_node(&self) -> Option<Node> {
+        self.piece.map(|at| Node {
+            state: self.before,
+            course_rate_radps: at.piece.course_rate_radps,
+            climb_rate_radps: at.piece.climb_rate_radps,
+            acceleration_mps2: self.flyer.acceleration_mps2(&at.piece),
         })
     }
 }
@@ -167,12 +174,11 @@ impl Search<'_> {
         let mut best = None;
         let mut best_m = f64::MIN;
         let mut failing_rad = f64::MIN;
-        let mut last = None;
         self.count(SETUP_WORK);
         loop {
             let turn_rad = self.turn_at(&walk.state, sweep);
             if sign * turn_rad >= failing_rad {
-                let tail = self.tail(&walk.state, walk.velocity_mps, sweep, &worst, floor_m);
+                let tail = self.tail(&walk.state, walk.velocity_mps(), sweep, &worst, floor_m);
                 if tail.margin_m < floor_m {
                     let turned_rad = sign * (walk.state.course_rad - sweep.from.course_rad);
                     failing_rad = turned_rad + self.failing(&walk.state, &tail, sweep, floor_m);
@@ -187,10 +193,10 @@ impl Search<'_> {
                         before_m: worst.margin_m,
                     };
                     if margin_m >= sweep.enough_m {
-                        return Some((leave, last));
+                        return Some((leave, walk.last_node()));
                     }
                     if margin_m > floor_m {
-                        best = Some((leave, last));
+                        best = Some((leave, walk.last_node()));
                         (best_m, floor_m) = (margin_m, margin_m);
                     }
                 }
@@ -200,8 +206,7 @@ impl Search<'_> {
             if arc_fails || failing_rad > sweep.max_turn_rad + ROLL_OUT_RAD || self.limit_met() {
                 return best;
             }
-            last = walk.step();
-            if last.is_none() {
+            if !walk.step() {
                 return best;
             }
         }
@@ -220,11 +225,20 @@ impl Search<'_> {
                 state: walk.state,
                 before_m: worst.margin_m,
             });
-            let Some(node) = walk.step() else { return };
-            self.along(&node, &walk.state, sweep.floor_m, &mut worst);
+            if !walk.step() {
+                return;
+            }
+            self.along_step(&walk, sweep.floor_m, &mut worst);
             if worst.margin_m < sweep.floor_m || self.limit_met() {
                 return;
             }
+        }
+    }
+
+    /// Lowers `worst` by the last step of a walk.
+    fn along_step(&mut self, walk: &Walk<'_>, floor_m: f64, worst: &mut Certificate) {
+        if let Some(node) = walk.last_node() {
+            self.along(&node, &walk.state, floor_m, worst);
         }
     }
 
@@ -248,9 +262,10 @@ impl Search<'_> {
         worst: &mut Certificate,
     ) {
         while walk.state.time_s < to.time_s && worst.margin_m >= floor_m {
-            let Some(node) = walk.step() else { return };
-            let state = walk.state;
-            self.along(&node, &state, floor_m, worst);
+            if !walk.step() {
+                return;
+            }
+            self.along_step(walk, floor_m, worst);
         }
     }
 

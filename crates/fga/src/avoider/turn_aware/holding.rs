@@ -1,0 +1,124 @@
+//! Whether a certified manoeuvre is still certified.
+
+use crate::Vec3;
+use crate::avoider::{Avoider, Plan, Situation};
+use crate::maneuver::{MotionState, for_each_piece};
+use crate::selection::turn_aware::Proof;
+
+/// A manoeuvre under way is kept while this share of the margin is certified.
+const KEEP_SHARE: f64 = 0.5;
+
+/// What comes true to within this comes true, metres and metres per second times ten.
+const SAME_M: f64 = 1e-6;
+
+/// The same for angles, radians.
+const SAME_RAD: f64 = 1e-9;
+
+/// A certificate is renewed after this long all the same, so that it reaches as far ahead, seconds.
+const RENEWED_AFTER_S: f64 = 1.0;
+
+/// What a certificate was made from. While all of it comes true, as it does in a simulation without
+/// noise, what was certified then is certified still.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::avoider) struct Basis {
+    /// When, seconds from the plan's decision.
+    since_s: f64,
+    own: MotionState,
+    obstacles: Outlook,
+}
+
+/// The obstacles as they would be at the plan's decision, in sums that tell them apart.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Outlook {
+    count: usize,
+    position_m: Vec3,
+    velocity_mps: Vec3,
+    size_m: f64,
+}
+
+impl Outlook {
+    fn is(&self, other: &Self) -> bool {
+        self.count == other.count
+            && (self.position_m - other.position_m).abs().max_element() < SAME_M
+            && (self.velocity_mps - other.velocity_mps).abs().max_element() < 0.1 * SAME_M
+            && (self.size_m - other.size_m).abs() < SAME_M
+    }
+}
+
+impl Avoider {
+    /// Whether what is left of a plan is still certified.
+    pub(super) fn still_holds(
+        &mut self,
+        plan: &Plan,
+        situation: &Situation<'_>,
+        now: &MotionState,
+    ) -> bool {
+        if plan.proof != Proof::Certified {
+            return false;
+        }
+        let since_s = situation.time_s - plan.decided_s;
+        let obstacles = self.outlook(situation.wind_mps, since_s);
+        let comes_true = plan.basis.is_some_and(|basis| {
+            basis.obstacles.is(&obstacles) && self.flies_as(plan, &basis, situation, now)
+        });
+        if comes_true {
+            return true;
+        }
+        let keep_m = KEEP_SHARE * self.settings.margin_m;
+        let remaining = plan.remaining(situation.time_s);
+        let holds = self.margin_of(&remaining, now, (keep_m, keep_m)) >= keep_m;
+        if let Some(plan) = self.plan.as_mut().filter(|_| holds) {
+            plan.basis = Some(Basis {
+                since_s,
+                own: *now,
+                obstacles,
+            });
+        }
+        holds
+    }
+
+    /// Whether the aircraft is where the plan has brought it since it was certified.
+    fn flies_as(
+        &self,
+        plan: &Plan,
+        basis: &Basis,
+        situation: &Situation<'_>,
+        now: &MotionState,
+    ) -> bool {
+        let since_s = situation.time_s - plan.decided_s;
+        let passed_s = since_s - basis.since_s;
+        if !(0.0..RENEWED_AFTER_S).contains(&passed_s) {
+            return false;
+        }
+        let from = MotionState {
+            time_s: basis.since_s,
+            ..basis.own
+        };
+        let there = for_each_piece(&self.flyer, &from, &plan.maneuver, since_s, |_, _, _| ());
+        let position_m = there.position_m + situation.wind_mps * passed_s;
+        let turned_rad = [
+            now.course_rad - there.course_rad,
+            now.climb_rad - there.climb_rad,
+            now.bank_rad - there.bank_rad,
+        ];
+        (position_m - now.position_m).abs().max_element() < SAME_M
+            && turned_rad.iter().all(|angle| angle.abs() < SAME_RAD)
+    }
+
+    fn outlook(&self, wind_mps: Vec3, since_s: f64) -> Outlook {
+        let mut outlook = Outlook::default();
+        // Weights that differ, so that two obstacles cannot make up for each other.
+        let mut weight = 1.0;
+        for hazard in self.tracks.hazards().rows() {
+            let ground_mps = hazard.velocity_mps + wind_mps;
+            outlook.count += 1;
+            outlook.position_m += (hazard.position_m - ground_mps * since_s) * weight;
+            outlook.velocity_mps += hazard.velocity_mps * weight;
+            let volume = &hazard.volume;
+            outlook.size_m += (volume.radius_m() + 1.7 * volume.half_height_m()) * weight;
+            outlook.size_m += 1e3 * hazard.growth_mps * weight;
+            weight += 0.618;
+        }
+        outlook
+    }
+}
