@@ -4,9 +4,11 @@
 //! A mission is uploaded, the vehicle is armed and takes off in AUTO. On one leg it meets an obstacle
 //! at rest, a head-on and an overtaking aircraft; then Algorithm 4 flies round a disc in CRUISE.
 //! Separation, recovery, mode and mission item are judged by the vehicle's own telemetry. Software in
-//! the loop only: never with an aircraft.
+//! the loop only: never with an aircraft. A second flight meets a fence, a pilot who changes the mode
+//! in a manoeuvre, and the death of the companion; each flight needs an ArduPlane that has just been
+//! started (name the test to fly one of them).
 //!
-//! The same course is flown against the ArduPlane-like emulator over TCP, step by step, in every run
+//! The same courses are flown against the ArduPlane-like emulator over TCP, step by step, in every run
 //! of the tests.
 #![allow(
     deprecated,
@@ -32,13 +34,18 @@ use fga_link::wire::{Frame, Framer, encode};
 use fga_link::{Companion, Config};
 use ground::{ALTITUDE_M, AUTO, CRUISE, FBWB, GUIDED, Ground, listen};
 use mavlink::MavHeader;
-use mavlink::dialects::ardupilotmega::MavMessage;
+use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
 
 /// The leg on which all is met ends at this item.
 const LEG_ITEM: u16 = 3;
 const PROTECTED_M: f64 = 60.0;
 /// The disc that Algorithm 4 flies round.
 const DISC_M: f64 = 150.0;
+/// The fence stands so far east of the leg, metres.
+const FENCE_EAST_M: f64 = 45.0;
+/// Without its companion the vehicle stays within this of where it was taken over, metres: it
+/// circles there.
+const STAYS_M: f64 = 150.0;
 /// Back on the leg: this close, this well aligned, this soon after the threat has passed.
 const BACK_M: f64 = 20.0;
 const BACK_RAD: f64 = 0.087_3;
@@ -75,6 +82,12 @@ struct Bench {
     next_heartbeat_s: f64,
     /// Least distance to the threat, metres, and when.
     least_m: (f64, f64),
+    /// When the companion last commanded anything, seconds.
+    commanded_s: f64,
+    /// The companion is dead: it hears and sends nothing.
+    dead: bool,
+    /// Farthest east of home, metres.
+    east_m: f64,
 }
 
 impl Bench {
@@ -91,6 +104,9 @@ impl Bench {
             next_report_s: 0.0,
             next_heartbeat_s: 0.0,
             least_m: (f64::INFINITY, 0.0),
+            commanded_s: f64::NEG_INFINITY,
+            dead: false,
+            east_m: f64::NEG_INFINITY,
         }
     }
 
@@ -103,7 +119,9 @@ impl Bench {
 
     fn take(&mut self, frame: &Frame) {
         let now_s = self.now_s();
-        self.companion.receive(&frame.header, &frame.message, now_s);
+        if !self.dead {
+            self.companion.receive(&frame.header, &frame.message, now_s);
+        }
         let mode = self.ground.mode;
         self.ground.take(frame);
         if self.ground.mode != mode {
@@ -153,11 +171,25 @@ impl Bench {
                 self.ground.heartbeat();
             }
             self.report_threat(now_s);
-            self.companion.tick(now_s);
-            for outgoing in self.companion.outbox() {
-                self.ground
-                    .send_as(outgoing.system_id, 196, &outgoing.message);
+            if !self.dead {
+                self.companion.tick(now_s);
+                self.send_for_companion(now_s);
             }
+        }
+    }
+
+    fn send_for_companion(&mut self, now_s: f64) {
+        for outgoing in self.companion.outbox() {
+            let commands = match &outgoing.message {
+                MavMessage::SET_ATTITUDE_TARGET(_) => true,
+                MavMessage::COMMAND_LONG(data) => data.command == MavCmd::MAV_CMD_DO_SET_MODE,
+                _ => false,
+            };
+            if commands {
+                self.commanded_s = now_s;
+            }
+            self.ground
+                .send_as(outgoing.system_id, 196, &outgoing.message);
         }
     }
 
@@ -187,6 +219,10 @@ impl Bench {
 
     fn measure(&mut self, now_s: f64) {
         let sample = self.threat.as_ref().and_then(|t| t.path.at(now_s));
+        if let (Some(home), Some(place)) = (self.home, self.ground.place) {
+            let east_m = LocalFrame::new(home, Earth::Wgs84).to_local_m(place).x;
+            self.east_m = self.east_m.max(east_m);
+        }
         if let Some(away_m) = sample.and_then(|sample| self.ground.away_m(sample.place))
             && away_m < self.least_m.0
         {
@@ -311,6 +347,8 @@ fn fly_algorithm_4(bench: &mut Bench) {
     bench.run(90.0, "FBWB", |b| b.ground.mode == FBWB);
     bench.run(120.0, "CRUISE", |b| b.ground.mode == CRUISE);
     bench.run(60.0, "the passage", |b| b.now_s() > b.least_m.1 + 3.0);
+    // The wings are level, and the heading is locked.
+    bench.run_for(5.0);
     let off_rad = (bench.ground.track_rad() - track_rad).abs();
     eprintln!(
         "Algorithm 4: least distance {:.1} m, course off by {:.1} degrees",
@@ -350,14 +388,112 @@ fn fly_the_course(bench: &mut Bench) {
     fly_algorithm_4(bench);
 }
 
+/// The fence is in the way of the nearer turn; it is kept, and so is the distance.
+fn meet_a_fence(bench: &mut Bench, home: Geodetic) {
+    let corners = [
+        (-500.0, -1000.0),
+        (FENCE_EAST_M, -1000.0),
+        (FENCE_EAST_M, 14_000.0),
+        (-500.0, 14_000.0),
+    ];
+    bench.ground.upload_fence(home, &corners);
+    bench.run(20.0, "the fence", |b| b.ground.uploaded);
+    bench.companion = companion("");
+    bench.run_for(10.0);
+    let own_mps = bench.ground.velocity_mps.y;
+    bench.east_m = f64::NEG_INFINITY;
+    bench.meet(
+        Vec3::new(-5.0, 40.0 * (own_mps + 25.0), 0.0),
+        Vec3::new(0.0, -25.0, 0.0),
+        true,
+    );
+    judge_encounter(bench, home, "head-on beside a fence");
+    eprintln!("no farther east than {:.1} m", bench.east_m);
+    assert!(bench.east_m < FENCE_EAST_M);
+}
+
+/// Something at rest in the way, and the aircraft in the turn that avoids it; hands back where it
+/// was taken over.
+fn turn_away(bench: &mut Bench) -> Geodetic {
+    let track_rad = bench.ground.track_rad();
+    let ahead = Vec3::new(track_rad.sin(), track_rad.cos(), 0.0);
+    let place = bench.meet(ahead * 1200.0, Vec3::ZERO, false);
+    bench.companion = companion(&disc(place, PROTECTED_M));
+    bench.run(90.0, "the take-over", |b| b.ground.mode == GUIDED);
+    let here = bench.ground.place.expect("a position");
+    bench.run_for(2.0);
+    assert_eq!(bench.ground.mode, GUIDED);
+    here
+}
+
+/// The pilot changes the mode in the turn: from that message on nothing is commanded any more.
+fn obey_the_pilot(bench: &mut Bench) {
+    turn_away(bench);
+    bench.change_mode(CRUISE);
+    let released_s = bench.now_s();
+    bench.run_for(15.0);
+    eprintln!(
+        "pilot: last command {:.0} ms before the new mode was heard",
+        (released_s - bench.commanded_s) * 1e3
+    );
+    assert!(bench.commanded_s <= released_s);
+    assert_eq!(bench.ground.modes, [GUIDED, CRUISE]);
+    bench.companion = companion("[safety]\narmed_at_start = false\n");
+    bench.change_mode(AUTO);
+    bench.run_for(30.0);
+}
+
+/// The companion dies in the turn: the autopilot goes back to where it was taken over, and stays.
+fn die(bench: &mut Bench) {
+    let here = turn_away(bench);
+    let height_m = bench.ground.above_home_m;
+    bench.dead = true;
+    for _ in 0..12 {
+        bench.run_for(5.0);
+        eprintln!(
+            "dead: {:.0} m from the take-over, on course {:.0} degrees, {:.0} m above home",
+            bench.ground.away_m(here).unwrap_or(f64::NAN),
+            bench.ground.track_rad().to_degrees(),
+            bench.ground.above_home_m
+        );
+    }
+    assert_eq!(bench.ground.modes, [GUIDED]);
+    let away_m = bench.ground.away_m(here).expect("a position");
+    assert!(away_m < STAYS_M, "{away_m} m");
+    assert!((bench.ground.above_home_m - height_m).abs() < 10.0);
+    bench.change_mode(AUTO);
+}
+
+fn fly_the_faults(bench: &mut Bench) {
+    let home = take_off(bench);
+    meet_a_fence(bench, home);
+    obey_the_pilot(bench);
+    die(bench);
+}
+
+/// The bench at the ArduPlane that `FGA_SITL` names.
+fn arduplane() -> Option<Bench> {
+    let Ok(endpoint) = std::env::var("FGA_SITL") else {
+        eprintln!("skipped: FGA_SITL names no endpoint");
+        return None;
+    };
+    Some(Bench::new(&endpoint, Clock::Wall(Instant::now())))
+}
+
 #[test]
 #[ignore = "needs an ArduPlane in software in the loop, named by FGA_SITL"]
 fn an_arduplane_flies_the_course() {
-    let Ok(endpoint) = std::env::var("FGA_SITL") else {
-        eprintln!("skipped: FGA_SITL names no endpoint");
-        return;
-    };
-    fly_the_course(&mut Bench::new(&endpoint, Clock::Wall(Instant::now())));
+    if let Some(mut bench) = arduplane() {
+        fly_the_course(&mut bench);
+    }
+}
+
+#[test]
+#[ignore = "needs an ArduPlane in software in the loop, named by FGA_SITL"]
+fn an_arduplane_meets_a_fence_a_pilot_and_a_death() {
+    if let Some(mut bench) = arduplane() {
+        fly_the_faults(&mut bench);
+    }
 }
 
 /// The emulator behind a TCP port; it flies a step for each `go`.
@@ -401,8 +537,8 @@ fn serve_emulator(server: &TcpListener, go: &Receiver<u64>, done: &SyncSender<(f
     }
 }
 
-#[test]
-fn the_emulator_flies_the_course() {
+/// A flight with the emulator.
+fn with_the_emulator(fly: impl FnOnce(&mut Bench)) {
     let server = TcpListener::bind("127.0.0.1:0").expect("a port");
     let endpoint = format!("tcp:{}", server.local_addr().expect("an address"));
     let (go, told) = sync_channel(1);
@@ -414,7 +550,17 @@ fn the_emulator_flies_the_course() {
         now_s: 0.0,
     };
     let mut bench = Bench::new(&endpoint, clock);
-    fly_the_course(&mut bench);
+    fly(&mut bench);
     drop(bench);
     emulator.join().expect("the emulator");
+}
+
+#[test]
+fn the_emulator_flies_the_course() {
+    with_the_emulator(fly_the_course);
+}
+
+#[test]
+fn the_emulator_meets_a_fence_a_pilot_and_a_death() {
+    with_the_emulator(fly_the_faults);
 }

@@ -256,6 +256,10 @@ impl Companion {
             _ => self.is_back(decision, state, now_s),
         };
         if done {
+            if self.config.command.mode == CommandMode::Paper {
+                // The stick is centred before CRUISE sees it.
+                self.send_override(Some(1500));
+            }
             self.resume_item(now_s);
             let actions = self.keeper.hand_back(now_s);
             self.perform(&actions, now_s);

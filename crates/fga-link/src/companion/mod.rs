@@ -367,6 +367,8 @@ impl Companion {
                 }
                 Action::Returned => {
                     self.refusals = 0;
+                    // Held for seconds otherwise, and CRUISE would turn on.
+                    self.stop_overrides();
                     self.tell(Severity::Info, "fga: clear, mode restored", now_s);
                     self.forget_plan();
                 }

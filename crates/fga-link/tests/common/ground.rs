@@ -60,6 +60,8 @@ pub struct Ground {
     pub above_home_m: f64,
     pub item: u16,
     mission: Vec<MISSION_ITEM_INT_DATA>,
+    fence: Vec<MISSION_ITEM_INT_DATA>,
+    /// Whether the last upload was taken.
     pub uploaded: bool,
 }
 
@@ -78,6 +80,7 @@ impl Ground {
             above_home_m: 0.0,
             item: 0,
             mission: Vec::new(),
+            fence: Vec::new(),
             uploaded: false,
         }
     }
@@ -180,20 +183,24 @@ impl Ground {
                 );
             }
             MavMessage::MISSION_CURRENT(data) => self.item = data.seq,
-            MavMessage::MISSION_REQUEST_INT(data)
-                if data.mission_type == MavMissionType::MAV_MISSION_TYPE_MISSION =>
-            {
-                self.hand_over_item(data.seq);
+            MavMessage::MISSION_REQUEST_INT(data) if data.target_system == 255 => {
+                self.hand_over_item(data.mission_type, data.seq);
             }
-            MavMessage::MISSION_REQUEST(data) => self.hand_over_item(data.seq),
+            MavMessage::MISSION_REQUEST(data) if data.target_system == 255 => {
+                self.hand_over_item(data.mission_type, data.seq);
+            }
             MavMessage::MISSION_ACK(data) if data.target_system == 255 => self.uploaded = true,
             MavMessage::STATUSTEXT(data) => eprintln!("  {}", data.text.to_str().unwrap_or("?")),
             _ => {}
         }
     }
 
-    fn hand_over_item(&mut self, number: u16) {
-        if let Some(item) = self.mission.get(usize::from(number)).cloned() {
+    fn hand_over_item(&mut self, list: MavMissionType, number: u16) {
+        let items = match list {
+            MavMissionType::MAV_MISSION_TYPE_FENCE => &self.fence,
+            _ => &self.mission,
+        };
+        if let Some(item) = items.get(usize::from(number)).cloned() {
             self.send(&MavMessage::MISSION_ITEM_INT(item));
         }
     }
@@ -228,10 +235,41 @@ impl Ground {
                 }
             })
             .collect();
+        self.announce(self.mission.len(), MavMissionType::MAV_MISSION_TYPE_MISSION);
+    }
+
+    /// Uploads a fence: a polygon that is not to be left, its corners so far east and north of home,
+    /// metres.
+    pub fn upload_fence(&mut self, home: Geodetic, corners_m: &[(f64, f64)]) {
+        let frame = LocalFrame::new(home, Earth::Wgs84);
+        self.fence = (0..)
+            .zip(corners_m)
+            .map(|(seq, (east_m, north_m))| {
+                let place = frame.to_geodetic(Vec3::new(*east_m, *north_m, 0.0));
+                MISSION_ITEM_INT_DATA {
+                    seq,
+                    command: MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+                    frame: MavFrame::MAV_FRAME_GLOBAL,
+                    x: (place.latitude_deg * 1e7) as i32,
+                    y: (place.longitude_deg * 1e7) as i32,
+                    param1: corners_m.len() as f32,
+                    target_system: 1,
+                    target_component: 1,
+                    mission_type: MavMissionType::MAV_MISSION_TYPE_FENCE,
+                    ..MISSION_ITEM_INT_DATA::DEFAULT
+                }
+            })
+            .collect();
+        self.announce(self.fence.len(), MavMissionType::MAV_MISSION_TYPE_FENCE);
+    }
+
+    fn announce(&mut self, count: usize, mission_type: MavMissionType) {
+        self.uploaded = false;
         self.send(&MavMessage::MISSION_COUNT(MISSION_COUNT_DATA {
-            count: u16::try_from(self.mission.len()).expect("a short mission"),
+            count: u16::try_from(count).expect("a short list"),
             target_system: 1,
             target_component: 1,
+            mission_type,
             ..MISSION_COUNT_DATA::DEFAULT
         }));
     }
