@@ -97,6 +97,24 @@ fn the_floor_bounds_the_manoeuvre() {
 }
 
 #[test]
+fn between_floor_and_ceiling_it_climbs_and_levels_off() {
+    // In the corridor the only way leads over or under, and no climb angle can be held for long.
+    let limits = "[safety]\nfloor_m = 50.0\nceiling_m = 150.0\n";
+    let mut world = head_on(World::new(&format!("{VERTICAL}{limits}"), GOOD, 6));
+    let fence = inclusion(&world, -45.0, 45.0);
+    world.emulator.set_fence(fence);
+    let flown = fly(&mut world, 130.0);
+    assert!(flown.cylinder_margin_m >= 0.0, "{flown:?}");
+    assert!(
+        flown.height_m.0 >= 50.0 && flown.height_m.1 <= 150.0,
+        "{flown:?}"
+    );
+    assert!(flown.height_m.1 - flown.height_m.0 > 15.0, "{flown:?}");
+    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    assert!(is_back(&world), "{:?}", world.off_leg());
+}
+
+#[test]
 fn wind_from_every_side_is_flown() {
     for (wind_mps, network) in [
         ([10.0, 0.0], GOOD),

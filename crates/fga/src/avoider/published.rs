@@ -414,7 +414,9 @@ impl Avoider {
             let Some((geometry, round)) = round else {
                 continue;
             };
-            let wait_s = (geometry.along_m - round.before_m) / geometry.closing_mps;
+            // The arcs follow their commands late by the bank's lag.
+            let late_s = self.vehicle.response.bank_time_constant_s;
+            let wait_s = (geometry.along_m - round.before_m) / geometry.closing_mps - late_s;
             let left_m = own.velocity_mps().cross(detection.relative.position_m()).z;
             let side = if left_m > 0.0 {
                 Side::Right
