@@ -59,6 +59,11 @@ impl Hazard {
         }
     }
 
+    /// Whether its volume is a cylinder.
+    pub(crate) const fn is_cylinder(&self) -> bool {
+        matches!(self.volume, ProtectedVolume::Cylinder { .. })
+    }
+
     fn offset_m(&self, position_m: Vec3, at_s: f64) -> Vec3 {
         position_m - (self.position_m + self.velocity_mps * at_s)
     }

@@ -445,7 +445,8 @@ impl Search<'_> {
         look: impl Fn(&Hazard, &mut Certificate),
     ) {
         let hazards = self.scene.hazards;
-        if let Some(hazard) = hazards.rows().get(self.culprit) {
+        let first = hazards.rows().get(self.culprit);
+        if let Some(hazard) = first {
             look(hazard, worst);
             if worst.margin_m < floor_m {
                 self.count(1);
@@ -454,6 +455,9 @@ impl Search<'_> {
         }
         self.count(1 + hazards.block_count());
         hazards.each_close(line, worst.margin_m + bow_m, |hazard| {
+            if first.is_some_and(|first| first.index == hazard.index) {
+                return true;
+            }
             look(hazard, worst);
             let above = worst.margin_m >= floor_m;
             if !above {

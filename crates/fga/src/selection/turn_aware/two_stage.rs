@@ -200,7 +200,8 @@ impl Search<'_> {
             seeds.take(KINDS - 1, found);
         }
         self.collect_single(&start, &mut seeds);
-        if effort == Effort::Full {
+        let has_layers = self.scene.hazards.rows().iter().any(Hazard::is_cylinder);
+        if effort == Effort::Full && has_layers {
             self.collect_levelled(&start, &mut seeds);
         }
         self.climb(&mut seeds, KINDS_OF_ONE + 2, &SINGLE_ROUNDS, &mut best);
