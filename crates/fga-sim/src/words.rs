@@ -1,7 +1,7 @@
 //! A decision in words: what threatens, what is flown, and why.
 
 use fga::angle::wrap_pi;
-use fga::avoider::{Decision, Reason};
+use fga::avoider::{Candidate, Decision, Reason};
 use fga::maneuver::Maneuver;
 use fga::situation::Ownship;
 
@@ -117,13 +117,17 @@ pub fn decision_words(
     if let Some(latest_s) = record.latest_start_s {
         parts.push(format!("latest safe start in {latest_s:.1} s"));
     }
-    if let Some(chosen) = &record.chosen {
-        let mut words = maneuver_words(&chosen.maneuver, ownship);
-        if chosen.margin_m.is_finite() {
-            use core::fmt::Write as _;
-            let _ = write!(words, ", least margin {:.1} m", chosen.margin_m);
+    let candidate_words = |candidate: &Candidate| {
+        let words = maneuver_words(&candidate.maneuver, ownship);
+        if candidate.margin_m.is_finite() {
+            format!("{words}, least margin {:.1} m", candidate.margin_m)
+        } else {
+            words
         }
-        parts.push(words);
+    };
+    parts.extend(record.chosen.as_ref().map(candidate_words));
+    if let Some(other) = &record.alternative {
+        parts.push(format!("to the other side: {}", candidate_words(other)));
     }
     parts.join("; ")
 }
@@ -132,7 +136,7 @@ pub fn decision_words(
 mod tests {
     use super::*;
     use fga::Vec3;
-    use fga::avoider::{Candidate, Record, State, Threat, Verdict};
+    use fga::avoider::{Record, State, Threat, Verdict};
 
     #[test]
     fn a_decision_reads_as_a_sentence() {

@@ -111,6 +111,62 @@ fn a_new_threat_on_the_way_back_is_avoided() {
 }
 
 #[test]
+fn a_manoeuvre_is_kept_only_while_everything_goes_as_it_was_certified() {
+    // A flight without any noise is certified by what comes true. One in which every position is off
+    // by less than a hair is certified anew each cycle: both must keep the manoeuvre.
+    let reasons = |hair_m: f64| {
+        let mut flight = flight(Start::AtDetection);
+        let mut obstacles = [sphere(7, AHEAD, Vec3::new(-10.0, 2.0, 0.0), 30.0)];
+        let mut reasons = Vec::new();
+        for cycle in 0..200 {
+            let side = if cycle % 2 == 0 { 1.0 } else { -1.0 };
+            let decision = flight.cycle(&mut obstacles);
+            obstacles[0].position_m.y += side * hair_m;
+            reasons.push(decision.record.reason);
+        }
+        reasons
+    };
+    assert_eq!(reasons(0.0), reasons(1e-5));
+    // Whatever changes is seen at once, however short ago the last certificate was made.
+    let moves: [fn(&mut Flight, &mut Obstacle); 4] = [
+        |flight, obstacle| {
+            obstacle.position_m = flight.own.position_m + flight.own.velocity_mps() * 4.0;
+        },
+        |flight, obstacle| {
+            let back = flight.own.position_m + flight.own.velocity_mps() * 6.0;
+            obstacle.velocity_mps = (back - obstacle.position_m) / 6.0;
+        },
+        |_, obstacle| obstacle.volume = ProtectedVolume::Sphere { radius_m: 60.0 },
+        |flight, _| flight.own.course_rad = 0.0,
+    ];
+    for (place, change) in moves.into_iter().enumerate() {
+        let mut flight = flight(Start::AtDetection);
+        let mut obstacles = standing(AHEAD);
+        flight.until(State::Avoiding, &mut obstacles);
+        for _ in 0..3 {
+            let kept = flight.cycle(&mut obstacles);
+            assert_eq!(kept.record.reason, Reason::ManeuverKept);
+        }
+        change(&mut flight, &mut obstacles[0]);
+        let next = flight.cycle(&mut obstacles);
+        assert_ne!(next.record.reason, Reason::ManeuverKept, "change {place}");
+    }
+}
+
+#[test]
+fn a_flight_after_another_begins_anew() {
+    let mut first = flight(Start::Latest);
+    first.until(State::Avoiding, &mut standing(AHEAD));
+    first.avoider.restart();
+    let mut fresh = flight(Start::Latest);
+    (first.own, first.time_s) = (fresh.own, fresh.time_s);
+    let (mut around, mut again) = (standing(AHEAD), standing(AHEAD));
+    for _ in 0..300 {
+        assert_eq!(first.cycle(&mut around), fresh.cycle(&mut again));
+    }
+}
+
+#[test]
 fn a_clock_that_jumps_back_begins_anew() {
     let mut flight = flight(Start::Latest);
     flight.time_s = 1000.0;
