@@ -3,7 +3,7 @@
 //! It is *not* ArduPlane and shares no code with it. It has those modes, parameters, time-outs,
 //! acknowledgements and gates that a companion computer meets, with the behaviour that was
 //! measured on ArduPlane 4.7-dev in software in the loop, on a point mass: roll by a
-//! limited rate, a turn rate of 0.74 of the ideal one, altitude by a climb angle with a lag.
+//! limited rate, a turn rate of 0.70 of the ideal one, altitude by a climb angle with a lag.
 //!
 //! The emulator reads no clock and no socket: [`Emulator::receive`] takes a message,
 //! [`Emulator::advance`] lets time pass, [`Emulator::drain`] gives what it sends. Tests run it in

@@ -40,7 +40,7 @@ impl Default for PlantSettings {
             roll_rate_max_radps: 1.6,
             roll_rate_lag_s: 0.13,
             roll_delay_steps: 3,
-            turn_rate_factor: 0.74,
+            turn_rate_factor: 0.70,
             nose_lag_s: 0.3,
             climb_time_constant_s: 0.5,
             level_pitch_rad: 0.035,
@@ -190,7 +190,13 @@ impl Plant {
     }
 
     pub(crate) fn step(&mut self, target: &Target, parameters: &Parameters, step_s: f64) {
-        let limit = parameters.value("ROLL_LIMIT_DEG").to_radians();
+        // No bank that needs more lift than the wing has, but always 25°.
+        let load = (self.settings.airspeed_mps / parameters.value("AIRSPEED_MIN").max(1.0)).powi(2);
+        let stall_rad = libm::acos(1.0 / load.max(1.0)).max(25.0_f64.to_radians());
+        let limit = parameters
+            .value("ROLL_LIMIT_DEG")
+            .to_radians()
+            .min(stall_rad);
         self.commanded_bank_rad = target.bank_rad.clamp(-limit, limit);
         self.roll(step_s);
         let speed = self.settings.airspeed_mps;

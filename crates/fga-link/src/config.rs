@@ -187,7 +187,7 @@ pub struct ResponseConfig {
 impl Default for ResponseConfig {
     fn default() -> Self {
         Self {
-            turn_rate_factor: 0.70,
+            turn_rate_factor: 0.68,
             bank_time_constant_s: 0.4,
             dead_time_s: 0.25,
             estimate: true,

@@ -10,7 +10,7 @@ use crate::outgoing::{AUTOPILOT, Outbox};
 
 /// What is asked for. Where a figure has had two names, the newer comes first; the older one is
 /// scaled by the factor beside it.
-const WANTED: [(&str, &str, f64); 15] = [
+const WANTED: [(&str, &str, f64); 17] = [
     ("ROLL_LIMIT_DEG", "LIM_ROLL_CD", 0.01),
     ("PTCH_LIM_MAX_DEG", "LIM_PITCH_MAX", 0.01),
     ("PTCH_LIM_MIN_DEG", "LIM_PITCH_MIN", 0.01),
@@ -26,6 +26,8 @@ const WANTED: [(&str, &str, f64); 15] = [
     ("AVD_F_ACTION", "AVD_F_ACTION", 1.0),
     ("FENCE_ENABLE", "FENCE_ENABLE", 1.0),
     ("WP_RADIUS", "WP_RADIUS", 1.0),
+    ("STALL_PREVENTION", "STALL_PREVENTION", 1.0),
+    ("AIRSPEED_STALL", "AIRSPEED_STALL", 1.0),
 ];
 /// Without these it does not act: bank limit and cruise airspeed.
 const NEEDED: [&str; 2] = ["ROLL_LIMIT_DEG", "AIRSPEED_CRUISE"];
@@ -35,6 +37,11 @@ const ANSWER_S: f64 = 0.5;
 const MOST_ROUNDS: u8 = 8;
 /// Kept below the vehicle's own bank limit, degrees.
 const BELOW_LIMIT_DEG: f64 = 2.0;
+/// The autopilot prevents a stall: it lets no bank need more lift than the wing has at the airspeed.
+/// It always lets this much, degrees.
+const ALWAYS_LET_DEG: f64 = 25.0;
+/// The airspeed falls in a turn: so much of it is counted on.
+const AIRSPEED_SHARE: f64 = 0.97;
 /// Rate of change of the climb angle, radians per second: a second and a half to 15°.
 const CLIMB_RATE_RADPS: f64 = 0.17;
 /// Part of the vehicle's climb and sink rates that is planned with.
@@ -121,9 +128,25 @@ impl VehicleParameters {
         }
     }
 
-    /// The largest bank that is commanded, radians; `None` until the vehicle's limit is known.
-    pub fn bank_limit_rad(&self, config: &Config) -> Option<f64> {
+    /// The largest bank that the autopilot's stall prevention lets, degrees: the load 1/cos φ is no more
+    /// than the square of airspeed over stall speed.
+    fn stall_limit_deg(&self, airspeed_mps: f64) -> f64 {
+        let known = |name| self.get(name).filter(|value| *value > 1.0);
+        let stall_mps = known("AIRSPEED_STALL").or_else(|| known("AIRSPEED_MIN"));
+        let (Some(stall_mps), true) = (stall_mps, self.get("STALL_PREVENTION") != Some(0.0)) else {
+            return 90.0;
+        };
+        let share = AIRSPEED_SHARE * airspeed_mps / stall_mps;
+        libm::acos(1.0 / (share * share).max(1.0))
+            .to_degrees()
+            .max(ALWAYS_LET_DEG)
+    }
+
+    /// The largest bank that is commanded at an airspeed, radians; `None` until the vehicle's limit
+    /// is known.
+    pub fn bank_limit_rad(&self, config: &Config, airspeed_mps: f64) -> Option<f64> {
         let limit_deg = self.get("ROLL_LIMIT_DEG").filter(|limit| *limit > 10.0)?;
+        let limit_deg = limit_deg.min(self.stall_limit_deg(airspeed_mps));
         let deg = (limit_deg - BELOW_LIMIT_DEG).min(config.vehicle.max_bank_deg);
         Some(deg.clamp(5.0, 70.0).to_radians())
     }
@@ -135,10 +158,10 @@ impl VehicleParameters {
         airspeed_mps: f64,
         response: Response,
     ) -> Option<Vehicle> {
-        let bank_rad = self.bank_limit_rad(config)?;
         if !(airspeed_mps.is_finite() && airspeed_mps > 1.0) {
             return None;
         }
+        let bank_rad = self.bank_limit_rad(config, airspeed_mps)?;
         let turn_radius_m =
             airspeed_mps * airspeed_mps / (STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad));
         let limit_rad = config.vehicle.max_climb_deg.to_radians();
@@ -204,6 +227,28 @@ mod tests {
         // asin(0.8 · 5 / 25) = 9.2° is limited to 8°.
         assert!((vehicle.climb_max_rad.to_degrees() - 8.0).abs() < 1e-9);
         assert_eq!(vehicle.climb_min_rad, 0.0);
+    }
+
+    #[test]
+    fn near_the_stall_the_bank_is_what_the_autopilot_lets() {
+        let mut parameters = VehicleParameters::default();
+        parameters.take(&value("ROLL_LIMIT_DEG", 65.0));
+        let config = Config::default();
+        let limit_deg = |parameters: &VehicleParameters, airspeed_mps| {
+            let limit_rad = parameters.bank_limit_rad(&config, airspeed_mps).unwrap();
+            limit_rad.to_degrees()
+        };
+        assert!((limit_deg(&parameters, 11.0) - 45.0).abs() < 1e-9);
+        parameters.take(&value("AIRSPEED_MIN", 10.0));
+        // (0.97 · 11.5 / 10)² = 1.2444: arccos 0.8036 = 36.5°, 2° in hand.
+        assert!((limit_deg(&parameters, 11.5) - 34.5).abs() < 0.1);
+        assert!((limit_deg(&parameters, 9.0) - 23.0).abs() < 1e-9);
+        assert!((limit_deg(&parameters, 22.0) - 45.0).abs() < 1e-9);
+        parameters.take(&value("AIRSPEED_STALL", 8.0));
+        assert!((limit_deg(&parameters, 11.5) - 45.0).abs() < 1e-9);
+        parameters.take(&value("AIRSPEED_STALL", 11.0));
+        parameters.take(&value("STALL_PREVENTION", 0.0));
+        assert!((limit_deg(&parameters, 11.5) - 45.0).abs() < 1e-9);
     }
 
     #[test]

@@ -41,6 +41,8 @@ const LEG_ITEM: u16 = 3;
 const PROTECTED_M: f64 = 60.0;
 /// The disc that Algorithm 4 flies round.
 const DISC_M: f64 = 150.0;
+/// The throttle stick that asks for 22 m/s between 10 and 30 m/s.
+const CRUISE_THROTTLE_US: u16 = 1600;
 /// The fence stands so far east of the leg, metres.
 const FENCE_EAST_M: f64 = 45.0;
 /// Without its companion the vehicle stays within this of where it was taken over, metres: it
@@ -84,6 +86,8 @@ struct Bench {
     least_m: (f64, f64),
     /// When the companion last commanded anything, seconds.
     commanded_s: f64,
+    /// The pilot's throttle stick, where it is held.
+    throttle_us: Option<u16>,
     /// The companion is dead: it hears and sends nothing.
     dead: bool,
     /// Farthest east of home, metres.
@@ -105,6 +109,7 @@ impl Bench {
             next_heartbeat_s: 0.0,
             least_m: (f64::INFINITY, 0.0),
             commanded_s: f64::NEG_INFINITY,
+            throttle_us: None,
             dead: false,
             east_m: f64::NEG_INFINITY,
         }
@@ -169,6 +174,9 @@ impl Bench {
             if now_s >= self.next_heartbeat_s {
                 self.next_heartbeat_s = now_s + 1.0;
                 self.ground.heartbeat();
+                if let Some(throttle_us) = self.throttle_us {
+                    self.ground.hold_throttle(throttle_us);
+                }
             }
             self.report_threat(now_s);
             if !self.dead {
@@ -334,8 +342,10 @@ fn judge_encounter(bench: &mut Bench, home: Geodetic, what: &str) {
 /// CRUISE, FBWB round the disc, CRUISE on the old course.
 fn fly_algorithm_4(bench: &mut Bench) {
     bench.companion = companion("[safety]\narmed_at_start = false\n");
+    // At idle, CRUISE would fly close to the stall.
+    bench.throttle_us = Some(CRUISE_THROTTLE_US);
     bench.change_mode(CRUISE);
-    bench.run_for(5.0);
+    bench.run_for(10.0);
     let track_rad = bench.ground.track_rad();
     let ahead = Vec3::new(track_rad.sin(), track_rad.cos(), 0.0);
     let place = bench.meet(ahead * 1200.0, Vec3::ZERO, false);

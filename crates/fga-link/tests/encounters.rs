@@ -15,10 +15,12 @@ use fga_sim::oracle::{
 const OWN_MPS: f64 = 25.0;
 const MEET_S: f64 = 70.0;
 const PROTECTED_M: f64 = 60.0;
-/// The report to the companion and the change of mode to the vehicle: what no decision can gain.
+/// The report to the companion and the first target to the vehicle: what no decision can gain.
 /// Taken as they were in the encounter, between the good side, and the worst that the network does
-/// to both and to the target that follows.
+/// to both.
 const DEAD_TIME_S: (f64, f64) = (0.3, 0.5);
+/// A commanded bank beyond this is a turn, radians.
+const TURNS_RAD: f64 = 0.3;
 /// The first-order lag that comes closest to the roll of the emulator.
 const BANK_TIME_CONSTANT_S: f64 = 0.4;
 
@@ -160,11 +162,15 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64)) -> Result {
         world.add(intruder(&mut random, second, 0x0020_0000 + seed, shown_m));
     }
     let (mut largest_m, mut off_since_s, mut last_off_s) = (0.0_f64, 0.0, 0.0);
-    let mut best_m = None;
+    let (mut best_m, mut turned_s) = (None, None);
     while world.time_s < 115.0 || (world.mode() != Mode::Auto && world.time_s < 300.0) {
         world.step();
         if best_m.is_none() && world.shown.iter().all(|shown| *shown) && shown.1 < 400.0 {
             best_m = Some((world.time_s, scene(&world)));
+        }
+        let turns = world.emulator.plant().commanded_bank_rad().abs() > TURNS_RAD;
+        if turned_s.is_none() && turns && world.mode() == Mode::Guided {
+            turned_s = Some(world.time_s);
         }
         let (across_m, angle_rad) = world.off_leg();
         largest_m = largest_m.max(across_m);
@@ -197,10 +203,7 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64)) -> Result {
         best_m: best_m.filter(|_| straight && least_m < PROTECTED_M).map(
             |(scene_s, (start, mut vehicle, obstacles))| {
                 let settings = OracleSettings::default();
-                // The emulator's clock began earlier.
-                let ahead_s = world.emulator.time_s() - world.time_s;
-                let change = world.emulator.mode_changes().first();
-                let waited_s = change.map_or(0.0, |change| change.time_s - ahead_s - scene_s);
+                let waited_s = turned_s.map_or(0.0, |turned_s| turned_s - scene_s);
                 vehicle.dead_time_s = waited_s.clamp(DEAD_TIME_S.0, DEAD_TIME_S.1);
                 best_margin(&start, &vehicle, &obstacles, &settings).best_margin_m
             },

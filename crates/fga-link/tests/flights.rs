@@ -265,6 +265,21 @@ fn other_modes_are_taken_over_only_where_that_is_allowed() {
     }
 }
 
+/// Near the stall the autopilot lets less bank, and the turn is planned with that.
+#[test]
+fn a_slow_aircraft_begins_earlier() {
+    let mut settings = Settings::default();
+    settings.plant.airspeed_mps = 13.5;
+    let mut world = World::with(settings, "", GOOD, 4);
+    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 2300.0, 100.0], [0.0, -25.0, 0.0]);
+    intruder.shown_m = 800.0;
+    world.add(intruder);
+    let flown = fly(&mut world, 130.0);
+    assert!(world.least_m[0].0 >= PROTECTED_M, "{:?}", world.least_m);
+    assert_eq!(flown.modes, [Mode::Guided, Mode::Auto]);
+    assert!(is_back(&world), "{:?}", world.off_leg());
+}
+
 /// The roll of an ArduPlane comes late and fast: a law that expects a slow one rocks the wings.
 #[test]
 fn turns_end_without_rocking() {

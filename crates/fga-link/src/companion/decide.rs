@@ -113,7 +113,7 @@ impl Companion {
     }
 
     fn paper_decision(&mut self, state: &State, now_s: f64) -> Option<Decision> {
-        let limit_rad = self.parameters.bank_limit_rad(&self.config)?;
+        let limit_rad = self.bank_limit_rad()?;
         let full_rad = self.parameters.get("ROLL_LIMIT_DEG")?.to_radians();
         let response = self.response.response();
         let sticks = self.paper.step(
@@ -155,6 +155,18 @@ impl Companion {
         })
     }
 
+    /// Airspeed as measured, or the one of cruise, metres per second.
+    fn airspeed_mps(&self) -> Option<f64> {
+        let measured = self.ownship.airspeed_mps().filter(|v| *v > 5.0);
+        measured.or_else(|| self.parameters.get("AIRSPEED_CRUISE"))
+    }
+
+    /// The largest bank that is commanded now, radians.
+    pub(super) fn bank_limit_rad(&self) -> Option<f64> {
+        self.parameters
+            .bank_limit_rad(&self.config, self.airspeed_mps()?)
+    }
+
     fn renew_avoider(&mut self, now_s: f64) -> Option<()> {
         let mut response = self.response.response();
         // The dead time is spent before the state that the avoider is given; the rest is planned.
@@ -163,19 +175,17 @@ impl Companion {
             // Heading commands are followed with a slow tail.
             response.bank_time_constant_s += 0.6;
         }
-        let cruise_mps = self.parameters.get("AIRSPEED_CRUISE");
-        let airspeed_mps = self
-            .ownship
-            .airspeed_mps()
-            .filter(|v| *v > 5.0)
-            .or(cruise_mps)?;
+        let airspeed_mps = self.airspeed_mps()?;
         let wanted = self
             .parameters
             .vehicle(&self.config, airspeed_mps, response)?;
         if let Some(avoider) = &mut self.avoider {
             let known = *avoider.vehicle();
             let off = |a: f64, b: f64| (a - b).abs() > LIMITS_CHANGE * b.abs();
+            // Also the limits of a climb: the parameters for them may come later than the others.
             let changed = off(wanted.airspeed_mps, known.airspeed_mps)
+                || off(wanted.climb_max_rad, known.climb_max_rad)
+                || off(wanted.climb_min_rad, known.climb_min_rad)
                 || off(wanted.course_rate_radps(), known.course_rate_radps())
                 || off(
                     wanted.response.bank_time_constant_s,

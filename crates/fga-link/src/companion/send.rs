@@ -263,7 +263,7 @@ impl Companion {
             return;
         };
         let Some(avoider) = &self.avoider else { return };
-        let Some(limit_rad) = self.parameters.bank_limit_rad(&self.config) else {
+        let Some(limit_rad) = self.bank_limit_rad() else {
             return;
         };
         let ahead_s = self.response.response().dead_time_s;
@@ -284,7 +284,7 @@ impl Companion {
 
     fn command_heading(&mut self, now_s: f64, state: &State) {
         let Some(decided) = self.decided else { return };
-        let Some(limit_rad) = self.parameters.bank_limit_rad(&self.config) else {
+        let Some(limit_rad) = self.bank_limit_rad() else {
             return;
         };
         let elapsed_s = (now_s - decided.for_s).max(0.0);

@@ -16,7 +16,7 @@ use fga_link::wire::{Frame, Framer, encode};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     COMMAND_LONG_DATA, GpsFixType, HEARTBEAT_DATA, MISSION_COUNT_DATA, MISSION_ITEM_INT_DATA,
-    MavCmd, MavFrame, MavMessage, MavMissionType, MavModeFlag,
+    MavCmd, MavFrame, MavMessage, MavMissionType, MavModeFlag, RC_CHANNELS_OVERRIDE_DATA,
 };
 
 pub const FBWB: u32 = 6;
@@ -137,6 +137,26 @@ impl Ground {
 
     pub fn ask_for_mode(&mut self, mode: u32) {
         self.command(MavCmd::MAV_CMD_DO_SET_MODE, 1.0, mode as f32);
+    }
+
+    /// Holds the throttle stick, as a pilot would; the others are left alone. In CRUISE it sets the
+    /// airspeed.
+    pub fn hold_throttle(&mut self, throttle_us: u16) {
+        self.send(&MavMessage::RC_CHANNELS_OVERRIDE(
+            RC_CHANNELS_OVERRIDE_DATA {
+                chan1_raw: u16::MAX,
+                chan2_raw: u16::MAX,
+                chan3_raw: throttle_us,
+                chan4_raw: u16::MAX,
+                chan5_raw: u16::MAX,
+                chan6_raw: u16::MAX,
+                chan7_raw: u16::MAX,
+                chan8_raw: u16::MAX,
+                target_system: 1,
+                target_component: 1,
+                ..RC_CHANNELS_OVERRIDE_DATA::DEFAULT
+            },
+        ));
     }
 
     /// Asks for AUTO, then to be armed, where that is still to come.
