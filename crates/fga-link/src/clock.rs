@@ -3,12 +3,20 @@
 //! Each message arrives later than it was measured, by a delay that varies. The least of
 //! "arrival − boot time" is the offset of the clocks plus the shortest delay; it is tracked with a
 //! slow leak, so that clocks that drift apart are followed. A boot time that falls back far and
-//! stays there is a restart; one that falls back a little is a message out of order.
+//! stays there is a restart; one that falls back a little is a message out of order. A vehicle whose
+//! clock stood still for a moment is late from then on, always by the same: after a while that is
+//! taken for what it is. A link that is late is so by more and less.
 
 /// How fast the offset may grow: 200 parts per million of drift.
 const LEAK: f64 = 2e-4;
 /// A boot time this far behind the newest is no reordering, seconds.
 const RESTART_GAP_S: f64 = 3.0;
+/// Late by more than this all the time is a step of the clocks, seconds …
+const STEP_S: f64 = 0.5;
+/// … where it varies by less than this, seconds …
+const STEADY_S: f64 = 0.4;
+/// … for so long, seconds.
+const STEP_SEEN_S: f64 = 5.0;
 /// So many in a row are believed.
 const RESTART_COUNT: u8 = 3;
 /// Boot times run over after 2³² milliseconds.
@@ -38,6 +46,16 @@ pub struct BootClock {
     offset_s: f64,
     offset_at_s: f64,
     suspects: u8,
+    late: Option<Late>,
+}
+
+/// Messages that are late without exception: since when, and by how much, least and most, seconds.
+#[expect(clippy::struct_field_names, reason = "the unit is part of each name")]
+#[derive(Debug, Clone, Copy)]
+struct Late {
+    since_s: f64,
+    least_s: f64,
+    most_s: f64,
 }
 
 impl BootClock {
@@ -66,6 +84,7 @@ impl BootClock {
         self.newest_boot_s = Some(boot_s);
         let grown = self.offset_s + LEAK * (now_s - self.offset_at_s).max(0.0);
         self.offset_s = grown.min(now_s - boot_s);
+        self.watch_step(now_s - boot_s - self.offset_s, now_s);
         self.offset_at_s = now_s;
         Stamp::New {
             measured_s: boot_s + self.offset_s,
@@ -78,14 +97,62 @@ impl BootClock {
             offset_s: now_s - boot_s,
             offset_at_s: now_s,
             suspects: 0,
+            late: None,
         };
         now_s
+    }
+
+    fn watch_step(&mut self, late_s: f64, now_s: f64) {
+        if late_s < STEP_S {
+            self.late = None;
+            return;
+        }
+        let begun = Late {
+            since_s: now_s,
+            least_s: late_s,
+            most_s: late_s,
+        };
+        let late = self.late.get_or_insert(begun);
+        late.least_s = late.least_s.min(late_s);
+        late.most_s = late.most_s.max(late_s);
+        if late.most_s - late.least_s > STEADY_S {
+            *late = begun;
+        } else if now_s - late.since_s >= STEP_SEEN_S {
+            self.offset_s += late.least_s;
+            self.late = None;
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// An overloaded simulator, or an autopilot that was held by a debugger.
+    #[test]
+    fn a_clock_that_stood_still_is_late_for_a_while_only() {
+        let mut clock = BootClock::default();
+        let mut age_s = 0.0;
+        for n in 0_u32..200 {
+            let held_s = if n < 100 { 0.0 } else { 1.6 };
+            let now_s = f64::from(n) * 0.1 + held_s;
+            age_s = now_s - measured(clock.stamp(n * 100, now_s));
+            assert!(n < 100 || n > 148 || age_s > 1.5);
+        }
+        assert!(age_s < 0.01, "{age_s}");
+        // A link whose delay wanders is late all the same.
+        let mut clock = BootClock::default();
+        for n in 0_u32..300 {
+            let delay_s = if n < 50 {
+                0.0
+            } else {
+                1.2 + 0.3 * f64::from(n % 7)
+            };
+            let now_s = f64::from(n) * 0.1 + delay_s;
+            age_s = now_s - measured(clock.stamp(n * 100, now_s));
+        }
+        assert!(age_s > 1.0, "{age_s}");
+    }
 
     fn measured(stamp: Stamp) -> f64 {
         match stamp {

@@ -183,6 +183,13 @@ impl Bench {
                 self.companion.tick(now_s);
                 self.send_for_companion(now_s);
             }
+            // What it decided, for one who wonders.
+            let lines = self.companion.take_log();
+            if std::env::var_os("FGA_LOG").is_some() {
+                for line in lines {
+                    eprintln!("{line}");
+                }
+            }
         }
     }
 
