@@ -18,8 +18,12 @@ use crate::selection::turn_aware::{Effort, Found, Proof, Scene, Search};
 /// Tests of a line against four obstacles that one search may make: some 25 ns each.
 const WORK_LIMIT: u32 = 80_000;
 
-/// The same with bank lag, where a path has several times as many pieces.
-const LAGGED_WORK_LIMIT: u32 = 4 * WORK_LIMIT;
+/// So many times as many with bank lag, where a path has several times as many pieces.
+const LAGGED_WORK: u32 = 4;
+
+/// So many times as many in the first search of an encounter: what is begun then leads away from
+/// what later ones could find.
+const FIRST_WORK: u32 = 2;
 
 /// Another uncertified manoeuvre must be better by this to be flown instead, metres.
 const CLEARLY_BETTER_M: f64 = 0.5;
@@ -29,7 +33,7 @@ const SEARCH_AGAIN: u32 = 10;
 
 /// For this long, while nothing is certified, the searches are over all manoeuvres, each over other
 /// grids, seconds; later only near the one that is flown.
-const SEARCH_ALL_S: f64 = 0.35;
+const SEARCH_ALL_S: f64 = 0.25;
 
 /// Cycles between two searches over all manoeuvres while nothing is certified and obstacles are
 /// known with an uncertainty, which moves from cycle to cycle.
@@ -183,11 +187,12 @@ impl Avoider {
             costs: (self.settings.heading_cost, self.settings.pitch_cost),
             objective: self.settings.objective,
         };
-        let limit = if self.flyer.is_ideal() {
-            WORK_LIMIT
-        } else {
-            LAGGED_WORK_LIMIT
+        let times = match (self.flyer.is_ideal(), self.plan) {
+            (true, None) => FIRST_WORK,
+            (true, Some(_)) => 1,
+            (false, _) => LAGGED_WORK,
         };
+        let limit = WORK_LIMIT * times;
         let mut search = Search::new(scene, &mut self.path, limit);
         let answer = look(&mut search);
         (answer, search.evaluated, search.limit_met())
