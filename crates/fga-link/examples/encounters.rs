@@ -20,10 +20,12 @@ use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
 use fga::Vec3;
+use fga::situation::ProtectedVolume;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use fga_link::endpoint::open;
 use fga_link::player::{Played, Sample, adsb_message};
 use fga_link::wire::Frame;
+use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 use ground::{ALTITUDE_M, AUTO, Ground, listen};
 
 const PROTECTED_M: f64 = 60.0;
@@ -39,6 +41,13 @@ const STEADY_S: f64 = 15.0;
 /// A waypoint stands on the leg every so often; the leg is as long as the aircraft can fly.
 const WAYPOINT_M: f64 = 5_000.0;
 const WAYPOINTS: u16 = 40;
+
+/// How an ArduPlane of the model `plane` turned, and what no decision can gain: for the oracle, which
+/// is asked about encounters that were lost.
+const BANK_RAD: f64 = core::f64::consts::FRAC_PI_4;
+const TURN_RATE_FACTOR: f64 = 0.69;
+const BANK_TIME_CONSTANT_S: f64 = 0.4;
+const DEAD_TIME_S: f64 = 0.2;
 
 /// `SplitMix64`.
 struct Random(u64);
@@ -290,6 +299,45 @@ impl Bench {
         }
     }
 
+    /// What the oracle is asked for the largest margin that is possible from here on.
+    fn scene(&self) -> (OracleStart, OracleVehicle, Vec<OracleObstacle>) {
+        let own = self.ground.velocity_mps;
+        let airspeed_mps = own.x.hypot(own.y);
+        let vehicle = OracleVehicle {
+            airspeed_mps,
+            course_rate_radps: TURN_RATE_FACTOR * 9.806_65 * BANK_RAD.tan() / airspeed_mps,
+            climb_min_rad: 0.0,
+            climb_max_rad: 0.0,
+            climb_rate_radps: 0.0,
+            dead_time_s: DEAD_TIME_S,
+            bank_time_constant_s: BANK_TIME_CONSTANT_S,
+            bank_max_rad: BANK_RAD,
+            turn_rate_factor: TURN_RATE_FACTOR,
+        };
+        let start = OracleStart {
+            position_m: Vec3::ZERO,
+            course_rad: own.y.atan2(own.x),
+            climb_rad: 0.0,
+            bank_rad: 0.0,
+        };
+        let here = self.ground.place.expect("a position");
+        let frame = LocalFrame::new(here, Earth::Wgs84);
+        let samples = self
+            .intruders
+            .iter()
+            .filter_map(|i| i.path.at(self.now_s()));
+        let obstacles = samples
+            .map(|sample| OracleObstacle {
+                position_m: frame.to_local_m(sample.place),
+                velocity_mps: sample.velocity_mps,
+                volume: ProtectedVolume::Sphere {
+                    radius_m: PROTECTED_M,
+                },
+            })
+            .collect();
+        (start, vehicle, obstacles)
+    }
+
     fn encounter(&mut self, seed: u32, shown: (f64, f64)) -> bool {
         let kind = KINDS[(seed % 5) as usize];
         self.settle();
@@ -298,8 +346,12 @@ impl Bench {
         let begin_s = self.now_s();
         let (mut largest_m, mut height_m, mut last_off_s) = (0.0_f64, 0.0_f64, begin_s);
         let mut passed_s = f64::INFINITY;
+        let mut scene = None;
         loop {
             self.step();
+            if scene.is_none() && self.intruders.iter().all(|i| i.shown) {
+                scene = Some(self.scene());
+            }
             let now_s = self.now_s();
             largest_m = largest_m.max(self.off_leg.0);
             height_m = height_m.max((self.ground.above_home_m - ALTITUDE_M).abs());
@@ -340,6 +392,11 @@ impl Bench {
             self.ground.modes,
             self.ground.item,
         );
+        if let Some((start, vehicle, obstacles)) = scene.filter(|_| least_m < PROTECTED_M) {
+            let settings = OracleSettings::default();
+            let best_m = best_margin(&start, &vehicle, &obstacles, &settings).best_margin_m;
+            println!("    lost; the best possible margin was {best_m:.1} m");
+        }
         self.intruders.clear();
         least_m >= PROTECTED_M
     }
