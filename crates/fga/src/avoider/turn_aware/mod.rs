@@ -21,8 +21,8 @@ const WORK_LIMIT: u32 = 80_000;
 /// So many times as many with bank lag, where a path has several times as many pieces.
 const LAGGED_WORK: u32 = 4;
 
-/// So many times as many in the first search of an encounter: what is begun then leads away from
-/// what later ones could find.
+/// So many times as many in the first search of an encounter, if it has come near: what is begun then
+/// leads away from what later ones could find.
 const FIRST_WORK: u32 = 2;
 
 /// Another uncertified manoeuvre must be better by this to be flown instead, metres.
@@ -187,13 +187,13 @@ impl Avoider {
             costs: (self.settings.heading_cost, self.settings.pitch_cost),
             objective: self.settings.objective,
         };
-        let times = match (self.flyer.is_ideal(), self.plan) {
-            (true, None) => FIRST_WORK,
-            (true, Some(_)) => 1,
-            (false, _) => LAGGED_WORK,
+        let (times, first) = match (self.flyer.is_ideal(), self.plan) {
+            (true, None) => (1, FIRST_WORK),
+            (true, Some(_)) => (1, 1),
+            (false, _) => (LAGGED_WORK, 1),
         };
-        let limit = WORK_LIMIT * times;
-        let mut search = Search::new(scene, &mut self.path, limit);
+        let patience = WORK_LIMIT * times;
+        let mut search = Search::new(scene, &mut self.path, patience * first, patience);
         let answer = look(&mut search);
         (answer, search.evaluated, search.limit_met())
     }

@@ -189,19 +189,23 @@ pub struct Search<'a> {
     /// Tests of a line against four obstacles so far: what the time goes into.
     work: u32,
     limit: u32,
+    /// After this much work it goes on only if it is near.
+    patience: u32,
     /// The hazard that decided last: looked at first, it decides most often again.
     culprit: usize,
 }
 
 impl<'a> Search<'a> {
-    /// A search that makes at most about `limit` tests of a line against four obstacles.
-    pub fn new(scene: Scene<'a>, path: &'a mut FlightPath, limit: u32) -> Self {
+    /// A search that makes at most about `limit` tests of a line against four obstacles, and more than
+    /// `patience` only if it has come near.
+    pub fn new(scene: Scene<'a>, path: &'a mut FlightPath, limit: u32, patience: u32) -> Self {
         Self {
             scene,
             path,
             evaluated: 0,
             work: 0,
             limit,
+            patience,
             culprit: 0,
         }
     }

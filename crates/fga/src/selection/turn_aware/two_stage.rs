@@ -222,6 +222,7 @@ impl Search<'_> {
         if is_certain && self.is_hopeless(&found) {
             return Some((found, Proof::Hopeless));
         }
+        let far_m = target_m - FAR * self.scene.turn_radius_m();
         let departures = self.departures(&start, seeds.floor_m());
         for (shift, climbs) in PASSES {
             if climbs == Climbs::Different && self.scene.is_planar() {
@@ -234,15 +235,14 @@ impl Search<'_> {
             if found.margin_m >= target_m {
                 return Some((found, Proof::Certified));
             }
+            if self.work >= self.patience && is_certain && found.margin_m < far_m {
+                return Some((found, Proof::Hopeless));
+            }
             if self.limit_met() {
                 break;
             }
         }
-        let found = best?;
-        let far_m = target_m - FAR * self.scene.turn_radius_m();
-        let is_far = is_certain && found.margin_m < far_m;
-        let proof = if is_far { Proof::Hopeless } else { Proof::Open };
-        Some((found, proof))
+        best.map(|found| (found, Proof::Open))
     }
 
     /// Whether one obstacle alone is more than no second turn could avoid.
@@ -279,7 +279,7 @@ impl Search<'_> {
             hazards: &alone,
             ..scene
         };
-        let mut search = Search::new(scene_alone, self.path, self.limit);
+        let mut search = Search::new(scene_alone, self.path, self.limit, self.patience);
         let mut seeds = Seeds::new(WORTH * scene.turn_radius_m());
         let mut farthest = None;
         search.collect_single(&scene.start, &mut seeds);
