@@ -2,9 +2,11 @@
 //!
 //! The decisions are [`fga::algorithm4`]'s; here are the vehicle's turn-rate factor and lag, which
 //! the paper's formulas leave out, and the stick positions. The largest bank is replaced by the one
-//! that would give the flown radius ideally, and the triggers are moved earlier by the time that the
-//! roll takes.
+//! that would give the flown radius ideally, the triggers are moved earlier by the time that the
+//! roll takes, and round the obstacle the bank of Eq. 60 is corrected by how far the aircraft is from
+//! its circle: commanded once and for all it was flown up to 8 m into a disc of 150 m.
 
+use fga::Vec3;
 use fga::algorithm4::{Execution, Phase, Plan, pwm_us};
 use fga::kinematics::{Response, STANDARD_GRAVITY_MPS2};
 use fga::situation::{Obstacle, Ownship};
@@ -18,6 +20,13 @@ const AT_REST_MPS: f64 = 1.0;
 /// The turn-rate factor is planned with a little low. Round the obstacle that is the wrong side: the
 /// circle would be tighter than meant. There it is taken larger by this.
 const ROUND_FACTOR: f64 = 1.07;
+
+/// How fast a distance from the circle is taken back, radians per second: that of the oscillation that
+/// its damping forbids.
+const BACK_RADPS: f64 = 0.25;
+
+/// Its damping ratio.
+const DAMPING: f64 = 0.8;
 
 /// Sticks to hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,7 +71,7 @@ impl PaperPilot {
     pub fn step(
         &mut self,
         time_s: f64,
-        ownship: &Ownship,
+        (ownship, wind_mps): (&Ownship, Vec3),
         obstacles: &[Obstacle],
         margin_m: f64,
         response: &Response,
@@ -99,7 +108,7 @@ impl PaperPilot {
         }
         let flown = self.flown.as_mut()?;
         let offset = flown.obstacle.position_m - ownship.position_m;
-        let range_m = libm::hypot(offset.x, offset.y) - ownship.airspeed_mps * early_s;
+        let range_m = range_of(offset) - ownship.airspeed_mps * early_s;
         let elapsed_s = time_s - flown.planned_s + early_s;
         // The last turn ends on the course before: what is turned while rolling out is left out.
         let rolling_out_rad = match flown.execution.phase() {
@@ -119,8 +128,21 @@ impl PaperPilot {
             Phase::RoundObstacle => factor * ROUND_FACTOR,
             _ => factor,
         };
-        let bank_rad =
-            libm::atan(libm::tan(command.bank_rad) / factor).clamp(-bank_limit_rad, bank_limit_rad);
+        let mut rate_radps =
+            STANDARD_GRAVITY_MPS2 * libm::tan(command.bank_rad) / ownship.airspeed_mps;
+        if command.phase == Phase::RoundObstacle {
+            let ground_mps = ownship.velocity_mps() + wind_mps;
+            let off_m = range_of(offset) - flown.execution.plan().round.around.radius_m;
+            let leaving_mps =
+                -(offset.x * ground_mps.x + offset.y * ground_mps.y) / range_of(offset);
+            let inwards_mps2 =
+                2.0 * DAMPING * BACK_RADPS * leaving_mps + BACK_RADPS * BACK_RADPS * off_m;
+            let tighter_radps = inwards_mps2 / ownship.airspeed_mps;
+            let side = rate_radps.signum();
+            rate_radps = side * (rate_radps.abs() + tighter_radps).max(0.0);
+        }
+        let tangent = rate_radps * ownship.airspeed_mps / (STANDARD_GRAVITY_MPS2 * factor);
+        let bank_rad = libm::atan(tangent).clamp(-bank_limit_rad, bank_limit_rad);
         let roll_us = to_u16(pwm_us(bank_rad, full_stick_rad)?);
         Some(Sticks {
             phase: command.phase,
@@ -164,6 +186,11 @@ pub fn throttle_us(airspeed_mps: f64, lowest_mps: f64, highest_mps: f64) -> u16 
     to_u16(1000.0 + 1000.0 * share.clamp(0.0, 1.0))
 }
 
+/// Horizontal length, metres.
+fn range_of(offset_m: Vec3) -> f64 {
+    libm::hypot(offset_m.x, offset_m.y)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -186,7 +213,14 @@ mod tests {
         let mut pilot = PaperPilot::default();
         let response = Response::default();
         let sticks = pilot
-            .step(0.0, &own, &[obstacle], 0.0, &response, (limit, limit))
+            .step(
+                0.0,
+                (&own, Vec3::ZERO),
+                &[obstacle],
+                0.0,
+                &response,
+                (limit, limit),
+            )
             .unwrap();
         assert_eq!((sticks.phase, sticks.roll_us), (Phase::TurningAway, 2000));
         assert!(pilot.is_turning());
@@ -197,7 +231,14 @@ mod tests {
         let mut other = PaperPilot::default();
         assert!(
             other
-                .step(0.0, &own, &[moving], 0.0, &response, (limit, limit))
+                .step(
+                    0.0,
+                    (&own, Vec3::ZERO),
+                    &[moving],
+                    0.0,
+                    &response,
+                    (limit, limit)
+                )
                 .is_none()
         );
     }

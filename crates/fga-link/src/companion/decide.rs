@@ -118,7 +118,7 @@ impl Companion {
         let response = self.response.response();
         let sticks = self.paper.step(
             now_s + response.dead_time_s,
-            &state.ownship,
+            (&state.ownship, state.wind_mps),
             &self.obstacles,
             self.config.protection.margin_m,
             &response,
