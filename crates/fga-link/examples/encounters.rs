@@ -13,6 +13,8 @@
 
 #[path = "../tests/common/ground.rs"]
 mod ground;
+#[path = "../tests/common/random.rs"]
+mod random;
 
 use core::time::Duration;
 use std::process::{Child, Command, ExitCode, Stdio};
@@ -27,6 +29,7 @@ use fga_link::player::{Played, Sample, adsb_message};
 use fga_link::wire::Frame;
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 use ground::{ALTITUDE_M, AUTO, Ground, listen};
+use random::Random;
 
 const PROTECTED_M: f64 = 60.0;
 /// Back on the leg: this close and this well aligned.
@@ -49,25 +52,12 @@ const TURN_RATE_FACTOR: f64 = 0.69;
 const BANK_TIME_CONSTANT_S: f64 = 0.4;
 const DEAD_TIME_S: f64 = 0.2;
 
-/// `SplitMix64`.
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^= z >> 31;
-        low + (high - low) * ((z >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-
-    fn side(&mut self) -> f64 {
-        if self.uniform(0.0, 1.0) < 0.5 {
-            1.0
-        } else {
-            -1.0
-        }
+/// One side or the other.
+fn side(random: &mut Random) -> f64 {
+    if random.uniform(0.0, 1.0) < 0.5 {
+        1.0
+    } else {
+        -1.0
     }
 }
 
@@ -107,7 +97,7 @@ fn velocity(random: &mut Random, kind: Kind, own_mps: f64) -> Vec3 {
         ),
         Kind::Crossing | Kind::Climbing | Kind::Two => (
             random.uniform(15.0, 40.0),
-            random.side() * random.uniform(60.0, 120.0),
+            side(random) * random.uniform(60.0, 120.0),
         ),
         Kind::Overtaking => (
             own_mps + random.uniform(13.0, 25.0),
@@ -115,7 +105,7 @@ fn velocity(random: &mut Random, kind: Kind, own_mps: f64) -> Vec3 {
         ),
     };
     let climb = match kind {
-        Kind::Climbing => random.side() * random.uniform(2.0, 5.0),
+        Kind::Climbing => side(random) * random.uniform(2.0, 5.0),
         _ => 0.0,
     };
     let (sin, cos) = f64::to_radians(track_deg).sin_cos();
@@ -124,7 +114,7 @@ fn velocity(random: &mut Random, kind: Kind, own_mps: f64) -> Vec3 {
 
 /// Intruders that meet the aircraft, off by a few metres, a little after they are shown.
 fn intruders(seed: u32, kind: Kind, shown: (f64, f64), bench: &Bench) -> Vec<Intruder> {
-    let mut random = Random(u64::from(seed) * 7919 + 17);
+    let mut random = Random::new(u64::from(seed) * 7919 + 17);
     let own = bench.ground.velocity_mps;
     let kinds: &[Kind] = match kind {
         Kind::Two => match seed / 5 % 3 {

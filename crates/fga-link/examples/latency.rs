@@ -12,6 +12,9 @@
     reason = "indices into lists of times, numbers of the wire"
 )]
 
+#[path = "../tests/common/random.rs"]
+mod random;
+
 use core::time::Duration;
 use std::collections::HashMap;
 use std::fs;
@@ -27,6 +30,7 @@ use fga_link::player::{Sample, adsb_message};
 use fga_link::wire::{Frame, Framer, encode};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::MavMessage;
+use random::Random;
 
 const ADDRESS: &str = "127.0.0.1:14690";
 /// The program connects, reads parameters and mission, and learns the aircraft.
@@ -35,20 +39,6 @@ const WARM_UP_S: f64 = 20.0;
 const AROUND_M: f64 = 2600.0;
 /// Steps between two reports of an aircraft.
 const REPORT_STEPS: usize = 25;
-
-/// `SplitMix64`.
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^= z >> 31;
-        low + (high - low) * ((z >> 11) as f64 / (1_u64 << 53) as f64)
-    }
-}
 
 struct Aircraft {
     icao: u32,
@@ -165,7 +155,7 @@ impl Bench {
             corners.map(|corner| Item::waypoint(&home, corner)).to_vec(),
             2,
         );
-        let mut random = Random(4);
+        let mut random = Random::new(4);
         Self {
             emulator,
             traffic: (0..count)

@@ -9,6 +9,9 @@
     reason = "a bench that several test programs use in part; its numbers are small"
 )]
 
+pub mod random;
+
+pub use random::Random;
 use std::collections::BinaryHeap;
 use std::io::{BufReader, Read as _};
 use std::path::PathBuf;
@@ -45,28 +48,6 @@ pub fn sbs_log() -> Option<Vec<LoggedLine>> {
         .read_to_string(&mut text)
         .expect("gzip");
     Some(read_sbs_log(BufReader::new(text.as_bytes())).expect("a log"))
-}
-
-/// `SplitMix64`: small, seeded, the same everywhere.
-#[derive(Debug, Clone)]
-pub struct Random(u64);
-
-impl Random {
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * ((self.next() >> 11) as f64 / (1_u64 << 53) as f64)
-    }
 }
 
 /// What the network does to packets.
