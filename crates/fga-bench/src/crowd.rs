@@ -90,6 +90,7 @@ impl Crowd {
             radius_m,
             half_height_m: None,
             uncertainty: None,
+            movement: None,
         }
     }
 }

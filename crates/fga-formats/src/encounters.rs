@@ -2,14 +2,20 @@
 //!
 //! A comma-separated file with the columns `encounter`, `obstacle`, `x_m`, `y_m`, `z_m`,
 //! `vx_mps`, `vy_mps`, `vz_mps`, `radius_m`, found by their names in any order; other columns are
-//! ignored. Each row is one obstacle of one encounter: a sphere that flies straight. Positions
-//! and velocities are in the local frame, in which the aircraft starts at the origin along +x.
+//! ignored, but for the optional `kind`. Each row is one obstacle of one encounter: a sphere that
+//! flies straight. Positions and velocities are in the local frame, in which the aircraft starts at
+//! the origin along +x.
+//!
+//! `kind` says what the policy is told of an obstacle's movement: `still` (at rest), `straight` (it
+//! keeps its velocity), `aircraft` (crewed: it may turn, climb and change its speed) or `uas` (the
+//! same for a small unmanned one). Without the column, and in an empty field, it is `straight`.
 //! Lines that begin with `#` and blank lines are skipped. The rows of an encounter need not stand
 //! together.
 
 use crate::error::{InputError, OutputError, shown};
 use crate::{atomic, number};
 use core::str::from_utf8;
+use fga::situation::Movement;
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
@@ -29,6 +35,9 @@ pub const COLUMNS: [&str; 9] = [
     "radius_m",
 ];
 
+/// The optional column that says how an obstacle may move.
+pub const KIND_COLUMN: &str = "kind";
+
 /// The largest position or radius taken for real, metres.
 const LARGEST_LENGTH_M: f64 = 1e8;
 /// The largest component of a velocity taken for real, metres per second.
@@ -45,6 +54,8 @@ pub struct EncounterObstacle {
     pub velocity_mps: DVec3,
     /// Radius of the protected sphere, metres.
     pub radius_m: f64,
+    /// How the policy is told that it may move.
+    pub movement: Movement,
 }
 
 /// One encounter: its obstacles in the order of the file, at least one.
@@ -96,6 +107,7 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
         ));
     }
     let columns = find_columns(&record, path, line_of(&record))?;
+    let kind_column = find_kind(&record, path, line_of(&record))?;
     let width = record.len();
 
     let mut encounters: Vec<Encounter> = Vec::new();
@@ -117,6 +129,7 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
         let row = Row {
             record: &record,
             columns: &columns,
+            kind_column,
             path,
             line,
         };
@@ -188,10 +201,34 @@ fn find_columns(
     Ok(columns)
 }
 
+/// Where [`KIND_COLUMN`] stands in the file, if anywhere.
+fn find_kind(
+    header: &csv::ByteRecord,
+    path: &Path,
+    line: u64,
+) -> Result<Option<usize>, InputError> {
+    let mut places = header.iter().enumerate().filter_map(|(place, field)| {
+        field
+            .eq_ignore_ascii_case(KIND_COLUMN.as_bytes())
+            .then_some(place)
+    });
+    let first = places.next();
+    match places.next() {
+        None => Ok(first),
+        Some(_) => Err(InputError::at_line(
+            path,
+            line,
+            format!("the column {KIND_COLUMN} is there twice, expected it at most once"),
+        )),
+    }
+}
+
 /// One row with what its errors need.
 struct Row<'a> {
     record: &'a csv::ByteRecord,
     columns: &'a [usize; 9],
+    /// Where `kind` stands in the file, if anywhere.
+    kind_column: Option<usize>,
     path: &'a Path,
     line: u64,
 }
@@ -245,11 +282,31 @@ impl Row<'_> {
             position_m: DVec3::new(length(2)?, length(3)?, length(4)?),
             velocity_mps: DVec3::new(speed(5)?, speed(6)?, speed(7)?),
             radius_m,
+            movement: self.movement()?,
         })
+    }
+
+    fn movement(&self) -> Result<Movement, InputError> {
+        let field = self.kind_column.and_then(|place| self.record.get(place));
+        match field.unwrap_or_default() {
+            b"" | b"straight" => Ok(Movement::Straight),
+            b"still" => Ok(Movement::AtRest),
+            b"aircraft" => Ok(Movement::CREWED),
+            b"uas" => Ok(Movement::SMALL_UAS),
+            other => Err(InputError::at_line(
+                self.path,
+                self.line,
+                format!(
+                    "column {KIND_COLUMN} holds {}, expected still, straight, aircraft or uas",
+                    shown(&String::from_utf8_lossy(other))
+                ),
+            )),
+        }
     }
 }
 
-/// Writes encounters as they come; lengths and speeds with six decimals.
+/// Writes encounters as they come; lengths and speeds with six decimals. The column `kind` is not
+/// written: what a generator draws flies straight.
 #[derive(Debug)]
 pub struct Writer<W> {
     out: W,

@@ -5,6 +5,7 @@
     reason = "tests fail by panicking"
 )]
 
+use fga::situation::Movement;
 use fga_formats::encounters::{self, Encounter, EncounterObstacle};
 use glam::DVec3;
 use proptest::prelude::*;
@@ -29,8 +30,36 @@ fn rows_are_grouped_in_the_order_of_first_appearance() {
             id: 4,
             position_m: DVec3::new(100.0, -2.0, 0.5),
             velocity_mps: DVec3::new(4.0, 5.0, 6.0),
-            radius_m: 30.5
+            radius_m: 30.5,
+            movement: Movement::Straight,
         }
+    );
+}
+
+#[test]
+fn the_kind_says_how_an_obstacle_may_move() {
+    let header = HEADER.trim_end();
+    let rows: String = ["still", "straight", "aircraft", "uas", ""]
+        .iter()
+        .zip(0..)
+        .map(|(kind, id)| format!("1,{id},1,2,3,4,5,6,30,{kind}\n"))
+        .collect();
+    let found = parse(&format!("{header},kind\n{rows}")).unwrap();
+    let movements: Vec<Movement> = found[0].obstacles.iter().map(|o| o.movement).collect();
+    assert_eq!(
+        movements,
+        [
+            Movement::AtRest,
+            Movement::Straight,
+            Movement::CREWED,
+            Movement::SMALL_UAS,
+            Movement::Straight
+        ]
+    );
+    let wrong = parse(&format!("{header},kind\n1,0,1,2,3,4,5,6,30,bird\n")).unwrap_err();
+    assert!(
+        wrong.ends_with("column kind holds \"bird\", expected still, straight, aircraft or uas"),
+        "{wrong}"
     );
 }
 
@@ -131,6 +160,7 @@ proptest! {
                 position_m: DVec3::new(round(v[0]), round(v[1]), round(v[2])),
                 velocity_mps: DVec3::new(round(v[3]), round(v[4]), round(v[5])),
                 radius_m: round(*radius),
+                movement: Movement::Straight,
             }).collect(),
         }).collect();
         let folder = tempfile::tempdir().unwrap();

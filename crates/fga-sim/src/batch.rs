@@ -155,7 +155,10 @@ pub fn populate(world: &mut World, encounter: &Encounter, protection: &Protected
                 },
             };
             let track = Track::straight(obstacle.position_m, obstacle.velocity_mps);
-            WorldObstacle::new(id, track, volume)
+            WorldObstacle {
+                movement: obstacle.movement,
+                ..WorldObstacle::new(id, track, volume)
+            }
         }));
 }
 

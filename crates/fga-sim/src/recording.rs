@@ -10,6 +10,7 @@ use std::path::Path;
 
 use fga::Vec3;
 use fga::angle::{climb_of, course_of};
+use fga::situation::Movement;
 use fga_formats::InputError;
 use fga_formats::daa::{self, TrackSample};
 
@@ -68,7 +69,10 @@ pub fn read(path: &Path, model: VehicleModel) -> Result<Plan, InputError> {
             continue;
         };
         names.push(aircraft.name.clone());
-        obstacles.push(WorldObstacle::new(id, track, model.protection));
+        obstacles.push(WorldObstacle {
+            movement: Movement::CREWED,
+            ..WorldObstacle::new(id, track, model.protection)
+        });
     }
     let name = path
         .file_stem()

@@ -20,6 +20,7 @@
 //! position_m = [700, 0, 100]
 //! velocity_mps = [-15, 0, 0]
 //! appears_s = 5.0                         # seen from then on
+//! movement = "aircraft"                   # still, straight (default), aircraft, uas
 //! ```
 //! Local frame: x east, y north, z up, metres. With `[origin] latitude_deg, longitude_deg,
 //! altitude_m` places may be geodetic: `waypoints_deg = [[latitude, longitude, altitude_m], …]` and
@@ -31,7 +32,7 @@ use std::path::{Path, PathBuf};
 
 use fga::Vec3;
 use fga::angle::direction;
-use fga::situation::{ObstacleKind, ProtectedVolume};
+use fga::situation::{Movement, ObstacleKind, ProtectedVolume};
 use fga_formats::InputError;
 use fga_formats::error::read_text;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
@@ -107,6 +108,8 @@ struct ObstacleTable {
     radius_m: Option<Spanned<f64>>,
     half_height_m: Option<Spanned<f64>>,
     appears_s: Option<Spanned<f64>>,
+    #[serde(default)]
+    movement: MovementName,
 }
 
 #[derive(Deserialize, Default, Clone, Copy)]
@@ -116,6 +119,27 @@ enum KindName {
     #[default]
     Unknown,
     NaturalBarrier,
+}
+
+#[derive(Deserialize, Default, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+enum MovementName {
+    Still,
+    #[default]
+    Straight,
+    Aircraft,
+    Uas,
+}
+
+impl From<MovementName> for Movement {
+    fn from(name: MovementName) -> Self {
+        match name {
+            MovementName::Still => Self::AtRest,
+            MovementName::Straight => Self::Straight,
+            MovementName::Aircraft => Self::CREWED,
+            MovementName::Uas => Self::SMALL_UAS,
+        }
+    }
 }
 
 impl From<KindName> for ObstacleKind {
@@ -455,6 +479,7 @@ fn obstacle(
         volume,
     );
     obstacle.kind = table.kind.into();
+    obstacle.movement = table.movement.into();
     if let Some(appears) = &table.appears_s {
         obstacle.appears_s = text.not_negative("appears_s", appears)?;
     }

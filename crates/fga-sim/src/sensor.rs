@@ -169,6 +169,7 @@ impl Sensor {
                     volume: obstacle.volume,
                     kind: obstacle.kind,
                     uncertainty: Uncertainty::default(),
+                    movement: obstacle.movement,
                 };
                 if let Some(noise) = &mut self.noise {
                     seen.position_m += noise.vector(self.settings.position_sigma_m);

@@ -3,7 +3,7 @@
 use fga::Vec3;
 use fga::avoider::Settings;
 use fga::kinematics::Vehicle;
-use fga::situation::{ObstacleKind, ProtectedVolume};
+use fga::situation::{Movement, ObstacleKind, ProtectedVolume};
 
 use crate::plant::Autopilot;
 use crate::sensor::SensorSettings;
@@ -20,6 +20,8 @@ pub struct WorldObstacle {
     pub volume: ProtectedVolume,
     /// What it is.
     pub kind: ObstacleKind,
+    /// How the avoider is told that it may move.
+    pub movement: Movement,
     /// It is not seen before this time, seconds.
     pub appears_s: f64,
     /// It is not seen before it first comes within this distance, metres; then it stays known.
@@ -27,13 +29,14 @@ pub struct WorldObstacle {
 }
 
 impl WorldObstacle {
-    /// An obstacle of no particular kind, known from the start.
+    /// An obstacle of no particular kind that keeps its velocity, known from the start.
     pub const fn new(id: u32, track: Track, volume: ProtectedVolume) -> Self {
         Self {
             id,
             track,
             volume,
             kind: ObstacleKind::Unknown,
+            movement: Movement::Straight,
             appears_s: 0.0,
             first_seen_m: None,
         }

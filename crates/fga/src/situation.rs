@@ -1,10 +1,12 @@
 //! What is around the aircraft: its own state, the obstacles, their protected volumes (Eq. 15).
 
 mod classification;
+mod movement;
 mod protection;
 mod surveillance;
 
 pub use classification::{AvoidanceModule, Count, Motion, classify};
+pub use movement::{Movement, MovementBounds};
 pub use protection::{ProtectionCoefficients, ProtectionTerms, protected_radius_m};
 pub use surveillance::{Layer, SEARCH_RATIO, SURVEILLANCE_RATIO, Surveillance};
 
@@ -148,7 +150,7 @@ pub struct Uncertainty {
     pub velocity_mps: f64,
 }
 
-/// An obstacle as the tracks give it: a point that moves in a straight line inside its volume.
+/// An obstacle as the tracks give it: a point that moves inside its volume.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Obstacle {
     /// Identifier; unique among the obstacles of one step.
@@ -163,6 +165,8 @@ pub struct Obstacle {
     pub kind: ObstacleKind,
     /// How well it is known; it widens the volume.
     pub uncertainty: Uncertainty,
+    /// How it may move from now on.
+    pub movement: Movement,
 }
 
 impl Obstacle {
@@ -183,6 +187,7 @@ impl Obstacle {
                 position_m: 0.0,
                 velocity_mps: 0.0,
             },
+            movement: Movement::Straight,
         }
     }
 
@@ -200,5 +205,6 @@ impl Obstacle {
             && length_ok(self.volume.half_height_m())
             && length_ok(self.uncertainty.position_m)
             && length_ok(self.uncertainty.velocity_mps)
+            && self.movement.is_valid()
     }
 }

@@ -8,7 +8,7 @@ use fga::bounds::{
     HeadingSet, admissible_fraction, distance_feasible, speed_feasible_2d, speed_feasible_3d,
 };
 use fga::conflict::Relative;
-use fga::situation::{Obstacle, Ownship, ProtectedVolume};
+use fga::situation::{Movement, Obstacle, Ownship, ProtectedVolume};
 use fga::timing::Geometry;
 use fga_formats::atomic;
 use fga_formats::encounters::{Encounter, EncounterObstacle};
@@ -349,6 +349,7 @@ fn ahead(distance_m: f64, radius_m: f64, across_m: f64) -> Option<EncounterObsta
         position_m: Vec3::new(libm::sqrt(along), -across_m, 0.0),
         velocity_mps: Vec3::ZERO,
         radius_m,
+        movement: Movement::AtRest,
     })
 }
 

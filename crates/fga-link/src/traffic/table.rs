@@ -1,7 +1,7 @@
 //! Tracks: reports of the same aircraft joined, aged, carried forward, and merged.
 
 use fga::Vec3;
-use fga::situation::{Obstacle, ObstacleKind, ProtectedVolume, Uncertainty};
+use fga::situation::{Movement, Obstacle, ObstacleKind, ProtectedVolume, Uncertainty};
 use fga_formats::geodesy::LocalFrame;
 
 use super::report::{Report, Source};
@@ -302,6 +302,8 @@ impl TrackTable {
                     position_m: track.sigma_m(at_s),
                     velocity_mps: 0.0,
                 },
+                // Whether it carries people is not known.
+                movement: Movement::CREWED,
             });
         }
         if let Some(new) = into.get_mut(first..)

@@ -353,6 +353,7 @@ impl Campaign {
                         position_m: obstacle.position_m,
                         velocity_mps: obstacle.velocity_mps,
                         radius_m: obstacle.volume.radius_m(),
+                        movement: obstacle.movement,
                     })
                     .collect(),
             },

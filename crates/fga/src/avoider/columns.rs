@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::avoider::Obstacles;
-use crate::situation::{Obstacle, ObstacleKind, ProtectedVolume, Uncertainty};
+use crate::situation::{Movement, Obstacle, ObstacleKind, ProtectedVolume, Uncertainty};
 
 /// Obstacles as one slice a quantity, all of one length; units as in [`Obstacle`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +28,8 @@ pub struct Columns<'a> {
     /// Standard deviations of position (metres) and velocity (metres per second); `None` where the
     /// obstacles are known exactly.
     pub uncertainty: Option<(&'a [f64], &'a [f64])>,
+    /// How each may move; `None` where all keep their velocity.
+    pub movement: Option<&'a [Movement]>,
 }
 
 /// Columns of different lengths.
@@ -76,6 +78,7 @@ impl Columns<'_> {
         .chain([
             of(self.uncertainty.map(|(p, _)| p)),
             of(self.uncertainty.map(|(_, v)| v)),
+            self.movement.map_or(usize::MAX, <[Movement]>::len),
         ])
         .fold(self.id.len(), usize::min)
     }
@@ -120,6 +123,15 @@ impl Columns<'_> {
                 });
             }
         }
+        if let Some(movement) = self.movement
+            && movement.len() != expected
+        {
+            return Err(ColumnsError {
+                column: "movement",
+                found: movement.len(),
+                expected,
+            });
+        }
         Ok(())
     }
 
@@ -155,6 +167,10 @@ impl Columns<'_> {
             volume,
             kind: ObstacleKind::Unknown,
             uncertainty,
+            movement: match self.movement {
+                Some(movements) => *movements.get(place)?,
+                None => Movement::default(),
+            },
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::conflict::{Relative, threatens};
-use crate::situation::{Obstacle, ObstacleKind, Ownship, ProtectedVolume, Uncertainty};
+use crate::situation::{Movement, Obstacle, ObstacleKind, Ownship, ProtectedVolume, Uncertainty};
 
 /// How many volumes lie on the aircraft's straight path (§3.4.4).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,6 +137,11 @@ fn merged(one: &Obstacle, other: &Obstacle) -> Obstacle {
                 .uncertainty
                 .velocity_mps
                 .max(other.uncertainty.velocity_mps),
+        },
+        movement: match (one.movement, other.movement) {
+            (Movement::Aircraft(_), _) => one.movement,
+            (_, Movement::Aircraft(_)) | (Movement::AtRest, _) => other.movement,
+            (Movement::Straight, _) => Movement::Straight,
         },
     }
 }
