@@ -5,14 +5,17 @@ mod batch_replays;
 mod campaign;
 mod campaign_catalogue;
 mod campaign_summary;
+mod check;
 mod common;
 mod export;
 mod failure;
+mod file_kind;
 mod flight_file;
 #[cfg(feature = "fly")]
 mod fly;
 #[cfg(feature = "fly")]
 mod fly_live;
+mod init;
 mod live;
 mod oracle;
 mod provenance;
@@ -22,6 +25,7 @@ mod replay_page;
 mod reproduce;
 mod run;
 mod run_files;
+mod shell;
 #[cfg(feature = "fly")]
 mod traffic;
 mod view;
@@ -32,7 +36,7 @@ extern crate alloc;
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::failure::Failure;
 
@@ -69,6 +73,14 @@ enum Command {
     /// Fly by keyboard, for tests on the bench.
     #[cfg(feature = "fly")]
     Rc(rc::RcArgs),
+    /// Write a commented scenario, vehicle, campaign or link file to begin with.
+    Init(init::InitArgs),
+    /// Say whether a file can be used, without flying it.
+    Check(check::CheckArgs),
+    /// Print the completion script of a shell.
+    Completions(shell::CompletionsArgs),
+    /// Write a manual page for each command.
+    Man(shell::ManArgs),
 }
 
 fn main() -> ExitCode {
@@ -102,6 +114,10 @@ fn main() -> ExitCode {
         Command::Traffic(args) => traffic::run(&args),
         #[cfg(feature = "fly")]
         Command::Rc(args) => rc::run(&args),
+        Command::Init(args) => init::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Completions(args) => shell::completions(&args, Cli::command()),
+        Command::Man(args) => shell::man(&args, Cli::command()),
     };
     match result {
         Ok(code) => code,

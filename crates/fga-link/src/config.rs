@@ -259,13 +259,25 @@ pub struct VirtualObstacle {
     pub climb_mps: f64,
 }
 
+/// What is wrong in a file that is no configuration, with its line.
+fn in_one_sentence(error: &toml::de::Error, text: &str) -> ConfigError {
+    let message = error.message().trim().replace('\n', "; ");
+    ConfigError(match error.span() {
+        Some(span) => {
+            let before = text.get(..span.start).unwrap_or_default();
+            format!("line {}: {message}", 1 + before.matches('\n').count())
+        }
+        None => message,
+    })
+}
+
 impl Config {
     /// Reads and checks a configuration.
     ///
     /// # Errors
     /// What is wrong, with the key and what was expected.
     pub fn parse(text: &str) -> Result<Self, ConfigError> {
-        let config: Self = toml::from_str(text).map_err(|error| ConfigError(error.to_string()))?;
+        let config: Self = toml::from_str(text).map_err(|error| in_one_sentence(&error, text))?;
         config.check()?;
         Ok(config)
     }

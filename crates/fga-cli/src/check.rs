@@ -1,0 +1,140 @@
+//! `fga check`: whether a file can be used, without flying it.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use fga_formats::error::read_text;
+use fga_formats::{InputError, daa, encounters};
+use fga_sim::campaign::Campaign;
+use fga_sim::campaign::file::{self as campaign_file, Overrides};
+use fga_sim::scenario;
+use fga_sim::toml_input::TomlText;
+use fga_sim::vehicle_file::VehicleModel;
+use serde_json::json;
+
+use crate::common::print;
+use crate::failure::Failure;
+use crate::file_kind::FileKind;
+
+/// Options of `fga check`.
+#[derive(Args, Debug)]
+pub(crate) struct CheckArgs {
+    /// A scenario, vehicle, campaign or link file (.toml), a recording (.daa) or encounters (.csv).
+    file: PathBuf,
+    /// Kind of a .toml file; without it the file's keys tell.
+    #[arg(long)]
+    kind: Option<FileKind>,
+    /// Print the result as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Reads the file as its command would, and says what it holds.
+pub(crate) fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
+    let (kind, holds) = check(&args.file, args.kind)?;
+    let shown = args.file.display();
+    print(&if args.json {
+        let file = shown.to_string();
+        format!(
+            "{:#}\n",
+            json!({ "file": file, "kind": kind, "usable": true, "holds": holds })
+        )
+    } else {
+        format!("{shown}: a usable {kind}: {holds}\n")
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The kind of a file and what it holds, in words.
+fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failure> {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    match (extension, kind) {
+        (Some("daa"), None) => Ok(("recording".into(), recording(path)?)),
+        (Some("csv"), None) => Ok(("file of encounters".into(), encounter_file(path)?)),
+        (Some("toml"), None) => {
+            let text = read_text(path)?;
+            let table: toml::Table = TomlText::new(path, &text).read()?;
+            let kind = FileKind::of(&table).ok_or_else(|| {
+                InputError::in_file(
+                    path,
+                    "is of no kind that is known, expected a scenario (key mission), a campaign \
+                     (policies), a vehicle (airspeed_mps) or a link file; --kind says which",
+                )
+            })?;
+            Ok((format!("{kind} file"), toml_file(path, kind)?))
+        }
+        (_, Some(kind)) => Ok((format!("{kind} file"), toml_file(path, kind)?)),
+        (_, None) => Err(Failure::Input(format!(
+            "{}: a file of this kind cannot be checked, expected .toml, .daa or .csv",
+            path.display()
+        ))),
+    }
+}
+
+fn toml_file(path: &Path, kind: FileKind) -> Result<String, Failure> {
+    match kind {
+        FileKind::Scenario => {
+            let plan = scenario::read(path, None)?;
+            Ok(format!(
+                "{} waypoints, {} obstacles, vehicle {}",
+                plan.world.mission_m.len(),
+                plan.world.obstacles.len(),
+                plan.model.name
+            ))
+        }
+        FileKind::Vehicle => {
+            let model = VehicleModel::read(path)?;
+            Ok(format!(
+                "{}, {} m/s, turn radius {:.1} m",
+                model.name, model.vehicle.airspeed_mps, model.vehicle.turn_radius_m
+            ))
+        }
+        FileKind::Campaign => {
+            let configuration = campaign_file::read(path, &Overrides::default())?;
+            let campaign = Campaign::new(configuration, path)?;
+            Ok(format!(
+                "{} encounters from {} sources, {} policies, vehicle {}",
+                campaign.configuration.encounters,
+                campaign.source_names().len(),
+                campaign.policies.len(),
+                campaign.model.name
+            ))
+        }
+        FileKind::Link => link(path),
+    }
+}
+
+#[cfg(feature = "fly")]
+fn link(path: &Path) -> Result<String, Failure> {
+    let config = fga_link::config::Config::parse(&read_text(path)?)
+        .map_err(|error| InputError::in_file(path, error.to_string()))?;
+    Ok(format!(
+        "takes over {}, keeps {} m, {} virtual obstacles",
+        config.vehicle.take_over.join(" and "),
+        config.protection.radius_m,
+        config.obstacle.len()
+    ))
+}
+
+#[cfg(not(feature = "fly"))]
+fn link(path: &Path) -> Result<String, Failure> {
+    Err(Failure::Input(format!(
+        "{}: this program was built without the command fly, expected one built with it",
+        path.display()
+    )))
+}
+
+fn recording(path: &Path) -> Result<String, Failure> {
+    let recording = daa::read(path)?;
+    Ok(format!("{} aircraft", recording.aircraft.len()))
+}
+
+fn encounter_file(path: &Path) -> Result<String, Failure> {
+    let encounters = encounters::read(path)?;
+    let obstacles: usize = encounters.iter().map(|each| each.obstacles.len()).sum();
+    Ok(format!(
+        "{} encounters, {obstacles} obstacles",
+        encounters.len()
+    ))
+}

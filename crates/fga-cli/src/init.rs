@@ -1,0 +1,52 @@
+//! `fga init`: a commented file of each kind to begin with.
+
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write as _};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use fga_formats::OutputError;
+
+use crate::common::print;
+use crate::failure::Failure;
+use crate::file_kind::FileKind;
+
+/// Options of `fga init`.
+#[derive(Args, Debug)]
+pub(crate) struct InitArgs {
+    /// Which kind of file.
+    kind: FileKind,
+    /// Where to write it; without it KIND.toml in this folder.
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
+}
+
+/// Writes the file; one that is there already is left alone.
+pub(crate) fn run(args: &InitArgs) -> Result<ExitCode, Failure> {
+    let path = args
+        .file
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(format!("{}.toml", args.kind)));
+    let shown = path.display();
+    let mut file = OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(&path)
+        .map_err(|error| match error.kind() {
+            ErrorKind::AlreadyExists => Failure::Input(format!(
+                "{shown} exists already, expected a name that is free"
+            )),
+            _ => Failure::Output(OutputError::new(&path, error)),
+        })?;
+    if let Err(error) = file.write_all(args.kind.template().as_bytes()) {
+        // Nothing half written stays behind.
+        let _ = std::fs::remove_file(&path);
+        return Err(Failure::Output(OutputError::new(&path, error)));
+    }
+    print(&format!(
+        "{shown} written; {}\n",
+        args.kind.next_step(&shown.to_string())
+    ))?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,120 @@
+//! The pages hang together: every relative link leads somewhere, and the book's contents list every page.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// Markdown files of a folder, not of the folders in it.
+fn pages(folder: &Path) -> Vec<PathBuf> {
+    let mut pages: Vec<PathBuf> = fs::read_dir(folder)
+        .expect("a folder of pages")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "md"))
+        .collect();
+    pages.sort();
+    pages
+}
+
+/// Text without code blocks and code spans.
+fn prose(text: &str) -> String {
+    let mut in_block = false;
+    let mut prose = String::new();
+    for line in text.lines() {
+        if line.trim_start().starts_with("```") {
+            in_block = !in_block;
+        } else if !in_block {
+            for (index, part) in line.split('`').enumerate() {
+                if index % 2 == 0 {
+                    prose.push_str(part);
+                }
+            }
+            prose.push('\n');
+        }
+    }
+    prose
+}
+
+/// Targets of the links in a text.
+fn links(text: &str) -> Vec<String> {
+    prose(text)
+        .split("](")
+        .skip(1)
+        .filter_map(|rest| rest.split_once(')'))
+        .map(|(target, _)| target.split_whitespace().next().unwrap_or("").to_owned())
+        .collect()
+}
+
+/// The anchor of a heading, as renderers make it.
+fn anchor(heading: &str) -> String {
+    heading
+        .trim()
+        .to_lowercase()
+        .chars()
+        .filter_map(|c| match c {
+            ' ' => Some('-'),
+            c if c.is_alphanumeric() || c == '-' || c == '_' => Some(c),
+            _ => None,
+        })
+        .collect()
+}
+
+fn has_anchor(page: &Path, wanted: &str) -> bool {
+    let text = fs::read_to_string(page).unwrap_or_default();
+    text.lines()
+        .filter(|line| line.starts_with('#'))
+        .any(|line| anchor(line.trim_start_matches('#')) == wanted)
+}
+
+#[test]
+fn every_relative_link_leads_somewhere() {
+    let root = root();
+    let mut checked = 0;
+    for folder in ["", "docs", "docs/benchmarks"] {
+        for page in pages(&root.join(folder)) {
+            let text = fs::read_to_string(&page).expect("a page");
+            for link in links(&text) {
+                if link.contains("://") || link.starts_with("mailto:") {
+                    continue;
+                }
+                let (file, place) = link.split_once('#').unwrap_or((&link, ""));
+                let target = if file.is_empty() {
+                    page.clone()
+                } else {
+                    page.parent().expect("a folder").join(file)
+                };
+                assert!(target.exists(), "{}: {link} leads nowhere", page.display());
+                assert!(
+                    place.is_empty() || has_anchor(&target, place),
+                    "{}: {link}: no such heading",
+                    page.display()
+                );
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 50, "{checked} links");
+}
+
+#[test]
+fn the_contents_list_every_page() {
+    let docs = root().join("docs");
+    let contents = fs::read_to_string(docs.join("SUMMARY.md")).expect("the contents");
+    let listed: BTreeSet<String> = links(&contents).into_iter().collect();
+    for folder in ["", "benchmarks"] {
+        for page in pages(&docs.join(folder)) {
+            let name = page
+                .strip_prefix(&docs)
+                .expect("below docs")
+                .display()
+                .to_string();
+            assert!(
+                name == "SUMMARY.md" || listed.contains(&name),
+                "docs/SUMMARY.md does not list {name}"
+            );
+        }
+    }
+}
