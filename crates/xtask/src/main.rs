@@ -2,8 +2,10 @@
 //!
 //! | chore | what it does |
 //! |---|---|
+//! | `bytes` | prints the hash of every result that a change of shape must not change |
 //! | `pictures` | makes every picture of README and docs anew, from real runs |
 
+mod bytes;
 mod pictures;
 
 use std::process::ExitCode;
@@ -11,8 +13,9 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["bytes", ref options @ ..] => bytes::print(options),
         ["pictures"] => pictures::make(),
-        _ => Err("expected cargo xtask pictures".to_owned()),
+        _ => Err("expected cargo xtask bytes or cargo xtask pictures".to_owned()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
