@@ -4,8 +4,9 @@ use core::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fga::Vec3;
-use fga::avoider::{Avoider, Mission, Obstacles, Policy, Situation, Start};
+use fga::avoider::{Avoider, Policy, Start};
 use fga::conflict::detect;
+use fga::situation::{Mission, Obstacles, Situation};
 use fga_bench::{Crowd, ownship, settings, vehicle};
 
 const COUNTS: [usize; 6] = [1, 3, 10, 100, 1_000, 10_000];

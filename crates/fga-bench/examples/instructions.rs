@@ -7,8 +7,9 @@ use core::hint::black_box;
 use std::process::ExitCode;
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Mission, Obstacles, Policy, Situation, Start};
+use fga::avoider::{Avoider, Policy, Start};
 use fga::conflict::detect;
+use fga::situation::{Mission, Obstacles, Situation};
 use fga_bench::{Crowd, ownship, settings, vehicle};
 
 fn main() -> ExitCode {

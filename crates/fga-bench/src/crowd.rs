@@ -1,7 +1,7 @@
 //! Many obstacles at once, as rows and as columns.
 
 use fga::Vec3;
-use fga::avoider::Columns;
+use fga::situation::Columns;
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
 use fga_sim::encounters::{Random, Range};
 

@@ -1,10 +1,11 @@
 //! An encounter flown with ideal rates, looked at cycle by cycle.
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Decision, Mission, Obstacles, Policy, Settings, Situation, State};
-use fga::kinematics::{Response, Vehicle};
-use fga::maneuver::{FlightPath, Flyer, MotionState};
+use fga::avoider::{Avoider, Decision, Policy, Settings, State};
+use fga::prediction::{FlightPath, Flyer, MotionState};
+use fga::situation::{Mission, Obstacles, Situation};
 use fga::situation::{Obstacle, Ownship};
+use fga::vehicle::{Response, Vehicle};
 
 use crate::ownship;
 

@@ -13,7 +13,7 @@ use std::thread::{self, JoinHandle};
 use fga::Vec3;
 use fga::angle::{climb_of, course_of};
 use fga::avoider::{Reason, State};
-use fga::maneuver::Hazard;
+use fga::certificate::Hazard;
 use fga::situation::Obstacle;
 use fga_link::Companion;
 use fga_link::authority::Authority;

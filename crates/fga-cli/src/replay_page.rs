@@ -2,9 +2,11 @@
 
 use fga::Vec3;
 use fga::avoider::{Decision, Reason, State};
-use fga::kinematics::Vehicle;
-use fga::maneuver::{FlightPath, Flyer, Hazard, Maneuver, MotionState, Status, certify_all};
+use fga::certificate::{Hazard, Status, certify_all};
+use fga::maneuver::Maneuver;
+use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Obstacle, Ownship};
+use fga::vehicle::Vehicle;
 use fga_report::replay::{
     Replay, ReplayDecision, ReplayEvent, ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind,
     ReplayPiece, ReplayRun, ReplaySample, render,

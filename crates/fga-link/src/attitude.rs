@@ -1,8 +1,9 @@
 //! From the manoeuvre to bank and pitch: the law that follows it, and its messages.
 
-use fga::kinematics::Vehicle;
-use fga::maneuver::{Flyer, Maneuver};
+use fga::maneuver::Maneuver;
+use fga::prediction::Flyer;
 use fga::situation::Ownship;
+use fga::vehicle::Vehicle;
 use mavlink::dialects::ardupilotmega::{
     AttitudeTargetTypemask, MavMessage, SET_ATTITUDE_TARGET_DATA,
 };
@@ -149,7 +150,7 @@ fn quaternion(roll_rad: f64, pitch_rad: f64) -> [f32; 4] {
 mod tests {
     use super::*;
     use fga::Vec3;
-    use fga::kinematics::Response;
+    use fga::vehicle::Response;
 
     fn vehicle() -> Vehicle {
         let response = Response {

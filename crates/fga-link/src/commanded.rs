@@ -6,7 +6,7 @@
 
 use alloc::collections::VecDeque;
 
-use fga::kinematics::Response;
+use fga::vehicle::Response;
 
 /// Commands older than this have done their work, seconds.
 const MEMORY_S: f64 = 2.5;

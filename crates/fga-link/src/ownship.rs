@@ -10,8 +10,8 @@ use core::f64::consts::FRAC_PI_2;
 
 use fga::Vec3;
 use fga::angle::{course_of, wrap_pi};
-use fga::kinematics::{Response, STANDARD_GRAVITY_MPS2};
 use fga::situation::Ownship;
+use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2};
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use mavlink::dialects::ardupilotmega::{
     ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, VFR_HUD_DATA, WIND_DATA,

@@ -8,8 +8,8 @@
 
 use fga::Vec3;
 use fga::algorithm4::{Execution, Phase, Plan, pwm_us};
-use fga::kinematics::{Response, STANDARD_GRAVITY_MPS2};
 use fga::situation::{Obstacle, Ownship};
+use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2};
 use mavlink::dialects::ardupilotmega::{MavMessage, RC_CHANNELS_OVERRIDE_DATA};
 
 use crate::number::to_u16;

@@ -2,7 +2,7 @@
 
 use alloc::collections::BTreeMap;
 
-use fga::kinematics::{Response, STANDARD_GRAVITY_MPS2, Vehicle};
+use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2, Vehicle};
 use mavlink::dialects::ardupilotmega::{MavMessage, PARAM_REQUEST_READ_DATA, PARAM_VALUE_DATA};
 
 use crate::config::Config;

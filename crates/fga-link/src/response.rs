@@ -6,7 +6,7 @@
 //! configuration's conservative figures and move to the estimate as evidence comes in; of the
 //! factor a little is always kept in hand.
 
-use fga::kinematics::{Response, STANDARD_GRAVITY_MPS2};
+use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2};
 
 use crate::config::ResponseConfig;
 

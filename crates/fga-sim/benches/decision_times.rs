@@ -9,7 +9,8 @@ use core::time::Duration;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use fga::Vec3;
-use fga::avoider::{Mission, Obstacles, Settings, Situation};
+use fga::avoider::Settings;
+use fga::situation::{Mission, Obstacles, Situation};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
 use fga_sim::plant::{Autopilot, Plant};
 use fga_sim::policy::{Pilot, PolicyChoice};

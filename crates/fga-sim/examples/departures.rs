@@ -13,8 +13,9 @@
 use std::process::ExitCode;
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Decision, Policy, Settings, Situation, State};
+use fga::avoider::{Avoider, Decision, Policy, Settings, State};
 use fga::maneuver::{Maneuver, Stage};
+use fga::situation::Situation;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga_sim::batch::{BatchSettings, empty_world};
 use fga_sim::encounters::{Encounter, EncounterSource, Random, Range};

@@ -11,10 +11,12 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Mission, Obstacles, Policy, Settings, Situation, Start, State};
-use fga::kinematics::{Response, Vehicle};
-use fga::maneuver::{FlightPath, Flyer, Hazard, MotionState, certify_all};
+use fga::avoider::{Avoider, Policy, Settings, Start, State};
+use fga::certificate::{Hazard, certify_all};
+use fga::prediction::{FlightPath, Flyer, MotionState};
+use fga::situation::{Mission, Obstacles, Situation};
 use fga::situation::{Obstacle, Ownship};
+use fga::vehicle::{Response, Vehicle};
 use fga_sim::encounters::{Encounter, EncounterSource};
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 

@@ -12,7 +12,7 @@
 use core::error::Error;
 
 use fga::avoider::Settings;
-use fga::kinematics::Vehicle;
+use fga::vehicle::Vehicle;
 use fga_sim::baselines::{
     Baseline, BaselinePilot, Cube, Orca, PotentialField, Steering, VelocityObstacles, View,
     VoltagePotential, WaypointGreedy, WaypointOptimal,

@@ -35,7 +35,7 @@ pub use voltage::VoltagePotential;
 pub use waypoints::{Cube, WaypointGreedy, WaypointOptimal};
 
 use fga::avoider::{Settings, SettingsError};
-use fga::kinematics::Vehicle;
+use fga::vehicle::Vehicle;
 
 use crate::policy::Pilot;
 

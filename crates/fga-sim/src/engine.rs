@@ -4,9 +4,10 @@ use std::time::Instant;
 
 use fga::Vec3;
 use fga::angle::{climb_of, course_of, wrap_pi};
-use fga::avoider::{Decision, Mission, Obstacles, Reason, Situation, State};
-use fga::kinematics::STANDARD_GRAVITY_MPS2;
+use fga::avoider::{Decision, Reason, State};
 use fga::situation::Ownship;
+use fga::situation::{Mission, Obstacles, Situation};
+use fga::vehicle::STANDARD_GRAVITY_MPS2;
 
 use crate::plant::{Arc, Plant, unwrap_near};
 use crate::policy::Pilot;

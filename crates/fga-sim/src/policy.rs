@@ -1,7 +1,8 @@
 //! Policies by name, and the step that all of them share.
 
-use fga::avoider::{Avoider, Decision, Policy, Settings, SettingsError, Situation, Start};
-use fga::kinematics::Vehicle;
+use fga::avoider::{Avoider, Decision, Policy, Settings, SettingsError, Start};
+use fga::situation::Situation;
+use fga::vehicle::Vehicle;
 
 use crate::baselines::Baseline;
 

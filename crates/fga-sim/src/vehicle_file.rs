@@ -8,9 +8,10 @@
 use std::path::Path;
 
 use fga::Vec3;
-use fga::avoider::{Objective, Settings};
-use fga::kinematics::{Response, STANDARD_GRAVITY_MPS2, Vehicle};
+use fga::avoider::Settings;
+use fga::search::Objective;
 use fga::situation::ProtectedVolume;
+use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2, Vehicle};
 use fga_formats::InputError;
 use fga_formats::error::read_text;
 use serde::Deserialize;

@@ -2,8 +2,8 @@
 
 use fga::Vec3;
 use fga::avoider::Settings;
-use fga::kinematics::Vehicle;
 use fga::situation::{Movement, ObstacleKind, ProtectedVolume};
+use fga::vehicle::Vehicle;
 
 use crate::plant::Autopilot;
 use crate::sensor::SensorSettings;

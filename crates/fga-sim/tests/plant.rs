@@ -1,8 +1,9 @@
 //! The plant against the core's prediction, against another integration, and against its limits.
 
 use fga::Vec3;
-use fga::kinematics::{Response, Vehicle};
-use fga::maneuver::{FlightPath, Flyer, Maneuver, MotionState, Stage};
+use fga::maneuver::{Maneuver, Stage};
+use fga::prediction::{FlightPath, Flyer, MotionState};
+use fga::vehicle::{Response, Vehicle};
 use fga_sim::plant::{Autopilot, Plant};
 use proptest::prelude::*;
 

@@ -5,9 +5,11 @@
 //! was certified once stays so until it is over and ends without an entry.
 
 use fga::Vec3;
-use fga::avoider::{Obstacles, Policy, Reason, Start, State, Verdict};
-use fga::kinematics::Vehicle;
-use fga::maneuver::{FlightPath, Flyer, Hazard, MotionState, certify_all};
+use fga::avoider::{Policy, Reason, Start, State, Verdict};
+use fga::certificate::{Hazard, certify_all};
+use fga::prediction::{FlightPath, Flyer, MotionState};
+use fga::situation::Obstacles;
+use fga::vehicle::Vehicle;
 use fga_sim::batch::{BatchSettings, empty_world};
 use fga_sim::encounters::EncounterSource;
 use fga_sim::engine::{DecisionMoment, Engine, Observer};

@@ -7,11 +7,11 @@
 use crate::Vec3;
 use crate::angle::{Side, wrap_pi};
 use crate::conflict::Relative;
-use crate::kinematics::{bank_for_radius_rad, turn_radius_m};
 use crate::limit::Limit as _;
 use crate::paths::RoundObstacle;
 use crate::situation::Ownship;
 use crate::timing::{Geometry, avoidance_time_s};
+use crate::vehicle::{bank_for_radius_rad, turn_radius_m};
 
 /// PWM value of a bank angle of 0, microseconds.
 pub const PWM_NEUTRAL_US: f64 = 1500.0;

@@ -22,4 +22,4 @@ mod relative;
 pub use assess::{Conflict, LeastMargin, assess, inside_during, least_margin};
 pub use cone::{Cone, cone_3d, cone_xy, cone_xz};
 pub use detect::{Detection, detect, threatens};
-pub use relative::{ClosestApproach, LARGEST, Relative};
+pub use relative::{ClosestApproach, Relative};

@@ -11,14 +11,18 @@
 //! | module | question |
 //! |---|---|
 //! | [`situation`] | what is around the aircraft? |
-//! | [`kinematics`] | what can the vehicle do? |
-//! | [`conflict`] | will an obstacle come too close? |
-//! | [`timing`] | when must an avoiding turn begin? |
-//! | [`bounds`] | can the encounter be solved at all? |
-//! | [`maneuver`] | where would a manoeuvre take the aircraft, and how close to the obstacles? |
-//! | [`selection`] | which way? |
-//! | [`recovery`] | how does it get back to its mission? |
+//! | [`vehicle`] | what can the vehicle do? |
+//! | [`maneuver`] | what is commanded, and when? |
+//! | [`prediction`] | where would that take the aircraft? |
+//! | [`certificate`] | how close to the obstacles, in continuous time? |
+//! | [`search`] | which way? |
+//! | [`mission`] | how does it follow its mission, and get back to it? |
 //! | [`avoider`] | the state machine over all of it |
+//! | [`conflict`] | will an obstacle come too close? (paper) |
+//! | [`timing`] | when must an avoiding turn begin? (paper) |
+//! | [`bounds`] | can the encounter be solved at all? (paper) |
+//! | [`selection`] | which way? (paper) |
+//! | [`recovery`] | how does it get back to its mission? (paper) |
 //!
 //! # Conventions
 //!
@@ -54,15 +58,19 @@ pub mod algorithm4;
 pub mod angle;
 pub mod avoider;
 pub mod bounds;
+pub mod certificate;
 pub mod conflict;
-pub mod kinematics;
-mod limit;
+pub mod limit;
 pub mod maneuver;
+pub mod mission;
 pub mod paths;
+pub mod prediction;
 pub mod recovery;
+pub mod search;
 pub mod selection;
 pub mod situation;
 pub mod timing;
+pub mod vehicle;
 
 /// A vector in the local frame: x east, y north, z up.
 pub type Vec3 = glam::DVec3;

@@ -1,7 +1,11 @@
 //! Keeping a number within limits without a panic.
 
+/// Largest magnitude of a coordinate (metres) or a velocity (metres per second) that is accepted:
+/// far beyond any flight, and small enough that no product of four overflows.
+pub const LARGEST: f64 = 1e15;
+
 /// Numbers that can be kept within limits.
-pub(crate) trait Limit {
+pub trait Limit {
     /// Within [low, high]. Unlike `f64::clamp` it never panics: limits in the wrong order give the
     /// upper one, a limit that is not a number does not bind.
     fn limited(self, low: f64, high: f64) -> f64;

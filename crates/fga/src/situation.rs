@@ -1,11 +1,13 @@
 //! What is around the aircraft: its own state, the obstacles, their protected volumes (Eq. 15).
 
 mod classification;
+mod columns;
 mod movement;
 mod protection;
 mod surveillance;
 
 pub use classification::{AvoidanceModule, Count, Motion, classify};
+pub use columns::{Columns, ColumnsError};
 pub use movement::{Movement, MovementBounds};
 pub use protection::{ProtectionCoefficients, ProtectionTerms, protected_radius_m};
 pub use surveillance::{Layer, SEARCH_RATIO, SURVEILLANCE_RATIO, Surveillance};
@@ -207,4 +209,35 @@ impl Obstacle {
             && length_ok(self.uncertainty.velocity_mps)
             && self.movement.is_valid()
     }
+}
+
+/// The mission in the local frame: fly from each waypoint to the next along the straight leg.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mission<'a> {
+    /// Waypoints, metres, at least two for a mission; fewer mean: hold course and altitude.
+    pub waypoints_m: &'a [Vec3],
+}
+
+/// The obstacles of one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Obstacles<'a> {
+    /// One record an obstacle: the natural form for a handful.
+    Rows(&'a [Obstacle]),
+    /// One slice a quantity: the fast form for thousands.
+    Columns(Columns<'a>),
+}
+
+/// All that one decision is made from. Positions and velocities are over the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Situation<'a> {
+    /// Time of the state, seconds on any clock that does not run backwards.
+    pub time_s: f64,
+    /// The aircraft. Its course and climb angle are those of its motion through the air.
+    pub ownship: Ownship,
+    /// The obstacles known now, velocities over the ground.
+    pub obstacles: Obstacles<'a>,
+    /// The mission; the same at every step.
+    pub mission: Mission<'a>,
+    /// Velocity of the air over the ground, metres per second.
+    pub wind_mps: Vec3,
 }

@@ -9,11 +9,11 @@
 )]
 
 use fga::Vec3;
-use fga::kinematics::{Response, Vehicle};
-use fga::maneuver::{
-    FlightPath, Flyer, Hazard, Maneuver, MotionState, Stage, Status, certify, certify_all,
-};
+use fga::certificate::{Hazard, Status, certify, certify_all};
+use fga::maneuver::{Maneuver, Stage};
+use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::ProtectedVolume;
+use fga::vehicle::{Response, Vehicle};
 
 /// Longest step between two samples, seconds.
 const SAMPLE_S: f64 = 0.125;

@@ -6,10 +6,11 @@ use core::panic::PanicInfo;
 
 use fga::Vec3;
 use fga::algorithm4::Plan;
-use fga::avoider::{Avoider, Mission, Obstacles, Settings, Situation};
+use fga::avoider::{Avoider, Settings};
+use fga::situation::{Mission, Obstacles, Situation};
 use fga::bounds::HeadingSet;
 use fga::conflict::detect;
-use fga::kinematics::Vehicle;
+use fga::vehicle::Vehicle;
 use fga::recovery::dubins::{ClimbLimits, DubinsPath, Pose};
 use fga::selection::published::{Grid, select};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};

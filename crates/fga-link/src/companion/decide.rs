@@ -2,10 +2,10 @@
 
 use fga::algorithm4::Phase;
 use fga::avoider::{
-    Avoider, Decision, Mission, Obstacles, Policy, Reason, Record, Settings, Situation, Start,
-    State as AvoiderState, Threat,
+    Avoider, Decision, Policy, Reason, Record, Settings, Start, State as AvoiderState, Threat,
 };
 use fga::maneuver::Maneuver;
+use fga::situation::{Mission, Obstacles, Situation};
 use serde_json::json;
 
 use super::{Companion, Decided};

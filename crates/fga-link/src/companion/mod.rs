@@ -13,8 +13,8 @@ mod send;
 mod way;
 
 use fga::avoider::{Avoider, Decision};
-use fga::kinematics::Vehicle;
 use fga::situation::{Obstacle, ProtectedVolume};
+use fga::vehicle::Vehicle;
 use mavlink::dialects::ardupilotmega::MavMissionType;
 use serde_json::{Value, json};
 
@@ -258,7 +258,7 @@ impl Companion {
     }
 
     /// How the vehicle follows, as estimated so far.
-    pub fn response(&self) -> fga::kinematics::Response {
+    pub fn response(&self) -> fga::vehicle::Response {
         self.response.response()
     }
 

@@ -2,8 +2,8 @@
 
 use fga::Vec3;
 use fga::avoider::Decision;
-use fga::kinematics::Vehicle;
 use fga::situation::{Obstacle, ObstacleKind};
+use fga::vehicle::Vehicle;
 
 use super::Companion;
 use crate::authority::Authority;

@@ -3,8 +3,8 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use fga::angle::wrap_pi;
-use fga::kinematics::STANDARD_GRAVITY_MPS2;
 use fga::situation::Obstacle;
+use fga::vehicle::STANDARD_GRAVITY_MPS2;
 use mavlink::dialects::ardupilotmega::{
     HEARTBEAT_DATA, MavAutopilot, MavCmd, MavFrame, MavMessage, MavModeFlag, MavState, MavType,
 };

@@ -2,12 +2,11 @@
 
 use fga::Vec3;
 use fga::angle::{climb_of, course_of, direction, wrap_pi};
-use fga::avoider::{
-    Avoider, Decision, Policy, Reason, Settings, SettingsError, Situation, State, Threat,
-};
-use fga::kinematics::Vehicle;
+use fga::avoider::{Avoider, Decision, Policy, Reason, Settings, SettingsError, State, Threat};
 use fga::maneuver::Maneuver;
 use fga::situation::Obstacle;
+use fga::situation::Situation;
+use fga::vehicle::Vehicle;
 
 use super::view::{Route, Sphere, View, flattened};
 use crate::batch::crab;

@@ -1,9 +1,10 @@
 //! Each method against encounters whose answer is known, and what all of them must keep.
 
 use fga::Vec3;
-use fga::avoider::{Mission, Obstacles, Settings, Situation, State};
-use fga::kinematics::{Response, Vehicle};
+use fga::avoider::{Settings, State};
+use fga::situation::{Mission, Obstacles, Situation};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
+use fga::vehicle::{Response, Vehicle};
 
 use super::*;
 use crate::engine::{Engine, Observer, Sample};

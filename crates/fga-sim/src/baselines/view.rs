@@ -1,7 +1,7 @@
 //! What a method sees: the aircraft, its wish, and spheres that move straight.
 
 use fga::Vec3;
-use fga::kinematics::Vehicle;
+use fga::vehicle::Vehicle;
 
 /// An obstacle as the methods know it: a sphere on a straight line, relative to the aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]

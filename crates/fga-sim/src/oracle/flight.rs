@@ -7,7 +7,7 @@
 use core::f64::consts::TAU;
 
 use fga::Vec3;
-use fga::kinematics::STANDARD_GRAVITY_MPS2;
+use fga::vehicle::STANDARD_GRAVITY_MPS2;
 
 use super::separation::{Body, least_margin};
 use super::{OracleManeuver, OracleObstacle, OracleStart, OracleVehicle};

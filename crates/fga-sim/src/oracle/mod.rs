@@ -34,8 +34,8 @@ pub use departure::{DepartureAnswer, least_departure};
 pub use flight::{FlightNode, OracleFlight};
 
 use fga::Vec3;
-use fga::kinematics::{STANDARD_GRAVITY_MPS2, Vehicle};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
+use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 /// An encounter counts as avoidable from this margin on, metres.
 pub const AVOIDABLE_MARGIN_M: f64 = 0.1;
@@ -89,7 +89,7 @@ impl OracleVehicle {
             climb_min_rad: -15.0_f64.to_radians(),
             climb_max_rad: 15.0_f64.to_radians(),
             climb_rate_radps: 0.2,
-            response: fga::kinematics::Response::default(),
+            response: fga::vehicle::Response::default(),
         })
     }
 

@@ -2,7 +2,7 @@
 
 use fga::Vec3;
 use fga::angle::direction;
-use fga::kinematics::{PiController, PiGains, STANDARD_GRAVITY_MPS2, Vehicle};
+use fga::vehicle::{PiController, PiGains, STANDARD_GRAVITY_MPS2, Vehicle};
 
 use super::{Arc, Autopilot, Plant};
 

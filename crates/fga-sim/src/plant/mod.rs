@@ -12,9 +12,9 @@ mod lagged;
 use alloc::collections::VecDeque;
 
 use fga::Vec3;
-use fga::kinematics::{STANDARD_GRAVITY_MPS2, Vehicle};
 use fga::maneuver::{Maneuver, Stage};
 use fga::situation::Ownship;
+use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 pub use arc::{Arc, unwrap_near};
 

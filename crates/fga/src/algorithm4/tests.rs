@@ -1,6 +1,6 @@
 use super::*;
 use crate::angle::direction;
-use crate::kinematics::{course_rate_radps, turned};
+use crate::vehicle::{course_rate_radps, turned};
 use core::f64::consts::FRAC_PI_2;
 use proptest::prelude::*;
 

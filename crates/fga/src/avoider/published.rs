@@ -8,15 +8,18 @@
 
 use crate::Vec3;
 use crate::angle::{Side, direction};
-use crate::avoider::{Against, Avoider, Decision, Plan, Reason, Situation, Start, State, Threat};
+use crate::avoider::{Against, Avoider, Decision, Plan, Reason, Start, State, Threat};
+use crate::certificate::certify_set;
 use crate::conflict::{Conflict, Relative, assess, detect, threatens};
 use crate::limit::Limit as _;
-use crate::maneuver::{Maneuver, MotionState, Stage, certify_set};
+use crate::maneuver::{Maneuver, Stage};
 use crate::paths::RoundObstacle;
+use crate::prediction::MotionState;
 use crate::recovery::dubins::{ClimbLimits, DubinsPath, SegmentKind};
 use crate::recovery::waypoint::{Reach, next_waypoint};
-use crate::selection::turn_aware::Proof;
+use crate::search::Proof;
 use crate::selection::{literal, published};
+use crate::situation::Situation;
 use crate::situation::{Motion, Obstacle, Ownship};
 use crate::timing::{Geometry, Times};
 

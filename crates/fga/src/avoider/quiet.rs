@@ -4,8 +4,8 @@
 //! root, and over columns no branch an obstacle, so that the compiler makes vector code of it.
 
 use crate::Vec3;
-use crate::avoider::{Columns, Obstacles};
 use crate::situation::Obstacle;
+use crate::situation::{Columns, Obstacles};
 
 /// Obstacles that are tested before the first look at the result.
 const BLOCK: usize = 64;

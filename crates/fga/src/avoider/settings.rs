@@ -2,7 +2,8 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use crate::kinematics::Vehicle;
+use crate::search::Objective;
+use crate::vehicle::Vehicle;
 
 /// When a certified or chosen manoeuvre begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,18 +31,6 @@ pub enum Policy {
     Circle,
     /// Predicts the turn that will be flown and certifies the separation.
     TurnAware(Start),
-}
-
-/// What the cheapest manoeuvre is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Objective {
-    /// `η_ψ` |Δψ| + `η_θ` |Δθ| (Alg. 2).
-    #[default]
-    PaperCost,
-    /// Least largest distance from the mission (§3.3).
-    LeastDeviation,
-    /// Least extra path (§3.3).
-    ShortestPath,
 }
 
 /// Settings of an [`Avoider`](super::Avoider).

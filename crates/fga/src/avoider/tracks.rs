@@ -1,8 +1,8 @@
 //! The obstacles that matter for a decision, in a buffer of fixed size.
 
 use crate::Vec3;
-use crate::avoider::Situation;
-use crate::maneuver::{Hazard, Hazards, MAX_HAZARDS};
+use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
+use crate::situation::Situation;
 use crate::situation::{Obstacle, ProtectedVolume};
 
 /// Most obstacles that a decision takes into account: the most urgent ones.

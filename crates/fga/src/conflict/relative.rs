@@ -1,11 +1,8 @@
 //! Relative position and velocity, and the closest point of approach (Eq. 1, Alg. 1 lines 2–5).
 
 use crate::Vec3;
+use crate::limit::LARGEST;
 use crate::situation::{Obstacle, Ownship};
-
-/// Largest magnitude of a coordinate (metres) or a velocity (metres per second) that is accepted:
-/// far beyond any flight, and small enough that no product of four overflows.
-pub const LARGEST: f64 = 1e15;
 
 /// An obstacle seen from the aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 use super::*;
 use crate::Vec3;
-use crate::kinematics::{Vehicle, turned};
 use crate::situation::Ownship;
+use crate::vehicle::{Vehicle, turned};
 use alloc::vec::Vec;
 use proptest::prelude::*;
 

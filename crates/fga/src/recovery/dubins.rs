@@ -11,7 +11,7 @@ use dubins_paths::f64::{Intermediate, PosRot};
 
 use crate::Vec3;
 use crate::angle::{Side, wrap_pi};
-use crate::conflict::LARGEST;
+use crate::limit::LARGEST;
 use crate::limit::Limit as _;
 
 mod clearance;

@@ -96,8 +96,8 @@ mod tests {
     use super::*;
     use crate::Vec3;
     use crate::conflict::Relative;
-    use crate::kinematics::turned;
     use crate::situation::Ownship;
+    use crate::vehicle::turned;
     use proptest::prelude::*;
 
     fn geometry(along_m: f64, across_m: f64, radius_m: f64, closing_mps: f64) -> Geometry {

@@ -1,10 +1,11 @@
 //! A flight of the ideal vehicle under an avoider's commands, and what is around it.
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Decision, Mission, Obstacles, Policy, Settings, Situation, State};
-use fga::kinematics::{Response, Vehicle};
-use fga::maneuver::{FlightPath, Flyer, MotionState};
+use fga::avoider::{Avoider, Decision, Policy, Settings, State};
+use fga::prediction::{FlightPath, Flyer, MotionState};
+use fga::situation::{Mission, Obstacles, Situation};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
+use fga::vehicle::{Response, Vehicle};
 
 pub(crate) const PERIOD_S: f64 = 0.1;
 

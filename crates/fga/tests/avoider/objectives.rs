@@ -1,7 +1,8 @@
 //! What the objectives of section 3.3 are for: less deviation, less path.
 
 use fga::Vec3;
-use fga::avoider::{Objective, Policy, Settings, Start, State};
+use fga::avoider::{Policy, Settings, Start, State};
+use fga::search::Objective;
 
 use crate::flight::{Flight, settings, sphere, vehicle};
 

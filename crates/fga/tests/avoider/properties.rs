@@ -1,11 +1,10 @@
 //! What holds for every situation: symmetries, and finite commands from finite numbers.
 
 use fga::Vec3;
-use fga::avoider::{
-    Candidate, Decision, Mission, Obstacles, Policy, Reason, Settings, Situation, Start, Verdict,
-};
-use fga::kinematics::{Response, Vehicle};
+use fga::avoider::{Candidate, Decision, Policy, Reason, Settings, Start, Verdict};
+use fga::situation::{Mission, Obstacles, Situation};
 use fga::situation::{Obstacle, ProtectedVolume, Uncertainty};
+use fga::vehicle::{Response, Vehicle};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

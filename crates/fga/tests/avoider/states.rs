@@ -255,7 +255,7 @@ fn inside_a_volume_it_leaves() {
 
 #[test]
 fn limits_and_settings_that_are_not_numbers_are_refused() {
-    let refused = |change: &dyn Fn(&mut fga::avoider::Settings, &mut fga::kinematics::Vehicle)| {
+    let refused = |change: &dyn Fn(&mut fga::avoider::Settings, &mut fga::vehicle::Vehicle)| {
         let (mut settings, mut vehicle) = (settings(Policy::Circle), vehicle());
         change(&mut settings, &mut vehicle);
         let error: SettingsError = fga::avoider::Avoider::new(settings, vehicle).unwrap_err();

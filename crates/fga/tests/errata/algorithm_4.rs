@@ -5,8 +5,8 @@ use core::f64::consts::FRAC_PI_2;
 use fga::Vec3;
 use fga::algorithm4::{Execution, Phase, Plan, pwm_us};
 use fga::angle::{Side, wrap_pi};
-use fga::kinematics::{bank_for_radius_rad, turn_radius_m};
 use fga::selection::literal;
+use fga::vehicle::{bank_for_radius_rad, turn_radius_m};
 
 /// Bank angle for 30 m at 15 m/s.
 fn bank() -> f64 {

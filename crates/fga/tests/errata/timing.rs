@@ -4,10 +4,10 @@ use crate::flown_separation;
 use core::f64::consts::FRAC_PI_2;
 use fga::Vec3;
 use fga::conflict::Relative;
-use fga::kinematics::{bank_for_radius_rad, turn_radius_m};
 use fga::paths;
 use fga::selection::literal;
 use fga::timing::{Geometry, ThreatLevel, Times, avoidance_time_s, scored_start_s};
+use fga::vehicle::{bank_for_radius_rad, turn_radius_m};
 use proptest::prelude::*;
 
 fn encounter(along_m: f64, across_m: f64, radius_m: f64) -> Geometry {

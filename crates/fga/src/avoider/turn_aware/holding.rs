@@ -1,9 +1,10 @@
 //! Whether a certified manoeuvre is still certified.
 
 use crate::Vec3;
-use crate::avoider::{Avoider, Plan, Situation};
-use crate::maneuver::{MotionState, for_each_piece};
-use crate::selection::turn_aware::Proof;
+use crate::avoider::{Avoider, Plan};
+use crate::prediction::{MotionState, for_each_piece};
+use crate::search::Proof;
+use crate::situation::Situation;
 
 /// A manoeuvre under way is kept while this share of the margin is certified.
 const KEEP_SHARE: f64 = 0.5;

@@ -2,12 +2,15 @@
 
 use core::f64::consts::PI;
 
-use crate::avoider::mission::{Bend, MAX_SKIPPED};
-use crate::avoider::{Avoider, Decision, Plan, Reason, Situation, Start, State};
+use crate::avoider::{Avoider, Decision, Plan, Reason, Start, State};
+use crate::certificate::certify;
 use crate::limit::Limit as _;
-use crate::maneuver::{Maneuver, MotionState, certify, for_each_piece};
-use crate::recovery::join::JoinLimits;
-use crate::selection::turn_aware::Proof;
+use crate::maneuver::Maneuver;
+use crate::mission::join::JoinLimits;
+use crate::mission::{Bend, MAX_SKIPPED};
+use crate::prediction::{MotionState, for_each_piece};
+use crate::search::Proof;
+use crate::situation::Situation;
 
 use super::{ENOUGH_M, NEXT_ENCOUNTER_S};
 

@@ -2,10 +2,10 @@
 
 use crate::Vec3;
 use crate::angle::Side;
+use crate::certificate::{Certificate, Chord, Hazard, HazardSet as _, Line};
 use crate::limit::Limit as _;
-use crate::maneuver::{
-    ArcSteps, CHORD_BOW_M, Certificate, Chord, Flyer, Hazard, HazardSet as _, Line, MAX_NODES,
-    MotionState, Node, Piece, Target, whole,
+use crate::prediction::{
+    ArcSteps, CHORD_BOW_M, Flyer, MAX_NODES, MotionState, Node, Piece, Target, whole,
 };
 
 use super::{CLIMB_STEP_RAD, Search, Turns};

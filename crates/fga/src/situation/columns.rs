@@ -1,8 +1,7 @@
 //! Obstacles as one slice a quantity.
 
 use crate::Vec3;
-use crate::avoider::Obstacles;
-use crate::situation::{Movement, Obstacle, ObstacleKind, ProtectedVolume, Uncertainty};
+use crate::situation::{Movement, Obstacle, ObstacleKind, Obstacles, ProtectedVolume, Uncertainty};
 
 /// Obstacles as one slice a quantity, all of one length; units as in [`Obstacle`].
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,9 +5,9 @@
 //! parameters nearby, and the step in a box that lifts the least of them most is taken.
 
 use crate::angle::Side;
-use crate::maneuver::{
-    Certificate, Hazard, Hazards, Maneuver, MotionState, Target, certify, whole,
-};
+use crate::certificate::{Certificate, Hazard, Hazards, certify};
+use crate::maneuver::Maneuver;
+use crate::prediction::{MotionState, Target, whole};
 
 use super::ascent::Ascent;
 use super::sweep::{Leave, Sweep};

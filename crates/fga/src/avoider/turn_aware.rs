@@ -8,12 +8,15 @@ pub(super) use holding::Basis;
 use crate::angle::Side;
 use crate::avoider::quiet::LineAhead;
 use crate::avoider::{
-    Against, Avoider, Candidate, Decision, Objective, Plan, Reason, Situation, Start, State,
-    Threat, Verdict,
+    Against, Avoider, Candidate, Decision, Plan, Reason, Start, State, Threat, Verdict,
 };
+use crate::certificate::{certify, certify_set};
 use crate::limit::Limit as _;
-use crate::maneuver::{Maneuver, MotionState, certify, certify_set};
-use crate::selection::turn_aware::{Effort, Found, Proof, Scene, Search};
+use crate::maneuver::Maneuver;
+use crate::prediction::MotionState;
+use crate::search::Objective;
+use crate::search::{Effort, Found, Proof, Scene, Search};
+use crate::situation::Situation;
 
 /// Tests of a line against four obstacles that one search may make: some 25 ns each.
 const WORK_LIMIT: u32 = 80_000;

@@ -2,7 +2,7 @@
 
 use super::{MAX_TURN_RAD, Search, Sweep};
 use crate::angle::Side;
-use crate::maneuver::MotionState;
+use crate::prediction::MotionState;
 
 /// Moments that are looked at before halving.
 const MOMENTS: u32 = 12;

@@ -6,10 +6,13 @@
 //! form for a sphere and is the minimum of a convex function for a cylinder. Chord minimum less
 //! bow is a lower bound; chords that decide the answer are split until the bow no longer matters.
 
+mod hazards;
+
+pub use hazards::{Hazard, Hazards, MAX_HAZARDS};
+pub(crate) use hazards::{HazardSet, Line};
+
 use crate::Vec3;
-use crate::maneuver::hazards::{Hazard, HazardSet, Line};
-use crate::maneuver::path::{FlightPath, Node};
-use crate::maneuver::{Flyer, MotionState};
+use crate::prediction::{FlightPath, Flyer, MotionState, Node};
 
 /// A chord that decides the answer is split into this many.
 const SPLITS: u32 = 5;

@@ -6,8 +6,9 @@
 
 use crate::angle::wrap_pi;
 use crate::limit::Limit as _;
-use crate::maneuver::{Flyer, Maneuver, MotionState, Stage, for_each_piece};
-use crate::recovery::leg::Leg;
+use crate::maneuver::{Maneuver, Stage};
+use crate::mission::leg::Leg;
+use crate::prediction::{Flyer, MotionState, for_each_piece};
 
 /// Cross-track and height error at which the aircraft is on its leg, metres.
 const ON_LEG_M: f64 = 0.05;

@@ -6,7 +6,7 @@
 use crate::Vec3;
 use crate::angle::wrap_pi;
 use crate::limit::Limit as _;
-use crate::maneuver::MotionState;
+use crate::prediction::MotionState;
 
 /// A leg that is shorter over the ground than this has no direction of its own, metres.
 const SHORTEST_M: f64 = 1e-3;

@@ -1,33 +1,43 @@
-//! Following the mission: which leg, and what to fly along it.
+//! How does the aircraft follow its mission, and how does it get back onto it?
+//!
+//! | question | answer |
+//! |---|---|
+//! | which leg, and what to fly along it? | [`Progress`] |
+//! | where does it stand on a leg? | [`leg`] |
+//! | which way onto the leg? | [`join`] |
 
+pub mod join;
+pub mod leg;
+
+use self::join::{Join, JoinLimits, is_on_leg, join};
+use self::leg::Leg;
 use crate::Vec3;
 use crate::angle::wrap_pi;
-use crate::avoider::Mission;
 use crate::limit::Limit as _;
-use crate::maneuver::{Flyer, Maneuver, MotionState, Stage};
-use crate::recovery::join::{Join, JoinLimits, is_on_leg, join};
-use crate::recovery::leg::Leg;
+use crate::maneuver::{Maneuver, Stage};
+use crate::prediction::{Flyer, MotionState};
+use crate::situation::Mission;
 
 /// Most legs that a way back may leave out because it cannot join them before they end.
-pub(super) const MAX_SKIPPED: usize = 4;
+pub const MAX_SKIPPED: usize = 4;
 
 /// Intercept angle of the guidance along the mission, radians.
 const GUIDANCE_INTERCEPT_RAD: f64 = 0.785;
 
 /// A moment from which a manoeuvre flies along a leg.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Bend {
+pub struct Bend {
     /// Index of the waypoint at the start of the leg.
-    pub(super) index: usize,
+    pub index: usize,
     /// The moment, seconds from the decision.
-    pub(super) straight_s: f64,
+    pub straight_s: f64,
     /// How far along the leg it is then, metres.
-    pub(super) along_m: f64,
+    pub along_m: f64,
 }
 
 /// The leg that is flown, and the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Progress {
+pub struct Progress {
     /// Index of the waypoint at the start of the leg.
     index: usize,
     leg: Option<Leg>,
@@ -39,8 +49,15 @@ pub(super) struct Progress {
     complete: bool,
 }
 
+impl Default for Progress {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Progress {
-    pub(super) const fn new() -> Self {
+    /// At the start of a mission that is not known yet.
+    pub const fn new() -> Self {
         Self {
             index: 0,
             leg: None,
@@ -53,17 +70,17 @@ impl Progress {
     }
 
     /// Index of the waypoint at the start of the leg.
-    pub(super) const fn index(&self) -> usize {
+    pub const fn index(&self) -> usize {
         self.index
     }
 
     /// Whether the last waypoint was passed.
-    pub(super) const fn is_complete(&self) -> bool {
+    pub const fn is_complete(&self) -> bool {
         self.complete
     }
 
     /// The leg that is flown.
-    pub(super) fn leg(&self, state: &MotionState) -> Leg {
+    pub fn leg(&self, state: &MotionState) -> Leg {
         self.leg.unwrap_or_else(|| {
             Leg::endless(
                 state.position_m,
@@ -95,7 +112,7 @@ impl Progress {
     }
 
     /// Goes on to the leg that is to be flown from `state`.
-    pub(super) fn update(
+    pub fn update(
         &mut self,
         mission: &Mission<'_>,
         state: &MotionState,
@@ -137,7 +154,7 @@ impl Progress {
     /// A way onto the mission: onto the leg, or onto the first one after it that is joined before
     /// it ends, no more than `skipped` legs on. Returns the index of its first waypoint too, `None`
     /// where it would be joined beyond its end.
-    pub(super) fn way_back(
+    pub fn way_back(
         &self,
         mission: &Mission<'_>,
         state: &MotionState,
@@ -167,7 +184,7 @@ impl Progress {
     }
 
     /// Goes on to the leg that begins at a waypoint.
-    pub(super) fn advance_to(
+    pub fn advance_to(
         &mut self,
         index: usize,
         mission: &Mission<'_>,
@@ -183,7 +200,7 @@ impl Progress {
 
     /// Points of the mission ahead of `position_m`, nearest first: every `spacing_m` along the leg
     /// that is flown, then the waypoints. Returns how many of `points` were filled.
-    pub(super) fn points_ahead(
+    pub fn points_ahead(
         &self,
         mission: &Mission<'_>,
         position_m: Vec3,
@@ -209,7 +226,7 @@ impl Progress {
     }
 
     /// The course to hold where the aircraft is on its leg and no corner comes within `horizon_s`.
-    pub(super) fn straight_on_rad(
+    pub fn straight_on_rad(
         &self,
         state: &MotionState,
         flyer: &Flyer,
@@ -224,7 +241,7 @@ impl Progress {
 
     /// What to fly along the mission from `state`: onto the leg, and round the corners up to
     /// `horizon_s`. Returns it with the moment from which it is straight.
-    pub(super) fn guidance(
+    pub fn guidance(
         &mut self,
         mission: &Mission<'_>,
         state: &MotionState,
@@ -277,7 +294,7 @@ impl Progress {
 
     /// Appends the corners up to `horizon_s` to a manoeuvre that flies along a leg from `bend` on.
     /// Returns the moment from which it is straight, `None` where there is no corner.
-    pub(super) fn round_corners(
+    pub fn round_corners(
         &self,
         mission: &Mission<'_>,
         flyer: &Flyer,

@@ -4,8 +4,10 @@
 //! position at the moment of the closest approach. The step in a box that lifts the least of the
 //! margins most is a small linear program; the box shrinks where the truth falls short of it.
 
+use crate::certificate::{Hazard, Line};
 use crate::limit::Limit as _;
-use crate::maneuver::{Flyer, Hazard, Line, Maneuver, MotionState, for_each_piece};
+use crate::maneuver::Maneuver;
+use crate::prediction::{Flyer, MotionState, for_each_piece};
 
 use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 

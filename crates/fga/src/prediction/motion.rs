@@ -9,9 +9,9 @@ use core::f64::consts::FRAC_PI_2;
 
 use crate::Vec3;
 use crate::angle::direction;
-use crate::kinematics::{STANDARD_GRAVITY_MPS2, Vehicle};
 use crate::limit::Limit as _;
 use crate::situation::Ownship;
+use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 /// Longest step, in bank time constants, over which the course rate is taken as constant.
 const LAG_STEP: f64 = 0.2;
@@ -53,7 +53,7 @@ impl MotionState {
     }
 }
 
-/// What is commanded: see [`Stage`](super::Stage) for the meaning of the fields.
+/// What is commanded: see [`Stage`](crate::maneuver::Stage) for the meaning of the fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
     /// Course to turn to, radians, not wrapped.

@@ -1,25 +1,4 @@
-//! Where a manoeuvre would take the aircraft, and how close to the obstacles.
-//!
-//! | question | answer |
-//! |---|---|
-//! | what is commanded, and when? | [`Maneuver`], a list of [`Stage`]s |
-//! | how does the vehicle move under one command? | [`Flyer`] |
-//! | where does the manoeuvre lead? | [`FlightPath`] |
-//! | how close to an obstacle, in continuous time? | [`certify`] |
-
-mod certificate;
-mod hazards;
-mod motion;
-mod path;
-
-pub use certificate::{Certificate, Status, certify, certify_all};
-pub(crate) use certificate::{Chord, certify_set};
-pub use hazards::{Hazard, Hazards, MAX_HAZARDS};
-pub(crate) use hazards::{HazardSet, Line};
-pub(crate) use motion::{ArcSteps, Piece};
-pub use motion::{Flyer, MotionState, Target};
-pub(crate) use path::{CHORD_BOW_M, for_each_piece, whole};
-pub use path::{FlightPath, MAX_NODES, Node};
+//! What is commanded, and when: a [`Maneuver`], a list of [`Stage`]s.
 
 use crate::angle::Side;
 

@@ -16,12 +16,10 @@ pub use two_stage::Effort;
 use sweep::Sweep;
 
 use crate::angle::Side;
-use crate::avoider::Objective;
+use crate::certificate::{Certificate, Hazards, certify, certify_set};
 use crate::limit::Limit as _;
-use crate::maneuver::{
-    Certificate, FlightPath, Flyer, Hazards, Maneuver, MotionState, Stage, certify, certify_set,
-    for_each_piece, whole,
-};
+use crate::maneuver::{Maneuver, Stage};
+use crate::prediction::{FlightPath, Flyer, MotionState, for_each_piece, whole};
 
 /// Largest single turn that is searched, radians: short of a full circle.
 pub const MAX_TURN_RAD: f64 = 6.0;
@@ -99,6 +97,18 @@ pub enum Proof {
     Open,
     /// It does not, and no other one will.
     Hopeless,
+}
+
+/// What the cheapest manoeuvre is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Objective {
+    /// `η_ψ` |Δψ| + `η_θ` |Δθ| (Alg. 2).
+    #[default]
+    PaperCost,
+    /// Least largest distance from the mission (§3.3).
+    LeastDeviation,
+    /// Least extra path (§3.3).
+    ShortestPath,
 }
 
 /// What a search is made in.

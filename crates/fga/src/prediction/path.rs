@@ -5,8 +5,9 @@ use core::slice::Iter;
 
 use crate::Vec3;
 use crate::limit::Limit as _;
-use crate::maneuver::motion::{ArcSteps, Piece};
-use crate::maneuver::{Flyer, Maneuver, MotionState, Stage, Target};
+use crate::maneuver::{Maneuver, Stage};
+use crate::prediction::motion::{ArcSteps, Piece};
+use crate::prediction::{Flyer, MotionState, Target};
 
 /// Most nodes of a path.
 pub const MAX_NODES: usize = 320;
@@ -310,7 +311,7 @@ impl FlightPath {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinematics::{Response, Vehicle};
+    use crate::vehicle::{Response, Vehicle};
 
     fn paper() -> Vehicle {
         Vehicle {

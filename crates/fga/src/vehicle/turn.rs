@@ -21,7 +21,7 @@ fn positive(value: f64) -> Option<f64> {
 ///
 /// ```
 /// // 15 m/s at 30° of bank: 39.7 m, not the 30 m of Table 4, which take 37.4°.
-/// let radius_m = fga::kinematics::turn_radius_m(15.0, 30f64.to_radians()).unwrap();
+/// let radius_m = fga::vehicle::turn_radius_m(15.0, 30f64.to_radians()).unwrap();
 /// assert!((radius_m - 39.74).abs() < 0.01);
 /// ```
 pub fn turn_radius_m(airspeed_mps: f64, bank_rad: f64) -> Option<f64> {

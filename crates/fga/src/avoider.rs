@@ -8,8 +8,6 @@
 //!    └──────────────────────────────── on its leg, at its altitude ◄───────────────────────────┘
 //! ```
 
-mod columns;
-mod mission;
 mod published;
 mod quiet;
 mod record;
@@ -17,49 +15,19 @@ mod settings;
 mod tracks;
 mod turn_aware;
 
-pub use columns::{Columns, ColumnsError};
 pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
-pub use settings::{Objective, Policy, Settings, SettingsError, Start};
+pub use settings::{Policy, Settings, SettingsError, Start};
 pub use tracks::MAX_TRACKED;
 
 use crate::Vec3;
 use crate::avoider::published::Edition;
-use crate::conflict::LARGEST;
-use crate::kinematics::Vehicle;
-use crate::maneuver::{FlightPath, Flyer, Maneuver, MotionState};
-use crate::selection::turn_aware::Proof;
-use crate::situation::{Obstacle, Ownship};
-
-/// The mission in the local frame: fly from each waypoint to the next along the straight leg.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mission<'a> {
-    /// Waypoints, metres, at least two for a mission; fewer mean: hold course and altitude.
-    pub waypoints_m: &'a [Vec3],
-}
-
-/// The obstacles of one step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Obstacles<'a> {
-    /// One record an obstacle: the natural form for a handful.
-    Rows(&'a [Obstacle]),
-    /// One slice a quantity: the fast form for thousands.
-    Columns(Columns<'a>),
-}
-
-/// All that one decision is made from. Positions and velocities are over the ground.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Situation<'a> {
-    /// Time of the state, seconds on any clock that does not run backwards.
-    pub time_s: f64,
-    /// The aircraft. Its course and climb angle are those of its motion through the air.
-    pub ownship: Ownship,
-    /// The obstacles known now, velocities over the ground.
-    pub obstacles: Obstacles<'a>,
-    /// The mission; the same at every step.
-    pub mission: Mission<'a>,
-    /// Velocity of the air over the ground, metres per second.
-    pub wind_mps: Vec3,
-}
+use crate::limit::LARGEST;
+use crate::maneuver::Maneuver;
+use crate::mission::Progress;
+use crate::prediction::{FlightPath, Flyer, MotionState};
+use crate::search::Proof;
+use crate::situation::Situation;
+use crate::vehicle::Vehicle;
 
 /// A manoeuvre under way or waited for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -127,7 +95,7 @@ pub struct Avoider {
     vehicle: Vehicle,
     flyer: Flyer,
     state: State,
-    progress: mission::Progress,
+    progress: Progress,
     tracks: tracks::Tracks,
     path: FlightPath,
     plan: Option<Plan>,
@@ -148,7 +116,7 @@ impl Avoider {
             vehicle,
             flyer: Flyer::new(&vehicle),
             state: State::Cruise,
-            progress: mission::Progress::new(),
+            progress: Progress::new(),
             tracks: tracks::Tracks::new(),
             path: FlightPath::new(),
             plan: None,
@@ -160,7 +128,7 @@ impl Avoider {
     /// Forgets everything but settings and vehicle: the next step is the first of another flight.
     pub fn restart(&mut self) {
         self.state = State::Cruise;
-        self.progress = mission::Progress::new();
+        self.progress = Progress::new();
         self.tracks.clear();
         self.plan = None;
         self.last_time_s = f64::NEG_INFINITY;

@@ -1,0 +1,14 @@
+//! Where would a maneuver take the aircraft?
+//!
+//! | question | answer |
+//! |---|---|
+//! | how does the vehicle move under one command? | [`Flyer`] |
+//! | where does the maneuver lead? | [`FlightPath`] |
+
+mod motion;
+mod path;
+
+pub(crate) use motion::{ArcSteps, Piece};
+pub use motion::{Flyer, MotionState, Target};
+pub(crate) use path::{CHORD_BOW_M, for_each_piece, whole};
+pub use path::{FlightPath, MAX_NODES, Node};
