@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use fga_formats::InputError;
 use fga_sim::campaign::parse_policy;
-use fga_sim::policy::{POLICY_NAMES, PolicyChoice};
+use fga_sim::policy::PolicyChoice;
 use fga_sim::vehicle_file::VehicleModel;
 
 use crate::failure::Failure;
@@ -16,7 +16,9 @@ use crate::failure::Failure;
 /// What decides.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct PolicyArgs {
-    /// What decides: turn-aware, published, published-literal, circle, none.
+    /// What decides: turn-aware, published, published-literal, circle, none, or a baseline:
+    /// potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles. A start may
+    /// stand with it, as in "published --start t0".
     #[arg(long, value_name = "POLICY", default_value = "turn-aware")]
     pub(crate) policy: String,
     /// When a manoeuvre begins: t0, tc, latest, free or Cs=0.5.
@@ -27,8 +29,15 @@ pub(crate) struct PolicyArgs {
 impl PolicyArgs {
     /// The policy meant.
     pub(crate) fn choice(&self) -> Result<PolicyChoice, Failure> {
-        debug_assert!(POLICY_NAMES.contains("turn-aware"));
-        PolicyChoice::parse(&self.policy, self.start.as_deref()).map_err(Failure::Input)
+        match (&self.start, self.policy.split_once(" --start ")) {
+            (None, _) => parse_policy(&self.policy),
+            (Some(start), None) => PolicyChoice::parse(&self.policy, Some(start)),
+            (Some(start), Some(_)) => Err(format!(
+                "--policy {} names a start and --start {start} is given, expected one of them",
+                fga_formats::error::shown(&self.policy)
+            )),
+        }
+        .map_err(Failure::Input)
     }
 }
 
@@ -143,4 +152,47 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     out.write_all(text.as_bytes())
         .and_then(|()| out.flush())
         .map_err(Failure::of_stdout)
+}
+
+#[cfg(test)]
+mod tests {
+    use fga_sim::policy::POLICY_NAMES;
+
+    use super::*;
+
+    #[test]
+    fn the_help_of_policy_names_every_policy() {
+        use clap::CommandFactory as _;
+        #[derive(clap::Parser)]
+        struct Cli {
+            #[command(flatten)]
+            _policy: PolicyArgs,
+        }
+        let help = Cli::command().render_long_help().to_string();
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        for name in POLICY_NAMES.split(',') {
+            assert!(help.contains(name.trim()), "{name} is missing in {help}");
+        }
+    }
+
+    #[test]
+    fn a_start_may_stand_with_the_policy_but_not_twice() {
+        let choice = |policy: &str, start: Option<&str>| {
+            PolicyArgs {
+                policy: policy.into(),
+                start: start.map(Into::into),
+            }
+            .choice()
+            .map(|choice| choice.name())
+        };
+        assert_eq!(
+            choice("published --start t0", None).unwrap(),
+            "published --start t0"
+        );
+        assert_eq!(
+            choice("published", Some("t0")).unwrap(),
+            "published --start t0"
+        );
+        assert!(choice("published --start t0", Some("tc")).is_err());
+    }
 }
