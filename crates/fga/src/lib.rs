@@ -74,3 +74,8 @@ pub mod vehicle;
 
 /// A vector in the local frame: x east, y north, z up.
 pub type Vec3 = glam::DVec3;
+
+/// The example of the readme, compiled and run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
