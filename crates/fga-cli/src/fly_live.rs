@@ -292,7 +292,9 @@ fn sample(picture: &Picture) -> ReplaySample {
         climb_rad: climb_of(own.ground_velocity_mps),
         bank_rad: own.ownship.bank_rad,
         state: match picture.authority {
-            Authority::Waiting | Authority::Released { .. } => ReplayState::Manual,
+            Authority::Waiting | Authority::Resuming { .. } | Authority::Released { .. } => {
+                ReplayState::Manual
+            }
             _ => picture.decision.state.into(),
         },
     }
@@ -306,6 +308,7 @@ const fn authority_words(authority: &Authority) -> &'static str {
         Authority::Taking { .. } => "takes over",
         Authority::InCommand { .. } => "in command",
         Authority::Returning { .. } => "gives back",
+        Authority::Resuming { .. } => "restarted, about to go on",
         Authority::Released { .. } => "released",
     }
 }

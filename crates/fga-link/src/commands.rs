@@ -4,6 +4,8 @@ use mavlink::dialects::ardupilotmega::{
     COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame, MavMessage, MavResult,
 };
 
+use crate::mode::Mode;
+use crate::number::single;
 use crate::outgoing::{AUTOPILOT, Outbox};
 
 /// Time to wait for an answer, seconds.
@@ -22,6 +24,8 @@ pub struct Command {
     pub parameters: [f32; 7],
     /// As `COMMAND_INT`, with its frame; else as `COMMAND_LONG`.
     pub frame: Option<MavFrame>,
+    /// A command of another mode: it is sent only while the vehicle is in this one.
+    pub only_in: Option<Mode>,
 }
 
 impl Command {
@@ -31,10 +35,21 @@ impl Command {
             command,
             parameters: [first, second, 0.0, 0.0, 0.0, 0.0, 0.0],
             frame: None,
+            only_in: None,
         }
     }
 
-    fn message(&self, target_system: u8, confirmation: u8) -> MavMessage {
+    /// The command that takes the vehicle from one mode to another.
+    pub fn set_mode(to: Mode, from: Mode) -> Self {
+        let number = single(f64::from(to.0));
+        Self {
+            only_in: Some(from),
+            ..Self::long(MavCmd::MAV_CMD_DO_SET_MODE, 1.0, number)
+        }
+    }
+
+    /// The message that says it.
+    pub fn message(&self, target_system: u8, confirmation: u8) -> MavMessage {
         let [param1, param2, param3, param4, param5, param6, param7] = self.parameters;
         match self.frame {
             Some(frame) => MavMessage::COMMAND_INT(COMMAND_INT_DATA {
@@ -136,8 +151,15 @@ impl Commands {
         })
     }
 
-    /// Sends what is due; hands back what was given up.
-    pub fn tick(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) -> Option<Outcome> {
+    /// Sends what is due; hands back what was given up. What may be sent in one mode only waits until
+    /// `permits` says that the vehicle is in it.
+    pub fn tick(
+        &mut self,
+        now_s: f64,
+        target_system: u8,
+        permits: impl Fn(Mode) -> bool,
+        outbox: &mut Outbox,
+    ) -> Option<Outcome> {
         let mut given_up = None;
         let mut busy: Vec<MavCmd> = Vec::new();
         for waiting in &mut self.0 {
@@ -152,7 +174,12 @@ impl Commands {
                 given_up.get_or_insert(waiting.command);
                 continue;
             }
-            outbox.send(waiting.command.message(target_system, waiting.attempts));
+            let message = waiting.command.message(target_system, waiting.attempts);
+            match waiting.command.only_in {
+                Some(mode) if !permits(mode) => continue,
+                Some(mode) => outbox.send_only_in(mode, message),
+                None => outbox.send(message),
+            }
             waiting.attempts += 1;
             waiting.again_s = now_s + ANSWER_S;
         }
@@ -184,7 +211,7 @@ mod tests {
         commands.send(command, false);
         let mut outcome = None;
         for tenth in 0..40_u8 {
-            outcome = outcome.or(commands.tick(f64::from(tenth) * 0.1, 1, &mut outbox));
+            outcome = outcome.or(commands.tick(f64::from(tenth) * 0.1, 1, |_| true, &mut outbox));
         }
         assert_eq!(outbox.take().len(), usize::from(MOST_ATTEMPTS));
         assert_eq!(outcome, Some(Outcome::Unanswered(command)));
@@ -196,14 +223,14 @@ mod tests {
         let (mut commands, mut outbox) = (Commands::default(), Outbox::default());
         commands.send(Command::long(SET_MODE, 1.0, 15.0), false);
         commands.send(Command::long(SET_MODE, 1.0, 10.0), false);
-        commands.tick(0.0, 1, &mut outbox);
+        commands.tick(0.0, 1, |_| true, &mut outbox);
         assert_eq!(outbox.take().len(), 1);
         let refused = answer(SET_MODE, MavResult::MAV_RESULT_DENIED);
         assert!(matches!(
             commands.acknowledge(&refused),
             Some(Outcome::Refused(..))
         ));
-        commands.tick(0.1, 1, &mut outbox);
+        commands.tick(0.1, 1, |_| true, &mut outbox);
         assert_eq!(outbox.take().len(), 1);
         let accepted = answer(SET_MODE, MavResult::MAV_RESULT_ACCEPTED);
         assert!(matches!(
@@ -211,5 +238,25 @@ mod tests {
             Some(Outcome::Accepted(..))
         ));
         assert_eq!(commands.acknowledge(&accepted), None, "a copy");
+    }
+
+    #[test]
+    fn a_mode_waits_until_the_vehicle_is_in_the_one_that_it_leaves() {
+        let (mut commands, mut outbox) = (Commands::default(), Outbox::default());
+        commands.send(Command::set_mode(Mode::AUTO, Mode::GUIDED), true);
+        for tenth in 0..60_u8 {
+            let outcome = commands.tick(
+                f64::from(tenth) * 0.1,
+                1,
+                |mode| mode != Mode::GUIDED,
+                &mut outbox,
+            );
+            assert_eq!(outcome, None, "it is not given up either");
+        }
+        assert!(outbox.take().is_empty());
+        commands.tick(6.0, 1, |mode| mode == Mode::GUIDED, &mut outbox);
+        let sent = outbox.take();
+        assert_eq!(sent.len(), 1);
+        assert_eq!(sent[0].only_in, Some(Mode::GUIDED));
     }
 }

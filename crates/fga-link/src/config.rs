@@ -228,6 +228,9 @@ pub struct LinkConfig {
     pub signing_key: Option<String>,
     /// Whether unsigned messages are still taken when a key is set.
     pub allow_unsigned: bool,
+    /// System id of the ground station, which alone may switch this component on and off; 0 takes the
+    /// vehicle's `MAV_GCS_SYSID`.
+    pub ground_system_id: u8,
 }
 
 /// An obstacle that only the configuration knows.

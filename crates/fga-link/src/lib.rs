@@ -8,6 +8,7 @@
 //! | [`traffic`] | who else is there? |
 //! | [`mission`], [`parameters`], [`mode`] | what does the vehicle mean to do, and what can it do? |
 //! | [`response`] | how does it follow? |
+//! | [`restart`] | what does a program that is started again owe? |
 //! | [`attitude`], [`commanded`], [`paper`], [`commands`] | how is it commanded? |
 //! | [`telling`] | who is told what? |
 //! | [`wire`], [`endpoint`], [`outgoing`], [`tlog`] | how do messages become bytes and go their way? |
@@ -60,6 +61,7 @@ pub mod player;
 pub mod rc;
 pub mod replay;
 pub mod response;
+pub mod restart;
 pub mod telling;
 pub mod tlog;
 pub mod traffic;

@@ -2,6 +2,8 @@
 
 use mavlink::dialects::ardupilotmega::MavMessage;
 
+use crate::mode::Mode;
+
 /// Component id of obstacle avoidance (`MAV_COMP_ID_OBSTACLE_AVOIDANCE`).
 pub const OWN_COMPONENT: u8 = 196;
 /// Component id of the autopilot.
@@ -14,6 +16,8 @@ pub struct Outgoing {
     pub system_id: u8,
     /// The message.
     pub message: MavMessage,
+    /// A command of another mode: it may be sent only while the vehicle is in this one.
+    pub only_in: Option<Mode>,
 }
 
 /// Most messages that wait to be sent; what comes beyond is dropped.
@@ -42,8 +46,27 @@ impl Outbox {
     /// Adds a message under another system's identity.
     pub(crate) fn send_as(&mut self, system_id: u8, message: MavMessage) {
         if self.waiting.len() < MOST_WAITING {
-            self.waiting.push(Outgoing { system_id, message });
+            self.waiting.push(Outgoing {
+                system_id,
+                message,
+                only_in: None,
+            });
         } else {
+            self.dropped += 1;
+        }
+    }
+
+    /// Adds a command that may be sent only while the vehicle is in a mode. It goes first: where the
+    /// others wait, this one must not.
+    pub(crate) fn send_only_in(&mut self, mode: Mode, message: MavMessage) {
+        let urgent = Outgoing {
+            system_id: self.own_system,
+            message,
+            only_in: Some(mode),
+        };
+        self.waiting.insert(0, urgent);
+        if self.waiting.len() > MOST_WAITING {
+            self.waiting.pop();
             self.dropped += 1;
         }
     }

@@ -12,6 +12,12 @@ const RETURN_S: f64 = 5.0;
 const LATE_S: f64 = 0.8;
 /// All must be well for this long before it is ready again by itself, seconds.
 const SETTLE_S: f64 = 3.0;
+/// A restarted program that is not ready within this restores the mode, seconds.
+const RESUME_S: f64 = 5.0;
+/// Heartbeats that are answered with a request for the mode that is owed.
+const MOST_TRIES: u8 = 24;
+/// A vehicle that stays disarmed for this long has landed: nothing is owed any more, seconds.
+const LANDED_S: f64 = 5.0;
 
 /// The state machine of authority. It reads no clock and sends nothing itself.
 #[derive(Debug)]
@@ -21,6 +27,8 @@ pub struct Keeper {
     target: Mode,
     enabled: bool,
     well_since_s: Option<f64>,
+    /// Requests for the mode that is owed, since the fault.
+    tries: u8,
 }
 
 impl Keeper {
@@ -31,6 +39,48 @@ impl Keeper {
             target,
             enabled,
             well_since_s: None,
+            tries: 0,
+        }
+    }
+
+    /// The mode that manoeuvres are flown in: the one that it owns.
+    pub const fn target(&self) -> Mode {
+        self.target
+    }
+
+    /// The mode to restore should the program stop now.
+    pub const fn owed(&self) -> Option<Mode> {
+        match self.state {
+            Authority::Taking { previous, .. }
+            | Authority::InCommand { previous, .. }
+            | Authority::Returning { previous, .. }
+            | Authority::Resuming { previous, .. } => Some(previous),
+            Authority::Released { owed, .. } => owed,
+            Authority::Waiting | Authority::Ready => None,
+        }
+    }
+
+    /// The program was restarted in a manoeuvre that it had begun from the mode `previous`.
+    pub fn resume(&mut self, previous: Mode, now_s: f64) {
+        if self.state == Authority::Waiting {
+            self.state = Authority::Resuming {
+                since_s: now_s,
+                previous,
+            };
+        }
+    }
+
+    const fn take(&self, previous: Mode) -> Action {
+        Action::SetMode {
+            to: self.target,
+            from: previous,
+        }
+    }
+
+    const fn restore(&self, previous: Mode) -> Action {
+        Action::SetMode {
+            to: previous,
+            from: self.target,
         }
     }
 
@@ -52,11 +102,14 @@ impl Keeper {
         )
     }
 
-    /// Whether the vehicle's mode is not its own affair now.
+    /// Whether the companion has the flight mode, or asks for it.
     pub const fn is_engaged(&self) -> bool {
         matches!(
             self.state,
-            Authority::Taking { .. } | Authority::InCommand { .. } | Authority::Returning { .. }
+            Authority::Taking { .. }
+                | Authority::InCommand { .. }
+                | Authority::Returning { .. }
+                | Authority::Resuming { .. }
         )
     }
 
@@ -90,6 +143,16 @@ impl Keeper {
         }
         let well_s = now_s - *self.well_since_s.get_or_insert(now_s);
         match self.state {
+            Authority::Resuming { previous, .. } => {
+                self.state = Authority::InCommand {
+                    since_s: now_s,
+                    previous,
+                };
+                vec![
+                    Action::Resumed,
+                    Action::Tell(Severity::Warning, "fga: restarted, goes on avoiding"),
+                ]
+            }
             Authority::Waiting if self.enabled => {
                 self.state = Authority::Ready;
                 vec![Action::Tell(Severity::Info, "fga: ready")]
@@ -120,7 +183,7 @@ impl Keeper {
             since_s: now_s,
             previous: mode,
         };
-        vec![Action::SetMode(self.target), Action::Began]
+        vec![self.take(mode), Action::Began]
     }
 
     /// The avoider is done.
@@ -134,10 +197,25 @@ impl Keeper {
             since_s: now_s,
             previous,
         };
-        vec![Action::SetMode(previous)]
+        vec![self.restore(previous)]
     }
 
-    /// A heartbeat told the mode.
+    /// A heartbeat told the mode and whether the vehicle is armed. What is owed is restored to an armed
+    /// vehicle only: on the ground a mode is the pilot's business.
+    pub fn heartbeat(&mut self, mode: Mode, armed: bool, now_s: f64) -> Vec<Action> {
+        if !armed
+            && mode == self.target
+            && let Authority::Released { since_s, owed, .. } = &mut self.state
+        {
+            if now_s - *since_s > LANDED_S {
+                *owed = None;
+            }
+            return vec![Action::CancelSetMode];
+        }
+        self.mode(mode, now_s)
+    }
+
+    /// A heartbeat of an armed vehicle told the mode.
     pub fn mode(&mut self, mode: Mode, now_s: f64) -> Vec<Action> {
         match self.state {
             Authority::Taking { previous, .. } if mode == self.target => {
@@ -148,14 +226,24 @@ impl Keeper {
                 vec![Action::CancelSetMode]
             }
             Authority::Taking { previous, .. } if mode == previous => Vec::new(),
-            Authority::InCommand { .. } | Authority::Returning { .. } if mode == self.target => {
+            Authority::InCommand { .. }
+            | Authority::Returning { .. }
+            | Authority::Resuming { .. }
+                if mode == self.target =>
+            {
                 Vec::new()
             }
             Authority::Returning { previous, .. } if mode == previous => {
-                self.state = Authority::Ready;
+                self.state = if self.enabled {
+                    Authority::Ready
+                } else {
+                    Authority::Waiting
+                };
                 vec![Action::CancelSetMode, Action::Returned]
             }
-            Authority::InCommand { .. } => self.fault(Fault::ModeChanged, now_s),
+            Authority::InCommand { .. } | Authority::Resuming { .. } => {
+                self.fault(Fault::ModeChanged, now_s)
+            }
             Authority::Taking { .. } => self.pilot_chose(mode, self.target, now_s),
             Authority::Returning { previous, .. } => self.pilot_chose(mode, previous, now_s),
             Authority::Released {
@@ -164,8 +252,12 @@ impl Keeper {
                 owed: Some(owed),
                 late,
             } => {
+                if mode == self.target && self.tries < MOST_TRIES {
+                    self.tries += 1;
+                    return vec![self.restore(owed)];
+                }
                 if mode == self.target {
-                    return vec![Action::SetMode(owed)];
+                    return self.give_up(now_s);
                 }
                 self.state = Authority::Released {
                     since_s,
@@ -183,7 +275,10 @@ impl Keeper {
             } => {
                 let is_late = mode == late.asked && now_s - since_s <= LATE_S;
                 if is_late {
-                    return vec![Action::SetMode(late.chosen)];
+                    return vec![Action::SetMode {
+                        to: late.chosen,
+                        from: late.asked,
+                    }];
                 }
                 if mode != late.chosen || now_s - since_s > LATE_S {
                     self.state = Authority::Released {
@@ -197,6 +292,19 @@ impl Keeper {
             }
             _ => Vec::new(),
         }
+    }
+
+    /// The vehicle stays in the mode that is owned, whatever is asked for.
+    fn give_up(&mut self, now_s: f64) -> Vec<Action> {
+        let row = reaction(Fault::ReturnRefused);
+        self.enabled = false;
+        self.state = Authority::Released {
+            since_s: now_s,
+            fault: Fault::ReturnRefused,
+            owed: None,
+            late: None,
+        };
+        vec![Action::CancelSetMode, Action::Tell(row.severity, row.text)]
     }
 
     /// The pilot chose a mode while a request for another one was on its way.
@@ -226,6 +334,9 @@ impl Keeper {
             Authority::Returning { since_s, .. } if now_s - since_s > RETURN_S => {
                 self.fault(Fault::ReturnRefused, now_s)
             }
+            Authority::Resuming { since_s, .. } if now_s - since_s > RESUME_S => {
+                self.fault(Fault::Restarted, now_s)
+            }
             _ => Vec::new(),
         }
     }
@@ -236,14 +347,16 @@ impl Keeper {
         let previous = match self.state {
             Authority::Taking { previous, .. }
             | Authority::InCommand { previous, .. }
-            | Authority::Returning { previous, .. } => previous,
+            | Authority::Returning { previous, .. }
+            | Authority::Resuming { previous, .. } => previous,
             Authority::Ready | Authority::Waiting => {
                 // Nothing is flown: what matters is only whether it may act, and readiness says.
-                if row.rearm == Rearm::Operator && fault != Fault::OperatorOff {
+                let is_told = matches!(fault, Fault::OperatorOff | Fault::Contradiction);
+                if row.rearm == Rearm::Operator && !is_told {
                     return Vec::new();
                 }
                 self.state = Authority::Waiting;
-                return if fault == Fault::OperatorOff {
+                return if is_told {
                     vec![Action::Tell(row.severity, row.text)]
                 } else {
                     Vec::new()
@@ -282,7 +395,7 @@ impl Keeper {
                 None
             }
             HandBack::Restore => {
-                actions.push(Action::SetMode(previous));
+                actions.push(self.restore(previous));
                 Some(previous)
             }
             HandBack::RestoreWhenHeard => {
@@ -297,6 +410,7 @@ impl Keeper {
             late: None,
         };
         self.well_since_s = None;
+        self.tries = 0;
         if row.rearm == Rearm::Operator {
             self.enabled = false;
         }

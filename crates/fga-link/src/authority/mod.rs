@@ -11,15 +11,20 @@
 //! ```
 //!
 //! The pilot always wins: a mode that nobody here asked for ends the authority with the message
-//! that tells it, in every state, and nothing is sent that would change it.
+//! that tells it, in every state, and nothing is sent that would change it. [`Hearing`] decides
+//! whether a mode may be commanded at all, for the companion and the watchdog alike.
 
+mod hearing;
 mod keeper;
 mod reactions;
 #[cfg(test)]
 mod tests;
+mod watchdog;
 
+pub use hearing::{Beat, Hearing, Verdict};
 pub use keeper::Keeper;
 pub use reactions::{Fault, HandBack, REACTIONS, Reaction, Rearm, Severity, reaction};
+pub use watchdog::{LOOK_EVERY_S, Order, Owed, Watchdog};
 
 use crate::mode::Mode;
 
@@ -49,6 +54,13 @@ pub enum Authority {
         /// When it was asked for, seconds.
         since_s: f64,
         /// The mode asked for.
+        previous: Mode,
+    },
+    /// The program was restarted in a manoeuvre, and is not ready to go on yet.
+    Resuming {
+        /// Since when, seconds.
+        since_s: f64,
+        /// The mode to go back to.
         previous: Mode,
     },
     /// May not act until the condition of the fault's row is met.
@@ -82,6 +94,7 @@ impl Authority {
             Self::Taking { .. } => "taking",
             Self::InCommand { .. } => "in-command",
             Self::Returning { .. } => "returning",
+            Self::Resuming { .. } => "resuming",
             Self::Released { .. } => "released",
         }
     }
@@ -90,14 +103,21 @@ impl Authority {
 /// What is to be done after an event.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Action {
-    /// Ask for a mode.
-    SetMode(Mode),
+    /// Ask for a mode, as long as the vehicle is in another one.
+    SetMode {
+        /// The mode asked for.
+        to: Mode,
+        /// The mode in which it may be asked for.
+        from: Mode,
+    },
     /// Stop asking for any mode.
     CancelSetMode,
     /// Tell the operator.
     Tell(Severity, &'static str),
     /// The manoeuvre begins to be flown.
     Began,
+    /// A manoeuvre that was begun before a restart goes on.
+    Resumed,
     /// Control was handed back as planned.
     Returned,
     /// Control ended by a fault.

@@ -23,6 +23,14 @@ pub enum Fault {
     AutopilotRestarted,
     /// The operator ended it by parameter or command.
     OperatorOff,
+    /// No decision could be made: limits that cannot be flown, a clock that stands.
+    NoDecision,
+    /// Heartbeats of one system contradict each other.
+    Contradiction,
+    /// The program was told to end.
+    ProgramEnds,
+    /// The program was restarted in a manoeuvre and could not go on with it.
+    Restarted,
 }
 
 /// What is done about the mode.
@@ -75,7 +83,7 @@ pub struct Reaction {
 }
 
 /// Every fault and its reaction: the table of `docs/fly-safety.md`.
-pub const REACTIONS: [Reaction; 10] = [
+pub const REACTIONS: [Reaction; 14] = [
     Reaction {
         fault: Fault::ModeChanged,
         hand_back: HandBack::LeaveAlone,
@@ -85,7 +93,7 @@ pub const REACTIONS: [Reaction; 10] = [
     },
     Reaction {
         fault: Fault::Disarmed,
-        hand_back: HandBack::LeaveAlone,
+        hand_back: HandBack::RestoreWhenHeard,
         rearm: Rearm::Automatic,
         severity: Severity::Notice,
         text: "fga: vehicle disarmed, released",
@@ -145,6 +153,34 @@ pub const REACTIONS: [Reaction; 10] = [
         rearm: Rearm::Operator,
         severity: Severity::Notice,
         text: "fga: switched off by the operator",
+    },
+    Reaction {
+        fault: Fault::NoDecision,
+        hand_back: HandBack::Restore,
+        rearm: Rearm::Automatic,
+        severity: Severity::Critical,
+        text: "fga: no decision possible, mode restored",
+    },
+    Reaction {
+        fault: Fault::Contradiction,
+        hand_back: HandBack::LeaveAlone,
+        rearm: Rearm::Operator,
+        severity: Severity::Critical,
+        text: "fga: heartbeats contradict, released",
+    },
+    Reaction {
+        fault: Fault::ProgramEnds,
+        hand_back: HandBack::Restore,
+        rearm: Rearm::Operator,
+        severity: Severity::Warning,
+        text: "fga: program ends, mode restored",
+    },
+    Reaction {
+        fault: Fault::Restarted,
+        hand_back: HandBack::Restore,
+        rearm: Rearm::Automatic,
+        severity: Severity::Critical,
+        text: "fga: restarted, mode restored",
     },
 ];
 

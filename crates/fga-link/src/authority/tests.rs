@@ -1,8 +1,8 @@
-//! Every fault in every state, and the pilot in each.
+//! Every fault in every state, and the pilot in each, with a vehicle that obeys what it is sent.
 
 use super::*;
 
-const ALL: [Fault; 10] = [
+const ALL: [Fault; 14] = [
     Fault::ModeChanged,
     Fault::Disarmed,
     Fault::BelowFloor,
@@ -13,128 +13,366 @@ const ALL: [Fault; 10] = [
     Fault::NotFollowing,
     Fault::AutopilotRestarted,
     Fault::OperatorOff,
+    Fault::NoDecision,
+    Fault::Contradiction,
+    Fault::ProgramEnds,
+    Fault::Restarted,
 ];
+const MANUAL: Mode = Mode(0);
+const RESTORE: Action = Action::SetMode {
+    to: Mode::AUTO,
+    from: Mode::GUIDED,
+};
 
-fn in_command() -> Keeper {
-    let mut keeper = Keeper::new(Mode::GUIDED, true);
-    keeper.readiness(true, 0.0);
-    assert_eq!(keeper.state(), Authority::Ready);
-    keeper.take_over(Mode::AUTO, 1.0);
-    keeper.mode(Mode::GUIDED, 1.1);
-    assert!(matches!(keeper.state(), Authority::InCommand { .. }));
-    keeper
+/// A keeper, what it hears, and a vehicle that does what is permitted.
+#[derive(Debug)]
+struct Bench {
+    keeper: Keeper,
+    hearing: Hearing,
+    vehicle: Mode,
+    obeys: bool,
+    asked: Option<(Mode, Mode)>,
+    sequence: u8,
+    now_s: f64,
+    told: Vec<&'static str>,
+    commands: u32,
 }
 
-/// A keeper in each of the states in which the mode is not the vehicle's own affair.
-fn engaged() -> [Keeper; 3] {
-    let mut taking = Keeper::new(Mode::GUIDED, true);
-    taking.readiness(true, 0.0);
-    taking.take_over(Mode::AUTO, 1.0);
+impl Bench {
+    fn ready() -> Self {
+        let mut bench = Self {
+            keeper: Keeper::new(Mode::GUIDED, true),
+            hearing: Hearing::default(),
+            vehicle: Mode::AUTO,
+            obeys: true,
+            asked: None,
+            sequence: 0,
+            now_s: 0.0,
+            told: Vec::new(),
+            commands: 0,
+        };
+        bench.beats(4);
+        assert_eq!(bench.keeper.state(), Authority::Ready);
+        bench
+    }
+
+    fn perform(&mut self, actions: &[Action]) {
+        for action in actions {
+            match *action {
+                Action::SetMode { to, from } => self.asked = Some((to, from)),
+                Action::CancelSetMode => self.asked = None,
+                Action::Tell(_, words) => self.told.push(words),
+                _ => {}
+            }
+        }
+        if let Some((to, from)) = self.asked
+            && self.hearing.permits(from, self.now_s)
+        {
+            self.asked = None;
+            self.commands += 1;
+            if self.obeys {
+                self.vehicle = to;
+            }
+        }
+    }
+
+    /// A quarter of a second passes, and a heartbeat comes.
+    fn beat(&mut self) {
+        self.now_s += 0.25;
+        self.sequence = self.sequence.wrapping_add(9);
+        let beat = Beat {
+            sequence: self.sequence,
+            mode: self.vehicle,
+            armed: true,
+        };
+        self.hearing.hear(beat, self.now_s);
+        let actions = self.keeper.heartbeat(self.vehicle, true, self.now_s);
+        self.perform(&actions);
+        let actions = self.keeper.tick(self.now_s);
+        self.perform(&actions);
+        let actions = self.keeper.readiness(true, self.now_s);
+        self.perform(&actions);
+    }
+
+    fn beats(&mut self, count: u32) {
+        for _ in 0..count {
+            self.beat();
+        }
+    }
+
+    fn take_over(&mut self) {
+        let actions = self.keeper.take_over(self.vehicle, self.now_s);
+        self.perform(&actions);
+    }
+
+    fn fault(&mut self, fault: Fault) {
+        let actions = self.keeper.fault(fault, self.now_s);
+        self.perform(&actions);
+    }
+
+    fn pilot(&mut self, mode: Mode) {
+        self.vehicle = mode;
+        self.beat();
+    }
+}
+
+fn in_command() -> Bench {
+    let mut bench = Bench::ready();
+    bench.take_over();
+    bench.beats(2);
+    assert!(matches!(bench.keeper.state(), Authority::InCommand { .. }));
+    bench
+}
+
+/// Benches in each of the states in which the companion has the mode or asks for it.
+fn engaged() -> [Bench; 4] {
+    let mut taking = Bench::ready();
+    taking.obeys = false;
+    taking.take_over();
+    taking.obeys = true;
     let mut returning = in_command();
-    returning.hand_back(2.0);
-    [taking, in_command(), returning]
+    returning.obeys = false;
+    let actions = returning.keeper.hand_back(returning.now_s);
+    returning.perform(&actions);
+    returning.obeys = true;
+    let mut resuming = in_command();
+    resuming.keeper = Keeper::new(Mode::GUIDED, true);
+    resuming.keeper.resume(Mode::AUTO, resuming.now_s);
+    [taking, in_command(), returning, resuming]
+}
+
+/// What a fault does in command, as the vehicle sees it.
+fn observed_hand_back(fault: Fault) -> HandBack {
+    let mut bench = in_command();
+    bench.fault(fault);
+    if bench.vehicle == Mode::AUTO {
+        return HandBack::Restore;
+    }
+    bench.beats(4);
+    if bench.vehicle == Mode::AUTO {
+        return HandBack::RestoreWhenHeard;
+    }
+    bench.beats(40);
+    assert_eq!(bench.vehicle, Mode::GUIDED);
+    HandBack::LeaveAlone
+}
+
+/// Whether it is ready again by itself, once the vehicle flies its mission and all is well.
+fn observed_rearm(fault: Fault) -> Rearm {
+    let mut bench = in_command();
+    bench.fault(fault);
+    bench.vehicle = Mode::AUTO;
+    bench.beats(8);
+    assert_ne!(bench.keeper.state(), Authority::Ready, "not at once");
+    bench.beats(40);
+    if bench.keeper.state() == Authority::Ready {
+        return Rearm::Automatic;
+    }
+    bench.take_over();
+    assert_eq!(bench.vehicle, Mode::AUTO);
+    let actions = bench.keeper.set_enabled(true, bench.now_s);
+    bench.perform(&actions);
+    bench.beats(2);
+    assert_eq!(bench.keeper.state(), Authority::Ready, "{fault:?}");
+    Rearm::Operator
 }
 
 #[test]
-fn every_fault_has_a_row_with_a_text_that_fits() {
+fn the_table_says_what_every_fault_does() {
+    assert_eq!(REACTIONS.len(), ALL.len());
     for fault in ALL {
         assert_eq!(REACTIONS.iter().filter(|row| row.fault == fault).count(), 1);
-        assert!(reaction(fault).text.len() <= 50);
+        let row = reaction(fault);
+        assert!(row.text.len() <= 50);
+        assert_eq!(row.hand_back, observed_hand_back(fault), "{fault:?}");
+        assert_eq!(row.rearm, observed_rearm(fault), "{fault:?}");
+        let mut bench = in_command();
+        bench.told.clear();
+        bench.fault(fault);
+        assert_eq!(bench.told, [row.text], "{fault:?} is told once");
     }
 }
 
 #[test]
-fn every_fault_does_what_its_row_says_in_every_state() {
+fn the_page_says_what_the_table_says() {
+    let page = include_str!("../../../../docs/fly-safety.md");
+    for row in &REACTIONS {
+        let line = page
+            .lines()
+            .find(|line| line.starts_with('|') && line.contains(&format!("`{}`", row.text)))
+            .unwrap_or_else(|| panic!("'{}' is not in docs/fly-safety.md", row.text));
+        let mode = match row.hand_back {
+            HandBack::Restore => "| restored |",
+            HandBack::RestoreWhenHeard => "| restored when",
+            HandBack::LeaveAlone => "| left alone |",
+        };
+        assert!(line.contains(mode), "{line}");
+        let by_itself = line.contains("| by itself") || line.contains("| after 5 s");
+        assert_eq!(by_itself, row.rearm == Rearm::Automatic, "{line}");
+    }
+}
+
+#[test]
+fn every_fault_ends_the_command_in_every_state() {
     for fault in ALL {
-        let row = reaction(fault);
-        for mut keeper in engaged() {
-            let actions = keeper.fault(fault, 5.0);
-            let restores = actions.contains(&Action::SetMode(Mode::AUTO));
-            assert_eq!(restores, row.hand_back == HandBack::Restore, "{fault:?}");
-            assert!(actions.contains(&Action::Ended(fault)));
-            assert!(actions.contains(&Action::Tell(row.severity, row.text)));
-            assert!(!keeper.commands());
-            assert_eq!(
-                keeper.is_enabled(),
-                row.rearm == Rearm::Automatic,
-                "{fault:?}"
-            );
-            // The vehicle is heard in its old mode again, and all is well for a while.
-            keeper.mode(Mode::AUTO, 6.0);
-            keeper.readiness(true, 6.0);
-            keeper.readiness(true, 10.0);
-            keeper.readiness(true, 10.1);
-            let back = keeper.state() == Authority::Ready;
-            assert_eq!(back, row.rearm == Rearm::Automatic, "{fault:?}");
-            keeper.set_enabled(true, 11.0);
-            keeper.readiness(true, 11.1);
-            assert_eq!(keeper.state(), Authority::Ready, "{fault:?}");
+        for mut bench in engaged() {
+            bench.fault(fault);
+            assert!(!bench.keeper.commands() && !bench.keeper.is_engaged());
+            bench.beats(3);
+            assert!(!bench.keeper.commands());
         }
     }
 }
 
 #[test]
 fn the_pilot_wins_in_every_state_with_one_message() {
-    for mode in [Mode::FBWB, Mode::RTL, Mode(0)] {
-        for mut keeper in engaged() {
-            let actions = keeper.mode(mode, 3.0);
-            assert!(actions.contains(&Action::Ended(Fault::ModeChanged)));
-            assert!(actions.contains(&Action::CancelSetMode));
-            assert!(
-                !actions
-                    .iter()
-                    .any(|action| matches!(action, Action::SetMode(_)))
-            );
+    for mode in [Mode::FBWB, Mode::RTL, MANUAL, Mode(2), Mode(5)] {
+        for mut bench in engaged() {
+            bench.pilot(mode);
+            let commands = bench.commands;
+            assert!(bench.told.contains(&reaction(Fault::ModeChanged).text));
             // Nothing is taken over again, however well all is.
-            keeper.readiness(true, 100.0);
-            assert!(keeper.take_over(Mode::AUTO, 100.0).is_empty());
+            bench.beats(60);
+            bench.take_over();
+            assert_eq!((bench.vehicle, bench.commands), (mode, commands));
         }
     }
     // In command, the pilot may also go back to the old mode.
-    let mut keeper = in_command();
-    assert!(
-        keeper
-            .mode(Mode::AUTO, 3.0)
-            .contains(&Action::Ended(Fault::ModeChanged))
-    );
+    let mut bench = in_command();
+    bench.pilot(Mode::AUTO);
+    assert!(bench.told.contains(&reaction(Fault::ModeChanged).text));
+}
+
+#[test]
+fn the_pilot_wins_after_every_fault() {
+    for fault in ALL {
+        for mode in [MANUAL, Mode::AUTO, Mode(12)] {
+            for mut bench in engaged() {
+                bench.obeys = false;
+                bench.fault(fault);
+                bench.obeys = true;
+                bench.pilot(mode);
+                let commands = bench.commands;
+                bench.beats(60);
+                assert_eq!((bench.vehicle, bench.commands), (mode, commands));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_request_that_arrives_after_the_pilots_change_is_undone() {
+    let mut bench = Bench::ready();
+    bench.obeys = false;
+    bench.take_over();
+    bench.obeys = true;
+    bench.pilot(MANUAL);
+    // Our own request for GUIDED arrives now.
+    bench.pilot(Mode::GUIDED);
+    assert_eq!(bench.vehicle, MANUAL);
+    bench.beats(8);
+    // Later on, GUIDED is what the pilot wants.
+    bench.pilot(Mode::GUIDED);
+    bench.beats(8);
+    assert_eq!(bench.vehicle, Mode::GUIDED);
+}
+
+#[test]
+fn what_is_owed_is_asked_for_a_limited_number_of_times() {
+    let mut bench = in_command();
+    bench.obeys = false;
+    bench.fault(Fault::TelemetryStale);
+    bench.beats(100);
+    assert!(bench.commands <= 30, "{}", bench.commands);
+    assert!(bench.told.contains(&reaction(Fault::ReturnRefused).text));
+    assert_eq!(bench.keeper.owed(), None);
+    assert!(!bench.keeper.is_enabled());
+    assert_eq!(bench.asked, None);
+}
+
+#[test]
+fn a_vehicle_that_was_disarmed_for_a_moment_gets_its_mode_back() {
+    let disarmed = |bench: &mut Bench, by_s: f64| {
+        bench.now_s += by_s;
+        bench
+            .keeper
+            .heartbeat(Mode::GUIDED, false, bench.now_s)
+            .contains(&RESTORE)
+    };
+    let mut bench = in_command();
+    bench.fault(Fault::Disarmed);
+    assert!(!disarmed(&mut bench, 0.5), "not while it is disarmed");
+    bench.beat();
+    assert_eq!(bench.vehicle, Mode::AUTO);
+    // One that has landed keeps what its pilot chooses.
+    let mut bench = in_command();
+    bench.fault(Fault::Disarmed);
+    assert!(!disarmed(&mut bench, 4.0));
+    assert_eq!(bench.keeper.owed(), Some(Mode::AUTO));
+    assert!(!disarmed(&mut bench, 1.5));
+    assert_eq!(bench.keeper.owed(), None);
+    bench.beats(4);
+    assert_eq!(bench.vehicle, Mode::GUIDED);
 }
 
 #[test]
 fn a_lost_link_is_paid_back_when_the_vehicle_is_heard() {
-    let mut keeper = in_command();
-    assert!(
-        !keeper
-            .fault(Fault::LinkLost, 5.0)
-            .contains(&Action::SetMode(Mode::AUTO))
-    );
-    assert_eq!(
-        keeper.mode(Mode::GUIDED, 9.0),
-        [Action::SetMode(Mode::AUTO)]
-    );
-    keeper.mode(Mode::AUTO, 9.2);
+    let mut bench = in_command();
+    bench.fault(Fault::LinkLost);
+    bench.now_s += 20.0;
+    bench.beat();
+    assert_eq!(bench.vehicle, Mode::AUTO);
     // Had it changed meanwhile, nothing would be sent.
     let mut other = in_command();
-    other.fault(Fault::LinkLost, 5.0);
-    assert_eq!(other.mode(Mode::RTL, 9.0), [Action::CancelSetMode]);
+    other.fault(Fault::LinkLost);
+    other.now_s += 20.0;
+    let commands = other.commands;
+    other.pilot(Mode::RTL);
+    other.beats(40);
+    assert_eq!((other.vehicle, other.commands), (Mode::RTL, commands));
 }
 
 #[test]
 fn unanswered_requests_end_it() {
+    let mut bench = Bench::ready();
+    bench.obeys = false;
+    bench.take_over();
+    bench.beats(11);
+    assert!(matches!(bench.keeper.state(), Authority::Taking { .. }));
+    bench.beats(2);
+    assert!(bench.told.contains(&reaction(Fault::TakeOverRefused).text));
+    let mut bench = in_command();
+    bench.obeys = false;
+    let actions = bench.keeper.hand_back(bench.now_s);
+    bench.perform(&actions);
+    bench.beats(19);
+    assert!(matches!(bench.keeper.state(), Authority::Returning { .. }));
+    bench.beats(3);
+    assert!(bench.told.contains(&reaction(Fault::ReturnRefused).text));
+    assert!(!bench.keeper.is_enabled());
+}
+
+#[test]
+fn a_restarted_program_goes_on_or_restores() {
+    let mut bench = in_command();
+    bench.keeper = Keeper::new(Mode::GUIDED, false);
+    bench.keeper.resume(Mode::AUTO, bench.now_s);
+    assert_eq!(bench.keeper.owed(), Some(Mode::AUTO));
+    bench.beat();
+    assert!(matches!(bench.keeper.state(), Authority::InCommand { .. }));
+    assert!(bench.told.contains(&"fga: restarted, goes on avoiding"));
+    let actions = bench.keeper.hand_back(bench.now_s);
+    bench.perform(&actions);
+    bench.beats(2);
+    assert_eq!(bench.vehicle, Mode::AUTO);
+    assert_eq!(
+        bench.keeper.state(),
+        Authority::Waiting,
+        "never switched on"
+    );
+    // One that does not become ready restores after 5 s.
     let mut keeper = Keeper::new(Mode::GUIDED, true);
-    keeper.readiness(true, 0.0);
-    keeper.take_over(Mode::AUTO, 1.0);
-    assert!(keeper.tick(2.0).is_empty());
-    assert!(
-        keeper
-            .tick(4.5)
-            .contains(&Action::Ended(Fault::TakeOverRefused))
-    );
-    let mut keeper = in_command();
-    keeper.hand_back(10.0);
-    assert!(
-        keeper
-            .tick(15.5)
-            .contains(&Action::Ended(Fault::ReturnRefused))
-    );
-    assert!(!keeper.is_enabled());
+    keeper.resume(Mode::AUTO, 0.0);
+    assert!(keeper.tick(4.9).is_empty());
+    assert!(keeper.tick(5.1).contains(&RESTORE));
 }

@@ -11,7 +11,6 @@ use serde_json::json;
 use super::{Companion, Decided};
 use crate::authority::{Authority, Fault, Severity};
 use crate::config::CommandMode;
-use crate::mode::Mode;
 use crate::ownship::State;
 use crate::telling;
 
@@ -43,10 +42,11 @@ impl Companion {
             .age_s(now_s)
             .is_some_and(|age_s| age_s <= stale_s);
         let state = if fresh { self.state_ahead(now_s) } else { None };
-        let ready = self.is_ready(now_s, state.as_ref());
+        let lacking = self.lacking(now_s, state.as_ref());
         let before = self.keeper.state();
-        let actions = self.keeper.readiness(ready, now_s);
+        let actions = self.keeper.readiness(lacking.is_none(), now_s);
         self.perform(&actions, now_s);
+        self.tell_readiness(lacking, now_s);
         if before == Authority::Waiting && self.keeper.state() == Authority::Ready {
             self.forget_plan();
         }
@@ -62,6 +62,7 @@ impl Companion {
             return;
         };
         self.counts.decisions += 1;
+        self.last_decision_s = now_s;
         let ahead_s = self.response.response().dead_time_s;
         self.decided = Some(Decided {
             decision,
@@ -71,26 +72,6 @@ impl Companion {
         self.log_decision(now_s);
         self.send_collision(now_s);
         self.act_on(&decision, &state, now_s);
-    }
-
-    /// Whether all holds that must hold to take over.
-    fn is_ready(&self, now_s: f64, state: Option<&State>) -> bool {
-        let (Some(heard), Some(state)) = (self.heard, state) else {
-            return false;
-        };
-        let floor_m = self.config.safety.floor_m;
-        // A little above the floor to begin with, so that it is not crossed at once.
-        let high_enough = state.above_home_m >= floor_m + 5.0
-            || (self.keeper.is_engaged() && state.above_home_m >= floor_m - 10.0);
-        let mode_fits = self.keeper.is_engaged() || self.take_over.contains(&heard.mode);
-        let mission_known = heard.mode != Mode::AUTO
-            || (self.mission.items().is_some() && self.mission_item.is_some());
-        heard.armed
-            && now_s - heard.heartbeat_s <= self.config.safety.link_lost_s
-            && high_enough
-            && mode_fits
-            && mission_known
-            && self.parameters.is_sufficient()
     }
 
     fn decision_for(&mut self, state: &State, now_s: f64) -> Option<Decision> {
@@ -290,7 +271,12 @@ impl Companion {
 
     /// Whether the way is met again and nothing threatens.
     fn is_back(&mut self, decision: &Decision, state: &State, now_s: f64) -> bool {
-        let on_way = decision.state == AvoiderState::Cruise && self.is_on_leg(state);
+        if decision.state != AvoiderState::Cruise {
+            self.resumed = false;
+        }
+        // The way back of a manoeuvre that an earlier run began is the vehicle's own.
+        let on_way =
+            decision.state == AvoiderState::Cruise && (self.resumed || self.is_on_leg(state));
         if !on_way {
             self.on_way_since_s = None;
             return false;

@@ -8,6 +8,7 @@
 mod around;
 mod decide;
 mod picture;
+mod readiness;
 mod receive;
 mod send;
 mod way;
@@ -19,7 +20,7 @@ use mavlink::dialects::ardupilotmega::MavMissionType;
 use serde_json::{Value, json};
 
 use crate::attitude::{AttitudeCommand, PitchKeeper};
-use crate::authority::{Action, Authority, Keeper, Severity};
+use crate::authority::{Action, Authority, Fault, Hearing, Keeper, Owed, Severity};
 use crate::commanded::Commanded;
 use crate::commands::Commands;
 use crate::config::{CommandMode, Config, ConfigError};
@@ -30,6 +31,7 @@ use crate::ownship::{OwnshipEstimate, State};
 use crate::paper::PaperPilot;
 use crate::parameters::VehicleParameters;
 use crate::response::ResponseEstimate;
+use crate::restart::Note;
 use crate::telling;
 use crate::traffic::fence::Fence;
 use crate::traffic::{Report, TrackTable};
@@ -42,6 +44,8 @@ const FIRST_SYSTEM: u8 = 1;
 const KEPT_BEFORE_S: f64 = 2.0;
 /// Most lines of the log that wait to be taken.
 const MOST_LOG_LINES: usize = 4096;
+/// Without a decision for this long none can be made, seconds.
+const NO_DECISION_S: f64 = 0.5;
 
 /// The vehicle as its heartbeats tell it.
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +54,6 @@ struct Heard {
     mode: Mode,
     armed: bool,
     heartbeat_s: f64,
-    sequence: u8,
 }
 
 /// When things are due again, seconds.
@@ -66,6 +69,7 @@ struct Due {
     collision_s: f64,
     heading_s: f64,
     fence_s: f64,
+    contradiction_s: f64,
 }
 
 /// The last decision and what goes with it.
@@ -98,6 +102,16 @@ pub struct Companion {
     outbox: Outbox,
     log: Vec<Value>,
     heard: Option<Heard>,
+    /// What decides whether a mode may be commanded.
+    hearing: Hearing,
+    /// What an earlier run of the program left owed.
+    notes: Vec<Note>,
+    /// The vehicle's clock when the mode was taken.
+    noted_boot_ms: Option<u32>,
+    /// A manoeuvre of an earlier run is flown on.
+    resumed: bool,
+    last_decision_s: f64,
+    told: readiness::Told,
     streams_heard: [f64; send::STREAMS.len()],
     commands: Commands,
     parameters: VehicleParameters,
@@ -170,6 +184,12 @@ impl Companion {
             outbox,
             log: Vec::new(),
             heard: None,
+            hearing: Hearing::default(),
+            notes: Vec::new(),
+            noted_boot_ms: None,
+            resumed: false,
+            last_decision_s: never,
+            told: readiness::Told::NOTHING,
             streams_heard: [never; send::STREAMS.len()],
             commands: Commands::default(),
             parameters: VehicleParameters::default(),
@@ -214,6 +234,7 @@ impl Companion {
                 collision_s: never,
                 heading_s: never,
                 fence_s: never,
+                contradiction_s: never,
             },
             last_logged: None,
             counts: Counts::default(),
@@ -274,12 +295,34 @@ impl Companion {
 
     /// Mode to restore should this program stop now; `None` while nothing is flown.
     pub fn owed_mode(&self) -> Option<Mode> {
-        match self.keeper.state() {
-            Authority::Taking { previous, .. }
-            | Authority::InCommand { previous, .. }
-            | Authority::Returning { previous, .. } => Some(previous),
-            _ => None,
+        self.keeper.owed()
+    }
+
+    /// What to restore, and to whom, should this program stop now.
+    pub fn owed(&self) -> Option<Owed> {
+        Some(Owed {
+            system_id: self.vehicle_system().filter(|_| !self.dry_run)?,
+            owned: self.keeper.target(),
+            previous: self.keeper.owed()?,
+        })
+    }
+
+    /// Tells what an earlier run of this program left owed, before anything is received.
+    pub fn set_notes(&mut self, notes: Vec<Note>) {
+        if !self.dry_run {
+            self.notes = notes;
         }
+    }
+
+    /// The note that a later run must find, should this one stop now.
+    pub fn restart_note(&self) -> Option<Note> {
+        if let Some(note) = self.notes.last() {
+            return Some(*note);
+        }
+        Some(Note::new(
+            self.owed()?,
+            self.noted_boot_ms.unwrap_or(self.boot_ms),
+        ))
     }
 
     /// The operator's switch.
@@ -290,8 +333,13 @@ impl Companion {
 
     /// Hands back in an orderly way before the program ends.
     pub fn shut_down(&mut self, now_s: f64) {
-        self.set_enabled(false, now_s);
+        self.fault(Fault::ProgramEnds, now_s);
         self.send_commands(now_s);
+    }
+
+    /// Takes note of trouble of the program around it, for the operator and the log.
+    pub fn tell_trouble(&mut self, words: &str, now_s: f64) {
+        self.tell(Severity::Warning, words, now_s);
     }
 
     /// Takes a report of traffic from a receiver.
@@ -325,21 +373,28 @@ impl Companion {
         self.send_commands(now_s);
     }
 
+    /// Whether decisions are made.
+    fn can_decide(&self, now_s: f64) -> bool {
+        now_s - self.last_decision_s <= NO_DECISION_S
+    }
+
     fn watch_link(&mut self, now_s: f64) {
         let Some(heard) = self.heard else { return };
         if now_s - heard.heartbeat_s > self.config.safety.link_lost_s {
-            self.fault(crate::authority::Fault::LinkLost, now_s);
+            self.fault(Fault::LinkLost, now_s);
         } else if self.keeper.is_engaged()
             && self
                 .ownship
                 .age_s(now_s)
                 .is_none_or(|age_s| age_s > self.config.safety.telemetry_stale_s)
         {
-            self.fault(crate::authority::Fault::TelemetryStale, now_s);
+            self.fault(Fault::TelemetryStale, now_s);
+        } else if self.keeper.commands() && !self.can_decide(now_s) {
+            self.fault(Fault::NoDecision, now_s);
         }
     }
 
-    fn fault(&mut self, fault: crate::authority::Fault, now_s: f64) {
+    fn fault(&mut self, fault: Fault, now_s: f64) {
         let actions = self.keeper.fault(fault, now_s);
         self.perform(&actions, now_s);
     }
@@ -349,20 +404,21 @@ impl Companion {
         use mavlink::dialects::ardupilotmega::MavCmd;
         for action in actions {
             match *action {
-                Action::SetMode(mode) => {
-                    self.ask_for_mode(mode, now_s);
-                    self.note(now_s, "set-mode", json!({ "mode": mode.name() }));
+                Action::SetMode { to, from } => {
+                    self.ask_for_mode(to, from, now_s);
+                    self.note(now_s, "set-mode", json!({ "mode": to.name() }));
                 }
                 Action::CancelSetMode => self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MODE),
                 Action::Tell(severity, words) => self.tell(severity, words, now_s),
+                Action::Resumed => {
+                    self.counts.maneuvers += 1;
+                    self.resumed = true;
+                    self.start_commanding(now_s);
+                }
                 Action::Began => {
                     self.counts.maneuvers += 1;
-                    self.pitch.begin();
-                    self.begin_commanding(now_s);
-                    self.following_since_s = None;
-                    self.on_way_since_s = None;
-                    self.last_heading_rad = None;
-                    self.due.command_s = f64::NEG_INFINITY;
+                    self.noted_boot_ms = Some(self.boot_ms);
+                    self.start_commanding(now_s);
                     self.tell_threat(now_s);
                 }
                 Action::Returned => {
@@ -377,7 +433,7 @@ impl Companion {
                     self.commands.cancel(MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING);
                     self.commands.cancel(MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE);
                     self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
-                    if fault == crate::authority::Fault::TakeOverRefused {
+                    if fault == Fault::TakeOverRefused {
                         self.refusals += 1;
                         self.pause_until_s = now_s + 5.0;
                     }
@@ -386,6 +442,15 @@ impl Companion {
                 }
             }
         }
+    }
+
+    fn start_commanding(&mut self, now_s: f64) {
+        self.pitch.begin();
+        self.begin_commanding(now_s);
+        self.following_since_s = None;
+        self.on_way_since_s = None;
+        self.last_heading_rad = None;
+        self.due.command_s = f64::NEG_INFINITY;
     }
 
     /// Until the first command takes effect, the aircraft keeps the bank that it has.
@@ -400,6 +465,7 @@ impl Companion {
     fn forget_plan(&mut self) {
         self.avoider = None;
         self.decided = None;
+        self.resumed = false;
         self.commanded_lately.clear();
         self.paper = PaperPilot::default();
     }

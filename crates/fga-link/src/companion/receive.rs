@@ -11,8 +11,8 @@ use mavlink::dialects::ardupilotmega::{
 use serde_json::json;
 
 use super::{Companion, Heard, send};
-use crate::authority::{Fault, Severity};
-use crate::commands::Outcome;
+use crate::authority::{Beat, Fault, Severity, Verdict, reaction};
+use crate::commands::{Command, Outcome};
 use crate::config::CommandMode;
 use crate::mode::Mode;
 use crate::number::single;
@@ -20,10 +20,24 @@ use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
 use crate::traffic::{Report, Source, fence};
 
-/// A heartbeat with a lower sequence number so soon after another was overtaken by it, seconds.
-const OVERTAKEN_S: f64 = 0.45;
 /// Name of the switch among this component's parameters.
 const ENABLE: &str = "FGA_ENABLE";
+/// Heartbeats that contradict each other are told this often, seconds.
+const CONTRADICTION_AGAIN_S: f64 = 5.0;
+
+/// The heartbeat of a fixed-wing autopilot; `None` for everybody else's.
+fn beat_of_plane(header: &MavHeader, data: &HEARTBEAT_DATA) -> Option<Beat> {
+    let is_plane = data.autopilot == MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA
+        && matches!(data.mavtype, MavType::MAV_TYPE_FIXED_WING)
+        && header.component_id == AUTOPILOT;
+    is_plane.then_some(Beat {
+        sequence: header.sequence,
+        mode: Mode(data.custom_mode),
+        armed: data
+            .base_mode
+            .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED),
+    })
+}
 
 impl Companion {
     /// Takes a message.
@@ -52,28 +66,23 @@ impl Companion {
     }
 
     fn take_heartbeat(&mut self, header: MavHeader, system: u8, data: &HEARTBEAT_DATA, now_s: f64) {
-        let is_plane = data.autopilot == MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA
-            && matches!(data.mavtype, MavType::MAV_TYPE_FIXED_WING)
-            && header.component_id == AUTOPILOT;
-        if !is_plane {
+        let Some(beat) = beat_of_plane(&header, data) else {
             return;
-        }
-        let mode = Mode(data.custom_mode);
-        let armed = data
-            .base_mode
-            .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED);
+        };
+        let Beat { mode, armed, .. } = beat;
         let wanted = self.config.vehicle.system_id;
         let Some(heard) = &mut self.heard else {
             if wanted != 0 && system != wanted {
                 return;
             }
+            self.hearing.hear(beat, now_s);
             self.heard = Some(Heard {
                 system_id: system,
                 mode,
                 armed,
                 heartbeat_s: now_s,
-                sequence: header.sequence,
             });
+            self.notes.retain(|note| note.fits(system, mode));
             self.outbox.set_own_system(system);
             self.mission.begin();
             if self.config.safety.use_fence {
@@ -95,9 +104,8 @@ impl Companion {
         if heard.system_id != system {
             return;
         }
-        let behind = heard.sequence.wrapping_sub(header.sequence);
-        if now_s - heard.heartbeat_s < OVERTAKEN_S && behind < 128 {
-            // Overtaken by a newer one, or a copy of it.
+        let verdict = self.hearing.hear(beat, now_s);
+        if verdict == Verdict::Overtaken {
             return;
         }
         let was_armed = heard.armed;
@@ -105,18 +113,53 @@ impl Companion {
         *heard = Heard {
             system_id: system,
             mode,
-            armed,
+            armed: self.hearing.is_armed(),
             heartbeat_s: now_s,
-            sequence: header.sequence,
         };
+        let is_armed = heard.armed;
+        self.notes.retain(|note| note.fits(system, mode));
         if mode != mode_was {
             self.note(now_s, "mode", json!({ "mode": mode.name() }));
         }
         // The mode first: whoever changed it wins, whatever else this message says.
-        let actions = self.keeper.mode(mode, now_s);
+        let actions = self.keeper.heartbeat(mode, armed, now_s);
         self.perform(&actions, now_s);
-        if was_armed && !armed {
+        if verdict == Verdict::Contradicts && now_s >= self.due.contradiction_s {
+            self.due.contradiction_s = now_s + CONTRADICTION_AGAIN_S;
+            self.note(now_s, "contradiction", json!({ "mode": mode.name() }));
+            if self.keeper.is_engaged() {
+                self.fault(Fault::Contradiction, now_s);
+            } else {
+                let row = reaction(Fault::Contradiction);
+                let actions = self.keeper.readiness(false, now_s);
+                self.perform(&actions, now_s);
+                self.tell(row.severity, row.text, now_s);
+            }
+        }
+        if was_armed && !is_armed {
             self.fault(Fault::Disarmed, now_s);
+        }
+    }
+
+    /// A program that was restarted in a manoeuvre goes on with it, once the vehicle's clock says
+    /// that the note of it counts.
+    fn take_note(&mut self, boot_ms: u32, now_s: f64) {
+        let Some(note) = self.notes.pop() else { return };
+        self.notes.clear();
+        if note.counts(boot_ms) {
+            self.keeper.resume(note.previous(), now_s);
+            self.noted_boot_ms = Some(note.boot_ms);
+            self.note(
+                now_s,
+                "resumes",
+                json!({ "previous": note.previous().name() }),
+            );
+        } else {
+            self.tell(
+                Severity::Warning,
+                "fga: an old note of a manoeuvre, mode left alone",
+                now_s,
+            );
         }
     }
 
@@ -133,6 +176,8 @@ impl Companion {
                 self.renew_frame(now_s);
             }
             MavMessage::ATTITUDE(data) => {
+                self.hearing.stamp(data.time_boot_ms, now_s);
+                self.take_note(data.time_boot_ms, now_s);
                 let update = self.ownship.take_attitude(data, now_s);
                 if update == Update::Fresh {
                     self.boot_ms = data.time_boot_ms;
@@ -372,10 +417,10 @@ impl Companion {
                 self.send_switch();
             }
             MavMessage::PARAM_SET(data) if for_us(data.target_system, data.target_component) => {
-                self.take_switch(data, now_s);
+                self.take_switch(system, data, now_s);
             }
             MavMessage::COMMAND_LONG(data) if for_us(data.target_system, data.target_component) => {
-                let result = self.take_command(data, now_s);
+                let result = self.take_command(system, data, now_s);
                 self.outbox.send(MavMessage::COMMAND_ACK(COMMAND_ACK_DATA {
                     command: data.command,
                     result,
@@ -389,8 +434,19 @@ impl Companion {
         }
     }
 
-    fn take_switch(&mut self, data: &PARAM_SET_DATA, now_s: f64) {
-        if data.param_id.to_str() == Ok(ENABLE) {
+    /// Whether a system may arm and disarm this component: the ground station of the configuration,
+    /// else the vehicle's.
+    fn is_ground_station(&self, system: u8) -> bool {
+        let vehicles = || self.parameters.get("MAV_GCS_SYSID").unwrap_or(255.0);
+        let ground = match self.config.link.ground_system_id {
+            0 => vehicles(),
+            system_id => f64::from(system_id),
+        };
+        f64::from(system) == ground
+    }
+
+    fn take_switch(&mut self, system: u8, data: &PARAM_SET_DATA, now_s: f64) {
+        if data.param_id.to_str() == Ok(ENABLE) && self.is_ground_station(system) {
             self.set_enabled(data.param_value > 0.5, now_s);
         }
         self.send_switch();
@@ -407,9 +463,12 @@ impl Companion {
         }));
     }
 
-    fn take_command(&mut self, data: &COMMAND_LONG_DATA, now_s: f64) -> MavResult {
+    fn take_command(&mut self, system: u8, data: &COMMAND_LONG_DATA, now_s: f64) -> MavResult {
         if data.command != MavCmd::MAV_CMD_USER_1 {
             return MavResult::MAV_RESULT_UNSUPPORTED;
+        }
+        if !self.is_ground_station(system) {
+            return MavResult::MAV_RESULT_DENIED;
         }
         if data.param1 == 1.0 {
             self.set_enabled(true, now_s);
@@ -448,13 +507,11 @@ impl Companion {
         }
     }
 
-    pub(super) fn ask_for_mode(&mut self, mode: Mode, now_s: f64) {
+    pub(super) fn ask_for_mode(&mut self, to: Mode, from: Mode, now_s: f64) {
         if self.dry_run {
             return;
         }
-        let number = single(f64::from(mode.0));
-        let command = crate::commands::Command::long(MavCmd::MAV_CMD_DO_SET_MODE, 1.0, number);
-        self.commands.send(command, true);
+        self.commands.send(Command::set_mode(to, from), true);
         self.send_commands(now_s);
     }
 

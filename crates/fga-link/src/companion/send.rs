@@ -114,7 +114,7 @@ impl Companion {
         self.look_for_fence(now_s);
         if now_s >= self.due.values_s {
             self.due.values_s = now_s + 0.5;
-            self.send_values();
+            self.send_values(now_s);
         }
     }
 
@@ -165,12 +165,35 @@ impl Companion {
         let Some(system) = self.vehicle_system() else {
             return;
         };
-        if let Some(outcome) = self.commands.tick(now_s, system, &mut self.outbox) {
+        let hearing = &self.hearing;
+        let permits = |mode| hearing.permits(mode, now_s);
+        let outcome = self.commands.tick(now_s, system, permits, &mut self.outbox);
+        if let Some(outcome) = outcome {
             self.command_ended(outcome, now_s);
         }
     }
 
-    fn send_values(&mut self) {
+    /// Where the authority stands; it neither is ready nor commands while nothing can be decided.
+    fn send_state(&mut self, now_s: f64) {
+        let state = match self.keeper.state() {
+            Authority::Ready | Authority::Taking { .. } | Authority::InCommand { .. }
+                if !self.can_decide(now_s) =>
+            {
+                0.0
+            }
+            Authority::Waiting | Authority::Resuming { .. } => 0.0,
+            Authority::Ready => 1.0,
+            Authority::Taking { .. } => 2.0,
+            Authority::InCommand { .. } => 3.0,
+            Authority::Returning { .. } => 4.0,
+            Authority::Released { .. } => 5.0,
+        };
+        self.outbox
+            .send(telling::value("FGA_STATE", state, self.boot_ms));
+    }
+
+    fn send_values(&mut self, now_s: f64) {
+        self.send_state(now_s);
         let Some(decided) = self.decided else { return };
         let own = decided.own.ownship.position_m;
         let margin = |obstacle: &Obstacle| obstacle.volume.margin_m(own - obstacle.position_m);
@@ -196,16 +219,6 @@ impl Companion {
         ] {
             self.outbox.send(telling::value(name, value, boot_ms));
         }
-        let state = match self.keeper.state() {
-            Authority::Waiting => 0.0,
-            Authority::Ready => 1.0,
-            Authority::Taking { .. } => 2.0,
-            Authority::InCommand { .. } => 3.0,
-            Authority::Returning { .. } => 4.0,
-            Authority::Released { .. } => 5.0,
-        };
-        self.outbox
-            .send(telling::value("FGA_STATE", state, boot_ms));
     }
 
     pub(super) fn send_collision(&mut self, now_s: f64) {
@@ -330,6 +343,7 @@ impl Companion {
                 command: MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING,
                 parameters,
                 frame: Some(MavFrame::MAV_FRAME_GLOBAL),
+                only_in: None,
             },
             true,
         );
@@ -348,6 +362,7 @@ impl Companion {
                     command: MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE,
                     parameters: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, single(altitude_m)],
                     frame: Some(MavFrame::MAV_FRAME_GLOBAL),
+                    only_in: None,
                 },
                 true,
             );

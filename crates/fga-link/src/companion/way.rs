@@ -35,7 +35,10 @@ impl Companion {
             .avoider
             .as_ref()
             .is_some_and(|a| a.state() != AvoiderState::Cruise);
-        match heard.mode {
+        // In a manoeuvre the way is the one of the mode that was left.
+        let engaged = self.keeper.owed().filter(|_| self.keeper.is_engaged());
+        let way_mode = engaged.unwrap_or(heard.mode);
+        match way_mode {
             Mode::AUTO => {
                 // The avoider and the vehicle pass a waypoint at somewhat different moments.
                 let same_item = self.way_mode == Some(Mode::AUTO)
@@ -87,14 +90,14 @@ impl Companion {
                 };
             }
         }
-        self.way_mode = Some(heard.mode);
+        self.way_mode = Some(way_mode);
         self.way_item = self.mission_item;
         self.avoider = None;
         self.note(
             now_s,
             "way",
             json!({
-                "mode": heard.mode.name(),
+                "mode": way_mode.name(),
                 "item": self.mission_item,
                 "waypoints_m": self.way.waypoints_m.iter().map(|w| [w.x, w.y, w.z]).collect::<Vec<_>>(),
             }),

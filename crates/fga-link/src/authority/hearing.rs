@@ -1,0 +1,343 @@
+//! The mode that the vehicle itself tells, and whether another one may be commanded now.
+//!
+//! This is the one place that decides it. The companion, the watchdog and the thread that sends each
+//! ask [`Hearing::permits`]: a mode is commanded only as an answer to a heartbeat that has just told
+//! the mode which the command leaves. A mode that the pilot chose meanwhile is therefore kept, by
+//! whichever thread and after whichever pause the command would be sent.
+//!
+//! Heartbeats of one system may contradict each other: somebody else sends under its id. The mode that
+//! differs from what was believed counts then, because it may be the pilot's, and nothing is commanded
+//! until they have agreed for a while.
+
+use crate::clock::{BootClock, Stamp};
+use crate::mode::Mode;
+
+/// A heartbeat with a lower sequence number so soon after another was overtaken by it, seconds.
+const OVERTAKEN_S: f64 = 0.45;
+/// Two heartbeats that look overtaken and tell the same other mode within this contradict, seconds.
+const SUSPECT_S: f64 = 1.5;
+/// This many changes of mode within this time contradict, seconds: no switch is moved so fast.
+const CHANGES: usize = 3;
+const CHANGES_S: f64 = 2.0;
+/// Heartbeats that contradicted are believed again after this time without a contradiction, seconds.
+const QUIET_S: f64 = 3.0;
+/// Intervals between heartbeats, of which the longest counts.
+const INTERVALS: usize = 4;
+/// Shortest and longest interval that is assumed, seconds.
+const SHORTEST_INTERVAL_S: f64 = 0.25;
+const LONGEST_INTERVAL_S: f64 = 1.1;
+/// A mode is known for this many intervals after its heartbeat, and this time for the network, seconds.
+const FRESH_INTERVALS: f64 = 1.5;
+const FRESH_S: f64 = 0.15;
+/// Telemetry that is late by more than this comes from a queue: its modes are history, seconds.
+const LATE_S: f64 = 1.0;
+/// The mode that a heartbeat tells, and its sequence number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Beat {
+    /// Sequence number of the frame.
+    pub sequence: u8,
+    /// The mode.
+    pub mode: Mode,
+    /// Whether the armed flag is set.
+    pub armed: bool,
+}
+
+impl Beat {
+    const fn tells_the_same(&self, other: &Self) -> bool {
+        self.mode.0 == other.mode.0 && self.armed == other.armed
+    }
+}
+
+/// What a heartbeat is to those who heard the ones before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// The newest one.
+    New,
+    /// A newer one came before it, or it is a copy: it says nothing.
+    Overtaken,
+    /// It is the newest one, and does not go with those before: two senders use one system id.
+    Contradicts,
+}
+
+/// What is known of the vehicle's mode.
+#[derive(Debug, Clone)]
+pub struct Hearing {
+    last: Option<(Beat, f64)>,
+    /// Whether the heartbeat before the last one was disarmed as well.
+    disarmed_before: bool,
+    intervals_s: [f64; INTERVALS],
+    changes_s: [f64; CHANGES],
+    suspect: Option<(Beat, f64)>,
+    contradicted_s: f64,
+    clock: BootClock,
+    late_s: f64,
+}
+
+impl Default for Hearing {
+    fn default() -> Self {
+        Self {
+            last: None,
+            disarmed_before: true,
+            intervals_s: [LONGEST_INTERVAL_S; INTERVALS],
+            changes_s: [f64::NEG_INFINITY; CHANGES],
+            suspect: None,
+            contradicted_s: f64::NEG_INFINITY,
+            clock: BootClock::default(),
+            late_s: 0.0,
+        }
+    }
+}
+
+impl Hearing {
+    /// Takes a heartbeat of the vehicle.
+    pub fn hear(&mut self, beat: Beat, now_s: f64) -> Verdict {
+        let Some((last, last_s)) = self.last else {
+            self.accept(beat, now_s);
+            return Verdict::New;
+        };
+        let behind = last.sequence.wrapping_sub(beat.sequence);
+        if now_s - last_s < OVERTAKEN_S && behind < 128 {
+            if last.tells_the_same(&beat) {
+                return Verdict::Overtaken;
+            }
+            let again = self.suspect.is_some_and(|(suspect, since_s)| {
+                suspect.tells_the_same(&beat)
+                    && suspect.sequence != beat.sequence
+                    && now_s - since_s <= SUSPECT_S
+            });
+            if !again {
+                self.suspect = Some((beat, now_s));
+                return Verdict::Overtaken;
+            }
+            self.contradicted_s = now_s;
+        }
+        if !last.tells_the_same(&beat) {
+            self.changes_s.rotate_left(1);
+            if let Some(newest_s) = self.changes_s.last_mut() {
+                *newest_s = now_s;
+            }
+            if self
+                .changes_s
+                .first()
+                .is_some_and(|first_s| now_s - first_s <= CHANGES_S)
+            {
+                self.contradicted_s = now_s;
+            }
+        }
+        self.accept(beat, now_s);
+        if self.contradicted_s == now_s {
+            Verdict::Contradicts
+        } else {
+            Verdict::New
+        }
+    }
+
+    fn accept(&mut self, beat: Beat, now_s: f64) {
+        if let Some((last, last_s)) = self.last {
+            self.disarmed_before = !last.armed;
+            self.intervals_s.rotate_left(1);
+            if let Some(newest_s) = self.intervals_s.last_mut() {
+                *newest_s = now_s - last_s;
+            }
+        }
+        self.last = Some((beat, now_s));
+    }
+
+    /// Takes the vehicle's boot time of a regular message: it tells how late the link is.
+    pub fn stamp(&mut self, boot_ms: u32, now_s: f64) {
+        match self.clock.stamp(boot_ms, now_s) {
+            Stamp::New { measured_s } | Stamp::Restarted { measured_s } => {
+                self.late_s = now_s - measured_s;
+            }
+            Stamp::Old => {}
+        }
+    }
+
+    /// The mode told last.
+    pub fn mode(&self) -> Option<Mode> {
+        self.last.map(|(beat, _)| beat.mode)
+    }
+
+    /// Whether the vehicle is armed: one heartbeat that says otherwise is not believed.
+    pub fn is_armed(&self) -> bool {
+        self.last
+            .is_some_and(|(beat, _)| beat.armed || !self.disarmed_before)
+    }
+
+    /// When the last heartbeat was heard, seconds.
+    pub fn heard_s(&self) -> Option<f64> {
+        self.last.map(|(_, heard_s)| heard_s)
+    }
+
+    /// Whether heartbeats have contradicted each other lately.
+    pub fn is_contradicted(&self, now_s: f64) -> bool {
+        now_s - self.contradicted_s < QUIET_S
+    }
+
+    /// How long a heartbeat tells the present mode, seconds.
+    fn fresh_s(&self) -> f64 {
+        let longest_s = self.intervals_s.iter().copied().fold(0.0, f64::max);
+        FRESH_INTERVALS * longest_s.clamp(SHORTEST_INTERVAL_S, LONGEST_INTERVAL_S) + FRESH_S
+    }
+
+    /// Whether the vehicle's present mode is known.
+    pub fn is_sure(&self, now_s: f64) -> bool {
+        let fresh = self
+            .heard_s()
+            .is_some_and(|heard_s| now_s - heard_s <= self.fresh_s());
+        let doubted = self
+            .suspect
+            .is_some_and(|(_, since_s)| now_s - since_s < OVERTAKEN_S);
+        fresh && !doubted && !self.is_contradicted(now_s) && self.late_s <= LATE_S
+    }
+
+    /// Whether a command that takes the vehicle out of the mode `from` may be sent now.
+    pub fn permits(&self, from: Mode, now_s: f64) -> bool {
+        self.mode() == Some(from) && self.is_sure(now_s)
+    }
+
+    /// Forgets all that was heard before a pause of this program: the next heartbeat counts as the first.
+    pub fn forget(&mut self) {
+        self.last = None;
+        self.suspect = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn beat(sequence: u8, mode: Mode) -> Beat {
+        Beat {
+            sequence,
+            mode,
+            armed: true,
+        }
+    }
+
+    /// Four heartbeats a second in a mode, the last one at 2 s with sequence 80.
+    fn steady(mode: Mode) -> Hearing {
+        let mut hearing = Hearing::default();
+        for n in 0_u8..=8 {
+            hearing.hear(beat(10 * n, mode), 0.25 * f64::from(n));
+        }
+        hearing
+    }
+
+    #[test]
+    fn a_mode_is_left_only_while_the_vehicle_tells_it() {
+        assert!(!Hearing::default().permits(Mode::GUIDED, 0.0));
+        let mut hearing = steady(Mode::GUIDED);
+        assert!(hearing.permits(Mode::GUIDED, 2.0));
+        assert!(hearing.permits(Mode::GUIDED, 2.5));
+        assert!(!hearing.permits(Mode::AUTO, 2.0));
+        assert!(!hearing.permits(Mode::GUIDED, 2.6), "nobody knows any more");
+        assert_eq!(hearing.hear(beat(90, Mode(0)), 2.25), Verdict::New);
+        assert!(!hearing.permits(Mode::GUIDED, 2.25));
+        hearing.forget();
+        assert!(!hearing.permits(Mode(0), 2.25));
+    }
+
+    #[test]
+    fn rare_and_lost_heartbeats_are_waited_for() {
+        let mut hearing = Hearing::default();
+        for n in 0_u8..6 {
+            hearing.hear(beat(n, Mode::AUTO), f64::from(n));
+        }
+        assert!(hearing.permits(Mode::AUTO, 6.6));
+        assert!(!hearing.permits(Mode::AUTO, 6.9));
+        // Once a second counts for a while after they come four times a second.
+        for n in 0_u8..3 {
+            hearing.hear(beat(6 + n, Mode::AUTO), 5.25 + 0.25 * f64::from(n));
+        }
+        assert!(hearing.permits(Mode::AUTO, 7.2));
+        hearing.hear(beat(9, Mode::AUTO), 6.0);
+        assert!(!hearing.permits(Mode::AUTO, 6.6));
+    }
+
+    #[test]
+    fn heartbeats_out_of_a_queue_are_history() {
+        let mut hearing = steady(Mode::GUIDED);
+        hearing.stamp(60_000, 2.0);
+        // The program was stopped for 20 s; what comes first is what it missed.
+        hearing.stamp(60_100, 22.0);
+        hearing.hear(beat(90, Mode::GUIDED), 22.0);
+        assert!(!hearing.permits(Mode::GUIDED, 22.0));
+        hearing.stamp(80_050, 22.05);
+        hearing.hear(beat(95, Mode::GUIDED), 22.05);
+        assert!(hearing.permits(Mode::GUIDED, 22.05));
+    }
+
+    #[test]
+    fn an_overtaken_heartbeat_says_nothing() {
+        let mut hearing = steady(Mode::AUTO);
+        assert_eq!(hearing.hear(beat(90, Mode::GUIDED), 2.05), Verdict::New);
+        assert_eq!(hearing.hear(beat(89, Mode::AUTO), 2.1), Verdict::Overtaken);
+        assert_eq!(hearing.hear(beat(89, Mode::AUTO), 2.1), Verdict::Overtaken);
+        assert_eq!(hearing.mode(), Some(Mode::GUIDED));
+        // Until it is out of sight nothing is commanded.
+        assert!(!hearing.permits(Mode::GUIDED, 2.1));
+        assert_eq!(hearing.hear(beat(100, Mode::GUIDED), 2.5), Verdict::New);
+        assert!(hearing.permits(Mode::GUIDED, 2.6));
+        assert!(!hearing.is_contradicted(2.6));
+    }
+
+    #[test]
+    fn the_pilots_mode_is_seen_among_forged_heartbeats_in_every_order_of_numbers() {
+        for ahead in [1_u8, 20, 64, 100, 127, 128, 150, 200, 255] {
+            let mut hearing = steady(Mode::GUIDED);
+            let mut seen_s = f64::INFINITY;
+            for n in 0_u8..40 {
+                let now_s = 2.05 + 0.1 * f64::from(n);
+                let sequence = 80 + 4 * n;
+                hearing.hear(beat(sequence.wrapping_add(ahead), Mode::GUIDED), now_s);
+                // The true ones, four a second, tell MANUAL.
+                if n % 3 == 1 {
+                    let verdict = hearing.hear(beat(sequence, Mode(0)), now_s + 0.05);
+                    if verdict != Verdict::Overtaken {
+                        seen_s = seen_s.min(now_s);
+                        assert_eq!(hearing.mode(), Some(Mode(0)));
+                    }
+                }
+            }
+            assert!(seen_s < 3.0, "{ahead}: {seen_s}");
+            assert!(hearing.is_contradicted(6.0), "{ahead}");
+            assert!(!hearing.permits(Mode::GUIDED, 6.0));
+            assert!(!hearing.permits(Mode(0), 6.0));
+        }
+    }
+
+    #[test]
+    fn a_pilot_who_moves_the_switch_twice_contradicts_nobody() {
+        let mut hearing = steady(Mode::AUTO);
+        hearing.hear(beat(90, Mode(5)), 2.25);
+        hearing.hear(beat(100, Mode(0)), 2.5);
+        assert!(!hearing.is_contradicted(2.5));
+        // Three times within two seconds is too fast, a change after that time is not.
+        hearing.hear(beat(110, Mode(5)), 4.3);
+        assert!(!hearing.is_contradicted(4.3));
+        assert_eq!(hearing.hear(beat(120, Mode(0)), 4.45), Verdict::Contradicts);
+        assert!(hearing.is_contradicted(7.4));
+        assert!(!hearing.is_contradicted(7.5));
+    }
+
+    #[test]
+    fn one_disarmed_heartbeat_is_not_believed() {
+        let mut hearing = steady(Mode::GUIDED);
+        let disarmed = |sequence| Beat {
+            armed: false,
+            ..beat(sequence, Mode::GUIDED)
+        };
+        hearing.hear(disarmed(90), 2.25);
+        assert!(hearing.is_armed());
+        hearing.hear(beat(100, Mode::GUIDED), 2.5);
+        assert!(hearing.is_armed());
+        hearing.hear(disarmed(110), 4.75);
+        hearing.hear(disarmed(120), 5.0);
+        assert!(!hearing.is_armed());
+        // A vehicle that was never armed is not armed by default.
+        let mut hearing = Hearing::default();
+        hearing.hear(disarmed(0), 0.0);
+        assert!(!hearing.is_armed());
+    }
+}

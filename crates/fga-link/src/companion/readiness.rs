@@ -1,0 +1,165 @@
+//! Whether it may act, and the words for what is missing.
+
+use super::Companion;
+use crate::authority::{Authority, Severity};
+use crate::mode::Mode;
+use crate::ownship::State;
+
+/// What is missing is told when it has been missing for this long, seconds …
+const LOST_S: f64 = 1.0;
+/// … and where it never was ready, for this long, seconds.
+const NEVER_READY_S: f64 = 8.0;
+
+/// What is missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lacking {
+    Link,
+    Contradiction,
+    Telemetry,
+    Disarmed,
+    Height,
+    Mode,
+    Mission,
+    Limits,
+    BankLimit,
+    Decision,
+}
+
+impl Lacking {
+    /// What the operator reads.
+    pub(super) const fn words(self) -> &'static str {
+        match self {
+            Self::Link => "fga: not ready: no heartbeat",
+            Self::Contradiction => "fga: not ready: heartbeats contradict",
+            Self::Telemetry => "fga: not ready: no fresh telemetry",
+            Self::Disarmed => "fga: not ready: vehicle is disarmed",
+            Self::Height => "fga: not ready: too low",
+            Self::Mode => "fga: not ready: mode is not to be taken over",
+            Self::Mission => "fga: not ready: mission is not known",
+            Self::Limits => "fga: not ready: vehicle's limits not known",
+            Self::BankLimit => "fga: not ready: bank limit cannot be flown",
+            Self::Decision => "fga: not ready: no decision possible",
+        }
+    }
+
+    /// What the operator did is no news for the operator.
+    const fn severity(self) -> Severity {
+        match self {
+            Self::Mode | Self::Disarmed => Severity::Info,
+            _ => Severity::Warning,
+        }
+    }
+}
+
+/// What was told about readiness.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Told {
+    /// Missing now, and since when, seconds.
+    lacking: Option<(Lacking, f64)>,
+    /// The operator believes that it is ready.
+    ready: bool,
+    /// What was told last.
+    last: Option<Lacking>,
+}
+
+impl Told {
+    pub(super) const NOTHING: Self = Self {
+        lacking: None,
+        ready: false,
+        last: None,
+    };
+}
+
+impl Companion {
+    /// What is missing to take over, or to go on.
+    pub(super) fn lacking(&self, now_s: f64, state: Option<&State>) -> Option<Lacking> {
+        let Some(heard) = self.heard else {
+            return Some(Lacking::Link);
+        };
+        if now_s - heard.heartbeat_s > self.config.safety.link_lost_s {
+            return Some(Lacking::Link);
+        }
+        if self.hearing.is_contradicted(now_s) {
+            return Some(Lacking::Contradiction);
+        }
+        let Some(state) = state else {
+            return Some(Lacking::Telemetry);
+        };
+        if !heard.armed {
+            return Some(Lacking::Disarmed);
+        }
+        let engaged = self.keeper.is_engaged();
+        let floor_m = self.config.safety.floor_m;
+        // A little above the floor to begin with, so that it is not crossed at once.
+        let high_enough = state.above_home_m >= floor_m + 5.0
+            || (engaged && state.above_home_m >= floor_m - 10.0);
+        if !high_enough {
+            return Some(Lacking::Height);
+        }
+        if !(engaged || self.take_over.contains(&heard.mode)) {
+            return Some(Lacking::Mode);
+        }
+        let mode = self.keeper.owed().filter(|_| engaged).unwrap_or(heard.mode);
+        if mode == Mode::AUTO && (self.mission.items().is_none() || self.mission_item.is_none()) {
+            return Some(Lacking::Mission);
+        }
+        if !self.parameters.is_sufficient() {
+            return Some(Lacking::Limits);
+        }
+        if self.bank_limit_rad().is_none() {
+            return Some(Lacking::BankLimit);
+        }
+        (!self.can_decide(now_s)).then_some(Lacking::Decision)
+    }
+
+    /// Tells the operator that an ability is lost, or why it does not come.
+    pub(super) fn tell_readiness(&mut self, lacking: Option<Lacking>, now_s: f64) {
+        if self.keeper.state() == Authority::Ready {
+            self.told.ready = true;
+            self.told.last = None;
+        }
+        let Some(lacking) = lacking else {
+            self.told.lacking = None;
+            return;
+        };
+        let since_s = match self.told.lacking {
+            Some((before, since_s)) if before == lacking => since_s,
+            _ => now_s,
+        };
+        self.told.lacking = Some((lacking, since_s));
+        let after_s = if self.told.ready {
+            LOST_S
+        } else {
+            NEVER_READY_S
+        };
+        let is_due = now_s - since_s >= after_s && self.told.last != Some(lacking);
+        if is_due && self.heard.is_some() {
+            self.told.ready = false;
+            self.told.last = Some(lacking);
+            self.tell(lacking.severity(), lacking.words(), now_s);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Lacking;
+
+    #[test]
+    fn every_text_fits_into_one_message() {
+        for lacking in [
+            Lacking::Link,
+            Lacking::Contradiction,
+            Lacking::Telemetry,
+            Lacking::Disarmed,
+            Lacking::Height,
+            Lacking::Mode,
+            Lacking::Mission,
+            Lacking::Limits,
+            Lacking::BankLimit,
+            Lacking::Decision,
+        ] {
+            assert!(lacking.words().len() <= 50, "{lacking:?}");
+        }
+    }
+}
