@@ -21,6 +21,7 @@
 //! | [`baselines`] | what would others fly? |
 //! | [`campaign`] | what comes of millions of drawn encounters, policy by policy? |
 //! | [`encounters`] | which encounters does a generator make? |
+//! | [`fine`] | what does a manoeuvre really lead to? |
 //! | [`oracle`] | can an encounter be saved at all? |
 
 extern crate alloc;
@@ -30,6 +31,7 @@ pub mod batch;
 pub mod campaign;
 pub mod encounters;
 pub mod engine;
+pub mod fine;
 pub mod oracle;
 pub mod plant;
 pub mod policy;

@@ -24,7 +24,7 @@ pub enum Status {
     Proven,
     /// The margin is below the floor that was asked for; the rest was not looked at.
     BelowFloor,
-    /// The path's nodes ran out before the horizon: nothing is proven beyond them.
+    /// The path does not follow the manoeuvre up to the horizon: nothing is proven.
     LimitMet,
 }
 
@@ -50,6 +50,15 @@ impl Certificate {
             hazard: None,
             at_s: 0.0,
             status: Status::Proven,
+        }
+    }
+
+    /// The margin that is proven, metres: minus infinity where the path ended before the horizon.
+    pub fn proven_m(&self) -> f64 {
+        if self.status == Status::LimitMet {
+            f64::NEG_INFINITY
+        } else {
+            self.margin_m
         }
     }
 

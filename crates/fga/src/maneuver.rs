@@ -2,8 +2,9 @@
 
 use crate::angle::Side;
 
-/// Most stages of a manoeuvre: two turns with their climbs, the way back and a corner after it.
-pub const MAX_STAGES: usize = 8;
+/// Most stages of a manoeuvre: the corners of a mission of short legs up to the horizon, and two turns
+/// with their climbs after them.
+pub const MAX_STAGES: usize = 20;
 
 /// What is commanded from a moment on, until the next stage begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +28,7 @@ pub struct Stage {
 pub struct Maneuver {
     stages: [Stage; MAX_STAGES],
     len: usize,
+    whole: bool,
 }
 
 impl Default for Maneuver {
@@ -47,6 +49,7 @@ impl Maneuver {
         Self {
             stages: [stage; MAX_STAGES],
             len: 0,
+            whole: true,
         }
     }
 
@@ -62,28 +65,39 @@ impl Maneuver {
         maneuver
     }
 
-    /// Appends a stage; one beyond the capacity, one that begins before the last, or one with a
-    /// number that is not finite, is not taken.
+    /// Appends a stage. A stage beyond the capacity, one that begins before the last, or one with a
+    /// number that is not finite, is refused: the manoeuvre is no longer [whole](Self::is_whole).
     pub fn push(&mut self, stage: Stage) -> bool {
-        let numbers = [stage.start_s, stage.course_rad, stage.climb_rad];
-        if !numbers.iter().all(|number| number.is_finite()) || !stage.rate_share.is_finite() {
-            return false;
-        }
-        if self
+        let numbers = [
+            stage.start_s,
+            stage.course_rad,
+            stage.climb_rad,
+            stage.rate_share,
+        ];
+        let in_order = self
             .stages()
             .last()
-            .is_some_and(|last| stage.start_s < last.start_s)
-        {
-            return false;
+            .is_none_or(|last| stage.start_s >= last.start_s);
+        let usable = in_order && numbers.iter().all(|number| number.is_finite());
+        if let Some(slot) = self.stages.get_mut(self.len).filter(|_| usable) {
+            *slot = stage;
+            self.len += 1;
+            true
+        } else {
+            self.whole = false;
+            false
         }
-        match self.stages.get_mut(self.len) {
-            Some(slot) => {
-                *slot = stage;
-                self.len += 1;
-                true
-            }
-            None => false,
-        }
+    }
+
+    /// Whether every stage that was pushed was taken. What is left of a manoeuvre that lost a stage
+    /// is another flight, and no certificate covers it.
+    pub const fn is_whole(&self) -> bool {
+        self.whole
+    }
+
+    /// How many more stages there is room for.
+    pub const fn room(&self) -> usize {
+        MAX_STAGES - self.len
     }
 
     /// The stages, first to last.
@@ -94,7 +108,10 @@ impl Maneuver {
     /// The same commands seen `elapsed_s` later: what is past keeps only its last stage.
     #[must_use]
     pub fn after(&self, elapsed_s: f64) -> Self {
-        let mut later = Self::hold();
+        let mut later = Self {
+            whole: self.whole,
+            ..Self::hold()
+        };
         let stages = self.stages();
         for (index, stage) in stages.iter().enumerate() {
             let over = stages

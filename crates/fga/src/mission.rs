@@ -21,6 +21,9 @@ use crate::situation::Mission;
 /// Most legs that a way back may leave out because it cannot join them before they end.
 pub const MAX_SKIPPED: usize = 4;
 
+/// Stages that corners leave for the turns of an avoidance.
+const ROOM_TO_AVOID: usize = 2;
+
 /// Intercept angle of the guidance along the mission, radians.
 const GUIDANCE_INTERCEPT_RAD: f64 = 0.785;
 
@@ -315,7 +318,8 @@ impl Progress {
             let left_m = leg.length_m - lead_m - along_m;
             let corner_s = straight_s + (left_m / leg.ground_speed_mps.max(0.1)).max(0.0);
             let last = maneuver.stages().last().copied()?;
-            if corner_s > horizon_s {
+            // Corners beyond the room are for a later cycle: straight on is a whole flight too.
+            if corner_s > horizon_s || maneuver.room() <= ROOM_TO_AVOID {
                 break;
             }
             let turn_rad = wrap_pi(following.air_course_rad - last.course_rad);

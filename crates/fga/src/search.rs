@@ -412,6 +412,16 @@ impl<'a> Search<'a> {
             return None;
         }
         let departure = self.departure(wait_s);
+        let any = Turns {
+            wait_s,
+            turn_rad: 0.0,
+            climb_rad: 0.0,
+            second: None,
+        };
+        // The corners before it may leave no room for the turn.
+        if !self.maneuver(&any, &departure).is_whole() {
+            return None;
+        }
         let mut best: Option<Found> = None;
         for (place, climb_rad) in scene.climb_targets().enumerate() {
             if place == 1 && best.is_none() && !self.has_steep_turn(&departure, before_m, sides) {

@@ -152,7 +152,7 @@ impl Tracks {
         let depth_m = hazard.margin_m(own, 0.0);
         if depth_m < 0.0 {
             self.inside |= obstacle.volume.margin_m(own - obstacle.position_m) < 0.0;
-            hazard.volume = relaxed(&hazard.volume, own - obstacle.position_m);
+            hazard.volume = relaxed(&hazard.volume, &obstacle.volume, own - obstacle.position_m);
         }
         if self.hazards.put(place, hazard)
             && let Some(known) = self.obstacles.get_mut(place)
@@ -165,22 +165,80 @@ impl Tracks {
     }
 }
 
-/// A volume that the aircraft is inside of, shrunk so that it is just outside: what is certified
-/// against it leads out.
-fn relaxed(volume: &ProtectedVolume, offset_m: Vec3) -> ProtectedVolume {
+/// A widened volume that the aircraft is inside of, shrunk so that it is just outside: what is
+/// certified against it leads out. While the aircraft is outside the volume itself, it stays as large as
+/// that one.
+fn relaxed(widened: &ProtectedVolume, itself: &ProtectedVolume, offset_m: Vec3) -> ProtectedVolume {
     let horizontal = libm::sqrt(offset_m.x * offset_m.x + offset_m.y * offset_m.y);
-    match *volume {
-        ProtectedVolume::Sphere { .. } => ProtectedVolume::Sphere {
-            radius_m: LEAVING_SHARE * offset_m.length(),
-        },
+    let outside = itself.margin_m(offset_m) >= 0.0;
+    match *widened {
+        ProtectedVolume::Sphere { .. } => {
+            let leaving_m = LEAVING_SHARE * offset_m.length();
+            let least_m = if outside { itself.radius_m() } else { 0.0 };
+            ProtectedVolume::Sphere {
+                radius_m: leaving_m.max(least_m),
+            }
+        }
         ProtectedVolume::Cylinder {
             radius_m,
             half_height_m,
         } => {
             let share = (horizontal / radius_m).max(offset_m.z.abs() / half_height_m);
+            let mut radius_m = LEAVING_SHARE * share * radius_m;
+            let mut half_height_m = LEAVING_SHARE * share * half_height_m;
+            if outside {
+                let (true_m, true_half_m) = (itself.radius_m(), itself.half_height_m());
+                radius_m = radius_m.max(true_m);
+                half_height_m = half_height_m.max(true_half_m);
+                // Whichever of the two it is beyond keeps it outside.
+                if horizontal >= true_m {
+                    radius_m = radius_m.min(LEAVING_SHARE * horizontal).max(true_m);
+                } else {
+                    let above_m = LEAVING_SHARE * offset_m.z.abs();
+                    half_height_m = half_height_m.min(above_m).max(true_half_m);
+                }
+            }
             ProtectedVolume::Cylinder {
-                radius_m: LEAVING_SHARE * share * radius_m,
-                half_height_m: LEAVING_SHARE * share * half_height_m,
+                radius_m,
+                half_height_m,
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Outside the volume itself but within its widened one, the aircraft was shown a smaller volume
+    /// than the true one when it was near the surface.
+    #[test]
+    fn a_relaxed_volume_is_as_large_as_the_true_one_until_that_is_entered() {
+        let places = [
+            Vec3::new(30.1, 0.0, 0.0),
+            Vec3::new(0.0, 31.0, 9.0),
+            Vec3::new(3.0, 4.0, 10.05),
+            Vec3::new(29.0, 0.0, 11.0),
+            Vec3::new(38.0, 0.0, 9.9),
+        ];
+        let cylinder = ProtectedVolume::Cylinder {
+            radius_m: 30.0,
+            half_height_m: 10.0,
+        };
+        let sphere = ProtectedVolume::Sphere { radius_m: 30.0 };
+        for offset_m in places {
+            for itself in [cylinder, sphere] {
+                let widened = itself.grown(12.0);
+                if itself.margin_m(offset_m) < 0.0 || widened.margin_m(offset_m) >= 0.0 {
+                    continue;
+                }
+                let shrunk = relaxed(&widened, &itself, offset_m);
+                assert!(shrunk.radius_m() >= itself.radius_m(), "{shrunk:?}");
+                assert!(
+                    shrunk.half_height_m() >= itself.half_height_m(),
+                    "{shrunk:?}"
+                );
+                assert!(shrunk.margin_m(offset_m) >= 0.0, "{shrunk:?} {offset_m}");
             }
         }
     }

@@ -279,7 +279,7 @@ impl Avoider {
             floor_m,
             enough_m,
         )
-        .margin_m
+        .proven_m()
     }
 
     /// Flying the manoeuvre: keep it, replace it, or go back.

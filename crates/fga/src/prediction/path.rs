@@ -174,7 +174,8 @@ impl FlightPath {
         self.end_velocity_mps
     }
 
-    /// Whether the path follows the manoeuvre up to the horizon: false where the nodes ran out.
+    /// Whether the path follows the manoeuvre up to the horizon: false where the nodes ran out, or
+    /// where the manoeuvre lost a stage ([`Maneuver::is_whole`]).
     pub const fn is_complete(&self) -> bool {
         self.complete
     }
@@ -261,23 +262,13 @@ impl FlightPath {
         horizon_s: f64,
     ) {
         self.clear();
-        self.extend(flyer, start, maneuver, horizon_s);
-    }
-
-    /// Appends the flight of `maneuver`, whose times count from the decision as in `start`.
-    pub(crate) fn extend(
-        &mut self,
-        flyer: &Flyer,
-        start: &MotionState,
-        maneuver: &Maneuver,
-        horizon_s: f64,
-    ) {
         let mut state = *start;
         let mut pieces = Pieces::new(flyer, start, maneuver);
         loop {
             let (piece, duration_s, until_s) = pieces.next(&state, f64::INFINITY);
             if duration_s == f64::INFINITY || state.time_s >= horizon_s {
                 self.finish(flyer, &state);
+                self.complete &= maneuver.is_whole();
                 return;
             }
             let Some(mut end) = self.fly_piece(flyer, &state, &piece, duration_s) else {

@@ -154,7 +154,7 @@ impl Ascent {
         let certificate = search.certify(&turns, &departure, f64::MIN);
         Found {
             turns,
-            margin_m: certificate.margin_m,
+            margin_m: certificate.proven_m(),
             cost: search.cost(&turns, &departure),
         }
     }

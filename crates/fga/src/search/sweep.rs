@@ -389,7 +389,7 @@ impl Search<'_> {
                 climb_rad: leave.climb_rad,
                 second: None,
             };
-            self.certify(&turns, &sweep.from, sweep.enough_m).margin_m
+            self.certify(&turns, &sweep.from, sweep.enough_m).proven_m()
         };
         (margin_m >= sweep.enough_m).then_some(Leave { margin_m, ..*leave })
     }

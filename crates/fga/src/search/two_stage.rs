@@ -309,7 +309,7 @@ impl Search<'_> {
                 climb_rad: second.climb_rad,
             }),
         };
-        let margin_m = self.certify(&turns, &start, f64::MIN).margin_m;
+        let margin_m = self.certify(&turns, &start, f64::MIN).proven_m();
         let cost = self.cost(&turns, &start);
         Some(Found {
             turns,
@@ -413,7 +413,7 @@ impl Search<'_> {
                     }),
                 };
                 let floor_m = seeds.floor_of_m(kind);
-                let margin_m = self.certify(&turns, start, floor_m).margin_m;
+                let margin_m = self.certify(&turns, start, floor_m).proven_m();
                 let cost = self.cost(&turns, start);
                 seeds.take(
                     kind,
