@@ -72,7 +72,8 @@ impl OverlayArgs {
 /// Which aircraft.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct VehicleArgs {
-    /// Vehicle file; without it the scenario's own, else the built-in one of the paper's Table 4.
+    /// Vehicle file; without it the scenario's own, for recordings the light aircraft of
+    /// vehicles/general-aviation.toml, else the aircraft of the paper's Table 4.
     #[arg(long, value_name = "FILE")]
     pub(crate) vehicle: Option<PathBuf>,
 }

@@ -59,6 +59,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let policy = args.policy.choice()?;
     let overlay = args.overlay.choices(&policy)?;
     let plan = Plan::read(&args.file, args.vehicle.given()?)?;
+    if args.vehicle.vehicle.is_none() && args.file.extension().is_some_and(|is| is == "daa") {
+        eprintln!(
+            "a recording names no vehicle: {} flies it; --vehicle names another",
+            plan.model.name
+        );
+    }
     let input_hash = file_fingerprint(&args.file)?;
     let folder = args.out.prepare(&args.file)?;
     let overlaid = overlay

@@ -35,7 +35,7 @@ pub struct Plan {
 
 impl Plan {
     /// Reads a scenario (`.toml`) or a recording (`.daa`). `vehicle` takes the place of the one
-    /// that a scenario names.
+    /// that a scenario names, and of the light aircraft that flies recordings.
     ///
     /// # Errors
     /// A file that is neither, or that cannot be used.
@@ -46,7 +46,7 @@ impl Plan {
             Some("daa") => {
                 let model = match vehicle {
                     Some(model) => model,
-                    None => VehicleModel::built_in()?,
+                    None => VehicleModel::recorded()?,
                 };
                 recording::read(path, model)
             }

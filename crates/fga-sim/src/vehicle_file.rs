@@ -22,7 +22,10 @@ use crate::sensor::SensorSettings;
 use crate::toml_input::TomlText;
 
 /// The built-in vehicle: Table 4 of the paper.
-const BUILT_IN: &str = include_str!("../../../vehicles/paper.toml");
+const BUILT_IN: &str = include_str!("../vehicles/paper.toml");
+
+/// The vehicle of recordings that name none: a light aircraft.
+const RECORDED: &str = include_str!("../vehicles/general-aviation.toml");
 
 /// An aircraft as its file describes it.
 #[derive(Debug, Clone, PartialEq)]
@@ -176,6 +179,15 @@ impl VehicleModel {
     /// None in practice: the file is part of the program.
     pub fn built_in() -> Result<Self, InputError> {
         Self::parse(TomlText::new(Path::new("vehicles/paper.toml"), BUILT_IN))
+    }
+
+    /// The light aircraft that flies recordings where no vehicle is given.
+    ///
+    /// # Errors
+    /// None in practice: the file is part of the program.
+    pub fn recorded() -> Result<Self, InputError> {
+        let path = Path::new("vehicles/general-aviation.toml");
+        Self::parse(TomlText::new(path, RECORDED))
     }
 
     /// Reads a vehicle file.

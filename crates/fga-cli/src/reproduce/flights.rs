@@ -14,7 +14,7 @@ use crate::failure::Failure;
 pub(super) const PLANAR: &str = ",planar";
 
 /// Table 4's aircraft forbidden to climb.
-const PLANAR_VEHICLE: &str = include_str!("../../../../vehicles/paper-planar.toml");
+const PLANAR_VEHICLE: &str = include_str!("../../vehicles/paper-planar.toml");
 
 /// What came of them.
 pub(super) struct Flights {

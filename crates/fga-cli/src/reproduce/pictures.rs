@@ -17,7 +17,7 @@ use super::{Setting, next};
 use crate::failure::Failure;
 use crate::{flight_file, replay_page, run_files};
 
-const RASCAL: &str = include_str!("../../../../vehicles/rascal-110.toml");
+const RASCAL: &str = include_str!("../../vehicles/rascal-110.toml");
 
 struct Case {
     title: &'static str,
@@ -41,7 +41,7 @@ const CASES: [Case; 3] = [
     Case {
         title: "Fig. 16: a static obstacle in three dimensions",
         name: "fig-16",
-        scenario: include_str!("../../../../scenarios/fig-16.toml"),
+        scenario: include_str!("../../scenarios/fig-16.toml"),
         rascal: false,
         policies: &STARTS,
         paper: "The aircraft avoids a single obstacle with minimal deviation, started at t_0 and at t_c.",
@@ -49,7 +49,7 @@ const CASES: [Case; 3] = [
     Case {
         title: "Fig. 17: moving obstacles in three dimensions",
         name: "fig-17",
-        scenario: include_str!("../../../../scenarios/fig-17.toml"),
+        scenario: include_str!("../../scenarios/fig-17.toml"),
         rascal: false,
         policies: &STARTS,
         paper: "The aircraft avoids several obstacles and returns to its path, started at t_0 and at t_c.",
@@ -57,7 +57,7 @@ const CASES: [Case; 3] = [
     Case {
         title: "Figs. 25 and 26: San Francisco airport",
         name: "sfo",
-        scenario: include_str!("../../../../scenarios/sfo.toml"),
+        scenario: include_str!("../../scenarios/sfo.toml"),
         rascal: true,
         policies: &["circle", "turn-aware"],
         paper: "The aircraft flies round a protected radius of 150 m over the runway on every crossing.",
