@@ -70,6 +70,7 @@ pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
         dry_run: args.dry_run,
         out: args.out.clone(),
         status: !args.quiet,
+        end_program: || std::process::abort(),
     };
     let mut live = args.live.then(|| begin_live(args.listen)).transpose()?;
     let flown = fly(&options, &stop_on_interrupt(), &mut |companion| {
@@ -91,7 +92,7 @@ fn begin_live(address: SocketAddr) -> Result<FlyLive, Failure> {
     Ok(live)
 }
 
-/// A flag that Ctrl-C and the end of the service set.
+/// A flag that SIGINT, SIGTERM and SIGHUP set: Ctrl-C, the end of the service, the end of the terminal.
 pub(crate) fn stop_on_interrupt() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);

@@ -26,6 +26,18 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 /// Senders that a waiting UDP port answers, and how long after their last word.
 const MOST_PEERS: usize = 8;
 const PEER_LIFETIME: Duration = Duration::from_secs(15);
+/// How long a read waits while a queue is emptied: what is there comes at once.
+const DRAIN_TIMEOUT: Duration = Duration::from_millis(1);
+/// Most reads that empty a queue.
+const MOST_DRAINED: u32 = 20_000;
+/// A connection whose other end is gone is noticed by the system within this …
+const GONE: Duration = Duration::from_secs(4);
+/// … asking after silence of this length, this often.
+const ASK_AFTER: Duration = Duration::from_secs(2);
+const ASK_EVERY: Duration = Duration::from_secs(1);
+/// A connection that is silent for this long is made again: the system of a frozen program still answers
+/// for it. A vehicle tells something every second.
+const SILENT: Duration = Duration::from_secs(5);
 
 /// Where the vehicle is.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -118,7 +130,15 @@ type Port = Arc<Mutex<Option<Box<dyn serialport::SerialPort>>>>;
 
 /// The reading half of an open endpoint; it reconnects by itself.
 #[derive(Debug)]
-pub struct Reader(ReaderKind);
+pub struct Reader {
+    kind: ReaderKind,
+    /// A connection is made again when it is silent for this long.
+    silent: Duration,
+    heard: Instant,
+    /// Only senders that were named by [`Self::answer_sender`] are answered.
+    wary: bool,
+    sender: Option<SocketAddr>,
+}
 
 #[derive(Debug)]
 enum ReaderKind {
@@ -176,7 +196,7 @@ pub fn open(endpoint: &Endpoint) -> io::Result<(Reader, Writer)> {
                 peers: Arc::clone(&peers),
             };
             Ok((
-                Reader(ReaderKind::Udp {
+                Reader::of(ReaderKind::Udp {
                     socket,
                     peers: Some(peers),
                 }),
@@ -198,7 +218,7 @@ pub fn open(endpoint: &Endpoint) -> io::Result<(Reader, Writer)> {
                 peers,
             };
             Ok((
-                Reader(ReaderKind::Udp {
+                Reader::of(ReaderKind::Udp {
                     socket,
                     peers: None,
                 }),
@@ -212,7 +232,7 @@ pub fn open(endpoint: &Endpoint) -> io::Result<(Reader, Writer)> {
                 own: None,
                 shared: Arc::clone(&shared),
             };
-            Ok((Reader(reader), Writer(WriterKind::Stream(shared))))
+            Ok((Reader::of(reader), Writer(WriterKind::Stream(shared))))
         }
         Endpoint::TcpIn(address) => {
             let listener = TcpListener::bind(resolve(address)?)?;
@@ -223,7 +243,7 @@ pub fn open(endpoint: &Endpoint) -> io::Result<(Reader, Writer)> {
                 own: None,
                 shared: Arc::clone(&shared),
             };
-            Ok((Reader(reader), Writer(WriterKind::Stream(shared))))
+            Ok((Reader::of(reader), Writer(WriterKind::Stream(shared))))
         }
         #[cfg(feature = "serial")]
         Endpoint::Serial { path, baud } => {
@@ -235,7 +255,7 @@ pub fn open(endpoint: &Endpoint) -> io::Result<(Reader, Writer)> {
                 own: Some(port),
                 shared: Arc::clone(&shared),
             };
-            Ok((Reader(reader), Writer(WriterKind::Serial(shared))))
+            Ok((Reader::of(reader), Writer(WriterKind::Serial(shared))))
         }
         #[cfg(not(feature = "serial"))]
         Endpoint::Serial { .. } => Err(io::Error::new(
@@ -257,6 +277,14 @@ fn adopt(stream: TcpStream, own: &mut Option<TcpStream>, shared: &Stream) -> io:
     stream.set_nodelay(true)?;
     stream.set_read_timeout(Some(READ_TIMEOUT))?;
     stream.set_write_timeout(Some(READ_TIMEOUT))?;
+    let socket = socket2::SockRef::from(&stream);
+    let keep_alive = socket2::TcpKeepalive::new()
+        .with_time(ASK_AFTER)
+        .with_interval(ASK_EVERY)
+        .with_retries(2);
+    socket.set_tcp_keepalive(&keep_alive)?;
+    #[cfg(target_os = "linux")]
+    socket.set_tcp_user_timeout(Some(GONE))?;
     *locked(shared) = Some(stream.try_clone()?);
     *own = Some(stream);
     Ok(())
@@ -267,12 +295,13 @@ fn read_stream(
     own: &mut Option<TcpStream>,
     shared: &Stream,
     buffer: &mut [u8],
+    is_silent: bool,
     connect: impl FnOnce() -> io::Result<TcpStream>,
 ) -> Received {
     if let Some(stream) = own {
         match stream.read(buffer) {
             Ok(count) if count > 0 => return Received::Bytes(count),
-            Err(error) if nothing_came(&error) => return Received::Nothing,
+            Err(error) if nothing_came(&error) && !is_silent => return Received::Nothing,
             _ => {
                 *own = None;
                 *locked(shared) = None;
@@ -291,12 +320,97 @@ fn read_stream(
 }
 
 impl Reader {
+    fn of(kind: ReaderKind) -> Self {
+        Self {
+            kind,
+            silent: SILENT,
+            heard: Instant::now(),
+            wary: false,
+            sender: None,
+        }
+    }
+
+    /// From now on a waiting UDP port answers only the senders named by [`Self::answer_sender`].
+    pub fn be_wary(&mut self) {
+        self.wary = true;
+    }
+
+    /// The sender of the datagram that was read last is answered from now on.
+    pub fn answer_sender(&mut self) {
+        if let (
+            ReaderKind::Udp {
+                peers: Some(peers), ..
+            },
+            Some(sender),
+        ) = (&self.kind, self.sender)
+        {
+            remember(&mut locked(peers), sender);
+        }
+    }
+
+    /// A connection is made again only when it is silent for this long.
+    pub fn set_silent(&mut self, silent: Duration) {
+        self.silent = silent;
+    }
+
     /// Reads once; waits a tenth of a second at most, longer only while it reconnects.
     pub fn read(&mut self, buffer: &mut [u8]) -> Received {
-        match &mut self.0 {
+        let received = self.read_once(buffer);
+        if received != Received::Nothing {
+            self.heard = Instant::now();
+        }
+        received
+    }
+
+    /// Sets how long a read waits; `false` where there is nothing to read from.
+    fn wait_for(&self, time: Duration) -> bool {
+        match &self.kind {
+            ReaderKind::Udp { socket, .. } => socket.set_read_timeout(Some(time)).is_ok(),
+            ReaderKind::Tcp { own, .. } | ReaderKind::TcpIn { own, .. } => own
+                .as_ref()
+                .is_some_and(|stream| stream.set_read_timeout(Some(time)).is_ok()),
+            #[cfg(feature = "serial")]
+            ReaderKind::Serial { own, .. } => {
+                if let Some(port) = own {
+                    // A port that fails is opened again by the next read.
+                    let _ = port.clear(serialport::ClearBuffer::Input);
+                }
+                false
+            }
+        }
+    }
+
+    /// Reads and forgets all that waits.
+    pub fn drain(&mut self, buffer: &mut [u8]) {
+        if !self.wait_for(DRAIN_TIMEOUT) {
+            return;
+        }
+        for _ in 0..MOST_DRAINED {
+            let came = match &mut self.kind {
+                ReaderKind::Udp { socket, .. } => socket.recv_from(buffer).is_ok(),
+                ReaderKind::Tcp { own, .. } | ReaderKind::TcpIn { own, .. } => own
+                    .as_mut()
+                    .is_some_and(|stream| stream.read(buffer).is_ok_and(|count| count > 0)),
+                #[cfg(feature = "serial")]
+                ReaderKind::Serial { .. } => false,
+            };
+            if !came {
+                break;
+            }
+        }
+        self.wait_for(READ_TIMEOUT);
+        self.heard = Instant::now();
+    }
+
+    fn read_once(&mut self, buffer: &mut [u8]) -> Received {
+        let is_silent = self.heard.elapsed() > self.silent;
+        match &mut self.kind {
             ReaderKind::Udp { socket, peers } => match socket.recv_from(buffer) {
                 Ok((count, from)) => {
-                    if let Some(peers) = peers {
+                    self.sender = Some(from);
+                    if let Some(peers) = peers
+                        && !self.wary
+                    {
                         remember(&mut locked(peers), from);
                     }
                     Received::Bytes(count)
@@ -312,14 +426,14 @@ impl Reader {
                 address,
                 own,
                 shared,
-            } => read_stream(own, shared, buffer, || {
+            } => read_stream(own, shared, buffer, is_silent, || {
                 TcpStream::connect_timeout(address, CONNECT_TIMEOUT)
             }),
             ReaderKind::TcpIn {
                 listener,
                 own,
                 shared,
-            } => read_stream(own, shared, buffer, || {
+            } => read_stream(own, shared, buffer, is_silent, || {
                 listener.accept().map(|(stream, _)| stream)
             }),
             #[cfg(feature = "serial")]
@@ -357,7 +471,7 @@ impl Reader {
 
     /// Whether each read is a datagram of its own.
     pub const fn is_datagrams(&self) -> bool {
-        matches!(self.0, ReaderKind::Udp { .. })
+        matches!(self.kind, ReaderKind::Udp { .. })
     }
 }
 
@@ -368,9 +482,14 @@ fn remember(peers: &mut Vec<(SocketAddr, Instant)>, from: SocketAddr) {
         return;
     }
     peers.retain(|peer| now.duration_since(peer.1) < PEER_LIFETIME);
-    if peers.len() < MOST_PEERS {
-        peers.push((from, now));
+    if peers.len() >= MOST_PEERS {
+        // The one heard longest ago makes room: the vehicle speaks all the time.
+        let oldest = peers.iter().enumerate().min_by_key(|(_, peer)| peer.1);
+        if let Some((index, _)) = oldest {
+            peers.swap_remove(index);
+        }
     }
+    peers.push((from, now));
 }
 
 impl Writer {
@@ -448,7 +567,7 @@ mod tests {
     #[test]
     fn a_waiting_port_answers_its_senders() {
         let (mut waiting, answer) = open(&Endpoint::UdpIn("127.0.0.1:0".into())).unwrap();
-        let ReaderKind::Udp { socket, .. } = &waiting.0 else {
+        let ReaderKind::Udp { socket, .. } = &waiting.kind else {
             panic!("not a UDP port")
         };
         let port = socket.local_addr().unwrap();

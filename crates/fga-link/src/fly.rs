@@ -1,42 +1,64 @@
 //! The program: sockets, clock and files around the companion.
 //!
-//! One thread reads the link, one reads each receiver, one keeps watch over the others; the main
-//! thread decides and sends. All queues are bounded: what comes faster than it can be taken is
-//! dropped, telemetry last.
+//! | thread | does |
+//! |---|---|
+//! | the caller's | decides; waits for nothing but the clock and its inbox |
+//! | `fga-read` | reads the link, and hears the vehicle's mode |
+//! | `fga-write` | writes the link; checks each command of a mode at the last moment |
+//! | `fga-traffic` | reads a receiver, one thread each |
+//! | `fga-log`, `fga-notes`, `fga-status` | write files and the terminal, whose stalls concern nobody else |
+//! | `fga-guard` | restores the mode and ends the program when the deciding thread stands still |
+//!
+//! All queues between them are bounded: what does not fit is dropped, and the operator is told once.
+
+mod guard;
+mod link;
+mod notebook;
+mod recorder;
+mod shared;
+mod status;
 
 use alloc::sync::Arc;
-use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write as _};
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
-use std::sync::{Mutex, PoisonError};
-use std::thread;
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::io;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread::{self, JoinHandle};
+use std::time::Instant;
 
 use mavlink::MavHeader;
-use mavlink::dialects::ardupilotmega::{COMMAND_LONG_DATA, MavCmd, MavMessage};
 
-use crate::endpoint::{Endpoint, Reader, Received, Writer, open};
-use crate::number::{single, to_u64};
-use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
+use self::link::{Parcel, post};
+use self::notebook::Notebook;
+use self::recorder::Recorder;
+use self::shared::{Shared, locked, spawn};
+use self::status::Status;
+use crate::endpoint::{Endpoint, open};
+use crate::outgoing::{OWN_COMPONENT, Outgoing};
 use crate::player::{Sample, adsb_message};
-use crate::tlog::TlogWriter;
 use crate::traffic::Report;
 use crate::traffic::receiver::{self, ReceiverEndpoint};
-use crate::wire::{Frame, Framer, Signing, encode};
+use crate::wire::{Frame, Signing, encode};
 use crate::{Companion, Config};
 
-/// Events that wait between the reading threads and the main thread.
-const QUEUE: usize = 2048;
+/// Events that wait between the reading threads and the deciding one.
+const INBOX: usize = 2048;
+/// Frames that wait to be written.
+const OUTBOX: usize = 512;
+/// Events that are taken before time passes again.
+const AT_ONCE: usize = 64;
+/// An event that waited for longer is history, seconds.
+const HISTORY_S: f64 = 1.0;
 /// Under these a receiver's reports stand in the telemetry log (`MAV_COMP_ID_ADSB`).
 const RECEIVER_SYSTEM: u8 = 200;
 const RECEIVER_COMPONENT: u8 = 156;
 /// Longest time without a tick.
 const TICK: Duration = Duration::from_millis(10);
-/// The main thread has stopped when it did not tick for so long; then the mode is restored for it.
-const STALLED: Duration = Duration::from_millis(1500);
+/// How long the end of a flight waits until the vehicle is heard in the mode from before.
+const LAST_WORDS: Duration = Duration::from_secs(5);
+/// A receiver's thread that has failed is started again after this.
+const RECEIVER_PAUSE: Duration = Duration::from_secs(1);
 
 /// What `fga fly` is told.
 #[derive(Debug, Clone)]
@@ -49,89 +71,17 @@ pub struct FlyOptions {
     pub traffic: Vec<ReceiverEndpoint>,
     /// Only report.
     pub dry_run: bool,
-    /// Where the logs go.
+    /// Where the logs go, and what a restarted program must know.
     pub out: PathBuf,
     /// Whether a status line is kept on standard error.
     pub status: bool,
+    /// Ends the program when its deciding thread stands still; `std::process::abort` where it flies.
+    pub end_program: fn(),
 }
 
 enum Event {
-    Frame(Box<Frame>),
+    Frame(Box<Frame>, f64),
     Traffic(Box<Report>),
-}
-
-fn send_or_drop(to: &SyncSender<Event>, event: Event) -> bool {
-    !matches!(to.try_send(event), Err(TrySendError::Disconnected(_)))
-}
-
-fn read_link(
-    mut reader: Reader,
-    signing: Option<Signing>,
-    to: &SyncSender<Event>,
-    stop: &AtomicBool,
-) {
-    let mut framer = Framer::new(signing);
-    let mut buffer = vec![0; 4096];
-    while !stop.load(Ordering::Relaxed) {
-        match reader.read(&mut buffer) {
-            Received::Bytes(count) => {
-                let bytes = buffer.get(..count).unwrap_or_default();
-                framer.push(bytes, |frame| {
-                    send_or_drop(to, Event::Frame(Box::new(frame)));
-                });
-                if reader.is_datagrams() {
-                    framer.reset();
-                }
-            }
-            Received::NewConnection => framer.reset(),
-            Received::Nothing => {}
-        }
-    }
-}
-
-/// What the watching thread needs to know, written by the main thread.
-#[derive(Debug, Default)]
-struct Watch {
-    /// Milliseconds since the start at the last tick.
-    ticked_ms: AtomicU64,
-    /// Vehicle and mode to restore.
-    owed: Mutex<Option<(u8, u32)>>,
-}
-
-/// Restores the mode when the main thread hangs in mid-manoeuvre: a heading command would be held
-/// for ever.
-fn keep_watch(
-    watch: &Watch,
-    writer: &Writer,
-    signing: Option<&Signing>,
-    start: Instant,
-    stop: &AtomicBool,
-) {
-    while !stop.load(Ordering::Relaxed) {
-        thread::sleep(Duration::from_millis(200));
-        let now_ms = u64::try_from(start.elapsed().as_millis()).unwrap_or(u64::MAX);
-        let silent_ms = now_ms.saturating_sub(watch.ticked_ms.load(Ordering::Relaxed));
-        if u128::from(silent_ms) < STALLED.as_millis() {
-            continue;
-        }
-        let owed = *watch.owed.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((system, mode)) = owed {
-            let message = MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
-                command: MavCmd::MAV_CMD_DO_SET_MODE,
-                param1: 1.0,
-                param2: single(f64::from(mode)),
-                target_system: system,
-                target_component: AUTOPILOT,
-                ..COMMAND_LONG_DATA::DEFAULT
-            });
-            let header = MavHeader {
-                system_id: u32::from(system),
-                component_id: OWN_COMPONENT,
-                sequence: 0,
-            };
-            writer.write(encode(header, &message, signing).raw_bytes());
-        }
-    }
 }
 
 /// Sequence numbers by sender.
@@ -149,41 +99,12 @@ impl Sequences {
     }
 }
 
-/// The two logs of a flight.
-struct Logs {
-    tlog: TlogWriter<BufWriter<File>>,
-    decisions: BufWriter<File>,
-    flushed: Instant,
-}
-
-impl Logs {
-    fn create(folder: &Path, unix_us: u64) -> io::Result<Self> {
-        fs::create_dir_all(folder)?;
-        let name = format!("fly-{}", unix_us / 1_000_000);
-        let tlog = File::create(folder.join(format!("{name}.tlog")))?;
-        let decisions = File::create(folder.join(format!("{name}.jsonl")))?;
-        Ok(Self {
-            tlog: TlogWriter::new(BufWriter::new(tlog)),
-            decisions: BufWriter::new(decisions),
-            flushed: Instant::now(),
-        })
-    }
-
-    fn flush_now_and_then(&mut self) -> io::Result<()> {
-        if self.flushed.elapsed() >= Duration::from_secs(1) {
-            self.flushed = Instant::now();
-            self.tlog.flush()?;
-            self.decisions.flush()?;
-        }
-        Ok(())
-    }
-}
-
-/// Flies until `stop` is set; hands the vehicle back before it returns. `watch` sees the companion
-/// after each step; the flight waits for it.
+/// Flies until `stop` is set; hands the vehicle back before it returns, also after a panic. `watch`
+/// sees the companion after each step; the flight waits for it.
 ///
 /// # Errors
-/// An endpoint that cannot be opened, or logs that cannot be written.
+/// A configuration or an endpoint that cannot be used, or a part of the program that has failed. A log
+/// that cannot be written is no error: the operator is told.
 pub fn fly(
     options: &FlyOptions,
     stop: &Arc<AtomicBool>,
@@ -197,125 +118,202 @@ pub fn fly(
         .signing_key()
         .map_err(invalid)?
         .map(|key| Signing::new(key, 1, options.config.link.allow_unsigned));
+    if let Some(signing) = &signing
+        && let Some(kept) = notebook::read_timestamps(&options.out)
+    {
+        signing.go_on_from(&kept);
+    }
+    let notes = notebook::read_notes(&options.out);
     let mut companion = Companion::new(options.config.clone(), options.dry_run).map_err(invalid)?;
-    let (reader, writer) = open(&options.endpoint)?;
-    let start = Instant::now();
-    let begin = SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .unwrap_or_default();
-    let begin_us = u64::try_from(begin.as_micros()).unwrap_or(0);
-    let mut logs = Logs::create(&options.out, begin_us)?;
-    let (to, events) = sync_channel(QUEUE);
-    let ticks = Arc::new(Watch::default());
-    thread::scope(|scope| {
-        let (link_to, link_signing, link_stop) = (to.clone(), signing.clone(), Arc::clone(stop));
-        scope.spawn(move || read_link(reader, link_signing, &link_to, &link_stop));
-        for endpoint in &options.traffic {
-            let (to, stop) = (to.clone(), Arc::clone(stop));
-            scope.spawn(move || {
-                let clock_s = || start.elapsed().as_secs_f64();
-                receiver::read(endpoint, clock_s, &stop, |report| {
-                    send_or_drop(&to, Event::Traffic(Box::new(report)))
-                });
-            });
-        }
-        let (watched, watch_writer, watch_signing) =
-            (Arc::clone(&ticks), writer.clone(), signing.clone());
-        let watch_stop = Arc::clone(stop);
-        scope.spawn(move || {
-            keep_watch(
-                &watched,
-                &watch_writer,
-                watch_signing.as_ref(),
-                start,
-                &watch_stop,
-            );
+    companion.set_notes(notes);
+    let shared = Arc::new(Shared::new(
+        Arc::clone(stop),
+        options.config.vehicle.system_id,
+    ));
+    let (to, events) = sync_channel(INBOX);
+    let (parcels, to_write) = sync_channel(OUTBOX);
+    let threads = start(
+        options,
+        &shared,
+        signing.as_ref(),
+        &to,
+        (&parcels, to_write),
+    )?;
+    drop(to);
+    let mut pilot = Pilot {
+        companion: &mut companion,
+        shared: &shared,
+        parcels: &parcels,
+        signing: signing.as_ref(),
+        recorder: Recorder::begin(&shared, &options.out)?,
+        notebook: Notebook::begin(&shared, &options.out, signing.clone())?,
+        status: Status::begin(&shared, options.status)?,
+        sequences: Sequences::default(),
+        held: Vec::new(),
+    };
+    let flown = std::panic::catch_unwind(core::panic::AssertUnwindSafe(|| {
+        pilot.run(&events, watch);
+    }));
+    if flown.is_err() {
+        guard::stand_in(&shared, &parcels, signing.as_ref());
+    }
+    // The last frames are still on their way.
+    thread::sleep(Duration::from_millis(50));
+    shared.over.store(true, Ordering::Relaxed);
+    pilot.notebook.end();
+    pilot.recorder.end();
+    pilot.status.end();
+    drop(parcels);
+    let since = Instant::now();
+    while threads.iter().any(|thread| !thread.is_finished()) && since.elapsed() < TICK * 50 {
+        thread::sleep(TICK);
+    }
+    let failed = *locked(&shared.failed);
+    if flown.is_err() || failed.is_some() {
+        // Should the error's own words find no end: nobody flies here any more.
+        let end_program = options.end_program;
+        thread::spawn(move || {
+            thread::sleep(LAST_WORDS);
+            end_program();
         });
-        let mut pilot = Pilot {
-            companion: &mut companion,
-            writer: &writer,
-            signing: signing.as_ref(),
-            start,
-            begin_us,
-            sequences: Sequences::default(),
-        };
-        let result = pilot.run(&events, &mut logs, stop, &ticks, watch, options.status);
-        stop.store(true, Ordering::Relaxed);
-        result
-    })
+    }
+    match (flown, failed) {
+        (Ok(()), None) => Ok(()),
+        (Ok(()), Some(name)) => Err(io::Error::other(format!("the thread {name} has failed"))),
+        (Err(_), _) => Err(io::Error::other("the deciding thread has failed")),
+    }
 }
 
+/// Starts the threads around the deciding one.
+fn start(
+    options: &FlyOptions,
+    shared: &Arc<Shared>,
+    signing: Option<&Signing>,
+    to: &SyncSender<Event>,
+    (parcels, to_write): (&SyncSender<Parcel>, Receiver<Parcel>),
+) -> io::Result<Vec<JoinHandle<()>>> {
+    let (mut reader, writer) = open(&options.endpoint)?;
+    reader.be_wary();
+    let (link_to, link_signing) = (to.clone(), signing.cloned());
+    let mut threads = vec![
+        spawn(shared, "fga-read", move |shared| {
+            link::read(shared, reader, link_signing, |frame, heard_s| {
+                let _ = link_to.try_send(Event::Frame(Box::new(frame), heard_s));
+            });
+        })?,
+        spawn(shared, "fga-write", move |shared| {
+            link::write(shared, &writer, &to_write);
+        })?,
+    ];
+    let (guard_to, guard_signing, end_program) =
+        (parcels.clone(), signing.cloned(), options.end_program);
+    threads.push(spawn(shared, "fga-guard", move |shared| {
+        guard::watch(shared, &guard_to, guard_signing.as_ref(), end_program);
+    })?);
+    for endpoint in &options.traffic {
+        let (to, endpoint) = (to.clone(), endpoint.clone());
+        threads.push(spawn(shared, "fga-traffic", move |shared| {
+            read_traffic(shared, &endpoint, &to);
+        })?);
+    }
+    Ok(threads)
+}
+
+/// Reads a receiver until the flight is over. What one receiver sends ends neither the flight nor the
+/// other receivers, whatever it is.
+fn read_traffic(shared: &Shared, endpoint: &ReceiverEndpoint, to: &SyncSender<Event>) {
+    while !shared.is_over() {
+        let reading = core::panic::AssertUnwindSafe(|| {
+            receiver::read(
+                endpoint,
+                || shared.now_s(),
+                &shared.over,
+                |report| {
+                    let _ = to.try_send(Event::Traffic(Box::new(report)));
+                    true
+                },
+            );
+        });
+        if std::panic::catch_unwind(reading).is_err() {
+            shared.trouble("fga: a traffic receiver failed, begun again".to_owned());
+            thread::sleep(RECEIVER_PAUSE);
+        }
+    }
+}
+
+/// The deciding thread.
 struct Pilot<'a> {
     companion: &'a mut Companion,
-    writer: &'a Writer,
+    shared: &'a Shared,
+    parcels: &'a SyncSender<Parcel>,
     signing: Option<&'a Signing>,
-    start: Instant,
-    begin_us: u64,
+    recorder: Recorder,
+    notebook: Notebook,
+    status: Status,
     sequences: Sequences,
+    /// Commands of a mode that wait until it is noted on the disk.
+    held: Vec<Outgoing>,
 }
 
 impl Pilot<'_> {
-    fn run(
-        &mut self,
-        events: &Receiver<Event>,
-        logs: &mut Logs,
-        stop: &AtomicBool,
-        ticks: &Watch,
-        watch: &mut dyn FnMut(&Companion),
-        status: bool,
-    ) -> io::Result<()> {
-        let mut shown = Instant::now();
-        while !stop.load(Ordering::Relaxed) {
-            match events.recv_timeout(TICK) {
-                Ok(Event::Frame(frame)) => {
-                    let now_s = self.now_s();
-                    logs.tlog.write(self.unix_us(now_s), frame.bytes())?;
+    fn run(&mut self, events: &Receiver<Event>, watch: &mut dyn FnMut(&Companion)) {
+        let ended = || self.shared.stop.load(Ordering::Relaxed);
+        while !ended() && locked(&self.shared.failed).is_none() && self.turn(events) {
+            watch(self.companion);
+            let (companion, now_s) = (&*self.companion, self.shared.now_s());
+            self.status.show(|| companion.status_line(now_s));
+        }
+        self.companion.shut_down(self.shared.now_s());
+        let since = Instant::now();
+        while self.turn(events)
+            && self.companion.owed_mode().is_some()
+            && since.elapsed() < LAST_WORDS
+        {}
+    }
+
+    /// Takes what has come, lets time pass and sends; `false` when nothing can come any more.
+    fn turn(&mut self, events: &Receiver<Event>) -> bool {
+        match events.recv_timeout(TICK) {
+            Ok(event) => {
+                self.take(event);
+                for event in events.try_iter().take(AT_ONCE) {
+                    self.take(event);
+                }
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return false,
+        }
+        let now_s = self.shared.now_s();
+        for words in self.shared.take_troubles() {
+            self.companion.tell_trouble(&words, now_s);
+        }
+        self.companion.tick(now_s);
+        *locked(&self.shared.owed) = self.companion.owed();
+        self.notebook.set(self.companion.restart_note());
+        self.send(now_s);
+        self.shared.ticks.fetch_add(1, Ordering::Relaxed);
+        true
+    }
+
+    fn take(&mut self, event: Event) {
+        let now_s = self.shared.now_s();
+        match event {
+            Event::Frame(frame, heard_s) => {
+                self.recorder.frame(self.shared, heard_s, frame.bytes());
+                if now_s - heard_s <= HISTORY_S {
                     self.companion.receive(&frame.header, &frame.message, now_s);
                 }
-                Ok(Event::Traffic(report)) => {
-                    let now_s = self.now_s();
-                    self.record_report(logs, &report, now_s)?;
-                    self.companion.take_report(&report, now_s);
-                }
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => break,
             }
-            let now_s = self.now_s();
-            self.companion.tick(now_s);
-            self.send(logs, now_s)?;
-            watch(self.companion);
-            ticks
-                .ticked_ms
-                .store(to_u64(now_s * 1e3), Ordering::Relaxed);
-            let owed = self
-                .companion
-                .owed_mode()
-                .zip(self.companion.vehicle_system());
-            *ticks.owed.lock().unwrap_or_else(PoisonError::into_inner) =
-                owed.map(|(mode, system)| (system, mode.0));
-            logs.flush_now_and_then()?;
-            if status && shown.elapsed() >= Duration::from_millis(500) {
-                shown = Instant::now();
-                eprint!("\r\x1b[K{}", self.companion.status_line(now_s));
+            Event::Traffic(report) => {
+                self.record_report(&report, now_s);
+                self.companion.take_report(&report, now_s);
             }
         }
-        if status {
-            eprintln!();
-        }
-        // Several times: one may be lost, and nobody waits for the answer any more.
-        for _ in 0..3 {
-            let now_s = self.now_s();
-            self.companion.shut_down(now_s);
-            self.send(logs, now_s)?;
-            thread::sleep(Duration::from_millis(300));
-        }
-        logs.tlog.flush()?;
-        logs.decisions.flush()
     }
 
     /// Puts a receiver's report into the telemetry log, as the message that says the same, so that
     /// the recording holds all that decisions were made from.
-    fn record_report(&mut self, logs: &mut Logs, report: &Report, now_s: f64) -> io::Result<()> {
+    fn record_report(&mut self, report: &Report, now_s: f64) {
         let sample = Sample {
             time_s: now_s,
             place: report.place,
@@ -328,63 +326,35 @@ impl Pilot<'_> {
             sequence: self.sequences.next(RECEIVER_SYSTEM),
         };
         let raw = encode(header, &message, None);
-        logs.tlog.write(self.unix_us(now_s), raw.raw_bytes())
+        self.recorder.frame(self.shared, now_s, raw.raw_bytes());
     }
 
-    fn now_s(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
-    }
-
-    fn unix_us(&self, now_s: f64) -> u64 {
-        self.begin_us + to_u64(now_s * 1e6)
-    }
-
-    fn send(&mut self, logs: &mut Logs, now_s: f64) -> io::Result<()> {
-        for outgoing in self.companion.outbox() {
+    fn send(&mut self, now_s: f64) {
+        let mut waiting = core::mem::take(&mut self.held);
+        waiting.extend(self.companion.outbox());
+        let noted = self.notebook.is_kept();
+        for outgoing in waiting {
+            if outgoing.only_in.is_some() && !noted {
+                self.held.push(outgoing);
+                continue;
+            }
             let header = MavHeader {
                 system_id: u32::from(outgoing.system_id),
                 component_id: OWN_COMPONENT,
                 sequence: self.sequences.next(outgoing.system_id),
             };
             let raw = encode(header, &outgoing.message, self.signing);
-            self.writer.write(raw.raw_bytes());
-            logs.tlog.write(self.unix_us(now_s), raw.raw_bytes())?;
+            self.recorder.frame(self.shared, now_s, raw.raw_bytes());
+            post(
+                self.parcels,
+                Parcel {
+                    raw,
+                    only_in: outgoing.only_in,
+                },
+            );
         }
         for line in self.companion.take_log() {
-            writeln!(logs.decisions, "{line}")?;
+            self.recorder.line(self.shared, line.to_string());
         }
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_program_that_hangs_in_a_manoeuvre_has_its_mode_restored() {
-        let vehicle = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
-        let address = vehicle.local_addr().unwrap().to_string();
-        let (_reader, writer) = open(&Endpoint::UdpOut(address)).unwrap();
-        let watch = Watch {
-            ticked_ms: AtomicU64::new(0),
-            owed: Mutex::new(Some((1, 10))),
-        };
-        let stop = AtomicBool::new(false);
-        let start = Instant::now();
-        let mut heard = None;
-        thread::scope(|scope| {
-            scope.spawn(|| keep_watch(&watch, &writer, None, start, &stop));
-            let mut buffer = [0; 300];
-            let count = vehicle.recv(&mut buffer).unwrap();
-            stop.store(true, Ordering::Relaxed);
-            Framer::new(None).push(&buffer[..count], |frame| heard = Some(frame.message));
-        });
-        let Some(MavMessage::COMMAND_LONG(command)) = heard else {
-            panic!("{heard:?}");
-        };
-        assert_eq!(command.command, MavCmd::MAV_CMD_DO_SET_MODE);
-        assert_eq!((command.target_system, command.param2), (1, 10.0));
-        assert!(start.elapsed() >= STALLED);
     }
 }

@@ -11,7 +11,7 @@
 //! | [`restart`] | what does a program that is started again owe? |
 //! | [`attitude`], [`commanded`], [`paper`], [`commands`] | how is it commanded? |
 //! | [`telling`] | who is told what? |
-//! | [`wire`], [`endpoint`], [`outgoing`], [`tlog`] | how do messages become bytes and go their way? |
+//! | [`wire`], [`signing`], [`endpoint`], [`outgoing`], [`tlog`] | how do messages become bytes and go their way? |
 //! | [`fly`], [`replay`] | what drives the companion: sockets and a clock, or a recording? |
 //! | [`player`], [`play`], [`rc`] | how is traffic played, and the keyboard flown, in a test? |
 //! | [`config`] | how is it set up? |
@@ -62,6 +62,7 @@ pub mod rc;
 pub mod replay;
 pub mod response;
 pub mod restart;
+pub mod signing;
 pub mod telling;
 pub mod tlog;
 pub mod traffic;

@@ -4,12 +4,10 @@
 //! noise between the frames, and yields whole messages whose checksum (and signature, where a key
 //! is set) is right. It never holds more than one frame and a read.
 
-use alloc::sync::Arc;
-
 use mavlink::dialects::ardupilotmega::MavMessage;
-use mavlink::{
-    MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message, SigningConfig, SigningData,
-};
+use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message};
+
+pub use crate::signing::{Signing, Timestamps};
 
 /// First byte of a MAVLink 2 frame.
 const START: u8 = 0xFD;
@@ -21,24 +19,6 @@ const SIGNATURE_LENGTH: usize = 13;
 const FLAG_SIGNED: u8 = 0x01;
 /// Longest frame, bytes.
 pub const LONGEST_FRAME: usize = mavlink::consts::MAX_FRAME_SIZE;
-
-/// Key of MAVLink 2 message signing, and whether unsigned frames are still taken.
-#[derive(Clone)]
-pub struct Signing(Arc<SigningData>);
-
-impl core::fmt::Debug for Signing {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("Signing(key hidden)")
-    }
-}
-
-impl Signing {
-    /// Signs what is sent with `key` and refuses what is not signed with it, unless `allow_unsigned`.
-    pub fn new(key: [u8; 32], link_id: u8, allow_unsigned: bool) -> Self {
-        let config = SigningConfig::new(key, link_id, true, allow_unsigned);
-        Self(Arc::new(SigningData::from_config(config)))
-    }
-}
 
 /// A message with its sender and its bytes as received.
 #[derive(Debug, Clone, PartialEq)]
@@ -157,7 +137,7 @@ impl Framer {
 
     fn take_frame(&mut self, raw: &MAVLinkV2MessageRaw, sink: &mut impl FnMut(Frame)) {
         if let Some(signing) = &self.signing
-            && !signing.0.verify_signature(raw)
+            && !signing.accepts(raw)
         {
             self.counts.refused += 1;
             return;
@@ -188,9 +168,9 @@ pub fn encode(
     signing: Option<&Signing>,
 ) -> MAVLinkV2MessageRaw {
     let mut raw = MAVLinkV2MessageRaw::new();
-    if let Some(Signing(data)) = signing {
+    if let Some(signing) = signing {
         raw.serialize_message_for_signing(header, message);
-        data.sign_message(&mut raw);
+        signing.sign(&mut raw);
     } else {
         raw.serialize_message(header, message);
     }

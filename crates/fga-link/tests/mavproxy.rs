@@ -203,6 +203,7 @@ fn a_ground_station_and_fga_fly_work_side_by_side_behind_mavproxy() {
         dry_run: false,
         out: folder.join("logs"),
         status: false,
+        end_program: || std::process::abort(),
     };
     let stop = Arc::new(AtomicBool::new(false));
     let peer = start_mavproxy(&python, &master, [fly_port, ground_port], &folder);

@@ -43,7 +43,7 @@ pub struct Beat {
 }
 
 impl Beat {
-    const fn tells_the_same(&self, other: &Self) -> bool {
+    const fn tells_the_same(self, other: Self) -> bool {
         self.mode.0 == other.mode.0 && self.armed == other.armed
     }
 }
@@ -97,11 +97,11 @@ impl Hearing {
         };
         let behind = last.sequence.wrapping_sub(beat.sequence);
         if now_s - last_s < OVERTAKEN_S && behind < 128 {
-            if last.tells_the_same(&beat) {
+            if last.tells_the_same(beat) {
                 return Verdict::Overtaken;
             }
             let again = self.suspect.is_some_and(|(suspect, since_s)| {
-                suspect.tells_the_same(&beat)
+                suspect.tells_the_same(beat)
                     && suspect.sequence != beat.sequence
                     && now_s - since_s <= SUSPECT_S
             });
@@ -111,7 +111,7 @@ impl Hearing {
             }
             self.contradicted_s = now_s;
         }
-        if !last.tells_the_same(&beat) {
+        if !last.tells_the_same(beat) {
             self.changes_s.rotate_left(1);
             if let Some(newest_s) = self.changes_s.last_mut() {
                 *newest_s = now_s;

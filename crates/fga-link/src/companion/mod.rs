@@ -13,6 +13,8 @@ mod receive;
 mod send;
 mod way;
 
+pub(crate) use receive::beat_of_plane;
+
 use fga::avoider::{Avoider, Decision};
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::Vehicle;
@@ -333,7 +335,11 @@ impl Companion {
 
     /// Hands back in an orderly way before the program ends.
     pub fn shut_down(&mut self, now_s: f64) {
-        self.fault(Fault::ProgramEnds, now_s);
+        if self.keeper.owed().is_some() {
+            self.fault(Fault::ProgramEnds, now_s);
+        } else if self.heard.is_some() {
+            self.tell(Severity::Notice, "fga: program ends", now_s);
+        }
         self.send_commands(now_s);
     }
 

@@ -26,7 +26,7 @@ const ENABLE: &str = "FGA_ENABLE";
 const CONTRADICTION_AGAIN_S: f64 = 5.0;
 
 /// The heartbeat of a fixed-wing autopilot; `None` for everybody else's.
-fn beat_of_plane(header: &MavHeader, data: &HEARTBEAT_DATA) -> Option<Beat> {
+pub(crate) fn beat_of_plane(header: MavHeader, data: &HEARTBEAT_DATA) -> Option<Beat> {
     let is_plane = data.autopilot == MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA
         && matches!(data.mavtype, MavType::MAV_TYPE_FIXED_WING)
         && header.component_id == AUTOPILOT;
@@ -66,7 +66,7 @@ impl Companion {
     }
 
     fn take_heartbeat(&mut self, header: MavHeader, system: u8, data: &HEARTBEAT_DATA, now_s: f64) {
-        let Some(beat) = beat_of_plane(&header, data) else {
+        let Some(beat) = beat_of_plane(header, data) else {
             return;
         };
         let Beat { mode, armed, .. } = beat;

@@ -52,6 +52,8 @@ impl FromStr for ReceiverEndpoint {
     }
 }
 
+/// A receiver without a word for this long is connected to again: the air may be empty.
+const SILENT: Duration = Duration::from_mins(1);
 /// Aircraft whose messages are joined; the one heard longest ago makes room.
 const MOST_AIRCRAFT: usize = 1024;
 /// An altitude or a velocity is used with positions for so long, seconds.
@@ -169,7 +171,10 @@ pub fn read(
         let Some(open_reader) = &mut reader else {
             // The name may become known later.
             match open(&Endpoint::Tcp(endpoint.address.clone())) {
-                Ok((new, _)) => reader = Some(new),
+                Ok((mut new, _)) => {
+                    new.set_silent(SILENT);
+                    reader = Some(new);
+                }
                 Err(_) => std::thread::sleep(Duration::from_secs(2)),
             }
             continue;

@@ -1,0 +1,108 @@
+//! The threads that read and write the link.
+
+use core::time::Duration;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
+use std::time::Instant;
+
+use mavlink::{MAVLinkV2MessageRaw, MavHeader};
+
+use super::shared::Shared;
+use crate::authority::Owed;
+use crate::commands::Command;
+use crate::endpoint::{Reader, Received, Writer};
+use crate::mode::Mode;
+use crate::outgoing::OWN_COMPONENT;
+use crate::wire::{Frame, Framer, Signing, encode};
+
+/// A turn of the reading thread that took longer was a pause of the whole program: what waits in the
+/// socket is history.
+const PAUSED: Duration = Duration::from_secs(1);
+/// How often the writing thread looks whether the flight is over.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// A frame on its way out.
+#[derive(Debug)]
+pub(super) struct Parcel {
+    /// The frame.
+    pub(super) raw: MAVLinkV2MessageRaw,
+    /// It is sent only while the vehicle is in this mode.
+    pub(super) only_in: Option<Mode>,
+}
+
+impl Parcel {
+    /// The command that restores what is owed, outside of the companion.
+    pub(super) fn restoring(owed: Owed, signing: Option<&Signing>) -> Self {
+        let message = Command::set_mode(owed.previous, owed.owned).message(owed.system_id, 0);
+        let header = MavHeader {
+            system_id: u32::from(owed.system_id),
+            component_id: OWN_COMPONENT,
+            sequence: 0,
+        };
+        Self {
+            raw: encode(header, &message, signing),
+            only_in: Some(owed.owned),
+        }
+    }
+}
+
+/// Reads the link until the flight is over; `sink` takes each valid frame and when it came.
+pub(super) fn read(
+    shared: &Shared,
+    mut reader: Reader,
+    signing: Option<Signing>,
+    mut sink: impl FnMut(Frame, f64),
+) {
+    let mut framer = Framer::new(signing);
+    let mut buffer = vec![0; 4096];
+    let mut turned = Instant::now();
+    while !shared.is_over() {
+        let received = reader.read(&mut buffer);
+        let paused = turned.elapsed() > PAUSED;
+        turned = Instant::now();
+        if paused {
+            reader.drain(&mut buffer);
+            framer.reset();
+            shared.forget_heard();
+            continue;
+        }
+        match received {
+            Received::Bytes(count) => {
+                let bytes = buffer.get(..count).unwrap_or_default();
+                let now_s = shared.now_s();
+                let mut from_vehicle = false;
+                framer.push(bytes, |frame| {
+                    from_vehicle |= shared.hear(frame.header, &frame.message, now_s);
+                    sink(frame, now_s);
+                });
+                if from_vehicle {
+                    reader.answer_sender();
+                }
+                if reader.is_datagrams() {
+                    framer.reset();
+                }
+            }
+            Received::NewConnection => framer.reset(),
+            Received::Nothing => {}
+        }
+    }
+}
+
+/// Writes frames until the flight is over. A command of another mode is checked here, at the last moment.
+pub(super) fn write(shared: &Shared, writer: &Writer, parcels: &Receiver<Parcel>) {
+    loop {
+        match parcels.recv_timeout(LOOK) {
+            Ok(parcel) => {
+                if parcel.only_in.is_none_or(|mode| shared.permits(mode)) {
+                    writer.write(parcel.raw.raw_bytes());
+                }
+            }
+            Err(RecvTimeoutError::Timeout) if !shared.is_over() => {}
+            Err(_) => break,
+        }
+    }
+}
+
+/// Hands a frame to the writing thread; what does not fit is dropped.
+pub(super) fn post(to: &SyncSender<Parcel>, parcel: Parcel) -> bool {
+    to.try_send(parcel).is_ok()
+}

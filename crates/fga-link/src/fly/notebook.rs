@@ -1,0 +1,167 @@
+//! What a later run of the program must know, kept on the disk by a thread of its own: the mode that
+//! is owed, and the timestamps of signed frames.
+
+use alloc::sync::Arc;
+use core::sync::atomic::{AtomicU64, Ordering};
+use core::time::Duration;
+use std::fs::{self, File};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+use super::recorder::reason;
+use super::shared::{Shared, spawn};
+use crate::restart::Note;
+use crate::wire::{Signing, Timestamps};
+
+/// How often the timestamps of signed frames are kept.
+const KEEP_TIMESTAMPS: Duration = Duration::from_millis(500);
+/// How long a take-over waits until it is noted; then it goes on without a note.
+const LONGEST_WAIT: Duration = Duration::from_millis(100);
+/// How long the end of a flight waits for the disk.
+const LAST_WORDS: Duration = Duration::from_secs(1);
+const TIMESTAMPS: &str = "signing.json";
+
+fn note_path(folder: &Path, system_id: u8) -> PathBuf {
+    folder.join(format!("owed-{system_id}.json"))
+}
+
+/// Writes a file whole: under another name, then renamed.
+fn write_whole(path: &Path, content: &str) -> io::Result<()> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    let begun = path.with_extension("json.part");
+    let mut file = File::create(&begun)?;
+    file.write_all(content.as_bytes())?;
+    file.sync_data()?;
+    fs::rename(&begun, path)
+}
+
+/// The notes that an earlier run left in a folder.
+pub(super) fn read_notes(folder: &Path) -> Vec<Note> {
+    (1..=u8::MAX)
+        .filter_map(|system_id| fs::read_to_string(note_path(folder, system_id)).ok())
+        .filter_map(|text| serde_json::from_str(&text).ok())
+        .collect()
+}
+
+/// The timestamps that an earlier run kept in a folder.
+pub(super) fn read_timestamps(folder: &Path) -> Option<Timestamps> {
+    let text = fs::read_to_string(folder.join(TIMESTAMPS)).ok()?;
+    serde_json::from_str(&text).ok()
+}
+
+/// The hand that the flight has on the notebook.
+pub(super) struct Notebook {
+    to: SyncSender<(u64, Option<Note>)>,
+    thread: JoinHandle<()>,
+    kept: Arc<AtomicU64>,
+    wanted: Option<Note>,
+    number: u64,
+    /// A change that the thread had no room for yet.
+    unsent: bool,
+    changed: Instant,
+}
+
+impl Notebook {
+    /// Begins with an empty page.
+    pub(super) fn begin(
+        shared: &Arc<Shared>,
+        folder: &Path,
+        signing: Option<Signing>,
+    ) -> io::Result<Self> {
+        let (to, wishes) = sync_channel(16);
+        let kept = Arc::new(AtomicU64::new(0));
+        let (folder, done) = (folder.to_owned(), Arc::clone(&kept));
+        let thread = spawn(shared, "fga-notes", move |shared| {
+            keep(shared, &folder, signing.as_ref(), &wishes, &done);
+        })?;
+        Ok(Self {
+            to,
+            thread,
+            kept,
+            wanted: None,
+            number: 0,
+            unsent: false,
+            changed: Instant::now(),
+        })
+    }
+
+    /// The note that is to be on the disk from now on.
+    pub(super) fn set(&mut self, note: Option<Note>) {
+        if note != self.wanted {
+            self.wanted = note;
+            self.number += 1;
+            self.changed = Instant::now();
+            self.unsent = true;
+        }
+        if self.unsent && self.to.try_send((self.number, self.wanted)).is_ok() {
+            self.unsent = false;
+        }
+    }
+
+    /// Whether the disk has what is wanted, or was waited for long enough.
+    pub(super) fn is_kept(&self) -> bool {
+        self.kept.load(Ordering::Acquire) >= self.number || self.changed.elapsed() >= LONGEST_WAIT
+    }
+
+    /// Waits a moment until all is written.
+    pub(super) fn end(self) {
+        let Self { to, thread, .. } = self;
+        drop(to);
+        let since = Instant::now();
+        while !thread.is_finished() && since.elapsed() < LAST_WORDS {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
+fn keep(
+    shared: &Shared,
+    folder: &Path,
+    signing: Option<&Signing>,
+    wishes: &Receiver<(u64, Option<Note>)>,
+    done: &AtomicU64,
+) {
+    let mut told = false;
+    let mut tell = |what: &str, error: &io::Error| {
+        if !told {
+            told = true;
+            shared.trouble(format!("fga: {what} not kept: {}", reason(error)));
+        }
+    };
+    let mut written: Option<Note> = None;
+    loop {
+        let wish = wishes.recv_timeout(KEEP_TIMESTAMPS);
+        if let Ok((number, note)) = wish {
+            let result = match (note, written) {
+                (Some(note), _) => serde_json::to_string(&note)
+                    .map_err(io::Error::other)
+                    .and_then(|text| write_whole(&note_path(folder, note.system_id), &text)),
+                (None, Some(before)) => fs::remove_file(note_path(folder, before.system_id)),
+                (None, None) => Ok(()),
+            };
+            written = note;
+            done.store(number, Ordering::Release);
+            if let Err(error) = result
+                && error.kind() != io::ErrorKind::NotFound
+            {
+                tell("note of the mode", &error);
+            }
+        }
+        if let Some(signing) = signing {
+            let result = serde_json::to_string(&signing.timestamps())
+                .map_err(io::Error::other)
+                .and_then(|text| write_whole(&folder.join(TIMESTAMPS), &text));
+            if let Err(error) = result {
+                tell("signing timestamps", &error);
+            }
+        }
+        if matches!(wish, Err(RecvTimeoutError::Disconnected)) {
+            break;
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! The two logs of a flight, written by a thread of their own.
+//!
+//! The flight never waits for a disk: what the thread cannot take in time is dropped, and where it
+//! cannot write the log stops. Both are told once.
+
+use alloc::sync::Arc;
+use core::time::Duration;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+use super::shared::{Shared, spawn};
+use crate::number::to_u64;
+use crate::tlog::TlogWriter;
+
+/// Entries that wait to be written: more than ten seconds of a busy link.
+const WAITING: usize = 4096;
+/// How often the files are handed to the system.
+const FLUSH: Duration = Duration::from_secs(1);
+/// How long the end of a flight waits for the disk.
+const LAST_WORDS: Duration = Duration::from_secs(2);
+
+/// What is logged.
+#[derive(Debug)]
+enum Entry {
+    Frame(u64, Box<[u8]>),
+    Line(String),
+}
+
+/// What may be said of an error of the disk in one message.
+pub(super) fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::StorageFull => "disk full".to_owned(),
+        io::ErrorKind::FileTooLarge => "file too large".to_owned(),
+        io::ErrorKind::QuotaExceeded => "quota exceeded".to_owned(),
+        io::ErrorKind::NotFound => "no such folder".to_owned(),
+        io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
+        io::ErrorKind::ReadOnlyFilesystem => "disk is read-only".to_owned(),
+        kind => kind.to_string(),
+    }
+}
+
+/// The hand that the flight has on its logs.
+pub(super) struct Recorder {
+    to: SyncSender<Entry>,
+    thread: Option<JoinHandle<()>>,
+    begin_us: u64,
+    behind: bool,
+}
+
+impl Recorder {
+    /// Begins the logs in a folder.
+    pub(super) fn begin(shared: &Arc<Shared>, folder: &Path) -> io::Result<Self> {
+        let begin = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .unwrap_or_default();
+        let begin_us = u64::try_from(begin.as_micros())
+            .unwrap_or(0)
+            .saturating_sub(to_u64(shared.now_s() * 1e6));
+        let (to, entries) = sync_channel(WAITING);
+        let folder = folder.to_owned();
+        let name = format!("fly-{}", begin.as_secs());
+        let thread = spawn(shared, "fga-log", move |shared| {
+            record(shared, &folder, &name, &entries);
+        })?;
+        Ok(Self {
+            to,
+            thread: Some(thread),
+            begin_us,
+            behind: false,
+        })
+    }
+
+    /// Logs a frame that came or went at a time of the flight, seconds.
+    pub(super) fn frame(&mut self, shared: &Shared, at_s: f64, bytes: &[u8]) {
+        let unix_us = self.begin_us + to_u64(at_s * 1e6);
+        self.put(shared, Entry::Frame(unix_us, bytes.into()));
+    }
+
+    /// Logs a line about a decision.
+    pub(super) fn line(&mut self, shared: &Shared, line: String) {
+        self.put(shared, Entry::Line(line));
+    }
+
+    fn put(&mut self, shared: &Shared, entry: Entry) {
+        match self.to.try_send(entry) {
+            Ok(()) => self.behind = false,
+            Err(TrySendError::Full(_)) if !self.behind => {
+                self.behind = true;
+                shared.trouble("fga: log has gaps: disk too slow".to_owned());
+            }
+            Err(_) => {}
+        }
+    }
+
+    /// Waits a moment until all is written.
+    pub(super) fn end(self) {
+        let Self { to, thread, .. } = self;
+        drop(to);
+        let since = Instant::now();
+        if let Some(thread) = thread {
+            while !thread.is_finished() && since.elapsed() < LAST_WORDS {
+                std::thread::sleep(Duration::from_millis(10));
+            }
+        }
+    }
+}
+
+/// The files of a flight.
+struct Files {
+    tlog: TlogWriter<BufWriter<File>>,
+    decisions: BufWriter<File>,
+    paths: [PathBuf; 2],
+}
+
+impl Files {
+    fn create(folder: &Path, name: &str) -> io::Result<Self> {
+        fs::create_dir_all(folder)?;
+        let paths = ["tlog", "jsonl"].map(|ending| folder.join(format!("{name}.{ending}")));
+        let [tlog, decisions] = paths.each_ref().map(File::create);
+        Ok(Self {
+            tlog: TlogWriter::new(BufWriter::new(tlog?)),
+            decisions: BufWriter::new(decisions?),
+            paths,
+        })
+    }
+
+    fn write(&mut self, entry: &Entry) -> io::Result<()> {
+        match entry {
+            Entry::Frame(unix_us, bytes) => self.tlog.write(*unix_us, bytes),
+            Entry::Line(line) => writeln!(self.decisions, "{line}"),
+        }
+    }
+
+    /// Hands what waits to the system; an error where somebody has removed the files.
+    fn flush(&mut self) -> io::Result<()> {
+        self.tlog.flush()?;
+        self.decisions.flush()?;
+        for path in &self.paths {
+            fs::metadata(path)?;
+        }
+        Ok(())
+    }
+}
+
+fn record(shared: &Shared, folder: &Path, name: &str, entries: &Receiver<Entry>) {
+    let stopped = |error: &io::Error| {
+        shared.trouble(format!("fga: log stopped: {}", reason(error)));
+        None
+    };
+    let mut files = Files::create(folder, name).map_or_else(|error| stopped(&error), Some);
+    let mut flushed = Instant::now();
+    loop {
+        let ended = match entries.recv_timeout(FLUSH) {
+            Ok(entry) => {
+                if let Some(open) = &mut files
+                    && let Err(error) = open.write(&entry)
+                {
+                    files = stopped(&error);
+                }
+                false
+            }
+            Err(RecvTimeoutError::Timeout) => false,
+            Err(RecvTimeoutError::Disconnected) => true,
+        };
+        if ended || flushed.elapsed() >= FLUSH {
+            flushed = Instant::now();
+            if let Some(open) = &mut files
+                && let Err(error) = open.flush()
+            {
+                files = stopped(&error);
+            }
+        }
+        if ended {
+            break;
+        }
+    }
+}

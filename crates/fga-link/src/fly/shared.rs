@@ -1,0 +1,149 @@
+//! What the threads of a flight know together.
+
+use alloc::sync::Arc;
+use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use mavlink::MavHeader;
+use mavlink::dialects::ardupilotmega::MavMessage;
+
+use crate::authority::{Hearing, Owed};
+use crate::companion::beat_of_plane;
+use crate::mode::Mode;
+use crate::outgoing::AUTOPILOT;
+
+/// Most troubles that wait to be told.
+const MOST_TROUBLES: usize = 8;
+
+/// The lock of a mutex, also after a panic elsewhere: the data are single values.
+pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The vehicle as the thread hears it that reads the link.
+#[derive(Debug, Default)]
+struct Vehicle {
+    /// System id; 0 until one is heard.
+    system_id: u8,
+    hearing: Hearing,
+}
+
+/// Shared by all threads.
+#[derive(Debug)]
+pub(super) struct Shared {
+    start: Instant,
+    /// Set when the flight is to end.
+    pub(super) stop: Arc<AtomicBool>,
+    /// Set when all threads are to end: the flight has ended.
+    pub(super) over: AtomicBool,
+    /// Steps of the thread that decides.
+    pub(super) ticks: AtomicU64,
+    /// What that thread would leave owed.
+    pub(super) owed: Mutex<Option<Owed>>,
+    /// A thread that is needed has ended by a panic.
+    pub(super) failed: Mutex<Option<&'static str>>,
+    vehicle: Mutex<Vehicle>,
+    troubles: Mutex<Vec<String>>,
+}
+
+impl Shared {
+    /// Nothing heard yet; `system_id` is the vehicle's where it is configured, else 0.
+    pub(super) fn new(stop: Arc<AtomicBool>, system_id: u8) -> Self {
+        Self {
+            start: Instant::now(),
+            stop,
+            over: AtomicBool::new(false),
+            ticks: AtomicU64::new(0),
+            owed: Mutex::new(None),
+            failed: Mutex::new(None),
+            vehicle: Mutex::new(Vehicle {
+                system_id,
+                hearing: Hearing::default(),
+            }),
+            troubles: Mutex::new(Vec::new()),
+        }
+    }
+
+    /// Time since the start of the flight, seconds.
+    pub(super) fn now_s(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    pub(super) fn is_over(&self) -> bool {
+        self.over.load(Ordering::Relaxed)
+    }
+
+    /// Takes a valid frame; whether it is from the vehicle.
+    pub(super) fn hear(&self, header: MavHeader, message: &MavMessage, now_s: f64) -> bool {
+        let Ok(system_id) = u8::try_from(header.system_id) else {
+            return false;
+        };
+        let mut vehicle = locked(&self.vehicle);
+        if let MavMessage::HEARTBEAT(data) = message
+            && let Some(beat) = beat_of_plane(header, data)
+        {
+            if vehicle.system_id == 0 {
+                vehicle.system_id = system_id;
+            }
+            if vehicle.system_id == system_id {
+                vehicle.hearing.hear(beat, now_s);
+            }
+        }
+        if vehicle.system_id != system_id || system_id == 0 {
+            return false;
+        }
+        if let MavMessage::ATTITUDE(data) = message
+            && header.component_id == AUTOPILOT
+        {
+            vehicle.hearing.stamp(data.time_boot_ms, now_s);
+        }
+        true
+    }
+
+    /// What was heard before a pause of this program is history.
+    pub(super) fn forget_heard(&self) {
+        locked(&self.vehicle).hearing.forget();
+    }
+
+    /// Whether a command that leaves a mode may be sent now.
+    pub(super) fn permits(&self, from: Mode) -> bool {
+        let now_s = self.now_s();
+        locked(&self.vehicle).hearing.permits(from, now_s)
+    }
+
+    /// What the vehicle tells of its mode, for the watchdog.
+    pub(super) fn hearing(&self) -> Hearing {
+        locked(&self.vehicle).hearing.clone()
+    }
+
+    /// Something that the operator has to know of this program.
+    pub(super) fn trouble(&self, words: String) {
+        let mut troubles = locked(&self.troubles);
+        if troubles.len() < MOST_TROUBLES {
+            troubles.push(words);
+        }
+    }
+
+    /// The troubles since the last call.
+    pub(super) fn take_troubles(&self) -> Vec<String> {
+        core::mem::take(&mut *locked(&self.troubles))
+    }
+}
+
+/// Starts a thread; where a needed one panics, the flight ends and the mode is handed back.
+pub(super) fn spawn(
+    shared: &Arc<Shared>,
+    name: &'static str,
+    run: impl FnOnce(&Shared) + Send + 'static,
+) -> std::io::Result<std::thread::JoinHandle<()>> {
+    let shared = Arc::clone(shared);
+    std::thread::Builder::new()
+        .name(name.to_owned())
+        .spawn(move || {
+            let run = core::panic::AssertUnwindSafe(|| run(&shared));
+            if std::panic::catch_unwind(run).is_err() {
+                *locked(&shared.failed) = Some(name);
+            }
+        })
+}

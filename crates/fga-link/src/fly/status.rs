@@ -1,0 +1,63 @@
+//! The status line, written by a thread of its own: a terminal that is held (Ctrl-S), a pipe that
+//! nobody reads or a closed one holds nothing else.
+
+use alloc::sync::Arc;
+use core::time::Duration;
+use std::io::{self, Write as _};
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::time::Instant;
+
+use super::shared::{Shared, spawn};
+
+/// How often the line is renewed.
+const EVERY: Duration = Duration::from_millis(500);
+/// How long the end of a flight waits for the terminal.
+const LAST_WORDS: Duration = Duration::from_millis(200);
+
+/// The hand that the flight has on its status line.
+pub(super) struct Status {
+    to: Option<SyncSender<String>>,
+    shown: Instant,
+}
+
+impl Status {
+    /// A status line on standard error, or none.
+    pub(super) fn begin(shared: &Arc<Shared>, wanted: bool) -> io::Result<Self> {
+        let to = if wanted {
+            // One line waits: an older one is of no use to anybody.
+            let (to, lines) = sync_channel::<String>(1);
+            spawn(shared, "fga-status", move |_| {
+                while let Ok(line) = lines.recv() {
+                    // Nobody can be told that nobody listens.
+                    let _ = write!(io::stderr(), "\r\x1b[K{line}");
+                }
+                let _ = writeln!(io::stderr());
+            })?;
+            Some(to)
+        } else {
+            None
+        };
+        Ok(Self {
+            to,
+            shown: Instant::now(),
+        })
+    }
+
+    /// Shows a line where it is time.
+    pub(super) fn show(&mut self, line: impl FnOnce() -> String) {
+        if let Some(to) = &self.to
+            && self.shown.elapsed() >= EVERY
+        {
+            self.shown = Instant::now();
+            let _ = to.try_send(line());
+        }
+    }
+
+    /// Ends the line.
+    pub(super) fn end(self) {
+        if self.to.is_some() {
+            drop(self);
+            std::thread::sleep(LAST_WORDS);
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! MAVLink 2 message signing, with timestamps that outlive the program.
+//!
+//! A signed frame carries a time that only grows, for each stream of a link, a system and a component.
+//! A frame that is not newer than the last of its stream is a replay. What was heard last is kept on
+//! the disk ([`Timestamps`]), so that a program that is started again refuses what it heard before.
+
+use alloc::collections::BTreeMap;
+use alloc::sync::Arc;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use mavlink::MAVLinkV2MessageRaw;
+use serde::{Deserialize, Serialize};
+
+/// Flag of a signed frame.
+const FLAG_SIGNED: u8 = 0x01;
+/// Timestamps count tens of microseconds since the beginning of 2015.
+const BEGIN_UNIX_US: u128 = 1_420_070_400_000_000;
+const TICKS_PER_S: u64 = 100_000;
+/// A stream that was not heard before may be this much behind the newest of all.
+const NEW_STREAM_BEHIND: u64 = 60 * TICKS_PER_S;
+/// What is kept on the disk is ahead of what was heard by this: more than the time to the next keeping,
+/// so that no frame which was heard before a sudden end is new afterwards.
+const KEPT_AHEAD: u64 = TICKS_PER_S;
+/// Streams that are told apart; only who has the key can begin one.
+const MOST_STREAMS: usize = 256;
+
+/// The newest timestamps, as they are kept on the disk.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Timestamps {
+    /// Of a frame sent.
+    pub sent: u64,
+    /// Of frames heard: link, system, component, timestamp.
+    pub heard: Vec<(u8, u8, u8, u64)>,
+}
+
+#[derive(Default)]
+struct State {
+    sent: u64,
+    /// Nothing older is accepted from a stream that is new after a restart.
+    floor: u64,
+    heard: BTreeMap<(u8, u8, u8), u64>,
+}
+
+struct Inner {
+    key: [u8; 32],
+    link_id: u8,
+    allow_unsigned: bool,
+    state: Mutex<State>,
+}
+
+/// Key and state of MAVLink 2 message signing, and whether unsigned frames are still taken.
+#[derive(Clone)]
+pub struct Signing(Arc<Inner>);
+
+impl core::fmt::Debug for Signing {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("Signing(key hidden)")
+    }
+}
+
+/// The present time as a timestamp.
+fn now() -> u64 {
+    let since = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .unwrap_or_default();
+    u64::try_from(since.as_micros().saturating_sub(BEGIN_UNIX_US) / 10).unwrap_or(0)
+}
+
+impl Signing {
+    /// Signs what is sent with `key` and refuses what is not signed with it, unless `allow_unsigned`.
+    pub fn new(key: [u8; 32], link_id: u8, allow_unsigned: bool) -> Self {
+        Self(Arc::new(Inner {
+            key,
+            link_id,
+            allow_unsigned,
+            state: Mutex::default(),
+        }))
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Goes on from what an earlier run kept.
+    pub fn go_on_from(&self, kept: &Timestamps) {
+        let mut state = self.state();
+        state.sent = state.sent.max(kept.sent);
+        for (link, system, component, timestamp) in kept.heard.iter().take(MOST_STREAMS) {
+            let newest = state.heard.entry((*link, *system, *component)).or_default();
+            *newest = (*newest).max(*timestamp);
+            state.floor = state.floor.max(*timestamp);
+        }
+    }
+
+    /// What a later run has to know.
+    pub fn timestamps(&self) -> Timestamps {
+        let state = self.state();
+        Timestamps {
+            sent: state.sent + KEPT_AHEAD,
+            heard: state
+                .heard
+                .iter()
+                .map(|((link, system, component), newest)| {
+                    (*link, *system, *component, newest + KEPT_AHEAD)
+                })
+                .collect(),
+        }
+    }
+
+    /// Whether a frame is to be believed; a signed one is heard by this.
+    pub fn accepts(&self, raw: &MAVLinkV2MessageRaw) -> bool {
+        if raw.incompatibility_flags() & FLAG_SIGNED == 0 {
+            return self.0.allow_unsigned;
+        }
+        let mut signature = [0; 6];
+        raw.calculate_signature(&self.0.key, &mut signature);
+        if signature != raw.signature_value() {
+            return false;
+        }
+        let Ok(system_id) = u8::try_from(raw.system_id()) else {
+            return false;
+        };
+        let stream = (raw.signature_link_id(), system_id, raw.component_id());
+        let timestamp = raw.signature_timestamp();
+        let mut state = self.state();
+        let newest_of_all = state.heard.values().copied().max().unwrap_or(0).max(now());
+        let is_new = match state.heard.get(&stream) {
+            Some(newest) => timestamp > *newest,
+            None => {
+                timestamp > state.floor
+                    && timestamp.saturating_add(NEW_STREAM_BEHIND) >= newest_of_all
+                    && state.heard.len() < MOST_STREAMS
+            }
+        };
+        if is_new {
+            state.heard.insert(stream, timestamp);
+        }
+        is_new
+    }
+
+    /// Signs a frame that was serialized for it.
+    pub fn sign(&self, raw: &mut MAVLinkV2MessageRaw) {
+        let timestamp = {
+            let mut state = self.state();
+            state.sent = now().max(state.sent + 1);
+            state.sent
+        };
+        let bytes = timestamp.to_le_bytes();
+        raw.signature_timestamp_bytes_mut()
+            .copy_from_slice(bytes.get(..6).unwrap_or_default());
+        *raw.signature_link_id_mut() = self.0.link_id;
+        let mut signature = [0; 6];
+        raw.calculate_signature(&self.0.key, &mut signature);
+        raw.signature_value_mut().copy_from_slice(&signature);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mavlink::MavHeader;
+    use mavlink::dialects::ardupilotmega::{MavMessage, PING_DATA};
+
+    use super::*;
+    use crate::wire::encode;
+
+    fn frame(vehicle: &Signing, component_id: u8) -> MAVLinkV2MessageRaw {
+        let header = MavHeader {
+            system_id: 1,
+            component_id,
+            sequence: 0,
+        };
+        let ping = MavMessage::PING(PING_DATA::DEFAULT);
+        encode(header, &ping, Some(vehicle))
+    }
+
+    #[test]
+    fn signed_frames_of_the_last_minute_replayed_after_a_restart_are_refused() {
+        let vehicle = Signing::new([7; 32], 1, false);
+        let before = Signing::new([7; 32], 1, false);
+        let heard: Vec<_> = (0..100).map(|_| frame(&vehicle, 1)).collect();
+        // Recorded on another link: the companion never heard this stream.
+        let overheard = frame(&vehicle, 2);
+        let kept = before.timestamps();
+        assert!(heard.iter().all(|raw| before.accepts(raw)));
+        let kept_later = before.timestamps();
+        // Without what was kept, all of it would be new.
+        let forgetful = Signing::new([7; 32], 1, false);
+        forgetful.go_on_from(&kept);
+        assert!(forgetful.accepts(&heard[99]));
+        let after = Signing::new([7; 32], 1, false);
+        after.go_on_from(&kept_later);
+        assert!(!heard.iter().any(|raw| after.accepts(raw)));
+        assert!(!after.accepts(&overheard));
+        // Also what was heard after the last keeping, within a second.
+        let later = frame(&vehicle, 1);
+        assert!(before.accepts(&later));
+        assert!(!after.accepts(&later));
+    }
+
+    #[test]
+    fn the_vehicle_is_heard_again_a_second_after_a_restart() {
+        let vehicle = Signing::new([7; 32], 1, false);
+        let before = Signing::new([7; 32], 1, false);
+        assert!(before.accepts(&frame(&vehicle, 1)));
+        let after = Signing::new([7; 32], 1, false);
+        after.go_on_from(&before.timestamps());
+        vehicle.state().sent += 2 * TICKS_PER_S;
+        assert!(after.accepts(&frame(&vehicle, 1)));
+    }
+
+    #[test]
+    fn what_is_sent_after_a_restart_is_newer_than_all_before() {
+        let before = Signing::new([7; 32], 1, false);
+        let last = frame(&before, 196);
+        let after = Signing::new([7; 32], 1, false);
+        after.go_on_from(&before.timestamps());
+        assert!(frame(&after, 196).signature_timestamp() > last.signature_timestamp());
+        let text = serde_json::to_string(&before.timestamps()).unwrap();
+        let read: Timestamps = serde_json::from_str(&text).unwrap();
+        assert_eq!(read.heard, before.timestamps().heard);
+    }
+
+    #[test]
+    fn a_new_stream_may_not_be_old() {
+        let receiver = Signing::new([7; 32], 1, false);
+        let stale = Signing::new([7; 32], 1, false);
+        assert!(receiver.accepts(&frame(&stale, 1)));
+        let mut old = frame(&stale, 9);
+        let timestamp = (now() - 2 * NEW_STREAM_BEHIND).to_le_bytes();
+        old.signature_timestamp_bytes_mut()
+            .copy_from_slice(&timestamp[..6]);
+        let mut signature = [0; 6];
+        old.calculate_signature(&[7; 32], &mut signature);
+        old.signature_value_mut().copy_from_slice(&signature);
+        assert!(!receiver.accepts(&old));
+    }
+}
