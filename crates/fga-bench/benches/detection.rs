@@ -47,9 +47,7 @@ fn quiet_step(criterion: &mut Criterion) {
                 time_s: 0.0,
                 ownship: ownship(),
                 obstacles,
-                mission: Mission {
-                    waypoints_m: &waypoints,
-                },
+                mission: Mission::new(&waypoints),
                 wind_mps: Vec3::ZERO,
             };
             group.bench_function(BenchmarkId::new(name, count), |bencher| {

@@ -28,9 +28,7 @@ fn main() -> ExitCode {
         time_s: 0.0,
         ownship: ownship(),
         obstacles: Obstacles::Columns(crowd.columns()),
-        mission: Mission {
-            waypoints_m: &waypoints,
-        },
+        mission: Mission::new(&waypoints),
         wind_mps: Vec3::ZERO,
     };
     for _ in 0..times {

@@ -76,9 +76,7 @@ pub fn fly(obstacles: &[Obstacle], policy: Policy, mut look: impl FnMut(Cycle<'_
                     ..ownship()
                 },
                 obstacles: Obstacles::Rows(&rows),
-                mission: Mission {
-                    waypoints_m: &waypoints,
-                },
+                mission: Mission::new(&waypoints),
                 wind_mps: Vec3::ZERO,
             },
         });

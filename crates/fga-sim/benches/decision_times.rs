@@ -49,9 +49,7 @@ fn situation(time_s: f64, ownship: Ownship, obstacles: &[Obstacle]) -> Situation
         time_s,
         ownship,
         obstacles: Obstacles::Rows(obstacles),
-        mission: Mission {
-            waypoints_m: &MISSION_M,
-        },
+        mission: Mission::new(&MISSION_M),
         wind_mps: Vec3::ZERO,
     }
 }

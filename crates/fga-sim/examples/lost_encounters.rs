@@ -135,9 +135,7 @@ fn fly(
             time_s,
             ownship,
             obstacles: Obstacles::Rows(&rows),
-            mission: Mission {
-                waypoints_m: &waypoints,
-            },
+            mission: Mission::new(&waypoints),
             wind_mps: Vec3::ZERO,
         };
         let begun = Instant::now();

@@ -114,6 +114,7 @@ pub fn empty_world(settings: &BatchSettings) -> Option<World> {
     let (course_rad, climb_rad) = crab(Vec3::X, model.vehicle.airspeed_mps, model.wind_mps)?;
     Some(World {
         mission_m: vec![Vec3::ZERO, Vec3::X * MISSION_LENGTH_M],
+        passing: Vec::new(),
         start: StartState {
             position_m: Vec3::ZERO,
             course_rad,

@@ -288,6 +288,7 @@ impl Flight<'_> {
             obstacles: Obstacles::Rows(known),
             mission: Mission {
                 waypoints_m: &world.mission_m,
+                passing: &world.passing,
             },
             wind_mps: world.wind_mps,
         };

@@ -85,6 +85,7 @@ pub fn read(path: &Path, model: VehicleModel) -> Result<Plan, InputError> {
         time_offset_s,
         world: World {
             mission_m,
+            passing: Vec::new(),
             start: StartState {
                 position_m,
                 course_rad: course_of(air_mps),

@@ -7,6 +7,7 @@
 //!
 //! [mission]
 //! waypoints_m = [[0, 0, 100], [900, 0, 100]]
+//! passing = ["fly-by", "fly-over"]        # optional, one a waypoint: fly-by (default), fly-over
 //!
 //! [[obstacle]]
 //! name = "mast"
@@ -32,7 +33,7 @@ use std::path::{Path, PathBuf};
 
 use fga::Vec3;
 use fga::angle::direction;
-use fga::situation::{Movement, ObstacleKind, ProtectedVolume};
+use fga::situation::{Movement, ObstacleKind, Passing, ProtectedVolume};
 use fga_formats::InputError;
 use fga_formats::error::read_text;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
@@ -83,6 +84,24 @@ struct Origin {
 struct MissionTable {
     waypoints_m: Option<Spanned<Vec<Spanned<[f64; 3]>>>>,
     waypoints_deg: Option<Spanned<Vec<Spanned<[f64; 3]>>>>,
+    #[serde(default)]
+    passing: Option<Spanned<Vec<Spanned<PassingName>>>>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+enum PassingName {
+    FlyBy,
+    FlyOver,
+}
+
+impl From<PassingName> for Passing {
+    fn from(name: PassingName) -> Self {
+        match name {
+            PassingName::FlyBy => Self::FlyBy,
+            PassingName::FlyOver => Self::FlyOver,
+        }
+    }
 }
 
 #[derive(Deserialize)]
@@ -194,6 +213,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
     };
     let horizon_s = text.within("duration_s", &file.duration_s, (0.1, LONGEST_S))?;
     let mission_m = file.mission.checked(&places)?;
+    let passing = file.mission.passing(&text, mission_m.len())?;
     let wind_mps = match &file.wind {
         Some(wind) => wind.checked(&text)?,
         None => model.wind_mps,
@@ -243,6 +263,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
         time_offset_s: 0.0,
         world: World {
             mission_m,
+            passing,
             start,
             vehicle: model.vehicle,
             autopilot: model.autopilot,
@@ -318,6 +339,24 @@ impl Places<'_> {
 }
 
 impl MissionTable {
+    /// How each waypoint is passed; empty where the file does not say.
+    fn passing(&self, text: &TomlText<'_>, waypoints: usize) -> Result<Vec<Passing>, InputError> {
+        let Some(list) = &self.passing else {
+            return Ok(Vec::new());
+        };
+        if list.get_ref().len() != waypoints {
+            return Err(text.error_at(
+                list,
+                format!(
+                    "mission has {waypoints} waypoints and passing {}, expected as many",
+                    list.get_ref().len()
+                ),
+            ));
+        }
+        let names = list.get_ref().iter();
+        Ok(names.map(|name| (*name.get_ref()).into()).collect())
+    }
+
     fn checked(&self, places: &Places<'_>) -> Result<Vec<Vec3>, InputError> {
         let (list, waypoints): (_, Result<Vec<Vec3>, InputError>) =
             match (&self.waypoints_m, &self.waypoints_deg) {

@@ -2,7 +2,7 @@
 
 use fga::Vec3;
 use fga::avoider::Settings;
-use fga::situation::{Movement, ObstacleKind, ProtectedVolume};
+use fga::situation::{Movement, ObstacleKind, Passing, ProtectedVolume};
 use fga::vehicle::Vehicle;
 
 use crate::plant::Autopilot;
@@ -76,6 +76,8 @@ pub struct StartState {
 pub struct World {
     /// Waypoints of the mission, metres, local frame; at least two.
     pub mission_m: Vec<Vec3>,
+    /// How each waypoint is passed; those beyond the end of this list are flown by.
+    pub passing: Vec<Passing>,
     /// The aircraft at the start.
     pub start: StartState,
     /// The aircraft's limits.

@@ -66,9 +66,7 @@ fn first_decision(
         time_s: 0.0,
         ownship: own,
         obstacles: Obstacles::Rows(obstacles),
-        mission: Mission {
-            waypoints_m: mission_m,
-        },
+        mission: Mission::new(mission_m),
         wind_mps: Vec3::ZERO,
     });
     let chosen = decision.record.chosen?;

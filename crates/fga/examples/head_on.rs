@@ -48,9 +48,7 @@ fn main() -> Result<(), fga::avoider::SettingsError> {
             time_s,
             ownship,
             obstacles: Obstacles::Rows(&obstacles),
-            mission: Mission {
-                waypoints_m: &waypoints_m,
-            },
+            mission: Mission::new(&waypoints_m),
             wind_mps: Vec3::ZERO,
         });
 

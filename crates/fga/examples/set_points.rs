@@ -69,9 +69,7 @@ fn main() -> Result<(), fga::avoider::SettingsError> {
         time_s: 0.0,
         ownship: own,
         obstacles: Obstacles::Rows(&obstacles),
-        mission: Mission {
-            waypoints_m: &[own.position_m, Vec3::new(1000.0, 0.0, 100.0)],
-        },
+        mission: Mission::new(&[own.position_m, Vec3::new(1000.0, 0.0, 100.0)]),
         wind_mps: Vec3::ZERO,
     });
     println!("{:?}: {:?}", decision.state, decision.record.reason);

@@ -188,8 +188,13 @@ impl Avoider {
         self.last_time_s = situation.time_s;
         self.cycle = self.cycle.wrapping_add(1);
         let now = MotionState::of(&situation.ownship);
-        self.progress
-            .update(&situation.mission, &now, &self.flyer, situation.wind_mps);
+        self.progress.update(
+            &situation.mission,
+            &now,
+            &self.flyer,
+            situation.wind_mps,
+            (situation.time_s, self.climb_limits_rad()),
+        );
         match self.settings.policy {
             Policy::None => {
                 let (nominal, _) = self.guidance(situation, &now);
@@ -225,7 +230,6 @@ impl Avoider {
             &situation.mission,
             now,
             &self.flyer,
-            self.climb_limits_rad(),
             self.settings.horizon_s,
         )
     }

@@ -4,28 +4,47 @@
 //! |---|---|
 //! | which leg, and what to fly along it? | [`Progress`] |
 //! | where does it stand on a leg? | [`leg`] |
+//! | how does it get from one leg onto the next? | [`corner`] |
 //! | which way onto the leg? | [`join`] |
+//! | which way onto the beginning of the leg? | [`turnaround`] |
 
+pub mod corner;
 pub mod join;
 pub mod leg;
+pub mod turnaround;
 
+use self::corner::{Air, Corner, Legs, arrival, corner};
 use self::join::{Join, JoinLimits, is_on_leg, join};
 use self::leg::Leg;
+use self::turnaround::turnaround;
 use crate::Vec3;
-use crate::angle::wrap_pi;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
-use crate::prediction::{Flyer, MotionState};
-use crate::situation::Mission;
-
-/// Most legs that a way back may leave out because it cannot join them before they end.
-pub const MAX_SKIPPED: usize = 4;
+use crate::prediction::{Flyer, MotionState, for_each_piece};
+use crate::situation::{Mission, Passing};
 
 /// Stages that corners leave for the turns of an avoidance.
 const ROOM_TO_AVOID: usize = 2;
 
 /// Intercept angle of the guidance along the mission, radians.
 const GUIDANCE_INTERCEPT_RAD: f64 = 0.785;
+
+/// A leg of this many turn radii that was not begun is never left out: a way onto the mission goes
+/// to its beginning.
+const LONG_RADII: f64 = 4.0;
+
+/// Most legs that a way onto the mission looks at one by one; after them it looks at one in each
+/// half turn radius.
+const ONE_BY_ONE: usize = 8;
+
+/// Most legs that a way onto the mission looks along.
+const MOST_LEGS: usize = 96;
+
+/// A leg is not joined farther before its beginning than this, turn radii.
+const BEFORE_RADII: f64 = 4.0;
+
+/// A turn round is planned again when the aircraft is off it by this, turn radii.
+const OFF_TURN_RADII: f64 = 0.2;
 
 /// A moment from which a manoeuvre flies along a leg.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,17 +57,57 @@ pub struct Bend {
     pub along_m: f64,
 }
 
-/// The leg that is flown, and the next one.
+/// A turn round that is being flown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Turn {
+    maneuver: Maneuver,
+    from: MotionState,
+    /// When it began and when it arrives, seconds on the situation's clock.
+    begun_s: f64,
+    arrives_s: f64,
+}
+
+/// The mission's legs as they are flown at an airspeed in a wind.
+struct Laid<'a> {
+    mission: &'a Mission<'a>,
+    airspeed_mps: f64,
+    wind_mps: Vec3,
+    /// Course of a leg between waypoints above each other, radians.
+    course_rad: f64,
+}
+
+impl Legs for Laid<'_> {
+    fn leg(&self, index: usize) -> Option<Leg> {
+        let from = *self.mission.waypoints_m.get(index)?;
+        let to = *self.mission.waypoints_m.get(index + 1)?;
+        Some(Leg::new(
+            from,
+            to,
+            self.airspeed_mps,
+            self.wind_mps,
+            self.course_rad,
+        ))
+    }
+
+    fn passing(&self, index: usize) -> Passing {
+        self.mission.passing.get(index).copied().unwrap_or_default()
+    }
+}
+
+/// The leg that is flown, and the corner at its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Index of the waypoint at the start of the leg.
     index: usize,
     leg: Option<Leg>,
-    next: Option<Leg>,
-    /// How far before the leg's end the turn onto the next one begins, metres.
-    lead_m: f64,
+    corner: Option<Corner>,
+    /// Whether the leg is still to be entered at its beginning, by a turn round.
+    from_start: bool,
+    turn: Option<Turn>,
+    time_s: f64,
     wind_mps: Vec3,
     airspeed_mps: f64,
+    climb_limits_rad: (f64, f64),
     complete: bool,
 }
 
@@ -64,10 +123,13 @@ impl Progress {
         Self {
             index: 0,
             leg: None,
-            next: None,
-            lead_m: 0.0,
+            corner: None,
+            from_start: false,
+            turn: None,
+            time_s: 0.0,
             wind_mps: Vec3::ZERO,
             airspeed_mps: 0.0,
+            climb_limits_rad: (0.0, 0.0),
             complete: false,
         }
     }
@@ -94,13 +156,34 @@ impl Progress {
         })
     }
 
+    const fn air<'a>(&self, flyer: &'a Flyer) -> Air<'a> {
+        Air {
+            flyer,
+            wind_mps: self.wind_mps,
+            climb_limits_rad: self.climb_limits_rad,
+        }
+    }
+
+    fn laid<'a>(&self, mission: &'a Mission<'a>) -> Laid<'a> {
+        Laid {
+            mission,
+            airspeed_mps: self.airspeed_mps,
+            wind_mps: self.wind_mps,
+            course_rad: self.leg.map_or(0.0, |leg| leg.course_rad),
+        }
+    }
+
+    /// How far before the leg's end the corner begins, metres.
+    fn lead_m(&self) -> f64 {
+        self.corner.map_or(0.0, |corner| corner.lead_m)
+    }
+
     fn load(&mut self, mission: &Mission<'_>, state: &MotionState, flyer: &Flyer) {
-        self.leg = self.leg_at(mission, self.index);
-        self.next = self.leg_at(mission, self.index + 1);
-        self.lead_m = match (self.leg, self.next) {
-            (Some(leg), Some(next)) => leg.lead_m(&next, radius_m(flyer)),
-            _ => 0.0,
-        };
+        let laid = self.laid(mission);
+        self.leg = laid.leg(self.index);
+        self.corner = self
+            .leg
+            .and_then(|leg| corner(&laid, self.index, &leg, &self.air(flyer)));
         if self.leg.is_none() && !self.complete {
             // Past the last waypoint, or no mission: hold course and height from here.
             self.complete = true;
@@ -114,49 +197,97 @@ impl Progress {
         }
     }
 
-    /// Goes on to the leg that is to be flown from `state`.
+    /// Goes on to the leg that is to be flown from `state` at `time_s` on the situation's clock.
     pub fn update(
         &mut self,
         mission: &Mission<'_>,
         state: &MotionState,
         flyer: &Flyer,
         wind_mps: Vec3,
+        (time_s, climb_limits_rad): (f64, (f64, f64)),
     ) {
         let airspeed_mps = flyer.airspeed_mps();
-        if self.leg.is_none() || wind_mps != self.wind_mps || airspeed_mps != self.airspeed_mps {
+        self.time_s = time_s;
+        if self.leg.is_none()
+            || wind_mps != self.wind_mps
+            || airspeed_mps != self.airspeed_mps
+            || climb_limits_rad != self.climb_limits_rad
+        {
             (self.wind_mps, self.airspeed_mps) = (wind_mps, airspeed_mps);
+            self.climb_limits_rad = climb_limits_rad;
             if !self.complete {
                 self.load(mission, state, flyer);
             }
         }
-        while let (Some(leg), false) = (self.leg, self.complete) {
+        self.update_turn(state, flyer);
+        while let (Some(leg), false, false) = (self.leg, self.complete, self.from_start) {
             let position = leg.position(state.position_m, state.time_s);
-            if position.along_m < leg.length_m - self.lead_m {
+            if position.along_m < leg.length_m - self.lead_m() {
                 break;
             }
-            self.index += 1;
-            self.leg = None;
-            self.load(mission, state, flyer);
+            let (next, turns_round) = self
+                .corner
+                .map_or((self.index + 1, false), |c| (c.next, c.is_turnaround));
+            self.go_to(next, turns_round, mission, state, flyer);
         }
     }
 
-    /// The leg that begins at a waypoint.
-    fn leg_at(&self, mission: &Mission<'_>, index: usize) -> Option<Leg> {
-        let from = *mission.waypoints_m.get(index)?;
-        let to = *mission.waypoints_m.get(index + 1)?;
-        let course_rad = self.leg.map_or(0.0, |leg| leg.course_rad);
-        Some(Leg::new(
-            from,
-            to,
-            self.airspeed_mps,
-            self.wind_mps,
-            course_rad,
-        ))
+    fn go_to(
+        &mut self,
+        index: usize,
+        from_start: bool,
+        mission: &Mission<'_>,
+        state: &MotionState,
+        flyer: &Flyer,
+    ) {
+        self.index = index;
+        self.leg = None;
+        self.from_start = from_start;
+        self.turn = None;
+        self.load(mission, state, flyer);
+    }
+
+    /// Ends a turn round that has arrived; forgets one that is not flown as it was planned.
+    fn update_turn(&mut self, state: &MotionState, flyer: &Flyer) {
+        let Some(leg) = self.leg.filter(|_| self.from_start) else {
+            return;
+        };
+        let radius_m = self.air(flyer).radius_m();
+        if let Some(turn) = self.turn {
+            let since_s = self.time_s - turn.begun_s;
+            let there = for_each_piece(flyer, &turn.from, &turn.maneuver, since_s, |_, _, _| ());
+            let planned_m = there.position_m + self.wind_mps * since_s;
+            let off_m = planned_m.distance(state.position_m);
+            if !(0.0..=OFF_TURN_RADII * radius_m).contains(&off_m) || since_s < 0.0 {
+                self.turn = None;
+            } else if self.time_s >= turn.arrives_s - 1e-9 {
+                self.turn = None;
+                self.from_start = false;
+            }
+        } else if is_on_leg(&leg, state) {
+            self.from_start = false;
+        }
+    }
+
+    /// A way onto the beginning of a leg, by a turn round.
+    fn round_to_beginning(&self, leg: &Leg, state: &MotionState, flyer: &Flyer) -> Option<Join> {
+        let air = self.air(flyer);
+        let to = arrival(leg, &air);
+        let found = turnaround(flyer, state, &to, self.wind_mps)?;
+        let along_m = leg.position(to.position_m, 0.0).along_m;
+        Some(Join {
+            maneuver: found.maneuver,
+            joined_s: found.arrives_s,
+            along_m,
+            cross_m: 0.0,
+            above_m: 0.0,
+        })
     }
 
     /// A way onto the mission: onto the leg, or onto the first one after it that is joined before
-    /// it ends, no more than `skipped` legs on. Returns the index of its first waypoint too, `None`
-    /// where it would be joined beyond its end.
+    /// it ends, at most `skipped` legs on. Returns the index of its first waypoint too, `None`
+    /// where there is none. A leg that is to be entered at its beginning, and a long one that was
+    /// not begun, is not joined behind it.
     pub fn way_back(
         &self,
         mission: &Mission<'_>,
@@ -165,25 +296,45 @@ impl Progress {
         limits: &JoinLimits,
         skipped: usize,
     ) -> Option<(Join, usize)> {
-        let leg = self.leg(state);
-        let mut joined = join(flyer, &leg, state, limits);
-        let mut left_m = leg.length_m - self.lead_m;
-        let mut next = self.next;
+        let mut leg = self.leg(state);
+        if self.from_start {
+            return Some((self.round_to_beginning(&leg, state, flyer)?, self.index));
+        }
+        let laid = self.laid(mission);
+        let air = self.air(flyer);
+        let radius_m = air.radius_m();
+        let mut next = self.corner;
         let mut index = self.index;
-        while let Some(leg) = next {
-            if joined.along_m <= left_m {
-                break;
+        let mut passed_m = 0.0;
+        for count in 0..MOST_LEGS {
+            let is_tried = count < ONE_BY_ONE || passed_m >= 0.5 * radius_m || next.is_none();
+            if is_tried {
+                passed_m = 0.0;
+                let joined = join(flyer, &leg, state, limits);
+                let room_m = next.map_or(f64::INFINITY, |next| leg.length_m - next.lead_m);
+                let is_behind = joined.along_m > room_m;
+                let is_far_before = count > 0 && joined.along_m < -BEFORE_RADII * radius_m;
+                if is_far_before || (is_behind && count > 0 && leg.length_m > LONG_RADII * radius_m)
+                {
+                    return Some((self.round_to_beginning(&leg, state, flyer)?, index));
+                }
+                if !is_behind {
+                    return Some((joined, index));
+                }
             }
+            let corner_here = next?;
             if index >= self.index + skipped {
                 return None;
             }
-            index += 1;
-            joined = join(flyer, &leg, state, limits);
-            next = self.leg_at(mission, index + 1);
-            let lead_m = next.map_or(0.0, |next| leg.lead_m(&next, radius_m(flyer)));
-            left_m = leg.length_m - lead_m;
+            index = corner_here.next;
+            leg = laid.leg(index)?;
+            if corner_here.is_turnaround {
+                return Some((self.round_to_beginning(&leg, state, flyer)?, index));
+            }
+            passed_m += leg.length_m;
+            next = corner(&laid, index, &leg, &air);
         }
-        Some((joined, index))
+        None
     }
 
     /// Goes on to the leg that begins at a waypoint.
@@ -195,9 +346,7 @@ impl Progress {
         flyer: &Flyer,
     ) {
         if index > self.index && !self.complete {
-            self.index = index;
-            self.leg = None;
-            self.load(mission, state, flyer);
+            self.go_to(index, false, mission, state, flyer);
         }
     }
 
@@ -235,9 +384,9 @@ impl Progress {
         flyer: &Flyer,
         horizon_s: f64,
     ) -> Option<f64> {
-        let leg = self.leg?;
-        let left_m = leg.length_m - self.lead_m - leg.position(state.position_m, 0.0).along_m;
-        let straight = left_m > leg.ground_speed_mps * horizon_s || self.next.is_none();
+        let leg = self.leg.filter(|_| !self.from_start)?;
+        let left_m = leg.length_m - self.lead_m() - leg.position(state.position_m, 0.0).along_m;
+        let straight = left_m > leg.ground_speed_mps * horizon_s || self.corner.is_none();
         (straight && flyer.is_level_at(state) && is_on_leg(&leg, state))
             .then(|| state.course_rad + leg.turn_onto_rad(state))
     }
@@ -249,15 +398,15 @@ impl Progress {
         mission: &Mission<'_>,
         state: &MotionState,
         flyer: &Flyer,
-        climb_limits_rad: (f64, f64),
         horizon_s: f64,
     ) -> (Maneuver, f64) {
         let leg = self.leg(state);
-        let (mut maneuver, straight_s, along_m) = if is_on_leg(&leg, state) {
+        let (low, high) = self.climb_limits_rad;
+        let (mut maneuver, straight_s, along_m) = if let Some(join) = self.turning(state, flyer) {
+            (join.maneuver, join.joined_s, join.along_m)
+        } else if is_on_leg(&leg, state) {
             let course_rad = state.course_rad + leg.turn_onto_rad(state);
-            let climb_rad = leg
-                .climb_rad
-                .limited(climb_limits_rad.0, climb_limits_rad.1);
+            let climb_rad = leg.climb_rad.limited(low, high);
             let maneuver = Maneuver::turn(0.0, course_rad, climb_rad);
             (
                 maneuver,
@@ -267,32 +416,49 @@ impl Progress {
         } else {
             let limits = JoinLimits {
                 intercept_rad: GUIDANCE_INTERCEPT_RAD,
-                climb_limits_rad,
+                climb_limits_rad: self.climb_limits_rad,
             };
-            let back = self.way_back(mission, state, flyer, &limits, MAX_SKIPPED);
-            let joined = if let Some((joined, index)) = back {
-                self.advance_to(index, mission, state, flyer);
-                joined
-            } else {
-                join(flyer, &leg, state, &limits)
+            let joined = match self.way_back(mission, state, flyer, &limits, MOST_LEGS) {
+                Some((joined, index)) => {
+                    self.advance_to(index, mission, state, flyer);
+                    joined
+                }
+                None => join(flyer, &leg, state, &limits),
             };
             (joined.maneuver, joined.joined_s, joined.along_m)
         };
-        let index = self.index;
         let bend = Bend {
-            index,
+            index: self.index,
             straight_s,
             along_m,
         };
-        self.round_corners(
-            mission,
-            flyer,
-            climb_limits_rad,
-            horizon_s,
-            &mut maneuver,
-            bend,
-        )
-        .map_or((maneuver, straight_s), |straight_s| (maneuver, straight_s))
+        self.round_corners(mission, flyer, horizon_s, &mut maneuver, bend)
+            .map_or((maneuver, straight_s), |straight_s| (maneuver, straight_s))
+    }
+
+    /// What is left of the turn round to the beginning of the leg; it begins now if none is flown.
+    fn turning(&mut self, state: &MotionState, flyer: &Flyer) -> Option<Join> {
+        let leg = self.leg.filter(|_| self.from_start)?;
+        if self.turn.is_none() {
+            let found = self.round_to_beginning(&leg, state, flyer)?;
+            self.turn = Some(Turn {
+                maneuver: found.maneuver,
+                from: *state,
+                begun_s: self.time_s,
+                arrives_s: self.time_s + found.joined_s,
+            });
+        }
+        let turn = self.turn?;
+        let along_m = leg
+            .position(arrival(&leg, &self.air(flyer)).position_m, 0.0)
+            .along_m;
+        Some(Join {
+            maneuver: turn.maneuver.after(self.time_s - turn.begun_s),
+            joined_s: turn.arrives_s - self.time_s,
+            along_m,
+            cross_m: 0.0,
+            above_m: 0.0,
+        })
     }
 
     /// Appends the corners up to `horizon_s` to a manoeuvre that flies along a leg from `bend` on.
@@ -301,7 +467,6 @@ impl Progress {
         &self,
         mission: &Mission<'_>,
         flyer: &Flyer,
-        climb_limits_rad: (f64, f64),
         horizon_s: f64,
         maneuver: &mut Maneuver,
         bend: Bend,
@@ -311,49 +476,40 @@ impl Progress {
             mut straight_s,
             mut along_m,
         } = bend;
+        let laid = self.laid(mission);
+        let air = self.air(flyer);
         let mut turned = None;
-        let mut leg = self.leg_or_loaded(mission, index)?;
-        while let Some(following) = self.leg_or_loaded(mission, index + 1) {
-            let lead_m = leg.lead_m(&following, radius_m(flyer));
-            let left_m = leg.length_m - lead_m - along_m;
+        let is_here = index == self.index;
+        let mut leg = if is_here { self.leg } else { laid.leg(index) }?;
+        let mut ahead = if is_here {
+            self.corner
+        } else {
+            corner(&laid, index, &leg, &air)
+        };
+        while let Some(here) = ahead {
+            let left_m = leg.length_m - here.lead_m - along_m;
             let corner_s = straight_s + (left_m / leg.ground_speed_mps.max(0.1)).max(0.0);
-            let last = maneuver.stages().last().copied()?;
+            let stages = here.maneuver.stages();
             // Corners beyond the room are for a later cycle: straight on is a whole flight too.
-            if corner_s > horizon_s || maneuver.room() <= ROOM_TO_AVOID {
+            let is_full = maneuver.room() < stages.len() + ROOM_TO_AVOID;
+            if corner_s > horizon_s || is_full {
                 break;
             }
-            let turn_rad = wrap_pi(following.air_course_rad - last.course_rad);
-            let (low, high) = climb_limits_rad;
-            let stage = Stage {
-                start_s: corner_s,
-                course_rad: last.course_rad + turn_rad,
-                climb_rad: following.climb_rad.limited(low, high),
-                rate_share: 1.0,
-            };
-            if !maneuver.push(stage) {
-                break;
+            let course_rad = maneuver.stages().last()?.course_rad;
+            for stage in stages {
+                maneuver.push(Stage {
+                    start_s: corner_s + stage.start_s,
+                    course_rad: course_rad + stage.course_rad,
+                    ..*stage
+                });
             }
-            straight_s = corner_s + turn_rad.abs() / flyer.course_rate_radps();
+            straight_s = corner_s + here.duration_s;
             turned = Some(straight_s);
-            along_m = lead_m;
-            leg = following;
-            index += 1;
+            along_m = here.along_m;
+            index = here.next;
+            leg = laid.leg(index)?;
+            ahead = corner(&laid, index, &leg, &air);
         }
         turned
     }
-
-    fn leg_or_loaded(&self, mission: &Mission<'_>, index: usize) -> Option<Leg> {
-        if index == self.index {
-            self.leg
-        } else if index == self.index + 1 {
-            self.next
-        } else {
-            self.leg_at(mission, index)
-        }
-    }
-}
-
-/// Radius of the tightest turn that is really flown, metres.
-fn radius_m(flyer: &Flyer) -> f64 {
-    flyer.airspeed_mps() / flyer.course_rate_radps()
 }

@@ -211,11 +211,36 @@ impl Obstacle {
     }
 }
 
+/// How the aircraft passes a waypoint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Passing {
+    /// It turns before the waypoint onto the next leg.
+    #[default]
+    FlyBy,
+    /// It turns after the waypoint, which it passes within [`FLY_OVER_WITHIN_M`].
+    FlyOver,
+}
+
+/// Largest distance at which a fly-over waypoint is passed, metres.
+pub const FLY_OVER_WITHIN_M: f64 = 5.0;
+
 /// The mission in the local frame: fly from each waypoint to the next along the straight leg.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mission<'a> {
     /// Waypoints, metres, at least two for a mission; fewer mean: hold course and altitude.
     pub waypoints_m: &'a [Vec3],
+    /// How each waypoint is passed; those beyond the end of this list are flown by.
+    pub passing: &'a [Passing],
+}
+
+impl<'a> Mission<'a> {
+    /// A mission whose waypoints are all flown by.
+    pub const fn new(waypoints_m: &'a [Vec3]) -> Self {
+        Self {
+            waypoints_m,
+            passing: &[],
+        }
+    }
 }
 
 /// The obstacles of one step.

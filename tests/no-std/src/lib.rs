@@ -92,9 +92,7 @@ pub extern "C" fn fga_step_start_s(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
         time_s: 0.0,
         ownship: ownship(0.0, 0.0, 0.0),
         obstacles: Obstacles::Rows(&[obstacle(x_m, y_m, radius_m)]),
-        mission: Mission {
-            waypoints_m: &[Vec3::ZERO, Vec3::new(1000.0, 0.0, 0.0)],
-        },
+        mission: Mission::new(&[Vec3::ZERO, Vec3::new(1000.0, 0.0, 0.0)]),
         wind_mps: Vec3::ZERO,
     });
     let first = decision.command.stages().first();

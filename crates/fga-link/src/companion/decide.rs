@@ -85,9 +85,7 @@ impl Companion {
             time_s: now_s + self.response.response().dead_time_s,
             ownship: state.ownship,
             obstacles: Obstacles::Rows(&self.obstacles),
-            mission: Mission {
-                waypoints_m: &self.way.waypoints_m,
-            },
+            mission: Mission::new(&self.way.waypoints_m),
             wind_mps: state.wind_mps,
         };
         Some(self.avoider.as_mut()?.step(&situation))

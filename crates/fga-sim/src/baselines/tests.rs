@@ -37,6 +37,7 @@ fn settings() -> Settings {
 fn world(bodies: &[(Vec3, Vec3)]) -> World {
     World {
         mission_m: vec![Vec3::ZERO, Vec3::X * 1e6],
+        passing: Vec::new(),
         start: StartState {
             position_m: Vec3::ZERO,
             course_rad: 0.0,
@@ -83,7 +84,7 @@ fn situation<'a>(obstacles: &'a [Obstacle], waypoints_m: &'a [Vec3]) -> Situatio
             airspeed_mps: 15.0,
         },
         obstacles: Obstacles::Rows(obstacles),
-        mission: Mission { waypoints_m },
+        mission: Mission::new(waypoints_m),
         wind_mps: Vec3::ZERO,
     }
 }

@@ -123,6 +123,11 @@ impl Leg {
         self.from_m + self.along * along_m + Vec3::new(0.0, 0.0, self.slope * along_m)
     }
 
+    /// The point of the leg at a distance along it, at the height of its beginning, metres.
+    pub fn level_point_m(&self, along_m: f64) -> Vec3 {
+        self.from_m + self.along * along_m
+    }
+
     /// Cross-track speed at a course through the air, metres per second, left positive.
     pub fn cross_speed_mps(&self, airspeed_mps: f64, course_rad: f64) -> f64 {
         airspeed_mps * libm::sin(course_rad - self.course_rad) + self.along.x * self.wind_mps.y
@@ -132,23 +137,5 @@ impl Leg {
     /// Change from a course through the air to the one that keeps the leg, radians, shortest way.
     pub fn turn_onto_rad(&self, state: &MotionState) -> f64 {
         wrap_pi(self.air_course_rad - state.course_rad)
-    }
-
-    /// How far before the leg's end a turn of radius `radius_m` onto the next leg begins, metres.
-    ///
-    /// None of it for a turn back that no fly-by can make.
-    pub fn lead_m(&self, next: &Self, radius_m: f64) -> f64 {
-        /// A turn beyond this is flown over the waypoint, radians.
-        const FLY_OVER_RAD: f64 = 2.4;
-        let turn = wrap_pi(next.course_rad - self.course_rad).abs();
-        if turn > FLY_OVER_RAD {
-            return 0.0;
-        }
-        let lead = radius_m * libm::tan(0.5 * turn);
-        if lead > self.length_m || lead > next.length_m {
-            0.0
-        } else {
-            lead
-        }
     }
 }

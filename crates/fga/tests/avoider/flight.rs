@@ -79,9 +79,7 @@ impl Flight {
             time_s: self.time_s,
             ownship: self.own,
             obstacles: Obstacles::Rows(obstacles),
-            mission: Mission {
-                waypoints_m: &self.waypoints_m,
-            },
+            mission: Mission::new(&self.waypoints_m),
             wind_mps: Vec3::ZERO,
         })
     }

@@ -226,7 +226,7 @@ proptest! {
                 time_s,
                 ownship: flight.own,
                 obstacles: Obstacles::Rows(&obstacles),
-                mission: Mission { waypoints_m: &waypoints_m },
+                mission: Mission::new(&waypoints_m),
                 wind_mps,
             });
             prop_assert!(is_finite(&decision), "{decision:?}");

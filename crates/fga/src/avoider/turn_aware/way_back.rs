@@ -6,13 +6,16 @@ use crate::avoider::{Avoider, Decision, Plan, Reason, Start, State};
 use crate::certificate::certify;
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
+use crate::mission::Bend;
 use crate::mission::join::JoinLimits;
-use crate::mission::{Bend, MAX_SKIPPED};
 use crate::prediction::{MotionState, for_each_piece};
 use crate::search::Proof;
 use crate::situation::Situation;
 
 use super::{ENOUGH_M, NEXT_ENCOUNTER_S};
+
+/// Most legs that a way back leaves out.
+const MAX_SKIPPED: usize = 64;
 
 /// Angles at which the way back intercepts the mission, radians, preferred first.
 const INTERCEPTS_RAD: [f64; 6] = [0.52, 0.79, 0.35, 1.05, 0.17, 1.45];
@@ -111,14 +114,8 @@ impl Avoider {
             straight_s: joined.joined_s,
             along_m: joined.along_m,
         };
-        self.progress.round_corners(
-            mission,
-            &self.flyer,
-            climb_limits_rad,
-            horizon_s,
-            &mut maneuver,
-            bend,
-        );
+        self.progress
+            .round_corners(mission, &self.flyer, horizon_s, &mut maneuver, bend);
         self.path.predict(&self.flyer, now, &maneuver, horizon_s);
         let ahead = self.way_ahead(plan, joined.joined_s, situation);
         let back = Plan {

@@ -1,0 +1,291 @@
+//! Families of missions: how much of each survey line is flown, which waypoints are missed, whether
+//! the aircraft comes back in wind and past slow traffic.
+//!
+//! `missions FAMILY [VEHICLE.toml]` with `survey`, `corners`, `curves`, `wind`, `slow` or
+//! `formation`. Counts are made from the flown positions alone, with code of this file.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use fga::Vec3;
+use fga::avoider::State;
+use fga::situation::{Passing, ProtectedVolume};
+use fga_sim::batch::{BatchSettings, crab, empty_world};
+use fga_sim::engine::{Engine, Observer, Outcome, Sample};
+use fga_sim::policy::PolicyChoice;
+use fga_sim::track::Track;
+use fga_sim::vehicle_file::VehicleModel;
+use fga_sim::world::{Ending, World, WorldObstacle};
+
+/// A survey line is flown where the track comes this near, metres.
+const FLOWN_WITHIN_M: f64 = 5.0;
+
+const PROTECTED: ProtectedVolume = ProtectedVolume::Sphere { radius_m: 30.0 };
+
+#[derive(Default)]
+struct Flown {
+    samples: Vec<Sample>,
+}
+
+impl Observer for Flown {
+    fn sample(&mut self, sample: &Sample) {
+        self.samples.push(*sample);
+    }
+}
+
+impl Flown {
+    fn distance_m(&self, place_m: Vec3) -> f64 {
+        let near = |pair: &[Sample]| {
+            let (a, b) = (pair[0].position_m, pair[1].position_m);
+            let along = b - a;
+            let share = (place_m - a).dot(along) / along.length_squared().max(1e-12);
+            place_m.distance(a + along * share.clamp(0.0, 1.0))
+        };
+        self.samples
+            .windows(2)
+            .map(near)
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Share of the points of a line, 1 m apart, that were flown, per cent.
+    fn flown_percent(&self, from_m: Vec3, to_m: Vec3) -> f64 {
+        let steps = from_m.distance(to_m).round().max(1.0);
+        let count = (0..=steps as u32)
+            .filter(|k| {
+                let place_m = from_m.lerp(to_m, f64::from(*k) / steps);
+                self.distance_m(place_m) <= FLOWN_WITHIN_M
+            })
+            .count();
+        100.0 * count as f64 / (steps + 1.0)
+    }
+
+    /// Changes in and out of avoiding.
+    fn changes(&self) -> usize {
+        let avoids = |sample: &Sample| sample.state == State::Avoiding;
+        self.samples
+            .windows(2)
+            .filter(|pair| avoids(&pair[0]) != avoids(&pair[1]))
+            .count()
+    }
+
+    fn path_m(&self) -> f64 {
+        self.samples
+            .windows(2)
+            .map(|pair| pair[0].position_m.distance(pair[1].position_m))
+            .sum()
+    }
+}
+
+fn world(model: &VehicleModel, mission_m: Vec<Vec3>, wind_mps: Vec3, horizon_s: f64) -> World {
+    let settings = BatchSettings {
+        model: VehicleModel {
+            wind_mps,
+            ..model.clone()
+        },
+        policy: PolicyChoice::default(),
+        horizon_s,
+        seed: 0,
+        tracks: false,
+    };
+    let mut world = empty_world(&settings).expect("a wind in which the mission can be flown");
+    let along = (mission_m[1] - mission_m[0]).normalize();
+    let (course_rad, climb_rad) =
+        crab(along, model.vehicle.airspeed_mps, wind_mps).expect("a leg that can be flown");
+    world.start.position_m = mission_m[0];
+    world.start.course_rad = course_rad;
+    world.start.climb_rad = climb_rad;
+    world.settings.surveillance_radius_m = model.settings.surveillance_radius_m;
+    world.mission_m = mission_m;
+    world.ending = Ending::MissionFlown;
+    world
+}
+
+fn fly(world: &World) -> (Flown, Outcome) {
+    let mut pilot = PolicyChoice::default()
+        .pilot(&world.settings, &world.vehicle)
+        .expect("usable settings");
+    let mut flown = Flown::default();
+    let outcome = Engine::new().fly(world, pilot.as_mut(), &mut flown);
+    (flown, outcome)
+}
+
+/// Lines of `length_m`, `apart_m` apart, flown to and fro.
+fn survey_m(apart_m: f64, length_m: f64, lines: u32) -> Vec<Vec3> {
+    (0..lines)
+        .flat_map(|line| {
+            let y = f64::from(line) * apart_m;
+            let (from, to) = if line % 2 == 0 {
+                (0.0, length_m)
+            } else {
+                (length_m, 0.0)
+            };
+            [Vec3::new(from, y, 100.0), Vec3::new(to, y, 100.0)]
+        })
+        .collect()
+}
+
+fn survey(model: &VehicleModel) {
+    println!("apart_m,length_m,passing,least_percent,farthest_waypoint_m,path_m,mission_flown");
+    for length_m in [400.0, 800.0] {
+        for apart_m in (10..=100).step_by(10) {
+            for passing in [Passing::FlyBy, Passing::FlyOver] {
+                let mission_m = survey_m(f64::from(apart_m), length_m, 10);
+                let mut world = world(model, mission_m.clone(), Vec3::ZERO, 4000.0);
+                world.passing = vec![passing; mission_m.len()];
+                let (flown, outcome) = fly(&world);
+                let least = mission_m
+                    .chunks(2)
+                    .map(|line| flown.flown_percent(line[0], line[1]))
+                    .fold(f64::INFINITY, f64::min);
+                let farthest_m = mission_m
+                    .iter()
+                    .map(|waypoint| flown.distance_m(*waypoint))
+                    .fold(0.0, f64::max);
+                println!(
+                    "{apart_m},{length_m},{passing:?},{least:.1},{farthest_m:.1},{:.0},{}",
+                    flown.path_m(),
+                    outcome.mission_flown
+                );
+            }
+        }
+    }
+}
+
+fn corners(model: &VehicleModel) {
+    println!("turn_deg,leg_m,passing,farthest_waypoint_m,least_percent,path_m,mission_flown");
+    for leg_m in [10.0, 20.0, 40.0, 60.0, 100.0, 300.0] {
+        for turn_deg in [5, 30, 60, 90, 120, 150, 170, 178, 180] {
+            for passing in [Passing::FlyBy, Passing::FlyOver] {
+                let turn_rad = f64::from(turn_deg).to_radians();
+                let mut mission_m = vec![Vec3::new(-200.0, 0.0, 100.0)];
+                let (mut place_m, mut course_rad) = (Vec3::new(0.0, 0.0, 100.0), 0.0_f64);
+                for k in 0..6 {
+                    mission_m.push(place_m);
+                    course_rad += if k % 2 == 0 { turn_rad } else { -turn_rad };
+                    let length_m = if k == 5 { 300.0 } else { leg_m };
+                    place_m += Vec3::new(course_rad.cos(), course_rad.sin(), 0.0) * length_m;
+                }
+                mission_m.push(place_m);
+                let mut world = world(model, mission_m.clone(), Vec3::ZERO, 2000.0);
+                world.passing = vec![passing; mission_m.len()];
+                let (flown, outcome) = fly(&world);
+                let least = mission_m
+                    .windows(2)
+                    .map(|line| flown.flown_percent(line[0], line[1]))
+                    .fold(f64::INFINITY, f64::min);
+                let farthest_m = mission_m
+                    .iter()
+                    .map(|waypoint| flown.distance_m(*waypoint))
+                    .fold(0.0, f64::max);
+                println!(
+                    "{turn_deg},{leg_m},{passing:?},{farthest_m:.1},{least:.1},{:.0},{}",
+                    flown.path_m(),
+                    outcome.mission_flown
+                );
+            }
+        }
+    }
+}
+
+/// An arc of a mission in short legs, with an obstacle on it and one that crosses.
+fn curve_m(radius_m: f64, leg_m: f64, turn_rad: f64) -> Vec<Vec3> {
+    let mut mission_m = vec![Vec3::new(-300.0, 0.0, 100.0)];
+    let count = (radius_m * turn_rad / leg_m).round() as u32;
+    for k in 0..=count {
+        let angle = turn_rad * f64::from(k) / f64::from(count);
+        let place = Vec3::new(angle.sin(), 1.0 - angle.cos(), 0.0) * radius_m;
+        mission_m.push(place + Vec3::new(0.0, 0.0, 100.0));
+    }
+    let last = mission_m[mission_m.len() - 1];
+    mission_m.push(last + Vec3::new(turn_rad.cos(), turn_rad.sin(), 0.0) * 300.0);
+    mission_m
+}
+
+fn curves(model: &VehicleModel) {
+    println!(
+        "radius_m,leg_m,obstacle,margin_m,cross_before_m,cross_after_m,rejoined,changes,path_m,end_s"
+    );
+    for radius_m in [60.0, 200.0, 900.0] {
+        for leg_m in [20.0, 60.0, 300.0] {
+            if leg_m > radius_m {
+                continue;
+            }
+            for obstacle in 0..6 {
+                let mission_m = curve_m(radius_m, leg_m, core::f64::consts::PI);
+                let mut world = world(model, mission_m.clone(), Vec3::ZERO, 1500.0);
+                let middle = mission_m[mission_m.len() / 2];
+                let reach_s = 0.5
+                    * mission_m
+                        .windows(2)
+                        .map(|leg| leg[0].distance(leg[1]))
+                        .sum::<f64>()
+                    / model.vehicle.airspeed_mps;
+                let velocity_mps = match obstacle {
+                    0 => Vec3::ZERO,
+                    1 => Vec3::new(0.0, -20.0, 0.0),
+                    2 => Vec3::new(0.0, 14.0, 0.0),
+                    3 => Vec3::new(20.0, 0.0, 0.0),
+                    4 => Vec3::new(-20.0, 0.0, 0.0),
+                    _ => Vec3::new(12.0, 12.0, 0.0),
+                };
+                let track = Track::straight(middle - velocity_mps * reach_s, velocity_mps);
+                world.obstacles = vec![WorldObstacle::new(1, track, PROTECTED)];
+                let (flown, outcome) = fly(&world);
+                let cross_m = |sample: &Sample| {
+                    mission_m
+                        .windows(2)
+                        .map(|leg| {
+                            let along = leg[1] - leg[0];
+                            let offset = sample.position_m - leg[0];
+                            let share = offset.dot(along) / along.length_squared();
+                            offset.distance(along * share.clamp(0.0, 1.0))
+                        })
+                        .fold(f64::INFINITY, f64::min)
+                };
+                let back = flown
+                    .samples
+                    .iter()
+                    .position(|sample| sample.state == State::Recovering)
+                    .unwrap_or(flown.samples.len());
+                let most = |samples: &[Sample]| samples.iter().map(cross_m).fold(0.0, f64::max);
+                let last = flown.samples.last().map(|sample| sample.state);
+                println!(
+                    "{radius_m},{leg_m},{obstacle},{:.2},{:.1},{:.1},{},{},{:.0},{:.0}",
+                    outcome.min_margin_m,
+                    most(&flown.samples[..back]),
+                    most(&flown.samples[back..]),
+                    last == Some(State::Cruise),
+                    flown.changes(),
+                    flown.path_m(),
+                    outcome.end_s
+                );
+            }
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let mut arguments = std::env::args().skip(1);
+    let family = arguments.next().unwrap_or_default();
+    let model = match arguments.next() {
+        Some(file) => VehicleModel::read(Path::new(&file)),
+        None => VehicleModel::built_in(),
+    };
+    let model = match model {
+        Ok(model) => model,
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    match family.as_str() {
+        "survey" => survey(&model),
+        "corners" => corners(&model),
+        "curves" => curves(&model),
+        other => {
+            eprintln!("unknown family {other}, expected survey, corners or curves");
+            return ExitCode::FAILURE;
+        }
+    }
+    ExitCode::SUCCESS
+}

@@ -1,0 +1,188 @@
+//! Every leg of a mission is flown: survey lines, corners up to a turn back, curves of short legs.
+
+use fga::Vec3;
+use fga::avoider::State;
+use fga::situation::{Passing, ProtectedVolume};
+use fga_sim::engine::{Engine, Observer, Outcome, Sample};
+use fga_sim::policy::PolicyChoice;
+use fga_sim::toml_input::TomlText;
+use fga_sim::track::Track;
+use fga_sim::world::{World, WorldObstacle};
+
+#[derive(Default)]
+struct Flown(Vec<Sample>);
+
+impl Observer for Flown {
+    fn sample(&mut self, sample: &Sample) {
+        self.0.push(*sample);
+    }
+}
+
+/// Distance from a place to a straight piece, metres.
+fn distance_m(place_m: Vec3, from_m: Vec3, to_m: Vec3) -> f64 {
+    let along = to_m - from_m;
+    let share = (place_m - from_m).dot(along) / along.length_squared().max(1e-12);
+    place_m.distance(from_m + along * share.clamp(0.0, 1.0))
+}
+
+impl Flown {
+    fn nearest_m(&self, place_m: Vec3) -> f64 {
+        let pieces = self.0.windows(2);
+        pieces
+            .map(|pair| distance_m(place_m, pair[0].position_m, pair[1].position_m))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Share of a line's points, 2 m apart, that were passed within 5 m.
+    fn flown_share(&self, line: &[Vec3]) -> f64 {
+        let steps = (line[0].distance(line[1]) / 2.0).round();
+        let flown = (0..=steps as u32)
+            .filter(|k| self.nearest_m(line[0].lerp(line[1], f64::from(*k) / steps)) <= 5.0);
+        flown.count() as f64 / (steps + 1.0)
+    }
+}
+
+/// The aircraft of Table 4 on a mission at 100 m.
+fn world(waypoints_m: &[[f64; 2]], passing: Passing, duration_s: f64) -> World {
+    let places: Vec<String> = waypoints_m
+        .iter()
+        .map(|[x, y]| format!("[{x:?}, {y:?}, 100.0]"))
+        .collect();
+    let text = format!(
+        "name = \"mission\"\nduration_s = {duration_s:?}\n[mission]\nwaypoints_m = [{}]\n",
+        places.join(", ")
+    );
+    let path = std::path::Path::new("mission.toml");
+    let plan = fga_sim::scenario::parse(TomlText::new(path, &text), None).unwrap();
+    World {
+        passing: vec![passing; waypoints_m.len()],
+        ..plan.world
+    }
+}
+
+fn fly(world: &World) -> (Flown, Outcome) {
+    let mut pilot = PolicyChoice::default()
+        .pilot(&world.settings, &world.vehicle)
+        .unwrap();
+    let mut flown = Flown::default();
+    let outcome = Engine::new().fly(world, pilot.as_mut(), &mut flown);
+    (flown, outcome)
+}
+
+/// Lines of 400 m, flown to and fro.
+fn survey(apart_m: f64) -> Vec<[f64; 2]> {
+    (0..6)
+        .flat_map(|line| {
+            let y = f64::from(line) * apart_m;
+            let (from, to) = if line % 2 == 0 {
+                (0.0, 400.0)
+            } else {
+                (400.0, 0.0)
+            };
+            [[from, y], [to, y]]
+        })
+        .collect()
+}
+
+/// Guidance left out up to four legs: 25 to 74 % of the lines' points were flown.
+#[test]
+fn survey_lines_from_10_to_100_m_apart_are_flown_whole() {
+    for apart_m in [10.0, 20.0, 40.0, 55.0, 70.0, 100.0] {
+        for (passing, least) in [(Passing::FlyBy, 0.96), (Passing::FlyOver, 0.99)] {
+            let world = world(&survey(apart_m), passing, 2000.0);
+            let (flown, outcome) = fly(&world);
+            assert!(outcome.mission_flown, "{apart_m} m, {passing:?}");
+            for line in world.mission_m.chunks(2) {
+                let share = flown.flown_share(line);
+                assert!(
+                    share >= least,
+                    "{apart_m} m, {passing:?}: {share} of {line:?}"
+                );
+            }
+            if passing == Passing::FlyOver {
+                for waypoint in &world.mission_m {
+                    assert!(flown.nearest_m(*waypoint) < 5.0, "{apart_m} m: {waypoint}");
+                }
+            }
+        }
+    }
+}
+
+/// Corners of 156° were missed by up to 405 m.
+#[test]
+fn sharp_corners_are_flown() {
+    let zigzag = [
+        [0.0, 0.0],
+        [300.0, 0.0],
+        [20.0, 60.0],
+        [300.0, 120.0],
+        [20.0, 180.0],
+        [300.0, 240.0],
+    ];
+    let back = [[0.0, 0.0], [300.0, 0.0], [0.0, 0.0], [300.0, 5.0]];
+    for mission in [&zigzag[..], &back[..]] {
+        let world = world(mission, Passing::FlyBy, 1500.0);
+        let (flown, outcome) = fly(&world);
+        assert!(outcome.mission_flown);
+        for line in world.mission_m.windows(2) {
+            assert!(flown.flown_share(line) >= 0.96, "{line:?}");
+        }
+    }
+}
+
+/// Legs of 40 and 60 m between corners of 120°: waypoints were left out.
+#[test]
+fn waypoints_between_short_legs_are_passed() {
+    for leg_m in [40.0, 60.0, 100.0] {
+        let (mut x, mut y, mut mission) = (0.0, 0.0, vec![[-200.0, 0.0], [0.0, 0.0]]);
+        for k in 0..5 {
+            let course = if k % 2 == 0 {
+                120.0_f64.to_radians()
+            } else {
+                0.0
+            };
+            (x, y) = (x + leg_m * course.cos(), y + leg_m * course.sin());
+            mission.push([x, y]);
+        }
+        mission.push([x + 300.0, y]);
+        let (flown, outcome) = fly(&world(&mission, Passing::FlyBy, 1500.0));
+        assert!(outcome.mission_flown);
+        for [x, y] in mission {
+            let miss_m = flown.nearest_m(Vec3::new(x, y, 100.0));
+            assert!(
+                miss_m <= 30.0,
+                "legs of {leg_m} m: ({x}, {y}) by {miss_m} m"
+            );
+        }
+    }
+}
+
+/// A half circle of 900 m in legs of 60 m and an obstacle on it: 4.9 km off and 11 km longer.
+#[test]
+fn a_curve_of_short_legs_is_joined_again_behind_an_obstacle() {
+    let mut mission = vec![[-300.0, 0.0]];
+    mission.extend((0..=47).map(|k| {
+        let angle = core::f64::consts::PI * f64::from(k) / 47.0;
+        [900.0 * angle.sin(), 900.0 * (1.0 - angle.cos())]
+    }));
+    mission.push([-300.0, 1800.0]);
+    for (x, y) in [(900.0, 900.0), (880.0, 880.0), (930.0, 1000.0)] {
+        let mut world = world(&mission, Passing::FlyBy, 1000.0);
+        let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+        let track = Track::straight(Vec3::new(x, y, 100.0), Vec3::ZERO);
+        world.obstacles = vec![WorldObstacle::new(1, track, volume)];
+        let (flown, outcome) = fly(&world);
+        assert!(outcome.min_margin_m >= 0.0 && outcome.mission_flown);
+        let cross_m = |sample: &Sample| {
+            let legs = world.mission_m.windows(2);
+            legs.map(|leg| distance_m(sample.position_m, leg[0], leg[1]))
+                .fold(f64::INFINITY, f64::min)
+        };
+        let most_m = flown.0.iter().map(cross_m).fold(0.0, f64::max);
+        assert!(most_m < 80.0, "({x}, {y}): {most_m} m off");
+        assert_eq!(
+            flown.0.last().map(|sample| sample.state),
+            Some(State::Cruise)
+        );
+    }
+}
