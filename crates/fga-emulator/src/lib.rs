@@ -63,6 +63,8 @@ pub struct Settings {
     pub wind_mps: [f64; 2],
     /// The receiver has its first fix at this time since boot, seconds; the emulation begins at 20.
     pub fix_s: f64,
+    /// Pressure at sea level, hectopascals; `None`: the pressure is not told.
+    pub sea_level_hpa: Option<f64>,
 }
 
 impl Default for Settings {
@@ -81,6 +83,7 @@ impl Default for Settings {
             armed: true,
             wind_mps: [0.0, 0.0],
             fix_s: 0.0,
+            sea_level_hpa: Some(1013.25),
         }
     }
 }

@@ -3,8 +3,8 @@
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, GPS_RAW_INT_DATA, GpsFixType,
     HEARTBEAT_DATA, MISSION_CURRENT_DATA, MISSION_ITEM_REACHED_DATA, MavAutopilot, MavMessage,
-    MavModeFlag, MavState, MavType, NAV_CONTROLLER_OUTPUT_DATA, SYSTEM_TIME_DATA, VFR_HUD_DATA,
-    WIND_DATA,
+    MavModeFlag, MavState, MavType, NAV_CONTROLLER_OUTPUT_DATA, SCALED_PRESSURE_DATA,
+    SYSTEM_TIME_DATA, VFR_HUD_DATA, WIND_DATA,
 };
 
 use crate::{Emulator, Place};
@@ -20,6 +20,7 @@ struct Stream {
 pub(crate) const HEARTBEAT: u32 = 0;
 const SYSTEM_TIME: u32 = 2;
 const GPS_RAW_INT: u32 = 24;
+const SCALED_PRESSURE: u32 = 29;
 const ATTITUDE: u32 = 30;
 const GLOBAL_POSITION_INT: u32 = 33;
 const MISSION_CURRENT: u32 = 42;
@@ -50,6 +51,7 @@ impl Streams {
             HEARTBEAT,
             SYSTEM_TIME,
             GPS_RAW_INT,
+            SCALED_PRESSURE,
             ATTITUDE,
             GLOBAL_POSITION_INT,
             MISSION_CURRENT,
@@ -166,6 +168,14 @@ impl Emulator {
         self.settings.home.to_place(self.plant.position_m())
     }
 
+    /// Static pressure at the aircraft, hectopascals: the standard atmosphere over the pressure at
+    /// sea level.
+    fn pressure_hpa(&self) -> Option<f64> {
+        let altitude_m = self.plant.position_m()[2] + self.settings.home.altitude_m;
+        let kelvin = 288.15 - 0.0065 * altitude_m;
+        Some(self.settings.sea_level_hpa? * libm::pow(kelvin / 288.15, 5.255_88))
+    }
+
     /// The message that tells a part of the state.
     #[expect(
         clippy::cast_possible_truncation,
@@ -220,6 +230,11 @@ impl Emulator {
                     hdg: (degrees * 100.0) as u16,
                 })
             }
+            SCALED_PRESSURE => MavMessage::SCALED_PRESSURE(SCALED_PRESSURE_DATA {
+                time_boot_ms,
+                press_abs: self.pressure_hpa()? as f32,
+                ..SCALED_PRESSURE_DATA::DEFAULT
+            }),
             NAV_CONTROLLER_OUTPUT => {
                 MavMessage::NAV_CONTROLLER_OUTPUT(NAV_CONTROLLER_OUTPUT_DATA {
                     nav_roll: self.plant.commanded_bank_rad().to_degrees() as f32,

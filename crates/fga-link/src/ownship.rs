@@ -133,6 +133,14 @@ impl OwnshipEstimate {
         Some(self.frame?.origin().altitude_m + position.place_m.z - position.above_home_m)
     }
 
+    /// Altitude above mean sea level now, metres; `None` where the last position is too old for it.
+    pub fn altitude_m(&self, now_s: f64) -> Option<f64> {
+        let position = self.position?;
+        let age_s = now_s - position.measured_s;
+        (age_s < LONGEST_CARRY_S)
+            .then_some(position.place.altitude_m + position.velocity_mps.z * age_s)
+    }
+
     /// Age of the older of position and attitude, seconds; `None` before both have come.
     pub fn age_s(&self, now_s: f64) -> Option<f64> {
         let oldest = self.position?.measured_s.min(self.attitude?.measured_s);

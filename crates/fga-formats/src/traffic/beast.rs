@@ -140,7 +140,7 @@ impl Stream {
         counts
     }
 
-    /// Aircraft held in memory, at most 4096.
+    /// Aircraft held in memory, at most 32,768.
     pub fn aircraft(&self) -> usize {
         self.surveillance.aircraft()
     }

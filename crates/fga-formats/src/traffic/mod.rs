@@ -10,9 +10,12 @@
 
 #[cfg(feature = "beast")]
 pub mod beast;
+mod generations;
 pub mod sbs;
 #[cfg(feature = "beast")]
 mod surveillance;
+
+pub use generations::Generations;
 
 use core::fmt;
 

@@ -1,7 +1,7 @@
 //! Mode S messages into reports: extended squitters (downlink formats 17 and 18) only, for they
 //! alone carry a checksum that proves them and the aircraft's own position.
 
-use super::{Altitude, Callsign, TrafficReport};
+use super::{Altitude, Callsign, Generations, TrafficReport};
 use crate::geodesy::course_from_compass_rad;
 use crate::units::{Feet, FeetPerMinute, Knots};
 use rs1090::decode::adsb::ME;
@@ -9,21 +9,26 @@ use rs1090::decode::bds::bds05::AirbornePosition;
 use rs1090::decode::bds::bds09::{AirborneVelocity, AirborneVelocitySubType};
 use rs1090::decode::cpr::{CPRFormat, airborne_position};
 use rs1090::decode::{ControlFieldType, DF, Message};
-use std::collections::HashMap;
 
 /// Aircraft held at once.
-const MOST_AIRCRAFT: usize = 4096;
+const MOST_AIRCRAFT: usize = 32_768;
 /// Two halves of a position must be so near in time, seconds (ICAO 9871, C.2.6.7).
 const PAIR_AGE_S: f64 = 10.0;
-/// An aircraft not heard for so long makes room for another, seconds.
-const FORGET_S: f64 = 60.0;
 /// The fastest jump from one position to the next taken for real, metres per second.
 const FASTEST_MPS: f64 = 1000.0;
 
 /// What is remembered of the aircraft heard.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Surveillance {
-    aircraft: HashMap<u32, Heard>,
+    aircraft: Generations<Heard>,
+}
+
+impl Default for Surveillance {
+    fn default() -> Self {
+        Self {
+            aircraft: Generations::new(MOST_AIRCRAFT),
+        }
+    }
 }
 
 /// A message that is not whole.
@@ -32,7 +37,6 @@ pub(super) struct Damaged;
 
 #[derive(Debug, Clone, Default)]
 struct Heard {
-    last_s: f64,
     even: Option<(AirbornePosition, f64)>,
     odd: Option<(AirbornePosition, f64)>,
     place: Option<([f64; 2], f64)>,
@@ -104,15 +108,7 @@ impl Surveillance {
 
     /// Keeps a half of a position and gives the position if the other half is at hand.
     fn place(&mut self, address: u32, half: AirbornePosition, time_s: f64) -> Option<[f64; 2]> {
-        if !self.aircraft.contains_key(&address) && self.aircraft.len() >= MOST_AIRCRAFT {
-            self.aircraft
-                .retain(|_, heard| (time_s - heard.last_s).abs() < FORGET_S);
-            if self.aircraft.len() >= MOST_AIRCRAFT {
-                return None;
-            }
-        }
-        let heard = self.aircraft.entry(address).or_default();
-        heard.last_s = time_s;
+        let heard = self.aircraft.entry(address);
         let other = match half.parity {
             CPRFormat::Even => {
                 heard.even = Some((half, time_s));

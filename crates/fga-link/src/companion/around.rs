@@ -5,11 +5,14 @@ use fga::situation::{Obstacle, ProtectedVolume};
 use fga_formats::geodesy::Geodetic;
 
 use super::Companion;
+use crate::authority::Severity;
 use crate::config::{Config, VirtualObstacle};
 use crate::ownship::State;
 use crate::traffic::fence::{CEILING_ID, FLOOR_ID, layer};
-use crate::traffic::report::Quality;
-use crate::traffic::{Report, Source};
+use crate::traffic::report::{Quality, Sender};
+use crate::traffic::table::Wanted;
+use crate::traffic::threat::Ahead;
+use crate::traffic::{AltitudeReference, Report, Source};
 
 /// Identifier of the first virtual obstacle.
 pub(super) const FIRST_VIRTUAL_ID: usize = 1_000;
@@ -43,6 +46,10 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
     };
     let report = Report {
         source: Source::Virtual,
+        sender: Sender {
+            source: Source::Virtual,
+            number: 0,
+        },
         icao: 0,
         callsign: obstacle.name.clone(),
         place,
@@ -50,7 +57,8 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
         valid_s: 0.0,
         quality: Quality {
             position_m: 0.0,
-            geometric_altitude: true,
+            velocity_mps: 0.0,
+            altitude: AltitudeReference::MeanSeaLevel,
         },
     };
     Some((report, volume, 0.0))
@@ -86,14 +94,28 @@ impl Companion {
                 radius_m: protection.radius_m,
             },
         };
-        self.tracks.obstacles(
+        self.tracks.set_ahead(Ahead::new(
             at_s,
             own_m,
+            state.ground_velocity_mps,
+            &self.way.waypoints_m,
+        ));
+        let wanted = Wanted {
+            at_s,
+            own_m,
+            own_altitude_m: own_m.z + self.ownship.frame().map_or(0.0, |f| f.origin().altitude_m),
             within_m,
             volume,
-            MOST_TRACKS,
-            &mut self.obstacles,
-        );
+            most: MOST_TRACKS,
+        };
+        self.tracks.obstacles(&wanted, &mut self.obstacles);
+        if self.tracks.is_new_overload(now_s) {
+            self.tell(
+                Severity::Warning,
+                "fga: traffic overload, most urgent kept",
+                now_s,
+            );
+        }
         if self.config.safety.use_fence {
             self.fence.obstacles(own_m, &mut self.obstacles);
         }

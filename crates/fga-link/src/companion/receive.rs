@@ -4,9 +4,9 @@ use fga::avoider::{Reason, State as AvoiderState};
 use fga_formats::geodesy::LocalFrame;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
-    ATTITUDE_DATA, COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd,
-    MavMessage, MavMissionType, MavModeFlag, MavParamType, MavResult, MavType, PARAM_SET_DATA,
-    PARAM_VALUE_DATA, PING_DATA,
+    ATTITUDE_DATA, COMMAND_ACK_DATA, COMMAND_LONG_DATA, GPS_RAW_INT_DATA, GpsFixType,
+    HEARTBEAT_DATA, MavAutopilot, MavCmd, MavMessage, MavMissionType, MavModeFlag, MavParamType,
+    MavResult, MavType, PARAM_SET_DATA, PARAM_VALUE_DATA, PING_DATA,
 };
 use serde_json::json;
 
@@ -18,7 +18,7 @@ use crate::mode::Mode;
 use crate::number::single;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
-use crate::traffic::{Report, Source, fence};
+use crate::traffic::{Report, Sender, Source, fence};
 
 /// Name of the switch among this component's parameters.
 const ENABLE: &str = "FGA_ENABLE";
@@ -190,6 +190,15 @@ impl Companion {
             }
             MavMessage::VFR_HUD(data) => self.ownship.take_hud(data),
             MavMessage::WIND(data) => self.ownship.take_wind(data, now_s),
+            MavMessage::SCALED_PRESSURE(data) => {
+                if let Some(altitude_m) = self.ownship.altitude_m(now_s) {
+                    let hpa = f64::from(data.press_abs);
+                    self.tracks
+                        .levels_mut()
+                        .take_pressure(hpa, altitude_m, now_s);
+                }
+            }
+            MavMessage::GPS_RAW_INT(data) => self.take_geoid(data),
             MavMessage::PARAM_VALUE(data) => {
                 self.parameters.take(data);
             }
@@ -370,6 +379,18 @@ impl Companion {
         }
     }
 
+    /// A receiver that tells both altitudes tells the height of the geoid.
+    fn take_geoid(&mut self, data: &GPS_RAW_INT_DATA) {
+        let fixed = data.fix_type as u32 >= GpsFixType::GPS_FIX_TYPE_3D_FIX as u32;
+        // Zero: the extension field was not sent.
+        if fixed && data.alt_ellipsoid != 0 {
+            self.tracks.levels_mut().take_geoid(
+                f64::from(data.alt_ellipsoid) * 1e-3,
+                f64::from(data.alt) * 1e-3,
+            );
+        }
+    }
+
     fn take_adsb(
         &mut self,
         header: MavHeader,
@@ -382,8 +403,10 @@ impl Companion {
         } else {
             Source::Mavlink
         };
+        let system = u8::try_from(header.system_id).unwrap_or(u8::MAX);
+        let sender = Sender::mavlink(source, system, header.component_id);
         let sigma_m = self.config.traffic.position_sigma_m;
-        if let Some(report) = Report::from_adsb(data, source, now_s, sigma_m) {
+        if let Some(report) = Report::from_adsb(data, sender, now_s, sigma_m) {
             self.take_report(&report, now_s);
         }
     }

@@ -28,7 +28,7 @@ pub(super) struct Stream {
 /// Number of the message that prompts targets and decisions.
 const ATTITUDE: f32 = 30.0;
 /// The streams and their intervals; the heartbeat more often than usual, because it tells the mode.
-pub(super) const STREAMS: [Stream; 7] = [
+pub(super) const STREAMS: [Stream; 9] = [
     Stream {
         message_id: ATTITUDE,
         interval_s: 0.05,
@@ -57,6 +57,15 @@ pub(super) const STREAMS: [Stream; 7] = [
         message_id: 2.0,
         interval_s: 2.0,
     },
+    // The own pressure, for the heights of other aircraft, and the height of the geoid.
+    Stream {
+        message_id: 29.0,
+        interval_s: 0.5,
+    },
+    Stream {
+        message_id: 24.0,
+        interval_s: 2.0,
+    },
 ];
 /// A stream that was not heard for so long is asked for again, seconds.
 const STREAM_SILENT_S: f64 = 4.0;
@@ -71,6 +80,8 @@ pub(super) const fn stream_slot(message: &MavMessage) -> Option<usize> {
         MavMessage::WIND(_) => 4,
         MavMessage::MISSION_CURRENT(_) => 5,
         MavMessage::SYSTEM_TIME(_) => 6,
+        MavMessage::SCALED_PRESSURE(_) => 7,
+        MavMessage::GPS_RAW_INT(_) => 8,
         _ => return None,
     })
 }

@@ -4,13 +4,22 @@
 //! |---|---|
 //! | [`report`] | what did one message say? |
 //! | [`receiver`] | what do the receivers on the network say? |
-//! | [`table`] | which aircraft is it, where is it now, and how well is that known? |
+//! | [`table`] | which reports are of one aircraft, and which aircraft are kept? |
+//! | [`track`] | where is it now, and how well is that known? |
+//! | [`threat`] | which aircraft matter most? |
+//! | [`own`] | is it the vehicle's own transponder? |
+//! | [`vertical`] | how high is it above the same level as the vehicle? |
 //! | [`fence`] | which obstacles stand for the vehicle's fence, floor and ceiling? |
 
 pub mod fence;
+pub mod own;
 pub mod receiver;
 pub mod report;
 pub mod table;
+pub mod threat;
+pub mod track;
+pub mod vertical;
 
-pub use report::{Report, Source};
-pub use table::{Track, TrackTable};
+pub use report::{AltitudeReference, Report, Sender, Source};
+pub use table::TrackTable;
+pub use track::Track;

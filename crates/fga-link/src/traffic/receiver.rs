@@ -3,15 +3,14 @@
 use core::str::FromStr;
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
-use std::collections::HashMap;
 
 use fga::Vec3;
 use fga_formats::geodesy::Geodetic;
 #[cfg(feature = "beast")]
 use fga_formats::traffic::beast;
-use fga_formats::traffic::{Altitude, TrafficReport, sbs};
+use fga_formats::traffic::{Altitude, Generations, TrafficReport, sbs};
 
-use super::report::{Quality, Report, Source};
+use super::report::{AltitudeReference, Quality, Report, Sender, Source};
 use crate::endpoint::{Endpoint, Received, open};
 
 /// A receiver: `sbs:HOST:PORT` or `beast:HOST:PORT`.
@@ -54,8 +53,8 @@ impl FromStr for ReceiverEndpoint {
 
 /// A receiver without a word for this long is connected to again: the air may be empty.
 const SILENT: Duration = Duration::from_mins(1);
-/// Aircraft whose messages are joined; the one heard longest ago makes room.
-const MOST_AIRCRAFT: usize = 1024;
+/// Aircraft whose messages are joined; those not heard for longest make room.
+const MOST_AIRCRAFT: usize = 32_768;
 /// An altitude or a velocity is used with positions for so long, seconds.
 const PART_LIFETIME_S: f64 = 15.0;
 /// σ of a position without quality figures, metres.
@@ -66,7 +65,6 @@ const SIGMAS_IN_CONTAINMENT: f64 = 4.0;
 /// What is known of one aircraft between its messages.
 #[derive(Debug, Clone, Copy, Default)]
 struct Parts {
-    heard_s: f64,
     altitude: Option<(Altitude, f64)>,
     velocity_mps: Option<([f64; 2], f64)>,
     climb_mps: f64,
@@ -78,16 +76,21 @@ struct Parts {
 /// Joins messages that each hold a part (position, velocity, call sign) to whole reports.
 #[derive(Debug)]
 pub struct Joiner {
-    source: Source,
-    aircraft: HashMap<u32, Parts>,
+    sender: Sender,
+    aircraft: Generations<Parts>,
 }
 
 impl Joiner {
     /// Nothing heard yet.
     pub fn new(source: Source) -> Self {
+        Self::of(Sender { source, number: 0 })
+    }
+
+    /// The same for one of several receivers.
+    pub fn of(sender: Sender) -> Self {
         Self {
-            source,
-            aircraft: HashMap::new(),
+            sender,
+            aircraft: Generations::new(MOST_AIRCRAFT),
         }
     }
 
@@ -98,18 +101,7 @@ impl Joiner {
 
     /// Takes a message; gives a report where it held a position and the altitude is known.
     pub fn take(&mut self, message: &TrafficReport, now_s: f64) -> Option<Report> {
-        if !self.aircraft.contains_key(&message.address) && self.aircraft.len() >= MOST_AIRCRAFT {
-            let oldest = self
-                .aircraft
-                .iter()
-                .min_by(|a, b| a.1.heard_s.total_cmp(&b.1.heard_s));
-            let address = oldest.map(|(address, _)| *address);
-            if let Some(address) = address {
-                self.aircraft.remove(&address);
-            }
-        }
-        let parts = self.aircraft.entry(message.address).or_default();
-        parts.heard_s = now_s;
+        let parts = self.aircraft.entry(message.address);
         if let Some(altitude) = message.altitude {
             parts.altitude = Some((altitude, now_s));
         }
@@ -136,7 +128,8 @@ impl Joiner {
             .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S)
             .map(|([east, north], _)| Vec3::new(east, north, parts.climb_mps));
         Some(Report {
-            source: self.source,
+            source: self.sender.source,
+            sender: self.sender,
             icao: message.address,
             callsign: parts.callsign.map_or_else(String::new, |callsign| {
                 super::report::tidy_callsign(callsign.as_str())
@@ -146,7 +139,11 @@ impl Joiner {
             valid_s: now_s,
             quality: Quality {
                 position_m: parts.sigma_m.unwrap_or(UNKNOWN_SIGMA_M),
-                geometric_altitude: matches!(altitude, Altitude::Ellipsoid(_)),
+                velocity_mps: 0.0,
+                altitude: match altitude {
+                    Altitude::Pressure(_) => AltitudeReference::Pressure,
+                    Altitude::Ellipsoid(_) => AltitudeReference::Ellipsoid,
+                },
             },
         })
     }
@@ -162,7 +159,7 @@ pub fn read(
     mut take: impl FnMut(Report) -> bool,
 ) {
     let mut buffer = vec![0; 16_384];
-    let mut joiner = Joiner::new(endpoint.source);
+    let mut joiner = Joiner::of(Sender::receiver(endpoint.source, &endpoint.address));
     let mut lines = sbs::Stream::new();
     #[cfg(feature = "beast")]
     let mut frames = beast::Stream::new();
@@ -260,12 +257,10 @@ mod tests {
             ..place
         };
         assert!(joiner.take(&ground, 41.0).is_none());
-        for address in 0..5000 {
-            joiner.take(
-                &TrafficReport { address, ..place },
-                50.0 + f64::from(address),
-            );
+        for address in 0..200_000 {
+            joiner.take(&TrafficReport { address, ..place }, 50.0);
+            assert!(joiner.aircraft() <= MOST_AIRCRAFT);
         }
-        assert_eq!(joiner.aircraft(), MOST_AIRCRAFT);
+        assert!(joiner.aircraft() >= MOST_AIRCRAFT / 2);
     }
 }

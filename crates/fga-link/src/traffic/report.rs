@@ -34,13 +34,64 @@ impl Source {
     }
 }
 
+/// Who sent a report. Each sender has its own share of the table of tracks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Sender {
+    /// Kind of source.
+    pub source: Source,
+    /// System and component of a MAVLink message, or a number of the receiver.
+    pub number: u16,
+}
+
+impl Sender {
+    /// The sender of a MAVLink message.
+    pub const fn mavlink(source: Source, system: u8, component: u8) -> Self {
+        Self {
+            source,
+            number: u16::from_be_bytes([system, component]),
+        }
+    }
+
+    /// A receiver on the network at an address.
+    pub fn receiver(source: Source, address: &str) -> Self {
+        let number = address.bytes().fold(0x811C_u16, |number, byte| {
+            (number ^ u16::from(byte)).wrapping_mul(0x0193)
+        });
+        Self { source, number }
+    }
+}
+
+/// What tells one aircraft from another. Several tracks can have one key: an address is a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Key {
+    /// A 24-bit ICAO address.
+    Address(u32),
+    /// A call sign without an address, as one sender tells it.
+    Callsign(Sender, [u8; LONGEST_CALLSIGN]),
+    /// Neither: the place alone tells.
+    Unnamed(Sender),
+}
+
+/// What an altitude is measured from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AltitudeReference {
+    /// Mean sea level, measured by satellites.
+    MeanSeaLevel,
+    /// The WGS-84 ellipsoid.
+    Ellipsoid,
+    /// The pressure of 1013.25 hPa in the standard atmosphere.
+    Pressure,
+}
+
 /// How well a report knows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
     /// σ of the horizontal position along an axis, metres.
     pub position_m: f64,
-    /// Whether the altitude is geometric; a pressure altitude may be off by tens of metres.
-    pub geometric_altitude: bool,
+    /// σ of the velocity along an axis, metres per second; the position grows worse by it with age.
+    pub velocity_mps: f64,
+    /// What the altitude is measured from.
+    pub altitude: AltitudeReference,
 }
 
 /// What one message said.
@@ -48,11 +99,13 @@ pub struct Quality {
 pub struct Report {
     /// Where it came from.
     pub source: Source,
+    /// Who sent it.
+    pub sender: Sender,
     /// ICAO address; 0 where none was given.
     pub icao: u32,
     /// Call sign, without blanks.
     pub callsign: String,
-    /// Where; altitude above mean sea level.
+    /// Where; the altitude above what [`Quality::altitude`] says.
     pub place: Geodetic,
     /// Velocity east, north, up, metres per second; `None` where it was not given.
     pub velocity_mps: Option<Vec3>,
@@ -63,7 +116,7 @@ pub struct Report {
 }
 
 /// Longest call sign that is kept.
-const LONGEST_CALLSIGN: usize = 9;
+pub const LONGEST_CALLSIGN: usize = 9;
 
 /// A call sign without blanks and control characters, of bounded length.
 pub fn tidy_callsign(text: &str) -> String {
@@ -74,10 +127,25 @@ pub fn tidy_callsign(text: &str) -> String {
 }
 
 impl Report {
+    /// Which aircraft it claims to be of.
+    pub fn key(&self) -> Key {
+        if self.icao != 0 {
+            return Key::Address(self.icao);
+        }
+        if self.callsign.is_empty() {
+            return Key::Unnamed(self.sender);
+        }
+        let mut name = [0; LONGEST_CALLSIGN];
+        for (place, byte) in name.iter_mut().zip(self.callsign.bytes()) {
+            *place = byte;
+        }
+        Key::Callsign(self.sender, name)
+    }
+
     /// What an `ADSB_VEHICLE` message says; `None` without a usable position and altitude.
     pub fn from_adsb(
         data: &ADSB_VEHICLE_DATA,
-        source: Source,
+        sender: Sender,
         now_s: f64,
         position_sigma_m: f64,
     ) -> Option<Self> {
@@ -111,8 +179,10 @@ impl Report {
         });
         // "Time since last communication" counts whole seconds: 0 is fresh.
         let age_s = f64::from(data.tslc.min(60));
+        let geometric = data.altitude_type == AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC;
         Some(Self {
-            source,
+            source: sender.source,
+            sender,
             icao: data.ICAO_address & 0x00FF_FFFF,
             callsign: tidy_callsign(data.callsign.to_str().unwrap_or_default()),
             place,
@@ -120,8 +190,14 @@ impl Report {
             valid_s: now_s - age_s,
             quality: Quality {
                 position_m: position_sigma_m,
-                geometric_altitude: data.altitude_type
-                    == AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC,
+                velocity_mps: 0.0,
+                // Receivers fill in the transponder's pressure altitude, whatever the type's name
+                // says of QNH.
+                altitude: if geometric {
+                    AltitudeReference::MeanSeaLevel
+                } else {
+                    AltitudeReference::Pressure
+                },
             },
         })
     }

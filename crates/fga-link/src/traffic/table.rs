@@ -1,99 +1,61 @@
-//! Tracks: reports of the same aircraft joined, aged, carried forward, and merged.
+//! Tracks: reports of the same aircraft joined, aged, carried forward; the threatening ones kept.
+//!
+//! - Each sender has a share of the table. Within it the least urgent track makes room, never
+//!   another sender's.
+//! - Reports under one key that do not continue each other open a track each, a hypothesis. All of
+//!   them are avoided until one dies: its reports have ended while another of the same sender goes on.
+//! - Work for one report does not grow with the number of tracks, but for the choice of the least
+//!   urgent one, which is made among [`MOST_OF_A_SENDER`] at most.
+
+use alloc::collections::BTreeMap;
 
 use fga::Vec3;
 use fga::situation::{Movement, Obstacle, ObstacleKind, ProtectedVolume, Uncertainty};
 use fga_formats::geodesy::LocalFrame;
 
-use super::report::{Report, Source};
+use super::own::{self, Flown};
+use super::report::{Key, Report, Sender, Source};
+use super::threat::{Ahead, Reach, Urgency};
+use super::track::{Seen, Track, bit};
+use super::vertical::{Levels, Shift, taller};
 use crate::config::TrafficConfig;
 
-/// Most tracks that are kept; the one that was heard longest ago makes room.
-pub const MOST_TRACKS: usize = 512;
-/// A report farther than this from where the track should be is not smoothed but believed after
-/// two in a row, metres.
-const JUMP_M: f64 = 150.0;
-/// Part of the difference between report and prediction that is taken over.
-const SMOOTHING: f64 = 0.6;
+/// Most tracks of one sender.
+pub const MOST_OF_A_SENDER: usize = 512;
+/// Senders with a share of their own; all others have one together, the last.
+const MOST_SENDERS: usize = 8;
+/// Most tracks that are kept.
+pub const MOST_TRACKS: usize = MOST_OF_A_SENDER * MOST_SENDERS;
+/// Most hypotheses under one key, and under the key of what has no name.
+const MOST_HYPOTHESES: usize = 8;
+const MOST_UNNAMED: usize = 32;
 /// The autopilot's own list is not listened to where another source spoke of late, seconds.
 const BETTER_SOURCE_S: f64 = 3.0;
-/// Two tracks are one aircraft when they stay this close (horizontally, vertically, in velocity)
-/// for so long.
-const SAME_PLACE_M: f64 = 100.0;
-const SAME_HEIGHT_M: f64 = 60.0;
-const SAME_VELOCITY_MPS: f64 = 8.0;
-const SAME_FOR_S: f64 = 3.0;
-/// A received aircraft that flies inside the own one for so long is the own transponder.
-const OWN_PLACE_M: f64 = 40.0;
-const OWN_HEIGHT_M: f64 = 30.0;
-const OWN_VELOCITY_MPS: f64 = 5.0;
-const OWN_FOR_S: f64 = 8.0;
-/// An aircraft may turn or change speed by this, metres per second squared.
-const MANEUVER_MPS2: f64 = 1.5;
-/// σ of the position never grows beyond this, metres.
-const MOST_SIGMA_M: f64 = 150.0;
-/// Part of the age that is not counted: the message is that fresh anyway.
-const FRESH_S: f64 = 1.2;
+/// Its places are this late at most, seconds, and otherwise this far off, metres.
+const LIST_LATE_S: f64 = 4.0;
+const LIST_OFF_M: f64 = 60.0;
+/// A hypothesis whose reports have ended lives on for this long at least, seconds.
+const SILENT_S: f64 = 3.0;
+/// Reports that make a line of them.
+const LINE: u32 = 3;
+/// Overload is over after this long without, seconds.
+const OVERLOAD_S: f64 = 60.0;
 
-/// One aircraft.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Track {
-    /// Number in obstacles and logs; never used again.
-    pub id: u32,
-    /// ICAO address; 0 where unknown.
-    pub icao: u32,
-    /// Call sign; may be empty.
-    pub callsign: String,
-    /// Who reported last.
-    pub source: Source,
-    /// Whether it is the own transponder.
-    pub is_own: bool,
-    position_m: Vec3,
-    velocity_mps: Vec3,
-    has_velocity: bool,
-    valid_s: f64,
-    heard_s: f64,
-    sigma_m: f64,
-    geometric: bool,
-    jumps: u8,
-    last_report: (f64, Vec3),
-    own_since_s: Option<f64>,
-    twin: Option<(u32, f64)>,
-}
-
-impl Track {
-    /// Where it is at `at_s`, metres, local frame.
-    pub fn position_m(&self, at_s: f64) -> Vec3 {
-        self.position_m + self.velocity_mps * (at_s - self.valid_s)
-    }
-
-    /// Velocity over the ground, metres per second.
-    pub const fn velocity_mps(&self) -> Vec3 {
-        self.velocity_mps
-    }
-
-    /// Time since the last report was true, seconds.
-    pub fn age_s(&self, now_s: f64) -> f64 {
-        now_s - self.valid_s
-    }
-
-    /// σ of the position along an axis at `at_s`, metres: the report's, and what an aircraft may
-    /// do since.
-    pub fn sigma_m(&self, at_s: f64) -> f64 {
-        let age_s = (self.age_s(at_s) - FRESH_S).max(0.0);
-        // Half of a t² is the farthest; a third of it as the standard deviation.
-        (self.sigma_m + MANEUVER_MPS2 * age_s * age_s / 6.0).min(MOST_SIGMA_M)
-    }
-
-    /// Name for the operator: call sign, else address, else number.
-    pub fn name(&self) -> String {
-        if !self.callsign.is_empty() {
-            self.callsign.clone()
-        } else if self.icao != 0 {
-            format!("{:06X}", self.icao)
-        } else {
-            format!("#{}", self.id)
-        }
-    }
+/// Whom to list as obstacles.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted {
+    /// The moment, seconds.
+    pub at_s: f64,
+    /// Own position, metres.
+    pub own_m: Vec3,
+    /// Own altitude above mean sea level, metres.
+    pub own_altitude_m: f64,
+    /// Tracks farther away are left out, metres.
+    pub within_m: f64,
+    /// What is protected around each.
+    pub volume: ProtectedVolume,
+    /// Most of them.
+    pub most: usize,
 }
 
 /// All tracks.
@@ -103,6 +65,19 @@ pub struct TrackTable {
     own_icao: Option<u32>,
     own_callsign: Option<String>,
     tracks: Vec<Track>,
+    /// Places in `tracks` of all hypotheses under a key.
+    index: BTreeMap<Key, Vec<usize>>,
+    senders: [Option<(Sender, f64)>; MOST_SENDERS - 1],
+    shares: [usize; MOST_SENDERS],
+    flown: Flown,
+    ahead: Ahead,
+    levels: Levels,
+    /// Own height in the frame and own altitude above mean sea level, metres.
+    own_height_m: Option<(f64, f64)>,
+    /// What was last protected around each.
+    volume: ProtectedVolume,
+    overload_s: Option<f64>,
+    overload_told: bool,
     next_id: u32,
 }
 
@@ -117,18 +92,32 @@ impl TrackTable {
             own_icao,
             own_callsign: config.own_callsign.clone().filter(|name| !name.is_empty()),
             tracks: Vec::new(),
+            index: BTreeMap::new(),
+            senders: [None; MOST_SENDERS - 1],
+            shares: [0; MOST_SENDERS],
+            flown: Flown::default(),
+            ahead: Ahead::default(),
+            levels: Levels::default(),
+            own_height_m: None,
+            volume: ProtectedVolume::Sphere { radius_m: 0.0 },
+            overload_s: None,
+            overload_told: false,
             next_id: FIRST_ID,
         }
     }
 
-    /// The tracks.
+    /// The tracks, in no particular order.
     pub fn tracks(&self) -> &[Track] {
         &self.tracks
     }
 
-    /// Forgets all tracks.
+    /// Forgets all tracks: the local frame has changed.
     pub fn clear(&mut self) {
         self.tracks.clear();
+        self.index.clear();
+        self.shares = [0; MOST_SENDERS];
+        self.flown.clear();
+        self.ahead = Ahead::default();
     }
 
     /// The track with a number.
@@ -144,267 +133,345 @@ impl TrackTable {
             .reduce(f64::max)
     }
 
+    /// Where the levels lie that altitudes refer to.
+    pub const fn levels_mut(&mut self) -> &mut Levels {
+        &mut self.levels
+    }
+
+    /// The way that the vehicle flies from now on: what threatens follows from it.
+    pub fn set_ahead(&mut self, ahead: Ahead) {
+        self.ahead = ahead;
+    }
+
+    /// Whether there has been more traffic than is taken into account: `true` once, when it begins.
+    pub fn is_new_overload(&mut self, now_s: f64) -> bool {
+        let overloaded = self
+            .overload_s
+            .is_some_and(|at_s| now_s - at_s < OVERLOAD_S);
+        let is_new = overloaded && !self.overload_told;
+        self.overload_told = overloaded;
+        is_new
+    }
+
     /// Takes a report; `false` where it told nothing new.
     pub fn take(&mut self, report: &Report, frame: &LocalFrame, now_s: f64) -> bool {
         let position_m = frame.to_local_m(report.place);
-        let velocity = report
+        let velocity_mps = report
             .velocity_mps
             .map(|v| frame.velocity_mps(report.place, v));
         let fits = position_m.is_finite()
             && report.valid_s.is_finite()
-            && velocity.is_none_or(|v| v.is_finite() && v.length() < 2000.0);
+            && velocity_mps.is_none_or(|v| v.is_finite() && v.length() < 2000.0);
         if !fits || now_s - report.valid_s > self.drop_after_s {
             return false;
         }
-        if let Some(track) = self.find(report) {
-            if report.source == Source::AutopilotList
-                && track.source != Source::AutopilotList
-                && now_s - track.heard_s < BETTER_SOURCE_S
+        let seen = Seen {
+            valid_s: report.valid_s,
+            position_m,
+            velocity_mps,
+            quality: report.quality,
+            source: report.source,
+            slot: self.slot(report.sender, now_s),
+        };
+        let key = report.key();
+        if seen.source == Source::AutopilotList && self.is_known_better(key, &seen, now_s) {
+            return false;
+        }
+        let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
+        let best = members
+            .iter()
+            .filter_map(|place| {
+                let misfit = self.tracks.get(*place)?.misfit(&seen)?;
+                Some((*place, misfit))
+            })
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(place, _)| place);
+        if let Some(track) = best.and_then(|place| self.tracks.get_mut(place)) {
+            if track.callsign.is_empty() {
+                track.callsign.clone_from(&report.callsign);
+            }
+            if track.is_repetition(&seen, now_s) {
+                track.doubt(&seen);
+                return false;
+            }
+            return track.update(&seen, now_s);
+        }
+        for place in members {
+            if let Some(track) = self.tracks.get_mut(*place)
+                && track.is_repetition(&seen, now_s)
             {
                 return false;
             }
-            return update(track, report, position_m, velocity, now_s);
         }
-        let is_own = self.is_known_own(report);
-        if self.tracks.len() >= MOST_TRACKS {
-            let oldest = self
+        self.open(report, key, seen, now_s)
+    }
+
+    /// Whether a better source speaks of what the autopilot's list says, late.
+    fn is_known_better(&self, key: Key, seen: &Seen, now_s: f64) -> bool {
+        let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
+        members
+            .iter()
+            .filter_map(|place| self.tracks.get(*place))
+            .any(|track| {
+                let off = seen.position_m - track.position_m(now_s);
+                track.source != Source::AutopilotList
+                    && now_s - track.heard_s < BETTER_SOURCE_S
+                    && libm::hypot(off.x, off.y)
+                        < LIST_OFF_M + LIST_LATE_S * track.velocity_mps().length()
+            })
+    }
+
+    /// The share that a sender's tracks are counted in.
+    fn slot(&mut self, sender: Sender, now_s: f64) -> u8 {
+        let known = self
+            .senders
+            .iter()
+            .position(|known| known.is_some_and(|(other, _)| other == sender));
+        let free = || {
+            self.senders
+                .iter()
+                .zip(&self.shares)
+                .position(|(known, share)| {
+                    *share == 0
+                        && known.is_none_or(|(_, heard_s)| now_s - heard_s > self.drop_after_s)
+                })
+        };
+        let place = known.or_else(free);
+        if let Some(entry) = place.and_then(|place| self.senders.get_mut(place)) {
+            *entry = Some((sender, now_s));
+        }
+        let place = place.unwrap_or(MOST_SENDERS - 1);
+        u8::try_from(place).unwrap_or(u8::MAX)
+    }
+
+    /// Opens a track, if there is room or a less urgent one of the same sender.
+    fn open(&mut self, report: &Report, key: Key, seen: Seen, now_s: f64) -> bool {
+        let mut track = Track::new(self.next_id, report, seen, now_s);
+        track.keep_s = self.urgency(&track, now_s).keep_s();
+        let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
+        let most = match key {
+            Key::Unnamed(_) => MOST_UNNAMED,
+            _ => MOST_HYPOTHESES,
+        };
+        if members.len() >= most {
+            self.overload_s = Some(now_s);
+            // A line of reports is not given up for a single one.
+            let single = members
+                .iter()
+                .copied()
+                .filter(|place| self.tracks.get(*place).is_some_and(|t| t.hits < LINE))
+                .max_by(|a, b| self.kept_s(*a).total_cmp(&self.kept_s(*b)));
+            let Some(place) = single else { return false };
+            self.remove(place);
+        }
+        let slot = usize::from(seen.slot);
+        if self.shares.get(slot).is_none_or(|n| *n >= MOST_OF_A_SENDER) {
+            self.overload_s = Some(now_s);
+            let least = self
                 .tracks
                 .iter()
                 .enumerate()
-                .min_by(|a, b| a.1.heard_s.total_cmp(&b.1.heard_s))
-                .map(|(index, _)| index);
-            if let Some(index) = oldest {
-                self.tracks.swap_remove(index);
+                .filter(|(_, other)| other.slot == seen.slot)
+                .max_by(|a, b| a.1.keep_s.total_cmp(&b.1.keep_s))
+                .map(|(place, other)| (place, other.keep_s));
+            match least {
+                Some((place, keep_s)) if keep_s > track.keep_s => self.remove(place),
+                _ => return false,
             }
         }
-        let id = self.next_id;
         self.next_id = self.next_id.checked_add(1).unwrap_or(FIRST_ID);
-        self.tracks.push(Track {
-            id,
-            icao: report.icao,
-            callsign: report.callsign.clone(),
-            source: report.source,
-            is_own,
-            position_m,
-            velocity_mps: velocity.unwrap_or(Vec3::ZERO),
-            has_velocity: velocity.is_some(),
-            valid_s: report.valid_s,
-            heard_s: now_s,
-            sigma_m: report.quality.position_m,
-            geometric: report.quality.geometric_altitude,
-            jumps: 0,
-            last_report: (report.valid_s, position_m),
-            own_since_s: None,
-            twin: None,
-        });
+        if let Some(share) = self.shares.get_mut(slot) {
+            *share += 1;
+        }
+        self.index.entry(key).or_default().push(self.tracks.len());
+        self.tracks.push(track);
         true
     }
 
-    fn find(&mut self, report: &Report) -> Option<&mut Track> {
-        self.tracks.iter_mut().find(|track| {
-            if report.icao != 0 || track.icao != 0 {
-                report.icao == track.icao
-            } else {
-                // Without an address the call sign has to do.
-                !report.callsign.is_empty()
-                    && report.callsign == track.callsign
-                    && report.source == track.source
-            }
-        })
-    }
-
-    fn is_known_own(&self, report: &Report) -> bool {
-        (report.icao != 0 && Some(report.icao) == self.own_icao)
-            || (!report.callsign.is_empty() && self.own_callsign.as_ref() == Some(&report.callsign))
-    }
-
-    /// Drops what is too old, recognises the own transponder, merges what is one aircraft.
-    pub fn tidy(&mut self, now_s: f64, own: Option<(Vec3, Vec3)>) {
-        let drop_after_s = self.drop_after_s;
+    fn kept_s(&self, place: usize) -> f64 {
         self.tracks
-            .retain(|track| track.age_s(now_s) <= drop_after_s);
-        if let Some((own_m, own_mps)) = own {
-            for track in &mut self.tracks {
-                recognise_own(track, now_s, own_m, own_mps, self.own_icao);
+            .get(place)
+            .map_or(f64::INFINITY, |track| track.keep_s)
+    }
+
+    /// Takes a track out; the last one moves to its place.
+    fn remove(&mut self, place: usize) {
+        if place >= self.tracks.len() {
+            return;
+        }
+        let track = self.tracks.swap_remove(place);
+        if let Some(share) = self.shares.get_mut(usize::from(track.slot)) {
+            *share = share.saturating_sub(1);
+        }
+        if let Some(members) = self.index.get_mut(&track.key) {
+            members.retain(|member| *member != place);
+            if members.is_empty() {
+                self.index.remove(&track.key);
             }
         }
-        self.merge(now_s);
+        let from = self.tracks.len();
+        if let Some(moved) = self.tracks.get(place)
+            && let Some(members) = self.index.get_mut(&moved.key)
+        {
+            for member in members.iter_mut().filter(|member| **member == from) {
+                *member = place;
+            }
+        }
     }
 
-    fn merge(&mut self, now_s: f64) {
-        let places: Vec<(u32, u32, Source, Vec3, Vec3)> = self
+    /// Altitude of a track above what its altitudes refer to comes from the height in the frame: the
+    /// vehicle's own differs by as much as the places do.
+    fn shift(&self, track: &Track, height_m: f64, now_s: f64) -> Shift {
+        let (own_m, own_altitude_m) = self.own_height_m.unwrap_or((height_m, height_m));
+        let altitude_m = own_altitude_m + height_m - own_m;
+        self.levels.shift(
+            track.altitude_reference(),
+            altitude_m,
+            own_altitude_m,
+            now_s,
+        )
+    }
+
+    fn urgency(&self, track: &Track, now_s: f64) -> Urgency {
+        let mut position_m = track.position_m(now_s);
+        let shift = self.shift(track, position_m.z, now_s);
+        position_m.z -= shift.by_m;
+        let reach = Reach {
+            radius_m: self.volume.radius_m() + 2.0 * track.sigma_m(now_s),
+            half_height_m: self.volume.half_height_m() + shift.bound_m,
+        };
+        self.ahead
+            .urgency(position_m, track.velocity_mps(), now_s, reach)
+    }
+
+    /// Drops what is too old or contradicted, checks which track is the own transponder, and orders
+    /// the rest by urgency; `own` is the vehicle's position and velocity.
+    pub fn tidy(&mut self, now_s: f64, own: Option<(Vec3, Vec3)>) {
+        if let Some((own_m, own_mps)) = own {
+            self.flown.push(now_s, own_m, own_mps);
+        }
+        let mut place = 0;
+        while let Some(track) = self.tracks.get(place) {
+            if track.age_s(now_s) > self.drop_after_s || self.has_ended(track, now_s) {
+                self.remove(place);
+            } else {
+                place += 1;
+            }
+        }
+        for place in 0..self.tracks.len() {
+            let Some(track) = self.tracks.get(place) else {
+                break;
+            };
+            let keep_s = self.urgency(track, now_s).keep_s();
+            let height_m = track.last_seen().position_m.z;
+            let shift = self.shift(track, height_m, now_s);
+            let named = self.is_named_own(track);
+            if let Some(track) = self.tracks.get_mut(place) {
+                track.keep_s = keep_s;
+                check_own(track, &self.flown, shift, named, now_s);
+            }
+        }
+    }
+
+    /// Whether the reports of a hypothesis have ended while its sender's go on with another one.
+    fn has_ended(&self, track: &Track, now_s: f64) -> bool {
+        if now_s - track.heard_s < track.silence_s(SILENT_S) {
+            return false;
+        }
+        let members = self.index.get(&track.key).map_or(&[][..], Vec::as_slice);
+        members
+            .iter()
+            .filter_map(|place| self.tracks.get(*place))
+            .any(|other| {
+                let goes_on = other.id != track.id && other.heard_s > track.heard_s;
+                let same_sender = other.senders & bit(track.last_seen().slot) != 0;
+                // A single report is no line, whoever sent it.
+                goes_on && other.hits >= LINE && (same_sender || track.hits == 1)
+            })
+    }
+
+    /// Where the address is configured, only that aircraft can be the own one.
+    fn is_named_own(&self, track: &Track) -> Option<bool> {
+        let by_address = self.own_icao.filter(|_| track.icao != 0);
+        let by_callsign = self
+            .own_callsign
+            .as_ref()
+            .is_some_and(|own| *own == track.callsign);
+        match by_address {
+            Some(own) => Some(own == track.icao),
+            None if by_callsign => Some(true),
+            None => None,
+        }
+    }
+
+    /// The tracks as obstacles, at most `wanted.most`: those in conflict with the way ahead first, in
+    /// half of the places, then those that could be near soonest.
+    pub fn obstacles(&mut self, wanted: &Wanted, into: &mut Vec<Obstacle>) {
+        self.volume = wanted.volume;
+        self.own_height_m = Some((wanted.own_m.z, wanted.own_altitude_m));
+        let mut candidates: Vec<(Urgency, Obstacle)> = self
             .tracks
             .iter()
-            .map(|t| (t.id, t.icao, t.source, t.position_m(now_s), t.velocity_mps))
+            .filter(|track| !track.is_own())
+            .filter_map(|track| self.obstacle(track, wanted))
             .collect();
-        let mut gone = Vec::new();
-        for track in &mut self.tracks {
-            let here = track.position_m(now_s);
-            // Only an older track of another source takes this one over, and never one with an
-            // address of its own: two addresses are two aircraft, however close.
-            let twin = places.iter().find(|(id, icao, source, place, velocity)| {
-                let offset = *place - here;
-                *id < track.id
-                    && *source != track.source
-                    && (*icao == 0 || track.icao == 0)
-                    && libm::hypot(offset.x, offset.y) < SAME_PLACE_M
-                    && offset.z.abs() < SAME_HEIGHT_M
-                    && velocity.distance(track.velocity_mps) < SAME_VELOCITY_MPS
-            });
-            match (twin, track.twin) {
-                (None, _) => track.twin = None,
-                (Some(twin), Some((id, since_s))) if id == twin.0 => {
-                    if now_s - since_s >= SAME_FOR_S {
-                        gone.push((track.id, id, track.icao));
-                    }
-                }
-                (Some(twin), _) => track.twin = Some((twin.0, now_s)),
+        if candidates.len() > wanted.most {
+            self.overload_s = Some(wanted.at_s);
+            candidates.sort_by(|a, b| a.0.conflict_s.total_cmp(&b.0.conflict_s));
+            let firm = candidates
+                .iter()
+                .take(wanted.most / 2)
+                .take_while(|(urgency, _)| urgency.conflict_s.is_finite())
+                .count();
+            if let Some(rest) = candidates.get_mut(firm..) {
+                rest.sort_by(|a, b| a.0.reach_s.total_cmp(&b.0.reach_s));
             }
+            candidates.truncate(wanted.most);
         }
-        for (id, heir, icao) in gone {
-            if let Some(heir) = self.tracks.iter_mut().find(|track| track.id == heir)
-                && heir.icao == 0
-            {
-                heir.icao = icao;
-            }
-            self.tracks.retain(|track| track.id != id);
-        }
+        into.extend(candidates.into_iter().map(|(_, obstacle)| obstacle));
     }
 
-    /// The tracks as obstacles at `at_s`, nearest first, at most `most`.
-    pub fn obstacles(
-        &self,
-        at_s: f64,
-        own_m: Vec3,
-        within_m: f64,
-        volume: ProtectedVolume,
-        most: usize,
-        into: &mut Vec<Obstacle>,
-    ) {
-        let first = into.len();
-        for track in self.tracks.iter().filter(|track| !track.is_own) {
-            let position_m = track.position_m(at_s);
-            if position_m.distance_squared(own_m) > within_m * within_m {
-                continue;
-            }
-            let volume = if track.geometric {
-                volume
-            } else {
-                taller(&volume)
-            };
-            into.push(Obstacle {
-                id: track.id,
-                position_m,
-                velocity_mps: track.velocity_mps,
-                volume,
-                kind: ObstacleKind::Unknown,
-                uncertainty: Uncertainty {
-                    position_m: track.sigma_m(at_s),
-                    velocity_mps: 0.0,
-                },
-                // Whether it carries people is not known.
-                movement: Movement::CREWED,
-            });
+    fn obstacle(&self, track: &Track, wanted: &Wanted) -> Option<(Urgency, Obstacle)> {
+        let mut position_m = track.position_m(wanted.at_s);
+        let off = position_m - wanted.own_m;
+        if libm::hypot(off.x, off.y) > wanted.within_m {
+            return None;
         }
-        if let Some(new) = into.get_mut(first..)
-            && new.len() > most
-        {
-            new.sort_by(|a, b| {
-                let distance = |o: &Obstacle| o.position_m.distance_squared(own_m);
-                distance(a).total_cmp(&distance(b))
-            });
-            into.truncate(first + most);
+        let shift = self.shift(track, position_m.z, wanted.at_s);
+        position_m.z -= shift.by_m;
+        if (position_m.z - wanted.own_m.z).abs() > wanted.within_m + shift.bound_m {
+            return None;
         }
+        let obstacle = Obstacle {
+            id: track.id,
+            position_m,
+            velocity_mps: track.velocity_mps(),
+            volume: taller(&wanted.volume, shift.bound_m),
+            kind: ObstacleKind::Unknown,
+            movement: Movement::CREWED,
+            uncertainty: Uncertainty {
+                position_m: track.sigma_m(wanted.at_s),
+                velocity_mps: 0.0,
+            },
+        };
+        Some((self.urgency(track, wanted.at_s), obstacle))
     }
 }
 
-/// A pressure altitude is off by what the weather makes of it: a cylinder grows by that.
-fn taller(volume: &ProtectedVolume) -> ProtectedVolume {
-    const PRESSURE_ALTITUDE_M: f64 = 30.0;
-    match *volume {
-        ProtectedVolume::Sphere { .. } => *volume,
-        ProtectedVolume::Cylinder {
-            radius_m,
-            half_height_m,
-        } => ProtectedVolume::Cylinder {
-            radius_m,
-            half_height_m: half_height_m + PRESSURE_ALTITUDE_M,
-        },
-    }
-}
-
-fn recognise_own(track: &mut Track, now_s: f64, own_m: Vec3, own_mps: Vec3, own_icao: Option<u32>) {
-    // Where the own address is known, an aircraft with another one is another aircraft.
-    if track.is_own || track.source == Source::Virtual || (own_icao.is_some() && track.icao != 0) {
+fn check_own(track: &mut Track, flown: &Flown, shift: Shift, named: Option<bool>, now_s: f64) {
+    let is_other = named == Some(false) || track.source == Source::Virtual;
+    if is_other || track.checked {
         return;
     }
-    let offset = track.position_m(now_s) - own_m;
-    let inside = libm::hypot(offset.x, offset.y) < OWN_PLACE_M
-        && offset.z.abs() < OWN_HEIGHT_M
-        && track.velocity_mps.distance(own_mps) < OWN_VELOCITY_MPS;
-    if !inside {
-        track.own_since_s = None;
-        return;
-    }
-    let since_s = *track.own_since_s.get_or_insert(now_s);
-    track.is_own = now_s - since_s >= OWN_FOR_S;
-}
-
-fn update(
-    track: &mut Track,
-    report: &Report,
-    position_m: Vec3,
-    velocity: Option<Vec3>,
-    now_s: f64,
-) -> bool {
-    let (last_s, last_m) = track.last_report;
-    if report.valid_s < last_s - 0.5 {
-        return false;
-    }
-    // The same place again from something that moves is an old report sent again.
-    let moves = velocity.unwrap_or(track.velocity_mps).length() > 2.0;
-    if moves && position_m.distance(last_m) < 0.05 {
-        return false;
-    }
-    let predicted_m = track.position_m(report.valid_s);
-    let since_s = report.valid_s - last_s;
-    if track.callsign.is_empty() {
-        track.callsign.clone_from(&report.callsign);
-    }
-    match velocity {
-        Some(velocity) => track.velocity_mps = velocity,
-        None if !track.has_velocity && since_s > 0.3 => {
-            let seen = (position_m - last_m) / since_s;
-            if seen.length() < 1000.0 {
-                let known = track.velocity_mps != Vec3::ZERO;
-                let part = if known { 0.4 } else { 1.0 };
-                track.velocity_mps += (seen - track.velocity_mps) * part;
-            }
-        }
-        None => {}
-    }
-    track.has_velocity |= velocity.is_some();
-    track.last_report = (report.valid_s, position_m);
-    let off = position_m - predicted_m;
-    if off.length() > JUMP_M && track.jumps < 1 {
-        // One stray position is not believed, two are.
-        track.jumps += 1;
-        return false;
-    }
-    let smooth = off.length() <= JUMP_M && track.has_velocity && since_s < 3.0;
-    track.jumps = 0;
-    track.position_m = if smooth {
-        predicted_m + off * SMOOTHING
-    } else {
-        position_m
+    track.checked = true;
+    let last = track.last_seen();
+    let mut position_m = last.position_m;
+    position_m.z -= shift.by_m;
+    let seen = own::Seen {
+        valid_s: last.valid_s,
+        position_m,
+        velocity_mps: last.velocity_mps.unwrap_or_else(|| track.velocity_mps()),
+        height_bound_m: shift.bound_m,
     };
-    track.valid_s = report.valid_s.max(track.valid_s);
-    if smooth {
-        track.position_m += track.velocity_mps * (track.valid_s - report.valid_s);
-    }
-    track.heard_s = now_s;
-    track.source = report.source;
-    track.sigma_m = report.quality.position_m;
-    track.geometric = report.quality.geometric_altitude;
-    true
+    track.own.check(&seen, flown, named == Some(true), now_s);
 }

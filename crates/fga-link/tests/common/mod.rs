@@ -170,6 +170,32 @@ pub struct World {
     /// Every message the companion sent, with its time.
     pub sent: Vec<(f64, MavMessage)>,
     pub keep_sent: bool,
+    /// Reports tell pressure altitudes, in air with this pressure at sea level, hectopascals.
+    pub sea_level_hpa: Option<f64>,
+}
+
+/// What a transponder tells at an altitude: the height at which the standard atmosphere has the
+/// pressure of this air, in steps of 25 ft. By the barometric formula, layer by layer from the
+/// ground, so that it shares nothing with the program's.
+fn pressure_altitude_mm(altitude_mm: i32, sea_level_hpa: f64) -> i32 {
+    let (mut hpa, mut standard_hpa) = (sea_level_hpa, 1013.25);
+    let step_m = 0.1;
+    let fall = |hpa: f64, at_m: f64| hpa * 9.806_65 / (287.053 * (288.15 - 0.0065 * at_m)) * step_m;
+    let mut at_m = 0.0;
+    while at_m < f64::from(altitude_mm) * 1e-3 {
+        hpa -= fall(hpa, at_m);
+        at_m += step_m;
+    }
+    let mut pressure_m = 0.0;
+    while standard_hpa > hpa {
+        standard_hpa -= fall(standard_hpa, pressure_m);
+        pressure_m += step_m;
+    }
+    while standard_hpa < hpa {
+        standard_hpa += fall(standard_hpa, pressure_m);
+        pressure_m -= step_m;
+    }
+    ((pressure_m / 7.62).round() * 7620.0) as i32
 }
 
 /// A mission along these points; item 0 is home.
@@ -221,6 +247,7 @@ impl World {
             least_m: Vec::new(),
             sent: Vec::new(),
             keep_sent: false,
+            sea_level_hpa: None,
         }
     }
 
@@ -264,6 +291,11 @@ impl World {
                 message: message.clone(),
             });
         }
+    }
+
+    /// Sends a message to the companion as any system and component.
+    pub fn say_as(&mut self, ids: (u8, u8), message: &MavMessage) {
+        self.post(false, 3, ids, message);
     }
 
     /// Sends a message to the companion as a ground station.
@@ -326,8 +358,13 @@ impl World {
         }
     }
 
-    fn report(&self, index: usize) -> MavMessage {
-        let intruder = &self.intruders[index];
+    /// What a receiver says of an intruder now.
+    pub fn report(&self, index: usize) -> MavMessage {
+        self.report_of(&self.intruders[index])
+    }
+
+    /// What a receiver would say of an aircraft.
+    pub fn report_of(&self, intruder: &Intruder) -> MavMessage {
         let place = self.emulator.home().to_place(intruder.position_m);
         let [east, north, up] = intruder.velocity_mps;
         let heading = east.atan2(north).to_degrees().rem_euclid(360.0);
@@ -335,7 +372,9 @@ impl World {
             ICAO_address: intruder.icao,
             lat: place.latitude_e7,
             lon: place.longitude_e7,
-            altitude: place.altitude_mm,
+            altitude: self.sea_level_hpa.map_or(place.altitude_mm, |hpa| {
+                pressure_altitude_mm(place.altitude_mm, hpa)
+            }),
             heading: (heading * 100.0) as u16,
             hor_velocity: (east.hypot(north) * 100.0) as u16,
             ver_velocity: (up * 100.0) as i16,
@@ -344,7 +383,11 @@ impl World {
                 | AdsbFlags::ADSB_FLAGS_VALID_HEADING
                 | AdsbFlags::ADSB_FLAGS_VALID_VELOCITY
                 | AdsbFlags::ADSB_FLAGS_VERTICAL_VELOCITY_VALID,
-            altitude_type: AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC,
+            altitude_type: if self.sea_level_hpa.is_some() {
+                AdsbAltitudeType::ADSB_ALTITUDE_TYPE_PRESSURE_QNH
+            } else {
+                AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC
+            },
             callsign: "TEST".into(),
             ..ADSB_VEHICLE_DATA::DEFAULT
         })

@@ -1,0 +1,70 @@
+//! A bounded memory of aircraft.
+
+use std::collections::HashMap;
+
+/// What is remembered of each address, for a bounded number of them.
+///
+/// Two generations: what is used goes to the young one; when that is full, it becomes the old one,
+/// and what was in the old one is forgotten. Each call is a few look-ups, however many addresses the
+/// network invents, and an address in use is forgotten only when half the bound of others came
+/// between two of its messages.
+#[derive(Debug, Clone, Default)]
+pub struct Generations<T> {
+    half: usize,
+    young: HashMap<u32, T>,
+    old: HashMap<u32, T>,
+}
+
+impl<T: Default> Generations<T> {
+    /// Empty, for at most `most` addresses.
+    pub fn new(most: usize) -> Self {
+        Self {
+            half: (most / 2).max(1),
+            young: HashMap::new(),
+            old: HashMap::new(),
+        }
+    }
+
+    /// Addresses held.
+    pub fn len(&self) -> usize {
+        self.young.len() + self.old.len()
+    }
+
+    /// Whether none is held.
+    pub fn is_empty(&self) -> bool {
+        self.young.is_empty() && self.old.is_empty()
+    }
+
+    /// What is remembered of an address; the default where nothing is.
+    pub fn entry(&mut self, address: u32) -> &mut T {
+        if !self.young.contains_key(&address) && self.young.len() >= self.half {
+            self.old = core::mem::take(&mut self.young);
+        }
+        let Self { young, old, .. } = self;
+        young
+            .entry(address)
+            .or_insert_with(|| old.remove(&address).unwrap_or_default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Generations;
+
+    #[test]
+    fn an_address_in_use_survives_a_flood() {
+        let mut memory: Generations<u32> = Generations::new(100);
+        *memory.entry(7) = 1;
+        for address in 1000..2000 {
+            *memory.entry(address) = 2;
+            if address % 40 == 0 {
+                assert_eq!(*memory.entry(7), 1);
+            }
+            assert!(memory.len() <= 100);
+        }
+        for address in 1000..1200 {
+            memory.entry(address);
+        }
+        assert_eq!(*memory.entry(7), 0, "forgotten");
+    }
+}

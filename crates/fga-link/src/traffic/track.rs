@@ -1,0 +1,376 @@
+//! One aircraft as one line of reports tells it: carried forward, smoothed, aged.
+//!
+//! An address is a claim. Where two lines of reports claim one address, there are two tracks, and
+//! each report moves the one that it continues; see [`super::table`].
+
+use alloc::collections::VecDeque;
+
+use fga::Vec3;
+
+use super::own::Belief;
+use super::report::{AltitudeReference, Key, Quality, Report, Source};
+
+/// A report continues a track that is this far from it, metres, …
+const GATE_M: f64 = 25.0;
+/// … plus so many σ, …
+const GATE_SIGMAS: f64 = 3.0;
+/// … plus what it flies while a message is on its way, seconds, …
+const GATE_DELAY_S: f64 = 0.6;
+/// … plus what a turn makes of the time between, metres per second squared …
+const GATE_MPS2: f64 = 5.0;
+/// … where the velocity is known; else this speed, metres per second.
+const GATE_UNKNOWN_MPS: f64 = 120.0;
+/// The same for heights, metres and metres per second, …
+const GATE_HEIGHT_M: f64 = 40.0;
+const GATE_CLIMB_MPS: f64 = 20.0;
+/// … and for velocities, metres per second and metres per second squared.
+const GATE_VELOCITY_MPS: f64 = 15.0;
+const GATE_TURN_MPS2: f64 = 10.0;
+/// Part of the difference between report and prediction that is taken over.
+const SMOOTHING: f64 = 0.6;
+/// Part of the mean square of these differences that is remembered with each report.
+const REMEMBERED: f64 = 0.7;
+/// An aircraft may turn or change speed by this, metres per second squared.
+const MANEUVER_MPS2: f64 = 1.5;
+/// Age makes σ of the position no larger than this, metres.
+const MOST_SIGMA_M: f64 = 150.0;
+/// Part of the age that is not counted: the message is that fresh anyway, seconds.
+const FRESH_S: f64 = 1.2;
+/// Reports remembered to know a repetition, and for how long, seconds.
+const MOST_REMEMBERED: usize = 24;
+const REMEMBERED_S: f64 = 10.0;
+/// A repetition lies this near to the way that was reported, metres, with this velocity, metres per
+/// second.
+const REPEATED_M: f64 = 3.0;
+const REPEATED_MPS: f64 = 1.0;
+/// Repetitions alone for so long are no repetitions, seconds.
+const REPEATED_FOR_S: f64 = 3.0;
+/// Slower than this, metres per second, an aircraft may well be where it was.
+const MOVES_MPS: f64 = 2.0;
+/// An altitude above the sea counts for so long before a pressure altitude replaces it, seconds.
+const BETTER_HEIGHT_S: f64 = 3.0;
+/// The usual time between reports is not taken for longer than this, seconds.
+const LONGEST_INTERVAL_S: f64 = 5.0;
+
+/// A report in the local frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Seen {
+    pub valid_s: f64,
+    pub position_m: Vec3,
+    pub velocity_mps: Option<Vec3>,
+    pub quality: Quality,
+    pub source: Source,
+    /// Place of the sender in the table of senders.
+    pub slot: u8,
+}
+
+/// One aircraft.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    /// Number in obstacles and logs; never used again.
+    pub id: u32,
+    /// ICAO address; 0 where unknown.
+    pub icao: u32,
+    /// Call sign; may be empty.
+    pub callsign: String,
+    /// Who reported last.
+    pub source: Source,
+    pub(super) key: Key,
+    pub(super) own: Belief,
+    /// The sender that opened it, and all that have continued it, as bits.
+    pub(super) slot: u8,
+    pub(super) senders: u8,
+    /// Reports that continued it.
+    pub(super) hits: u32,
+    pub(super) heard_s: f64,
+    /// What decides whether it is kept, seconds.
+    pub(super) keep_s: f64,
+    /// Whether the last report was compared with the own way.
+    pub(super) checked: bool,
+    position_m: Vec3,
+    velocity_mps: Vec3,
+    has_velocity: bool,
+    valid_s: f64,
+    interval_s: f64,
+    quality: Quality,
+    residual_m2: f64,
+    height_s: f64,
+    last: Seen,
+    reported: VecDeque<(f64, Vec3, Vec3)>,
+    repeated_since_s: Option<f64>,
+}
+
+impl Track {
+    /// A track that begins with a report.
+    pub(super) fn new(id: u32, report: &Report, seen: Seen, now_s: f64) -> Self {
+        let mut track = Self {
+            id,
+            icao: report.icao,
+            callsign: report.callsign.clone(),
+            source: report.source,
+            key: report.key(),
+            own: Belief::default(),
+            slot: seen.slot,
+            senders: bit(seen.slot),
+            hits: 1,
+            heard_s: now_s,
+            keep_s: f64::INFINITY,
+            checked: false,
+            position_m: seen.position_m,
+            velocity_mps: seen.velocity_mps.unwrap_or(Vec3::ZERO),
+            has_velocity: seen.velocity_mps.is_some(),
+            valid_s: seen.valid_s,
+            interval_s: 1.0,
+            quality: seen.quality,
+            residual_m2: 0.0,
+            height_s: seen.valid_s,
+            last: seen,
+            reported: VecDeque::new(),
+            repeated_since_s: None,
+        };
+        track.remember(&seen);
+        track
+    }
+
+    /// Where it is at `at_s`, metres, local frame; its height above what its altitudes refer to.
+    pub fn position_m(&self, at_s: f64) -> Vec3 {
+        self.position_m + self.velocity_mps * (at_s - self.valid_s)
+    }
+
+    /// Velocity over the ground, metres per second.
+    pub const fn velocity_mps(&self) -> Vec3 {
+        self.velocity_mps
+    }
+
+    /// What its altitudes refer to.
+    pub const fn altitude_reference(&self) -> AltitudeReference {
+        self.quality.altitude
+    }
+
+    /// Whether it is believed to be the own transponder.
+    pub const fn is_own(&self) -> bool {
+        self.own.holds()
+    }
+
+    /// Time since the last report was true, seconds.
+    pub fn age_s(&self, now_s: f64) -> f64 {
+        now_s - self.valid_s
+    }
+
+    /// σ of the position along an axis at `at_s`, metres: what the report says of itself, how far
+    /// reports have been from their prediction, and what an aircraft may do since.
+    pub fn sigma_m(&self, at_s: f64) -> f64 {
+        let age_s = self.age_s(at_s).max(0.0);
+        let drift_m = self.quality.velocity_mps * age_s;
+        let reported_m = libm::sqrt(
+            self.quality.position_m * self.quality.position_m
+                + self.residual_m2
+                + drift_m * drift_m,
+        );
+        let since_s = (age_s - FRESH_S).max(0.0);
+        // Half of a t² is the farthest; a third of it as the standard deviation.
+        let grown_m = reported_m + MANEUVER_MPS2 * since_s * since_s / 6.0;
+        grown_m.min(MOST_SIGMA_M.max(self.quality.position_m))
+    }
+
+    /// Name for the operator: call sign, else address, else number.
+    pub fn name(&self) -> String {
+        if !self.callsign.is_empty() {
+            self.callsign.clone()
+        } else if self.icao != 0 {
+            format!("{:06X}", self.icao)
+        } else {
+            format!("#{}", self.id)
+        }
+    }
+
+    /// The last report, and whether its velocity was told.
+    pub(super) const fn last_seen(&self) -> &Seen {
+        &self.last
+    }
+
+    /// After this time without a report the line of reports has ended where another one of the same
+    /// sender goes on, seconds.
+    pub(super) fn silence_s(&self, least_s: f64) -> f64 {
+        least_s.max(3.0 * self.interval_s)
+    }
+
+    /// How badly a report continues this track, from 0 to 1; `None` where it does not.
+    pub(super) fn misfit(&self, seen: &Seen) -> Option<f64> {
+        let apart_s = (seen.valid_s - self.valid_s).abs();
+        let off = seen.position_m - self.position_m(seen.valid_s);
+        let speed_mps = self.velocity_mps.length();
+        let moved_m = if self.has_velocity || self.hits > 1 {
+            // No turn takes it farther than it flies.
+            (0.5 * GATE_MPS2 * apart_s * apart_s).min(2.0 * (speed_mps + 10.0) * apart_s)
+        } else {
+            GATE_UNKNOWN_MPS * apart_s
+        };
+        let sigma_m = self.quality.position_m.max(seen.quality.position_m);
+        let gate_m = GATE_M + GATE_SIGMAS * sigma_m + speed_mps * GATE_DELAY_S + moved_m;
+        let mut misfit = libm::hypot(off.x, off.y) / gate_m;
+        if seen.quality.altitude == self.quality.altitude {
+            misfit = misfit.max(off.z.abs() / (GATE_HEIGHT_M + GATE_CLIMB_MPS * apart_s));
+        }
+        if let Some(velocity_mps) = seen.velocity_mps
+            && self.has_velocity
+        {
+            let turned = velocity_mps.distance(self.velocity_mps);
+            misfit = misfit.max(turned / (GATE_VELOCITY_MPS + GATE_TURN_MPS2 * apart_s));
+        }
+        (misfit <= 1.0).then_some(misfit)
+    }
+
+    /// Whether a report says only what this track's reports have said before: sent again, or late by
+    /// a detour. Such a report tells nothing, unless nothing else comes.
+    pub(super) fn is_repetition(&mut self, seen: &Seen, now_s: f64) -> bool {
+        if !self.repeats(seen) {
+            return false;
+        }
+        if now_s - self.heard_s < REPEATED_FOR_S {
+            self.repeated_since_s = None;
+            return true;
+        }
+        let since_s = *self.repeated_since_s.get_or_insert(now_s);
+        now_s - since_s < REPEATED_FOR_S
+    }
+
+    /// A repetition near the track does not move it, but it may be the truth and the others late.
+    pub(super) fn doubt(&mut self, seen: &Seen) {
+        let off = seen.position_m - self.position_m(seen.valid_s);
+        let off_m2 = off.x * off.x + off.y * off.y;
+        self.residual_m2 = REMEMBERED * self.residual_m2 + (1.0 - REMEMBERED) * off_m2;
+    }
+
+    fn repeats(&self, seen: &Seen) -> bool {
+        let velocity_mps = seen.velocity_mps.unwrap_or(self.velocity_mps);
+        if velocity_mps.length() <= MOVES_MPS {
+            return false;
+        }
+        let same_height = seen.quality.altitude == self.last.quality.altitude;
+        let flat = |offset: Vec3| {
+            if same_height {
+                offset
+            } else {
+                Vec3::new(offset.x, offset.y, 0.0)
+            }
+        };
+        if flat(seen.position_m - self.last.position_m).length() < 0.05 {
+            return true;
+        }
+        // Along the way that was reported, behind its end.
+        let behind = self.reported.iter().zip(self.reported.iter().skip(1));
+        for ((from_s, from_m, from_mps), (to_s, to_m, _)) in behind {
+            let way = flat(*to_m - *from_m);
+            let length2 = way.length_squared();
+            if to_s - from_s > 3.0 || length2 < 1.0 {
+                continue;
+            }
+            let part = (flat(seen.position_m - *from_m).dot(way) / length2).clamp(0.0, 1.0);
+            let near = flat(seen.position_m - (*from_m + way * part)).length() < REPEATED_M;
+            let is_end = self
+                .reported
+                .back()
+                .is_some_and(|(_, end_m, _)| flat(seen.position_m - *end_m).length() < REPEATED_M);
+            let same_velocity = seen
+                .velocity_mps
+                .is_none_or(|v| v.distance(*from_mps) < REPEATED_MPS);
+            if near && !is_end && same_velocity {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Takes a report that continues this track; `false` where it is older than what is known.
+    pub(super) fn update(&mut self, seen: &Seen, now_s: f64) -> bool {
+        // Another sender's clock may differ.
+        if seen.slot == self.last.slot && seen.valid_s < self.last.valid_s - 0.5 {
+            return false;
+        }
+        let since_s = seen.valid_s - self.last.valid_s;
+        let off = seen.position_m - self.position_m(seen.valid_s);
+        self.take_velocity(seen, since_s);
+        let new_height = seen.quality.altitude != self.quality.altitude;
+        let better_height = self.quality.altitude == AltitudeReference::MeanSeaLevel
+            && seen.valid_s - self.height_s < BETTER_HEIGHT_S;
+        let smooth = self.has_velocity && since_s.abs() < 3.0;
+        let predicted_m = self.position_m(seen.valid_s);
+        let mut position_m = if smooth {
+            seen.position_m - off * (1.0 - SMOOTHING)
+        } else {
+            seen.position_m
+        };
+        if new_height {
+            position_m.z = if better_height {
+                predicted_m.z
+            } else {
+                seen.position_m.z
+            };
+        }
+        if self.hits > 1 || self.has_velocity {
+            let off_m2 = off.x * off.x + off.y * off.y;
+            self.residual_m2 = REMEMBERED * self.residual_m2 + (1.0 - REMEMBERED) * off_m2;
+        }
+        let valid_s = seen.valid_s.max(self.valid_s);
+        self.position_m = position_m + self.velocity_mps * (valid_s - seen.valid_s);
+        self.valid_s = valid_s;
+        let altitude = if new_height && better_height {
+            self.quality.altitude
+        } else {
+            self.height_s = seen.valid_s;
+            seen.quality.altitude
+        };
+        self.quality = Quality {
+            altitude,
+            ..seen.quality
+        };
+        let heard_after_s = (now_s - self.heard_s).clamp(0.0, LONGEST_INTERVAL_S);
+        self.interval_s += 0.2 * (heard_after_s - self.interval_s);
+        self.heard_s = now_s;
+        self.source = seen.source;
+        self.senders |= bit(seen.slot);
+        self.hits = self.hits.saturating_add(1);
+        self.checked = false;
+        self.repeated_since_s = None;
+        self.last = *seen;
+        self.remember(seen);
+        true
+    }
+
+    /// The velocity as told, or from the places.
+    fn take_velocity(&mut self, seen: &Seen, since_s: f64) {
+        match seen.velocity_mps {
+            Some(velocity_mps) => {
+                self.velocity_mps = velocity_mps;
+                self.has_velocity = true;
+            }
+            None if !self.has_velocity && since_s > 0.3 => {
+                let flown_mps = (seen.position_m - self.last.position_m) / since_s;
+                if flown_mps.length() < 1000.0 {
+                    let part = if self.hits > 1 { 0.4 } else { 1.0 };
+                    self.velocity_mps += (flown_mps - self.velocity_mps) * part;
+                }
+            }
+            None => {}
+        }
+    }
+
+    fn remember(&mut self, seen: &Seen) {
+        let velocity_mps = seen.velocity_mps.unwrap_or(self.velocity_mps);
+        self.reported
+            .push_back((seen.valid_s, seen.position_m, velocity_mps));
+        while self.reported.len() > MOST_REMEMBERED
+            || self
+                .reported
+                .front()
+                .is_some_and(|(at_s, ..)| seen.valid_s - at_s > REMEMBERED_S)
+        {
+            self.reported.pop_front();
+        }
+    }
+}
+
+pub(super) const fn bit(slot: u8) -> u8 {
+    1 << (slot % 8)
+}

@@ -1,0 +1,190 @@
+//! How high is it above the same level as the vehicle?
+//!
+//! A pressure altitude counts from 1013.25 hPa, wherever that pressure is today: 302 m below the
+//! sea at 1050 hPa, 540 m above at 950 hPa. The vehicle's own pressure tells where it is here, and
+//! pressures compare with pressures. Without it the level is bounded by these two.
+
+use fga::situation::ProtectedVolume;
+
+use super::report::AltitudeReference;
+
+/// Pressure of the reference level, hectopascals.
+const STANDARD_HPA: f64 = 1013.25;
+/// The standard atmosphere below 11 km: 288.15 K / 6.5 K/km, metres, and R·L/(g·M).
+const SCALE_M: f64 = 44_330.77;
+const EXPONENT: f64 = 0.190_263;
+/// Pressures at sea level that occur, hectopascals: `docs/how-to-arduplane.md` states them.
+const QNH_HPA: [f64; 2] = [950.0, 1050.0];
+/// What two altimeters at one place may differ by, metres: a transponder's 75 ft, rounding included.
+const ALTIMETERS_M: f64 = 25.0;
+/// Part of a height by which air of another temperature than the standard atmosphere's deceives.
+const TEMPERATURE: f64 = 0.1;
+/// A comparison with the vehicle's pressure counts for this long, seconds: the weather changes by
+/// 3 hPa in an hour at most.
+const LIFETIME_S: f64 = 600.0;
+/// Part of the difference between two comparisons that is taken over.
+const SMOOTHING: f64 = 0.2;
+/// The geoid lies between these heights above the ellipsoid, metres.
+const GEOID_M: [f64; 2] = [-107.0, 86.0];
+
+/// Altitude in the standard atmosphere, metres above 1013.25 hPa, where the pressure is
+/// `pressure_hpa`, hectopascals; `None` outside of 100 to 1100 hPa.
+pub fn pressure_altitude_m(pressure_hpa: f64) -> Option<f64> {
+    (100.0..=1100.0)
+        .contains(&pressure_hpa)
+        .then(|| SCALE_M * (1.0 - libm::pow(pressure_hpa / STANDARD_HPA, EXPONENT)))
+}
+
+/// What is subtracted from an altitude to get one above mean sea level, metres, and by how much
+/// that may be wrong.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shift {
+    /// Subtracted, metres.
+    pub by_m: f64,
+    /// Largest error, metres.
+    pub bound_m: f64,
+}
+
+/// Where the reference levels lie.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Levels {
+    /// Pressure altitude less altitude above mean sea level at the vehicle, metres; when, seconds.
+    pressure: Option<(f64, f64)>,
+    /// Height of the geoid above the ellipsoid at the vehicle, metres.
+    geoid_m: Option<f64>,
+}
+
+impl Levels {
+    /// Takes the vehicle's static pressure, hectopascals, at its altitude above mean sea level.
+    pub fn take_pressure(&mut self, pressure_hpa: f64, altitude_m: f64, now_s: f64) {
+        let Some(pressure_m) = pressure_altitude_m(pressure_hpa) else {
+            return;
+        };
+        let new_m = pressure_m - altitude_m;
+        let [low_m, high_m] = pressure_range_m(altitude_m);
+        // A sensor that says what no weather makes is broken.
+        if !(low_m..=high_m).contains(&new_m) {
+            return;
+        }
+        let kept = self.pressure.filter(|(_, at_s)| now_s - at_s < LIFETIME_S);
+        let value_m = kept.map_or(new_m, |(old_m, _)| old_m + SMOOTHING * (new_m - old_m));
+        self.pressure = Some((value_m, now_s));
+    }
+
+    /// Takes altitudes of one place above the ellipsoid and above mean sea level, metres.
+    pub fn take_geoid(&mut self, ellipsoid_m: f64, sea_level_m: f64) {
+        let geoid_m = ellipsoid_m - sea_level_m;
+        if (GEOID_M[0]..=GEOID_M[1]).contains(&geoid_m) {
+            self.geoid_m = Some(geoid_m);
+        }
+    }
+
+    /// The shift of an altitude that is `above_m` metres above the vehicle.
+    pub fn shift(
+        &self,
+        reference: AltitudeReference,
+        altitude_m: f64,
+        own_m: f64,
+        now_s: f64,
+    ) -> Shift {
+        let middle = |[low, high]: [f64; 2]| Shift {
+            by_m: 0.5 * (low + high),
+            bound_m: 0.5 * (high - low),
+        };
+        match reference {
+            AltitudeReference::MeanSeaLevel => Shift {
+                by_m: 0.0,
+                bound_m: 0.0,
+            },
+            AltitudeReference::Ellipsoid => self
+                .geoid_m
+                .map_or(middle(GEOID_M), |by_m| Shift { by_m, bound_m: 5.0 }),
+            AltitudeReference::Pressure => {
+                match self.pressure.filter(|(_, at_s)| now_s - at_s < LIFETIME_S) {
+                    Some((by_m, _)) => Shift {
+                        by_m,
+                        bound_m: ALTIMETERS_M + TEMPERATURE * (altitude_m - by_m - own_m).abs(),
+                    },
+                    None => middle(pressure_range_m(altitude_m)),
+                }
+            }
+        }
+    }
+}
+
+/// What a pressure altitude may exceed the true one by, metres, at an altitude.
+fn pressure_range_m(altitude_m: f64) -> [f64; 2] {
+    let at = |hpa| pressure_altitude_m(hpa).unwrap_or(0.0);
+    let temperature_m = ALTIMETERS_M + TEMPERATURE * altitude_m.abs();
+    let [lowest_hpa, highest_hpa] = QNH_HPA;
+    [
+        at(highest_hpa) - temperature_m,
+        at(lowest_hpa) + temperature_m,
+    ]
+}
+
+/// The volume that holds `volume` at every height within `bound_m` of its own.
+pub fn taller(volume: &ProtectedVolume, bound_m: f64) -> ProtectedVolume {
+    if bound_m <= 0.0 {
+        return *volume;
+    }
+    ProtectedVolume::Cylinder {
+        radius_m: volume.radius_m(),
+        half_height_m: volume.half_height_m() + bound_m,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// U.S. Standard Atmosphere 1976, table I: geometric altitude and pressure.
+    #[test]
+    fn pressure_altitudes_are_those_of_the_standard_atmosphere() {
+        for (altitude_m, hpa) in [(0.0, 1013.25), (1000.0, 898.76), (3000.0, 701.21)] {
+            let computed_m = pressure_altitude_m(hpa).unwrap();
+            // The table counts geometric metres: 3,000 of them are 2,998.6 geopotential ones.
+            assert!((computed_m - altitude_m).abs() < 2.0, "{computed_m}");
+        }
+        assert_eq!(pressure_altitude_m(f64::NAN), None);
+        assert_eq!(pressure_altitude_m(0.0), None);
+    }
+
+    #[test]
+    fn pressure_compares_with_pressure() {
+        let mut levels = Levels::default();
+        let unknown = levels.shift(AltitudeReference::Pressure, 100.0, 104.0, 0.0);
+        assert!(unknown.by_m - unknown.bound_m < -300.0);
+        assert!(unknown.by_m + unknown.bound_m > 540.0);
+        // 990 hPa at the sea is a pressure altitude of 195.3 m.
+        let pressure_hpa = 990.0 * libm::pow(1.0 - 104.0 / SCALE_M, 1.0 / EXPONENT);
+        levels.take_pressure(pressure_hpa, 104.0, 1.0);
+        let known = levels.shift(AltitudeReference::Pressure, 300.0, 104.0, 2.0);
+        assert!((known.by_m - 195.0).abs() < 2.0, "{known:?}");
+        assert!(known.bound_m < 30.0);
+        // A blocked port says nothing.
+        levels.take_pressure(300.0, 104.0, 2.0);
+        assert!(
+            (levels
+                .shift(AltitudeReference::Pressure, 300.0, 104.0, 2.0)
+                .by_m
+                - known.by_m)
+                .abs()
+                < 1e-9
+        );
+        assert!(
+            levels
+                .shift(AltitudeReference::Pressure, 300.0, 104.0, 700.0)
+                .bound_m
+                > 400.0
+        );
+    }
+
+    #[test]
+    fn a_sphere_becomes_a_cylinder_that_holds_it_at_every_height() {
+        let sphere = ProtectedVolume::Sphere { radius_m: 60.0 };
+        let taller = taller(&sphere, 30.0);
+        assert_eq!(taller.radius_m(), 60.0);
+        assert_eq!(taller.half_height_m(), 90.0);
+    }
+}

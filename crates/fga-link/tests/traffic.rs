@@ -1,0 +1,383 @@
+//! Traffic that deceives or overwhelms: the aircraft that threatens is avoided all the same.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a bench with small numbers"
+)]
+
+extern crate alloc;
+
+mod common;
+
+use alloc::collections::VecDeque;
+
+use common::{GOOD, Intruder, Random, World};
+use fga_emulator::Mode;
+use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, MavMessage};
+
+/// Protected by default, metres.
+const PROTECTED_M: f64 = 60.0;
+const INTRUDER: u32 = 0x00AB_CDEF;
+/// The receiver that tells of the true intruder.
+const RECEIVER: (u8, u8) = (200, 156);
+
+/// A head-on intruder that meets the aircraft after a minute.
+fn head_on() -> World {
+    let mut world = World::new("", GOOD, 3);
+    let mut intruder = Intruder::straight(INTRUDER, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
+    intruder.shown_m = 1200.0;
+    world.add(intruder);
+    world
+}
+
+/// Flies on until the encounter is over, with something said in each step.
+fn fly(world: &mut World, until_s: f64, mut say: impl FnMut(&mut World)) {
+    while world.time_s < until_s {
+        say(world);
+        world.step();
+    }
+}
+
+fn assert_kept(world: &World) {
+    let (least_m, at_s) = world.least_m[0];
+    eprintln!(
+        "least {least_m:.1} m at {at_s:.1} s, {:?}",
+        world.emulator.mode_changes()
+    );
+    assert!(least_m >= PROTECTED_M, "{least_m} m at {at_s} s");
+}
+
+fn times_told(world: &World, text: &str) -> usize {
+    let texts = world.emulator.texts().iter();
+    texts.filter(|told| told.contains(text)).count()
+}
+
+/// Where an aircraft on a straight line is, as an aircraft to be reported.
+fn at(icao: u32, from_m: [f64; 3], velocity_mps: [f64; 3], time_s: f64) -> Intruder {
+    let mut position_m = from_m;
+    for (place, rate) in position_m.iter_mut().zip(velocity_mps) {
+        *place += rate * time_s;
+    }
+    Intruder::straight(icao, position_m, velocity_mps)
+}
+
+/// Reports as many of a crowd in this step as come at its rate; `next` counts them.
+fn report_crowd(world: &mut World, crowd: &[([f64; 3], [f64; 3])], rate_hz: f64, next: &mut f64) {
+    let before = *next as usize;
+    *next += rate_hz * fga_emulator::STEP_S;
+    for number in before..*next as usize {
+        let index = number % crowd.len();
+        let (from_m, velocity_mps) = crowd[index];
+        let aircraft = at(
+            0x0010_0000 + index as u32,
+            from_m,
+            velocity_mps,
+            world.time_s,
+        );
+        let report = world.report_of(&aircraft);
+        world.say_as(RECEIVER, &report);
+    }
+}
+
+#[test]
+fn ten_thousand_far_aircraft_do_not_hide_the_near_one() {
+    for rate_hz in [1473.0, 4450.0] {
+        let mut world = head_on();
+        let mut random = Random::new(1);
+        let crowd: Vec<_> = (0..10_000)
+            .map(|_| {
+                let angle = random.uniform(0.0, core::f64::consts::TAU);
+                let range_m = random.uniform(15_000.0, 80_000.0);
+                let course = random.uniform(0.0, core::f64::consts::TAU);
+                let height_m = random.uniform(100.0, 9000.0);
+                (
+                    [range_m * angle.sin(), range_m * angle.cos(), height_m],
+                    [80.0 * course.sin(), 80.0 * course.cos(), 0.0],
+                )
+            })
+            .collect();
+        let mut next = 0.0;
+        fly(&mut world, 95.0, |world| {
+            if world.time_s > 25.0 {
+                report_crowd(world, &crowd, rate_hz, &mut next);
+            }
+        });
+        assert_kept(&world);
+        assert_eq!(times_told(&world, "traffic overload"), 1);
+        assert_eq!(world.mode(), Mode::Auto);
+        assert!(world.companion.tracks().tracks().len() <= 4096);
+    }
+}
+
+#[test]
+fn a_thousand_aircraft_in_formation_nearby_do_not_hide_the_intruder() {
+    let mut world = head_on();
+    // Beside the way, 400 to 1,500 m to the west and in front, at its own speed.
+    let crowd: Vec<_> = (0..1000)
+        .map(|n| {
+            let (row, column) = (f64::from(n / 25), f64::from(n % 25));
+            (
+                [-400.0 - 25.0 * row, -300.0 + 25.0 * column, 100.0],
+                [0.0, 25.0, 0.0],
+            )
+        })
+        .collect();
+    let mut next = 0.0;
+    fly(&mut world, 80.0, |world| {
+        if world.time_s > 30.0 {
+            report_crowd(world, &crowd, 1000.0, &mut next);
+        }
+    });
+    assert_kept(&world);
+    assert_eq!(times_told(&world, "traffic overload"), 1);
+}
+
+#[test]
+fn seventy_aircraft_150_m_above_do_not_hide_the_intruder() {
+    let mut world = head_on();
+    let crowd: Vec<_> = (0..70)
+        .map(|n| {
+            let (row, column) = (f64::from(n / 10), f64::from(n % 10));
+            (
+                [-90.0 + 30.0 * row, -150.0 + 30.0 * column, 250.0],
+                [0.0, 25.0, 0.0],
+            )
+        })
+        .collect();
+    let mut next = 0.0;
+    fly(&mut world, 80.0, |world| {
+        report_crowd(world, &crowd, 140.0, &mut next);
+    });
+    assert_kept(&world);
+}
+
+#[test]
+fn reports_at_the_own_place_under_the_address_of_a_later_intruder() {
+    let mut world = head_on();
+    let mut due_s = 10.0;
+    fly(&mut world, 100.0, |world| {
+        if world.time_s >= due_s && world.time_s < 30.0 {
+            due_s += 0.5;
+            let plant = world.emulator.plant();
+            let copy = Intruder::straight(INTRUDER, plant.position_m(), plant.velocity_mps());
+            let report = world.report_of(&copy);
+            world.say_as(RECEIVER, &report);
+        }
+    });
+    assert_kept(&world);
+    assert_eq!(world.mode(), Mode::Auto);
+}
+
+/// The own transponder, heard by a receiver on board a second late, is no obstacle, in turns too.
+#[test]
+fn the_own_transponder_is_no_obstacle() {
+    for config in ["", "[traffic]\nown_icao = \"123456\"\n"] {
+        let mut world = head_on();
+        let parsed = fga_link::Config::parse(config).unwrap();
+        world.companion = fga_link::Companion::new(parsed, false).unwrap();
+        let mut due_s = 1.0;
+        let mut late = VecDeque::new();
+        let mut before = 0;
+        fly(&mut world, 100.0, |world| {
+            if world.time_s >= due_s {
+                due_s += 1.0;
+                let plant = world.emulator.plant();
+                let copy =
+                    Intruder::straight(0x0012_3456, plant.position_m(), plant.velocity_mps());
+                late.push_back((world.time_s + 1.0, world.report_of(&copy)));
+            }
+            if late.front().is_some_and(|(at_s, _)| *at_s <= world.time_s)
+                && let Some((_, report)) = late.pop_front()
+            {
+                world.say_as(RECEIVER, &report);
+            }
+            if world.time_s < 25.0 {
+                before = world.companion.counts().maneuvers;
+                return;
+            }
+            let own = world.companion.tracks().tracks().iter();
+            for track in own.filter(|track| track.icao == 0x0012_3456) {
+                assert!(track.is_own(), "at {} s", world.time_s);
+            }
+        });
+        assert_kept(&world);
+        // Unnamed, it is another aircraft until it has been believed.
+        assert!(config.is_empty() || before == 0);
+        assert_eq!(world.companion.counts().maneuvers, before + 1);
+        assert_eq!(world.mode(), Mode::Auto);
+    }
+}
+
+/// How a forger displaces the reports of an aircraft.
+#[derive(Debug, Clone, Copy)]
+enum Forgery {
+    /// Anywhere within this many metres.
+    Anywhere(f64),
+    /// To the side, metres.
+    Beside(f64),
+    /// Ahead on its way, metres.
+    Ahead(f64),
+}
+
+#[test]
+fn three_forged_reports_for_each_true_one() {
+    let forgeries = [
+        Forgery::Anywhere(3000.0),
+        Forgery::Anywhere(100.0),
+        Forgery::Beside(40.0),
+        Forgery::Beside(120.0),
+        Forgery::Beside(400.0),
+        Forgery::Ahead(-40.0),
+        Forgery::Ahead(-150.0),
+        Forgery::Ahead(150.0),
+    ];
+    for forgery in forgeries {
+        for sender in [RECEIVER, (210, 1)] {
+            let mut world = head_on();
+            let mut random = Random::new(7);
+            let mut due_s = 0.0;
+            fly(&mut world, 75.0, |world| {
+                if !world.shown[0] || world.time_s < due_s {
+                    return;
+                }
+                // The true one comes twice a second.
+                due_s = world.time_s + 0.5 / 3.0;
+                let mut forged = world.intruders[0];
+                let [east_m, north_m, _] = &mut forged.position_m;
+                match forgery {
+                    Forgery::Anywhere(within_m) => {
+                        *east_m += random.uniform(-within_m, within_m);
+                        *north_m += random.uniform(-within_m, within_m);
+                    }
+                    Forgery::Beside(by_m) => *east_m += by_m,
+                    Forgery::Ahead(by_m) => *north_m -= by_m,
+                }
+                let report = world.report_of(&forged);
+                world.say_as(sender, &report);
+            });
+            let (least_m, at_s) = world.least_m[0];
+            eprintln!("{forgery:?} by {sender:?}: least {least_m:.1} m");
+            assert!(
+                least_m >= PROTECTED_M,
+                "{forgery:?} {least_m} m at {at_s} s"
+            );
+        }
+    }
+}
+
+#[test]
+fn reports_that_bounce_in_a_mesh_do_not_move_the_track() {
+    let mut world = head_on();
+    let mut bounced = VecDeque::new();
+    let mut random = Random::new(5);
+    let mut due_s = 0.0;
+    let mut origin_m: Option<[f64; 3]> = None;
+    fly(&mut world, 75.0, |world| {
+        if world.shown[0] && world.time_s >= due_s {
+            due_s = world.time_s + 0.5;
+            let report = world.report(0);
+            for _ in 0..3 {
+                let late_s = random.uniform(1.5, 8.0);
+                bounced.push_back((world.time_s + late_s, report.clone()));
+            }
+        }
+        let now_s = world.time_s;
+        for (_, report) in bounced.iter().filter(|(at_s, _)| *at_s <= now_s) {
+            world.say_as(RECEIVER, report);
+        }
+        bounced.retain(|(at_s, _)| *at_s > now_s);
+        let true_m = world.intruders[0].position_m;
+        for track in world.companion.tracks().tracks() {
+            let frame_m = track.position_m(now_s);
+            let now_m = [true_m[0] - frame_m.x, true_m[1] - frame_m.y, 0.0];
+            // The origin of the local frame, as the first report shows it.
+            let from_m = *origin_m.get_or_insert(now_m);
+            let off_m = common::distance(now_m, from_m);
+            assert!(off_m < 2.0, "{off_m} m at {now_s} s");
+        }
+    });
+    assert_kept(&world);
+}
+
+#[test]
+fn a_track_that_jumps_is_avoided_in_both_places_until_one_dies() {
+    let mut world = World::new("", GOOD, 3);
+    let say = |world: &mut World, east_m: f64| {
+        let aircraft = at(
+            INTRUDER,
+            [east_m, 2000.0, 100.0],
+            [0.0, 20.0, 0.0],
+            world.time_s,
+        );
+        let report = world.report_of(&aircraft);
+        world.say_as(RECEIVER, &report);
+    };
+    let mut due_s = 5.0;
+    let mut count_at = Vec::new();
+    fly(&mut world, 60.0, |world| {
+        if world.time_s >= due_s {
+            due_s += 0.5;
+            say(world, if world.time_s < 20.0 { 300.0 } else { -500.0 });
+        }
+        for checked_s in [19.0, 21.5, 30.0] {
+            if (world.time_s - checked_s).abs() < 0.011 {
+                count_at.push(world.companion.tracks().tracks().len());
+            }
+        }
+    });
+    count_at.dedup();
+    assert_eq!(count_at, [1, 2, 1]);
+    // One stray report is taken for an aircraft too, for some seconds.
+    say(&mut world, 800.0);
+    let mut due_s = world.time_s;
+    fly(&mut world, 70.0, |world| {
+        if world.time_s >= due_s {
+            due_s += 0.5;
+            say(world, -500.0);
+        }
+        if world.time_s > 60.2 && world.time_s < 62.0 {
+            assert_eq!(world.companion.tracks().tracks().len(), 2);
+        }
+    });
+    assert_eq!(world.companion.tracks().tracks().len(), 1);
+}
+
+/// A forger who fills the shares of senders takes nothing from the one that was there.
+#[test]
+fn another_sender_erases_no_track() {
+    let mut world = head_on();
+    let mut number = 0_u32;
+    fly(&mut world, 75.0, |world| {
+        if world.time_s < 30.0 {
+            return;
+        }
+        for _ in 0..20 {
+            number += 1;
+            // Right on the way, where it is most urgent, from ever new systems.
+            let own_m = world.emulator.plant().position_m();
+            let forged = Intruder::straight(
+                0x0020_0000 + number,
+                [own_m[0] + 2500.0, own_m[1] + 400.0, own_m[2]],
+                [-110.0, 0.0, 0.0],
+            );
+            let MavMessage::ADSB_VEHICLE(data) = world.report_of(&forged) else {
+                return;
+            };
+            let data = ADSB_VEHICLE_DATA {
+                callsign: "FORGED".into(),
+                ..data
+            };
+            world.say_as(
+                (100 + (number % 100) as u8, 1),
+                &MavMessage::ADSB_VEHICLE(data),
+            );
+        }
+        if world.shown[0] && world.time_s > 40.0 && number.is_multiple_of(50) {
+            let tracks = world.companion.tracks().tracks();
+            assert!(tracks.iter().any(|track| track.icao == INTRUDER));
+        }
+    });
+    let tracks = world.companion.tracks().tracks();
+    assert!(tracks.len() <= 4096);
+    assert!(tracks.iter().any(|track| track.icao == INTRUDER));
+}
