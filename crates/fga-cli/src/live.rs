@@ -80,7 +80,7 @@ impl LiveView {
         });
         if due(self.last_record_s, t_s, moment.changed) {
             self.last_record_s = Some(t_s);
-            let decision = self.drawer.decision(&self.plan, moment, None);
+            let decision = self.drawer.decision(&self.plan, moment, false);
             self.live.send(&LiveMessage::Decision { run: 0, decision });
         }
         if moment.changed {

@@ -5,13 +5,13 @@ use fga::avoider::{Decision, Reason, State};
 use fga::certificate::{Hazard, Status, certify_all};
 use fga::maneuver::Maneuver;
 use fga::prediction::{FlightPath, Flyer, MotionState};
-use fga::situation::{Obstacle, Ownship};
+use fga::situation::Ownship;
 use fga::vehicle::Vehicle;
 use fga_report::replay::{
     Replay, ReplayDecision, ReplayEvent, ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind,
     ReplayPiece, ReplayRun, ReplaySample, render,
 };
-use fga_sim::run::{DecisionLog, ObstacleOutcome, Plan, RunLog};
+use fga_sim::run::{DecisionLog, Plan, RunLog};
 use fga_sim::track::Track;
 use fga_sim::words::{decision_words, reason_words};
 
@@ -214,23 +214,20 @@ impl Drawer {
         for moment in &log.decisions {
             let last_s = kept.last().map(|last| last.t_s);
             if due(last_s, moment.time_s, moment.changed) {
-                kept.push(self.decision(&log.plan, moment, Some(&log.obstacles)));
+                kept.push(self.decision(&log.plan, moment, true));
             }
         }
         kept
     }
 
-    /// A record; with what became of the obstacles, also turns to compare with.
+    /// A record; where asked for, with turns to compare with.
     pub(crate) fn decision(
         &mut self,
         plan: &Plan,
         moment: &DecisionLog,
-        seen: Option<&[ObstacleOutcome]>,
+        compare: bool,
     ) -> ReplayDecision {
-        let threatened = threatened(moment.decision.state);
-        let hazards = seen
-            .filter(|_| threatened)
-            .map(|seen| known_hazards(plan, seen, moment));
+        let hazards = compare.then(|| known_hazards(plan, moment));
         let name = |id: u32| name_of(plan, id);
         let DecisionLog {
             time_s,
@@ -353,17 +350,13 @@ const fn threatened(state: State) -> bool {
     matches!(state, State::Threatened | State::Avoiding)
 }
 
-/// The obstacles known at the moment, as they truly were, each on its straight way from there.
-fn known_hazards(plan: &Plan, seen: &[ObstacleOutcome], moment: &DecisionLog) -> Vec<Hazard> {
+/// The obstacles as the decision knew them, with their uncertainty, each on its straight way from there.
+fn known_hazards(plan: &Plan, moment: &DecisionLog) -> Vec<Hazard> {
     let world = &plan.world;
+    let sigmas = world.settings.confidence_sigmas;
     (0..)
-        .zip(world.obstacles.iter().zip(seen))
-        .filter(|(_, (_, seen))| seen.first_seen_s.is_some_and(|s| s <= moment.time_s))
-        .filter_map(|(index, (obstacle, _))| {
-            let (position_m, velocity_mps) = obstacle.track.at(moment.time_s)?;
-            let known = Obstacle::new(obstacle.id, position_m, velocity_mps, obstacle.volume);
-            Some(Hazard::new(index, &known, world.wind_mps, 0.0))
-        })
+        .zip(&moment.known)
+        .map(|(index, known)| Hazard::new(index, known, world.wind_mps, sigmas))
         .collect()
 }
 

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use fga::avoider::{Decision, SettingsError};
-use fga::situation::{Ownship, ProtectedVolume};
+use fga::avoider::{Decision, SettingsError, State};
+use fga::situation::{Obstacle, Ownship, ProtectedVolume};
 use fga_formats::InputError;
 use fga_formats::geodesy::LocalFrame;
 
@@ -71,6 +71,9 @@ pub struct DecisionLog {
     pub elapsed_ns: u64,
     /// Whether it differs from the one before in more than its numbers.
     pub changed: bool,
+    /// The obstacles within the surveillance radius as they were known, over the ground; kept only
+    /// while something threatens.
+    pub known: Vec<Obstacle>,
 }
 
 /// What came of one obstacle.
@@ -121,6 +124,7 @@ pub struct DecisionTimes {
 struct Logger<'a> {
     samples: Vec<Sample>,
     decisions: Vec<DecisionLog>,
+    surveillance_radius_m: f64,
     watch: &'a mut dyn FnMut(&DecisionLog),
 }
 
@@ -141,9 +145,26 @@ impl Observer for Logger<'_> {
             decision,
             elapsed_ns: moment.elapsed_ns,
             changed,
+            known: self.known(moment),
         };
         (self.watch)(&log);
         self.decisions.push(log);
+    }
+}
+
+impl Logger<'_> {
+    /// What a decision against a threat was made from.
+    fn known(&self, moment: &DecisionMoment<'_>) -> Vec<Obstacle> {
+        if !matches!(moment.decision.state, State::Threatened | State::Avoiding) {
+            return Vec::new();
+        }
+        let own_m = moment.situation.ownship.position_m;
+        moment
+            .situation
+            .obstacles
+            .iter()
+            .filter(|known| known.position_m.distance(own_m) <= self.surveillance_radius_m)
+            .collect()
     }
 }
 
@@ -169,6 +190,7 @@ pub fn fly(
     let mut logger = Logger {
         samples: Vec::new(),
         decisions: Vec::new(),
+        surveillance_radius_m: plan.world.settings.surveillance_radius_m,
         watch,
     };
     let outcome = engine.fly(&plan.world, pilot.as_mut(), &mut logger);
@@ -228,5 +250,34 @@ impl RunLog {
             .iter()
             .find(|obstacle| obstacle.id == id)
             .map_or("unknown", |obstacle| obstacle.name.as_str())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::toml_input::TomlText;
+
+    #[test]
+    fn a_decision_is_logged_with_the_obstacles_as_it_knew_them() {
+        let text = "name = 'a'\nduration_s = 30.0\n[mission]\nwaypoints_m = [[0, 0, 0], [2000, 0, 0]]\n\
+                    [noise]\nposition_m = 3.0\nvelocity_mps = 0.5\n\
+                    [[obstacle]]\nposition_m = [250, 0, 0]\n";
+        let plan = scenario::parse(TomlText::new(Path::new("a.toml"), text), None).unwrap();
+        let log = fly(plan, &PolicyChoice::default(), &mut |_| ()).unwrap();
+        let mut against_threats = 0;
+        for moment in &log.decisions {
+            let threatens = matches!(moment.decision.state, State::Threatened | State::Avoiding);
+            assert_eq!(threatens, !moment.known.is_empty(), "{} s", moment.time_s);
+            for known in &moment.known {
+                let error_m = known
+                    .position_m
+                    .distance(log.plan.world.obstacles[0].track.at(0.0).unwrap().0);
+                assert!(error_m > 0.0 && error_m < 30.0, "{error_m} m");
+                assert!(known.uncertainty.position_m > 0.0);
+                against_threats += 1;
+            }
+        }
+        assert!(against_threats > 10);
     }
 }
