@@ -20,8 +20,13 @@ const LEVEL_RAD: f64 = 1e-9;
 /// A course or climb angle this close to its target is there, radians.
 const THERE_RAD: f64 = 1e-12;
 
-/// Intervals of Simpson's rule for what a roll-out turns.
-const INTERVALS: u32 = 24;
+/// Abscissas and weights of Gauss's rule with eight points on [−1, 1], one half of each.
+const GAUSS: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
+    (0.960_289_856_497_536_2, 0.101_228_536_290_376_26),
+];
 
 /// An obstacle that flies straight over the ground; its volume grows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,7 +88,8 @@ pub struct FineFlight<'a> {
     wind_mps: Vec3,
     maneuver: &'a Maneuver,
     next: usize,
-    stage: Option<Stage>,
+    /// What is flown; before its first stage a manoeuvre holds course and climb angle.
+    stage: Stage,
     state: FineState,
 }
 
@@ -108,7 +114,12 @@ impl<'a> FineFlight<'a> {
             wind_mps,
             maneuver,
             next: 0,
-            stage: None,
+            stage: Stage {
+                start_s: 0.0,
+                course_rad: start.course_rad,
+                climb_rad: start.climb_rad,
+                rate_share: 1.0,
+            },
             state: FineState {
                 time_s: 0.0,
                 position_m: start.position_m,
@@ -131,7 +142,7 @@ impl<'a> FineFlight<'a> {
             while let Some(stage) = stages.get(self.next)
                 && stage.start_s <= self.state.time_s
             {
-                self.stage = Some(*stage);
+                self.stage = *stage;
                 self.next += 1;
             }
             let next_s = stages
@@ -172,17 +183,7 @@ impl<'a> FineFlight<'a> {
 
     /// What is commanded now, and for how long at most it moves at its rates.
     fn drive(&self) -> (Drive, f64) {
-        let Some(stage) = self.stage else {
-            let level = self.lag_s() <= 0.0 || self.state.bank_rad.abs() < LEVEL_RAD;
-            return (
-                Drive {
-                    course_radps: 0.0,
-                    bank_command_rad: (!level).then_some(0.0),
-                    climb_radps: 0.0,
-                },
-                f64::INFINITY,
-            );
-        };
+        let stage = self.stage;
         let target = stage
             .climb_rad
             .clamp(self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
@@ -227,17 +228,18 @@ impl<'a> FineFlight<'a> {
 
     /// What is left to turn beyond what rolling out to level turns, radians.
     fn left_rad(&self, state: &FineState) -> f64 {
-        let Some(stage) = self.stage else { return 0.0 };
         // ∫ tan φ dt with φ falling as e^(−t/τ) is τ ∫ tan(u)/u du from 0 to φ.
-        let integrand = |u: f64| if u == 0.0 { 1.0 } else { u.tan() / u };
-        let h = state.bank_rad / f64::from(INTERVALS);
-        let mut sum = integrand(0.0) + integrand(state.bank_rad);
-        for k in 1..INTERVALS {
-            let weight = if k % 2 == 1 { 4.0 } else { 2.0 };
-            sum += weight * integrand(h * f64::from(k));
-        }
-        let rolling_out = self.gain() * self.lag_s() * sum * h / 3.0;
-        stage.course_rad - state.course_rad - rolling_out
+        let half = 0.5 * state.bank_rad;
+        let integrand = |x: f64| {
+            let u = half * (1.0 + x);
+            if u == 0.0 { 1.0 } else { u.tan() / u }
+        };
+        let sum: f64 = GAUSS
+            .iter()
+            .map(|(x, weight)| weight * (integrand(*x) + integrand(-x)))
+            .sum();
+        let rolling_out = self.gain() * self.lag_s() * sum * half;
+        self.stage.course_rad - state.course_rad - rolling_out
     }
 
     /// One Runge–Kutta step.
@@ -297,7 +299,7 @@ impl<'a> FineFlight<'a> {
     }
 
     /// Least signed distance to any body's volume up to `until_s`, metres; infinite without bodies.
-    pub fn least_margin_m(mut self, bodies: &[Body], until_s: f64) -> f64 {
+    pub fn least_margin_m(&mut self, bodies: &[Body], until_s: f64) -> f64 {
         let mut least = bodies
             .iter()
             .map(|body| body.margin_m(self.state.position_m, self.state.time_s))

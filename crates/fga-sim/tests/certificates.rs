@@ -6,8 +6,11 @@ use std::path::{Path, PathBuf};
 
 use fga::Vec3;
 use fga::avoider::{Avoider, Policy, Settings, Start, Verdict};
+use fga::certificate::{Hazard, Status, certify};
+use fga::maneuver::{Maneuver, Stage};
+use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Mission, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation};
-use fga::vehicle::Vehicle;
+use fga::vehicle::{Response, Vehicle};
 use fga_sim::fine::{Body, FineFlight};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run;
@@ -50,6 +53,190 @@ impl Random {
     fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
+}
+
+/// A drawn manoeuvre of an aircraft past an obstacle, in wind.
+struct Case {
+    vehicle: Vehicle,
+    own: Ownship,
+    wind_mps: Vec3,
+    maneuver: Maneuver,
+    body: Body,
+    horizon_s: f64,
+}
+
+impl Case {
+    fn drawn(number: u64) -> Self {
+        let mut random = Random(number.wrapping_mul(0x2545_f491_4f6c_dd1d));
+        let airspeed_mps = random.within(8.0, 60.0);
+        let bank = random.within(0.2, 1.05);
+        let climb = random.within(0.0, 0.4);
+        let lagged = random.unit() < 0.6;
+        let vehicle = Vehicle {
+            airspeed_mps,
+            turn_radius_m: airspeed_mps * airspeed_mps / (9.806_65 * bank.tan()),
+            climb_min_rad: -climb,
+            climb_max_rad: climb,
+            climb_rate_radps: random.within(0.02, 0.6),
+            response: Response {
+                dead_time_s: 0.0,
+                bank_time_constant_s: if lagged { random.within(0.1, 1.5) } else { 0.0 },
+                turn_rate_factor: random.within(0.5, 1.2),
+            },
+        };
+        let far = if random.unit() < 0.2 { 1e5 } else { 100.0 };
+        let own = Ownship {
+            position_m: Vec3::new(random.within(-far, far), random.within(-far, far), 300.0),
+            course_rad: random.within(-8.0, 8.0),
+            climb_rad: random.within(-climb, climb),
+            bank_rad: if lagged {
+                random.within(-bank, bank)
+            } else {
+                0.0
+            },
+            airspeed_mps,
+        };
+        let wind = random.within(0.0, 0.9 * airspeed_mps);
+        let from = random.within(-3.2, 3.2);
+        let wind_mps = Vec3::new(from.cos(), from.sin(), 0.0) * wind;
+        let mut maneuver = Maneuver::hold();
+        let stages = [1, 2, 2, 3, 9][number as usize % 5];
+        let (mut start_s, mut course_rad) = (random.within(-2.0, 4.0).max(0.0), own.course_rad);
+        for _ in 0..stages {
+            course_rad += random.within(-2.0, 2.0) * random.unit();
+            assert!(maneuver.push(Stage {
+                start_s,
+                course_rad,
+                climb_rad: random.within(-0.5, 0.5),
+                rate_share: if random.unit() < 0.9 {
+                    1.0
+                } else {
+                    random.within(0.2, 1.0)
+                },
+            }));
+            start_s += random.within(0.0, 5.0);
+        }
+        let horizon_s = random.within(5.0, 30.0);
+        let mut flight = FineFlight::new(&vehicle, wind_mps, &own, &maneuver);
+        let at_s = random.within(0.0, horizon_s);
+        flight.fly(at_s, |_, _, _| ());
+        let volume = if random.unit() < 0.5 {
+            ProtectedVolume::Sphere {
+                radius_m: random.within(5.0, 80.0),
+            }
+        } else {
+            ProtectedVolume::Cylinder {
+                radius_m: random.within(5.0, 200.0),
+                half_height_m: random.within(5.0, 60.0),
+            }
+        };
+        let reach = volume.radius_m() + 8.0;
+        let beside = Vec3::new(
+            random.within(-reach, reach),
+            random.within(-reach, reach),
+            random.within(-0.5 * reach, 0.5 * reach),
+        );
+        let velocity_mps = if random.unit() < 0.3 {
+            Vec3::ZERO
+        } else {
+            let heading = random.within(-3.2, 3.2);
+            Vec3::new(heading.cos(), heading.sin(), random.within(-0.1, 0.1))
+                * random.within(0.0, 60.0)
+        };
+        let body = Body {
+            position_m: flight.state().position_m + beside - velocity_mps * at_s,
+            velocity_mps,
+            volume,
+            growth_mps: if random.unit() < 0.3 {
+                random.within(0.0, 2.5)
+            } else {
+                0.0
+            },
+        };
+        Self {
+            vehicle,
+            own,
+            wind_mps,
+            maneuver,
+            body,
+            horizon_s,
+        }
+    }
+
+    /// How far the certified margin lies below what is flown, and the prediction from the flight, metres.
+    fn check(&self, number: u64, path: &mut FlightPath) -> (f64, f64) {
+        let flyer = Flyer::new(&self.vehicle);
+        let body = &self.body;
+        let mut obstacle = Obstacle::new(1, body.position_m, body.velocity_mps, body.volume);
+        obstacle.uncertainty.velocity_mps = body.growth_mps;
+        let hazard = Hazard::new(0, &obstacle, self.wind_mps, 1.0);
+        let start = MotionState::of(&self.own);
+        path.predict(&flyer, &start, &self.maneuver, self.horizon_s);
+        let certificate = certify(&flyer, path, &hazard, self.horizon_s, f64::MIN, 1e6);
+        assert!(
+            path.is_complete() && certificate.status == Status::Proven,
+            "{number}"
+        );
+        let mut flight = FineFlight::new(&self.vehicle, self.wind_mps, &self.own, &self.maneuver);
+        let (mut off_m, mut flown_m) = (0.0_f64, f64::INFINITY);
+        for k in 1..=4 {
+            let at_s = self.horizon_s * f64::from(k) / 4.0;
+            flown_m = flown_m.min(flight.least_margin_m(core::slice::from_ref(body), at_s));
+            let predicted = path.state_at(&flyer, at_s).expect("nodes");
+            let over_ground = predicted.position_m + self.wind_mps * at_s;
+            off_m = off_m.max(over_ground.distance(flight.state().position_m));
+        }
+        assert!(
+            off_m <= path.remainder_m() + ROUNDING_M,
+            "case {number}: {off_m} m off, bound {} m, {:?} {:?}",
+            path.remainder_m(),
+            self.vehicle,
+            self.maneuver
+        );
+        assert!(
+            certificate.margin_m <= flown_m + ROUNDING_M,
+            "case {number}: {} m certified, {flown_m} m flown, {:?} {:?}",
+            certificate.margin_m,
+            self.vehicle,
+            self.maneuver
+        );
+        (flown_m - certificate.margin_m, off_m)
+    }
+}
+
+/// Lag, climbs to the limit, 100 km from the origin, wind, growing volumes, many corners.
+#[test]
+fn a_certified_margin_is_never_above_what_another_program_flies() {
+    let total: u64 = std::env::var("FGA_CERTIFICATE_FLIGHTS")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(4_000);
+    let threads = std::thread::available_parallelism().map_or(1, core::num::NonZero::get) as u64;
+    let largest = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads)
+            .map(|worker| {
+                scope.spawn(move || {
+                    let mut path = FlightPath::new();
+                    let mut largest = (0.0_f64, 0.0_f64);
+                    for number in (worker..total).step_by(threads as usize) {
+                        let (away_m, off_m) = Case::drawn(number).check(number, &mut path);
+                        largest = (largest.0.max(away_m), largest.1.max(off_m));
+                    }
+                    largest
+                })
+            })
+            .collect();
+        workers
+            .into_iter()
+            .map(|worker| worker.join().expect("no case fails"))
+            .fold((0.0_f64, 0.0_f64), |a, b| (a.0.max(b.0), a.1.max(b.1)))
+    });
+    println!(
+        "{total} flights: {:.4} m given away, {:.4} m off at most",
+        largest.0, largest.1
+    );
+    assert!(largest.1 < 0.01, "{} m off within 30 s", largest.1);
+    assert!(largest.0 < 0.1, "{} m given away", largest.0);
 }
 
 /// The first decision of an avoider: what it certified and what its manoeuvre flies to, metres.

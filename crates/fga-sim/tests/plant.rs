@@ -87,8 +87,7 @@ proptest! {
     ) {
         let maneuver = two_stages(first, gap, second);
         let error = prediction_error_m(vehicle(LAGGED), &maneuver);
-        // The core steps the bank coarsely; what differs is what its margin has to cover.
-        prop_assert!(error < 0.25, "{error}");
+        prop_assert!(error < 5e-3, "{error}");
     }
 
     #[test]

@@ -148,6 +148,11 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
                     worst.margin_m >= floor_m
                 })
         });
+    // The prediction errs by no more than this.
+    if path.remainder_m() > 0.0 && worst.margin_m - path.remainder_m() < enough_m {
+        worst.margin_m -= path.remainder_m();
+    }
+    let above = above && worst.margin_m >= floor_m;
     worst.status = match above {
         false => Status::BelowFloor,
         true if path.is_complete() => Status::Proven,
@@ -203,8 +208,10 @@ impl<'a> Chord<'a> {
                     position_m: self.end_m,
                     ..from
                 }
-            } else {
+            } else if piece.course_growth_radps2 == 0.0 {
                 flyer.advance(&from, &piece, step_s)
+            } else {
+                flyer.advance(&self.node.state, &piece, f64::from(part) * step_s)
             };
             let line = Line {
                 from_m: from.position_m,

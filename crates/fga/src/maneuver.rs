@@ -24,11 +24,20 @@ pub struct Stage {
 ///
 /// It is what will be flown if nothing new is learned. A plant without lag flies it exactly:
 /// course and climb angle move at their rate limits to the commanded values and stay there.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct Maneuver {
     stages: [Stage; MAX_STAGES],
     len: usize,
     whole: bool,
+}
+
+impl core::fmt::Debug for Maneuver {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Maneuver")
+            .field("stages", &self.stages())
+            .field("whole", &self.whole)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Default for Maneuver {

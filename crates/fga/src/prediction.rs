@@ -7,6 +7,7 @@
 
 mod motion;
 mod path;
+mod roll;
 
 pub(crate) use motion::{ArcSteps, Piece};
 pub use motion::{Flyer, MotionState, Target};

@@ -3,8 +3,8 @@
 //! A plant receives a [`Maneuver`] at each decision and flies it until the next. Course and climb
 //! angle move at their rate limits to the commanded values. Without bank lag the path between two
 //! decisions is a handful of exact [`Arc`]s, broken where a stage begins and where a turn or a
-//! change of climb ends; with bank lag, or under the PI autopilot, it is integrated by the
-//! classical Runge–Kutta rule in steps of at most 0.02 s. Left is positive throughout.
+//! change of climb ends; rolls of an aircraft with bank lag, and all flight under the PI autopilot, are
+//! integrated by the classical Runge–Kutta rule in steps of at most 0.02 s. Left is positive throughout.
 
 mod arc;
 mod lagged;
@@ -154,8 +154,7 @@ impl Plant {
     /// Flies for `duration_s` seconds and shows every arc flown and where it ends, in order.
     pub fn advance(&mut self, duration_s: f64, mut flown: impl FnMut(&Arc, Vec3)) {
         let end_s = self.time_s + duration_s;
-        let lagged =
-            self.vehicle.response.bank_time_constant_s > 0.0 || self.autopilot != Autopilot::Direct;
+        let rolls = self.vehicle.response.bank_time_constant_s > 0.0;
         while self.time_s < end_s {
             while let Some(&(from_s, stage)) = self.pending.front()
                 && from_s <= self.time_s + 1e-12
@@ -167,10 +166,12 @@ impl Plant {
                 .pending
                 .front()
                 .map_or(end_s, |&(from_s, _)| from_s.min(end_s));
-            if lagged {
-                self.fly_lagged(until_s, &mut flown);
-            } else {
-                self.fly_exact(until_s, &mut flown);
+            match (self.autopilot, rolls) {
+                (Autopilot::Direct, false) => self.fly_exact(until_s, &mut flown),
+                (Autopilot::Direct, true) => self.fly_rolling(until_s, &mut flown),
+                (Autopilot::ProportionalIntegral { .. }, _) => {
+                    self.fly_controlled(until_s, &mut flown);
+                }
             }
         }
         self.time_s = end_s;

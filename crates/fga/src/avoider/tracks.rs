@@ -45,6 +45,10 @@ pub(super) struct Tracks {
 }
 
 impl Tracks {
+    #[expect(
+        clippy::large_stack_arrays,
+        reason = "no allocation: the caller says where it lies"
+    )]
     pub(super) const fn new() -> Self {
         let none = ProtectedVolume::Sphere { radius_m: 0.0 };
         Self {

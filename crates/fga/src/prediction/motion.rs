@@ -2,28 +2,42 @@
 //!
 //! Without lag the motion is exact: course ψ and climb angle θ move linearly in time to their
 //! targets, and cos θ cos ψ = ½ [cos(ψ+θ) + cos(ψ−θ)] makes Eq. 10–12 integrals of cosines of
-//! linear functions. With a bank lag the bank follows its command exponentially; over a short step
-//! the course rate is taken as constant, at its mean, so that the course at the end is right.
+//! linear functions. With a bank lag the bank follows its command exponentially: the command is the
+//! bank of the largest course rate until what is left to turn is what rolling out to level turns, then
+//! level. A roll is flown in a few pieces of linear course rate, its course exact at their ends.
 
 use core::f64::consts::FRAC_PI_2;
 
 use crate::Vec3;
 use crate::angle::direction;
 use crate::limit::Limit as _;
+use crate::prediction::roll::{Roll, roll_out};
 use crate::situation::Ownship;
 use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
-
-/// Longest step, in bank time constants, over which the course rate is taken as constant.
-const LAG_STEP: f64 = 0.2;
-
-/// A bank, or a change of bank, over which the course rate is as good as linear, radians.
-const LITTLE_RAD: f64 = 0.15;
 
 /// An angle closer to its target than this has reached it, radians.
 const REACHED_RAD: f64 = 1e-11;
 
-/// A bank below this is wings level, radians.
+/// A bank below this is wings level to whoever asks, radians.
 const LEVEL_BANK_RAD: f64 = 1e-3;
+
+/// A bank below this has no roll-out left, radians.
+const ROLLED_OUT_RAD: f64 = 1e-9;
+
+/// Where no more than this is left to turn beyond what rolling out turns, the roll-out begins, radians.
+const ROLL_OUT_BEGINS_RAD: f64 = 1e-7;
+
+/// Steps towards the moment at which the roll-out begins.
+const STEPS_TO_ROLL_OUT: u32 = 12;
+
+/// What is left to turn with the wings level is turned within this share of the time constant.
+const LEVEL_TURN: f64 = 0.1;
+
+/// How far aside a roll to 45° moves the aircraft, metres, at which its pieces have their usual length.
+const USUAL_SCALE_M: f64 = 1.5;
+
+/// Most pieces of a roll that a [`Flyer`] keeps.
+const KEPT_ROLLS: usize = 16;
 
 /// The aircraft at a moment of a predicted flight, in the air mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,17 +78,86 @@ pub struct Target {
     pub rate_share: f64,
 }
 
-/// One piece of flight at constant course rate and climb rate.
+/// One piece of flight: the climb rate stands still, and the course rate is linear in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
     /// How long, seconds; infinite when the aircraft flies straight on.
     pub duration_s: f64,
-    /// Course rate, radians per second, positive to the left.
+    /// Course rate at its beginning, radians per second, positive to the left.
     pub course_rate_radps: f64,
+    /// How fast the course rate grows, radians per second squared; 0 unless the bank changes.
+    pub course_growth_radps2: f64,
     /// Rate of the climb angle, radians per second.
     pub climb_rate_radps: f64,
+    /// Bank that the aircraft rolls to, radians.
+    pub bank_command_rad: f64,
     /// Bank at the end of the piece, radians.
     pub bank_end_rad: f64,
+    /// Bound of the course rate within it, radians per second.
+    pub fastest_radps: f64,
+    /// Bound of how far the flight is from the one with a linear course rate, metres.
+    pub remainder_m: f64,
+}
+
+impl Piece {
+    /// At constant rates, without a roll.
+    const fn steady(
+        duration_s: f64,
+        course_rate_radps: f64,
+        climb_rate_radps: f64,
+        bank_rad: f64,
+    ) -> Self {
+        Self {
+            duration_s,
+            course_rate_radps,
+            course_growth_radps2: 0.0,
+            climb_rate_radps,
+            bank_command_rad: bank_rad,
+            bank_end_rad: bank_rad,
+            fastest_radps: course_rate_radps,
+            remainder_m: 0.0,
+        }
+    }
+
+    /// Change of course after a time, radians.
+    pub(crate) fn turn_rad(&self, after_s: f64) -> f64 {
+        (self.course_rate_radps + 0.5 * self.course_growth_radps2 * after_s) * after_s
+    }
+}
+
+/// The pieces of a roll that is flown again and again.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Rolls {
+    rolls: [Roll; KEPT_ROLLS],
+    len: usize,
+}
+
+impl Rolls {
+    const NONE: Self = Self {
+        rolls: [Roll::NONE; KEPT_ROLLS],
+        len: 0,
+    };
+
+    fn new(from_rad: f64, to_rad: f64, pace: f64) -> Self {
+        let mut kept = Self::NONE;
+        let mut bank_rad = from_rad;
+        for slot in &mut kept.rolls {
+            if bank_rad == to_rad {
+                break;
+            }
+            *slot = Roll::new(bank_rad, to_rad, f64::INFINITY, pace);
+            bank_rad = slot.to_rad;
+            kept.len += 1;
+        }
+        kept
+    }
+
+    fn from(&self, bank_rad: f64) -> Option<&Roll> {
+        self.rolls
+            .iter()
+            .take(self.len)
+            .find(|roll| roll.from_rad == bank_rad)
+    }
 }
 
 /// The vehicle's motion under commands.
@@ -87,20 +170,48 @@ pub struct Flyer {
     climb_max_rad: f64,
     bank_time_constant_s: f64,
     turn_rate_factor: f64,
+    /// Course rate at a bank of 45°, radians per second.
+    gain_radps: f64,
+    /// Bank of the largest course rate, radians, and what rolling out from it turns.
+    full_bank_rad: f64,
+    full_roll_out_rad: f64,
+    /// Stretches the pieces of a roll.
+    pace: f64,
+    rolling_in: Rolls,
+    rolling_out: Rolls,
 }
 
 impl Flyer {
     /// The motion of a vehicle at its airspeed.
     pub fn new(vehicle: &Vehicle) -> Self {
-        Self {
+        let response = vehicle.response;
+        let mut flyer = Self {
             airspeed_mps: vehicle.airspeed_mps,
             course_rate_radps: vehicle.course_rate_radps(),
             climb_rate_radps: vehicle.climb_rate_radps,
             climb_min_rad: vehicle.climb_min_rad,
             climb_max_rad: vehicle.climb_max_rad,
-            bank_time_constant_s: vehicle.response.bank_time_constant_s,
-            turn_rate_factor: vehicle.response.turn_rate_factor,
+            bank_time_constant_s: response.bank_time_constant_s,
+            turn_rate_factor: response.turn_rate_factor,
+            gain_radps: response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / vehicle.airspeed_mps,
+            full_bank_rad: 0.0,
+            full_roll_out_rad: 0.0,
+            pace: 1.0,
+            rolling_in: Rolls::NONE,
+            rolling_out: Rolls::NONE,
+        };
+        if !flyer.is_ideal() {
+            let full_rad = flyer.bank_rad(flyer.course_rate_radps);
+            flyer.full_roll_out_rad = flyer.rollout_rad(full_rad);
+            flyer.full_bank_rad = full_rad;
+            // The error of a piece grows as the fifth power of its length.
+            let time = flyer.bank_time_constant_s;
+            let scale_m = flyer.airspeed_mps * flyer.gain_radps * time * time;
+            flyer.pace = libm::pow(USUAL_SCALE_M / scale_m, 0.2).limited(0.3, 1.0);
+            flyer.rolling_in = Rolls::new(0.0, full_rad, flyer.pace);
+            flyer.rolling_out = Rolls::new(full_rad, 0.0, flyer.pace);
         }
+        flyer
     }
 
     /// Total airspeed, metres per second.
@@ -133,10 +244,10 @@ impl Flyer {
         direction(state.course_rad, state.climb_rad) * self.airspeed_mps
     }
 
-    /// The piece of constant rates that comes next under a command.
+    /// The piece that comes next under a command.
     ///
-    /// It ends where a target is reached, or after a short step while the bank still changes; it is
-    /// infinite once both targets are met.
+    /// It ends where a target is reached, or after a part of a roll; it is infinite once both targets
+    /// are met.
     pub fn next_piece(&self, state: &MotionState, target: &Target) -> Piece {
         self.next_piece_within(state, target, f64::INFINITY)
     }
@@ -169,12 +280,7 @@ impl Flyer {
                 let rate = libm::copysign(limit, turn_left);
                 (rate, turn_left / rate)
             };
-            return Piece {
-                duration_s: climb_s.min(turn_s),
-                course_rate_radps: rate,
-                climb_rate_radps: climb_rate,
-                bank_end_rad: 0.0,
-            };
+            return Piece::steady(climb_s.min(turn_s), rate, climb_rate, 0.0);
         }
         let climb = (climb_rate, climb_s);
         self.lagged_piece(state, turn_left, target.rate_share, climb, limit_s)
@@ -189,88 +295,117 @@ impl Flyer {
         limit_s: f64,
     ) -> Piece {
         let tau = self.bank_time_constant_s;
-        // The bank that would just turn the rest while it decays to level.
-        let left_after_rollout = turn_left - self.rollout_rad(state.bank_rad);
-        let full = self.bank_rad(self.course_rate_radps * rate_share);
-        let step_s = LAG_STEP * tau;
-        let wanted_rate = left_after_rollout / step_s;
-        let saturated = self.rate_radps(full) <= wanted_rate.abs();
-        let commanded = if saturated {
-            libm::copysign(full, left_after_rollout)
+        let most = climb_s.min(limit_s) / tau;
+        let limit = self.course_rate_radps * rate_share;
+        let full = if rate_share == 1.0 {
+            self.full_bank_rad
         } else {
-            self.bank_rad(wanted_rate)
+            self.bank_rad(limit)
         };
-        let level = state.bank_rad.abs() < LEVEL_BANK_RAD;
-        if level && (left_after_rollout.abs() < LEVEL_BANK_RAD || full <= 0.0) {
-            // The last thousandth of the turn, so that no bias in course is left to fly on with.
-            let (rate, turn_s) = if turn_left.abs() < REACHED_RAD || full <= 0.0 {
-                (0.0, f64::INFINITY)
-            } else {
-                (turn_left / step_s, step_s)
-            };
-            return Piece {
-                duration_s: climb_s.min(turn_s),
-                course_rate_radps: rate,
-                climb_rate_radps: climb_rate,
-                bank_end_rad: 0.0,
-            };
-        }
-        let to_go = commanded - state.bank_rad;
-        let nearly = to_go.abs() < LITTLE_RAD;
-        let longest_s = if saturated && to_go.abs() < 1e-3 {
-            f64::INFINITY
-        } else if nearly && (saturated || state.bank_rad.abs() < LITTLE_RAD) {
-            2.5 * step_s
-        } else if !saturated && commanded.abs() > LITTLE_RAD {
-            // The easing command is exponential in the rate, not quite in the bank.
-            0.4 * step_s
-        } else {
-            step_s
-        };
-        // The full command begins to ease off here: what is left to turn after a roll-out falls at
-        // the commanded rate, whatever the bank.
-        let eases_off = if saturated {
-            (wanted_rate.abs() / self.rate_radps(full) - 1.0) * step_s
-        } else {
-            f64::INFINITY
-        };
-        let duration_s = eases_off
-            .max(0.1 * step_s)
-            .min(longest_s)
-            .min(climb_s)
-            .min(limit_s);
-        // φ' = (φ_c − φ)/τ with φ_c constant, or falling as e^(−t/step) while the command eases off.
-        let bank_after = |share: f64| {
-            let held = libm::exp(-share * duration_s / tau);
-            if saturated {
-                return commanded - to_go * held;
+        let beyond = turn_left - self.rollout_rad(state.bank_rad);
+        if full > 0.0 && beyond.abs() > ROLL_OUT_BEGINS_RAD {
+            let command = libm::copysign(full, beyond);
+            if state.bank_rad == command {
+                let rate = libm::copysign(limit, beyond);
+                return Piece::steady(climb_s.min(beyond / rate), rate, climb_rate, command);
             }
-            let lag = commanded * LAG_STEP / (1.0 - LAG_STEP);
-            let eased = libm::exp(-share * duration_s / step_s);
-            (state.bank_rad + lag) * held - lag * eased
+            let roll = self.roll(state.bank_rad, command, most);
+            let left = self.beyond_after(&roll, turn_left);
+            let roll = if left * beyond > 0.0 {
+                roll
+            } else {
+                self.roll_to_roll_out(&roll, turn_left, (beyond, left))
+            };
+            return self.piece_of(&roll, climb_rate);
+        }
+        if state.bank_rad.abs() > ROLLED_OUT_RAD {
+            let mut roll = self.roll(state.bank_rad, 0.0, most);
+            if roll.to_rad == 0.0 && full > 0.0 {
+                // Rounding stays behind: it ends on its course.
+                let turn = turn_left / (self.gain_radps * tau);
+                roll.rate += (turn - roll.turn) / roll.lasts;
+            }
+            return self.piece_of(&roll, climb_rate);
+        }
+        if turn_left.abs() < REACHED_RAD || full <= 0.0 {
+            return Piece::steady(climb_s, 0.0, climb_rate, 0.0);
+        }
+        let step_s = LEVEL_TURN * tau;
+        Piece::steady(climb_s.min(step_s), turn_left / step_s, climb_rate, 0.0)
+    }
+
+    /// The next piece of a roll, no longer than `most` time constants.
+    fn roll(&self, from_rad: f64, command_rad: f64, most: f64) -> Roll {
+        let (kept, side) = if command_rad == 0.0 {
+            (&self.rolling_out, from_rad)
+        } else {
+            (&self.rolling_in, command_rad)
         };
-        let bank_end_rad = bank_after(1.0);
-        // Mean over the step by Simpson's rule.
-        let rate = (self.rate_radps(state.bank_rad)
-            + 4.0 * self.rate_radps(bank_after(0.5))
-            + self.rate_radps(bank_end_rad))
-            / 6.0;
+        let sign = libm::copysign(1.0, side);
+        let is_kept = command_rad == 0.0 || command_rad.abs() == self.full_bank_rad;
+        match kept.from(sign * from_rad) {
+            Some(roll) if is_kept && roll.lasts <= most => Roll {
+                from_rad,
+                command_rad,
+                turn: sign * roll.turn,
+                rate: sign * roll.rate,
+                growth: sign * roll.growth,
+                to_rad: sign * roll.to_rad,
+                ..*roll
+            },
+            _ => Roll::new(from_rad, command_rad, most, self.pace),
+        }
+    }
+
+    /// What is left to turn after a piece of a roll, beyond what rolling out turns, radians.
+    fn beyond_after(&self, roll: &Roll, turn_left: f64) -> f64 {
+        let turned = self.gain_radps * self.bank_time_constant_s * roll.turn;
+        turn_left - turned - self.rollout_rad(roll.to_rad)
+    }
+
+    /// The part of a piece of a roll after which the roll-out begins: where what is left beyond it,
+    /// known at both ends, is zero (the Illinois method).
+    fn roll_to_roll_out(&self, roll: &Roll, turn_left: f64, ends: (f64, f64)) -> Roll {
+        let ((mut a, mut at_a), (mut b, mut at_b)) = ((0.0, ends.0), (roll.lasts, ends.1));
+        let mut part = *roll;
+        for _ in 0..STEPS_TO_ROLL_OUT {
+            if at_b.abs() < 0.01 * ROLL_OUT_BEGINS_RAD || at_a == at_b {
+                break;
+            }
+            let c = b - at_b * (b - a) / (at_b - at_a);
+            part = Roll::part(roll.from_rad, roll.command_rad, c);
+            let at_c = self.beyond_after(&part, turn_left);
+            if at_c * at_b < 0.0 {
+                (a, at_a) = (b, at_b);
+            } else {
+                at_a *= 0.5;
+            }
+            (b, at_b) = (c, at_c);
+        }
+        part
+    }
+
+    fn piece_of(&self, roll: &Roll, climb_rate_radps: f64) -> Piece {
+        let tau = self.bank_time_constant_s;
         Piece {
-            duration_s,
-            course_rate_radps: rate,
-            climb_rate_radps: climb_rate,
-            bank_end_rad,
+            duration_s: roll.lasts * tau,
+            course_rate_radps: self.gain_radps * roll.rate,
+            course_growth_radps2: self.gain_radps * roll.growth / tau,
+            climb_rate_radps,
+            bank_command_rad: roll.command_rad,
+            bank_end_rad: roll.to_rad,
+            fastest_radps: self.gain_radps * roll.fastest,
+            remainder_m: self.airspeed_mps * self.gain_radps * tau * tau * roll.bow,
         }
     }
 
     /// Change of course while the bank decays to level, radians.
-    ///
-    /// ∫ f g tan(φ e^(−t/τ)) / V dt = f g τ / V · (φ + φ³/9 + 2φ⁵/75 + …).
     pub fn rollout_rad(&self, bank_rad: f64) -> f64 {
-        let square = bank_rad * bank_rad;
-        let series = bank_rad * (1.0 + square * (1.0 / 9.0 + square * (2.0 / 75.0)));
-        self.turn_rate_factor * STANDARD_GRAVITY_MPS2 * self.bank_time_constant_s * series
-            / self.airspeed_mps
+        if bank_rad.abs() == self.full_bank_rad {
+            return libm::copysign(self.full_roll_out_rad, bank_rad);
+        }
+        let bank_rad = bank_rad.limited(-FRAC_PI_2 + 0.01, FRAC_PI_2 - 0.01);
+        self.gain_radps * self.bank_time_constant_s * roll_out(bank_rad)
     }
 
     /// Course rate flown at a bank, radians per second (Eq. 9 with the turn-rate factor).
@@ -287,25 +422,48 @@ impl Flyer {
 
     /// The state `after_s` seconds into a piece, `after_s` at most its duration.
     pub fn advance(&self, state: &MotionState, piece: &Piece, after_s: f64) -> MotionState {
-        let ends = after_s >= piece.duration_s;
         MotionState {
             time_s: state.time_s + after_s,
-            position_m: state.position_m
-                + self.displacement_m(
-                    state.course_rad,
-                    state.climb_rad,
-                    piece.course_rate_radps,
-                    piece.climb_rate_radps,
-                    after_s,
-                ),
-            course_rad: state.course_rad + piece.course_rate_radps * after_s,
+            position_m: state.position_m + self.moved_m(state, piece, after_s),
+            course_rad: state.course_rad + piece.turn_rad(after_s),
             climb_rad: state.climb_rad + piece.climb_rate_radps * after_s,
-            bank_rad: if ends {
+            bank_rad: if after_s >= piece.duration_s {
                 piece.bank_end_rad
-            } else {
+            } else if self.is_ideal() || state.bank_rad == piece.bank_command_rad {
                 state.bank_rad
+            } else {
+                let off_rad = state.bank_rad - piece.bank_command_rad;
+                piece.bank_command_rad + off_rad * libm::exp(-after_s / self.bank_time_constant_s)
             },
         }
+    }
+
+    /// Displacement `after_s` seconds into a piece, metres.
+    ///
+    /// With the course rate linear in time the course is that of its mean rate and a parabola
+    /// e(t) = a t (t − T) / 2 besides, of which this takes in the first two orders.
+    fn moved_m(&self, state: &MotionState, piece: &Piece, after_s: f64) -> Vec3 {
+        let growth = piece.course_growth_radps2;
+        let mean_radps = piece.course_rate_radps + 0.5 * growth * after_s;
+        let climb_radps = piece.climb_rate_radps;
+        let (course_rad, climb_rad) = (state.course_rad, state.climb_rad);
+        let chord_m = self.displacement_m(course_rad, climb_rad, mean_radps, climb_radps, after_s);
+        if growth == 0.0 {
+            return chord_m;
+        }
+        let turn_rad = mean_radps * after_s;
+        let square = after_s * after_s;
+        let speed_mps = self.airspeed_mps * libm::cos(climb_rad + 0.5 * climb_radps * after_s);
+        let left_m =
+            -speed_mps * growth * square * after_s / 12.0 * (1.0 - turn_rad * turn_rad / 40.0);
+        let behind_m = speed_mps * growth * growth * square * square * after_s / 240.0;
+        let (cos, sin) = unit(course_rad + 0.5 * turn_rad);
+        chord_m
+            + Vec3::new(
+                -left_m * sin - behind_m * cos,
+                left_m * cos - behind_m * sin,
+                0.0,
+            )
     }
 
     /// Displacement over `after_s` seconds at constant rates, metres: Eq. 10–12 integrated exactly.
@@ -349,7 +507,7 @@ impl Flyer {
 
     /// Bound of the acceleration of a piece, metres per second squared: V √(ψ̇² + θ̇²).
     pub fn acceleration_mps2(&self, piece: &Piece) -> f64 {
-        let rates = piece.course_rate_radps * piece.course_rate_radps
+        let rates = piece.fastest_radps * piece.fastest_radps
             + piece.climb_rate_radps * piece.climb_rate_radps;
         self.airspeed_mps * libm::sqrt(rates)
     }

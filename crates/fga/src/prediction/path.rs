@@ -22,8 +22,10 @@ pub(crate) const CHORD_BOW_M: f64 = 0.16;
 pub struct Node {
     /// The aircraft.
     pub state: MotionState,
-    /// Course rate from here to the next node, radians per second.
+    /// Course rate from here on, radians per second.
     pub course_rate_radps: f64,
+    /// How fast it grows until the next node, radians per second squared.
+    pub course_growth_radps2: f64,
     /// Rate of the climb angle from here to the next node, radians per second.
     pub climb_rate_radps: f64,
     /// Bound of the acceleration from here to the next node, metres per second squared.
@@ -36,8 +38,23 @@ impl Node {
         Piece {
             duration_s: f64::INFINITY,
             course_rate_radps: self.course_rate_radps,
+            course_growth_radps2: self.course_growth_radps2,
             climb_rate_radps: self.climb_rate_radps,
+            bank_command_rad: self.state.bank_rad,
             bank_end_rad: self.state.bank_rad,
+            fastest_radps: 0.0,
+            remainder_m: 0.0,
+        }
+    }
+
+    /// The node `after_s` seconds into a piece, at a state.
+    pub(crate) fn on(flyer: &Flyer, state: &MotionState, piece: &Piece, after_s: f64) -> Self {
+        Self {
+            state: *state,
+            course_rate_radps: piece.course_rate_radps + piece.course_growth_radps2 * after_s,
+            course_growth_radps2: piece.course_growth_radps2,
+            climb_rate_radps: piece.climb_rate_radps,
+            acceleration_mps2: flyer.acceleration_mps2(piece),
         }
     }
 }
@@ -129,6 +146,7 @@ pub struct FlightPath {
     len: usize,
     end_velocity_mps: Vec3,
     complete: bool,
+    remainder_m: f64,
 }
 
 impl Default for FlightPath {
@@ -153,6 +171,7 @@ impl FlightPath {
                 bank_rad: 0.0,
             },
             course_rate_radps: 0.0,
+            course_growth_radps2: 0.0,
             climb_rate_radps: 0.0,
             acceleration_mps2: 0.0,
         };
@@ -161,6 +180,7 @@ impl FlightPath {
             len: 0,
             end_velocity_mps: Vec3::ZERO,
             complete: false,
+            remainder_m: 0.0,
         }
     }
 
@@ -180,10 +200,17 @@ impl FlightPath {
         self.complete
     }
 
+    /// Bound of how far the flight is from its nodes and from the pieces between them, metres: 0
+    /// without bank lag.
+    pub const fn remainder_m(&self) -> f64 {
+        self.remainder_m
+    }
+
     /// Forgets all nodes.
     pub(crate) fn clear(&mut self) {
         self.len = 0;
         self.complete = false;
+        self.remainder_m = 0.0;
     }
 
     /// Ends the path at a state from which the aircraft flies straight on.
@@ -192,6 +219,7 @@ impl FlightPath {
         self.complete = self.push(Node {
             state: *state,
             course_rate_radps: 0.0,
+            course_growth_radps2: 0.0,
             climb_rate_radps: 0.0,
             acceleration_mps2: 0.0,
         });
@@ -224,9 +252,11 @@ impl FlightPath {
             f64::INFINITY
         };
         let count = whole(duration_s / longest_s, MAX_NODES + 1);
+        self.remainder_m += piece.remainder_m;
         let mut node = Node {
             state: *from,
             course_rate_radps: piece.course_rate_radps,
+            course_growth_radps2: piece.course_growth_radps2,
             climb_rate_radps: piece.climb_rate_radps,
             acceleration_mps2: acceleration,
         };
@@ -234,6 +264,16 @@ impl FlightPath {
             return self
                 .push(node)
                 .then(|| flyer.advance(from, piece, duration_s));
+        }
+        if piece.course_growth_radps2 != 0.0 {
+            for step in 0..count {
+                let after_s = duration_s * step as f64 / count as f64;
+                let state = flyer.advance(from, piece, after_s);
+                if !self.push(Node::on(flyer, &state, piece, after_s)) {
+                    return None;
+                }
+            }
+            return Some(flyer.advance(from, piece, duration_s));
         }
         let mut steps = ArcSteps::new(flyer, from, piece, duration_s / count as f64);
         for _ in 0..count {

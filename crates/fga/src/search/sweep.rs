@@ -20,7 +20,7 @@ const SETUP_WORK: usize = 15;
 const HALVINGS: u32 = 7;
 
 /// How far off the end of a turn with bank lag may be told, radians.
-const ROLL_OUT_RAD: f64 = 2e-3;
+const ROLL_OUT_RAD: f64 = 1e-5;
 
 /// Turns to one side at one climb target.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,6 +75,10 @@ struct WalkPiece {
     piece: Piece,
     steps: ArcSteps,
     left: usize,
+    count: usize,
+    longest_s: f64,
+    /// When the last step began, seconds from the beginning of the piece.
+    after_s: f64,
 }
 
 impl<'a> Walk<'a> {
@@ -104,19 +108,27 @@ impl<'a> Walk<'a> {
                     return false;
                 }
                 let longest_s = LONGEST_STEP_RAD / flyer.course_rate_radps();
+                let left = whole(piece.duration_s / longest_s, MAX_NODES);
                 slot.insert(WalkPiece {
                     begin: self.state,
                     piece,
                     steps: ArcSteps::new(flyer, &self.state, &piece, longest_s),
-                    left: whole(piece.duration_s / longest_s, MAX_NODES),
+                    left,
+                    count: left,
+                    longest_s,
+                    after_s: 0.0,
                 })
             }
         };
         self.before = self.state;
+        at.after_s = at.longest_s * (at.count - at.left) as f64;
         at.left -= 1;
         self.state = if at.left == 0 {
             self.flyer
                 .advance(&at.begin, &at.piece, at.piece.duration_s)
+        } else if at.piece.course_growth_radps2 != 0.0 {
+            let after_s = at.after_s + at.longest_s;
+            self.flyer.advance(&at.begin, &at.piece, after_s)
         } else {
             at.steps.advance();
             *at.steps.state()
@@ -127,19 +139,17 @@ impl<'a> Walk<'a> {
     /// Velocity now, metres per second.
     fn velocity_mps(&self) -> Vec3 {
         match &self.piece {
-            Some(at) if at.left > 0 => at.steps.velocity_mps(),
+            Some(at) if at.left > 0 && at.piece.course_growth_radps2 == 0.0 => {
+                at.steps.velocity_mps()
+            }
             _ => self.flyer.velocity_mps(&self.state),
         }
     }
 
     /// The node from which the last step began.
     fn last_node(&self) -> Option<Node> {
-        self.piece.map(|at| Node {
-            state: self.before,
-            course_rate_radps: at.piece.course_rate_radps,
-            climb_rate_radps: at.piece.climb_rate_radps,
-            acceleration_mps2: self.flyer.acceleration_mps2(&at.piece),
-        })
+        self.piece
+            .map(|at| Node::on(self.flyer, &self.before, &at.piece, at.after_s))
     }
 }
 
@@ -506,10 +516,8 @@ impl Search<'_> {
         let piece = flyer.next_piece(&state, target);
         let end = flyer.advance(&state, &piece, left_s);
         let node = Node {
-            state,
-            course_rate_radps: piece.course_rate_radps,
-            climb_rate_radps: piece.climb_rate_radps,
             acceleration_mps2: 0.0,
+            ..Node::on(flyer, &state, &piece, 0.0)
         };
         self.along(&node, &end, floor_m, worst);
         end
@@ -536,12 +544,7 @@ impl Search<'_> {
             let longest_s = libm::sqrt(8.0 * CHORD_BOW_M / acceleration_mps2);
             let duration_s = piece.duration_s.min(until_s - state.time_s);
             let step_s = duration_s / whole(duration_s / longest_s, MAX_NODES) as f64;
-            let node = Node {
-                state,
-                course_rate_radps: piece.course_rate_radps,
-                climb_rate_radps: piece.climb_rate_radps,
-                acceleration_mps2,
-            };
+            let node = Node::on(flyer, &state, &piece, 0.0);
             let end = flyer.advance(&state, &piece, step_s);
             self.along(&node, &end, floor_m, worst);
             state = end;

@@ -1,0 +1,239 @@
+//! Rolling from one bank to another: the bank follows its command exponentially.
+//!
+//! The flight of a roll is cut into a few pieces. In each the course rate is taken as linear in time,
+//! with the change of course and its integral over time exact, so that course and position at the end
+//! of a piece are right to fractions of a millimetre; what is left in between is bounded.
+
+use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
+
+/// Abscissas and weights of Gauss's rule with four points on [0, 1].
+const GAUSS: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_9),
+    (0.330_009_478_207_571_9, 0.326_072_577_431_273_1),
+    (0.669_990_521_792_428_1, 0.326_072_577_431_273_1),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_9),
+];
+
+/// Longest pieces, in time constants, while the bank is farther than an angle from its command,
+/// radians.
+const LONGEST: [(f64, f64); 4] = [(0.3, 0.6), (0.1, 0.9), (0.02, 1.2), (0.004, 1.6)];
+
+/// The last piece of a roll, in time constants; what is left after it is part of it.
+const LAST: f64 = 3.0;
+
+/// Share of its distance from 90° that the bank may move by in a piece.
+const FROM_UPRIGHT: f64 = 0.4;
+
+/// How far the flight is from the one with a linear course rate, as a share of the roll's size times
+/// the fourth power of the piece's length.
+const BOW: f64 = 2e-3;
+
+/// The same for the last piece, as a share of the roll's size.
+const LAST_BOW: f64 = 0.12;
+
+/// A piece of a roll, with time in units of the time constant and course in units of what a bank of
+/// 45° turns in one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Roll {
+    /// Bank at its beginning, radians.
+    pub from_rad: f64,
+    /// The bank commanded, radians.
+    pub command_rad: f64,
+    /// How long it lasts.
+    pub lasts: f64,
+    /// Change of course.
+    pub turn: f64,
+    /// Course rate at its beginning, as if that were linear in time.
+    pub rate: f64,
+    /// How fast the course rate grows.
+    pub growth: f64,
+    /// Bank at its end, radians.
+    pub to_rad: f64,
+    /// Largest course rate within it.
+    pub fastest: f64,
+    /// Bound of how far the course may be from the linear rate's, times the duration.
+    pub bow: f64,
+}
+
+impl Roll {
+    pub(super) const NONE: Self = Self {
+        from_rad: 0.0,
+        command_rad: 0.0,
+        lasts: 0.0,
+        turn: 0.0,
+        rate: 0.0,
+        growth: 0.0,
+        to_rad: 0.0,
+        fastest: 0.0,
+        bow: 0.0,
+    };
+
+    /// The next piece of a roll, no longer than `most`; `pace` stretches what is usual.
+    pub(super) fn new(from_rad: f64, command_rad: f64, most: f64, pace: f64) -> Self {
+        let off_rad = from_rad - command_rad;
+        let size = off_rad.abs();
+        let upright = FRAC_PI_2 - from_rad.abs().max(command_rad.abs());
+        let longest = LONGEST
+            .iter()
+            .find(|(beyond, _)| size > *beyond)
+            .map_or(LAST, |(_, longest)| pace * longest);
+        let room = FROM_UPRIGHT * upright;
+        let longest = if size > room {
+            longest.min(-libm::log(1.0 - room / size))
+        } else {
+            longest
+        };
+        if longest >= LAST && most >= LAST {
+            Self::last(from_rad, command_rad)
+        } else {
+            Self::part(from_rad, command_rad, longest.min(most))
+        }
+    }
+
+    /// A piece of a given length.
+    pub(super) fn part(from_rad: f64, command_rad: f64, lasts: f64) -> Self {
+        let off_rad = from_rad - command_rad;
+        let to_rad = command_rad + off_rad * libm::exp(-lasts);
+        // The change of course and its integral over time.
+        let (mut turn, mut area) = (0.0, 0.0);
+        for (at, weight) in GAUSS {
+            let rate = libm::tan(command_rad + off_rad * libm::exp(-lasts * at));
+            turn += weight * rate;
+            area += weight * rate * (1.0 - at);
+        }
+        turn *= lasts;
+        area *= lasts * lasts;
+        let growth = 12.0 * (0.5 * turn * lasts - area) / (lasts * lasts * lasts);
+        let rate = turn / lasts - 0.5 * growth * lasts;
+        Self {
+            lasts,
+            turn,
+            rate,
+            growth,
+            to_rad,
+            ..Self::bounded(from_rad, command_rad, lasts)
+        }
+    }
+
+    /// The end of a roll: small enough for its whole rest to be taken in.
+    fn last(from_rad: f64, command_rad: f64) -> Self {
+        let off_rad = from_rad - command_rad;
+        let steady = libm::tan(command_rad);
+        let slope = 1.0 + steady * steady;
+        // ∫ tan(c + d e^−u) − tan c du by its series in d.
+        let rest = slope * off_rad * (1.0 + 0.5 * steady * off_rad);
+        let turn = steady * LAST + rest;
+        // The integral of the course over time, as if the rest were turned by then.
+        let growth = 12.0 * rest * (1.0 - 0.5 * LAST) / (LAST * LAST * LAST);
+        Self {
+            lasts: LAST,
+            turn,
+            rate: turn / LAST - 0.5 * growth * LAST,
+            growth,
+            to_rad: command_rad,
+            ..Self::bounded(from_rad, command_rad, LAST)
+        }
+    }
+
+    fn bounded(from_rad: f64, command_rad: f64, lasts: f64) -> Self {
+        let off_rad = from_rad - command_rad;
+        let fastest = libm::tan(from_rad.abs().max(command_rad.abs()));
+        let steepness = 1.0 + fastest * fastest;
+        let square = lasts * lasts;
+        let bow = (BOW * square * square).min(LAST_BOW);
+        Self {
+            from_rad,
+            command_rad,
+            fastest,
+            bow: bow * off_rad.abs() * steepness,
+            ..Self::NONE
+        }
+    }
+}
+
+/// ∫ tan(u)/u du from 0 to a bank: the course that rolling out to level turns, in the units of
+/// [`Roll`].
+///
+/// tan(u)/u is 8/(π² − 4u²), whose pole is at 90°, and a series for the rest, good to 10⁻¹¹.
+pub(super) fn roll_out(bank_rad: f64) -> f64 {
+    const SERIES: [f64; 9] = [
+        0.189_430_530_861_297_83,
+        0.001_607_300_394_478_202_4,
+        3.853_295_029_288_789e-5,
+        1.196_205_952_173_013_2e-6,
+        4.140_883_808_687_578e-8,
+        1.519_517_149_504_477e-9,
+        5.781_681_370_596_545e-11,
+        2.255_296_798_919_955e-12,
+        8.959_523_479_911_502e-14,
+    ];
+    if bank_rad == 0.0 {
+        return 0.0;
+    }
+    let square = bank_rad * bank_rad;
+    let series = SERIES
+        .iter()
+        .rev()
+        .fold(0.0, |sum, coefficient| sum * square + coefficient);
+    let twice = 2.0 * bank_rad;
+    FRAC_2_PI * libm::log((PI + twice) / (PI - twice)) + bank_rad * series
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ∫ tan(u)/u du by Simpson's rule.
+    fn integrated(bank_rad: f64) -> f64 {
+        let count = 2000;
+        let h = bank_rad / f64::from(count);
+        let value = |u: f64| if u == 0.0 { 1.0 } else { u.tan() / u };
+        let inner: f64 = (1..count)
+            .map(|k| value(f64::from(k) * h) * if k % 2 == 1 { 4.0 } else { 2.0 })
+            .sum();
+        (value(0.0) + inner + value(bank_rad)) * h / 3.0
+    }
+
+    #[test]
+    fn a_roll_out_turns_the_integral_of_the_tangent_over_the_bank() {
+        for bank in [-1.3, -0.4, 1e-6, 0.2, 0.7, 1.05, 1.35] {
+            let error = (roll_out(bank) - integrated(bank)).abs();
+            assert!(
+                error < 1e-9 * (1.0 + roll_out(bank).abs()),
+                "{bank}: {error}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_pieces_of_a_roll_turn_what_small_steps_do() {
+        for (from, command) in [
+            (0.0, 0.785),
+            (0.785, 0.0),
+            (-0.6, 0.9),
+            (0.3, 1.3),
+            (1.3, -1.3),
+        ] {
+            let (mut bank, mut turn, mut lasts, mut pieces) = (from, 0.0, 0.0, 0);
+            while bank != command {
+                let roll = Roll::new(bank, command, f64::INFINITY, 1.0);
+                turn += roll.turn;
+                lasts += roll.lasts;
+                bank = roll.to_rad;
+                pieces += 1;
+                assert!(pieces < 40, "{from} to {command} takes too many pieces");
+            }
+            let steps = 100_000;
+            let h = 30.0 / f64::from(steps);
+            let excess: f64 = (0..steps)
+                .map(|k| {
+                    let u = (f64::from(k) + 0.5) * h;
+                    let bank: f64 = command + (from - command) * f64::exp(-u);
+                    (bank.tan() - f64::tan(command)) * h
+                })
+                .sum();
+            let error = turn - f64::tan(command) * lasts - excess;
+            assert!(error.abs() < 1e-5, "{from} to {command}: {error}");
+        }
+    }
+}
