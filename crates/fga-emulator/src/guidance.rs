@@ -2,6 +2,8 @@
 
 use core::f64::consts::FRAC_1_SQRT_2;
 
+use mavlink::dialects::ardupilotmega::MavCmd;
+
 use crate::Emulator;
 use crate::geometry::{bearing, distance_m, wrap};
 use crate::mode::Mode;
@@ -12,6 +14,8 @@ const GRAVITY_MPS2: f64 = 9.806_65;
 const L1_DAMPING: f64 = 0.75;
 /// CRUISE locks its heading this long after the stick is centred.
 const HEADING_LOCK_S: f64 = 0.5;
+/// Items without a place that are passed at a time: jumps that lead nowhere end.
+const MOST_SKIPPED: u32 = 100;
 /// Climb rate of a full pitch stick, metres per second.
 const STICK_CLIMB_MPS: f64 = 2.0;
 
@@ -22,6 +26,10 @@ pub(crate) struct Guidance {
     pub(crate) previous_m: [f64; 3],
     pub(crate) done: bool,
     crosstrack: bool,
+    /// Since when the present item is circled, seconds.
+    pub(crate) circling_since_s: Option<f64>,
+    /// The jumps that were made.
+    pub(crate) jumps: Vec<u16>,
     stick_altitude_m: f64,
     locked_heading_rad: Option<f64>,
     line_from_m: [f64; 3],
@@ -32,6 +40,7 @@ impl Guidance {
     /// Begins to fly to an item: along the leg, or from where the aircraft is.
     pub(crate) fn begin_item(&mut self, item: u16, plant: &Plant, along_leg: bool) {
         self.item = item;
+        self.circling_since_s = None;
         self.crosstrack = true;
         if !along_leg {
             self.previous_m = plant.position_m();
@@ -165,21 +174,77 @@ impl Emulator {
         ((f64::from(value) - 1500.0) / 500.0).clamp(-1.0, 1.0)
     }
 
-    fn waypoint_m(&self, item: u16) -> Option<[f64; 3]> {
+    /// Where an item that is flown to leads, metres.
+    pub(crate) fn item_place_m(&self, item: u16) -> Option<[f64; 3]> {
         let item = self.mission.get(usize::from(item))?;
         item.is_waypoint()
             .then(|| item.position_m(&self.settings.home))
             .flatten()
     }
 
-    fn auto_target(&mut self) -> Target {
-        // Items without a place are done at once.
-        while usize::from(self.guidance.item) < self.mission.len()
-            && self.waypoint_m(self.guidance.item).is_none()
-        {
-            self.guidance.item += 1;
+    /// Goes on to the next item that is flown: jumps are made, what has no place is done at once.
+    fn skip_to_flown(&mut self) {
+        for _ in 0..MOST_SKIPPED {
+            let Some(item) = self.mission.get(usize::from(self.guidance.item)) else {
+                return;
+            };
+            if item.command == MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH
+                || self.item_place_m(self.guidance.item).is_some()
+            {
+                return;
+            }
+            self.guidance.item = self.after(self.guidance.item);
         }
-        let Some(to_m) = self.waypoint_m(self.guidance.item) else {
+    }
+
+    /// The item after one that is done.
+    fn after(&mut self, item: u16) -> u16 {
+        let jump = self
+            .mission
+            .get(usize::from(item))
+            .filter(|at| at.command == MavCmd::MAV_CMD_DO_JUMP);
+        let Some([to, times, ..]) = jump.map(|jump| jump.parameters) else {
+            return item + 1;
+        };
+        let made = self.guidance.jumps.iter().filter(|at| **at == item).count();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "numbers of items in float fields; casts saturate"
+        )]
+        let (to, times) = (to as u16, times as i32);
+        if times < 0 || made < usize::try_from(times).unwrap_or(0) {
+            self.guidance.jumps.push(item);
+            return to;
+        }
+        item + 1
+    }
+
+    /// How long an item is circled once it is reached, seconds; infinite for ever.
+    fn circled_s(&self, item: u16) -> f64 {
+        let Some(item) = self.mission.get(usize::from(item)) else {
+            return 0.0;
+        };
+        let first = f64::from(item.parameters[0]);
+        let radius_m = self.parameters.value("WP_LOITER_RAD");
+        let turn_s = core::f64::consts::TAU * radius_m / self.plant.airspeed_mps();
+        match item.command {
+            MavCmd::MAV_CMD_NAV_LOITER_UNLIM => f64::INFINITY,
+            MavCmd::MAV_CMD_NAV_LOITER_TIME => first,
+            MavCmd::MAV_CMD_NAV_LOITER_TURNS => first * turn_s,
+            MavCmd::MAV_CMD_NAV_LOITER_TO_ALT => turn_s,
+            _ => 0.0,
+        }
+    }
+
+    fn auto_target(&mut self) -> Target {
+        self.skip_to_flown();
+        let Some(to_m) = self.item_place_m(self.guidance.item) else {
+            let item = self.mission.get(usize::from(self.guidance.item));
+            if item.is_some_and(|item| item.command == MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH) {
+                self.guided.point_m = [0.0, 0.0, 100.0];
+                self.guided.altitude_m = 100.0;
+            }
             self.guidance.done = true;
             return self.loiter_target();
         };
@@ -193,13 +258,25 @@ impl Emulator {
         } else {
             length
         };
+        let item = self.guidance.item;
+        let circled_s = self.circled_s(item);
         let reached = distance_m(position, to_m) < self.parameters.value("WP_RADIUS");
-        if reached || along >= length {
-            let item = self.guidance.item;
+        if circled_s > 0.0 && (reached || self.guidance.circling_since_s.is_some()) {
+            let since_s = *self.guidance.circling_since_s.get_or_insert(self.time_s);
+            if self.time_s - since_s < circled_s {
+                self.guided.point_m = to_m;
+                self.guided.altitude_m = to_m[2];
+                return self.loiter_target();
+            }
+        }
+        if reached || along >= length || self.guidance.circling_since_s.is_some() {
             self.send_reached(item);
-            if usize::from(item) + 1 < self.mission.len() {
+            let next = self.after(item);
+            if usize::from(next) < self.mission.len() {
                 self.guidance.previous_m = to_m;
-                self.guidance.begin_item(item + 1, &self.plant, true);
+                self.guidance.begin_item(next, &self.plant, true);
+                self.skip_to_flown();
+                self.say_item();
             } else {
                 self.guidance.done = true;
                 self.guided.point_m = to_m;
@@ -212,6 +289,12 @@ impl Emulator {
             bank_rad: follow_line(&self.plant, period_s, from_m, to_m),
             vertical: Vertical::Altitude(to_m[2]),
         }
+    }
+
+    /// The words that go with the beginning of an item.
+    pub(crate) fn say_item(&mut self) {
+        let words = format!("Mission: {} WP", self.guidance.item);
+        self.send_text(&words);
     }
 
     fn loiter_target(&mut self) -> Target {

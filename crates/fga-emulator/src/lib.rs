@@ -34,6 +34,7 @@ pub use mode::Mode;
 pub use parameters::Parameters;
 pub use plant::{Plant, PlantSettings};
 
+use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::MavMessage;
 
 use guidance::{Guidance, Guided, Overrides};
@@ -65,6 +66,14 @@ pub struct Settings {
     pub fix_s: f64,
     /// Pressure at sea level, hectopascals; `None`: the pressure is not told.
     pub sea_level_hpa: Option<f64>,
+    /// Time since boot until which the autopilot initialises, seconds: it sends heartbeats in mode
+    /// INITIALISING and hears nothing.
+    pub initialising_until_s: f64,
+    /// Interval of every message before a companion asks for another one, seconds (ArduPlane's
+    /// `SRn` parameters); `None` sends heartbeats alone.
+    pub default_interval_s: Option<f64>,
+    /// No message is sent more often than this, seconds: a slow telemetry radio.
+    pub fastest_interval_s: f64,
 }
 
 impl Default for Settings {
@@ -84,6 +93,9 @@ impl Default for Settings {
             wind_mps: [0.0, 0.0],
             fix_s: 0.0,
             sea_level_hpa: Some(1013.25),
+            initialising_until_s: 0.0,
+            default_interval_s: None,
+            fastest_interval_s: 0.0,
         }
     }
 }
@@ -126,6 +138,8 @@ pub struct Emulator {
     refuse_commands: bool,
     ignore_attitude: bool,
     outbox: Vec<MavMessage>,
+    /// For the ground station on the second link.
+    second_outbox: Vec<MavMessage>,
     texts: Vec<String>,
     received: u64,
 }
@@ -155,12 +169,13 @@ impl Emulator {
             guidance: Guidance::default(),
             guided: Guided::default(),
             overrides: Overrides::default(),
-            streams: Streams::default(),
+            streams: Streams::new(settings.default_interval_s),
             intruders: Vec::new(),
             upload: None,
             refuse_commands: false,
             ignore_attitude: false,
             outbox: Vec::new(),
+            second_outbox: Vec::new(),
             texts: Vec::new(),
             received: 0,
             settings,
@@ -175,6 +190,8 @@ impl Emulator {
     /// Sets the mission; item 0 is home, as on the autopilot.
     pub fn set_mission(&mut self, items: Vec<Item>, current: u16) {
         self.mission = items;
+        self.guidance.jumps.clear();
+        self.guidance.done = false;
         self.guidance.begin_item(current, &self.plant, false);
         self.guidance.previous_m = (current > 0)
             .then(|| self.mission.get(usize::from(current) - 1))
@@ -212,6 +229,28 @@ impl Emulator {
     /// What was sent since the last call.
     pub fn drain(&mut self) -> Vec<MavMessage> {
         core::mem::take(&mut self.outbox)
+    }
+
+    /// Takes a message on the second link. What answers it goes back on that link alone; of what the
+    /// autopilot then does the first link hears nothing but its words.
+    pub fn receive_on_second_link(&mut self, header: &MavHeader, message: &MavMessage) {
+        let first = core::mem::take(&mut self.outbox);
+        self.receive(header, message);
+        let answers = core::mem::replace(&mut self.outbox, first);
+        for answer in answers {
+            match answer {
+                MavMessage::STATUSTEXT(_) | MavMessage::HEARTBEAT(_) => {
+                    self.outbox.push(answer.clone());
+                    self.second_outbox.push(answer);
+                }
+                _ => self.second_outbox.push(answer),
+            }
+        }
+    }
+
+    /// What was sent on the second link since the last call.
+    pub fn drain_second_link(&mut self) -> Vec<MavMessage> {
+        core::mem::take(&mut self.second_outbox)
     }
 
     /// The vehicle's system id.
@@ -259,6 +298,16 @@ impl Emulator {
         &self.texts
     }
 
+    /// Interval at which a message is sent now, seconds.
+    pub fn interval_s(&self, message_id: u32) -> Option<f64> {
+        self.streams.interval_s(message_id)
+    }
+
+    /// Whether the autopilot still initialises.
+    pub(crate) fn is_initialising(&self) -> bool {
+        self.time_s < self.settings.initialising_until_s
+    }
+
     /// Messages taken so far.
     pub const fn received(&self) -> u64 {
         self.received
@@ -290,10 +339,21 @@ impl Emulator {
         self.plant.displace(by_m);
     }
 
+    /// For tests: the autopilot forgets which messages it was asked for.
+    pub fn forget_rates(&mut self) {
+        self.streams = Streams::new(self.settings.default_interval_s);
+    }
+
+    /// For tests: the autopilot starts anew before the flight: it initialises for two seconds.
+    pub fn reboot_on_ground(&mut self) {
+        self.reboot();
+        self.settings.initialising_until_s = 2.0;
+    }
+
     /// For tests: the autopilot starts anew in the air; its boot time begins at zero.
     pub fn reboot(&mut self) {
         self.time_s = 0.0;
-        self.streams = Streams::default();
+        self.forget_rates();
         self.guided = Guided::default();
         self.overrides = Overrides::default();
     }

@@ -57,19 +57,22 @@ impl Item {
         Some([x, y, z])
     }
 
-    /// Whether the aircraft flies to it.
+    /// Whether the aircraft flies to it; a plane flies no splines.
     pub fn is_waypoint(&self) -> bool {
         matches!(
             self.command,
             MavCmd::MAV_CMD_NAV_WAYPOINT
-                | MavCmd::MAV_CMD_NAV_SPLINE_WAYPOINT
                 | MavCmd::MAV_CMD_NAV_LOITER_UNLIM
+                | MavCmd::MAV_CMD_NAV_LOITER_TIME
+                | MavCmd::MAV_CMD_NAV_LOITER_TURNS
+                | MavCmd::MAV_CMD_NAV_LOITER_TO_ALT
                 | MavCmd::MAV_CMD_NAV_LAND
                 | MavCmd::MAV_CMD_NAV_TAKEOFF
         )
     }
 
-    pub(crate) fn message(
+    /// The message that carries it.
+    pub fn message(
         &self,
         sequence: u16,
         mission_type: MavMissionType,

@@ -6,6 +6,7 @@ use mavlink::dialects::ardupilotmega::{
     COMMAND_INT_DATA, COMMAND_LONG_DATA, MISSION_ACK_DATA, MISSION_COUNT_DATA,
     MISSION_REQUEST_INT_DATA, MavCmd, MavMessage, MavMissionResult, MavMissionType, MavParamType,
     MavResult, PARAM_VALUE_DATA, PING_DATA, RC_CHANNELS_OVERRIDE_DATA, SET_ATTITUDE_TARGET_DATA,
+    TIMESYNC_DATA,
 };
 
 use crate::guidance::HeadingTarget;
@@ -17,6 +18,9 @@ impl Emulator {
     /// Takes a message.
     pub fn receive(&mut self, header: &MavHeader, message: &MavMessage) {
         self.received += 1;
+        if self.is_initialising() {
+            return;
+        }
         let from = (
             u8::try_from(header.system_id).unwrap_or(0),
             header.component_id,
@@ -51,6 +55,14 @@ impl Emulator {
                 self.outbox.push(MavMessage::PING(PING_DATA {
                     time_usec: data.time_usec,
                     seq: data.seq,
+                    target_system: from.0,
+                    target_component: from.1,
+                }));
+            }
+            MavMessage::TIMESYNC(data) if data.tc1 == 0 => {
+                self.outbox.push(MavMessage::TIMESYNC(TIMESYNC_DATA {
+                    tc1: i64::from(self.boot_ms()) * 1_000_000,
+                    ts1: data.ts1,
                     target_system: from.0,
                     target_component: from.1,
                 }));
@@ -90,6 +102,24 @@ impl Emulator {
                 let index = self.parameters.rows().iter().position(|row| row.0 == name);
                 self.send_parameter(index);
             }
+            MavMessage::MISSION_REQUEST_LIST(data)
+                if data.target_system == own && self.is_uploading(data.mission_type, from) =>
+            {
+                self.refuse_list(
+                    data.mission_type,
+                    MavMissionResult::MAV_MISSION_DENIED,
+                    from,
+                );
+            }
+            MavMessage::MISSION_REQUEST_INT(data)
+                if data.target_system == own && self.is_uploading(data.mission_type, from) =>
+            {
+                self.refuse_list(
+                    data.mission_type,
+                    MavMissionResult::MAV_MISSION_DENIED,
+                    from,
+                );
+            }
             MavMessage::MISSION_REQUEST_LIST(data) if data.target_system == own => {
                 let count = self.items(data.mission_type).len();
                 self.outbox
@@ -109,6 +139,9 @@ impl Emulator {
                 if let Some(item) = item {
                     let reply = item.message(data.seq, data.mission_type, from);
                     self.outbox.push(MavMessage::MISSION_ITEM_INT(reply));
+                } else {
+                    let result = MavMissionResult::MAV_MISSION_INVALID_SEQUENCE;
+                    self.refuse_list(data.mission_type, result, from);
                 }
             }
             MavMessage::MISSION_COUNT(data) if data.target_system == own => {
@@ -135,6 +168,28 @@ impl Emulator {
             }
             _ => {}
         }
+    }
+
+    /// Whether somebody else uploads a list: then nobody may read it.
+    fn is_uploading(&self, mission_type: MavMissionType, from: (u8, u8)) -> bool {
+        self.upload
+            .as_ref()
+            .is_some_and(|upload| upload.mission_type == mission_type && upload.from != from)
+    }
+
+    fn refuse_list(
+        &mut self,
+        mission_type: MavMissionType,
+        result: MavMissionResult,
+        (target_system, target_component): (u8, u8),
+    ) {
+        self.outbox.push(MavMessage::MISSION_ACK(MISSION_ACK_DATA {
+            target_system,
+            target_component,
+            mavtype: result,
+            mission_type,
+            opaque_id: 0,
+        }));
     }
 
     fn items(&self, mission_type: MavMissionType) -> &[Item] {
@@ -165,7 +220,13 @@ impl Emulator {
         }
         match mission_type {
             MavMissionType::MAV_MISSION_TYPE_FENCE => self.fence = upload.items,
-            _ => self.set_mission(upload.items, 1),
+            MavMissionType::MAV_MISSION_TYPE_MISSION => {
+                self.set_mission(upload.items, 1);
+                if self.mode == Mode::Auto {
+                    self.say_item();
+                }
+            }
+            _ => {}
         }
         self.outbox.push(MavMessage::MISSION_ACK(MISSION_ACK_DATA {
             target_system,
@@ -275,6 +336,9 @@ impl Emulator {
         }
         if item != self.guidance.item {
             self.guidance.begin_item(item, &self.plant, false);
+            if self.mode == Mode::Auto {
+                self.say_item();
+            }
         }
         true
     }

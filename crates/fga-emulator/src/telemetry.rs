@@ -3,11 +3,13 @@
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, GPS_RAW_INT_DATA, GpsFixType,
     HEARTBEAT_DATA, MISSION_CURRENT_DATA, MISSION_ITEM_REACHED_DATA, MavAutopilot, MavMessage,
-    MavModeFlag, MavState, MavType, NAV_CONTROLLER_OUTPUT_DATA, SCALED_PRESSURE_DATA,
-    SYSTEM_TIME_DATA, VFR_HUD_DATA, WIND_DATA,
+    MavModeFlag, MavSeverity, MavState, MavType, NAV_CONTROLLER_OUTPUT_DATA,
+    POSITION_TARGET_GLOBAL_INT_DATA, SCALED_PRESSURE_DATA, STATUSTEXT_DATA, SYSTEM_TIME_DATA,
+    VFR_HUD_DATA, WIND_DATA,
 };
 
-use crate::{Emulator, Place};
+use crate::geometry::{bearing, distance_m};
+use crate::{Emulator, Mode, Place};
 
 /// A message that is sent again and again.
 #[derive(Debug, Clone, Copy)]
@@ -26,41 +28,56 @@ const GLOBAL_POSITION_INT: u32 = 33;
 const MISSION_CURRENT: u32 = 42;
 const NAV_CONTROLLER_OUTPUT: u32 = 62;
 const VFR_HUD: u32 = 74;
+const POSITION_TARGET_GLOBAL_INT: u32 = 87;
 const WIND: u32 = 168;
 const ADSB_VEHICLE: u32 = 246;
+/// Number of the mode that is told before the autopilot has started.
+const INITIALISING: u32 = 16;
 
 /// Which messages are sent, and how often.
 #[derive(Debug)]
 pub(crate) struct Streams(Vec<Stream>);
 
-impl Default for Streams {
-    fn default() -> Self {
-        let row = |message_id, interval_s| Stream {
-            message_id,
-            interval_s,
-            due_s: 0.0,
-        };
-        Self(vec![row(HEARTBEAT, 1.0), row(ADSB_VEHICLE, 1.0)])
-    }
-}
+/// Messages that can be asked for.
+const KNOWN: [u32; 12] = [
+    HEARTBEAT,
+    SYSTEM_TIME,
+    GPS_RAW_INT,
+    SCALED_PRESSURE,
+    ATTITUDE,
+    GLOBAL_POSITION_INT,
+    MISSION_CURRENT,
+    NAV_CONTROLLER_OUTPUT,
+    VFR_HUD,
+    POSITION_TARGET_GLOBAL_INT,
+    WIND,
+    ADSB_VEHICLE,
+];
 
 impl Streams {
+    /// Heartbeats and the list of aircraft each second, everything else at `interval_s`.
+    pub(crate) fn new(interval_s: Option<f64>) -> Self {
+        let rows = KNOWN.into_iter().filter_map(|message_id| {
+            let always = matches!(message_id, HEARTBEAT | ADSB_VEHICLE).then_some(1.0);
+            Some(Stream {
+                message_id,
+                interval_s: always.or(interval_s)?,
+                due_s: 0.0,
+            })
+        });
+        Self(rows.collect())
+    }
+
+    /// The interval of a message, seconds.
+    pub(crate) fn interval_s(&self, message_id: u32) -> Option<f64> {
+        let mut rows = self.0.iter();
+        rows.find(|stream| stream.message_id == message_id)
+            .map(|stream| stream.interval_s)
+    }
+
     /// Sets an interval, seconds; `false` for a message that is not known.
     pub(crate) fn set(&mut self, message_id: u32, interval_s: Option<f64>, now_s: f64) -> bool {
-        let known = [
-            HEARTBEAT,
-            SYSTEM_TIME,
-            GPS_RAW_INT,
-            SCALED_PRESSURE,
-            ATTITUDE,
-            GLOBAL_POSITION_INT,
-            MISSION_CURRENT,
-            NAV_CONTROLLER_OUTPUT,
-            VFR_HUD,
-            WIND,
-            ADSB_VEHICLE,
-        ];
-        if !known.contains(&message_id) {
+        if !KNOWN.contains(&message_id) {
             return false;
         }
         self.0.retain(|stream| stream.message_id != message_id);
@@ -74,11 +91,12 @@ impl Streams {
         true
     }
 
-    fn due(&mut self, now_s: f64) -> Vec<u32> {
+    fn due(&mut self, now_s: f64, fastest_s: f64) -> Vec<u32> {
         let mut due = Vec::new();
         for stream in &mut self.0 {
             if now_s >= stream.due_s - 1e-9 {
-                stream.due_s = (stream.due_s + stream.interval_s).max(now_s);
+                let interval_s = stream.interval_s.max(fastest_s);
+                stream.due_s = (stream.due_s + interval_s).max(now_s);
                 due.push(stream.message_id);
             }
         }
@@ -103,7 +121,11 @@ impl Emulator {
             MavModeFlag::empty()
         };
         self.outbox.push(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
-            custom_mode: self.mode.number(),
+            custom_mode: if self.is_initialising() {
+                INITIALISING
+            } else {
+                self.mode.number()
+            },
             mavtype: MavType::MAV_TYPE_FIXED_WING,
             autopilot: MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
             base_mode: MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | armed,
@@ -122,6 +144,24 @@ impl Emulator {
         ));
     }
 
+    /// Words for every ground station.
+    pub(crate) fn send_text(&mut self, words: &str) {
+        self.outbox.push(MavMessage::STATUSTEXT(STATUSTEXT_DATA {
+            severity: MavSeverity::MAV_SEVERITY_INFO,
+            text: words.into(),
+            ..STATUSTEXT_DATA::DEFAULT
+        }));
+    }
+
+    /// Where it flies to in its mode, metres, local frame.
+    fn target_m(&self) -> [f64; 3] {
+        if self.mode != Mode::Auto {
+            return self.guided.point_m;
+        }
+        self.item_place_m(self.guidance.item)
+            .unwrap_or(self.guided.point_m)
+    }
+
     pub(crate) fn send_mission_current(&mut self) {
         self.outbox
             .push(MavMessage::MISSION_CURRENT(MISSION_CURRENT_DATA {
@@ -132,7 +172,11 @@ impl Emulator {
     }
 
     pub(crate) fn send_telemetry(&mut self) {
-        for message_id in self.streams.due(self.time_s) {
+        let fastest_s = self.settings.fastest_interval_s;
+        for message_id in self.streams.due(self.time_s, fastest_s) {
+            if self.is_initialising() && message_id != HEARTBEAT {
+                continue;
+            }
             match message_id {
                 HEARTBEAT => self.send_heartbeat(),
                 MISSION_CURRENT => self.send_mission_current(),
@@ -236,9 +280,24 @@ impl Emulator {
                 ..SCALED_PRESSURE_DATA::DEFAULT
             }),
             NAV_CONTROLLER_OUTPUT => {
+                let to_m = self.target_m();
+                let here_m = self.plant.position_m();
+                let bearing_deg = bearing(here_m, to_m).to_degrees();
                 MavMessage::NAV_CONTROLLER_OUTPUT(NAV_CONTROLLER_OUTPUT_DATA {
                     nav_roll: self.plant.commanded_bank_rad().to_degrees() as f32,
+                    target_bearing: bearing_deg.round() as i16,
+                    wp_dist: distance_m(here_m, to_m) as u16,
                     ..NAV_CONTROLLER_OUTPUT_DATA::DEFAULT
+                })
+            }
+            POSITION_TARGET_GLOBAL_INT => {
+                let place = self.settings.home.to_place(self.target_m());
+                MavMessage::POSITION_TARGET_GLOBAL_INT(POSITION_TARGET_GLOBAL_INT_DATA {
+                    time_boot_ms,
+                    lat_int: place.latitude_e7,
+                    lon_int: place.longitude_e7,
+                    alt: place.altitude_mm as f32 * 1e-3,
+                    ..POSITION_TARGET_GLOBAL_INT_DATA::DEFAULT
                 })
             }
             VFR_HUD => MavMessage::VFR_HUD(VFR_HUD_DATA {

@@ -48,7 +48,7 @@ impl Command {
         }
     }
 
-    /// The message that says it.
+    /// The message that asks for it; `confirmation` counts the times that it was sent before.
     pub fn message(&self, target_system: u8, confirmation: u8) -> MavMessage {
         let [param1, param2, param3, param4, param5, param6, param7] = self.parameters;
         match self.frame {

@@ -7,6 +7,7 @@
 //! | [`ownship`], [`clock`] | where is the aircraft now, and when was that measured? |
 //! | [`traffic`] | who else is there? |
 //! | [`mission`], [`parameters`], [`mode`] | what does the vehicle mean to do, and what can it do? |
+//! | [`rates`] | how often is its telemetry sent, and how often does it arrive? |
 //! | [`response`] | how does it follow? |
 //! | [`restart`] | what does a program that is started again owe? |
 //! | [`attitude`], [`commanded`], [`paper`], [`commands`] | how is it commanded? |
@@ -58,6 +59,7 @@ pub mod paper;
 pub mod parameters;
 pub mod play;
 pub mod player;
+pub mod rates;
 pub mod rc;
 pub mod replay;
 pub mod response;

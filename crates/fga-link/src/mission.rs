@@ -11,16 +11,29 @@ use crate::number::degrees_from_e7;
 use crate::outgoing::{AUTOPILOT, Outbox};
 
 /// Time to wait for an answer, seconds.
-const ANSWER_S: f64 = 0.6;
+const ANSWER_S: f64 = 0.4;
 /// Longest list that is taken.
 pub const MOST_ITEMS: usize = 2000;
-/// Attempts before an item counts as unreadable (a command that this dialect lacks).
-const MOST_ATTEMPTS: u8 = 8;
+/// Items that are asked for at a time.
+const WINDOW: usize = 5;
+/// Attempts before an item counts as unreadable (a command that this dialect lacks): so many that no
+/// link loses them all.
+const MOST_ATTEMPTS: u8 = 25;
 /// Attempts before the whole list is given up, to begin again later.
-const LIST_PAUSE_S: f64 = 5.0;
+const LIST_PAUSE_S: f64 = 3.0;
 
 /// An item; `None` for one that could not be read.
 pub type Item = Option<MISSION_ITEM_INT_DATA>;
+
+/// An item without what is different in each message that tells it.
+fn bare(data: &MISSION_ITEM_INT_DATA) -> MISSION_ITEM_INT_DATA {
+    MISSION_ITEM_INT_DATA {
+        current: 0,
+        target_system: 0,
+        target_component: 0,
+        ..data.clone()
+    }
+}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stage {
@@ -29,13 +42,29 @@ enum Stage {
     Items,
 }
 
+/// An item on its way.
+#[derive(Debug, Clone)]
+struct Awaited {
+    /// What arrived; the inner `None` is an item that was given up.
+    item: Option<Item>,
+    attempts: u8,
+    again_s: f64,
+}
+
+impl Awaited {
+    const NEW: Self = Self {
+        item: None,
+        attempts: 0,
+        again_s: f64::NEG_INFINITY,
+    };
+}
+
 /// A download of one kind of list.
 #[derive(Debug)]
 pub struct Download {
     kind: MavMissionType,
     stage: Stage,
-    expected: usize,
-    arriving: Vec<Item>,
+    arriving: Vec<Awaited>,
     attempts: u8,
     again_s: f64,
     items: Option<Vec<Item>>,
@@ -48,7 +77,6 @@ impl Download {
         Self {
             kind,
             stage: Stage::Idle,
-            expected: 0,
             arriving: Vec::new(),
             attempts: 0,
             again_s: f64::NEG_INFINITY,
@@ -85,37 +113,53 @@ impl Download {
         self.again_s = f64::NEG_INFINITY;
     }
 
+    /// Whether a number of items that nobody asked for differs from the list that is known.
+    pub fn contradicts_count(&self, data: &MISSION_COUNT_DATA) -> bool {
+        data.mission_type == self.kind
+            && self.stage == Stage::Idle
+            && self
+                .items()
+                .is_some_and(|items| items.len() != usize::from(data.count).min(MOST_ITEMS))
+    }
+
+    /// Whether an item that was asked for alone differs from the one in the list that is known.
+    pub fn contradicts_item(&self, data: &MISSION_ITEM_INT_DATA) -> bool {
+        data.mission_type == self.kind
+            && self.stage == Stage::Idle
+            && self
+                .items()
+                .and_then(|items| items.get(usize::from(data.seq)))
+                .is_none_or(|known| known.as_ref().is_some_and(|known| *known != bare(data)))
+    }
+
     /// Takes the number of items; `true` when the list is whole with that.
     pub fn take_count(&mut self, data: &MISSION_COUNT_DATA) -> bool {
         if data.mission_type != self.kind || self.stage != Stage::Count {
             return false;
         }
-        self.expected = usize::from(data.count).min(MOST_ITEMS);
+        self.arriving = vec![Awaited::NEW; usize::from(data.count).min(MOST_ITEMS)];
         self.stage = Stage::Items;
-        self.attempts = 0;
-        self.again_s = f64::NEG_INFINITY;
         self.finish_if_whole()
     }
 
-    /// Takes an item; `true` when the list is whole with that.
+    /// Takes an item, in any order; `true` when the list is whole with that.
     pub fn take_item(&mut self, data: &MISSION_ITEM_INT_DATA) -> bool {
-        if data.mission_type != self.kind
-            || self.stage != Stage::Items
-            || usize::from(data.seq) != self.arriving.len()
-        {
+        if data.mission_type != self.kind || self.stage != Stage::Items {
             return false;
         }
-        self.arriving.push(Some(data.clone()));
-        self.attempts = 0;
-        self.again_s = f64::NEG_INFINITY;
+        match self.arriving.get_mut(usize::from(data.seq)) {
+            Some(awaited) if awaited.item.is_none() => awaited.item = Some(Some(bare(data))),
+            _ => return false,
+        }
         self.finish_if_whole()
     }
 
     fn finish_if_whole(&mut self) -> bool {
-        if self.arriving.len() < self.expected {
+        if self.arriving.iter().any(|awaited| awaited.item.is_none()) {
             return false;
         }
-        let arrived = Some(core::mem::take(&mut self.arriving));
+        let arrived = core::mem::take(&mut self.arriving);
+        let arrived: Option<Vec<Item>> = arrived.into_iter().map(|awaited| awaited.item).collect();
         if arrived != self.items {
             self.items = arrived;
             self.changes += 1;
@@ -124,38 +168,69 @@ impl Download {
         true
     }
 
-    /// Asks for what is missing.
-    pub fn tick(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) {
-        if self.stage == Stage::Idle || now_s < self.again_s {
+    /// Asks for what is missing; `true` when the list is whole because the rest was given up.
+    pub fn tick(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) -> bool {
+        match self.stage {
+            Stage::Idle => false,
+            Stage::Count => {
+                self.ask_for_count(now_s, target_system, outbox);
+                false
+            }
+            Stage::Items => {
+                self.ask_for_items(now_s, target_system, outbox);
+                self.finish_if_whole()
+            }
+        }
+    }
+
+    fn ask_for_count(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) {
+        if now_s < self.again_s {
             return;
         }
         if self.attempts >= MOST_ATTEMPTS {
             self.attempts = 0;
-            if self.stage == Stage::Items {
-                self.arriving.push(None);
-                self.finish_if_whole();
-            } else {
-                self.again_s = now_s + LIST_PAUSE_S;
-            }
+            self.again_s = now_s + LIST_PAUSE_S;
             return;
         }
         self.attempts += 1;
         self.again_s = now_s + ANSWER_S;
-        let message = if self.stage == Stage::Count {
-            MavMessage::MISSION_REQUEST_LIST(MISSION_REQUEST_LIST_DATA {
-                target_system,
-                target_component: AUTOPILOT,
-                mission_type: self.kind,
-            })
-        } else {
-            MavMessage::MISSION_REQUEST_INT(MISSION_REQUEST_INT_DATA {
-                seq: u16::try_from(self.arriving.len()).unwrap_or(u16::MAX),
-                target_system,
-                target_component: AUTOPILOT,
-                mission_type: self.kind,
-            })
-        };
-        outbox.send(message);
+        outbox.send(self.count_request(target_system));
+    }
+
+    fn ask_for_items(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) {
+        let kind = self.kind;
+        let missing = self
+            .arriving
+            .iter_mut()
+            .enumerate()
+            .filter(|(_, awaited)| awaited.item.is_none());
+        for (index, awaited) in missing.take(WINDOW) {
+            if now_s < awaited.again_s {
+                continue;
+            }
+            if awaited.attempts >= MOST_ATTEMPTS {
+                awaited.item = Some(None);
+                continue;
+            }
+            awaited.attempts += 1;
+            awaited.again_s = now_s + ANSWER_S;
+            let seq = u16::try_from(index).unwrap_or(u16::MAX);
+            outbox.send(item_request(kind, seq, target_system));
+        }
+    }
+
+    /// The message that asks how many items the list has.
+    pub fn count_request(&self, target_system: u8) -> MavMessage {
+        MavMessage::MISSION_REQUEST_LIST(MISSION_REQUEST_LIST_DATA {
+            target_system,
+            target_component: AUTOPILOT,
+            mission_type: self.kind,
+        })
+    }
+
+    /// The message that asks for one item.
+    pub fn item_request(&self, seq: u16, target_system: u8) -> MavMessage {
+        item_request(self.kind, seq, target_system)
     }
 
     /// The closing word of a download, which the vehicle waits for.
@@ -168,6 +243,15 @@ impl Download {
             opaque_id: 0,
         })
     }
+}
+
+fn item_request(kind: MavMissionType, seq: u16, target_system: u8) -> MavMessage {
+    MavMessage::MISSION_REQUEST_INT(MISSION_REQUEST_INT_DATA {
+        seq,
+        target_system,
+        target_component: AUTOPILOT,
+        mission_type: kind,
+    })
 }
 
 /// Where an item leads in the local frame, metres.
@@ -321,11 +405,28 @@ mod tests {
         assert!(!download.take_count(&count));
         let first = item(0, MavCmd::MAV_CMD_NAV_WAYPOINT, 1, 1);
         let second = item(1, MavCmd::MAV_CMD_NAV_WAYPOINT, 2, 2);
-        assert!(!download.take_item(&second), "out of turn");
-        assert!(!download.take_item(&first));
-        assert!(!download.take_item(&first), "a copy");
-        assert!(download.take_item(&second));
-        assert_eq!(download.items().unwrap().len(), 2);
+        download.tick(1.0, 1, &mut outbox);
+        assert_eq!(outbox.take().len(), 2, "both at once");
+        assert!(!download.take_item(&second), "out of order");
+        assert!(!download.take_item(&second), "a copy");
+        assert!(download.take_item(&first));
+        let items = download.items().unwrap();
+        assert_eq!(items.len(), 2);
+        assert_eq!(items[1].as_ref().unwrap().x, 2);
+        // The same list once more is no change, whichever item is the current one.
+        download.begin();
+        download.take_count(&count);
+        download.take_item(&first);
+        let flown_to = MISSION_ITEM_INT_DATA {
+            current: 1,
+            target_system: 1,
+            ..second
+        };
+        assert!(download.take_item(&flown_to));
+        assert_eq!(download.changes(), 1);
+        assert!(!download.contradicts_item(&flown_to));
+        let moved = MISSION_ITEM_INT_DATA { x: 3, ..flown_to };
+        assert!(download.contradicts_item(&moved));
     }
 
     #[test]
@@ -337,7 +438,7 @@ mod tests {
             count: 1,
             ..MISSION_COUNT_DATA::DEFAULT
         });
-        for n in 0..20_u8 {
+        for n in 0..40_u8 {
             download.tick(f64::from(n), 1, &mut outbox);
         }
         assert_eq!(download.items(), Some(&[None][..]));

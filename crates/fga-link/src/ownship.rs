@@ -147,6 +147,13 @@ impl OwnshipEstimate {
         Some(now_s - oldest)
     }
 
+    /// Where it is at `now_s` if it flew straight since the last position, metres, local frame.
+    pub fn position_m(&self, now_s: f64) -> Option<Vec3> {
+        let position = self.position?;
+        let carry_s = (now_s - position.measured_s).clamp(0.0, LONGEST_CARRY_S);
+        Some(position.place_m + position.velocity_mps * carry_s)
+    }
+
     /// Age of the attitude, seconds.
     pub fn attitude_age_s(&self, now_s: f64) -> Option<f64> {
         Some(now_s - self.attitude?.measured_s)

@@ -15,12 +15,11 @@ use fga_sim::oracle::{
 const OWN_MPS: f64 = 25.0;
 const MEET_S: f64 = 70.0;
 const PROTECTED_M: f64 = 60.0;
-/// The report to the companion and the first target to the vehicle: what no decision can gain.
-/// Taken as they were in the encounter, between the good side, and the worst that the network does
-/// to both.
-const DEAD_TIME_S: (f64, f64) = (0.3, 0.5);
-/// A commanded bank beyond this is a turn, radians.
-const TURNS_RAD: f64 = 0.3;
+/// The report to the companion and the first target to the vehicle: what no decision can gain. Taken as
+/// the network made them in the encounter, with the time from one decision to the next between them,
+/// and no less than this, seconds.
+const DEAD_TIME_S: f64 = 0.3;
+const DECISION_PERIOD_S: f64 = 0.1;
 /// The first-order lag that comes closest to the roll of the emulator.
 const BANK_TIME_CONSTANT_S: f64 = 0.4;
 
@@ -101,7 +100,8 @@ type Scene = (OracleStart, OracleVehicle, Vec<OracleObstacle>);
 fn scene(world: &World) -> Scene {
     let plant = world.emulator.plant();
     let settings = PlantSettings::default();
-    let bank_rad = 45.0_f64.to_radians();
+    // The vehicle's limit is 45°, of which 2° are never asked for.
+    let bank_rad = 43.0_f64.to_radians();
     let rate = settings.turn_rate_factor * 9.806_65 * bank_rad.tan() / plant.airspeed_mps();
     let vehicle = OracleVehicle {
         airspeed_mps: plant.airspeed_mps(),
@@ -109,7 +109,7 @@ fn scene(world: &World) -> Scene {
         climb_min_rad: 0.0,
         climb_max_rad: 0.0,
         climb_rate_radps: 0.0,
-        dead_time_s: DEAD_TIME_S.0,
+        dead_time_s: DEAD_TIME_S,
         bank_time_constant_s: BANK_TIME_CONSTANT_S,
         bank_max_rad: bank_rad,
         turn_rate_factor: settings.turn_rate_factor,
@@ -162,15 +162,14 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64)) -> Result {
         world.add(intruder(&mut random, second, 0x0020_0000 + seed, shown_m));
     }
     let (mut largest_m, mut off_since_s, mut last_off_s) = (0.0_f64, 0.0, 0.0);
-    let (mut best_m, mut turned_s) = (None, None);
+    let (mut best_m, mut asked_s) = (None, None);
     while world.time_s < 115.0 || (world.mode() != Mode::Auto && world.time_s < 300.0) {
         world.step();
         if best_m.is_none() && world.shown.iter().all(|shown| *shown) && shown.1 < 400.0 {
             best_m = Some((world.time_s, scene(&world)));
         }
-        let turns = world.emulator.plant().commanded_bank_rad().abs() > TURNS_RAD;
-        if turned_s.is_none() && turns && world.mode() == Mode::Guided {
-            turned_s = Some(world.time_s);
+        if asked_s.is_none() && world.companion.counts().maneuvers > 0 {
+            asked_s = Some(world.time_s);
         }
         let (across_m, angle_rad) = world.off_leg();
         largest_m = largest_m.max(across_m);
@@ -203,8 +202,14 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64)) -> Result {
         best_m: best_m.filter(|_| straight && least_m < PROTECTED_M).map(
             |(scene_s, (start, mut vehicle, obstacles))| {
                 let settings = OracleSettings::default();
-                let waited_s = turned_s.map_or(0.0, |turned_s| turned_s - scene_s);
-                vehicle.dead_time_s = waited_s.clamp(DEAD_TIME_S.0, DEAD_TIME_S.1);
+                // The first report on its way, and the mode and the first target on theirs.
+                let heard_s = world.first_heard_s.iter().flatten().copied();
+                let reported_s = (heard_s.fold(scene_s, f64::max) - scene_s).max(0.0);
+                let taken_s = match asked_s.zip(world.first_target_s) {
+                    Some((asked_s, target_s)) if asked_s >= scene_s => target_s - asked_s,
+                    _ => 0.0,
+                };
+                vehicle.dead_time_s = (reported_s + DECISION_PERIOD_S + taken_s).max(DEAD_TIME_S);
                 best_margin(&start, &vehicle, &obstacles, &settings).best_margin_m
             },
         ),

@@ -20,6 +20,8 @@ const ON_LEG_FOR_S: f64 = 0.4;
 const PREPARE_S: f64 = 0.6;
 /// A difference of airspeed or response that makes new limits worth while, as a share.
 const LIMITS_CHANGE: f64 = 0.02;
+/// Telemetry is stale after so many of its intervals, where these are long.
+const STALE_INTERVALS: f64 = 2.5;
 /// After so many refusals in a row the operator has to arm it again.
 const MOST_REFUSALS: u32 = 3;
 
@@ -36,7 +38,7 @@ impl Companion {
 
     pub(super) fn decide(&mut self, now_s: f64) {
         self.due.decision_s = now_s + self.config.command.decision_period_s;
-        let stale_s = self.config.safety.telemetry_stale_s;
+        let stale_s = self.stale_s();
         let fresh = self
             .ownship
             .age_s(now_s)
@@ -72,6 +74,14 @@ impl Companion {
         self.log_decision(now_s);
         self.send_collision(now_s);
         self.act_on(&decision, &state, now_s);
+    }
+
+    /// Telemetry older than this is stale, seconds: as configured, or more than two messages late
+    /// where the vehicle sends them slowly.
+    pub(super) fn stale_s(&self) -> f64 {
+        let configured_s = self.config.safety.telemetry_stale_s;
+        let interval_s = self.rates.interval_s().filter(|_| self.rates.is_usable());
+        interval_s.map_or(configured_s, |s| configured_s.max(STALE_INTERVALS * s))
     }
 
     fn decision_for(&mut self, state: &State, now_s: f64) -> Option<Decision> {

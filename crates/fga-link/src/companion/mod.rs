@@ -7,6 +7,7 @@
 
 mod around;
 mod decide;
+mod mission_watch;
 mod picture;
 mod readiness;
 mod receive;
@@ -32,6 +33,7 @@ use crate::outgoing::{Outbox, Outgoing};
 use crate::ownship::{OwnshipEstimate, State};
 use crate::paper::PaperPilot;
 use crate::parameters::VehicleParameters;
+use crate::rates::Rates;
 use crate::response::ResponseEstimate;
 use crate::restart::Note;
 use crate::telling;
@@ -63,7 +65,6 @@ struct Heard {
 #[derive(Debug, Clone, Copy)]
 struct Due {
     heartbeat_s: f64,
-    streams_s: f64,
     decision_s: f64,
     command_s: f64,
     tidy_s: f64,
@@ -114,7 +115,7 @@ pub struct Companion {
     resumed: bool,
     last_decision_s: f64,
     told: readiness::Told,
-    streams_heard: [f64; send::STREAMS.len()],
+    rates: Rates,
     commands: Commands,
     parameters: VehicleParameters,
     mission: Download,
@@ -122,6 +123,9 @@ pub struct Companion {
     fence: Fence,
     /// Which of the downloaded fences is laid into the local frame.
     fence_laid: u32,
+    /// Which of the downloaded missions the way is taken from.
+    mission_laid: u32,
+    watch: mission_watch::MissionWatch,
     mission_item: Option<u16>,
     mission_total: Option<u16>,
     ownship: OwnshipEstimate,
@@ -134,6 +138,9 @@ pub struct Companion {
     way_mode: Option<Mode>,
     /// The vehicle's mission item when the way was laid.
     way_item: Option<u16>,
+    /// Which of the downloaded missions it was laid along; `None` where it leads to the vehicle's own
+    /// target.
+    way_mission: Option<u32>,
     obstacles: Vec<Obstacle>,
     decided: Option<Decided>,
     commanded: AttitudeCommand,
@@ -192,13 +199,15 @@ impl Companion {
             resumed: false,
             last_decision_s: never,
             told: readiness::Told::NOTHING,
-            streams_heard: [never; send::STREAMS.len()],
+            rates: Rates::default(),
             commands: Commands::default(),
             parameters: VehicleParameters::default(),
             mission: Download::new(MavMissionType::MAV_MISSION_TYPE_MISSION),
             fence_download: Download::new(MavMissionType::MAV_MISSION_TYPE_FENCE),
             fence: Fence::default(),
             fence_laid: 0,
+            mission_laid: 0,
+            watch: mission_watch::MissionWatch::default(),
             mission_item: None,
             mission_total: None,
             ownship: OwnshipEstimate::default(),
@@ -210,6 +219,7 @@ impl Companion {
             way: Way::default(),
             way_mode: None,
             way_item: None,
+            way_mission: None,
             obstacles: Vec::new(),
             decided: None,
             commanded: AttitudeCommand {
@@ -228,7 +238,6 @@ impl Companion {
             boot_ms: 0,
             due: Due {
                 heartbeat_s: never,
-                streams_s: never,
                 decision_s: never,
                 command_s: never,
                 tidy_s: never,
@@ -373,7 +382,13 @@ impl Companion {
         if now_s >= self.due.decision_s + slack_s {
             self.decide(now_s);
         }
-        if now_s >= self.due.command_s + 0.5 / self.config.command.rate_hz {
+        let taking = matches!(self.keeper.state(), Authority::Taking { .. });
+        let slack_s = if taking {
+            0.0
+        } else {
+            0.5 / self.config.command.rate_hz
+        };
+        if now_s >= self.due.command_s + slack_s {
             self.command(now_s);
         }
         self.send_commands(now_s);
@@ -392,7 +407,7 @@ impl Companion {
             && self
                 .ownship
                 .age_s(now_s)
-                .is_none_or(|age_s| age_s > self.config.safety.telemetry_stale_s)
+                .is_none_or(|age_s| age_s > self.stale_s())
         {
             self.fault(Fault::TelemetryStale, now_s);
         } else if self.keeper.commands() && !self.can_decide(now_s) {

@@ -15,6 +15,7 @@ const NEVER_READY_S: f64 = 8.0;
 pub(super) enum Lacking {
     Link,
     Contradiction,
+    Rate,
     Telemetry,
     Disarmed,
     Height,
@@ -31,6 +32,7 @@ impl Lacking {
         match self {
             Self::Link => "fga: not ready: no heartbeat",
             Self::Contradiction => "fga: not ready: heartbeats contradict",
+            Self::Rate => "fga: not ready: telemetry comes too seldom",
             Self::Telemetry => "fga: not ready: no fresh telemetry",
             Self::Disarmed => "fga: not ready: vehicle is disarmed",
             Self::Height => "fga: not ready: too low",
@@ -81,6 +83,9 @@ impl Companion {
         }
         if self.hearing.is_contradicted(now_s) {
             return Some(Lacking::Contradiction);
+        }
+        if !self.rates.is_usable() {
+            return Some(Lacking::Rate);
         }
         let Some(state) = state else {
             return Some(Lacking::Telemetry);
@@ -150,6 +155,7 @@ mod tests {
         for lacking in [
             Lacking::Link,
             Lacking::Contradiction,
+            Lacking::Rate,
             Lacking::Telemetry,
             Lacking::Disarmed,
             Lacking::Height,

@@ -10,7 +10,7 @@ use mavlink::dialects::ardupilotmega::{
 };
 use serde_json::json;
 
-use super::{Companion, Heard, send};
+use super::{Companion, Heard};
 use crate::authority::{Beat, Fault, Severity, Verdict, reaction};
 use crate::commands::{Command, Outcome};
 use crate::config::CommandMode;
@@ -55,6 +55,9 @@ impl Companion {
         }
         if let MavMessage::HEARTBEAT(data) = message {
             self.take_heartbeat(*header, system, data, now_s);
+            if self.vehicle_system() == Some(system) && header.component_id == AUTOPILOT {
+                self.rates.heard(message, now_s);
+            }
             return;
         }
         let from_vehicle =
@@ -119,6 +122,7 @@ impl Companion {
         let is_armed = heard.armed;
         self.notes.retain(|note| note.fits(system, mode));
         if mode != mode_was {
+            self.watch.mode_changed(now_s);
             self.note(now_s, "mode", json!({ "mode": mode.name() }));
         }
         // The mode first: whoever changed it wins, whatever else this message says.
@@ -164,11 +168,7 @@ impl Companion {
     }
 
     fn take_telemetry(&mut self, message: &MavMessage, now_s: f64) {
-        if let Some(slot) = send::stream_slot(message)
-            && let Some(heard_s) = self.streams_heard.get_mut(slot)
-        {
-            *heard_s = now_s;
-        }
+        self.rates.heard(message, now_s);
         match message {
             MavMessage::GLOBAL_POSITION_INT(data) => {
                 let update = self.ownship.take_position(data, now_s);
@@ -203,14 +203,18 @@ impl Companion {
                 self.parameters.take(data);
             }
             MavMessage::MISSION_COUNT(data) => {
-                if self.mission.take_count(data) {
+                if self.mission.contradicts_count(data) {
+                    self.read_mission_again();
+                } else if self.fence_download.contradicts_count(data) {
+                    self.read_fence_again();
+                } else if self.mission.take_count(data) {
                     self.mission_arrived(now_s);
-                }
-                if self.fence_download.take_count(data) {
+                } else if self.fence_download.take_count(data) {
                     self.fence_arrived(now_s);
                 }
             }
             MavMessage::MISSION_ITEM_INT(data) => {
+                self.compare_item(data);
                 if self.mission.take_item(data) {
                     self.mission_arrived(now_s);
                 }
@@ -218,22 +222,16 @@ impl Companion {
                     self.fence_arrived(now_s);
                 }
             }
-            MavMessage::MISSION_CURRENT(data) => {
-                self.mission_item = Some(data.seq);
-                // Newer autopilots tell the number of items: another one is another mission.
-                if data.total != 0 && data.total != u16::MAX {
-                    let changed = self.mission_total.is_some_and(|total| total != data.total);
-                    self.mission_total = Some(data.total);
-                    if changed && !self.mission.is_busy() {
-                        self.mission.begin();
-                    }
-                }
-            }
+            MavMessage::MISSION_CURRENT(data) => self.take_mission_current(data),
+            MavMessage::POSITION_TARGET_GLOBAL_INT(data) => self.take_position_target(data, now_s),
+            MavMessage::NAV_CONTROLLER_OUTPUT(data) => self.take_nav(data, now_s),
+            MavMessage::STATUSTEXT(data) => self.take_vehicle_text(data),
             MavMessage::MISSION_ACK(data)
                 if data.target_system != 0 && data.target_component != OWN_COMPONENT =>
             {
                 self.list_uploaded(data.mission_type);
             }
+            MavMessage::MISSION_ACK(data) => self.take_mission_refusal(data),
             MavMessage::COMMAND_ACK(data) => {
                 let for_us = data.target_component == OWN_COMPONENT || data.target_component == 0;
                 if for_us && let Some(outcome) = self.commands.acknowledge(data) {
@@ -247,7 +245,7 @@ impl Companion {
     fn after_update(&mut self, update: Update, now_s: f64) {
         if update == Update::Restarted {
             self.fault(Fault::AutopilotRestarted, now_s);
-            self.due.streams_s = f64::NEG_INFINITY;
+            self.rates.restart();
             self.forget_plan();
         }
     }
@@ -266,6 +264,7 @@ impl Companion {
         self.fence = fence::Fence::default();
         self.fence_laid = 0;
         self.way_mode = None;
+        self.watch.mode_changed(now_s);
         self.forget_plan();
         if let Some(origin) = self.ownship.frame().map(LocalFrame::origin) {
             self.note(
@@ -296,27 +295,31 @@ impl Companion {
 
     /// Somebody else has just uploaded a list: it is read again.
     fn list_uploaded(&mut self, kind: MavMissionType) {
-        if kind == self.mission.kind() && !self.mission.is_busy() {
-            self.mission.begin();
+        if kind == self.mission.kind() {
+            self.read_mission_again();
         }
-        if kind == self.fence_download.kind()
-            && self.config.safety.use_fence
-            && !self.fence_download.is_busy()
-        {
-            self.fence_download.begin();
+        if kind == self.fence_download.kind() {
+            self.read_fence_again();
         }
     }
 
-    fn mission_arrived(&mut self, now_s: f64) {
-        let count = self.mission.items().map_or(0, <[_]>::len);
-        self.note(now_s, "mission", json!({ "items": count }));
+    pub(super) fn mission_arrived(&mut self, now_s: f64) {
         if let Some(system) = self.vehicle_system() {
             self.outbox.send(self.mission.closing(system));
         }
-        self.way_mode = None;
+        if self.mission_laid == self.mission.changes() {
+            return;
+        }
+        let again = self.mission_laid > 0;
+        self.mission_laid = self.mission.changes();
+        let count = self.mission.items().map_or(0, <[_]>::len);
+        self.note(now_s, "mission", json!({ "items": count }));
+        if again {
+            self.tell(Severity::Notice, "fga: the mission has changed", now_s);
+        }
     }
 
-    fn fence_arrived(&mut self, now_s: f64) {
+    pub(super) fn fence_arrived(&mut self, now_s: f64) {
         if let Some(system) = self.vehicle_system() {
             self.outbox.send(self.fence_download.closing(system));
         }

@@ -19,81 +19,16 @@ use crate::ownship::State;
 use crate::paper::{override_message, throttle_us};
 use crate::telling;
 
-/// A stream that is asked for: message, name, and interval in seconds.
-pub(super) struct Stream {
-    message_id: f32,
-    interval_s: f64,
-}
-
-/// Number of the message that prompts targets and decisions.
-const ATTITUDE: f32 = 30.0;
-/// The streams and their intervals; the heartbeat more often than usual, because it tells the mode.
-pub(super) const STREAMS: [Stream; 9] = [
-    Stream {
-        message_id: ATTITUDE,
-        interval_s: 0.05,
-    },
-    Stream {
-        message_id: 33.0,
-        interval_s: 0.1,
-    },
-    Stream {
-        message_id: 0.0,
-        interval_s: 0.25,
-    },
-    Stream {
-        message_id: 74.0,
-        interval_s: 0.25,
-    },
-    Stream {
-        message_id: 168.0,
-        interval_s: 1.0,
-    },
-    Stream {
-        message_id: 42.0,
-        interval_s: 0.5,
-    },
-    Stream {
-        message_id: 2.0,
-        interval_s: 2.0,
-    },
-    // The own pressure, for the heights of other aircraft, and the height of the geoid.
-    Stream {
-        message_id: 29.0,
-        interval_s: 0.5,
-    },
-    Stream {
-        message_id: 24.0,
-        interval_s: 2.0,
-    },
-];
-/// A stream that was not heard for so long is asked for again, seconds.
-const STREAM_SILENT_S: f64 = 4.0;
-
-/// Which of [`STREAMS`] a message belongs to.
-pub(super) const fn stream_slot(message: &MavMessage) -> Option<usize> {
-    Some(match message {
-        MavMessage::ATTITUDE(_) => 0,
-        MavMessage::GLOBAL_POSITION_INT(_) => 1,
-        MavMessage::HEARTBEAT(_) => 2,
-        MavMessage::VFR_HUD(_) => 3,
-        MavMessage::WIND(_) => 4,
-        MavMessage::MISSION_CURRENT(_) => 5,
-        MavMessage::SYSTEM_TIME(_) => 6,
-        MavMessage::SCALED_PRESSURE(_) => 7,
-        MavMessage::GPS_RAW_INT(_) => 8,
-        _ => return None,
-    })
-}
-
 /// The fence is downloaded again this long after the last time, seconds.
-const FENCE_AGAIN_S: f64 = 30.0;
+const FENCE_AGAIN_S: f64 = 10.0;
 /// A heading target is sent again when it changes by this, or after this time.
 const HEADING_STEP_RAD: f64 = 0.035;
 const HEADING_AGAIN_S: f64 = 1.0;
 /// Farthest ahead of the present heading that a heading target may lie: less than half a turn, so
 /// that the autopilot turns to the side that is meant.
 const FARTHEST_HEADING_RAD: f64 = 2.6;
+/// Time between targets until the vehicle has confirmed the mode, seconds.
+const TAKING_PERIOD_S: f64 = 0.02;
 /// A climb is commanded as an altitude this far ahead, seconds.
 const CLIMB_AHEAD_S: f64 = 4.0;
 
@@ -110,18 +45,21 @@ impl Companion {
                 system_status: MavState::MAV_STATE_ACTIVE,
                 mavlink_version: 3,
             }));
-            if self.heard.is_some() {
-                self.ask_for_streams(now_s);
-            }
         }
         let Some(system) = self.vehicle_system() else {
             return;
         };
+        // Each target answers an attitude.
+        let attitude_s = 1.0 / self.config.command.rate_hz;
+        self.rates.tick(attitude_s, now_s, system, &mut self.outbox);
         self.parameters.tick(now_s, system, &mut self.outbox);
-        self.mission.tick(now_s, system, &mut self.outbox);
-        if !self.mission.is_busy() {
-            self.fence_download.tick(now_s, system, &mut self.outbox);
+        if self.mission.tick(now_s, system, &mut self.outbox) {
+            self.mission_arrived(now_s);
         }
+        if !self.mission.is_busy() && self.fence_download.tick(now_s, system, &mut self.outbox) {
+            self.fence_arrived(now_s);
+        }
+        self.probe_lists(system, now_s);
         self.look_for_fence(now_s);
         if now_s >= self.due.values_s {
             self.due.values_s = now_s + 0.5;
@@ -138,37 +76,6 @@ impl Companion {
             && !self.keeper.is_engaged()
         {
             self.fence_download.begin();
-        }
-    }
-
-    fn ask_for_streams(&mut self, now_s: f64) {
-        if now_s < self.due.streams_s {
-            return;
-        }
-        self.due.streams_s = now_s + 1.0;
-        for (stream, heard_s) in STREAMS.iter().zip(&mut self.streams_heard) {
-            // The heartbeat is heard anyway: its rate is asked for once.
-            if now_s - *heard_s > STREAM_SILENT_S {
-                *heard_s = now_s;
-                // Each target answers an attitude.
-                let interval_s = if stream.message_id == ATTITUDE {
-                    stream.interval_s.min(1.0 / self.config.command.rate_hz)
-                } else {
-                    stream.interval_s
-                };
-                let interval_us = single(interval_s * 1e6);
-                self.commands.send(
-                    Command::long(
-                        MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL,
-                        stream.message_id,
-                        interval_us,
-                    ),
-                    false,
-                );
-            }
-        }
-        if let Some(slot) = self.streams_heard.get_mut(2) {
-            *slot = f64::INFINITY;
         }
     }
 
@@ -258,7 +165,7 @@ impl Companion {
 
     /// Sends targets that follow the last decision, where it has the authority to.
     pub(super) fn command(&mut self, now_s: f64) {
-        self.due.command_s = now_s + 1.0 / self.config.command.rate_hz;
+        self.due.command_s = now_s + self.command_period_s();
         let returning = matches!(self.keeper.state(), Authority::Returning { .. });
         if returning && self.config.command.mode == CommandMode::Paper {
             // CRUISE locks its heading once the stick is centred.
@@ -280,6 +187,17 @@ impl Companion {
         }
         self.commanded_lately.push(now_s, self.commanded.bank_rad);
         self.watch_following(now_s);
+    }
+
+    /// Time from one target to the next, seconds: short until the mode is confirmed. Targets that reach
+    /// the vehicle before its mode has changed count for nothing, and without one GUIDED circles.
+    pub(super) fn command_period_s(&self) -> f64 {
+        let period_s = 1.0 / self.config.command.rate_hz;
+        if matches!(self.keeper.state(), Authority::Taking { .. }) {
+            period_s.min(TAKING_PERIOD_S)
+        } else {
+            period_s
+        }
     }
 
     fn command_attitude(&mut self, now_s: f64, state: &State) {

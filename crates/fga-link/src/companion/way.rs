@@ -22,11 +22,19 @@ const CRUISE_OFF_RAD: f64 = 0.05;
 const ON_LEG_M: f64 = 12.0;
 const ON_LEG_RAD: f64 = 0.06;
 const ON_LEG_HEIGHT_M: f64 = 12.0;
+/// Targets closer together than this are one, metres.
+const SAME_TARGET_M: f64 = 5.0;
+
 impl Companion {
-    /// The way ahead as the vehicle would fly it by itself; not touched while the companion flies.
+    /// The way ahead as the vehicle would fly it by itself; not touched while the companion flies, but
+    /// for another mission.
     pub(super) fn renew_way(&mut self, state: &State, now_s: f64) {
         let Some(heard) = self.heard else { return };
-        if self.keeper.is_engaged() && self.avoider.is_some() {
+        let engaged = self.keeper.is_engaged() && self.avoider.is_some();
+        // In a manoeuvre the way is the one of the mode that was left.
+        let left = self.keeper.owed().filter(|_| self.keeper.is_engaged());
+        let mode = left.unwrap_or(heard.mode);
+        if engaged && (mode != Mode::AUTO || self.way_mode != Some(Mode::AUTO)) {
             return;
         }
         let own_m = state.ownship.position_m;
@@ -35,36 +43,26 @@ impl Companion {
             .avoider
             .as_ref()
             .is_some_and(|a| a.state() != AvoiderState::Cruise);
-        // In a manoeuvre the way is the one of the mode that was left.
-        let engaged = self.keeper.owed().filter(|_| self.keeper.is_engaged());
-        let way_mode = engaged.unwrap_or(heard.mode);
-        match way_mode {
+        match mode {
             Mode::AUTO => {
-                // The avoider and the vehicle pass a waypoint at somewhat different moments.
-                let same_item = self.way_mode == Some(Mode::AUTO)
-                    && (self.way_item == self.mission_item
-                        || self.current_leg_item() == self.mission_item);
-                if same_item || (busy && self.way_mode == Some(Mode::AUTO) && self.item_is_ahead())
-                {
+                if !self.renew_mission_way(own_m, engaged, busy, now_s) {
                     return;
                 }
-                let (Some(items), Some(item), Some(frame), Some(home_m)) = (
-                    self.mission.items(),
-                    self.mission_item,
-                    self.ownship.frame(),
-                    self.ownship.home_altitude_m(),
-                ) else {
-                    return;
-                };
-                self.way = way_ahead(items, item, own_m, frame, home_m);
             }
             Mode::RTL => {
-                if self.way_mode == Some(Mode::RTL) {
+                // Home, or a rally point: the vehicle's own word is better than the list.
+                let told_m = self.own_target_m(now_s).map(|at_m| at_m.with_z(own_m.z));
+                let moved = told_m.is_some_and(|told_m| {
+                    let laid_m = self.way.waypoints_m.last();
+                    laid_m
+                        .is_none_or(|laid_m| (told_m - laid_m).truncate().length() > SAME_TARGET_M)
+                });
+                if self.way_mode == Some(Mode::RTL) && (busy || !moved) {
                     return;
                 }
-                let home = self.home_m(own_m);
+                let to_m = told_m.or_else(|| self.home_m(own_m));
                 self.way = Way {
-                    waypoints_m: home.map_or_else(Vec::new, |home_m| vec![own_m, home_m]),
+                    waypoints_m: to_m.map_or_else(Vec::new, |to_m| vec![own_m, to_m]),
                     items: vec![None, None],
                 };
             }
@@ -90,18 +88,63 @@ impl Companion {
                 };
             }
         }
-        self.way_mode = Some(way_mode);
+        self.way_mode = Some(mode);
         self.way_item = self.mission_item;
         self.avoider = None;
         self.note(
             now_s,
             "way",
             json!({
-                "mode": way_mode.name(),
+                "mode": mode.name(),
                 "item": self.mission_item,
                 "waypoints_m": self.way.waypoints_m.iter().map(|w| [w.x, w.y, w.z]).collect::<Vec<_>>(),
             }),
         );
+    }
+
+    /// Lays the way along the mission, or to the vehicle's own target while the mission is in doubt;
+    /// `false` where it stays as it is.
+    fn renew_mission_way(&mut self, own_m: Vec3, engaged: bool, busy: bool, now_s: f64) -> bool {
+        let laid = self.way_mode == Some(Mode::AUTO);
+        let in_doubt = self.mission_in_doubt(now_s);
+        if in_doubt && let Some(target_m) = self.own_target_m(now_s).filter(|_| !engaged) {
+            let to_m = target_m.with_z(own_m.z);
+            let led_there = self.way_mission.is_none()
+                && self
+                    .way
+                    .waypoints_m
+                    .last()
+                    .is_some_and(|laid_m| (to_m - laid_m).truncate().length() <= SAME_TARGET_M);
+            if laid && led_there {
+                return false;
+            }
+            self.way = Way {
+                waypoints_m: vec![own_m, to_m],
+                items: vec![None, self.mission_item],
+            };
+            self.way_mission = None;
+            return true;
+        }
+        let same_mission = self.way_mission == Some(self.mission_laid);
+        // The avoider and the vehicle pass a waypoint at somewhat different moments.
+        let same_item =
+            self.way_item == self.mission_item || self.current_leg_item() == self.mission_item;
+        let goes_on = same_item || engaged || (busy && self.item_is_ahead());
+        // The old way is no worse than none while the new one is read.
+        if laid && ((same_mission && goes_on) || (engaged && in_doubt)) {
+            return false;
+        }
+        let (Some(items), Some(item), Some(frame), Some(home_m)) = (
+            self.mission.items(),
+            self.mission_item,
+            self.ownship.frame(),
+            self.ownship.home_altitude_m(),
+        ) else {
+            return false;
+        };
+        self.way = way_ahead(items, item, own_m, frame, home_m);
+        self.way_mission = Some(self.mission_laid);
+        true
     }
 
     fn home_m(&self, own_m: Vec3) -> Option<Vec3> {

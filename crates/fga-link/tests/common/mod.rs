@@ -161,10 +161,16 @@ pub struct World {
     /// Nothing passes but heartbeats.
     pub no_telemetry: bool,
     pub random: Random,
+    /// What happens to the packets of each sender: more of one change nothing of the others.
+    fates: [Random; 4],
     queue: BinaryHeap<Packet>,
     number: u64,
     sequences: [u8; 4],
     next_report_s: Vec<f64>,
+    /// When the companion first heard of each intruder, seconds.
+    pub first_heard_s: Vec<Option<f64>>,
+    /// When the vehicle took the first target in GUIDED, seconds.
+    pub first_target_s: Option<f64>,
     /// Least distance to each intruder, metres, and when.
     pub least_m: Vec<(f64, f64)>,
     /// Every message the companion sent, with its time.
@@ -240,10 +246,13 @@ impl World {
             cut: false,
             no_telemetry: false,
             random: Random::new(seed),
+            fates: [1, 2, 3, 4].map(|sender| Random::new(seed.wrapping_mul(4) + sender)),
             queue: BinaryHeap::new(),
             number: 0,
             sequences: [0; 4],
             next_report_s: Vec::new(),
+            first_heard_s: Vec::new(),
+            first_target_s: None,
             least_m: Vec::new(),
             sent: Vec::new(),
             keep_sent: false,
@@ -255,6 +264,7 @@ impl World {
         self.intruders.push(intruder);
         self.shown.push(false);
         self.next_report_s.push(0.0);
+        self.first_heard_s.push(None);
         self.least_m.push((f64::INFINITY, 0.0));
     }
 
@@ -272,16 +282,17 @@ impl World {
             component_id: ids.1,
             sequence,
         };
-        let copies = if self.random.uniform(0.0, 1.0) < self.network.copies {
+        let fate = &mut self.fates[sender];
+        let copies = if fate.uniform(0.0, 1.0) < self.network.copies {
             2
         } else {
             1
         };
         for _ in 0..copies {
-            if self.random.uniform(0.0, 1.0) < self.network.loss {
+            if fate.uniform(0.0, 1.0) < self.network.loss {
                 continue;
             }
-            let delay_s = self.network.delay_s + self.random.uniform(0.0, self.network.jitter_s);
+            let delay_s = self.network.delay_s + fate.uniform(0.0, self.network.jitter_s);
             self.number += 1;
             self.queue.push(Packet {
                 due_us: ((self.time_s + delay_s) * 1e6) as u64,
@@ -336,8 +347,21 @@ impl World {
                 break;
             };
             if packet.to_vehicle {
+                if matches!(packet.message, MavMessage::SET_ATTITUDE_TARGET(_))
+                    && self.emulator.mode() == Mode::Guided
+                {
+                    self.first_target_s.get_or_insert(time_s);
+                }
                 self.emulator.receive(&packet.header, &packet.message);
             } else if !self.killed {
+                if let MavMessage::ADSB_VEHICLE(data) = &packet.message
+                    && let Some(index) = self
+                        .intruders
+                        .iter()
+                        .position(|intruder| intruder.icao == data.ICAO_address)
+                {
+                    self.first_heard_s[index].get_or_insert(time_s);
+                }
                 self.companion
                     .receive(&packet.header, &packet.message, time_s);
                 self.flush();

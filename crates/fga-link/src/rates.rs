@@ -1,0 +1,328 @@
+//! Message rates: asked for until they are measured to arrive.
+//!
+//! An acknowledgement says nothing that counts: requests and answers get lost, a vehicle forgets its
+//! rates when it restarts, and it may send a message at another rate than the one asked for. So only
+//! arrivals are believed, and a message that does not come as often as it should is asked for again.
+
+use alloc::collections::VecDeque;
+
+use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
+
+use crate::commands::Command;
+use crate::number::single;
+use crate::outgoing::Outbox;
+
+/// A message that is asked for.
+#[derive(Debug, Clone, Copy)]
+struct Stream {
+    message_id: f32,
+    interval_s: f64,
+}
+
+/// Places of the messages that tell attitude and position.
+const ATTITUDE: usize = 0;
+const POSITION: usize = 1;
+/// The messages and their intervals; the heartbeat more often than usual, because it tells the mode.
+const STREAMS: [Stream; 11] = [
+    Stream {
+        message_id: 30.0,
+        interval_s: 0.05,
+    },
+    Stream {
+        message_id: 33.0,
+        interval_s: 0.1,
+    },
+    Stream {
+        message_id: 0.0,
+        interval_s: 0.25,
+    },
+    Stream {
+        message_id: 74.0,
+        interval_s: 0.25,
+    },
+    Stream {
+        message_id: 168.0,
+        interval_s: 1.0,
+    },
+    Stream {
+        message_id: 42.0,
+        interval_s: 0.5,
+    },
+    Stream {
+        message_id: 62.0,
+        interval_s: 0.5,
+    },
+    Stream {
+        message_id: 87.0,
+        interval_s: 0.5,
+    },
+    Stream {
+        message_id: 2.0,
+        interval_s: 2.0,
+    },
+    // The own pressure, for the heights of other aircraft, and the height of the geoid.
+    Stream {
+        message_id: 29.0,
+        interval_s: 0.5,
+    },
+    Stream {
+        message_id: 24.0,
+        interval_s: 2.0,
+    },
+];
+
+/// Which of [`STREAMS`] a message belongs to.
+const fn slot(message: &MavMessage) -> Option<usize> {
+    Some(match message {
+        MavMessage::ATTITUDE(_) => ATTITUDE,
+        MavMessage::GLOBAL_POSITION_INT(_) => POSITION,
+        MavMessage::HEARTBEAT(_) => 2,
+        MavMessage::VFR_HUD(_) => 3,
+        MavMessage::WIND(_) => 4,
+        MavMessage::MISSION_CURRENT(_) => 5,
+        MavMessage::NAV_CONTROLLER_OUTPUT(_) => 6,
+        MavMessage::POSITION_TARGET_GLOBAL_INT(_) => 7,
+        MavMessage::SYSTEM_TIME(_) => 8,
+        MavMessage::SCALED_PRESSURE(_) => 9,
+        MavMessage::GPS_RAW_INT(_) => 10,
+        _ => return None,
+    })
+}
+
+/// A message arrives as asked for when half of its gaps are no longer than this many intervals.
+const ENOUGH: f64 = 1.3;
+/// Gaps that this is judged by.
+const JUDGED_GAPS: usize = 5;
+/// A request takes this long to show, seconds and intervals of the message.
+const SHOWS_AFTER_S: f64 = 0.4;
+const SHOWS_AFTER_INTERVALS: f64 = 2.2;
+/// Requests at that pace; then the pause, so that a vehicle which cannot send more is not pestered,
+/// seconds.
+const BRISK_REQUESTS: u32 = 20;
+const PAUSE_S: f64 = 5.0;
+/// Arrivals are remembered for this long, seconds, and so many of them.
+const MEMORY_S: f64 = 4.0;
+const MOST_ARRIVALS: usize = 256;
+/// Gaps from which a rate is known.
+const KNOWN_GAPS: usize = 3;
+/// Position and attitude that come less often than this cannot be flown by, seconds.
+pub const USABLE_INTERVAL_S: f64 = 0.5;
+/// Once usable, it stays so until it is slower by this factor: no coming and going at the limit.
+const HYSTERESIS: f64 = 1.3;
+
+/// Arrivals of one message.
+#[derive(Debug, Clone, Default)]
+struct Arrivals {
+    /// Times of arrival, oldest first, seconds.
+    at_s: VecDeque<f64>,
+    /// Requests since it last arrived as asked for.
+    requests: u32,
+    again_s: Option<f64>,
+    /// The interval that was measured last, seconds.
+    interval_s: Option<f64>,
+}
+
+impl Arrivals {
+    fn push(&mut self, now_s: f64) {
+        while self.at_s.len() >= MOST_ARRIVALS
+            || self
+                .at_s
+                .front()
+                .is_some_and(|at_s| now_s - at_s > MEMORY_S)
+        {
+            self.at_s.pop_front();
+        }
+        self.at_s.push_back(now_s);
+        self.interval_s = self.measured_s().or(self.interval_s);
+    }
+
+    fn gaps_s(&self) -> impl Iterator<Item = f64> + '_ {
+        self.at_s
+            .iter()
+            .zip(self.at_s.iter().skip(1))
+            .map(|(before_s, after_s)| after_s - before_s)
+    }
+
+    /// The gap in which half of the time passed, the longest left out: one outage is no rate, and
+    /// messages that come in bursts come no more often than the bursts.
+    fn measured_s(&self) -> Option<f64> {
+        let mut gaps_s: Vec<f64> = self.gaps_s().collect();
+        if gaps_s.len() < KNOWN_GAPS {
+            return None;
+        }
+        gaps_s.sort_by(f64::total_cmp);
+        gaps_s.pop();
+        let half_s = 0.5 * gaps_s.iter().sum::<f64>();
+        let mut passed_s = 0.0;
+        gaps_s.into_iter().find(|gap_s| {
+            passed_s += gap_s;
+            passed_s >= half_s
+        })
+    }
+
+    fn arrives(&self, asked_s: f64, now_s: f64) -> bool {
+        let mut gaps_s: Vec<f64> = self.gaps_s().collect();
+        let recent = gaps_s.split_off(gaps_s.len().saturating_sub(JUDGED_GAPS));
+        let silent_s = self.at_s.back().map_or(f64::INFINITY, |at_s| now_s - at_s);
+        let short = recent.iter().filter(|gap_s| **gap_s <= ENOUGH * asked_s);
+        !recent.is_empty()
+            && 2 * short.count() >= recent.len()
+            && silent_s <= 2.0 * SHOWS_AFTER_S + SHOWS_AFTER_INTERVALS * asked_s
+    }
+}
+
+/// Asks for messages and measures how they arrive.
+#[derive(Debug, Clone, Default)]
+pub struct Rates {
+    arrivals: [Arrivals; STREAMS.len()],
+    usable: bool,
+}
+
+impl Rates {
+    /// Takes a message from the vehicle.
+    pub fn heard(&mut self, message: &MavMessage, now_s: f64) {
+        if let Some(arrivals) = slot(message).and_then(|slot| self.arrivals.get_mut(slot)) {
+            arrivals.push(now_s);
+        }
+        if let Some(interval_s) = self.interval_s() {
+            let limit_s = if self.usable {
+                HYSTERESIS * USABLE_INTERVAL_S
+            } else {
+                USABLE_INTERVAL_S
+            };
+            self.usable = interval_s <= limit_s;
+        }
+    }
+
+    /// Forgets what was measured: the vehicle started again.
+    pub fn restart(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Asks for every message that does not arrive as it should; `attitude_s` is the interval that
+    /// attitudes are wanted at, seconds.
+    pub fn tick(&mut self, attitude_s: f64, now_s: f64, target_system: u8, outbox: &mut Outbox) {
+        for (index, (stream, arrivals)) in STREAMS.iter().zip(&mut self.arrivals).enumerate() {
+            let asked_s = if index == ATTITUDE {
+                attitude_s.min(stream.interval_s)
+            } else {
+                stream.interval_s
+            };
+            if arrivals.arrives(asked_s, now_s) {
+                arrivals.requests = 0;
+                arrivals.again_s = None;
+                continue;
+            }
+            if arrivals.again_s.is_some_and(|again_s| now_s < again_s) {
+                continue;
+            }
+            arrivals.requests = arrivals.requests.saturating_add(1);
+            let pause_s = if arrivals.requests <= BRISK_REQUESTS {
+                SHOWS_AFTER_S + SHOWS_AFTER_INTERVALS * asked_s
+            } else {
+                PAUSE_S + SHOWS_AFTER_INTERVALS * asked_s
+            };
+            arrivals.again_s = Some(now_s + pause_s);
+            let command = Command::long(
+                MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL,
+                stream.message_id,
+                single(asked_s * 1e6),
+            );
+            // The first one may have got lost: from then on twice.
+            for _ in 0..arrivals.requests.min(2) {
+                outbox.send(command.message(target_system, 0));
+            }
+        }
+    }
+
+    /// The longer of the intervals of attitude and position as measured, seconds; `None` before both
+    /// are known.
+    pub fn interval_s(&self) -> Option<f64> {
+        let measured = |index: usize| self.arrivals.get(index).and_then(|a| a.interval_s);
+        Some(measured(ATTITUDE)?.max(measured(POSITION)?))
+    }
+
+    /// Whether attitude and position are measured to come often enough to fly by.
+    pub const fn is_usable(&self) -> bool {
+        self.usable
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA};
+
+    fn feed(rates: &mut Rates, at_s: f64) {
+        rates.heard(&MavMessage::ATTITUDE(ATTITUDE_DATA::DEFAULT), at_s);
+        rates.heard(
+            &MavMessage::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA::DEFAULT),
+            at_s,
+        );
+    }
+
+    #[test]
+    fn what_arrives_too_seldom_is_asked_for_again() {
+        let (mut rates, mut outbox) = (Rates::default(), Outbox::default());
+        for n in 0..10_u8 {
+            feed(&mut rates, f64::from(n));
+            rates.tick(0.05, f64::from(n) + 0.5, 1, &mut outbox);
+        }
+        let asked = outbox.take();
+        let attitudes = asked.iter().filter(|outgoing| {
+            matches!(&outgoing.message, MavMessage::COMMAND_LONG(data)
+                if data.param1 == 30.0 && data.param2 == 50_000.0)
+        });
+        // Ten times, all but the first one twice.
+        assert_eq!(attitudes.count(), 19);
+    }
+
+    #[test]
+    fn what_arrives_is_left_alone_and_asked_for_when_it_stops() {
+        let (mut rates, mut outbox) = (Rates::default(), Outbox::default());
+        let asks_for_attitude = |outbox: &mut Outbox| {
+            outbox.take().iter().any(|outgoing| {
+                matches!(&outgoing.message, MavMessage::COMMAND_LONG(data) if data.param1 == 30.0)
+            })
+        };
+        for n in 0..40_u8 {
+            feed(&mut rates, f64::from(n) * 0.05);
+        }
+        rates.tick(0.05, 2.0, 1, &mut outbox);
+        assert!(!asks_for_attitude(&mut outbox));
+        rates.tick(0.05, 3.5, 1, &mut outbox);
+        assert!(asks_for_attitude(&mut outbox));
+    }
+
+    #[test]
+    fn one_outage_is_no_rate_and_bursts_are_as_slow_as_they_are() {
+        let mut rates = Rates::default();
+        for n in 0..30_u8 {
+            feed(&mut rates, f64::from(n) * 0.1);
+        }
+        for n in 0..10_u8 {
+            feed(&mut rates, 5.5 + f64::from(n) * 0.1);
+        }
+        assert!(rates.is_usable() && rates.interval_s().unwrap() < 0.11);
+        let mut rates = Rates::default();
+        for second in 0..10_u8 {
+            for n in 0..10_u8 {
+                feed(&mut rates, f64::from(second) + f64::from(n) * 1e-3);
+            }
+        }
+        assert!(!rates.is_usable(), "{:?}", rates.interval_s());
+    }
+
+    #[test]
+    fn at_the_limit_it_does_not_come_and_go() {
+        let mut rates = Rates::default();
+        let (mut at_s, mut changes, mut usable) = (0.0, 0, false);
+        for n in 0..200_u8 {
+            at_s += if n % 3 == 0 { 0.55 } else { 0.48 };
+            feed(&mut rates, at_s);
+            changes += u32::from(rates.is_usable() != usable);
+            usable = rates.is_usable();
+        }
+        assert!(changes <= 1, "{changes}");
+    }
+}
