@@ -88,7 +88,8 @@ pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
 fn begin_live(address: SocketAddr) -> Result<FlyLive, Failure> {
     let live = FlyLive::begin(address)
         .map_err(|error| Failure::Input(format!("cannot answer on {address}: {error}")))?;
-    eprintln!("live at http://{}/", live.address());
+    // Nobody need listen.
+    let _ = writeln!(io::stderr(), "live at http://{}/", live.address());
     Ok(live)
 }
 

@@ -16,7 +16,8 @@ use crate::mode::Mode;
 const OVERTAKEN_S: f64 = 0.45;
 /// Two heartbeats that look overtaken and tell the same other mode within this contradict, seconds.
 const SUSPECT_S: f64 = 1.5;
-/// This many changes of mode within this time contradict, seconds: no switch is moved so fast.
+/// This many changes of the mode, or of the armed flag, within this time contradict, seconds: no switch is
+/// moved so fast.
 const CHANGES: usize = 3;
 const CHANGES_S: f64 = 2.0;
 /// Heartbeats that contradicted are believed again after this time without a contradiction, seconds.
@@ -66,7 +67,8 @@ pub struct Hearing {
     /// Whether the heartbeat before the last one was disarmed as well.
     disarmed_before: bool,
     intervals_s: [f64; INTERVALS],
-    changes_s: [f64; CHANGES],
+    mode_changes_s: [f64; CHANGES],
+    armed_changes_s: [f64; CHANGES],
     suspect: Option<(Beat, f64)>,
     contradicted_s: f64,
     clock: BootClock,
@@ -79,7 +81,8 @@ impl Default for Hearing {
             last: None,
             disarmed_before: true,
             intervals_s: [LONGEST_INTERVAL_S; INTERVALS],
-            changes_s: [f64::NEG_INFINITY; CHANGES],
+            mode_changes_s: [f64::NEG_INFINITY; CHANGES],
+            armed_changes_s: [f64::NEG_INFINITY; CHANGES],
             suspect: None,
             contradicted_s: f64::NEG_INFINITY,
             clock: BootClock::default(),
@@ -111,18 +114,10 @@ impl Hearing {
             }
             self.contradicted_s = now_s;
         }
-        if !last.tells_the_same(beat) {
-            self.changes_s.rotate_left(1);
-            if let Some(newest_s) = self.changes_s.last_mut() {
-                *newest_s = now_s;
-            }
-            if self
-                .changes_s
-                .first()
-                .is_some_and(|first_s| now_s - first_s <= CHANGES_S)
-            {
-                self.contradicted_s = now_s;
-            }
+        let too_often = (last.mode != beat.mode && too_many(&mut self.mode_changes_s, now_s))
+            | (last.armed != beat.armed && too_many(&mut self.armed_changes_s, now_s));
+        if too_often {
+            self.contradicted_s = now_s;
         }
         self.accept(beat, now_s);
         if self.contradicted_s == now_s {
@@ -201,6 +196,17 @@ impl Hearing {
         self.last = None;
         self.suspect = None;
     }
+}
+
+/// Whether a change that is seen now is one too many.
+fn too_many(changes_s: &mut [f64; CHANGES], now_s: f64) -> bool {
+    changes_s.rotate_left(1);
+    if let Some(newest_s) = changes_s.last_mut() {
+        *newest_s = now_s;
+    }
+    changes_s
+        .first()
+        .is_some_and(|first_s| now_s - first_s <= CHANGES_S)
 }
 
 #[cfg(test)]

@@ -29,6 +29,8 @@ pub struct Keeper {
     well_since_s: Option<f64>,
     /// Requests for the mode that is owed, since the fault.
     tries: u8,
+    /// Since when every heartbeat says that the vehicle is disarmed, seconds.
+    disarmed_s: Option<f64>,
 }
 
 impl Keeper {
@@ -40,6 +42,7 @@ impl Keeper {
             enabled,
             well_since_s: None,
             tries: 0,
+            disarmed_s: None,
         }
     }
 
@@ -203,16 +206,20 @@ impl Keeper {
     /// A heartbeat told the mode and whether the vehicle is armed. What is owed is restored to an armed
     /// vehicle only: on the ground a mode is the pilot's business.
     pub fn heartbeat(&mut self, mode: Mode, armed: bool, now_s: f64) -> Vec<Action> {
-        if !armed
-            && mode == self.target
-            && let Authority::Released { since_s, owed, .. } = &mut self.state
-        {
-            if now_s - *since_s > LANDED_S {
-                *owed = None;
-            }
-            return vec![Action::CancelSetMode];
+        if armed {
+            self.disarmed_s = None;
+            return self.mode(mode, now_s);
         }
-        self.mode(mode, now_s)
+        let disarmed_s = *self.disarmed_s.get_or_insert(now_s);
+        match &mut self.state {
+            Authority::Released { owed, .. } if mode == self.target => {
+                if now_s - disarmed_s > LANDED_S {
+                    *owed = None;
+                }
+                vec![Action::CancelSetMode]
+            }
+            _ => self.mode(mode, now_s),
+        }
     }
 
     /// A heartbeat of an armed vehicle told the mode.

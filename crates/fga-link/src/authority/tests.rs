@@ -307,9 +307,11 @@ fn a_vehicle_that_was_disarmed_for_a_moment_gets_its_mode_back() {
     // One that has landed keeps what its pilot chooses.
     let mut bench = in_command();
     bench.fault(Fault::Disarmed);
-    assert!(!disarmed(&mut bench, 4.0));
+    bench.now_s += 60.0;
+    assert!(!disarmed(&mut bench, 0.5), "however long ago the fault was");
+    assert!(!disarmed(&mut bench, 4.5));
     assert_eq!(bench.keeper.owed(), Some(Mode::AUTO));
-    assert!(!disarmed(&mut bench, 1.5));
+    assert!(!disarmed(&mut bench, 1.0));
     assert_eq!(bench.keeper.owed(), None);
     bench.beats(4);
     assert_eq!(bench.vehicle, Mode::GUIDED);

@@ -404,6 +404,7 @@ impl Companion {
         if now_s - heard.heartbeat_s > self.config.safety.link_lost_s {
             self.fault(Fault::LinkLost, now_s);
         } else if self.keeper.is_engaged()
+            && !matches!(self.keeper.state(), Authority::Resuming { .. })
             && self
                 .ownship
                 .age_s(now_s)

@@ -309,6 +309,11 @@ impl World {
         self.post(false, 3, ids, message);
     }
 
+    /// The number of the vehicle's next frame.
+    pub fn vehicle_sequence(&self) -> u8 {
+        self.sequences[0]
+    }
+
     /// Sends a message to the companion as a ground station.
     pub fn say_from_ground(&mut self, message: &MavMessage) {
         self.post(false, 3, (255, 190), message);
