@@ -4,10 +4,10 @@ use core::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fga::Vec3;
-use fga::avoider::{Avoider, Policy, Start};
-use fga::conflict::detect;
+use fga::avoider::Avoider;
 use fga::situation::{Mission, Obstacles, Situation};
 use fga_bench::{Crowd, ownship, settings, vehicle};
+use fga_paper::conflict::detect;
 
 const COUNTS: [usize; 6] = [1, 3, 10, 100, 1_000, 10_000];
 
@@ -19,9 +19,10 @@ fn detection(criterion: &mut Criterion) {
             ("as drawn", Crowd::drawn(count, 1)),
             ("in the clear", Crowd::in_the_clear(count, 1)),
         ] {
+            let hazards = crowd.hazards();
             group.bench_function(BenchmarkId::new(name, count), |bencher| {
                 bencher.iter(|| {
-                    detect(black_box(&ownship()), black_box(&crowd.rows), f64::INFINITY)
+                    detect(black_box(&ownship()), black_box(&hazards), f64::INFINITY)
                         .map(|found| found.index)
                         .sum::<usize>()
                 });
@@ -41,7 +42,7 @@ fn quiet_step(criterion: &mut Criterion) {
             ("columns", Obstacles::Columns(crowd.columns())),
             ("rows", Obstacles::Rows(&crowd.rows)),
         ] {
-            let settings = settings(Policy::TurnAware(Start::Free));
+            let settings = settings();
             let mut avoider = Avoider::new(settings, vehicle()).expect("settings are valid");
             let situation = Situation {
                 time_s: 0.0,

@@ -12,9 +12,12 @@ use std::time::Instant;
 
 use dodgy_3d::{Agent, AvoidanceOptions, Vec3 as Single};
 use fga::Vec3;
-use fga::avoider::{Policy, Start, State};
+use fga::avoider::{Avoider, Start, State};
+use fga::pilot::Pilot;
 use fga::situation::Obstacle;
-use fga_bench::{fly, ownship};
+
+use fga_bench::{fly, ownship, settings, vehicle};
+use fga_paper::pilot::{PaperPilot, PaperSettings, Rule};
 use fga_sim::encounters::EncounterSource;
 
 /// Times that an encounter is flown.
@@ -28,13 +31,13 @@ struct Sample {
     searched: bool,
 }
 
-fn flown(obstacles: &[Obstacle], policy: Policy) -> Vec<Sample> {
+fn flown(obstacles: &[Obstacle], pilot: &mut dyn Pilot) -> Vec<Sample> {
     let mut best: Vec<Sample> = Vec::new();
     for _ in 0..RUNS {
         let mut place = 0;
-        fly(obstacles, policy, |cycle| {
+        fly(obstacles, pilot, |cycle| {
             let begun = Instant::now();
-            let decision = cycle.avoider.step(black_box(&cycle.situation));
+            let decision = cycle.pilot.step(black_box(&cycle.situation));
             let micros = begun.elapsed().as_secs_f64() * 1e6;
             if let Some(sample) = best.get_mut(place) {
                 sample.micros = sample.micros.min(micros);
@@ -128,14 +131,20 @@ fn main() {
         let cell = format!("threats:{threats}:100-500:0-60");
         let source = EncounterSource::parse(&cell, 1).expect("the cell is valid");
         let drawn: Vec<_> = (0..encounters).map(|n| source.encounter(n)).collect();
-        let policy = |name: &str| match name {
-            "turn-aware" => Policy::TurnAware(Start::Free),
-            _ => Policy::Published(Start::Latest),
+        let paper = PaperSettings {
+            surveillance_radius_m: f64::INFINITY,
+            ..PaperSettings::new(Rule::Corrected(Start::Latest))
         };
-        for name in ["turn-aware", "published"] {
+        let avoider = Avoider::new(settings(), vehicle()).expect("settings are valid");
+        let paper = PaperPilot::new(paper, vehicle()).expect("settings are valid");
+        let pilots: [(&str, Box<dyn Pilot>); 2] = [
+            ("turn-aware", Box::new(avoider)),
+            ("published", Box::new(paper)),
+        ];
+        for (name, mut pilot) in pilots {
             let samples: Vec<Sample> = drawn
                 .iter()
-                .flat_map(|encounter| flown(&encounter.obstacles, policy(name)))
+                .flat_map(|encounter| flown(&encounter.obstacles, &mut *pilot))
                 .collect();
             let of = |keep: fn(&Sample) -> bool| -> Vec<f64> {
                 samples

@@ -7,10 +7,10 @@ use core::hint::black_box;
 use std::process::ExitCode;
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Policy, Start};
-use fga::conflict::detect;
+use fga::avoider::Avoider;
 use fga::situation::{Mission, Obstacles, Situation};
 use fga_bench::{Crowd, ownship, settings, vehicle};
+use fga_paper::conflict::detect;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -22,8 +22,8 @@ fn main() -> ExitCode {
     let times: usize = times;
     let crowd = Crowd::in_the_clear(count, 1);
     let waypoints = [Vec3::ZERO, Vec3::X * 1e5];
-    let settings = settings(Policy::TurnAware(Start::Free));
-    let mut avoider = Avoider::new(settings, vehicle()).expect("settings are valid");
+    let hazards = crowd.hazards();
+    let mut avoider = Avoider::new(settings(), vehicle()).expect("settings are valid");
     let situation = Situation {
         time_s: 0.0,
         ownship: ownship(),
@@ -34,7 +34,7 @@ fn main() -> ExitCode {
     for _ in 0..times {
         if what == "detect" {
             let own = ownship();
-            let found = detect(black_box(&own), black_box(&crowd.rows), f64::INFINITY);
+            let found = detect(black_box(&own), black_box(&hazards), f64::INFINITY);
             black_box(found.count());
         } else {
             black_box(avoider.step(black_box(&situation)));

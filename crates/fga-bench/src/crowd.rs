@@ -1,6 +1,7 @@
 //! Many obstacles at once, as rows and as columns.
 
 use fga::Vec3;
+use fga::certificate::Hazard;
 use fga::situation::Columns;
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
 use fga_sim::encounters::{Random, Range};
@@ -29,6 +30,12 @@ pub struct Crowd {
 }
 
 impl Crowd {
+    /// The obstacles in still air.
+    pub fn hazards(&self) -> Vec<Hazard> {
+        let hazard = |row: &Obstacle| Hazard::new(0, row, Vec3::ZERO, 0.0);
+        self.rows.iter().map(hazard).collect()
+    }
+
     /// As they come: about one in a hundred threatens.
     pub fn drawn(count: usize, seed: u64) -> Self {
         Self::keep(count, seed, |_| true)

@@ -1,7 +1,8 @@
 //! An encounter flown with ideal rates, looked at cycle by cycle.
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Decision, Policy, Settings, State};
+use fga::avoider::{Decision, Settings, State};
+use fga::pilot::Pilot;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::situation::{Obstacle, Ownship};
@@ -29,32 +30,31 @@ pub fn vehicle() -> Vehicle {
 }
 
 /// Settings that track every obstacle, however far.
-pub fn settings(policy: Policy) -> Settings {
+pub fn settings() -> Settings {
     Settings {
-        policy,
         surveillance_radius_m: f64::INFINITY,
         ..Settings::default()
     }
 }
 
 /// A step to be measured.
-#[derive(Debug)]
 pub struct Cycle<'a> {
-    /// The avoider before the step.
-    pub avoider: &'a mut Avoider,
+    /// The pilot before the step.
+    pub pilot: &'a mut dyn Pilot,
     /// What it is given.
     pub situation: Situation<'a>,
 }
 
 /// Flies one encounter until the aircraft is back on its line and every obstacle has passed.
 ///
-/// `look` makes the step and hands back the decision, which is then flown. An avoider is made for
-/// the flight.
-pub fn fly(obstacles: &[Obstacle], policy: Policy, mut look: impl FnMut(Cycle<'_>) -> Decision) {
+/// `look` makes the step and hands back the decision, which is then flown.
+pub fn fly(
+    obstacles: &[Obstacle],
+    pilot: &mut dyn Pilot,
+    mut look: impl FnMut(Cycle<'_>) -> Decision,
+) {
     let vehicle = vehicle();
-    let Ok(mut avoider) = Avoider::new(settings(policy), vehicle) else {
-        return;
-    };
+    pilot.restart();
     let flyer = Flyer::new(&vehicle);
     let waypoints = [Vec3::ZERO, Vec3::X * 1e5];
     let mut path = FlightPath::new();
@@ -66,7 +66,7 @@ pub fn fly(obstacles: &[Obstacle], policy: Policy, mut look: impl FnMut(Cycle<'_
             row.position_m = start.position_after_m(time_s);
         }
         let decision = look(Cycle {
-            avoider: &mut avoider,
+            pilot: &mut *pilot,
             situation: Situation {
                 time_s,
                 ownship: Ownship {

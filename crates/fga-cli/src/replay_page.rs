@@ -189,7 +189,7 @@ impl Drawer {
     /// For the aircraft of a plan.
     pub(crate) fn new(plan: &Plan) -> Self {
         let world = &plan.world;
-        let settings = &world.settings;
+        let settings = &world.settings.avoider;
         Self::of(
             &world.vehicle,
             world.wind_mps,
@@ -353,7 +353,7 @@ const fn threatened(state: State) -> bool {
 /// The obstacles as the decision knew them, with their uncertainty, each on its straight way from there.
 fn known_hazards(plan: &Plan, moment: &DecisionLog) -> Vec<Hazard> {
     let world = &plan.world;
-    let sigmas = world.settings.confidence_sigmas;
+    let sigmas = world.settings.avoider.confidence_sigmas;
     (0..)
         .zip(&moment.known)
         .map(|(index, known)| Hazard::new(index, known, world.wind_mps, sigmas))

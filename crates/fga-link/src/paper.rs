@@ -1,15 +1,15 @@
 //! The paper's own way to fly: Algorithm 4 with roll by `RC_CHANNELS_OVERRIDE`.
 //!
-//! The decisions are [`fga::algorithm4`]'s; here are the vehicle's turn-rate factor and lag, which
+//! The decisions are [`fga_paper::algorithm_4`]'s; here are the vehicle's turn-rate factor and lag, which
 //! the paper's formulas leave out, and the stick positions. The largest bank is replaced by the one
 //! that would give the flown radius ideally, the triggers are moved earlier by the time that the
 //! roll takes, and round the obstacle the bank of Eq. 60 is corrected by how far the aircraft is from
 //! its circle: commanded once and for all it was flown up to 8 m into a disc of 150 m.
 
 use fga::Vec3;
-use fga::algorithm4::{Execution, Phase, Plan, pwm_us};
 use fga::situation::{Obstacle, Ownship};
 use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2};
+use fga_paper::algorithm_4::{Execution, Phase, Plan, pwm_us};
 use mavlink::dialects::ardupilotmega::{MavMessage, RC_CHANNELS_OVERRIDE_DATA};
 
 use crate::number::to_u16;

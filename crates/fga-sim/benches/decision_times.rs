@@ -9,7 +9,6 @@ use core::time::Duration;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use fga::Vec3;
-use fga::avoider::Settings;
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
 use fga_sim::plant::{Autopilot, Plant};
@@ -59,7 +58,7 @@ fn engage(pilot: &mut dyn Pilot, model: &VehicleModel) -> (f64, Ownship, [Obstac
     let mut plant = Plant::new(model.vehicle, Autopilot::default(), Vec3::ZERO);
     plant.place(0.0, Vec3::ZERO, 0.0, 0.0);
     let start = obstacles(0.0);
-    let period_s = model.settings.decision_period_s;
+    let period_s = model.settings.avoider.decision_period_s;
     let mut now = start;
     for cycle in 0..20 {
         let time_s = f64::from(cycle) * period_s;
@@ -76,10 +75,8 @@ fn engage(pilot: &mut dyn Pilot, model: &VehicleModel) -> (f64, Ownship, [Obstac
 
 fn decision_times(criterion: &mut Criterion) {
     let model = VehicleModel::built_in().expect("the built-in vehicle");
-    let settings = Settings {
-        surveillance_radius_m: f64::INFINITY,
-        ..model.settings
-    };
+    let mut settings = model.settings;
+    settings.avoider.surveillance_radius_m = f64::INFINITY;
     let start = Ownship {
         position_m: Vec3::ZERO,
         course_rad: 0.0,

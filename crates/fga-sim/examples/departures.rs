@@ -13,10 +13,12 @@
 use std::process::ExitCode;
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Decision, Policy, Settings, State};
+use fga::avoider::{Decision, Settings, State};
 use fga::maneuver::{Maneuver, Stage};
+use fga::pilot::MissionPilot;
 use fga::situation::Situation;
 use fga::situation::{Obstacle, ProtectedVolume};
+use fga::vehicle::Vehicle;
 use fga_sim::batch::{BatchSettings, empty_world};
 use fga_sim::encounters::{Encounter, EncounterSource, Random, Range};
 use fga_sim::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
@@ -135,11 +137,16 @@ struct OraclePilot {
     maneuver: Maneuver,
     until_s: f64,
     /// What the decisions are made of until then.
-    idle: Avoider,
+    idle: MissionPilot,
     back: Box<dyn Pilot + Send>,
 }
 
 impl Pilot for OraclePilot {
+    fn retune(&mut self, vehicle: &Vehicle) {
+        self.idle.retune(vehicle);
+        self.back.retune(vehicle);
+    }
+
     fn restart(&mut self) {
         self.idle.restart();
         self.back.restart();
@@ -183,11 +190,8 @@ fn fly_oracle(encounter: &Encounter, planar: bool) -> Result<Option<Outcome>, St
     stage(of.wait_s, of.turn1_rad, of.climb1_rad);
     let second_s = of.wait_s + of.turn1_rad.abs() / rate_radps + of.straight_s;
     stage(second_s, of.turn1_rad + of.turn2_rad, of.climb2_rad);
-    let idle = Settings {
-        policy: Policy::None,
-        ..Settings::default()
-    };
-    let idle = Avoider::new(idle, model(planar)?.vehicle).map_err(|e| e.to_string())?;
+    let horizon_s = Settings::default().horizon_s;
+    let idle = MissionPilot::new(horizon_s, model(planar)?.vehicle).map_err(|e| e.to_string())?;
     let policy = PolicyChoice::parse("turn-aware", None)?;
     let flown = fly_under(encounter, planar, policy, |back| {
         Box::new(OraclePilot {

@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Policy, Settings, Start, State};
+use fga::avoider::State;
 use fga::certificate::{Hazard, certify_all};
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Mission, Obstacles, Situation};
@@ -19,6 +19,7 @@ use fga::situation::{Obstacle, Ownship};
 use fga::vehicle::{Response, Vehicle};
 use fga_sim::encounters::{Encounter, EncounterSource};
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
+use fga_sim::policy::{PolicyChoice, PolicySettings};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -81,17 +82,16 @@ fn turn_closest(rows: &mut [Obstacle], position_m: Vec3, number: u64) {
 fn fly(
     encounter: &Encounter,
     planar: bool,
-    (policy, turning): (Policy, bool),
+    (policy, turning): (PolicyChoice, bool),
     times: &mut Vec<f64>,
     searches: &mut Vec<f64>,
 ) -> Flown {
     let vehicle = vehicle(planar);
-    let settings = Settings {
-        policy,
-        surveillance_radius_m: f64::INFINITY,
-        ..Settings::default()
-    };
-    let mut avoider = Avoider::new(settings, vehicle).expect("settings are valid");
+    let mut settings = PolicySettings::default();
+    settings.avoider.surveillance_radius_m = f64::INFINITY;
+    let mut pilot = policy
+        .pilot(&settings, &vehicle)
+        .expect("settings are valid");
     let flyer = Flyer::new(&vehicle);
     let waypoints = [Vec3::ZERO, Vec3::X * 1e5];
     let mut path = FlightPath::new();
@@ -139,7 +139,7 @@ fn fly(
             wind_mps: Vec3::ZERO,
         };
         let begun = Instant::now();
-        let decision = avoider.step(&situation);
+        let decision = pilot.step(&situation);
         times.push(begun.elapsed().as_secs_f64() * 1e6);
         if decision.record.work.candidates > 2000 {
             searches.push(begun.elapsed().as_secs_f64() * 1e6);
@@ -195,20 +195,15 @@ fn run(arguments: &[String]) -> Result<(), String> {
         text.parse::<u64>()
             .map_err(|e| format!("{text}: expected a number: {e}"))
     };
+    let parse = |name, start| PolicyChoice::parse(name, start);
     let policy = match rest.first().map(String::as_str) {
-        None | Some("free" | "turning") => Policy::TurnAware(Start::Free),
-        Some("t0") => Policy::TurnAware(Start::AtDetection),
-        Some("latest") => Policy::TurnAware(Start::Latest),
-        Some("published") => Policy::Published(Start::AtDetection),
-        Some("published-tc") => Policy::Published(Start::Latest),
-        Some("circle") => Policy::Circle,
-        Some("literal") => Policy::PublishedLiteral,
-        Some("none") => Policy::None,
-        Some(score) => Policy::TurnAware(Start::Score(
-            score
-                .parse()
-                .map_err(|e| format!("{score}: expected a score: {e}"))?,
-        )),
+        None | Some("free" | "turning") => PolicyChoice::default(),
+        Some("published") => parse("published", Some("t0"))?,
+        Some("published-tc") => parse("published", Some("tc"))?,
+        Some("literal") => parse("published-literal", None)?,
+        Some(name @ ("circle" | "none")) => parse(name, None)?,
+        Some(start @ ("t0" | "latest")) => parse("turn-aware", Some(start))?,
+        Some(score) => parse("turn-aware", Some(&format!("Cs={score}")))?,
     };
     let turning = rest.iter().any(|word| word == "turning");
     let source = EncounterSource::parse(cell, number(seed)?)?;

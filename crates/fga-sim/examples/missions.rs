@@ -94,7 +94,7 @@ fn world(model: &VehicleModel, mission_m: Vec<Vec3>, wind_mps: Vec3, horizon_s: 
     world.start.position_m = mission_m[0];
     world.start.course_rad = course_rad;
     world.start.climb_rad = climb_rad;
-    world.settings.surveillance_radius_m = model.settings.surveillance_radius_m;
+    world.settings.avoider.surveillance_radius_m = model.settings.avoider.surveillance_radius_m;
     world.mission_m = mission_m;
     world.ending = Ending::MissionFlown;
     world

@@ -78,8 +78,8 @@ impl Conditions {
         }
         model.vehicle.response.bank_time_constant_s = self.lag_s;
         model.vehicle.response.turn_rate_factor = self.factor;
-        model.settings.confidence_sigmas = self.sigmas;
-        model.settings.margin_m = self.margin_m;
+        model.settings.avoider.confidence_sigmas = self.sigmas;
+        model.settings.avoider.margin_m = self.margin_m;
         model.sensor.position_sigma_m = 3.0 * self.noise;
         model.sensor.velocity_sigma_mps = 0.5 * self.noise;
         let (sin, cos) = libm::sincos(number as f64 * NEXT_WIND_RAD);

@@ -11,7 +11,6 @@
 
 use core::error::Error;
 
-use fga::avoider::Settings;
 use fga::vehicle::Vehicle;
 use fga_sim::baselines::{
     Baseline, BaselinePilot, Cube, Orca, PotentialField, Steering, VelocityObstacles, View,
@@ -21,7 +20,7 @@ use fga_sim::batch::{BatchSettings, empty_world};
 use fga_sim::encounters::{EncounterSource, Family, Range};
 use fga_sim::engine::{Engine, Outcome};
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
-use fga_sim::policy::{Pilot, PolicyChoice};
+use fga_sim::policy::{Pilot, PolicyChoice, PolicySettings};
 use fga_sim::track::Track;
 use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::WorldObstacle;
@@ -86,12 +85,13 @@ fn cells(seed: u64) -> Vec<(&'static str, EncounterSource)> {
     ]
 }
 
-type Factory = Box<dyn Fn(&Settings, &Vehicle) -> Box<dyn Pilot + Send> + Sync>;
+type Factory = Box<dyn Fn(&PolicySettings, &Vehicle) -> Box<dyn Pilot + Send> + Sync>;
 
 fn with<S: Steering + Clone + Send + Sync + 'static>(method: S) -> Factory {
     Box::new(move |settings, vehicle| {
         Box::new(
-            BaselinePilot::new(method.clone(), settings, *vehicle).expect("settings of Table 4"),
+            BaselinePilot::new(method.clone(), &settings.avoider, *vehicle)
+                .expect("settings of Table 4"),
         )
     })
 }

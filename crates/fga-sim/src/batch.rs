@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use fga::situation::ProtectedVolume;
 
 use crate::engine::{Engine, Observer, Outcome, Sample};
-use crate::policy::{Pilot, PolicyChoice};
+use crate::policy::{Pilot, PolicyChoice, PolicySettings};
 use crate::run::{Plan, RunLog, fly};
 use crate::track::Track;
 use crate::vehicle_file::VehicleModel;
@@ -122,8 +122,11 @@ pub fn empty_world(settings: &BatchSettings) -> Option<World> {
         },
         vehicle: model.vehicle,
         autopilot: model.autopilot,
-        settings: fga::avoider::Settings {
-            surveillance_radius_m: f64::INFINITY,
+        settings: PolicySettings {
+            avoider: fga::avoider::Settings {
+                surveillance_radius_m: f64::INFINITY,
+                ..model.settings.avoider
+            },
             ..model.settings
         },
         wind_mps: model.wind_mps,

@@ -232,7 +232,7 @@ struct Flight<'a> {
 
 impl Flight<'_> {
     fn fly(mut self, pilot: &mut (impl Pilot + ?Sized), observer: &mut impl Observer) -> Outcome {
-        let period_s = self.world.settings.decision_period_s;
+        let period_s = self.world.settings.avoider.decision_period_s;
         let mut cycle = 0_u32;
         let end_s = loop {
             let time_s = f64::from(cycle) * period_s;

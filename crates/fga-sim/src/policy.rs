@@ -1,59 +1,37 @@
 //! Policies by name, and the step that all of them share.
 
-use fga::avoider::{Avoider, Decision, Policy, Settings, SettingsError, Start};
-use fga::situation::Situation;
+use fga::avoider::{Avoider, Settings, SettingsError, Start};
+use fga::pilot::MissionPilot;
+pub use fga::pilot::Pilot;
 use fga::vehicle::Vehicle;
+use fga_paper::pilot::{GridSteps, PaperPilot, PaperSettings, Rule};
 
 use crate::baselines::Baseline;
 
-/// Whatever decides: one step a cycle, from a situation to what is flown until the next.
-pub trait Pilot {
-    /// Decides what to fly until the next step.
-    fn step(&mut self, situation: &Situation<'_>) -> Decision;
-
-    /// Takes over changed limits of the vehicle; called only before it has manoeuvred.
-    fn retune(&mut self, _vehicle: &Vehicle) {}
-
-    /// Forgets the last flight: the next step is the first of another one, with a vehicle of the
-    /// limits that it was made for.
-    fn restart(&mut self);
+/// What a vehicle file says about deciding; every policy takes what it uses.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PolicySettings {
+    /// Settings of the avoider, and of what the others have in common with it; the start is the
+    /// policy's.
+    pub avoider: Settings,
+    /// The grid of the paper's Algorithm 2.
+    pub grid: GridSteps,
 }
 
-/// The core's avoider.
-#[derive(Debug)]
-pub struct CorePilot {
-    avoider: Avoider,
-    vehicle: Vehicle,
-}
-
-impl CorePilot {
-    /// An avoider in cruise.
-    ///
-    /// # Errors
-    /// Settings or limits that are not usable.
-    pub fn new(settings: Settings, vehicle: Vehicle) -> Result<Self, SettingsError> {
-        Ok(Self {
-            avoider: Avoider::new(settings, vehicle)?,
-            vehicle,
-        })
-    }
-}
-
-impl Pilot for CorePilot {
-    fn step(&mut self, situation: &Situation<'_>) -> Decision {
-        self.avoider.step(situation)
-    }
-
-    fn retune(&mut self, vehicle: &Vehicle) {
-        // Limits that the core refuses leave it with those that it has.
-        let _ = self.avoider.set_vehicle(*vehicle);
-    }
-
-    fn restart(&mut self) {
-        self.avoider.restart();
-        if *self.avoider.vehicle() != self.vehicle {
-            // It had these limits before.
-            let _ = self.avoider.set_vehicle(self.vehicle);
+impl PolicySettings {
+    /// The settings of the paper's pilot.
+    fn of_paper(&self, rule: Rule) -> PaperSettings {
+        let avoider = &self.avoider;
+        PaperSettings {
+            rule,
+            decision_period_s: avoider.decision_period_s,
+            surveillance_radius_m: avoider.surveillance_radius_m,
+            horizon_s: avoider.horizon_s,
+            margin_m: avoider.margin_m,
+            confidence_sigmas: avoider.confidence_sigmas,
+            heading_cost: avoider.heading_cost,
+            pitch_cost: avoider.pitch_cost,
+            grid: self.grid,
         }
     }
 }
@@ -61,8 +39,12 @@ impl Pilot for CorePilot {
 /// A policy as it is named on the command line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PolicyChoice {
-    /// One of the core's.
-    Core(Policy),
+    /// The core's avoider.
+    Avoider(Start),
+    /// The mission, whatever comes.
+    Mission,
+    /// One of the paper's rules.
+    Paper(Rule),
     /// A baseline or a peer.
     Baseline(Baseline),
 }
@@ -73,7 +55,7 @@ pub const POLICY_NAMES: &str = "turn-aware, published, published-literal, circle
 
 impl Default for PolicyChoice {
     fn default() -> Self {
-        Self::Core(Policy::TurnAware(Start::Free))
+        Self::Avoider(Start::Free)
     }
 }
 
@@ -86,21 +68,21 @@ impl PolicyChoice {
     pub fn parse(name: &str, start: Option<&str>) -> Result<Self, String> {
         let chosen = start.map(parse_start).transpose()?;
         let without_start = |policy| match start {
-            None => Ok(Self::Core(policy)),
+            None => Ok(policy),
             Some(start) => Err(no_start(name, start)),
         };
         match name {
-            "turn-aware" => Ok(Self::Core(Policy::TurnAware(chosen.unwrap_or(Start::Free)))),
+            "turn-aware" => Ok(Self::Avoider(chosen.unwrap_or(Start::Free))),
             "published" => match chosen.unwrap_or(Start::Latest) {
                 Start::Free => Err(
                     "policy published has no free start, expected --start t0, tc or Cs=0 to 1"
                         .into(),
                 ),
-                start => Ok(Self::Core(Policy::Published(start))),
+                start => Ok(Self::Paper(Rule::Corrected(start))),
             },
-            "published-literal" => without_start(Policy::PublishedLiteral),
-            "circle" => without_start(Policy::Circle),
-            "none" => without_start(Policy::None),
+            "published-literal" => without_start(Self::Paper(Rule::AsPrinted)),
+            "circle" => without_start(Self::Paper(Rule::Circle)),
+            "none" => without_start(Self::Mission),
             other => match (Baseline::parse(other), start) {
                 (Some(baseline), None) => Ok(Self::Baseline(baseline)),
                 (Some(_), Some(start)) => Err(no_start(other, start)),
@@ -121,14 +103,12 @@ impl PolicyChoice {
             Start::Score(score) => format!(" --start Cs={score}"),
         };
         match self {
-            Self::Core(policy) => match policy {
-                Policy::None => "none".into(),
-                Policy::Published(start) => format!("published{}", start_name(*start)),
-                Policy::PublishedLiteral => "published-literal".into(),
-                Policy::Circle => "circle".into(),
-                Policy::TurnAware(Start::Latest) => "turn-aware --start latest".into(),
-                Policy::TurnAware(start) => format!("turn-aware{}", start_name(*start)),
-            },
+            Self::Avoider(Start::Latest) => "turn-aware --start latest".into(),
+            Self::Avoider(start) => format!("turn-aware{}", start_name(*start)),
+            Self::Mission => "none".into(),
+            Self::Paper(Rule::Corrected(start)) => format!("published{}", start_name(*start)),
+            Self::Paper(Rule::AsPrinted) => "published-literal".into(),
+            Self::Paper(Rule::Circle) => "circle".into(),
             Self::Baseline(baseline) => baseline.name().into(),
         }
     }
@@ -139,18 +119,24 @@ impl PolicyChoice {
     /// Settings or limits that are not usable.
     pub fn pilot(
         &self,
-        settings: &Settings,
+        settings: &PolicySettings,
         vehicle: &Vehicle,
     ) -> Result<Box<dyn Pilot + Send>, SettingsError> {
+        let avoider = &settings.avoider;
         match *self {
-            Self::Core(policy) => {
-                let settings = Settings {
-                    policy,
-                    ..*settings
-                };
-                Ok(Box::new(CorePilot::new(settings, *vehicle)?))
+            Self::Avoider(start) => {
+                let settings = Settings { start, ..*avoider };
+                Ok(Box::new(Avoider::new(settings, *vehicle)?))
             }
-            Self::Baseline(baseline) => baseline.pilot(settings, vehicle),
+            Self::Mission => {
+                avoider.check()?;
+                Ok(Box::new(MissionPilot::new(avoider.horizon_s, *vehicle)?))
+            }
+            Self::Paper(rule) => {
+                let settings = settings.of_paper(rule);
+                Ok(Box::new(PaperPilot::new(settings, *vehicle)?))
+            }
+            Self::Baseline(baseline) => baseline.pilot(avoider, vehicle),
         }
     }
 }

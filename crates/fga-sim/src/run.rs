@@ -190,7 +190,7 @@ pub fn fly(
     let mut logger = Logger {
         samples: Vec::new(),
         decisions: Vec::new(),
-        surveillance_radius_m: plan.world.settings.surveillance_radius_m,
+        surveillance_radius_m: plan.world.settings.avoider.surveillance_radius_m,
         watch,
     };
     let outcome = engine.fly(&plan.world, pilot.as_mut(), &mut logger);

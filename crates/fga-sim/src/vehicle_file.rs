@@ -14,10 +14,12 @@ use fga::situation::ProtectedVolume;
 use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2, Vehicle};
 use fga_formats::InputError;
 use fga_formats::error::read_text;
+use fga_paper::pilot::GridSteps;
 use serde::Deserialize;
 use toml::Spanned;
 
 use crate::plant::Autopilot;
+use crate::policy::PolicySettings;
 use crate::sensor::SensorSettings;
 use crate::toml_input::TomlText;
 
@@ -34,8 +36,8 @@ pub struct VehicleModel {
     pub name: String,
     /// Its limits.
     pub vehicle: Vehicle,
-    /// Settings of the avoider; its policy is chosen elsewhere.
-    pub settings: Settings,
+    /// What it says about deciding; the policy is chosen elsewhere.
+    pub settings: PolicySettings,
     /// The volume about each obstacle that must not be entered.
     pub protection: ProtectedVolume,
     /// Velocity of the air over the ground, metres per second.
@@ -300,17 +302,17 @@ fn angle(
 }
 
 impl File {
-    fn settings(&self, text: &TomlText<'_>) -> Result<Settings, InputError> {
+    fn settings(&self, text: &TomlText<'_>) -> Result<PolicySettings, InputError> {
         let default = Settings::default();
-        let (cost, grid, avoidance) = (&self.cost, &self.grid, &self.avoidance);
+        let (cost, avoidance) = (&self.cost, &self.avoidance);
         let surveillance_radius_m = match &self.surveillance_radius_m {
             None => default.surveillance_radius_m,
             // Infinity: everything that the sensor sees.
             Some(value) if *value.get_ref() == f64::INFINITY => f64::INFINITY,
             Some(value) => text.positive("surveillance_radius_m", value)?,
         };
-        Ok(Settings {
-            policy: default.policy,
+        let avoider = Settings {
+            start: default.start,
             decision_period_s: self
                 .decision_period_s
                 .as_ref()
@@ -348,24 +350,36 @@ impl File {
                 ObjectiveName::LeastDeviation => Objective::LeastDeviation,
                 ObjectiveName::ShortestPath => Objective::ShortestPath,
             },
-            grid_heading_range_rad: angle(
+        };
+        Ok(PolicySettings {
+            avoider,
+            grid: self.grid.checked(text)?,
+        })
+    }
+}
+
+impl Grid {
+    fn checked(&self, text: &TomlText<'_>) -> Result<GridSteps, InputError> {
+        let default = GridSteps::default();
+        Ok(GridSteps {
+            heading_range_rad: angle(
                 text,
                 "heading_range_deg",
-                grid.heading_range_deg.as_ref(),
+                self.heading_range_deg.as_ref(),
                 (1.0, 180.0),
-                default.grid_heading_range_rad.to_degrees(),
+                default.heading_range_rad.to_degrees(),
             )?,
-            grid_heading_step_rad: positive(
+            heading_step_rad: positive(
                 text,
                 "heading_step_rad",
-                grid.heading_step_rad.as_ref(),
-                default.grid_heading_step_rad,
+                self.heading_step_rad.as_ref(),
+                default.heading_step_rad,
             )?,
-            grid_pitch_step_rad: positive(
+            pitch_step_rad: positive(
                 text,
                 "pitch_step_rad",
-                grid.pitch_step_rad.as_ref(),
-                default.grid_pitch_step_rad,
+                self.pitch_step_rad.as_ref(),
+                default.pitch_step_rad,
             )?,
         })
     }
@@ -487,7 +501,7 @@ mod tests {
         assert_eq!(model.vehicle.turn_radius_m, 30.0);
         assert_eq!(model.vehicle.course_rate_radps(), 0.5);
         assert_eq!(model.protection, ProtectedVolume::Sphere { radius_m: 30.0 });
-        assert_eq!(model.settings, Settings::default());
+        assert_eq!(model.settings, PolicySettings::default());
         assert_eq!(model.autopilot, Autopilot::Direct);
     }
 

@@ -1,11 +1,11 @@
 //! Everything that one flight is made of.
 
 use fga::Vec3;
-use fga::avoider::Settings;
 use fga::situation::{Movement, ObstacleKind, Passing, ProtectedVolume};
 use fga::vehicle::Vehicle;
 
 use crate::plant::Autopilot;
+use crate::policy::PolicySettings;
 use crate::sensor::SensorSettings;
 use crate::track::Track;
 
@@ -84,8 +84,8 @@ pub struct World {
     pub vehicle: Vehicle,
     /// How commands become bank and climb.
     pub autopilot: Autopilot,
-    /// Settings of the avoider; its policy is chosen with the pilot.
-    pub settings: Settings,
+    /// What is said about deciding; the policy is chosen with the pilot.
+    pub settings: PolicySettings,
     /// Velocity of the air over the ground, metres per second.
     pub wind_mps: Vec3,
     /// The obstacles.

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Policy, Settings, Start, Verdict};
+use fga::avoider::{Avoider, Settings, Start, Verdict};
 use fga::certificate::{Hazard, Status, certify};
 use fga::maneuver::{Maneuver, Stage};
 use fga::prediction::{FlightPath, Flyer, MotionState};
@@ -285,7 +285,7 @@ fn the_first_decisions_of_the_trial_missions_keep_what_they_certify() {
         };
         let mut model = VehicleModel::read(&repository.join("vehicles/paper-planar.toml"))
             .expect("a vehicle of this repository");
-        model.settings.surveillance_radius_m = f64::INFINITY;
+        model.settings.avoider.surveillance_radius_m = f64::INFINITY;
         let plan = scenario::read(&file, Some(model)).expect("a scenario");
         let policy = PolicyChoice::parse("turn-aware", None).expect("a policy");
         let world = &plan.world;
@@ -310,8 +310,8 @@ fn the_first_decisions_of_the_trial_missions_keep_what_they_certify() {
             airspeed_mps: world.vehicle.airspeed_mps,
         };
         let settings = Settings {
-            policy: Policy::TurnAware(Start::Free),
-            ..world.settings
+            start: Start::Free,
+            ..world.settings.avoider
         };
         let first = first_decision(settings, &world.vehicle, own, &world.mission_m, &obstacles);
         if let Some((claimed_m, flown_m)) = first {

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use fga::avoider::{Policy, Start};
+use fga::avoider::Start;
 use fga_formats::encounters;
 use fga_sim::batch::{BatchSettings, fly_all};
 use fga_sim::policy::PolicyChoice;
@@ -15,13 +15,13 @@ fn fly(file: &str, planar: bool) {
         .join(file);
     let encounters = encounters::read(&path).unwrap();
     let mut model = VehicleModel::built_in().unwrap();
-    model.settings.surveillance_radius_m = f64::INFINITY;
+    model.settings.avoider.surveillance_radius_m = f64::INFINITY;
     if planar {
         (model.vehicle.climb_min_rad, model.vehicle.climb_max_rad) = (0.0, 0.0);
     }
     let settings = BatchSettings {
         model,
-        policy: PolicyChoice::Core(Policy::TurnAware(Start::Free)),
+        policy: PolicyChoice::Avoider(Start::Free),
         horizon_s: 120.0,
         seed: 0,
         tracks: false,

@@ -5,7 +5,7 @@
 //! was certified once stays so until it is over and ends without an entry.
 
 use fga::Vec3;
-use fga::avoider::{Policy, Reason, Start, State, Verdict};
+use fga::avoider::{Reason, Start, State, Verdict};
 use fga::certificate::{Hazard, certify_all};
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::Obstacles;
@@ -91,7 +91,7 @@ fn fly_cell(cell: &str, start: Start, count: u64) -> (u32, u32) {
     }
     let settings = BatchSettings {
         model,
-        policy: PolicyChoice::Core(Policy::TurnAware(start)),
+        policy: PolicyChoice::Avoider(start),
         horizon_s: HORIZON_S,
         seed: 0,
         tracks: false,

@@ -8,20 +8,19 @@
 //!    └──────────────────────────────── on its leg, at its altitude ◄───────────────────────────┘
 //! ```
 
-mod published;
+mod against;
 mod quiet;
 mod record;
 mod settings;
 mod tracks;
 mod turn_aware;
 
+pub use crate::limit::SettingsError;
+pub use against::Against;
 pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
-pub use settings::{Policy, Settings, SettingsError, Start};
-pub use tracks::MAX_TRACKED;
+pub use settings::{Settings, Start};
+pub use tracks::{MAX_TRACKED, Tracks};
 
-use crate::Vec3;
-use crate::avoider::published::Edition;
-use crate::limit::LARGEST;
 use crate::maneuver::Maneuver;
 use crate::mission::Progress;
 use crate::prediction::{FlightPath, Flyer, MotionState};
@@ -59,27 +58,6 @@ struct Plan {
     against: Against,
 }
 
-/// Identifiers of the obstacles of one encounter.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Against {
-    ids: [u32; 16],
-    len: usize,
-}
-
-impl Against {
-    /// Adds one; more than there is room for are not told apart from all others.
-    fn add(&mut self, id: u32) {
-        if let Some(slot) = self.ids.get_mut(self.len) {
-            *slot = id;
-            self.len += 1;
-        }
-    }
-
-    fn contains(&self, id: u32) -> bool {
-        self.len == self.ids.len() || self.ids.iter().take(self.len).any(|held| *held == id)
-    }
-}
-
 impl Plan {
     fn remaining(&self, time_s: f64) -> Maneuver {
         self.maneuver.after(time_s - self.decided_s)
@@ -93,6 +71,8 @@ impl Plan {
 pub struct Avoider {
     settings: Settings,
     vehicle: Vehicle,
+    /// The limits that it was made for.
+    made_for: Vehicle,
     flyer: Flyer,
     state: State,
     progress: Progress,
@@ -110,10 +90,11 @@ impl Avoider {
     /// A setting or a limit of the vehicle that is not finite or out of range.
     pub fn new(settings: Settings, vehicle: Vehicle) -> Result<Self, SettingsError> {
         settings.check()?;
-        settings::check_vehicle(&vehicle)?;
+        vehicle.check()?;
         Ok(Self {
             settings,
             vehicle,
+            made_for: vehicle,
             flyer: Flyer::new(&vehicle),
             state: State::Cruise,
             progress: Progress::new(),
@@ -125,8 +106,10 @@ impl Avoider {
         })
     }
 
-    /// Forgets everything but settings and vehicle: the next step is the first of another flight.
-    pub fn restart(&mut self) {
+    /// Forgets everything but its settings and the limits that it was made for.
+    pub(crate) fn forget_flight(&mut self) {
+        self.vehicle = self.made_for;
+        self.flyer = Flyer::new(&self.vehicle);
         self.state = State::Cruise;
         self.progress = Progress::new();
         self.tracks.clear();
@@ -155,7 +138,7 @@ impl Avoider {
     /// # Errors
     /// A limit that is not finite or out of range; nothing is changed then.
     pub fn set_vehicle(&mut self, vehicle: Vehicle) -> Result<(), SettingsError> {
-        settings::check_vehicle(&vehicle)?;
+        vehicle.check()?;
         self.vehicle = vehicle;
         self.flyer = Flyer::new(&vehicle);
         if let Some(plan) = &mut self.plan {
@@ -169,21 +152,15 @@ impl Avoider {
     /// Steps are expected [`Settings::decision_period_s`] apart. The command holds stages in time
     /// from now; it is what will be flown if nothing new is learned. Obstacles whose numbers are
     /// not finite are left out; with an own state or time that is not usable, or beyond
-    /// [`LARGEST`], the last command's course is held ([`Reason::InvalidInput`]).
+    /// [`LARGEST`](crate::limit::LARGEST), the last command's course is held ([`Reason::InvalidInput`]).
     pub fn step(&mut self, situation: &Situation<'_>) -> Decision {
-        let usable = situation.ownship.is_valid()
-            && situation.time_s.is_finite()
-            && situation.wind_mps.is_finite()
-            && within_reason(situation);
-        if !usable {
+        if !situation.is_usable() {
             return self.decision(&Maneuver::hold(), Reason::InvalidInput);
         }
         if situation.time_s < self.last_time_s {
             // The clock jumped back: what was planned in its time means nothing now.
             self.plan = None;
-            if self.state != State::Cruise {
-                self.state = State::Cruise;
-            }
+            self.state = State::Cruise;
         }
         self.last_time_s = situation.time_s;
         self.cycle = self.cycle.wrapping_add(1);
@@ -195,20 +172,7 @@ impl Avoider {
             situation.wind_mps,
             (situation.time_s, self.climb_limits_rad()),
         );
-        match self.settings.policy {
-            Policy::None => {
-                let (nominal, _) = self.guidance(situation, &now);
-                self.decision(&nominal, Reason::Clear)
-            }
-            Policy::TurnAware(start) => self.step_turn_aware(situation, &now, start),
-            Policy::Published(start) => {
-                self.step_published(situation, &now, Edition::Corrected, start)
-            }
-            Policy::PublishedLiteral => {
-                self.step_published(situation, &now, Edition::Literal, Start::Latest)
-            }
-            Policy::Circle => self.step_circle(situation, &now),
-        }
+        self.step_turn_aware(situation, &now, self.settings.start)
     }
 
     fn load_tracks(&mut self, situation: &Situation<'_>) {
@@ -243,27 +207,8 @@ impl Avoider {
             tracked: self.tracks.seen,
             ..Work::default()
         };
-        let record = Record {
-            reason,
-            work,
-            ..Record::default()
-        };
-        Decision {
-            state: self.state,
-            command: *command,
-            record,
-        }
+        let mut decision = Decision::new(self.state, command, reason);
+        decision.record.work = work;
+        decision
     }
-}
-
-/// Whether no number of the aircraft's, the clock's or the wind's is so large that a product of
-/// some of them overflows.
-fn within_reason(situation: &Situation<'_>) -> bool {
-    let own = &situation.ownship;
-    let angles = [own.course_rad, own.climb_rad, own.bank_rad];
-    [own.position_m, Vec3::from_array(angles), situation.wind_mps]
-        .iter()
-        .all(|v| v.abs().max_element() <= LARGEST)
-        && own.airspeed_mps <= LARGEST
-        && situation.time_s.abs() <= LARGEST
 }

@@ -1,4 +1,4 @@
-//! Keeping a number within limits without a panic.
+//! Keeping a number within limits without a panic, and what is said of one that is out of them.
 
 /// Largest magnitude of a coordinate (metres) or a velocity (metres per second) that is accepted:
 /// far beyond any flight, and small enough that no product of four overflows.
@@ -14,6 +14,51 @@ pub trait Limit {
 impl Limit for f64 {
     fn limited(self, low: f64, high: f64) -> f64 {
         self.max(low).min(high)
+    }
+}
+
+/// A setting that cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SettingsError {
+    /// Name of the setting or limit.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// What was expected, in words.
+    pub expected: &'static str,
+}
+
+impl core::fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(
+            f,
+            "{} is {}, expected {}",
+            self.name, self.value, self.expected
+        )
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+impl SettingsError {
+    /// An error unless a value is in range.
+    ///
+    /// # Errors
+    /// The value that is not in range.
+    pub const fn unless(
+        in_range: bool,
+        name: &'static str,
+        value: f64,
+        expected: &'static str,
+    ) -> Result<(), Self> {
+        if in_range {
+            return Ok(());
+        }
+        Err(Self {
+            name,
+            value,
+            expected,
+        })
     }
 }
 

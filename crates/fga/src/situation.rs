@@ -1,19 +1,14 @@
-//! What is around the aircraft: its own state, the obstacles, their protected volumes (Eq. 15).
+//! What is around the aircraft: its own state, the obstacles, their protected volumes.
 
-mod classification;
 mod columns;
 mod movement;
-mod protection;
-mod surveillance;
 
-pub use classification::{AvoidanceModule, Count, Motion, classify};
 pub use columns::{Columns, ColumnsError};
 pub use movement::{Movement, MovementBounds};
-pub use protection::{ProtectionCoefficients, ProtectionTerms, protected_radius_m};
-pub use surveillance::{Layer, SEARCH_RATIO, SURVEILLANCE_RATIO, Surveillance};
 
 use crate::Vec3;
 use crate::angle::direction;
+use crate::limit::LARGEST;
 
 /// The aircraft's own state in the air mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -159,7 +154,7 @@ pub struct Obstacle {
     pub id: u32,
     /// Centre of the volume now, metres, local frame.
     pub position_m: Vec3,
-    /// Velocity `V_a` in the air mass, metres per second; zero for a static obstacle in still air.
+    /// Velocity over the ground, metres per second; zero for what stands.
     pub velocity_mps: Vec3,
     /// The volume that must not be entered.
     pub volume: ProtectedVolume,
@@ -265,4 +260,35 @@ pub struct Situation<'a> {
     pub mission: Mission<'a>,
     /// Velocity of the air over the ground, metres per second.
     pub wind_mps: Vec3,
+}
+
+impl Situation<'_> {
+    /// Whether a decision can be made from it: every number of the aircraft's, the clock's and the
+    /// wind's is finite, and none is so large that a product of some of them overflows.
+    pub fn is_usable(&self) -> bool {
+        let own = &self.ownship;
+        let angles = Vec3::new(own.course_rad, own.climb_rad, own.bank_rad);
+        own.is_valid()
+            && self.time_s.is_finite()
+            && self.wind_mps.is_finite()
+            && [own.position_m, angles, self.wind_mps]
+                .iter()
+                .all(|v| v.abs().max_element() <= LARGEST)
+            && own.airspeed_mps <= LARGEST
+            && self.time_s.abs() <= LARGEST
+    }
+
+    /// Whether an obstacle cannot be met within `horizon_s` seconds, however the aircraft turns. No
+    /// root is taken: what is only just out of reach counts as within it.
+    pub fn is_out_of_reach(&self, obstacle: &Obstacle, horizon_s: f64) -> bool {
+        let square = |x: f64| x * x;
+        let own = &self.ownship;
+        let offset = obstacle.position_m - own.position_m;
+        // (a + b)² ≤ 2 (a² + b²), twice.
+        let speeds = 2.0
+            * (square(own.airspeed_mps) + (obstacle.velocity_mps - self.wind_mps).length_squared());
+        let size = obstacle.volume.radius_m() + obstacle.volume.half_height_m() + 1e3;
+        let reach = 2.0 * (speeds * square(horizon_s) + square(size));
+        offset.length_squared() > reach
+    }
 }

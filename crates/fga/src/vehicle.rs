@@ -1,11 +1,11 @@
 //! What the vehicle can do: coordinated turn, limits, response (Eq. 7–14, Eq. 60).
 
-mod pi_controller;
 mod turn;
 
 use core::f64::consts::FRAC_PI_2;
 
-pub use pi_controller::{PiController, PiGains};
+use crate::limit::SettingsError;
+
 pub use turn::{
     FAA_TURN_CONSTANT, bank_for_radius_faa_rad, bank_for_radius_rad, course_rate_radps,
     turn_radius_m, turned,
@@ -99,19 +99,67 @@ impl Vehicle {
         bank_for_radius_rad(self.airspeed_mps, self.turn_radius_m)
     }
 
-    /// Whether every limit is finite and in range: speed, radius and turn-rate factor positive,
-    /// the climb angles within ±π/2 and on their own side of 0, times and rates not negative.
-    pub fn is_valid(&self) -> bool {
-        let positive = |value: f64| value.is_finite() && value > 0.0;
-        let not_negative = |value: f64| value.is_finite() && value >= 0.0;
-        positive(self.airspeed_mps)
-            && positive(self.turn_radius_m)
-            && positive(self.response.turn_rate_factor)
-            && (0.0..FRAC_PI_2).contains(&self.climb_max_rad)
-            && (0.0..FRAC_PI_2).contains(&-self.climb_min_rad)
-            && not_negative(self.climb_rate_radps)
-            && not_negative(self.response.dead_time_s)
-            && not_negative(self.response.bank_time_constant_s)
+    /// Checks every limit.
+    ///
+    /// # Errors
+    /// The first limit that is not finite or out of range.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        let response = self.response;
+        let positive = "a positive number";
+        let rows = [
+            (
+                "airspeed_mps",
+                self.airspeed_mps,
+                self.airspeed_mps > 0.0,
+                positive,
+            ),
+            (
+                "turn_radius_m",
+                self.turn_radius_m,
+                self.turn_radius_m > 0.0,
+                positive,
+            ),
+            (
+                "climb_min_rad",
+                self.climb_min_rad,
+                self.climb_min_rad > -FRAC_PI_2 && self.climb_min_rad <= 0.0,
+                "an angle from -pi/2 to 0",
+            ),
+            (
+                "climb_max_rad",
+                self.climb_max_rad,
+                self.climb_max_rad < FRAC_PI_2 && self.climb_max_rad >= 0.0,
+                "an angle from 0 to pi/2",
+            ),
+            (
+                "climb_rate_radps",
+                self.climb_rate_radps,
+                self.climb_rate_radps >= 0.0,
+                "a number that is not negative",
+            ),
+            (
+                "dead_time_s",
+                response.dead_time_s,
+                response.dead_time_s >= 0.0,
+                "a number that is not negative",
+            ),
+            (
+                "bank_time_constant_s",
+                response.bank_time_constant_s,
+                response.bank_time_constant_s >= 0.0,
+                "a number that is not negative",
+            ),
+            (
+                "turn_rate_factor",
+                response.turn_rate_factor,
+                response.turn_rate_factor > 0.0,
+                positive,
+            ),
+        ];
+        for (name, value, in_range, expected) in rows {
+            SettingsError::unless(in_range && value.is_finite(), name, value, expected)?;
+        }
+        Ok(())
     }
 
     /// Largest course rate that is really flown: factor · V / ρ, radians per second (Eq. 9).
@@ -135,13 +183,13 @@ mod tests {
         // 225 / (9.80665 · tan 30°), by hand.
         assert!((vehicle.turn_radius_m - 39.739).abs() < 1e-3);
         assert!((vehicle.bank_max_rad().unwrap().to_degrees() - 30.0).abs() < 1e-9);
-        assert!(vehicle.is_valid() && !vehicle.can_climb());
+        assert!(vehicle.check().is_ok() && !vehicle.can_climb());
         assert!(vehicle.with_climb(-0.2, 0.2, 0.1).can_climb());
     }
 
     #[test]
     fn table_4_is_valid_and_turns_half_a_radian_a_second() {
-        assert!(Vehicle::table_4().is_valid());
+        assert!(Vehicle::table_4().check().is_ok());
         assert!((Vehicle::table_4().course_rate_radps() - 0.5).abs() < 1e-12);
     }
 
@@ -150,41 +198,45 @@ mod tests {
         let good = Vehicle::table_4();
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(
-                !Vehicle {
+                Vehicle {
                     airspeed_mps: bad,
                     ..good
                 }
-                .is_valid()
+                .check()
+                .is_err()
             );
             assert!(
-                !Vehicle {
+                Vehicle {
                     turn_radius_m: bad,
                     ..good
                 }
-                .is_valid()
+                .check()
+                .is_err()
             );
             assert!(
-                !Vehicle {
+                Vehicle {
                     climb_rate_radps: bad,
                     ..good
                 }
-                .is_valid()
+                .check()
+                .is_err()
             );
-            assert!(!good.with_climb(bad, 0.1, 0.1).is_valid());
-            assert!(!good.with_climb(-0.1, bad, 0.1).is_valid());
+            assert!(good.with_climb(bad, 0.1, 0.1).check().is_err());
+            assert!(good.with_climb(-0.1, bad, 0.1).check().is_err());
             let response = Response {
                 dead_time_s: bad,
                 ..Response::default()
             };
-            assert!(!Vehicle { response, ..good }.is_valid());
+            assert!(Vehicle { response, ..good }.check().is_err());
         }
-        assert!(!good.with_climb(0.1, 0.2, 0.1).is_valid());
+        assert!(good.with_climb(0.1, 0.2, 0.1).check().is_err());
         assert!(
-            !Vehicle {
+            Vehicle {
                 airspeed_mps: 0.0,
                 ..good
             }
-            .is_valid()
+            .check()
+            .is_err()
         );
         assert!(Vehicle::from_bank(15.0, 0.0).is_none());
     }

@@ -123,6 +123,7 @@ impl Random {
         };
         let reach = 1.5 * volume.radius_m() + 5.0;
         Hazard {
+            id: 0,
             index: 0,
             position_m: near_m - velocity_mps * at_s + self.vector(reach, 0.7 * reach),
             velocity_mps,

@@ -1,20 +1,23 @@
-//! The crate `fga` linked into a static library without the standard library and without an
+//! The crates `fga` and `fga-paper` linked into a static library without the standard library and without an
 //! allocator, as an autopilot would. Each function here keeps one entry of the algorithm alive.
 #![no_std]
 
 use core::panic::PanicInfo;
 
 use fga::Vec3;
-use fga::algorithm4::Plan;
-use fga::avoider::{Avoider, Settings};
-use fga::situation::{Mission, Obstacles, Situation};
-use fga::bounds::HeadingSet;
-use fga::conflict::detect;
+use fga::avoider::{Avoider, Settings, Start};
+use fga::certificate::Hazard;
+use fga::pilot::Pilot;
+use fga::situation::{Mission, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation};
 use fga::vehicle::Vehicle;
-use fga::recovery::dubins::{ClimbLimits, DubinsPath, Pose};
-use fga::selection::published::{Grid, select};
-use fga::situation::{Obstacle, Ownship, ProtectedVolume};
-use fga::timing::{Geometry, Times};
+use fga_paper::algorithm_4::Plan;
+use fga_paper::bounds::HeadingSet;
+use fga_paper::conflict::detect;
+use fga_paper::dubins::{ClimbLimits, DubinsPath, Pose};
+use fga_paper::grid::{Grid, select};
+use fga_paper::pilot::{PaperPilot, PaperSettings, Rule};
+use fga_paper::timing::{Geometry, Times};
+
 
 #[panic_handler]
 fn stop(_: &PanicInfo<'_>) -> ! {
@@ -31,15 +34,15 @@ fn ownship(x_m: f64, y_m: f64, course_rad: f64) -> Ownship {
     }
 }
 
-fn obstacle(x_m: f64, y_m: f64, radius_m: f64) -> Obstacle {
+fn hazard(x_m: f64, y_m: f64, radius_m: f64) -> Hazard {
     let volume = ProtectedVolume::Sphere { radius_m };
-    Obstacle::new(1, Vec3::new(x_m, y_m, 0.0), Vec3::ZERO, volume)
+    Hazard::exact(1, Vec3::new(x_m, y_m, 0.0), Vec3::ZERO, volume)
 }
 
 /// Critical time of a static sphere, seconds; infinite where it is no threat.
 #[unsafe(no_mangle)]
 pub extern "C" fn fga_critical_s(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
-    let (own, obstacles) = (ownship(0.0, 0.0, 0.0), [obstacle(x_m, y_m, radius_m)]);
+    let (own, obstacles) = (ownship(0.0, 0.0, 0.0), [hazard(x_m, y_m, radius_m)]);
     detect(&own, &obstacles, f64::INFINITY)
         .filter_map(|found| Geometry::spatial(&found.relative, radius_m))
         .filter_map(|encounter| Times::of(&encounter, Vehicle::table_4().turn_radius_m, 0.0))
@@ -51,14 +54,14 @@ pub extern "C" fn fga_critical_s(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
 #[unsafe(no_mangle)]
 pub extern "C" fn fga_heading_change_rad(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
     let own = ownship(0.0, 0.0, 0.0);
-    select(&Grid::default(), &own, &[obstacle(x_m, y_m, radius_m)], 0.0)
+    select(&Grid::default(), &own, &[hazard(x_m, y_m, radius_m)], 0.0)
         .map_or(0.0, |choice| choice.entry().heading_change_rad)
 }
 
 /// Width of the admissible set of courses, radians.
 #[unsafe(no_mangle)]
 pub extern "C" fn fga_admissible_rad(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
-    HeadingSet::of_all(&ownship(0.0, 0.0, 0.0), &[obstacle(x_m, y_m, radius_m)]).width_rad()
+    HeadingSet::of_all(&ownship(0.0, 0.0, 0.0), &[hazard(x_m, y_m, radius_m)]).width_rad()
 }
 
 /// Length of the shortest path from the origin along +x to a pose, metres; negative without one.
@@ -81,20 +84,43 @@ pub extern "C" fn fga_deviation_rad(x_m: f64, y_m: f64, radius_m: f64, bank_rad:
         .map_or(-1.0, |plan| plan.round.away.angle_rad)
 }
 
-/// One decision of the avoider on a mission along +x with one obstacle ahead: the start of what is
-/// commanded, seconds from now; negative where nothing is.
-#[unsafe(no_mangle)]
-pub extern "C" fn fga_step_start_s(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
-    let Ok(mut avoider) = Avoider::new(Settings::default(), Vehicle::table_4()) else {
-        return -1.0;
-    };
-    let decision = avoider.step(&Situation {
+/// The start of what a pilot commands on a mission along +x with one obstacle ahead, seconds from
+/// now; negative where it commands nothing.
+fn start_s(pilot: &mut dyn Pilot, x_m: f64, y_m: f64, radius_m: f64) -> f64 {
+    let volume = ProtectedVolume::Sphere { radius_m };
+    let place = Vec3::new(x_m, y_m, 0.0);
+    let decision = pilot.step(&Situation {
         time_s: 0.0,
         ownship: ownship(0.0, 0.0, 0.0),
-        obstacles: Obstacles::Rows(&[obstacle(x_m, y_m, radius_m)]),
+        obstacles: Obstacles::Rows(&[Obstacle::new(1, place, Vec3::ZERO, volume)]),
         mission: Mission::new(&[Vec3::ZERO, Vec3::new(1000.0, 0.0, 0.0)]),
         wind_mps: Vec3::ZERO,
     });
     let first = decision.command.stages().first();
     first.map_or(-1.0, |stage| stage.start_s)
+}
+
+/// One decision of the avoider.
+#[unsafe(no_mangle)]
+pub extern "C" fn fga_step_start_s(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
+    let Ok(mut avoider) = Avoider::new(Settings::default(), Vehicle::table_4()) else {
+        return -1.0;
+    };
+    start_s(&mut avoider, x_m, y_m, radius_m)
+}
+
+/// One decision by each rule of the paper: the earliest start.
+#[unsafe(no_mangle)]
+pub extern "C" fn fga_paper_start_s(x_m: f64, y_m: f64, radius_m: f64, score: f64) -> f64 {
+    let rules = [
+        Rule::Corrected(Start::Score(score)),
+        Rule::AsPrinted,
+        Rule::Circle,
+    ];
+    rules.into_iter().fold(f64::INFINITY, |first, rule| {
+        match PaperPilot::new(PaperSettings::new(rule), Vehicle::table_4()) {
+            Ok(mut pilot) => first.min(start_s(&mut pilot, x_m, y_m, radius_m)),
+            Err(_) => first,
+        }
+    })
 }

@@ -4,14 +4,15 @@
 use core::fmt::Write as _;
 
 use fga::Vec3;
-use fga::bounds::{
-    HeadingSet, admissible_fraction, distance_feasible, speed_feasible_2d, speed_feasible_3d,
-};
-use fga::conflict::Relative;
-use fga::situation::{Movement, Obstacle, Ownship, ProtectedVolume};
-use fga::timing::Geometry;
+use fga::certificate::Hazard;
+use fga::situation::{Movement, Ownship, ProtectedVolume};
 use fga_formats::atomic;
 use fga_formats::encounters::{Encounter, EncounterObstacle};
+use fga_paper::bounds::{
+    HeadingSet, admissible_fraction, distance_feasible, speed_feasible_2d, speed_feasible_3d,
+};
+use fga_paper::conflict::Relative;
+use fga_paper::timing::Geometry;
 use fga_report::interval::Estimate;
 use fga_report::plot::{Axis, BarChart, BarSeries};
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
@@ -49,7 +50,7 @@ struct Seen {
     ownship: Ownship,
     climb_rad: (f64, f64),
     turn_radius_m: f64,
-    obstacles: Vec<Obstacle>,
+    obstacles: Vec<Hazard>,
 }
 
 impl Seen {
@@ -71,7 +72,7 @@ impl Seen {
                     let volume = ProtectedVolume::Sphere {
                         radius_m: o.radius_m,
                     };
-                    Obstacle::new(id, o.position_m, o.velocity_mps, volume)
+                    Hazard::exact(id, o.position_m, o.velocity_mps - model.wind_mps, volume)
                 })
                 .collect(),
         }

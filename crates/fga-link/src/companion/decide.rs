@@ -1,11 +1,11 @@
 //! From telemetry and tracks to a decision, and from the decision to who flies.
 
-use fga::algorithm4::Phase;
 use fga::avoider::{
-    Avoider, Decision, Policy, Reason, Record, Settings, Start, State as AvoiderState, Threat,
+    Avoider, Decision, Reason, Record, Settings, Start, State as AvoiderState, Threat,
 };
 use fga::maneuver::Maneuver;
 use fga::situation::{Mission, Obstacles, Situation};
+use fga_paper::algorithm_4::Phase;
 use serde_json::json;
 
 use super::{Companion, Decided};
@@ -191,7 +191,7 @@ impl Companion {
         let protection = &self.config.protection;
         let start = protection.safety_score.map_or(Start::Free, Start::Score);
         let settings = Settings {
-            policy: Policy::TurnAware(start),
+            start,
             decision_period_s: self.config.command.decision_period_s,
             // What is too far away is left out before.
             surveillance_radius_m: f64::INFINITY,

@@ -2,15 +2,15 @@
 
 use fga::Vec3;
 use fga::angle::{climb_of, course_of, direction, wrap_pi};
-use fga::avoider::{Avoider, Decision, Policy, Reason, Settings, SettingsError, State, Threat};
+use fga::avoider::{Decision, Reason, Settings, SettingsError, State, Threat};
 use fga::maneuver::Maneuver;
+use fga::pilot::{MissionPilot, Pilot};
 use fga::situation::Obstacle;
 use fga::situation::Situation;
 use fga::vehicle::Vehicle;
 
 use super::view::{Route, Sphere, View, flattened};
 use crate::batch::crab;
-use crate::policy::Pilot;
 use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD};
 
 /// A change of direction below this is none, radians (a tenth of a degree).
@@ -44,8 +44,10 @@ pub struct BaselinePilot<S> {
     method: S,
     settings: Settings,
     vehicle: Vehicle,
+    /// The limits that it was made for.
+    made_for: Vehicle,
     /// The core's own guidance along the mission.
-    guide: Avoider,
+    guide: MissionPilot,
     state: State,
     spheres: Vec<Sphere>,
 }
@@ -56,15 +58,13 @@ impl<S: Steering> BaselinePilot<S> {
     /// # Errors
     /// Settings or limits that the core's guidance refuses.
     pub fn new(method: S, settings: &Settings, vehicle: Vehicle) -> Result<Self, SettingsError> {
-        let settings = Settings {
-            policy: Policy::None,
-            ..*settings
-        };
+        settings.check()?;
         Ok(Self {
             method,
-            settings,
+            settings: *settings,
             vehicle,
-            guide: Avoider::new(settings, vehicle)?,
+            made_for: vehicle,
+            guide: MissionPilot::new(settings.horizon_s, vehicle)?,
             state: State::Cruise,
             spheres: Vec::new(),
         })
@@ -199,6 +199,7 @@ impl<S: Steering> Pilot for BaselinePilot<S> {
     fn restart(&mut self) {
         self.method.restart();
         self.guide.restart();
+        self.vehicle = self.made_for;
         self.state = State::Cruise;
     }
 

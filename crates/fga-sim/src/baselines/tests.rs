@@ -9,6 +9,7 @@ use fga::vehicle::{Response, Vehicle};
 use super::*;
 use crate::engine::{Engine, Observer, Sample};
 use crate::plant::Autopilot;
+use crate::policy::PolicySettings;
 use crate::sensor::SensorSettings;
 use crate::track::Track;
 use crate::world::{Ending, StartState, World, WorldObstacle};
@@ -45,7 +46,10 @@ fn world(bodies: &[(Vec3, Vec3)]) -> World {
         },
         vehicle: vehicle(),
         autopilot: Autopilot::default(),
-        settings: settings(),
+        settings: PolicySettings {
+            avoider: settings(),
+            ..PolicySettings::default()
+        },
         wind_mps: Vec3::ZERO,
         obstacles: bodies
             .iter()
@@ -102,7 +106,9 @@ fn each_avoids_a_mast_ahead_and_comes_back() {
     // 8 m beside the line, seen at 300 m: ten seconds of room on either side.
     let world = world(&[(Vec3::new(300.0, 8.0, 2.0), Vec3::ZERO)]);
     for baseline in Baseline::ALL {
-        let mut pilot = baseline.pilot(&world.settings, &world.vehicle).unwrap();
+        let mut pilot = baseline
+            .pilot(&world.settings.avoider, &world.vehicle)
+            .unwrap();
         let mut track = Track3::default();
         let outcome = Engine::new().fly(&world, pilot.as_mut(), &mut track);
         let name = baseline.name();
@@ -123,7 +129,9 @@ fn nobody_manoeuvres_for_what_flies_away() {
         (Vec3::new(200.0, 900.0, 0.0), Vec3::new(0.0, 25.0, 0.0)),
     ]);
     for baseline in Baseline::ALL {
-        let mut pilot = baseline.pilot(&world.settings, &world.vehicle).unwrap();
+        let mut pilot = baseline
+            .pilot(&world.settings.avoider, &world.vehicle)
+            .unwrap();
         let outcome = Engine::new().fly(&world, pilot.as_mut(), &mut ());
         // The potential field knows places only: it may be pushed by what is near.
         if baseline != Baseline::PotentialField {
@@ -140,7 +148,9 @@ fn limits_are_kept_and_a_planar_vehicle_stays_level() {
     ]);
     (planar.vehicle.climb_min_rad, planar.vehicle.climb_max_rad) = (0.0, 0.0);
     for baseline in Baseline::ALL {
-        let mut pilot = baseline.pilot(&planar.settings, &planar.vehicle).unwrap();
+        let mut pilot = baseline
+            .pilot(&planar.settings.avoider, &planar.vehicle)
+            .unwrap();
         let mut track = Track3::default();
         Engine::new().fly(&planar, pilot.as_mut(), &mut track);
         for pair in track.0.windows(2) {
@@ -160,7 +170,9 @@ fn a_flight_is_the_same_twice() {
     ]);
     for baseline in Baseline::ALL {
         let fly = || {
-            let mut pilot = baseline.pilot(&world.settings, &world.vehicle).unwrap();
+            let mut pilot = baseline
+                .pilot(&world.settings.avoider, &world.vehicle)
+                .unwrap();
             Engine::new().fly(&world, pilot.as_mut(), &mut ())
         };
         assert_eq!(fly(), fly(), "{}", baseline.name());

@@ -5,8 +5,9 @@
 
 use fga::Vec3;
 use fga::angle::direction;
-use fga::vehicle::{PiController, PiGains, STANDARD_GRAVITY_MPS2, Vehicle};
+use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
+use super::pi_controller::{PiController, PiGains};
 use super::{Arc, Autopilot, Plant, rate_to};
 
 /// Longest integration step, seconds (50 Hz).

@@ -8,6 +8,7 @@
 
 mod arc;
 mod lagged;
+mod pi_controller;
 
 use alloc::collections::VecDeque;
 

@@ -139,3 +139,17 @@ pub struct Decision {
     /// Why.
     pub record: Record,
 }
+
+impl Decision {
+    /// A decision with nothing on record but its reason.
+    pub fn new(state: State, command: &Maneuver, reason: Reason) -> Self {
+        Self {
+            state,
+            command: *command,
+            record: Record {
+                reason,
+                ..Record::default()
+            },
+        }
+    }
+}

@@ -32,48 +32,50 @@ const NEWS_MPS: f64 = 3.0;
 
 /// The hazards of one step.
 #[derive(Debug, Clone)]
-pub(super) struct Tracks {
+pub struct Tracks {
     hazards: Hazards,
-    /// The same obstacles as they are known, in the air mass.
-    obstacles: [Obstacle; MAX_TRACKED],
     /// Obstacles within the surveillance radius.
-    pub(super) seen: u32,
+    pub seen: u32,
     /// Whether the aircraft is inside a protected volume.
-    pub(super) inside: bool,
+    pub inside: bool,
     /// Whether some could not be kept.
-    pub(super) overflow: bool,
+    pub overflow: bool,
+    /// Whether any is known with an uncertainty only.
+    pub uncertain: bool,
+}
+
+impl Default for Tracks {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Tracks {
+    /// No obstacles.
     #[expect(
         clippy::large_stack_arrays,
         reason = "no allocation: the caller says where it lies"
     )]
-    pub(super) const fn new() -> Self {
-        let none = ProtectedVolume::Sphere { radius_m: 0.0 };
+    pub const fn new() -> Self {
         Self {
             hazards: Hazards::new(),
-            obstacles: [Obstacle::new(0, Vec3::ZERO, Vec3::ZERO, none); MAX_TRACKED],
             seen: 0,
             inside: false,
             overflow: false,
+            uncertain: false,
         }
     }
 
-    pub(super) fn clear(&mut self) {
+    /// Forgets all obstacles.
+    pub fn clear(&mut self) {
         self.hazards.clear();
-        (self.seen, self.inside, self.overflow) = (0, false, false);
+        self.seen = 0;
+        (self.inside, self.overflow, self.uncertain) = (false, false, false);
     }
 
-    pub(super) const fn hazards(&self) -> &Hazards {
+    /// The hazards.
+    pub const fn hazards(&self) -> &Hazards {
         &self.hazards
-    }
-
-    /// Whether any obstacle is known with an uncertainty only.
-    pub(super) fn is_uncertain(&self) -> bool {
-        self.obstacles().iter().any(|obstacle| {
-            obstacle.uncertainty.position_m > 0.0 || obstacle.uncertainty.velocity_mps > 0.0
-        })
     }
 
     /// The obstacles now, to be compared with later.
@@ -85,22 +87,8 @@ impl Tracks {
         }
     }
 
-    /// The obstacles as they are known, in the air mass, in the order of the hazards.
-    pub(super) fn obstacles(&self) -> &[Obstacle] {
-        self.obstacles
-            .get(..self.hazards.rows().len())
-            .unwrap_or(&[])
-    }
-
-    /// Identifier of the hazard with an index.
-    pub(super) fn id(&self, index: u32) -> u32 {
-        self.obstacles
-            .get(index as usize)
-            .map_or(0, |obstacle| obstacle.id)
-    }
-
     /// Takes the obstacles within the surveillance radius that could be met within the horizon.
-    pub(super) fn load(
+    pub fn load(
         &mut self,
         situation: &Situation<'_>,
         surveillance_radius_m: f64,
@@ -115,18 +103,11 @@ impl Tracks {
                 continue;
             }
             let offset = obstacle.position_m - own.position_m;
-            let distance_square = offset.length_squared();
-            if distance_square > square(surveillance_radius_m) {
+            if offset.length_squared() > square(surveillance_radius_m) {
                 continue;
             }
             self.seen += 1;
-            let speeds = 2.0
-                * (square(own.airspeed_mps)
-                    + (obstacle.velocity_mps - situation.wind_mps).length_squared());
-            // (a + b)² ≤ 2 (a² + b²), twice: no root needed to see that it cannot be reached.
-            let size = obstacle.volume.radius_m() + obstacle.volume.half_height_m() + 1e3;
-            let reach = 2.0 * (speeds * square(horizon_s) + square(size));
-            if distance_square > reach {
+            if situation.is_out_of_reach(&obstacle, horizon_s) {
                 continue;
             }
             self.keep(situation, &obstacle, sigmas);
@@ -158,14 +139,9 @@ impl Tracks {
             self.inside |= obstacle.volume.margin_m(own - obstacle.position_m) < 0.0;
             hazard.volume = relaxed(&hazard.volume, &obstacle.volume, own - obstacle.position_m);
         }
-        if self.hazards.put(place, hazard)
-            && let Some(known) = self.obstacles.get_mut(place)
-        {
-            *known = Obstacle {
-                velocity_mps: hazard.velocity_mps,
-                ..*obstacle
-            };
-        }
+        self.hazards.put(place, hazard);
+        let uncertainty = obstacle.uncertainty;
+        self.uncertain |= uncertainty.position_m > 0.0 || uncertainty.velocity_mps > 0.0;
     }
 }
 

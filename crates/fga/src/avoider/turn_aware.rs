@@ -147,7 +147,7 @@ impl Avoider {
             }
             if first.is_none_or(|threat| after_s < threat.entry_s) {
                 first = Some(Threat {
-                    id: self.tracks.id(hazard.index),
+                    id: hazard.id,
                     entry_s: after_s,
                     closest_s: closest.at_s,
                     margin_m: closest.margin_m,
@@ -160,7 +160,7 @@ impl Avoider {
         for hazard in self.tracks.hazards().rows() {
             let closest = certify(&self.flyer, &self.path, hazard, same_s, f64::MIN, target_m);
             if closest.margin_m < target_m {
-                against.add(self.tracks.id(hazard.index));
+                against.add(hazard.id);
             }
         }
         Some((first, against))
@@ -305,7 +305,7 @@ impl Avoider {
         let is_news = plan.proof == Proof::Certified
             || (!inside && (kept_m - plan.margin_m).abs() > NEWS_M)
             || picture.differs_from(&plan.picture)
-            || (self.tracks.is_uncertain() && self.cycle.is_multiple_of(LOOK_AT_NOISE));
+            || (self.tracks.uncertain && self.cycle.is_multiple_of(LOOK_AT_NOISE));
         let open_since_s = if is_news { time_s } else { plan.open_since_s };
         let look_again = self.cycle.is_multiple_of(SEARCH_AGAIN);
         let effort = match plan.proof {
@@ -390,7 +390,7 @@ impl Avoider {
         let target_m = self.settings.margin_m;
         self.path.predict(&self.flyer, now, maneuver, horizon_s);
         for hazard in self.tracks.hazards().rows() {
-            let id = self.tracks.id(hazard.index);
+            let id = hazard.id;
             let closest = certify(
                 &self.flyer,
                 &self.path,

@@ -20,8 +20,10 @@ const GOLDEN_STEPS: u32 = 48;
 /// An obstacle as the certificate sees it: a volume that moves and grows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hazard {
-    /// Place of the obstacle in the caller's list.
+    /// Place in the caller's list of hazards.
     pub index: u32,
+    /// The obstacle's identifier.
+    pub id: u32,
     /// Centre at time 0, metres, air-mass frame.
     pub position_m: Vec3,
     /// Velocity in the air mass, metres per second.
@@ -52,11 +54,44 @@ impl Hazard {
         let uncertainty = obstacle.uncertainty;
         Self {
             index,
+            id: obstacle.id,
             position_m: obstacle.position_m,
             velocity_mps: obstacle.velocity_mps - wind_mps,
             volume: obstacle.volume.grown(sigmas * uncertainty.position_m),
             growth_mps: sigmas * uncertainty.velocity_mps,
         }
+    }
+
+    /// A hazard known exactly, by its motion in the air mass.
+    pub const fn exact(
+        id: u32,
+        position_m: Vec3,
+        velocity_mps: Vec3,
+        volume: ProtectedVolume,
+    ) -> Self {
+        Self {
+            index: 0,
+            id,
+            position_m,
+            velocity_mps,
+            volume,
+            growth_mps: 0.0,
+        }
+    }
+
+    /// Centre `after_s` seconds from now, metres.
+    pub fn position_after_m(&self, after_s: f64) -> Vec3 {
+        self.position_m + self.velocity_mps * after_s
+    }
+
+    /// Whether every number is finite and no length is negative.
+    pub fn is_valid(&self) -> bool {
+        let length_ok = |length: f64| length.is_finite() && length >= 0.0;
+        self.position_m.is_finite()
+            && self.velocity_mps.is_finite()
+            && self.growth_mps.is_finite()
+            && length_ok(self.volume.radius_m())
+            && length_ok(self.volume.half_height_m())
     }
 
     /// Whether its volume is a cylinder.
@@ -280,13 +315,8 @@ impl Default for Hazards {
 impl Hazards {
     /// No hazards.
     pub const fn new() -> Self {
-        let none = Hazard {
-            index: 0,
-            position_m: Vec3::ZERO,
-            velocity_mps: Vec3::ZERO,
-            volume: ProtectedVolume::Sphere { radius_m: 0.0 },
-            growth_mps: 0.0,
-        };
+        let point = ProtectedVolume::Sphere { radius_m: 0.0 };
+        let none = Hazard::exact(0, Vec3::ZERO, Vec3::ZERO, point);
         Self {
             rows: [none; MAX_HAZARDS],
             blocks: [Block::NONE; MAX_HAZARDS / LANES],

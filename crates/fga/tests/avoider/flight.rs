@@ -1,7 +1,8 @@
-//! A flight of the ideal vehicle under an avoider's commands, and what is around it.
+//! A flight of the ideal vehicle under a pilot's commands, and what is around it.
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Decision, Policy, Settings, State};
+use fga::avoider::Decision;
+use fga::pilot::Pilot;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
@@ -30,13 +31,6 @@ pub(crate) fn planar() -> Vehicle {
     }
 }
 
-pub(crate) fn settings(policy: Policy) -> Settings {
-    Settings {
-        policy,
-        ..Settings::default()
-    }
-}
-
 pub(crate) fn sphere(id: u32, position_m: Vec3, velocity_mps: Vec3, radius_m: f64) -> Obstacle {
     Obstacle::new(
         id,
@@ -48,7 +42,7 @@ pub(crate) fn sphere(id: u32, position_m: Vec3, velocity_mps: Vec3, radius_m: f6
 
 /// The aircraft at the origin, level along +x, on a mission along +x.
 pub(crate) struct Flight {
-    pub(crate) avoider: Avoider,
+    pub(crate) pilot: Box<dyn Pilot>,
     pub(crate) own: Ownship,
     pub(crate) time_s: f64,
     pub(crate) waypoints_m: Vec<Vec3>,
@@ -57,9 +51,9 @@ pub(crate) struct Flight {
 }
 
 impl Flight {
-    pub(crate) fn new(settings: Settings, vehicle: Vehicle) -> Self {
+    pub(crate) fn of(pilot: impl Pilot + 'static, vehicle: Vehicle) -> Self {
         Self {
-            avoider: Avoider::new(settings, vehicle).unwrap(),
+            pilot: Box::new(pilot),
             own: Ownship {
                 position_m: Vec3::ZERO,
                 course_rad: 0.0,
@@ -75,7 +69,7 @@ impl Flight {
     }
 
     pub(crate) fn decide(&mut self, obstacles: &[Obstacle]) -> Decision {
-        self.avoider.step(&Situation {
+        self.pilot.step(&Situation {
             time_s: self.time_s,
             ownship: self.own,
             obstacles: Obstacles::Rows(obstacles),
@@ -100,21 +94,13 @@ impl Flight {
         }
         decision
     }
+}
 
-    /// Flies until the decision's state is `state`; how many steps that took.
-    pub(crate) fn until(&mut self, state: State, obstacles: &mut [Obstacle]) -> usize {
-        for steps in 0..900 {
-            if self.cycle(obstacles).state == state {
-                return steps;
-            }
-        }
-        panic!("never {state:?}");
-    }
+/// A policy that can be flown.
+pub(crate) trait Flies {
+    /// Whether it weighs the same maneuvers from wherever the situation is looked at.
+    fn is_exact(self) -> bool;
 
-    /// The states of a flight, each once in a row.
-    pub(crate) fn states(&mut self, obstacles: &mut [Obstacle], cycles: usize) -> Vec<State> {
-        let mut states: Vec<State> = (0..cycles).map(|_| self.cycle(obstacles).state).collect();
-        states.dedup();
-        states
-    }
+    /// A flight by this policy, lengths `scale` times as large, that sees as far as `radius_m`.
+    fn flight(self, vehicle: Vehicle, scale: f64, radius_m: f64) -> Flight;
 }

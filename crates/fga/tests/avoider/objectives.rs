@@ -1,18 +1,19 @@
 //! What the objectives of section 3.3 are for: less deviation, less path.
 
 use fga::Vec3;
-use fga::avoider::{Policy, Settings, Start, State};
+use fga::avoider::{Settings, Start, State};
 use fga::search::Objective;
 
-use crate::flight::{Flight, settings, sphere, vehicle};
+use crate::flight::{sphere, vehicle};
+use crate::policies::{avoider, settings};
 
 /// Largest distance from the mission and path flown beyond it, metres, past one crossing obstacle.
 fn flown(objective: Objective, at_m: Vec3, velocity_mps: Vec3) -> (f64, f64) {
     let settings = Settings {
         objective,
-        ..settings(Policy::TurnAware(Start::Free))
+        ..settings(Start::Free)
     };
-    let mut flight = Flight::new(settings, vehicle());
+    let mut flight = avoider(settings, vehicle());
     let mut obstacles = [sphere(1, at_m, velocity_mps, 30.0)];
     let mut largest_m = 0.0_f64;
     let mut acted = false;

@@ -1,28 +1,18 @@
 //! What holds for every situation: symmetries, and finite commands from finite numbers.
 
 use fga::Vec3;
-use fga::avoider::{Candidate, Decision, Policy, Reason, Settings, Start, Verdict};
+use fga::avoider::{Candidate, Decision, Reason, Verdict};
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::situation::{Obstacle, ProtectedVolume, Uncertainty};
 use fga::vehicle::{Response, Vehicle};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-use crate::flight::{Flight, settings, sphere, vehicle};
+use crate::flight::{Flies as _, sphere, vehicle};
+use crate::policies::{POLICIES, Policy, SYMMETRIC};
 
-/// The free start stands first: it compares departures that are often nearly the same, so the
-/// symmetries leave it out.
-const POLICIES: [Policy; 9] = [
-    Policy::TurnAware(Start::Free),
-    Policy::TurnAware(Start::AtDetection),
-    Policy::TurnAware(Start::Latest),
-    Policy::TurnAware(Start::Score(0.5)),
-    Policy::Published(Start::AtDetection),
-    Policy::Published(Start::Latest),
-    Policy::PublishedLiteral,
-    Policy::Circle,
-    Policy::None,
-];
+/// Surveillance radius, metres.
+const RADIUS_M: f64 = 300.0;
 
 /// Threats that stand or fly, within sight and outside their volumes.
 fn threats() -> impl Strategy<Value = Vec<Obstacle>> {
@@ -51,18 +41,12 @@ fn first(
     scale: f64,
     map: impl Fn(Vec3) -> Vec3,
 ) -> Decision {
-    let plain = settings(policy);
-    let settings = Settings {
-        surveillance_radius_m: plain.surveillance_radius_m * scale,
-        margin_m: plain.margin_m * scale,
-        ..plain
-    };
     let vehicle = Vehicle {
         airspeed_mps: vehicle().airspeed_mps * scale,
         turn_radius_m: vehicle().turn_radius_m * scale,
         ..vehicle()
     };
-    let mut flight = Flight::new(settings, vehicle);
+    let mut flight = policy.flight(vehicle, scale, RADIUS_M);
     flight.own.course_rad = {
         let along = map(Vec3::X);
         along.y.atan2(along.x)
@@ -97,7 +81,7 @@ fn alike(
     let is_single = |chosen: &Candidate| {
         chosen.maneuver.stages().len() == 1 && chosen.verdict == Verdict::Chosen
     };
-    let exact = !matches!(policy, Policy::TurnAware(_));
+    let exact = policy.is_exact();
     match (one.record.chosen, other.record.chosen) {
         (Some(a), Some(b)) if exact || (is_single(&a) && is_single(&b)) => {
             let (a, b) = (a.cost, b.cost);
@@ -171,8 +155,8 @@ proptest! {
     #![proptest_config(fixed())]
 
     #[test]
-    fn left_and_right_are_alike(obstacles in threats(), which in 1..POLICIES.len()) {
-        let policy = POLICIES[which];
+    fn left_and_right_are_alike(obstacles in threats(), which in 0..SYMMETRIC.len()) {
+        let policy = SYMMETRIC[which];
         let plain = first(policy, &obstacles, 1.0, |v| v);
         let mirrored = first(policy, &obstacles, 1.0, |v| Vec3::new(v.x, -v.y, v.z));
         alike(policy, (&plain, &mirrored), 1e-4)?;
@@ -180,9 +164,9 @@ proptest! {
 
     #[test]
     fn every_direction_is_alike(
-        obstacles in threats(), which in 1..POLICIES.len(), turn in -3.1..3.1f64,
+        obstacles in threats(), which in 0..SYMMETRIC.len(), turn in -3.1..3.1f64,
     ) {
-        let policy = POLICIES[which];
+        let policy = SYMMETRIC[which];
         let (sin, cos) = turn.sin_cos();
         let plain = first(policy, &obstacles, 1.0, |v| v);
         let turned = first(policy, &obstacles, 1.0, |v| {
@@ -193,8 +177,8 @@ proptest! {
 
     /// Twice the lengths and speeds in the same time is the same situation.
     #[test]
-    fn every_size_is_alike(obstacles in threats(), which in 1..POLICIES.len()) {
-        let policy = POLICIES[which];
+    fn every_size_is_alike(obstacles in threats(), which in 0..SYMMETRIC.len()) {
+        let policy = SYMMETRIC[which];
         let plain = first(policy, &obstacles, 1.0, |v| v);
         let doubled = first(policy, &obstacles, 2.0, |v| v * 2.0);
         alike(policy, (&plain, &doubled), 0.01)?;
@@ -214,15 +198,12 @@ proptest! {
         times in prop::collection::vec(any_number(), 1..6),
         which in 0..POLICIES.len(), sees_all: bool,
     ) {
-        let mut settings = settings(POLICIES[which]);
-        if sees_all {
-            settings.surveillance_radius_m = f64::INFINITY;
-        }
-        let mut flight = Flight::new(settings, vehicle());
+        let radius_m = if sees_all { f64::INFINITY } else { RADIUS_M };
+        let mut flight = POLICIES[which].flight(vehicle(), 1.0, radius_m);
         (flight.own.position_m, flight.own.course_rad, flight.own.climb_rad) = (own.0, own.1, own.2);
         (flight.own.bank_rad, flight.own.airspeed_mps) = (own.3, own.4.abs());
         for time_s in times {
-            let decision = flight.avoider.step(&Situation {
+            let decision = flight.pilot.step(&Situation {
                 time_s,
                 ownship: flight.own,
                 obstacles: Obstacles::Rows(&obstacles),
@@ -249,11 +230,8 @@ proptest! {
             climb_rate_radps: 0.2,
             response: Response { bank_time_constant_s: lag, ..Response::default() },
         };
-        let mut settings = settings(POLICIES[which]);
-        if sees_all {
-            settings.surveillance_radius_m = f64::INFINITY;
-        }
-        let mut flight = Flight::new(settings, vehicle);
+        let radius_m = if sees_all { f64::INFINITY } else { RADIUS_M };
+        let mut flight = POLICIES[which].flight(vehicle, 1.0, radius_m);
         let mut obstacles = obstacles;
         for _ in 0..10 {
             let decision = flight.cycle(&mut obstacles);

@@ -1,11 +1,31 @@
 //! One test for each way from state to state.
 
 use fga::Vec3;
-use fga::avoider::{Policy, Reason, Settings, SettingsError, Start, State};
+use fga::avoider::{Reason, Settings, SettingsError, Start, State};
 
 use fga::situation::{Obstacle, ProtectedVolume};
 
-use crate::flight::{Flight, planar, settings, sphere, vehicle};
+use crate::flight::{Flies as _, Flight, planar, sphere, vehicle};
+use crate::policies::{POLICIES, avoider, settings};
+
+impl Flight {
+    /// Flies until the decision's state is `state`; how many steps that took.
+    pub(crate) fn until(&mut self, state: State, obstacles: &mut [Obstacle]) -> usize {
+        for steps in 0..900 {
+            if self.cycle(obstacles).state == state {
+                return steps;
+            }
+        }
+        panic!("never {state:?}");
+    }
+
+    /// The states of a flight, each once in a row.
+    pub(crate) fn states(&mut self, obstacles: &mut [Obstacle], cycles: usize) -> Vec<State> {
+        let mut states: Vec<State> = (0..cycles).map(|_| self.cycle(obstacles).state).collect();
+        states.dedup();
+        states
+    }
+}
 
 const AHEAD: Vec3 = Vec3::new(200.0, 5.0, 0.0);
 
@@ -14,7 +34,7 @@ fn standing(at: Vec3) -> [fga::situation::Obstacle; 1] {
 }
 
 fn flight(start: Start) -> Flight {
-    Flight::new(settings(Policy::TurnAware(start)), planar())
+    avoider(settings(start), planar())
 }
 
 #[test]
@@ -157,7 +177,7 @@ fn a_manoeuvre_is_kept_only_while_everything_goes_as_it_was_certified() {
 fn a_flight_after_another_begins_anew() {
     let mut first = flight(Start::Latest);
     first.until(State::Avoiding, &mut standing(AHEAD));
-    first.avoider.restart();
+    first.pilot.restart();
     let mut fresh = flight(Start::Latest);
     (first.own, first.time_s) = (fresh.own, fresh.time_s);
     let (mut around, mut again) = (standing(AHEAD), standing(AHEAD));
@@ -210,14 +230,9 @@ fn unusable_input_holds_and_changes_nothing() {
 
 #[test]
 fn an_obstacle_with_unusable_numbers_is_left_out() {
-    for policy in [
-        Policy::TurnAware(Start::AtDetection),
-        Policy::Published(Start::AtDetection),
-        Policy::PublishedLiteral,
-        Policy::Circle,
-    ] {
-        let mut plain = Flight::new(settings(policy), vehicle());
-        let mut spoiled = Flight::new(settings(policy), vehicle());
+    for policy in POLICIES {
+        let mut plain = policy.flight(vehicle(), 1.0, 300.0);
+        let mut spoiled = policy.flight(vehicle(), 1.0, 300.0);
         let mut with = standing(AHEAD).to_vec();
         with.insert(
             0,
@@ -241,7 +256,7 @@ fn an_obstacle_with_unusable_numbers_is_left_out() {
 #[test]
 fn inside_a_volume_it_leaves() {
     for start in [Start::Free, Start::AtDetection, Start::Latest] {
-        let mut flight = Flight::new(settings(Policy::TurnAware(start)), vehicle());
+        let mut flight = avoider(settings(start), vehicle());
         let mut obstacles = standing(Vec3::new(10.0, 12.0, 0.0));
         let decision = flight.cycle(&mut obstacles);
         assert_eq!(decision.state, State::Avoiding);
@@ -256,7 +271,7 @@ fn inside_a_volume_it_leaves() {
 #[test]
 fn limits_and_settings_that_are_not_numbers_are_refused() {
     let refused = |change: &dyn Fn(&mut fga::avoider::Settings, &mut fga::vehicle::Vehicle)| {
-        let (mut settings, mut vehicle) = (settings(Policy::Circle), vehicle());
+        let (mut settings, mut vehicle) = (settings(Start::Free), vehicle());
         change(&mut settings, &mut vehicle);
         let error: SettingsError = fga::avoider::Avoider::new(settings, vehicle).unwrap_err();
         error.name
@@ -273,10 +288,7 @@ fn limits_and_settings_that_are_not_numbers_are_refused() {
         "turn_radius_m"
     );
     assert_eq!(refused(&|_, v| v.climb_max_rad = f64::NAN), "climb_max_rad");
-    assert_eq!(
-        refused(&|s, _| s.policy = Policy::TurnAware(Start::Score(f64::NAN))),
-        "C_s"
-    );
+    assert_eq!(refused(&|s, _| s.start = Start::Score(f64::NAN)), "C_s");
 }
 
 /// A floor, a ceiling and posts to either side leave only a descent that levels off.
@@ -312,9 +324,9 @@ fn between_floor_and_ceiling_it_descends_and_levels_off() {
     // A layer's centre is far away.
     let settings = Settings {
         surveillance_radius_m: f64::INFINITY,
-        ..settings(Policy::TurnAware(Start::Free))
+        ..settings(Start::Free)
     };
-    let mut flight = Flight::new(settings, vehicle());
+    let mut flight = avoider(settings, vehicle());
     let mut lowest_m = 0.0_f64;
     for _ in 0..600 {
         flight.cycle(&mut obstacles);

@@ -151,7 +151,7 @@ impl Avoider {
         let near_m = ALONGSIDE * own.airspeed_mps / self.flyer.course_rate_radps();
         self.tracks.hazards().rows().iter().any(|hazard| {
             let slow_mps = ALONGSIDE_SPEED * own.airspeed_mps;
-            plan.against.contains(self.tracks.id(hazard.index))
+            plan.against.contains(hazard.id)
                 && (velocity_mps - hazard.velocity_mps).length_squared() < slow_mps * slow_mps
                 && hazard.margin_m(own.position_m, 0.0) < near_m
         })
@@ -206,7 +206,7 @@ impl Avoider {
             if !along(joined_s.min(horizon_s)).holds(target_m) {
                 return WayAhead::Blocked;
             }
-            if plan.against.contains(self.tracks.id(hazard.index)) {
+            if plan.against.contains(hazard.id) {
                 // Before it has passed it would be this encounter over again.
                 let offset = hazard.position_m - own.position_m;
                 let relative = velocity_mps - hazard.velocity_mps;

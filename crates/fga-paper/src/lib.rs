@@ -1,0 +1,63 @@
+//! The paper "Fast 3D Collision Avoidance Algorithm for Fixed Wing UAS" as code.
+//!
+//! Equation numbers in these pages are the paper's, corrected where `docs/errata.md` shows a slip;
+//! [`printed`] keeps what is printed. `docs/from-paper-to-code.md` names the function and the test of
+//! every equation, table and figure. The decision that is flown by default is not here: it is the
+//! crate `fga`, whose [`Pilot`](fga::pilot::Pilot) the paper's own rules implement too.
+//!
+//! # Which module answers which question
+//!
+//! | module | question |
+//! |---|---|
+//! | [`classification`] | static or dynamic, single or multiple (§3.1)? |
+//! | [`protection`] | how large is the protected volume (Eq. 15)? |
+//! | [`surveillance`] | how far does the sensor look (§2.2)? |
+//! | [`conflict`] | will an obstacle come too close (Eq. 1–6, Algorithm 1)? |
+//! | [`timing`] | when must an avoiding turn begin (Eq. 16–25)? |
+//! | [`bounds`] | can the encounter be solved at all (Eq. 26–53)? |
+//! | [`grid`] | which direction is the cheapest that clears every obstacle (Algorithm 2)? |
+//! | [`waypoint`] | which waypoint is next (Algorithm 3)? |
+//! | [`dubins`] | what is the shortest flyable path to a pose (§3)? |
+//! | [`paths`] | how long is the way round an obstacle (Fig. 8)? |
+//! | [`algorithm_4`] | how is a way round flown by bank alone (Algorithm 4)? |
+//! | [`printed`] | what do the formulas give as they are printed? |
+//! | [`pilot`] | what does an aircraft do that flies by these rules? |
+//!
+//! Everything is in the air mass: obstacles are [`Hazard`](fga::certificate::Hazard)s. Conventions
+//! are those of `fga`; no function allocates or panics.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing
+)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing
+    )
+)]
+
+#[cfg(test)]
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
+pub mod algorithm_4;
+pub mod bounds;
+pub mod classification;
+pub mod conflict;
+pub mod dubins;
+pub mod grid;
+pub mod paths;
+pub mod pilot;
+pub mod printed;
+pub mod protection;
+pub mod surveillance;
+pub mod timing;
+pub mod waypoint;

@@ -1,0 +1,250 @@
+//! The paper's rules as pilots: Algorithms 1–3 corrected and as printed, and the turn round a static
+//! obstacle of Fig. 8 and Algorithm 4.
+
+mod around;
+mod circle;
+mod directions;
+mod settings;
+
+pub use settings::{GridSteps, PaperSettings, Rule};
+
+use fga::avoider::{
+    Against, Candidate, Decision, Reason, SettingsError, State, Threat, Tracks, Verdict,
+};
+use fga::certificate::Hazard;
+use fga::maneuver::Maneuver;
+use fga::mission::Progress;
+use fga::pilot::Pilot;
+use fga::prediction::{FlightPath, Flyer, MotionState};
+use fga::situation::Situation;
+use fga::vehicle::Vehicle;
+
+use crate::conflict::{Conflict, Relative, assess};
+use crate::printed;
+use around::Around;
+
+/// Which formulas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Edition {
+    /// With the errata applied.
+    Corrected,
+    /// As printed.
+    AsPrinted,
+}
+
+/// A maneuver under way or waited for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Plan {
+    maneuver: Maneuver,
+    /// When it was decided, seconds on the situation's clock.
+    decided_s: f64,
+    /// When it departs from the mission, seconds on the situation's clock.
+    start_s: f64,
+    /// When a way back is on the mission again, or infinity.
+    joined_s: f64,
+    /// Whether it clears every obstacle by the formulas that chose it.
+    clears: bool,
+    margin_m: f64,
+    cost: f64,
+    /// Latest start, seconds on the situation's clock.
+    latest_start_s: Option<f64>,
+    threat: Option<Threat>,
+    /// The obstacles that it was made against.
+    against: Against,
+}
+
+impl Plan {
+    fn remaining(&self, time_s: f64) -> Maneuver {
+        self.maneuver.after(time_s - self.decided_s)
+    }
+}
+
+/// Flies by the rules of the paper: the simulator's policies `published`, `published-literal` and
+/// `circle`.
+#[derive(Debug, Clone)]
+pub struct PaperPilot {
+    settings: PaperSettings,
+    vehicle: Vehicle,
+    /// The limits that it was made for.
+    made_for: Vehicle,
+    flyer: Flyer,
+    state: State,
+    progress: Progress,
+    around: Around,
+    /// The obstacles with their uncertainty, against which a way back is certified.
+    tracks: Tracks,
+    path: FlightPath,
+    plan: Option<Plan>,
+    last_time_s: f64,
+}
+
+impl PaperPilot {
+    /// A pilot for a vehicle, in cruise on the first leg.
+    ///
+    /// # Errors
+    /// A setting or a limit of the vehicle that is not finite or out of range.
+    pub fn new(settings: PaperSettings, vehicle: Vehicle) -> Result<Self, SettingsError> {
+        settings.check()?;
+        vehicle.check()?;
+        Ok(Self {
+            settings,
+            vehicle,
+            made_for: vehicle,
+            flyer: Flyer::new(&vehicle),
+            state: State::Cruise,
+            progress: Progress::new(),
+            around: Around::new(),
+            tracks: Tracks::new(),
+            path: FlightPath::new(),
+            plan: None,
+            last_time_s: f64::NEG_INFINITY,
+        })
+    }
+
+    fn load_tracks(&mut self, situation: &Situation<'_>) {
+        self.tracks.load(
+            situation,
+            self.settings.surveillance_radius_m,
+            self.settings.horizon_s,
+            self.settings.confidence_sigmas,
+        );
+    }
+
+    /// What the mission asks to fly.
+    fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> Maneuver {
+        let (mission, horizon_s) = (&situation.mission, self.settings.horizon_s);
+        self.progress
+            .guidance(mission, now, &self.flyer, horizon_s)
+            .0
+    }
+
+    fn decision(&self, command: &Maneuver, reason: Reason) -> Decision {
+        let reason = match reason {
+            Reason::Clear if self.progress.is_complete() => Reason::MissionComplete,
+            other => other,
+        };
+        let mut decision = Decision::new(self.state, command, reason);
+        decision.record.work.tracked = self.around.seen();
+        decision
+    }
+
+    /// The decision to fly what is left of a plan.
+    fn report(&self, plan: &Plan, time_s: f64, reason: Reason) -> Decision {
+        let elapsed_s = time_s - plan.decided_s;
+        let command = plan.remaining(time_s);
+        let mut decision = self.decision(&command, reason);
+        let record = &mut decision.record;
+        // Once it would have been entered, it is history.
+        let ahead = plan.threat.filter(|threat| threat.entry_s >= elapsed_s);
+        record.threat = ahead.map(|threat| Threat {
+            entry_s: threat.entry_s - elapsed_s,
+            closest_s: threat.closest_s - elapsed_s,
+            ..threat
+        });
+        record.start_s = Some(plan.start_s - time_s);
+        record.latest_start_s = plan.latest_start_s.map(|latest_s| latest_s - time_s);
+        record.chosen = Some(Candidate {
+            maneuver: command,
+            margin_m: plan.margin_m,
+            cost: plan.cost,
+            verdict: if plan.clears {
+                Verdict::Chosen
+            } else {
+                Verdict::Rejected
+            },
+        });
+        decision
+    }
+}
+
+impl Pilot for PaperPilot {
+    fn step(&mut self, situation: &Situation<'_>) -> Decision {
+        if !situation.is_usable() {
+            return self.decision(&Maneuver::hold(), Reason::InvalidInput);
+        }
+        if situation.time_s < self.last_time_s {
+            // The clock jumped back: what was planned in its time means nothing now.
+            self.plan = None;
+            self.state = State::Cruise;
+        }
+        self.last_time_s = situation.time_s;
+        let now = MotionState::of(&situation.ownship);
+        let climb_limits_rad = (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
+        self.progress.update(
+            &situation.mission,
+            &now,
+            &self.flyer,
+            situation.wind_mps,
+            (situation.time_s, climb_limits_rad),
+        );
+        self.around.load(
+            situation,
+            self.settings.surveillance_radius_m,
+            self.settings.horizon_s,
+        );
+        match self.settings.rule {
+            Rule::Corrected(start) => {
+                self.step_directions(situation, &now, Edition::Corrected, start)
+            }
+            Rule::AsPrinted => self.step_directions(
+                situation,
+                &now,
+                Edition::AsPrinted,
+                fga::avoider::Start::Latest,
+            ),
+            Rule::Circle => self.step_circle(situation, &now),
+        }
+    }
+
+    fn retune(&mut self, vehicle: &Vehicle) {
+        // Limits that cannot be flown leave it with those that it has.
+        if vehicle.check().is_ok() {
+            self.vehicle = *vehicle;
+            self.flyer = Flyer::new(vehicle);
+        }
+    }
+
+    fn restart(&mut self) {
+        self.vehicle = self.made_for;
+        self.flyer = Flyer::new(&self.vehicle);
+        self.state = State::Cruise;
+        self.progress = Progress::new();
+        self.around.clear();
+        self.plan = None;
+        self.last_time_s = f64::NEG_INFINITY;
+    }
+}
+
+/// The threat that an obstacle is, if it is one (Alg. 1).
+fn threat(relative: &Relative, obstacle: &Hazard, edition: Edition) -> Option<Threat> {
+    let closest = relative.closest();
+    let of = |entry_s: f64, margin_m: f64| Threat {
+        id: obstacle.id,
+        entry_s,
+        closest_s: closest.time_s,
+        margin_m,
+    };
+    match edition {
+        Edition::AsPrinted => {
+            let bias = relative.bias_rad()?;
+            let radius_m = obstacle.volume.radius_m();
+            let distance_m = relative.distance_m();
+            printed::is_dangerous(distance_m, bias, radius_m)
+                .then(|| of(closest.time_s, distance_m * libm::sin(bias) - radius_m))
+        }
+        Edition::Corrected => match assess(relative, &obstacle.volume) {
+            Conflict::Passing { .. } | Conflict::Receding { .. } => None,
+            Conflict::Inside { margin_m } => Some(of(0.0, margin_m)),
+            Conflict::Threat {
+                entry_s,
+                closest_s,
+                margin_m,
+            } => Some(Threat {
+                id: obstacle.id,
+                entry_s,
+                closest_s,
+                margin_m,
+            }),
+        },
+    }
+}

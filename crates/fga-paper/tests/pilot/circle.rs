@@ -1,0 +1,47 @@
+//! The circling policy keeps out of a sphere that it sees in time.
+
+use fga::Vec3;
+use fga_paper::pilot::Rule;
+use proptest::prelude::*;
+
+use crate::flight::{Flies as _, PERIOD_S, planar, sphere};
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// Fig. 8: tangent arcs of the turn radius ρ and of the sphere. They begin at most
+    /// √((ρ + d)² − (ρ − |y|)²) before the sphere's centre, which is farthest for |y| = ρ; one step
+    /// more is flown before the first decision can be followed.
+    #[test]
+    fn a_sphere_seen_in_time_is_never_entered(
+        radius_m in 10.0..90.0f64, share in -1.0..1.0f64, early_m in 2.0..200.0f64,
+        course in -3.0..3.0f64, place in prop::array::uniform2(-1e3..1e3f64),
+    ) {
+        let turn_m = planar().turn_radius_m;
+        let across_m = share * radius_m;
+        let seen_m = turn_m + radius_m + early_m;
+        let east = Vec3::new(course.cos(), course.sin(), 0.0);
+        let north = Vec3::new(-course.sin(), course.cos(), 0.0);
+        let start = Vec3::new(place[0], place[1], 100.0);
+        let mut flight = Rule::Circle.flight(planar(), 1.0, 300.0);
+        flight.own.position_m = start;
+        flight.own.course_rad = course;
+        flight.waypoints_m = vec![start, start + east * 1e4];
+        let centre = start + east * seen_m + north * across_m;
+        let mut obstacles = [sphere(1, centre, Vec3::ZERO, radius_m)];
+        let mut least_m = f64::INFINITY;
+        for _ in 0..900 {
+            let from = flight.own.position_m;
+            flight.cycle(&mut obstacles);
+            // Distance to the chord, less what an arc of that length bulges.
+            let along = flight.own.position_m - from;
+            let share = ((centre - from).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+            let chord_m = (centre - from - along * share).length();
+            let bulge_m = (15.0 * PERIOD_S).powi(2) / (8.0 * turn_m.min(radius_m));
+            least_m = least_m.min(chord_m - bulge_m);
+        }
+        prop_assert!(least_m > radius_m - 0.02, "{least_m} of {radius_m}");
+        let off_m = (flight.own.position_m - start).dot(north);
+        prop_assert!(off_m.abs() < 1.0, "not back: {off_m}");
+    }
+}

@@ -1,0 +1,37 @@
+//! The paper's policies, to be flown.
+
+use fga::avoider::Start;
+use fga::vehicle::Vehicle;
+use fga_paper::pilot::{PaperPilot, PaperSettings, Rule};
+
+use crate::flight::{Flies, Flight};
+
+/// A rule of the paper.
+pub(crate) type Policy = Rule;
+
+/// Every policy.
+pub(crate) const POLICIES: [Policy; 4] = [
+    Rule::Corrected(Start::AtDetection),
+    Rule::Corrected(Start::Latest),
+    Rule::AsPrinted,
+    Rule::Circle,
+];
+
+/// Those whose decision is the same from wherever the situation is looked at.
+pub(crate) const SYMMETRIC: [Policy; 4] = POLICIES;
+
+impl Flies for Policy {
+    fn is_exact(self) -> bool {
+        true
+    }
+
+    fn flight(self, vehicle: Vehicle, scale: f64, radius_m: f64) -> Flight {
+        let plain = PaperSettings::new(self);
+        let settings = PaperSettings {
+            surveillance_radius_m: radius_m * scale,
+            margin_m: plain.margin_m * scale,
+            ..plain
+        };
+        Flight::of(PaperPilot::new(settings, vehicle).unwrap(), vehicle)
+    }
+}

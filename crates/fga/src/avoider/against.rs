@@ -1,0 +1,23 @@
+//! The obstacles of one encounter.
+
+/// Identifiers of the obstacles of one encounter.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Against {
+    ids: [u32; 16],
+    len: usize,
+}
+
+impl Against {
+    /// Adds one; more than there is room for are not told apart from all others.
+    pub fn add(&mut self, id: u32) {
+        if let Some(slot) = self.ids.get_mut(self.len) {
+            *slot = id;
+            self.len += 1;
+        }
+    }
+
+    /// Whether an id is among them.
+    pub fn contains(&self, id: u32) -> bool {
+        self.len == self.ids.len() || self.ids.iter().take(self.len).any(|held| *held == id)
+    }
+}

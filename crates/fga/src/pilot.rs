@@ -1,0 +1,122 @@
+//! Whatever decides: a situation in, a decision out.
+//!
+//! Simulator, campaigns and autopilot links fly any [`Pilot`]: the [`Avoider`], the mission alone
+//! ([`MissionPilot`]), the paper's rules, a peer, or one of your own.
+
+use crate::avoider::{Avoider, Decision, Reason, State};
+use crate::limit::SettingsError;
+use crate::maneuver::Maneuver;
+use crate::mission::Progress;
+use crate::prediction::{Flyer, MotionState};
+use crate::situation::Situation;
+use crate::vehicle::Vehicle;
+
+/// Whatever decides: one step a cycle, from a situation to what is flown until the next.
+pub trait Pilot {
+    /// Decides what to fly until the next step.
+    fn step(&mut self, situation: &Situation<'_>) -> Decision;
+
+    /// Takes over changed limits of the vehicle; called only before it has maneuvered. Limits that
+    /// are not usable change nothing.
+    fn retune(&mut self, vehicle: &Vehicle);
+
+    /// Forgets the last flight: the next step is the first of another one, with a vehicle of the
+    /// limits that the pilot was made for.
+    fn restart(&mut self);
+}
+
+impl Pilot for Avoider {
+    fn step(&mut self, situation: &Situation<'_>) -> Decision {
+        Self::step(self, situation)
+    }
+
+    fn retune(&mut self, vehicle: &Vehicle) {
+        // Limits that it refuses leave it with those that it has.
+        let _ = self.set_vehicle(*vehicle);
+    }
+
+    fn restart(&mut self) {
+        self.forget_flight();
+    }
+}
+
+/// Flies the mission, whatever comes: the policy `none`, and the guidance under methods that only
+/// give a direction.
+#[derive(Debug, Clone)]
+pub struct MissionPilot {
+    horizon_s: f64,
+    vehicle: Vehicle,
+    made_for: Vehicle,
+    flyer: Flyer,
+    progress: Progress,
+}
+
+impl MissionPilot {
+    /// A pilot on the first leg, which looks `horizon_s` seconds ahead for corners.
+    ///
+    /// # Errors
+    /// A horizon that is not a positive number, or a limit of the vehicle that is not finite or out
+    /// of range.
+    pub fn new(horizon_s: f64, vehicle: Vehicle) -> Result<Self, SettingsError> {
+        let in_range = horizon_s > 0.0 && horizon_s.is_finite();
+        SettingsError::unless(in_range, "horizon_s", horizon_s, "a positive number")?;
+        vehicle.check()?;
+        Ok(Self {
+            horizon_s,
+            vehicle,
+            made_for: vehicle,
+            flyer: Flyer::new(&vehicle),
+            progress: Progress::new(),
+        })
+    }
+
+    /// Index of the waypoint at the start of the leg that is flown.
+    pub const fn leg_index(&self) -> usize {
+        self.progress.index()
+    }
+
+    /// Replaces the vehicle's limits.
+    ///
+    /// # Errors
+    /// A limit that is not finite or out of range; nothing is changed then.
+    pub fn set_vehicle(&mut self, vehicle: Vehicle) -> Result<(), SettingsError> {
+        vehicle.check()?;
+        self.vehicle = vehicle;
+        self.flyer = Flyer::new(&vehicle);
+        Ok(())
+    }
+}
+
+impl Pilot for MissionPilot {
+    fn step(&mut self, situation: &Situation<'_>) -> Decision {
+        if !situation.is_usable() {
+            return Decision::new(State::Cruise, &Maneuver::hold(), Reason::InvalidInput);
+        }
+        let now = MotionState::of(&situation.ownship);
+        let (mission, wind_mps) = (&situation.mission, situation.wind_mps);
+        let climb_limits_rad = (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
+        let clock_and_limits = (situation.time_s, climb_limits_rad);
+        self.progress
+            .update(mission, &now, &self.flyer, wind_mps, clock_and_limits);
+        let (command, _) = self
+            .progress
+            .guidance(mission, &now, &self.flyer, self.horizon_s);
+        let reason = if self.progress.is_complete() {
+            Reason::MissionComplete
+        } else {
+            Reason::Clear
+        };
+        Decision::new(State::Cruise, &command, reason)
+    }
+
+    fn retune(&mut self, vehicle: &Vehicle) {
+        // Limits that it refuses leave it with those that it has.
+        let _ = self.set_vehicle(*vehicle);
+    }
+
+    fn restart(&mut self) {
+        self.progress = Progress::new();
+        // It had these limits before.
+        let _ = self.set_vehicle(self.made_for);
+    }
+}
