@@ -15,6 +15,8 @@ use fga_sim::run::{DecisionLog, Plan, RunLog};
 use fga_sim::track::Track;
 use fga_sim::words::{decision_words, reason_words};
 
+use crate::run_files::missed_words;
+
 /// What the records of a flight without a policy say.
 const NO_POLICY: &str = "no policy decides, the mission is flown";
 /// Records that say nothing new are kept so far apart, seconds.
@@ -53,25 +55,11 @@ fn replay_run(log: &RunLog) -> ReplayRun {
     let mut run = ReplayRun {
         name: log.policy.clone(),
         samples: log.samples.iter().map(sample).collect(),
-        mission_m: log
-            .plan
-            .world
-            .mission_m
-            .iter()
-            .map(Vec3::to_array)
-            .collect(),
+        mission_m: log.mission_line_m().iter().map(Vec3::to_array).collect(),
         obstacles: obstacles(log),
         decisions: drawer.decisions(log),
         decision_times: Vec::new(),
-        events: log
-            .decisions
-            .iter()
-            .filter(|moment| moment.changed)
-            .map(|moment| ReplayEvent {
-                t_s: moment.time_s,
-                text: event_words(&log.plan, moment),
-            })
-            .collect(),
+        events: replay_events(log),
         outcome: least.map(|obstacle| ReplayOutcome {
             min_margin_m: obstacle.margin.value_m,
             t_s: obstacle.margin.time_s,
@@ -82,6 +70,23 @@ fn replay_run(log: &RunLog) -> ReplayRun {
         say_no_policy(&mut run);
     }
     run
+}
+
+/// Decisions that say something new and missed waypoints, in order of time.
+fn replay_events(log: &RunLog) -> Vec<ReplayEvent> {
+    let decisions = log.decisions.iter().filter(|moment| moment.changed);
+    let mut events: Vec<ReplayEvent> = decisions
+        .map(|moment| ReplayEvent {
+            t_s: moment.time_s,
+            text: event_words(&log.plan, moment),
+        })
+        .chain(log.missed.iter().map(|missed| ReplayEvent {
+            t_s: missed.time_s,
+            text: missed_words(missed),
+        }))
+        .collect();
+    events.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
+    events
 }
 
 /// Without a policy nobody looks: that nothing comes too close is not what its records mean.

@@ -160,6 +160,7 @@ pub(crate) fn summary(log: &RunLog) -> Value {
         "max_cross_track_m": outcome.max_cross_track_m,
         "extra_path_m": outcome.extra_path_m,
         "mission_flown": outcome.mission_flown,
+        "waypoints_missed": outcome.waypoints_missed,
         "end_s": outcome.end_s,
         "decisions": log.decisions.len(),
         "decision_median_us": times.median_us,
@@ -252,6 +253,20 @@ fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::
             ""
         }
     )?;
+    if let Some(farthest) = log
+        .missed
+        .iter()
+        .max_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
+    {
+        writeln!(
+            text,
+            "{} of {} waypoints missed, waypoint {} by {:.1} m",
+            log.missed.len(),
+            log.plan.world.mission_m.len(),
+            farthest.index + 1,
+            farthest.distance_m
+        )?;
+    }
     let times = log.decision_times();
     writeln!(
         text,

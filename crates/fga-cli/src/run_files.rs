@@ -7,6 +7,7 @@ use fga_formats::OutputError;
 use fga_formats::atomic;
 use fga_formats::number::push_fixed;
 use fga_report::overview::{self, Closest, Moment, MomentKind, Overview};
+use fga_sim::progress::MissedWaypoint;
 use fga_sim::run::{DecisionLog, RunLog};
 use fga_sim::track::Track;
 use fga_sim::words::{decision_words, reason_key};
@@ -87,8 +88,29 @@ pub(crate) fn events(log: &RunLog) -> Vec<(f64, Value)> {
             ));
         }
     }
+    for missed in &log.missed {
+        events.push((
+            missed.time_s,
+            json!({
+                "t_s": missed.time_s,
+                "event": "waypoint-missed",
+                "waypoint": missed.index + 1,
+                "distance_m": missed.distance_m,
+                "text": missed_words(missed),
+            }),
+        ));
+    }
     events.sort_by(|a, b| a.0.total_cmp(&b.0));
     events
+}
+
+/// A waypoint that was missed, in words; waypoints count from 1.
+pub(crate) fn missed_words(missed: &MissedWaypoint) -> String {
+    format!(
+        "waypoint {} missed by {:.1} m",
+        missed.index + 1,
+        missed.distance_m
+    )
 }
 
 /// The events, one JSON object a line.

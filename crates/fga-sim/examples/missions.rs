@@ -49,14 +49,13 @@ impl Flown {
 
     /// Share of the points of a line, 1 m apart, that were flown, per cent.
     fn flown_percent(&self, from_m: Vec3, to_m: Vec3) -> f64 {
-        let steps = from_m.distance(to_m).round().max(1.0);
-        let count = (0..=steps as u32)
-            .filter(|k| {
-                let place_m = from_m.lerp(to_m, f64::from(*k) / steps);
-                self.distance_m(place_m) <= FLOWN_WITHIN_M
-            })
-            .count();
-        100.0 * count as f64 / (steps + 1.0)
+        let length_m = from_m.distance(to_m);
+        let places: Vec<f64> = (0..100_000)
+            .map(|k| f64::from(k) / length_m)
+            .take_while(|share| *share <= 1.0)
+            .collect();
+        let is_flown = |share: &&f64| self.distance_m(from_m.lerp(to_m, **share)) <= FLOWN_WITHIN_M;
+        100.0 * places.iter().filter(is_flown).count() as f64 / places.len() as f64
     }
 
     /// Changes in and out of avoiding.
@@ -190,9 +189,10 @@ fn corners(model: &VehicleModel) {
 /// An arc of a mission in short legs, with an obstacle on it and one that crosses.
 fn curve_m(radius_m: f64, leg_m: f64, turn_rad: f64) -> Vec<Vec3> {
     let mut mission_m = vec![Vec3::new(-300.0, 0.0, 100.0)];
-    let count = (radius_m * turn_rad / leg_m).round() as u32;
-    for k in 0..=count {
-        let angle = turn_rad * f64::from(k) / f64::from(count);
+    let count = (radius_m * turn_rad / leg_m).round();
+    let shares = (0..10_000).map(|k| f64::from(k) / count);
+    for share in shares.take_while(|share| *share < 1.0 + 1e-9) {
+        let angle = turn_rad * share;
         let place = Vec3::new(angle.sin(), 1.0 - angle.cos(), 0.0) * radius_m;
         mission_m.push(place + Vec3::new(0.0, 0.0, 100.0));
     }

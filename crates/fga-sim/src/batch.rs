@@ -32,7 +32,7 @@ const BLOCK: usize = 512;
 const MISSION_LENGTH_M: f64 = 1e6;
 
 /// Columns of `results.csv`.
-pub const RESULT_COLUMNS: &str = "encounter,separated,min_separation_m,min_margin_m,start_s,clear_s,max_cross_track_m,extra_path_m";
+pub const RESULT_COLUMNS: &str = "encounter,separated,min_separation_m,min_margin_m,start_s,clear_s,max_cross_track_m,extra_path_m,waypoints_missed";
 
 /// Columns of `timing.csv`.
 pub const TIMING_COLUMNS: &str = "encounter,decision_median_us,decision_max_us";
@@ -335,6 +335,8 @@ impl BatchRow {
                 push_fixed(row, value, 6);
             }
         }
+        row.push(b',');
+        row.extend_from_slice(outcome.waypoints_missed.to_string().as_bytes());
         row.push(b'\n');
     }
 

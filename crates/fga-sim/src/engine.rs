@@ -11,7 +11,7 @@ use fga::vehicle::STANDARD_GRAVITY_MPS2;
 
 use crate::plant::{Arc, Plant, unwrap_near};
 use crate::policy::Pilot;
-use crate::progress::MissionProgress;
+use crate::progress::{MissedWaypoint, MissionProgress};
 use crate::sensor::Sensor;
 use crate::separation::Separation;
 use crate::track::Track;
@@ -82,8 +82,10 @@ pub struct Outcome {
     pub extra_path_m: f64,
     /// When the flight ended, seconds.
     pub end_s: f64,
-    /// Whether the last waypoint was passed.
+    /// Whether the mission was flown to its end and no waypoint was missed.
     pub mission_flown: bool,
+    /// How many of the waypoints that lie behind were not passed as near as planned.
+    pub waypoints_missed: usize,
 }
 
 impl Outcome {
@@ -100,6 +102,7 @@ pub struct Engine {
     sensor: Sensor,
     separations: Vec<Separation>,
     elapsed_ns: Vec<u64>,
+    missed: Vec<MissedWaypoint>,
 }
 
 impl Default for Engine {
@@ -150,7 +153,13 @@ impl Engine {
             sensor: Sensor::new(),
             separations: Vec::new(),
             elapsed_ns: Vec::new(),
+            missed: Vec::new(),
         }
+    }
+
+    /// Waypoints that the last flight missed, in their order.
+    pub fn missed(&self) -> &[MissedWaypoint] {
+        &self.missed
     }
 
     /// Least separations of the last flight, in the order of the world's obstacles.
@@ -203,8 +212,9 @@ impl Engine {
             sensor: &mut self.sensor,
             separations: &mut self.separations,
             elapsed_ns: &mut self.elapsed_ns,
+            missed: &mut self.missed,
             milestones: Milestones::default(),
-            progress: MissionProgress::new(&world.mission_m, start.position_m),
+            progress: MissionProgress::of(world),
             replaying: world.recorded.as_ref(),
             tuned_mps: world.vehicle.airspeed_mps,
             flown_m: 0.0,
@@ -220,8 +230,9 @@ struct Flight<'a> {
     sensor: &'a mut Sensor,
     separations: &'a mut [Separation],
     elapsed_ns: &'a mut Vec<u64>,
+    missed: &'a mut Vec<MissedWaypoint>,
     milestones: Milestones,
-    progress: MissionProgress<'a>,
+    progress: MissionProgress,
     /// The recording, until it is left.
     replaying: Option<&'a Track>,
     /// Airspeed for which the pilot is set up, metres per second.
@@ -253,8 +264,9 @@ impl Flight<'_> {
             if last {
                 self.follow_recording(limit_s);
                 let plant = &self.plant;
+                let position_m = plant.ownship().position_m;
                 self.progress
-                    .follow(plant.ownship().position_m, || plant.ground_velocity_mps());
+                    .follow(limit_s, position_m, || plant.ground_velocity_mps());
                 self.show(limit_s, decision.state, observer);
                 break limit_s;
             }
@@ -309,7 +321,7 @@ impl Flight<'_> {
         self.show(time_s, decision.state, observer);
         let plant = &self.plant;
         self.progress
-            .follow(ownship.position_m, || plant.ground_velocity_mps());
+            .follow(time_s, ownship.position_m, || plant.ground_velocity_mps());
         decision
     }
 
@@ -394,7 +406,8 @@ impl Flight<'_> {
         }
     }
 
-    fn outcome(&self, end_s: f64) -> Outcome {
+    fn outcome(&mut self, end_s: f64) -> Outcome {
+        *self.missed = self.progress.missed();
         let least = |value: fn(&Separation) -> f64| {
             self.separations
                 .iter()
@@ -412,7 +425,8 @@ impl Flight<'_> {
             max_cross_track_m: self.progress.max_cross_track_m(),
             extra_path_m: self.flown_m - self.progress.along_m(),
             end_s,
-            mission_flown: milestones.mission_flown,
+            mission_flown: milestones.mission_flown && self.missed.is_empty(),
+            waypoints_missed: self.missed.len(),
         }
     }
 }

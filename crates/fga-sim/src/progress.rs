@@ -1,16 +1,67 @@
-//! How far along its mission the aircraft is, and how far beside it.
+//! How far along its mission the aircraft is, how far beside it, and which waypoints it missed.
+//!
+//! The line that counts is the one that is flown where nothing is in the way: corners are rounded
+//! and turned as the aircraft plans them. A mission of one leg is that leg, and the mission of a
+//! recording is the recorded track.
 
 use fga::Vec3;
+use fga::mission::planned_line;
+use fga::situation::{Mission, Ownship};
 
-/// Follows an aircraft along a mission of straight legs.
+use crate::world::World;
+
+/// Places of the planned line are this far apart, metres.
+const SPACING_M: f64 = 3.0;
+
+/// Longest time of a planned line, as a multiple of the time along the legs.
+const LONGEST_SHARE: f64 = 20.0;
+
+/// A waypoint is missed when the aircraft passed it this much farther away than planned, metres.
+const MISSED_BY_M: f64 = 5.0;
+
+/// A place on the line that lies this far ahead may be where the aircraft has come back, turn radii.
+const AHEAD_RADII: f64 = 20.0;
+
+/// It has come back when it is this near, metres, and flies along the line.
+const BACK_WITHIN_M: f64 = 10.0;
+
+/// A waypoint that was not passed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MissedWaypoint {
+    /// Its index in the mission.
+    pub index: usize,
+    /// Where it is, metres.
+    pub position_m: Vec3,
+    /// How far from it the aircraft passed, metres.
+    pub distance_m: f64,
+    /// When it was nearest, seconds.
+    pub time_s: f64,
+}
+
+/// How a waypoint was passed.
+#[derive(Debug, Clone, Copy)]
+struct Passed {
+    position_m: Vec3,
+    /// Where on the line it is passed, metres, and how near it is there.
+    at_m: f64,
+    planned_m: f64,
+    /// How near it was passed, metres, and when.
+    flown_m: f64,
+    time_s: f64,
+}
+
+/// Follows an aircraft along the line of its mission.
 ///
-/// The leg in question moves on to the next when the aircraft is nearer to that one and has
-/// passed the first half of its own; one leg may be left out when the aircraft already flies along
-/// the one after. Legs that lie behind do not come back, so that neighbouring parallel legs are not
-/// mistaken for one another. The first and the last leg go on for ever.
+/// The piece of the line in question moves on to the next when the aircraft is nearer to that one
+/// and has passed the first half of its own; one piece may be left out when the aircraft already
+/// flies along the one after. Pieces that lie behind do not come back, so that neighbouring
+/// parallel legs are not mistaken for one another. The first and the last piece go on for ever.
 #[derive(Debug, Clone)]
-pub struct MissionProgress<'a> {
-    waypoints_m: &'a [Vec3],
+pub struct MissionProgress {
+    line_m: Vec<Vec3>,
+    waypoints: Vec<Passed>,
+    /// How far ahead the aircraft may have come back to the line, metres; 0 on a line of legs.
+    ahead_m: f64,
     /// Index of the leg that is followed.
     leg: usize,
     line: Option<Leg>,
@@ -20,6 +71,7 @@ pub struct MissionProgress<'a> {
     start_along_m: f64,
     cross_track_m: f64,
     max_cross_track_m: f64,
+    last_m: Vec3,
 }
 
 /// A leg that leads somewhere.
@@ -59,26 +111,134 @@ impl Leg {
     }
 }
 
-impl<'a> MissionProgress<'a> {
-    /// An aircraft on the first leg.
-    pub fn new(waypoints_m: &'a [Vec3], position_m: Vec3) -> Self {
+/// The line of a world's mission, and where on it each waypoint is passed.
+fn line_of(world: &World) -> (Vec<Vec3>, f64) {
+    let mission_m = &world.mission_m;
+    if mission_m.len() <= 2 || world.recorded.is_some() {
+        return (mission_m.clone(), 0.0);
+    }
+    let start = &world.start;
+    let ownship = Ownship {
+        position_m: start.position_m,
+        course_rad: start.course_rad,
+        climb_rad: start.climb_rad,
+        bank_rad: 0.0,
+        airspeed_mps: world.vehicle.airspeed_mps,
+    };
+    let mission = Mission {
+        waypoints_m: mission_m,
+        passing: &world.passing,
+    };
+    let length_m: f64 = mission_m
+        .windows(2)
+        .map(|leg| leg[0].distance(leg[1]))
+        .sum();
+    let limit_s = world
+        .horizon_s
+        .min(LONGEST_SHARE * (length_m / world.vehicle.airspeed_mps + 60.0));
+    let mut line_m = Vec::new();
+    let limits = (SPACING_M, limit_s);
+    let show = |place_m| line_m.push(place_m);
+    let whole = planned_line(
+        &mission,
+        &ownship,
+        &world.vehicle,
+        world.wind_mps,
+        limits,
+        show,
+    );
+    if !whole || line_m.len() < 2 {
+        return (mission_m.clone(), 0.0);
+    }
+    let rate = world.vehicle.course_rate_radps();
+    let radius_m = world.vehicle.airspeed_mps / rate;
+    (line_m, AHEAD_RADII * radius_m)
+}
+
+/// The line of a world's mission as it is flown where nothing is in the way.
+pub fn mission_line_m(world: &World) -> Vec<Vec3> {
+    line_of(world).0
+}
+
+/// Where each waypoint is passed on a line, in their order.
+fn waypoints_on(line_m: &[Vec3], mission_m: &[Vec3]) -> Vec<Passed> {
+    let mut along_m = 0.0;
+    let mut places = Vec::with_capacity(line_m.len());
+    for (index, place) in line_m.iter().enumerate() {
+        if index > 0 {
+            along_m += line_m[index - 1].distance(*place);
+        }
+        places.push((along_m, *place));
+    }
+    let mut from = 0;
+    let row = |position_m: Vec3| Passed {
+        position_m,
+        at_m: 0.0,
+        planned_m: 0.0,
+        flown_m: f64::INFINITY,
+        time_s: 0.0,
+    };
+    let mut passed: Vec<Passed> = mission_m.iter().map(|place| row(*place)).collect();
+    for waypoint in &mut passed {
+        // The first place from which the line leads away from it again.
+        let mut best = (f64::INFINITY, from);
+        for (index, pair) in places.windows(2).enumerate().skip(from) {
+            let (a, b) = (pair[0].1, pair[1].1);
+            let step = b - a;
+            let share = (waypoint.position_m - a).dot(step) / step.length_squared().max(1e-12);
+            let distance_m = waypoint
+                .position_m
+                .distance(a + step * share.clamp(0.0, 1.0));
+            if distance_m < best.0 {
+                best = (distance_m, index);
+                waypoint.at_m = pair[0].0 + share.clamp(0.0, 1.0) * step.length();
+            } else if best.0 < 2.0 * SPACING_M && distance_m > best.0 + 2.0 * SPACING_M {
+                break;
+            }
+        }
+        waypoint.planned_m = best.0.min(1e9);
+        from = best.1;
+    }
+    passed
+}
+
+impl MissionProgress {
+    /// An aircraft at the beginning of a world's mission.
+    pub fn of(world: &World) -> Self {
+        let (line_m, ahead_m) = line_of(world);
+        let waypoints = waypoints_on(&line_m, &world.mission_m);
+        Self::along(line_m, waypoints, ahead_m, world.start.position_m)
+    }
+
+    /// An aircraft on the first leg of some waypoints.
+    pub fn new(waypoints_m: &[Vec3], position_m: Vec3) -> Self {
+        let waypoints = waypoints_on(waypoints_m, waypoints_m);
+        Self::along(waypoints_m.to_vec(), waypoints, 0.0, position_m)
+    }
+
+    fn along(line_m: Vec<Vec3>, waypoints: Vec<Passed>, ahead_m: f64, position_m: Vec3) -> Self {
+        let line = Leg::of(&line_m, 0);
         let mut progress = Self {
-            waypoints_m,
+            line_m,
+            waypoints,
+            ahead_m,
             leg: 0,
-            line: Leg::of(waypoints_m, 0),
+            line,
             before_m: 0.0,
             along_m: 0.0,
             start_along_m: 0.0,
             cross_track_m: 0.0,
             max_cross_track_m: 0.0,
+            last_m: position_m,
         };
-        progress.follow(position_m, || Vec3::ZERO);
+        progress.follow(0.0, position_m, || Vec3::ZERO);
         progress.start_along_m = progress.along_m;
         progress
     }
 
     /// Takes the aircraft's position and velocity over the ground into account.
-    pub fn follow(&mut self, position_m: Vec3, velocity_mps: impl Fn() -> Vec3) {
+    pub fn follow(&mut self, time_s: f64, position_m: Vec3, velocity_mps: impl Fn() -> Vec3) {
+        let before_m = self.along_m;
         while let Some(line) = self.line {
             let (along, beside) = line.measure(position_m);
             self.along_m = self.before_m + along;
@@ -91,7 +251,7 @@ impl<'a> MissionProgress<'a> {
                 let velocity_mps = velocity_mps();
                 velocity_mps.dot(leg.direction) > 0.8 * velocity_mps.length()
             };
-            let after = |legs: usize| Leg::of(self.waypoints_m, self.leg + legs);
+            let after = |legs: usize| Leg::of(&self.line_m, self.leg + legs);
             let next = after(1);
             if next.is_some_and(|leg| nearer(&leg)) {
                 self.before_m += line.length_m;
@@ -105,11 +265,88 @@ impl<'a> MissionProgress<'a> {
                 break;
             }
         }
+        if self.cross_track_m > BACK_WITHIN_M && self.ahead_m > 0.0 {
+            self.look_ahead(position_m, velocity_mps());
+        }
         self.max_cross_track_m = self.max_cross_track_m.max(self.cross_track_m);
+        self.pass(before_m, time_s, position_m);
+    }
+
+    /// Goes on to a place of the line ahead on which the aircraft flies already.
+    fn look_ahead(&mut self, position_m: Vec3, velocity_mps: Vec3) {
+        let mut before_m = self.before_m;
+        for index in self.leg.. {
+            let Some(leg) = Leg::of(&self.line_m, index) else {
+                return;
+            };
+            if before_m - self.along_m > self.ahead_m {
+                return;
+            }
+            let (along, beside) = leg.measure(position_m);
+            let flies_along = velocity_mps.dot(leg.direction) > 0.9 * velocity_mps.length();
+            if beside <= BACK_WITHIN_M && flies_along {
+                self.leg = index;
+                self.line = Some(leg);
+                self.before_m = before_m;
+                self.along_m = before_m + along;
+                self.cross_track_m = beside;
+                return;
+            }
+            before_m += leg.length_m;
+        }
+    }
+
+    /// Notes how near the waypoints are passed that lie about here on the line.
+    fn pass(&mut self, before_m: f64, time_s: f64, position_m: Vec3) {
+        let from_m = self.last_m;
+        let step = position_m - from_m;
+        self.last_m = position_m;
+        for index in 0..self.waypoints.len() {
+            let neighbour = |at: Option<usize>, none: f64| {
+                at.and_then(|at| self.waypoints.get(at))
+                    .map_or(none, |waypoint| waypoint.at_m)
+            };
+            let begins_m = neighbour(index.checked_sub(1), f64::NEG_INFINITY);
+            if begins_m > self.along_m {
+                break;
+            }
+            let ends_m = neighbour(Some(index + 1), f64::INFINITY);
+            if ends_m < before_m {
+                continue;
+            }
+            if let Some(waypoint) = self.waypoints.get_mut(index) {
+                let offset = waypoint.position_m - from_m;
+                let share = offset.dot(step) / step.length_squared().max(1e-12);
+                let distance_m = offset.distance(step * share.clamp(0.0, 1.0));
+                if distance_m < waypoint.flown_m {
+                    waypoint.flown_m = distance_m;
+                    waypoint.time_s = time_s;
+                }
+            }
+        }
+    }
+
+    /// The waypoints that lie behind on the line and were not passed as near as planned.
+    pub fn missed(&self) -> Vec<MissedWaypoint> {
+        self.waypoints
+            .iter()
+            .enumerate()
+            .skip(1)
+            .filter(|(_, waypoint)| {
+                waypoint.at_m <= self.along_m + MISSED_BY_M
+                    && waypoint.flown_m > waypoint.planned_m + MISSED_BY_M
+            })
+            .map(|(index, waypoint)| MissedWaypoint {
+                index,
+                position_m: waypoint.position_m,
+                distance_m: waypoint.flown_m,
+                time_s: waypoint.time_s,
+            })
+            .collect()
     }
 
     fn length_m(&self, leg: usize) -> f64 {
-        Leg::of(self.waypoints_m, leg).map_or(0.0, |leg| leg.length_m)
+        Leg::of(&self.line_m, leg).map_or(0.0, |leg| leg.length_m)
     }
 
     /// Distance from the mission now, metres.
@@ -146,14 +383,14 @@ mod tests {
             Vec3::new(0.0, 40.0, 0.0),
         ];
         let mut progress = MissionProgress::new(&mission, Vec3::ZERO);
-        progress.follow(Vec3::new(30.0, 25.0, 0.0), || Vec3::X);
+        progress.follow(0.0, Vec3::new(30.0, 25.0, 0.0), || Vec3::X);
         // Nearer to the third leg, but on the first.
         assert_eq!((progress.along_m(), progress.cross_track_m()), (30.0, 25.0));
-        progress.follow(Vec3::new(98.0, 10.0, 0.0), || Vec3::X);
+        progress.follow(0.0, Vec3::new(98.0, 10.0, 0.0), || Vec3::X);
         assert_eq!((progress.along_m(), progress.cross_track_m()), (110.0, 2.0));
-        progress.follow(Vec3::new(50.0, 41.0, 0.0), || Vec3::X);
+        progress.follow(0.0, Vec3::new(50.0, 41.0, 0.0), || Vec3::X);
         assert_eq!((progress.along_m(), progress.cross_track_m()), (190.0, 1.0));
-        progress.follow(Vec3::new(-50.0, 40.0, 0.0), || Vec3::X);
+        progress.follow(0.0, Vec3::new(-50.0, 40.0, 0.0), || Vec3::X);
         assert_eq!(progress.along_m(), 290.0);
         assert_eq!(progress.max_cross_track_m(), 25.0);
     }
@@ -168,9 +405,9 @@ mod tests {
         ];
         let mut progress = MissionProgress::new(&mission, Vec3::ZERO);
         // Abreast of the third leg, but not along it: still on the first.
-        progress.follow(Vec3::new(60.0, 30.0, 0.0), || Vec3::X);
+        progress.follow(0.0, Vec3::new(60.0, 30.0, 0.0), || Vec3::X);
         assert_eq!(progress.cross_track_m(), 30.0);
-        progress.follow(Vec3::new(60.0, 39.0, 0.0), || -Vec3::X);
+        progress.follow(0.0, Vec3::new(60.0, 39.0, 0.0), || -Vec3::X);
         assert_eq!((progress.along_m(), progress.cross_track_m()), (180.0, 1.0));
     }
 }

@@ -9,6 +9,7 @@ use fga_formats::geodesy::LocalFrame;
 
 use crate::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
 use crate::policy::PolicyChoice;
+use crate::progress::{MissedWaypoint, mission_line_m};
 use crate::separation::Least;
 use crate::vehicle_file::VehicleModel;
 use crate::world::World;
@@ -108,6 +109,8 @@ pub struct RunLog {
     pub obstacles: Vec<ObstacleOutcome>,
     /// What came of the flight.
     pub outcome: Outcome,
+    /// Waypoints that were missed.
+    pub missed: Vec<MissedWaypoint>,
 }
 
 /// Times of the decisions of a run, microseconds.
@@ -218,6 +221,7 @@ pub fn fly(
         decisions: logger.decisions,
         obstacles,
         outcome,
+        missed: engine.missed().to_vec(),
         plan,
     })
 }
@@ -242,6 +246,11 @@ impl RunLog {
             p99_us: at(0.99),
             max_us: at(1.0),
         }
+    }
+
+    /// The line of the mission as it is flown where nothing is in the way, metres.
+    pub fn mission_line_m(&self) -> Vec<fga::Vec3> {
+        mission_line_m(&self.plan.world)
     }
 
     /// Name of the obstacle with this number.

@@ -7,11 +7,15 @@
 //! | how does it get from one leg onto the next? | [`corner`] |
 //! | which way onto the leg? | [`join`] |
 //! | which way onto the beginning of the leg? | [`turnaround`] |
+//! | which line is flown where nothing is in the way? | [`planned_line`] |
 
 pub mod corner;
 pub mod join;
 pub mod leg;
+mod plan;
 pub mod turnaround;
+
+pub use plan::planned_line;
 
 use self::corner::{Air, Corner, Legs, arrival, corner};
 use self::join::{Join, JoinLimits, is_on_leg, join};
