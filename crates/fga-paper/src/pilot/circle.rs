@@ -1,11 +1,10 @@
 //! Round one static obstacle in the plane (Fig. 8, Algorithm 4): the policy `circle`.
 
-use fga::Vec3;
 use fga::angle::Side;
 use fga::avoider::{Against, Decision, Reason, State, Threat};
 use fga::certificate::Hazard;
 use fga::prediction::MotionState;
-use fga::situation::{ProtectedVolume, Situation};
+use fga::situation::{Ownship, ProtectedVolume, Situation};
 
 use super::{Edition, PaperPilot, Plan, threat};
 use crate::classification::{Motion, motion};
@@ -15,6 +14,9 @@ use crate::timing::Geometry;
 
 /// Speed over the ground up to which an obstacle counts as static, metres per second.
 const STATIC_MPS: f64 = 0.1;
+
+/// How often the way round is widened by the drift in the time that it takes.
+const DRIFT_STEPS: u32 = 6;
 
 impl PaperPilot {
     /// The policy `circle`: round one static obstacle in the plane (Fig. 8, Alg. 4).
@@ -46,21 +48,17 @@ impl PaperPilot {
             let Some(obstacle) = self.around.hazards().get(detection.index) else {
                 continue;
             };
-            if motion(obstacle, Vec3::ZERO, STATIC_MPS) != Motion::Static {
+            if motion(obstacle, situation.wind_mps, STATIC_MPS) != Motion::Static {
                 continue;
             }
-            let round = level_geometry(&detection.relative, obstacle).and_then(|geometry| {
-                let kept_m = geometry.radius_m + self.settings.margin_m;
-                let round = RoundObstacle::new(radius_m, kept_m, geometry.across_m)?;
-                Some((geometry, round))
-            });
-            let Some((geometry, round)) = round else {
+            let Some((still, geometry, round)) = self.round(&own, &detection.relative, obstacle)
+            else {
                 continue;
             };
             // The arcs follow their commands late by the bank's lag.
             let late_s = self.vehicle.response.bank_time_constant_s;
             let wait_s = (geometry.along_m - round.before_m) / geometry.closing_mps - late_s;
-            let left_m = own.velocity_mps().cross(detection.relative.position_m()).z;
+            let left_m = own.velocity_mps().cross(still.position_m()).z;
             let side = if left_m > 0.0 {
                 Side::Right
             } else {
@@ -107,6 +105,32 @@ impl PaperPilot {
             Reason::WaitingForStart
         };
         self.report(&plan, time_s, reason)
+    }
+
+    /// The way round an obstacle that stands on the ground, planned in the air mass, where it moves
+    /// against the wind: round the place at which it is when it is abeam, so far that it stays clear
+    /// of where it drifts from the first turn to the last. Returns that place as it is seen now, its
+    /// geometry and the way.
+    fn round(
+        &self,
+        own: &Ownship,
+        relative: &Relative,
+        obstacle: &Hazard,
+    ) -> Option<(Relative, Geometry, RoundObstacle)> {
+        let drift_mps = obstacle.velocity_mps;
+        let abeam_m = relative.position_m() + drift_mps * relative.closest().time_s;
+        let still = Relative::new(abeam_m, own.velocity_mps())?;
+        let geometry = level_geometry(&still, obstacle)?;
+        let radius_m = self.flyer.airspeed_mps() / self.flyer.course_rate_radps();
+        let least_m = geometry.radius_m + self.settings.margin_m;
+        let mut round = RoundObstacle::new(radius_m, least_m, geometry.across_m)?;
+        // A wider way takes longer, in which the obstacle drifts farther.
+        for _ in 0..DRIFT_STEPS {
+            let half_s = 0.5 * round.length_m() / own.airspeed_mps;
+            let kept_m = least_m + drift_mps.length() * half_s;
+            round = RoundObstacle::new(radius_m, kept_m, geometry.across_m)?;
+        }
+        Some((still, geometry, round))
     }
 }
 

@@ -1,10 +1,37 @@
 //! The circling policy keeps out of a sphere that it sees in time.
 
+use core::f64::consts::FRAC_PI_4;
+
 use fga::Vec3;
+use fga::avoider::State;
 use fga_paper::pilot::Rule;
 use proptest::prelude::*;
 
 use crate::flight::{Flies as _, PERIOD_S, planar, sphere};
+
+/// In the air mass a building moves against the wind: above 0.1 m/s of wind it was taken for a mover,
+/// and never avoided.
+#[test]
+fn a_building_is_avoided_in_wind_from_any_side() {
+    for speed_mps in [0.0, 0.2, 1.0, 3.0] {
+        for from in 0..8_u32 {
+            let (sin, cos) = (f64::from(from) * FRAC_PI_4).sin_cos();
+            let mut flight = Rule::Circle.flight(planar(), 1.0, 300.0);
+            flight.wind_mps = Vec3::new(speed_mps * cos, speed_mps * sin, 0.0);
+            let building = sphere(1, Vec3::new(320.0, 4.0, 0.0), Vec3::ZERO, 30.0);
+            let (mut least_m, mut acted) = (f64::INFINITY, false);
+            for _ in 0..500 {
+                acted |= flight.cycle(&mut [building]).state == State::Avoiding;
+                least_m = least_m.min(flight.own.position_m.distance(building.position_m));
+            }
+            assert!(acted, "{speed_mps} m/s of wind, direction {from}");
+            assert!(
+                least_m > 30.0 - 0.02,
+                "{speed_mps} m/s of wind, direction {from}: {least_m} m"
+            );
+        }
+    }
+}
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]

@@ -21,7 +21,7 @@ pub(crate) const POLICIES: [Policy; 4] = [
 pub(crate) const SYMMETRIC: [Policy; 4] = POLICIES;
 
 impl Flies for Policy {
-    fn is_exact(self) -> bool {
+    fn weighs_exactly(self) -> bool {
         true
     }
 

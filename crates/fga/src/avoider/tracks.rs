@@ -52,10 +52,6 @@ impl Default for Tracks {
 
 impl Tracks {
     /// No obstacles.
-    #[expect(
-        clippy::large_stack_arrays,
-        reason = "no allocation: the caller says where it lies"
-    )]
     pub const fn new() -> Self {
         Self {
             hazards: Hazards::new(),

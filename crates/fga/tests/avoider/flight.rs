@@ -46,6 +46,7 @@ pub(crate) struct Flight {
     pub(crate) own: Ownship,
     pub(crate) time_s: f64,
     pub(crate) waypoints_m: Vec<Vec3>,
+    pub(crate) wind_mps: Vec3,
     pub(crate) flyer: Flyer,
     path: FlightPath,
 }
@@ -63,6 +64,7 @@ impl Flight {
             },
             time_s: 0.0,
             waypoints_m: vec![Vec3::ZERO, Vec3::X * 1e5],
+            wind_mps: Vec3::ZERO,
             flyer: Flyer::new(&vehicle),
             path: FlightPath::new(),
         }
@@ -74,7 +76,7 @@ impl Flight {
             ownship: self.own,
             obstacles: Obstacles::Rows(obstacles),
             mission: Mission::new(&self.waypoints_m),
-            wind_mps: Vec3::ZERO,
+            wind_mps: self.wind_mps,
         })
     }
 
@@ -85,7 +87,7 @@ impl Flight {
         self.path
             .predict(&self.flyer, &start, &decision.command, 2.0 * PERIOD_S);
         let next = self.path.state_at(&self.flyer, PERIOD_S).unwrap();
-        self.own.position_m = next.position_m;
+        self.own.position_m = next.position_m + self.wind_mps * PERIOD_S;
         self.own.course_rad = next.course_rad;
         self.own.climb_rad = next.climb_rad;
         self.time_s += PERIOD_S;
@@ -99,7 +101,7 @@ impl Flight {
 /// A policy that can be flown.
 pub(crate) trait Flies {
     /// Whether it weighs the same maneuvers from wherever the situation is looked at.
-    fn is_exact(self) -> bool;
+    fn weighs_exactly(self) -> bool;
 
     /// A flight by this policy, lengths `scale` times as large, that sees as far as `radius_m`.
     fn flight(self, vehicle: Vehicle, scale: f64, radius_m: f64) -> Flight;

@@ -32,7 +32,7 @@ pub(crate) const SYMMETRIC: [Policy; 4] = [
 ];
 
 impl Flies for Policy {
-    fn is_exact(self) -> bool {
+    fn weighs_exactly(self) -> bool {
         self == Self::Mission
     }
 

@@ -81,7 +81,7 @@ fn alike(
     let is_single = |chosen: &Candidate| {
         chosen.maneuver.stages().len() == 1 && chosen.verdict == Verdict::Chosen
     };
-    let exact = policy.is_exact();
+    let exact = policy.weighs_exactly();
     match (one.record.chosen, other.record.chosen) {
         (Some(a), Some(b)) if exact || (is_single(&a) && is_single(&b)) => {
             let (a, b) = (a.cost, b.cost);
