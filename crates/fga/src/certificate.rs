@@ -104,6 +104,9 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     floor_m: f64,
     enough_m: f64,
 ) -> Certificate {
+    // The prediction errs by no more than this: looked for is so much more.
+    let remainder_m = path.remainder_m();
+    let (floor_m, enough_m) = (floor_m + remainder_m, enough_m + remainder_m);
     // First the chords as they are: none whose margin less its bow is above this can decide. That
     // is nothing new where one mark is floor and ceiling.
     let mut worst = Certificate::clear(enough_m);
@@ -148,11 +151,7 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
                     worst.margin_m >= floor_m
                 })
         });
-    // The prediction errs by no more than this.
-    if path.remainder_m() > 0.0 && worst.margin_m - path.remainder_m() < enough_m {
-        worst.margin_m -= path.remainder_m();
-    }
-    let above = above && worst.margin_m >= floor_m;
+    worst.margin_m -= remainder_m;
     worst.status = match above {
         false => Status::BelowFloor,
         true if path.is_complete() => Status::Proven,

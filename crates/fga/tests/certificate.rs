@@ -12,7 +12,7 @@ use fga::Vec3;
 use fga::certificate::{Hazard, Status, certify, certify_all};
 use fga::maneuver::{Maneuver, Stage};
 use fga::prediction::{FlightPath, Flyer, MotionState};
-use fga::situation::ProtectedVolume;
+use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::{Response, Vehicle};
 
 /// Longest step between two samples, seconds.
@@ -290,4 +290,34 @@ fn a_certified_margin_is_never_above_what_is_flown() {
     });
     println!("{proven} of {total} cases proven, at most {largest:.5} m given away");
     assert!(proven * 10 >= total * 9, "{proven} of {total} proven");
+}
+
+/// The bound of a prediction with bank lag was taken off the largest margin that was asked about, so
+/// that no flight with lag ever had that margin.
+#[test]
+fn a_clear_flight_with_lag_has_the_margin_that_is_asked_about() {
+    let mut vehicle = Vehicle::table_4();
+    vehicle.response.bank_time_constant_s = 0.6;
+    let flyer = Flyer::new(&vehicle);
+    let start = MotionState {
+        time_s: 0.0,
+        position_m: Vec3::ZERO,
+        course_rad: 0.0,
+        climb_rad: 0.0,
+        bank_rad: 0.0,
+    };
+    let mut path = FlightPath::new();
+    path.predict(&flyer, &start, &Maneuver::turn(0.0, 2.0, 0.0), 60.0);
+    assert!(path.remainder_m() > 0.0 && path.remainder_m() < 0.01);
+    let far = Obstacle::new(
+        1,
+        Vec3::new(0.0, -500.0, 0.0),
+        Vec3::ZERO,
+        ProtectedVolume::Sphere { radius_m: 30.0 },
+    );
+    let hazard = Hazard::new(0, &far, Vec3::ZERO, 0.0);
+    for asked_m in [0.025, 0.05, 3.0] {
+        let certificate = certify(&flyer, &path, &hazard, 60.0, asked_m, asked_m);
+        assert!(certificate.holds(asked_m), "{certificate:?}");
+    }
 }
