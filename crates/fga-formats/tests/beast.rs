@@ -234,3 +234,87 @@ fn a_recorded_file_means_what_another_decoder_says() {
         }
     }
 }
+
+/// A squitter of 0x123456 with a right checksum.
+fn squitter(content: [u8; 7]) -> [u8; 14] {
+    let mut message = [0; 14];
+    message[..4].copy_from_slice(&[0x8D, 0x12, 0x34, 0x56]);
+    message[4..11].copy_from_slice(&content);
+    // Division of the bits one by one.
+    let mut bits: Vec<bool> = (0..112)
+        .map(|n| message[n / 8] >> (7 - n % 8) & 1 != 0)
+        .collect();
+    let generator: Vec<bool> = (0..25)
+        .map(|n| 0x1FF_F409_u32 >> (24 - n) & 1 != 0)
+        .collect();
+    for n in 0..88 {
+        if bits[n] {
+            for (bit, divisor) in bits[n..].iter_mut().zip(&generator) {
+                *bit ^= divisor;
+            }
+        }
+    }
+    for n in 88..112 {
+        message[n / 8] |= u8::from(bits[n]) << (7 - n % 8);
+    }
+    message
+}
+
+fn reports_of(messages: &[[u8; 14]]) -> Vec<TrafficReport> {
+    let mut bytes = Vec::new();
+    for message in messages {
+        push_frame(&mut bytes, 0, 0, message);
+    }
+    let mut found = Vec::new();
+    Stream::new().push(&bytes, 0.0, |report| found.push(report));
+    found
+}
+
+/// DO-260B, 2.2.3.2.7.2: version 2, supplement A, NACp 9, GVA 2, SIL 3; and 2.2.3.2.7.1.
+#[test]
+fn quality_is_read_from_status_messages() {
+    let status = [0xF8, 0, 0, 0, 0, 0b010_1_1001, 0b10_11_0000];
+    let state = [0xEA, 0, 0, 0, 1, 0b000_1_10_00, 0];
+    let old = [0xF8, 0, 0, 0, 0, 0b000_1_1001, 0b10_11_0000];
+    let on_ground = [0xF9, 0, 0, 0, 0, 0b010_1_1001, 0b10_11_0000];
+    let found = reports_of(&[status, state, old, on_ground].map(squitter));
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert_eq!(found[0].address, 0x12_3456);
+    assert_eq!(found[0].position_error_m, Some(30.0));
+    assert_eq!(found[0].source_integrity, Some(3));
+    assert_eq!(found[1].position_error_m, Some(92.6));
+    assert_eq!(found[1].source_integrity, Some(2));
+}
+
+/// J. Sun, "The 1090 Megahertz Riddle", on target state and status: NACp 9, SIL 3.
+#[test]
+fn the_books_target_state_tells_its_quality() {
+    let message = u128::from_str_radix("8DA05629EA21485CBF3F8CADAEEB", 16).unwrap();
+    let bytes: [u8; 14] = message.to_be_bytes()[2..].try_into().unwrap();
+    let found = reports_of(&[bytes]);
+    assert_eq!(found[0].address, 0xA0_5629);
+    assert_eq!(found[0].position_error_m, Some(30.0));
+    assert_eq!(found[0].source_integrity, Some(3));
+}
+
+/// Kind 11 holds the position within 185.2 m, or with both supplements within 75 m; kind 18 bounds
+/// nothing.
+#[test]
+fn the_supplements_narrow_the_containment() {
+    let place = [0x59, 0xC3, 0x86, 0x43, 0x5C, 0xC4, 0x12];
+    let plain = [0x58, 0xC3, 0x86, 0x43, 0x5C, 0xC4, 0x12];
+    let none = [0x90, 0xC3, 0x86, 0x43, 0x5C, 0xC4, 0x12];
+    let status = [0xF8, 0, 0, 0, 0, 0b010_1_1001, 0b10_11_0000];
+    let found = reports_of(&[place, status, place, plain, none].map(squitter));
+    let contained: Vec<Option<f64>> = found.iter().map(|r| r.containment_m).collect();
+    assert_eq!(
+        contained,
+        [
+            Some(185.2),
+            None,
+            Some(75.0),
+            Some(185.2),
+            Some(f64::INFINITY)
+        ]
+    );
+}

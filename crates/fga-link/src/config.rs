@@ -207,6 +207,20 @@ pub struct TrafficConfig {
     pub own_callsign: Option<String>,
     /// σ of a position without quality figures, metres.
     pub position_sigma_m: f64,
+    /// Radars and cameras that report what they see.
+    pub sensor: Vec<SensorConfig>,
+}
+
+/// A radar or a camera, known by the sender of its `OBSTACLE_DISTANCE_3D` or `ADSB_VEHICLE`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SensorConfig {
+    /// System id of its messages.
+    pub system_id: u8,
+    /// Component id of its messages.
+    pub component_id: u8,
+    /// σ of its positions along an axis, metres.
+    pub position_sigma_m: f64,
 }
 
 impl Default for TrafficConfig {
@@ -216,6 +230,7 @@ impl Default for TrafficConfig {
             own_icao: None,
             own_callsign: None,
             position_sigma_m: 2.0,
+            sensor: Vec::new(),
         }
     }
 }
@@ -394,6 +409,10 @@ impl Config {
                 self.safety.floor_m + 1.0,
                 20_000.0,
             );
+        }
+        for sensor in &self.traffic.sensor {
+            let sigma_m = sensor.position_sigma_m;
+            checked.within("traffic.sensor.position_sigma_m", sigma_m, 0.0, 1000.0);
         }
         for obstacle in &self.obstacle {
             checked

@@ -72,8 +72,9 @@ fn frame(random: &mut Random, message_id: u32, system: u8, component: u8) -> Vec
     bytes
 }
 
-const IDS: [u32; 24] = [
+const IDS: [u32; 30] = [
     0, 2, 4, 20, 21, 22, 23, 30, 33, 42, 44, 46, 47, 51, 62, 69, 73, 74, 75, 76, 77, 168, 246, 253,
+    24, 29, 11_037, 12_900, 12_901, 12_915,
 ];
 
 #[test]

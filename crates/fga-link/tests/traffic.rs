@@ -13,7 +13,10 @@ use alloc::collections::VecDeque;
 
 use common::{GOOD, Intruder, Random, World};
 use fga_emulator::Mode;
-use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, MavMessage};
+use mavlink::dialects::ardupilotmega::{
+    ADSB_VEHICLE_DATA, MavFrame, MavMessage, MavOdidHorAcc, MavOdidSpeedAcc, MavOdidVerAcc,
+    OBSTACLE_DISTANCE_3D_DATA, OPEN_DRONE_ID_LOCATION_DATA,
+};
 
 /// Protected by default, metres.
 const PROTECTED_M: f64 = 60.0;
@@ -380,4 +383,117 @@ fn another_sender_erases_no_track() {
     let tracks = world.companion.tracks().tracks();
     assert!(tracks.len() <= 4096);
     assert!(tracks.iter().any(|track| track.icao == INTRUDER));
+}
+
+/// The head-on intruder, which nobody reports but what is said in the test.
+fn unreported(config: &str) -> World {
+    let mut world = World::new(config, GOOD, 3);
+    let mut intruder = Intruder::straight(INTRUDER, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
+    intruder.shown_m = 0.0;
+    world.add(intruder);
+    world
+}
+
+#[test]
+fn an_unmanned_aircraft_is_avoided_by_its_remote_id() {
+    let mut world = unreported("");
+    let mut due_s = 20.0;
+    fly(&mut world, 75.0, |world| {
+        if world.time_s < due_s {
+            return;
+        }
+        due_s += 1.0;
+        let MavMessage::ADSB_VEHICLE(seen) = world.report(0) else {
+            return;
+        };
+        let altitude_m = seen.altitude as f32 * 1e-3;
+        let location = OPEN_DRONE_ID_LOCATION_DATA {
+            latitude: seen.lat,
+            longitude: seen.lon,
+            altitude_barometric: altitude_m,
+            altitude_geodetic: altitude_m,
+            direction: seen.heading,
+            speed_horizontal: seen.hor_velocity,
+            speed_vertical: 0,
+            id_or_mac: [9; 20],
+            horizontal_accuracy: MavOdidHorAcc::MAV_ODID_HOR_ACC_3_METER,
+            vertical_accuracy: MavOdidVerAcc::MAV_ODID_VER_ACC_10_METER,
+            barometer_accuracy: MavOdidVerAcc::MAV_ODID_VER_ACC_10_METER,
+            speed_accuracy: MavOdidSpeedAcc::MAV_ODID_SPEED_ACC_1_METERS_PER_SECOND,
+            timestamp: world.time_s as f32,
+            ..OPEN_DRONE_ID_LOCATION_DATA::DEFAULT
+        };
+        let message = MavMessage::OPEN_DRONE_ID_LOCATION(location.clone());
+        world.say_as((1, 236), &message);
+        // The vehicle's own broadcast is no other aircraft.
+        let own = OPEN_DRONE_ID_LOCATION_DATA {
+            id_or_mac: [0; 20],
+            ..location
+        };
+        world.say_as((1, 236), &MavMessage::OPEN_DRONE_ID_LOCATION(own));
+        assert!(world.companion.tracks().tracks().len() <= 1);
+    });
+    assert_kept(&world);
+    assert_eq!(world.companion.counts().maneuvers, 1);
+}
+
+#[test]
+fn what_a_radar_sees_is_avoided_with_its_own_uncertainty() {
+    let config = "[[traffic.sensor]]\nsystem_id = 1\ncomponent_id = 158\nposition_sigma_m = 8.0\n";
+    for number in [7, u16::MAX] {
+        let mut world = unreported(config);
+        let mut random = Random::new(2);
+        let mut due_s = 0.0;
+        fly(&mut world, 75.0, |world| {
+            let plant = world.emulator.plant();
+            let (own_m, other_m) = (plant.position_m(), world.intruders[0].position_m);
+            if world.time_s < due_s || common::distance(own_m, other_m) > 900.0 {
+                return;
+            }
+            due_s = world.time_s + 0.1;
+            // East, north and up, turned by heading, pitch and bank into the body's axes.
+            let (sin, cos) = plant.heading_rad().sin_cos();
+            let [east, north, up] = [0, 1, 2].map(|n| other_m[n] - own_m[n]);
+            let (ahead, right) = (east * sin + north * cos, east * cos - north * sin);
+            let (sin, cos) = plant.pitch_rad().sin_cos();
+            let (ahead, down) = (ahead * cos + up * sin, ahead * sin - up * cos);
+            let (sin, cos) = plant.bank_rad().sin_cos();
+            let (right, down) = (right * cos + down * sin, down * cos - right * sin);
+            let mut noisy = |metres: f64| (metres + 3.0 * random.uniform(-1.7, 1.7)) as f32;
+            let message = MavMessage::OBSTACLE_DISTANCE_3D(OBSTACLE_DISTANCE_3D_DATA {
+                x: noisy(ahead),
+                y: noisy(right),
+                z: noisy(down),
+                max_distance: 1500.0,
+                obstacle_id: number,
+                frame: MavFrame::MAV_FRAME_BODY_FRD,
+                ..OBSTACLE_DISTANCE_3D_DATA::DEFAULT
+            });
+            world.say_as((1, 158), &message);
+            // A stranger's radar sees from elsewhere.
+            world.say_as((9, 158), &message);
+            if world.time_s > 50.0 && world.time_s < 58.0 {
+                for track in world.companion.tracks().tracks() {
+                    assert!(track.sigma_m(world.time_s) >= 8.0);
+                }
+            }
+        });
+        let tracks = world.companion.tracks().tracks().len();
+        assert!(tracks <= 2, "{tracks} tracks of one aircraft");
+        assert_kept(&world);
+        assert!(world.companion.counts().maneuvers >= 1);
+    }
+}
+
+/// An aircraft whose navigation is poor is kept clear of by more.
+#[test]
+fn the_quality_of_a_report_widens_the_volume() {
+    let mut least_m = Vec::new();
+    for sigma_m in ["2.0", "40.0"] {
+        let mut world = unreported(&format!("[traffic]\nposition_sigma_m = {sigma_m}\n"));
+        world.intruders[0].shown_m = 1200.0;
+        world.run_until(75.0);
+        least_m.push(world.least_m[0].0);
+    }
+    assert!(least_m[1] > least_m[0] + 60.0, "{least_m:?}");
 }

@@ -38,9 +38,17 @@ pub struct TrafficReport {
     pub climb_mps: Option<f64>,
     /// Whether the aircraft says that it is on the ground.
     pub on_ground: Option<bool>,
-    /// Radius that holds the true position with near certainty, metres.
+    /// Radius that holds the true position with near certainty, metres; infinite where the aircraft
+    /// says that it knows none.
     pub containment_m: Option<f64>,
-    /// Bound of the horizontal velocity's error in 95 of 100 cases, metres per second.
+    /// Radius that holds the true position in 95 of 100 cases, metres; infinite where the aircraft
+    /// says that it knows none.
+    pub position_error_m: Option<f64>,
+    /// Source integrity level: 0 where nothing is known of how often the containment fails, 3 where
+    /// it fails once in 10⁷ hours.
+    pub source_integrity: Option<u8>,
+    /// Bound of the horizontal velocity's error in 95 of 100 cases, metres per second; infinite where
+    /// the aircraft says that it knows none.
     pub velocity_error_mps: Option<f64>,
 }
 

@@ -114,6 +114,8 @@ fn parse(line: &[u8]) -> Result<Option<TrafficReport>, Damaged> {
             _ => None,
         },
         containment_m: None,
+        position_error_m: None,
+        source_integrity: None,
         velocity_error_mps: None,
     };
     let nothing = TrafficReport {

@@ -37,6 +37,7 @@ pub(super) struct Damaged;
 
 #[derive(Debug, Clone, Default)]
 struct Heard {
+    supplement: Supplement,
     even: Option<(AirbornePosition, f64)>,
     odd: Option<(AirbornePosition, f64)>,
     place: Option<([f64; 2], f64)>,
@@ -65,8 +66,13 @@ impl Surveillance {
         }
         // Kinds of no use here do not reach the decoder.
         let kind = bytes[4] >> 3;
+        let report = match kind {
+            29 => target_state(bytes),
+            31 => self.operational_status(bytes),
+            _ => None,
+        };
         if !matches!(kind, 1..=22) {
-            return Ok(None);
+            return Ok(report);
         }
         let decoded = Message::try_from(&bytes[..]).map_err(|_| Damaged)?;
         let (address, content) = match decoded.df {
@@ -87,7 +93,8 @@ impl Surveillance {
             ME::BDS06 { .. } => report.on_ground = Some(true),
             ME::BDS05 { inner, .. } => {
                 report.on_ground = Some(false);
-                report.containment_m = containment_m(kind);
+                let supplement = self.aircraft.entry(address).supplement;
+                report.containment_m = containment_m(kind, bytes, supplement);
                 report.altitude = if kind >= 20 {
                     Some(Altitude::Ellipsoid(f64::from(altitude_field(bytes))))
                 } else {
@@ -104,6 +111,27 @@ impl Surveillance {
             ..TrafficReport::default()
         };
         Ok((report != nothing).then_some(report))
+    }
+
+    /// Quality from an operational status of a transponder of version 1 or 2 (DO-260B, 2.2.3.2.7.2);
+    /// version 0 tells none.
+    fn operational_status(&mut self, message: &[u8; 14]) -> Option<TrafficReport> {
+        let (address, content) = address_and_content(message)?;
+        let [first, _, _, _, _, accuracy, integrity] = *content;
+        let version = accuracy >> 5;
+        if first & 7 != 0 || !matches!(version, 1 | 2) {
+            return None;
+        }
+        self.aircraft.entry(address).supplement = Supplement {
+            version,
+            a: accuracy & 0x10 != 0,
+        };
+        Some(TrafficReport {
+            address,
+            position_error_m: position_error_m(accuracy & 0xF),
+            source_integrity: Some((integrity >> 4) & 3),
+            ..TrafficReport::default()
+        })
     }
 
     /// Keeps a half of a position and gives the position if the other half is at hand.
@@ -171,24 +199,84 @@ fn checksum(message: &[u8; 14]) -> u32 {
         })
 }
 
+/// What the operational status adds to the kind of a position message.
+#[derive(Debug, Clone, Copy, Default)]
+struct Supplement {
+    /// Version of the standard that the transponder follows; 0 until it is told.
+    version: u8,
+    /// NIC supplement A.
+    a: bool,
+}
+
+/// Address and content of a squitter with an address of the ICAO.
+fn address_and_content(message: &[u8; 14]) -> Option<(u32, &[u8; 7])> {
+    // Others, of ground stations and with anonymous addresses, tell no quality here.
+    let (head, rest) = message.split_first_chunk::<4>()?;
+    let [format, a, b, c] = *head;
+    let own = format >> 3 == 17 || (format >> 3 == 18 && format & 7 == 0);
+    let address = u32::from_be_bytes([0, a, b, c]);
+    own.then_some((address, rest.first_chunk::<7>()?))
+}
+
+/// Quality from a target state and status of version 2 (DO-260B, 2.2.3.2.7.1).
+fn target_state(message: &[u8; 14]) -> Option<TrafficReport> {
+    let (address, content) = address_and_content(message)?;
+    let [first, _, _, _, fourth, fifth, _] = *content;
+    if (first >> 1) & 3 != 1 {
+        return None;
+    }
+    Some(TrafficReport {
+        address,
+        position_error_m: position_error_m((fourth & 1) << 3 | fifth >> 5),
+        source_integrity: Some((fifth >> 2) & 3),
+        ..TrafficReport::default()
+    })
+}
+
+/// The estimated position uncertainty of a navigation accuracy category, metres (DO-260B, table
+/// 2-71).
+const fn position_error_m(category: u8) -> Option<f64> {
+    Some(match category {
+        0 => f64::INFINITY,
+        1 => 18_520.0,
+        2 => 7_408.0,
+        3 => 3_704.0,
+        4 => 1_852.0,
+        5 => 926.0,
+        6 => 555.6,
+        7 => 185.2,
+        8 => 92.6,
+        9 => 30.0,
+        10 => 10.0,
+        11 => 3.0,
+        _ => return None,
+    })
+}
+
 /// The twelve bits of altitude in a position message.
 fn altitude_field(message: &[u8; 14]) -> u16 {
     u16::from(message[5]) << 4 | u16::from(message[6] >> 4)
 }
 
-/// Radius of containment of a kind of position message, metres (ICAO 9871, table of navigation
-/// uncertainty categories; where versions of the standard differ, the larger).
-fn containment_m(kind: u8) -> Option<f64> {
+/// Radius of containment of a kind of position message, metres (DO-260B, table 2-14; without the
+/// supplement that narrows it, the larger).
+fn containment_m(kind: u8, message: &[u8; 14], supplement: Supplement) -> Option<f64> {
+    // Supplement B stands in the message itself from version 2 on.
+    let b = supplement.version < 2 || message[4] & 1 != 0;
+    let narrow = supplement.version >= 1 && supplement.a && b;
     Some(match kind {
         9 | 20 => 7.5,
         10 | 21 => 25.0,
+        11 if narrow => 75.0,
         11 => 185.2,
         12 => 370.4,
         13 => 1111.2,
         14 => 1852.0,
         15 => 3704.0,
+        16 if narrow => 7408.0,
         16 => 18_520.0,
         17 => 37_040.0,
+        18 | 22 => f64::INFINITY,
         _ => return None,
     })
 }
@@ -196,6 +284,7 @@ fn containment_m(kind: u8) -> Option<f64> {
 /// Velocity over ground and climb.
 fn velocity_of(message: &[u8; 14], velocity: &AirborneVelocity, report: &mut TrafficReport) {
     report.velocity_error_mps = match velocity.nac_v {
+        0 => Some(f64::INFINITY),
         1 => Some(10.0),
         2 => Some(3.0),
         3 => Some(1.0),

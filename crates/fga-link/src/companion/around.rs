@@ -1,7 +1,7 @@
 //! What is around the aircraft: virtual obstacles, tracks, the fence, floor and ceiling.
 
 use fga::Vec3;
-use fga::situation::{Obstacle, ProtectedVolume};
+use fga::situation::{Movement, Obstacle, ProtectedVolume};
 use fga_formats::geodesy::Geodetic;
 
 use super::Companion;
@@ -51,13 +51,20 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
             number: 0,
         },
         icao: 0,
+        key: None,
         callsign: obstacle.name.clone(),
         place,
         velocity_mps: Some(velocity),
         valid_s: 0.0,
+        movement: if obstacle.speed_mps == 0.0 && obstacle.climb_mps == 0.0 {
+            Movement::AtRest
+        } else {
+            Movement::Straight
+        },
         quality: Quality {
             position_m: 0.0,
             velocity_mps: 0.0,
+            height_m: 0.0,
             altitude: AltitudeReference::MeanSeaLevel,
         },
     };
@@ -79,8 +86,10 @@ impl Companion {
                     frame.velocity_mps(report.place, report.velocity_mps.unwrap_or(Vec3::ZERO));
                 let position_m = frame.to_local_m(report.place) + velocity_mps * (at_s - since_s);
                 if (position_m - own_m).length() - volume.bounding_radius_m() < within_m {
-                    self.obstacles
-                        .push(Obstacle::new(id, position_m, velocity_mps, *volume));
+                    self.obstacles.push(Obstacle {
+                        movement: report.movement,
+                        ..Obstacle::new(id, position_m, velocity_mps, *volume)
+                    });
                 }
             }
         }

@@ -12,6 +12,7 @@ mod picture;
 mod readiness;
 mod receive;
 mod send;
+mod traffic;
 mod way;
 
 pub(crate) use receive::beat_of_plane;

@@ -4,9 +4,9 @@ use fga::avoider::{Reason, State as AvoiderState};
 use fga_formats::geodesy::LocalFrame;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
-    ATTITUDE_DATA, COMMAND_ACK_DATA, COMMAND_LONG_DATA, GPS_RAW_INT_DATA, GpsFixType,
-    HEARTBEAT_DATA, MavAutopilot, MavCmd, MavMessage, MavMissionType, MavModeFlag, MavParamType,
-    MavResult, MavType, PARAM_SET_DATA, PARAM_VALUE_DATA, PING_DATA,
+    ATTITUDE_DATA, COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd,
+    MavMessage, MavMissionType, MavModeFlag, MavParamType, MavResult, MavType, PARAM_SET_DATA,
+    PARAM_VALUE_DATA, PING_DATA,
 };
 use serde_json::json;
 
@@ -18,7 +18,7 @@ use crate::mode::Mode;
 use crate::number::single;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
-use crate::traffic::{Report, Sender, Source, fence};
+use crate::traffic::fence;
 
 /// Name of the switch among this component's parameters.
 const ENABLE: &str = "FGA_ENABLE";
@@ -42,8 +42,7 @@ pub(crate) fn beat_of_plane(header: MavHeader, data: &HEARTBEAT_DATA) -> Option<
 impl Companion {
     /// Takes a message.
     pub fn receive(&mut self, header: &MavHeader, message: &MavMessage, now_s: f64) {
-        if let MavMessage::ADSB_VEHICLE(data) = message {
-            self.take_adsb(*header, data, now_s);
+        if self.take_traffic(*header, message, now_s) {
             return;
         }
         let Ok(system) = u8::try_from(header.system_id) else {
@@ -379,38 +378,6 @@ impl Companion {
                 self.tell(Severity::Warning, "fga: mission item not set", now_s);
             }
             _ => {}
-        }
-    }
-
-    /// A receiver that tells both altitudes tells the height of the geoid.
-    fn take_geoid(&mut self, data: &GPS_RAW_INT_DATA) {
-        let fixed = data.fix_type as u32 >= GpsFixType::GPS_FIX_TYPE_3D_FIX as u32;
-        // Zero: the extension field was not sent.
-        if fixed && data.alt_ellipsoid != 0 {
-            self.tracks.levels_mut().take_geoid(
-                f64::from(data.alt_ellipsoid) * 1e-3,
-                f64::from(data.alt) * 1e-3,
-            );
-        }
-    }
-
-    fn take_adsb(
-        &mut self,
-        header: MavHeader,
-        data: &mavlink::dialects::ardupilotmega::ADSB_VEHICLE_DATA,
-        now_s: f64,
-    ) {
-        let own = self.vehicle_system().map(u32::from);
-        let source = if Some(header.system_id) == own && header.component_id == AUTOPILOT {
-            Source::AutopilotList
-        } else {
-            Source::Mavlink
-        };
-        let system = u8::try_from(header.system_id).unwrap_or(u8::MAX);
-        let sender = Sender::mavlink(source, system, header.component_id);
-        let sigma_m = self.config.traffic.position_sigma_m;
-        if let Some(report) = Report::from_adsb(data, sender, now_s, sigma_m) {
-            self.take_report(&report, now_s);
         }
     }
 

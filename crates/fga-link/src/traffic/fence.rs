@@ -6,7 +6,7 @@
 //! wide that nothing is beside them.
 
 use fga::Vec3;
-use fga::situation::{Obstacle, ObstacleKind, ProtectedVolume};
+use fga::situation::{Movement, Obstacle, ObstacleKind, ProtectedVolume};
 use fga_formats::geodesy::{Geodetic, LocalFrame};
 use mavlink::dialects::ardupilotmega::MavCmd;
 
@@ -160,6 +160,7 @@ impl Fence {
             };
             let mut obstacle = Obstacle::new(id, at_m, Vec3::ZERO, volume);
             obstacle.kind = ObstacleKind::NaturalBarrier;
+            obstacle.movement = Movement::AtRest;
             into.push(obstacle);
         }
     }
@@ -180,6 +181,7 @@ pub fn layer(id: u32, height_m: f64, below: bool, own_m: Vec3) -> Obstacle {
     };
     let mut obstacle = Obstacle::new(id, Vec3::new(own_m.x, own_m.y, z), Vec3::ZERO, volume);
     obstacle.kind = ObstacleKind::NaturalBarrier;
+    obstacle.movement = Movement::AtRest;
     obstacle
 }
 

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`report`] | what did one message say? |
 //! | [`receiver`] | what do the receivers on the network say? |
+//! | [`remote_id`] | what do unmanned aircraft broadcast? |
 //! | [`table`] | which reports are of one aircraft, and which aircraft are kept? |
 //! | [`track`] | where is it now, and how well is that known? |
 //! | [`threat`] | which aircraft matter most? |
@@ -14,6 +15,7 @@
 pub mod fence;
 pub mod own;
 pub mod receiver;
+pub mod remote_id;
 pub mod report;
 pub mod table;
 pub mod threat;

@@ -1,8 +1,11 @@
 //! One report of another aircraft's position, and how an `ADSB_VEHICLE` message becomes one.
 
 use fga::Vec3;
+use fga::situation::Movement;
 use fga_formats::geodesy::Geodetic;
-use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags};
+use mavlink::dialects::ardupilotmega::{
+    ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbEmitterType, AdsbFlags,
+};
 
 use crate::number::degrees_from_e7;
 
@@ -17,6 +20,10 @@ pub enum Source {
     Sbs,
     /// A Beast stream.
     Beast,
+    /// A radar or a camera on board.
+    Sensor,
+    /// A receiver of Remote ID.
+    RemoteId,
     /// The configuration.
     Virtual,
 }
@@ -29,6 +36,8 @@ impl Source {
             Self::AutopilotList => "autopilot",
             Self::Sbs => "sbs",
             Self::Beast => "beast",
+            Self::Sensor => "sensor",
+            Self::RemoteId => "remote-id",
             Self::Virtual => "virtual",
         }
     }
@@ -68,6 +77,10 @@ pub enum Key {
     Address(u32),
     /// A call sign without an address, as one sender tells it.
     Callsign(Sender, [u8; LONGEST_CALLSIGN]),
+    /// A transmitter of Remote ID.
+    Transmitter(super::remote_id::Transmitter),
+    /// What a sensor sees under a number of its own.
+    Seen(Sender, u16),
     /// Neither: the place alone tells.
     Unnamed(Sender),
 }
@@ -90,6 +103,8 @@ pub struct Quality {
     pub position_m: f64,
     /// σ of the velocity along an axis, metres per second; the position grows worse by it with age.
     pub velocity_mps: f64,
+    /// Bound of the altitude's error, metres, beyond what is known of its reference.
+    pub height_m: f64,
     /// What the altitude is measured from.
     pub altitude: AltitudeReference,
 }
@@ -103,6 +118,8 @@ pub struct Report {
     pub sender: Sender,
     /// ICAO address; 0 where none was given.
     pub icao: u32,
+    /// Which aircraft it claims to be of, where neither address nor call sign tells.
+    pub key: Option<Key>,
     /// Call sign, without blanks.
     pub callsign: String,
     /// Where; the altitude above what [`Quality::altitude`] says.
@@ -111,10 +128,14 @@ pub struct Report {
     pub velocity_mps: Option<Vec3>,
     /// When that was true, seconds on the local clock.
     pub valid_s: f64,
+    /// How such an aircraft may move.
+    pub movement: Movement,
     /// How well it is known.
     pub quality: Quality,
 }
 
+/// σ of a velocity along an axis that tells nothing of its quality, metres per second.
+const VELOCITY_SIGMA_MPS: f64 = 1.0;
 /// Longest call sign that is kept.
 pub const LONGEST_CALLSIGN: usize = 9;
 
@@ -129,6 +150,9 @@ pub fn tidy_callsign(text: &str) -> String {
 impl Report {
     /// Which aircraft it claims to be of.
     pub fn key(&self) -> Key {
+        if let Some(key) = self.key {
+            return key;
+        }
         if self.icao != 0 {
             return Key::Address(self.icao);
         }
@@ -184,13 +208,20 @@ impl Report {
             source: sender.source,
             sender,
             icao: data.ICAO_address & 0x00FF_FFFF,
+            key: None,
             callsign: tidy_callsign(data.callsign.to_str().unwrap_or_default()),
             place,
             velocity_mps,
             valid_s: now_s - age_s,
+            movement: if data.emitter_type == AdsbEmitterType::ADSB_EMITTER_TYPE_UAV {
+                Movement::SMALL_UAS
+            } else {
+                Movement::CREWED
+            },
             quality: Quality {
                 position_m: position_sigma_m,
-                velocity_mps: 0.0,
+                velocity_mps: VELOCITY_SIGMA_MPS,
+                height_m: 0.0,
                 // Receivers fill in the transponder's pressure altitude, whatever the type's name
                 // says of QNH.
                 altitude: if geometric {

@@ -10,10 +10,11 @@
 use alloc::collections::BTreeMap;
 
 use fga::Vec3;
-use fga::situation::{Movement, Obstacle, ObstacleKind, ProtectedVolume, Uncertainty};
+use fga::situation::{Obstacle, ObstacleKind, ProtectedVolume, Uncertainty};
 use fga_formats::geodesy::LocalFrame;
 
 use super::own::{self, Flown};
+use super::remote_id::RemoteId;
 use super::report::{Key, Report, Sender, Source};
 use super::threat::{Ahead, Reach, Urgency};
 use super::track::{Seen, Track, bit};
@@ -72,6 +73,7 @@ pub struct TrackTable {
     flown: Flown,
     ahead: Ahead,
     levels: Levels,
+    remote_id: RemoteId,
     /// Own height in the frame and own altitude above mean sea level, metres.
     own_height_m: Option<(f64, f64)>,
     /// What was last protected around each.
@@ -98,6 +100,7 @@ impl TrackTable {
             flown: Flown::default(),
             ahead: Ahead::default(),
             levels: Levels::default(),
+            remote_id: RemoteId::default(),
             own_height_m: None,
             volume: ProtectedVolume::Sphere { radius_m: 0.0 },
             overload_s: None,
@@ -131,6 +134,11 @@ impl TrackTable {
             .iter()
             .map(|track| track.heard_s)
             .reduce(f64::max)
+    }
+
+    /// What is known of the transmitters of Remote ID, and of the levels that altitudes refer to.
+    pub const fn remote_id(&mut self) -> (&mut RemoteId, &Levels) {
+        (&mut self.remote_id, &self.levels)
     }
 
     /// Where the levels lie that altitudes refer to.
@@ -324,12 +332,14 @@ impl TrackTable {
     fn shift(&self, track: &Track, height_m: f64, now_s: f64) -> Shift {
         let (own_m, own_altitude_m) = self.own_height_m.unwrap_or((height_m, height_m));
         let altitude_m = own_altitude_m + height_m - own_m;
-        self.levels.shift(
+        let mut shift = self.levels.shift(
             track.altitude_reference(),
             altitude_m,
             own_altitude_m,
             now_s,
-        )
+        );
+        shift.bound_m += track.height_bound_m();
+        shift
     }
 
     fn urgency(&self, track: &Track, now_s: f64) -> Urgency {
@@ -448,7 +458,7 @@ impl TrackTable {
             velocity_mps: track.velocity_mps(),
             volume: taller(&wanted.volume, shift.bound_m),
             kind: ObstacleKind::Unknown,
-            movement: Movement::CREWED,
+            movement: track.movement,
             uncertainty: Uncertainty {
                 position_m: track.sigma_m(wanted.at_s),
                 velocity_mps: 0.0,

@@ -6,6 +6,7 @@
 use alloc::collections::VecDeque;
 
 use fga::Vec3;
+use fga::situation::Movement;
 
 use super::own::Belief;
 use super::report::{AltitudeReference, Key, Quality, Report, Source};
@@ -49,6 +50,9 @@ const REPEATED_FOR_S: f64 = 3.0;
 const MOVES_MPS: f64 = 2.0;
 /// An altitude above the sea counts for so long before a pressure altitude replaces it, seconds.
 const BETTER_HEIGHT_S: f64 = 3.0;
+/// A velocity that is not told is estimated over so long, seconds, and from so long on.
+const ESTIMATED_OVER_S: f64 = 3.5;
+const ESTIMATED_FROM_S: f64 = 0.5;
 /// The usual time between reports is not taken for longer than this, seconds.
 const LONGEST_INTERVAL_S: f64 = 5.0;
 
@@ -75,6 +79,8 @@ pub struct Track {
     pub callsign: String,
     /// Who reported last.
     pub source: Source,
+    /// How it may move.
+    pub movement: Movement,
     pub(super) key: Key,
     pub(super) own: Belief,
     /// The sender that opened it, and all that have continued it, as bits.
@@ -94,6 +100,8 @@ pub struct Track {
     interval_s: f64,
     quality: Quality,
     residual_m2: f64,
+    /// σ of an estimated velocity, metres per second.
+    estimated_mps: f64,
     height_s: f64,
     last: Seen,
     reported: VecDeque<(f64, Vec3, Vec3)>,
@@ -108,6 +116,7 @@ impl Track {
             icao: report.icao,
             callsign: report.callsign.clone(),
             source: report.source,
+            movement: report.movement,
             key: report.key(),
             own: Belief::default(),
             slot: seen.slot,
@@ -123,6 +132,7 @@ impl Track {
             interval_s: 1.0,
             quality: seen.quality,
             residual_m2: 0.0,
+            estimated_mps: 0.0,
             height_s: seen.valid_s,
             last: seen,
             reported: VecDeque::new(),
@@ -147,6 +157,11 @@ impl Track {
         self.quality.altitude
     }
 
+    /// Bound of its altitude's error, metres, beyond what is known of the reference.
+    pub(super) const fn height_bound_m(&self) -> f64 {
+        self.quality.height_m
+    }
+
     /// Whether it is believed to be the own transponder.
     pub const fn is_own(&self) -> bool {
         self.own.holds()
@@ -161,7 +176,7 @@ impl Track {
     /// reports have been from their prediction, and what an aircraft may do since.
     pub fn sigma_m(&self, at_s: f64) -> f64 {
         let age_s = self.age_s(at_s).max(0.0);
-        let drift_m = self.quality.velocity_mps * age_s;
+        let drift_m = (self.quality.velocity_mps + self.estimated_mps) * age_s;
         let reported_m = libm::sqrt(
             self.quality.position_m * self.quality.position_m
                 + self.residual_m2
@@ -290,7 +305,7 @@ impl Track {
         }
         let since_s = seen.valid_s - self.last.valid_s;
         let off = seen.position_m - self.position_m(seen.valid_s);
-        self.take_velocity(seen, since_s);
+        self.take_velocity(seen);
         let new_height = seen.quality.altitude != self.quality.altitude;
         let better_height = self.quality.altitude == AltitudeReference::MeanSeaLevel
             && seen.valid_s - self.height_s < BETTER_HEIGHT_S;
@@ -339,20 +354,48 @@ impl Track {
     }
 
     /// The velocity as told, or from the places.
-    fn take_velocity(&mut self, seen: &Seen, since_s: f64) {
+    fn take_velocity(&mut self, seen: &Seen) {
         match seen.velocity_mps {
             Some(velocity_mps) => {
                 self.velocity_mps = velocity_mps;
                 self.has_velocity = true;
+                self.estimated_mps = 0.0;
             }
-            None if !self.has_velocity && since_s > 0.3 => {
-                let flown_mps = (seen.position_m - self.last.position_m) / since_s;
-                if flown_mps.length() < 1000.0 {
-                    let part = if self.hits > 1 { 0.4 } else { 1.0 };
-                    self.velocity_mps += (flown_mps - self.velocity_mps) * part;
-                }
-            }
+            None if !self.has_velocity => self.estimate_velocity(seen),
             None => {}
+        }
+    }
+
+    /// Velocity that fits the last places best: the slope of a straight line.
+    fn estimate_velocity(&mut self, seen: &Seen) {
+        let recent = || {
+            let reported = self.reported.iter().map(|(at_s, at_m, _)| (*at_s, *at_m));
+            let all = reported.chain([(seen.valid_s, seen.position_m)]);
+            all.filter(|(at_s, _)| seen.valid_s - at_s <= ESTIMATED_OVER_S)
+        };
+        let (mut count, mut mean_s, mut mean_m) = (0.0, 0.0, Vec3::ZERO);
+        for (at_s, at_m) in recent() {
+            count += 1.0;
+            mean_s += at_s - seen.valid_s;
+            mean_m += at_m - seen.position_m;
+        }
+        let span_s = recent().next().map_or(0.0, |(at_s, _)| seen.valid_s - at_s);
+        if span_s < ESTIMATED_FROM_S {
+            return;
+        }
+        (mean_s, mean_m) = (mean_s / count, mean_m / count);
+        let (mut squares_s2, mut products) = (0.0, Vec3::ZERO);
+        for (at_s, at_m) in recent() {
+            let off_s = at_s - seen.valid_s - mean_s;
+            squares_s2 += off_s * off_s;
+            products += (at_m - seen.position_m - mean_m) * off_s;
+        }
+        let velocity_mps = products / squares_s2;
+        if velocity_mps.is_finite() && velocity_mps.length() < 1000.0 {
+            self.velocity_mps = velocity_mps;
+            // σ of the slope of a line through places with this σ.
+            let sigma_m = self.quality.position_m.max(seen.quality.position_m);
+            self.estimated_mps = sigma_m / libm::sqrt(squares_s2);
         }
     }
 

@@ -79,6 +79,17 @@ impl Levels {
         }
     }
 
+    /// Whether the vehicle's pressure is known.
+    pub fn knows_pressure(&self, now_s: f64) -> bool {
+        self.pressure
+            .is_some_and(|(_, at_s)| now_s - at_s < LIFETIME_S)
+    }
+
+    /// Whether the height of the geoid is known.
+    pub const fn knows_geoid(&self) -> bool {
+        self.geoid_m.is_some()
+    }
+
     /// The shift of an altitude that is `above_m` metres above the vehicle.
     pub fn shift(
         &self,

@@ -1,0 +1,217 @@
+//! Messages about other aircraft: ADS-B, Remote ID, and what a radar or a camera on board sees.
+
+use fga::Vec3;
+use fga::situation::Movement;
+use mavlink::MavHeader;
+use mavlink::dialects::ardupilotmega::{
+    ADSB_VEHICLE_DATA, GPS_RAW_INT_DATA, GpsFixType, MavFrame, MavMessage,
+    OBSTACLE_DISTANCE_3D_DATA,
+};
+
+use super::Companion;
+use crate::outgoing::AUTOPILOT;
+use crate::traffic::report::{Key, Quality};
+use crate::traffic::{AltitudeReference, Report, Sender, Source};
+
+/// σ of a place that a sensor tells without a configuration, metres, and with its distance.
+const SENSOR_SIGMA_M: f64 = 10.0;
+const SENSOR_SIGMA_SHARE: f64 = 0.02;
+/// A sensor sees no farther than this, metres.
+const SENSOR_REACH_M: f64 = 20_000.0;
+/// An obstacle without a number of its own.
+const UNNUMBERED: u16 = u16::MAX;
+
+impl Companion {
+    /// Takes a message about other aircraft; `false` for any other message.
+    pub(super) fn take_traffic(
+        &mut self,
+        header: MavHeader,
+        message: &MavMessage,
+        now_s: f64,
+    ) -> bool {
+        let system = u8::try_from(header.system_id).unwrap_or(u8::MAX);
+        let on_board = Some(system) == self.vehicle_system();
+        let sender = |source| Sender::mavlink(source, system, header.component_id);
+        let report = match message {
+            MavMessage::ADSB_VEHICLE(data) => self.adsb_report(data, header, now_s),
+            MavMessage::OPEN_DRONE_ID_BASIC_ID(data) => {
+                let (remote_id, _) = self.tracks.remote_id();
+                remote_id.take_basic_id(data, sender(Source::RemoteId), now_s);
+                None
+            }
+            // Without an identity of the transmitter, what the vehicle's system tells is about the
+            // vehicle itself.
+            MavMessage::OPEN_DRONE_ID_LOCATION(data) if on_board && data.id_or_mac == [0; 20] => {
+                None
+            }
+            MavMessage::OPEN_DRONE_ID_MESSAGE_PACK(data)
+                if on_board && data.id_or_mac == [0; 20] =>
+            {
+                None
+            }
+            MavMessage::OPEN_DRONE_ID_LOCATION(data) => {
+                let (remote_id, levels) = self.tracks.remote_id();
+                remote_id.take_location(data, sender(Source::RemoteId), levels, now_s)
+            }
+            MavMessage::OPEN_DRONE_ID_MESSAGE_PACK(data) => {
+                let (remote_id, levels) = self.tracks.remote_id();
+                remote_id.take_pack(data, sender(Source::RemoteId), levels, now_s)
+            }
+            MavMessage::OBSTACLE_DISTANCE_3D(data) => {
+                let sender = sender(Source::Sensor);
+                let sigma_m = self.sensor_sigma_m(system, header.component_id);
+                // A stranger's sensor sees from somewhere else.
+                if on_board || sigma_m.is_some() {
+                    self.sensor_report(data, sender, sigma_m.unwrap_or(SENSOR_SIGMA_M), now_s)
+                } else {
+                    None
+                }
+            }
+            _ => return false,
+        };
+        if let Some(report) = report {
+            self.take_report(&report, now_s);
+        }
+        true
+    }
+
+    fn adsb_report(
+        &self,
+        data: &ADSB_VEHICLE_DATA,
+        header: MavHeader,
+        now_s: f64,
+    ) -> Option<Report> {
+        let system = u8::try_from(header.system_id).unwrap_or(u8::MAX);
+        let own = self.vehicle_system() == Some(system) && header.component_id == AUTOPILOT;
+        let configured = self.sensor_sigma_m(system, header.component_id);
+        let source = match configured {
+            _ if own => Source::AutopilotList,
+            Some(_) => Source::Sensor,
+            None => Source::Mavlink,
+        };
+        let sigma_m = configured.unwrap_or(self.config.traffic.position_sigma_m);
+        let sender = Sender::mavlink(source, system, header.component_id);
+        let mut report = Report::from_adsb(data, sender, now_s, sigma_m)?;
+        if source == Source::Sensor && report.icao != 0 {
+            // A sensor numbers what it sees; its numbers are no addresses.
+            let number = u16::try_from(report.icao & 0xFFFF).unwrap_or(UNNUMBERED);
+            report.key = Some(Key::Seen(sender, number));
+            report.icao = 0;
+        }
+        Some(report)
+    }
+
+    /// σ of a sensor that the configuration names, metres.
+    fn sensor_sigma_m(&self, system: u8, component: u8) -> Option<f64> {
+        let sensors = self.config.traffic.sensor.iter();
+        sensors
+            .filter(|sensor| sensor.system_id == system && sensor.component_id == component)
+            .map(|sensor| sensor.position_sigma_m)
+            .next()
+    }
+
+    /// A place relative to the vehicle.
+    fn sensor_report(
+        &mut self,
+        data: &OBSTACLE_DISTANCE_3D_DATA,
+        sender: Sender,
+        sigma_m: f64,
+        now_s: f64,
+    ) -> Option<Report> {
+        let offset = Vec3::new(f64::from(data.x), f64::from(data.y), f64::from(data.z));
+        let distance_m = offset.length();
+        let farthest_m = f64::from(data.max_distance).min(SENSOR_REACH_M);
+        if !offset.is_finite()
+            || distance_m > farthest_m
+            || distance_m < f64::from(data.min_distance)
+        {
+            return None;
+        }
+        let response = self.response.response();
+        let state = self
+            .ownship
+            .state_at(now_s, &self.commanded_lately, &response)?;
+        let heading_rad = self.ownship.heading_rad()?;
+        let (bank_rad, pitch_rad) = match data.frame {
+            // The body's axes: forward, right, down.
+            MavFrame::MAV_FRAME_BODY_FRD => (-state.ownship.bank_rad, state.pitch_rad),
+            // The same, but level.
+            MavFrame::MAV_FRAME_LOCAL_FRD => (0.0, 0.0),
+            _ => return None,
+        };
+        let east_north_up = from_body(offset, bank_rad, pitch_rad, heading_rad);
+        let frame = self.ownship.frame()?;
+        let place = frame.to_geodetic(state.ownship.position_m + east_north_up);
+        let key = match data.obstacle_id {
+            UNNUMBERED => Key::Unnamed(sender),
+            number => Key::Seen(sender, number),
+        };
+        Some(Report {
+            source: sender.source,
+            sender,
+            icao: 0,
+            key: Some(key),
+            callsign: String::new(),
+            place,
+            velocity_mps: None,
+            valid_s: now_s,
+            // It may be anything that flies.
+            movement: Movement::SMALL_UAS,
+            quality: Quality {
+                position_m: libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m),
+                velocity_mps: 0.0,
+                height_m: 0.0,
+                altitude: AltitudeReference::MeanSeaLevel,
+            },
+        })
+    }
+
+    /// A receiver that tells both altitudes tells the height of the geoid.
+    pub(super) fn take_geoid(&mut self, data: &GPS_RAW_INT_DATA) {
+        let fixed = data.fix_type as u32 >= GpsFixType::GPS_FIX_TYPE_3D_FIX as u32;
+        // Zero: the extension field was not sent.
+        if fixed && data.alt_ellipsoid != 0 {
+            self.tracks.levels_mut().take_geoid(
+                f64::from(data.alt_ellipsoid) * 1e-3,
+                f64::from(data.alt) * 1e-3,
+            );
+        }
+    }
+}
+
+/// Forward, right and down in east, north and up: bank positive to the right, pitch positive up,
+/// heading anticlockwise from east.
+fn from_body(offset: Vec3, bank_rad: f64, pitch_rad: f64, heading_rad: f64) -> Vec3 {
+    let (sin_bank, cos_bank) = libm::sincos(bank_rad);
+    let right_m = offset.y * cos_bank - offset.z * sin_bank;
+    let down_m = offset.y * sin_bank + offset.z * cos_bank;
+    let (sin_pitch, cos_pitch) = libm::sincos(pitch_rad);
+    let ahead_m = offset.x * cos_pitch + down_m * sin_pitch;
+    let down_m = down_m * cos_pitch - offset.x * sin_pitch;
+    let (sin, cos) = libm::sincos(heading_rad);
+    Vec3::new(
+        ahead_m * cos + right_m * sin,
+        ahead_m * sin - right_m * cos,
+        -down_m,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use core::f64::consts::FRAC_PI_2;
+
+    use super::*;
+
+    #[test]
+    fn body_axes_turn_with_the_aircraft() {
+        let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-9, "{a} {b}");
+        // Heading north: right is east.
+        near(from_body(Vec3::Y, 0.0, 0.0, FRAC_PI_2), Vec3::X);
+        // Nose up by 90°: ahead is up.
+        near(from_body(Vec3::X, 0.0, FRAC_PI_2, FRAC_PI_2), Vec3::Z);
+        // Banked right by 90°: the right wing points down.
+        near(from_body(Vec3::Y, FRAC_PI_2, 0.0, FRAC_PI_2), -Vec3::Z);
+        // Heading east, down is down.
+        near(from_body(Vec3::Z, 0.0, 0.0, 0.0), -Vec3::Z);
+    }
+}

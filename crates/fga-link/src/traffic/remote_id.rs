@@ -1,0 +1,472 @@
+//! Remote ID (ASTM F3411): unmanned aircraft that broadcast where they are, as a receiver passes
+//! them on in `OPEN_DRONE_ID_LOCATION`, `OPEN_DRONE_ID_BASIC_ID` and packs of both.
+
+use alloc::collections::BTreeMap;
+
+use fga::Vec3;
+use fga::situation::Movement;
+use fga_formats::geodesy::Geodetic;
+use mavlink::dialects::ardupilotmega::{
+    MavOdidStatus, OPEN_DRONE_ID_BASIC_ID_DATA, OPEN_DRONE_ID_LOCATION_DATA,
+    OPEN_DRONE_ID_MESSAGE_PACK_DATA,
+};
+
+use super::report::{AltitudeReference, Key, Quality, Report, Sender, tidy_callsign};
+use super::vertical::Levels;
+use crate::number::degrees_from_e7;
+
+/// What tells one transmitter from another: its hardware address or its identifier.
+pub type Transmitter = [u8; 20];
+
+/// Aircraft whose names and clocks are remembered.
+const MOST_AIRCRAFT: usize = 1024;
+/// One that was not heard for so long makes room, seconds.
+const FORGOTTEN_S: f64 = 60.0;
+/// Bytes of a broadcast message, and of the messages in a pack.
+const MESSAGE: usize = 25;
+/// Timestamps count tenths of a second from the full hour.
+const HOUR_S: f64 = 3600.0;
+/// A message that comes later than this behind the fastest one has another clock, seconds.
+const LATEST_S: f64 = 60.0;
+/// A circle of this many σ holds 95 of 100 positions.
+const SIGMAS_IN_95: f64 = 2.4477;
+/// What is taken for an accuracy that is not told: metres, metres, metres per second.
+const UNKNOWN_SIGMA_M: f64 = 30.0;
+const UNKNOWN_HEIGHT_M: f64 = 50.0;
+const UNKNOWN_VELOCITY_MPS: f64 = 4.0;
+
+/// Where an aircraft says that it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Location {
+    on_ground: bool,
+    latitude_deg: f64,
+    longitude_deg: f64,
+    pressure_altitude_m: Option<f64>,
+    ellipsoid_altitude_m: Option<f64>,
+    /// Degrees clockwise from north, metres per second.
+    direction_deg: Option<f64>,
+    speed_mps: Option<f64>,
+    climb_mps: Option<f64>,
+    /// Categories of the standard.
+    horizontal_accuracy: u8,
+    vertical_accuracy: u8,
+    pressure_accuracy: u8,
+    speed_accuracy: u8,
+    /// Seconds since the full hour.
+    timestamp_s: Option<f64>,
+}
+
+#[derive(Debug, Clone, Default)]
+struct Aircraft {
+    name: String,
+    heard_s: f64,
+    /// Least difference between the local clock and its timestamps, seconds.
+    least_delay_s: Option<f64>,
+    last_timestamp_s: Option<f64>,
+}
+
+/// What is remembered of the transmitters.
+#[derive(Debug, Clone, Default)]
+pub struct RemoteId {
+    aircraft: BTreeMap<Transmitter, Aircraft>,
+}
+
+impl RemoteId {
+    /// Aircraft held in memory.
+    pub fn aircraft(&self) -> usize {
+        self.aircraft.len()
+    }
+
+    /// Takes a name.
+    pub fn take_basic_id(
+        &mut self,
+        data: &OPEN_DRONE_ID_BASIC_ID_DATA,
+        sender: Sender,
+        now_s: f64,
+    ) {
+        self.name(transmitter(data.id_or_mac, sender), &data.uas_id, now_s);
+    }
+
+    /// Takes a location; `None` where it holds no position in the air.
+    pub fn take_location(
+        &mut self,
+        data: &OPEN_DRONE_ID_LOCATION_DATA,
+        sender: Sender,
+        levels: &Levels,
+        now_s: f64,
+    ) -> Option<Report> {
+        let told = |value: f64, unknown: f64| (value < unknown).then_some(value);
+        let altitude = |metres: f32| (metres > -1000.0).then_some(f64::from(metres));
+        let location = Location {
+            on_ground: data.status == MavOdidStatus::MAV_ODID_STATUS_GROUND,
+            latitude_deg: degrees_from_e7(data.latitude),
+            longitude_deg: degrees_from_e7(data.longitude),
+            pressure_altitude_m: altitude(data.altitude_barometric),
+            ellipsoid_altitude_m: altitude(data.altitude_geodetic),
+            direction_deg: told(f64::from(data.direction) * 0.01, 360.5),
+            speed_mps: told(f64::from(data.speed_horizontal) * 0.01, 255.0),
+            climb_mps: told(f64::from(data.speed_vertical) * 0.01, 63.0),
+            horizontal_accuracy: data.horizontal_accuracy as u8,
+            vertical_accuracy: data.vertical_accuracy as u8,
+            pressure_accuracy: data.barometer_accuracy as u8,
+            speed_accuracy: data.speed_accuracy as u8,
+            timestamp_s: told(f64::from(data.timestamp), HOUR_S + 1.0),
+        };
+        self.report(
+            transmitter(data.id_or_mac, sender),
+            &location,
+            sender,
+            levels,
+            now_s,
+        )
+    }
+
+    /// Takes a pack of broadcast messages of one aircraft.
+    pub fn take_pack(
+        &mut self,
+        data: &OPEN_DRONE_ID_MESSAGE_PACK_DATA,
+        sender: Sender,
+        levels: &Levels,
+        now_s: f64,
+    ) -> Option<Report> {
+        if usize::from(data.single_message_size) != MESSAGE {
+            return None;
+        }
+        let from = transmitter(data.id_or_mac, sender);
+        let (messages, _) = data.messages.as_chunks::<MESSAGE>();
+        let mut found = None;
+        for message in messages.iter().take(usize::from(data.msg_pack_size)) {
+            match message[0] >> 4 {
+                0 => {
+                    if let Some((_, rest)) = message.split_first_chunk::<2>()
+                        && let Some(name) = rest.first_chunk::<20>()
+                    {
+                        self.name(from, name, now_s);
+                    }
+                }
+                1 => found = Location::decode(message),
+                _ => {}
+            }
+        }
+        self.report(from, &found?, sender, levels, now_s)
+    }
+
+    /// What is remembered of a transmitter; `None` where there is no room for another one.
+    fn entry(&mut self, from: Transmitter, now_s: f64) -> Option<&mut Aircraft> {
+        if !self.aircraft.contains_key(&from) && self.aircraft.len() >= MOST_AIRCRAFT {
+            self.aircraft
+                .retain(|_, aircraft| now_s - aircraft.heard_s < FORGOTTEN_S);
+            if self.aircraft.len() >= MOST_AIRCRAFT {
+                return None;
+            }
+        }
+        let aircraft = self.aircraft.entry(from).or_default();
+        aircraft.heard_s = now_s;
+        Some(aircraft)
+    }
+
+    fn name(&mut self, from: Transmitter, name: &[u8; 20], now_s: f64) {
+        let text: String = name.iter().map(|byte| char::from(*byte)).collect();
+        // The end of a serial number tells more than the maker's code at its beginning.
+        let text: String = text.chars().filter(char::is_ascii_graphic).collect();
+        let tail = text.len().saturating_sub(super::report::LONGEST_CALLSIGN);
+        if let Some(aircraft) = self.entry(from, now_s) {
+            aircraft.name = tidy_callsign(text.get(tail..).unwrap_or_default());
+        }
+    }
+
+    fn report(
+        &mut self,
+        from: Transmitter,
+        location: &Location,
+        sender: Sender,
+        levels: &Levels,
+        now_s: f64,
+    ) -> Option<Report> {
+        if location.on_ground || (location.latitude_deg == 0.0 && location.longitude_deg == 0.0) {
+            return None;
+        }
+        let (altitude_m, altitude, accuracy) = location.altitude(levels, now_s)?;
+        let mut report = Report {
+            source: sender.source,
+            sender,
+            icao: 0,
+            key: Some(Key::Transmitter(from)),
+            callsign: String::new(),
+            place: Geodetic::new(location.latitude_deg, location.longitude_deg, altitude_m)?,
+            velocity_mps: location.velocity_mps(),
+            valid_s: now_s,
+            movement: Movement::SMALL_UAS,
+            quality: Quality {
+                position_m: horizontal_m(location.horizontal_accuracy)
+                    .map_or(UNKNOWN_SIGMA_M, |m| m / SIGMAS_IN_95),
+                velocity_mps: speed_mps(location.speed_accuracy)
+                    .map_or(UNKNOWN_VELOCITY_MPS, |mps| mps / SIGMAS_IN_95),
+                height_m: vertical_m(accuracy).unwrap_or(UNKNOWN_HEIGHT_M),
+                altitude,
+            },
+        };
+        if let Some(aircraft) = self.entry(from, now_s) {
+            report.callsign.clone_from(&aircraft.name);
+            report.valid_s = now_s - aircraft.age_s(location.timestamp_s, now_s)?;
+        }
+        Some(report)
+    }
+}
+
+/// Zeros name the sender's own aircraft: one for each system.
+fn transmitter(id: Transmitter, sender: Sender) -> Transmitter {
+    if id != [0; 20] {
+        return id;
+    }
+    let mut own = [0; 20];
+    let [system, _] = sender.number.to_be_bytes();
+    own[19] = system;
+    own
+}
+
+impl Aircraft {
+    /// How old a location is, seconds, by its timestamp against the fastest one; `None` where it was
+    /// told before or is older than the last.
+    fn age_s(&mut self, timestamp_s: Option<f64>, now_s: f64) -> Option<f64> {
+        let Some(timestamp_s) = timestamp_s else {
+            return Some(0.0);
+        };
+        if let Some(last_s) = self.last_timestamp_s {
+            let on_s = (timestamp_s - last_s).rem_euclid(HOUR_S);
+            // No later, or from before: in the half hour behind the last.
+            if on_s == 0.0 || on_s > 0.5 * HOUR_S {
+                return None;
+            }
+        }
+        self.last_timestamp_s = Some(timestamp_s);
+        let delay_s = (now_s - timestamp_s).rem_euclid(HOUR_S);
+        let least_s = self.least_delay_s.unwrap_or(delay_s);
+        let late_s = (delay_s - least_s).rem_euclid(HOUR_S);
+        if late_s > LATEST_S {
+            // Faster than the fastest so far, or another clock.
+            self.least_delay_s = Some(delay_s);
+            return Some(0.0);
+        }
+        self.least_delay_s = Some(least_s);
+        Some(late_s)
+    }
+}
+
+impl Location {
+    /// A broadcast message: little endian, angles in 10⁻⁷ degrees, altitudes in half metres from
+    /// −1,000 m, speeds in quarters of a metre per second or above 63.75 m/s in three quarters.
+    fn decode(message: &[u8; MESSAGE]) -> Option<Self> {
+        let [_, flags, direction, speed, climb, rest @ ..] = *message;
+        let (places, rest) = rest.split_first_chunk::<8>()?;
+        let [a, b, c, d, e, f, g, h] = *places;
+        let (altitudes, rest) = rest.split_first_chunk::<6>()?;
+        let [p0, p1, e0, e1, _, _] = *altitudes;
+        let [accuracy, more, t0, t1, ..] = *rest.first_chunk::<4>()?;
+        let altitude = |bytes: [u8; 2]| {
+            let steps = u16::from_le_bytes(bytes);
+            (steps != 0).then(|| f64::from(steps) * 0.5 - 1000.0)
+        };
+        let west_deg = if flags & 2 != 0 { 180.0 } else { 0.0 };
+        let speed_mps = if flags & 1 != 0 {
+            f64::from(speed) * 0.75 + 63.75
+        } else {
+            f64::from(speed) * 0.25
+        };
+        let climb_mps = f64::from(i8::from_le_bytes([climb])) * 0.5;
+        let timestamp = u16::from_le_bytes([t0, t1]);
+        Some(Self {
+            on_ground: flags >> 4 == 1,
+            latitude_deg: degrees_from_e7(i32::from_le_bytes([a, b, c, d])),
+            longitude_deg: degrees_from_e7(i32::from_le_bytes([e, f, g, h])),
+            pressure_altitude_m: altitude([p0, p1]),
+            ellipsoid_altitude_m: altitude([e0, e1]),
+            direction_deg: (direction < 180).then(|| f64::from(direction) + west_deg),
+            speed_mps: (speed != 255).then_some(speed_mps),
+            climb_mps: (climb_mps < 63.0).then_some(climb_mps),
+            horizontal_accuracy: accuracy & 0xF,
+            vertical_accuracy: accuracy >> 4,
+            pressure_accuracy: more >> 4,
+            speed_accuracy: more & 0xF,
+            timestamp_s: (timestamp <= 36_000).then(|| f64::from(timestamp) * 0.1),
+        })
+    }
+
+    /// The altitude that compares best with the vehicle's, metres, and its accuracy.
+    fn altitude(&self, levels: &Levels, now_s: f64) -> Option<(f64, AltitudeReference, u8)> {
+        let pressure = self
+            .pressure_altitude_m
+            .map(|m| (m, AltitudeReference::Pressure, self.pressure_accuracy));
+        let ellipsoid = self
+            .ellipsoid_altitude_m
+            .map(|m| (m, AltitudeReference::Ellipsoid, self.vertical_accuracy));
+        if levels.knows_pressure(now_s) && !levels.knows_geoid() {
+            pressure.or(ellipsoid)
+        } else {
+            ellipsoid.or(pressure)
+        }
+    }
+
+    fn velocity_mps(&self) -> Option<Vec3> {
+        let (sin, cos) = libm::sincos(self.direction_deg?.to_radians());
+        let speed_mps = self.speed_mps?;
+        let climb_mps = self.climb_mps.unwrap_or(0.0);
+        Some(Vec3::new(speed_mps * sin, speed_mps * cos, climb_mps))
+    }
+}
+
+/// Radius that holds 95 of 100 positions, metres.
+const fn horizontal_m(category: u8) -> Option<f64> {
+    Some(match category {
+        1 => 18_520.0,
+        2 => 7_408.0,
+        3 => 3_704.0,
+        4 => 1_852.0,
+        5 => 926.0,
+        6 => 555.6,
+        7 => 185.2,
+        8 => 92.6,
+        9 => 30.0,
+        10 => 10.0,
+        11 => 3.0,
+        12 => 1.0,
+        _ => return None,
+    })
+}
+
+/// Bound of the altitude's error in 95 of 100 cases, metres.
+const fn vertical_m(category: u8) -> Option<f64> {
+    Some(match category {
+        1 => 150.0,
+        2 => 45.0,
+        3 => 25.0,
+        4 => 10.0,
+        5 => 3.0,
+        6 => 1.0,
+        _ => return None,
+    })
+}
+
+/// Bound of the velocity's error in 95 of 100 cases, metres per second.
+const fn speed_mps(category: u8) -> Option<f64> {
+    Some(match category {
+        1 => 10.0,
+        2 => 3.0,
+        3 => 1.0,
+        4 => 0.3,
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::traffic::Source;
+
+    const SENDER: Sender = Sender::mavlink(Source::RemoteId, 7, 236);
+
+    /// 37.5° north, 122.25° west, 300 m above the ellipsoid, to the west with 20 m/s, climbing with
+    /// 2 m/s, 12.3 s after the hour.
+    fn encoded() -> [u8; MESSAGE] {
+        let mut message = [0; MESSAGE];
+        message[0] = 0x12;
+        message[1] = 0x22;
+        message[2] = 90;
+        message[3] = 80;
+        message[4] = 4;
+        message[5..9].copy_from_slice(&375_000_000_i32.to_le_bytes());
+        message[9..13].copy_from_slice(&(-1_222_500_000_i32).to_le_bytes());
+        message[15..17].copy_from_slice(&2600_u16.to_le_bytes());
+        message[19] = 0x4A;
+        message[20] = 0x03;
+        message[21..23].copy_from_slice(&123_u16.to_le_bytes());
+        message
+    }
+
+    #[test]
+    fn a_pack_gives_a_named_report() {
+        let mut messages = [0; 225];
+        messages[0] = 0x02;
+        messages[1] = 0x12;
+        messages[2..17].copy_from_slice(b"1581F1234567890");
+        messages[25..50].copy_from_slice(&encoded());
+        let pack = OPEN_DRONE_ID_MESSAGE_PACK_DATA {
+            id_or_mac: [5; 20],
+            single_message_size: 25,
+            msg_pack_size: 2,
+            messages,
+            ..OPEN_DRONE_ID_MESSAGE_PACK_DATA::DEFAULT
+        };
+        let mut remote_id = RemoteId::default();
+        let report = remote_id
+            .take_pack(&pack, SENDER, &Levels::default(), 100.0)
+            .unwrap();
+        assert_eq!(report.callsign, "234567890");
+        assert!((report.place.latitude_deg - 37.5).abs() < 1e-9);
+        assert!((report.place.longitude_deg + 122.25).abs() < 1e-9);
+        assert!((report.place.altitude_m - 300.0).abs() < 1e-9);
+        let velocity = report.velocity_mps.unwrap();
+        assert!(
+            velocity.distance(Vec3::new(-20.0, 0.0, 2.0)) < 1e-9,
+            "{velocity}"
+        );
+        assert_eq!(report.quality.altitude, AltitudeReference::Ellipsoid);
+        // Categories 10 (10 m), 4 (10 m) and 3 (1 m/s).
+        assert!((report.quality.position_m - 10.0 / 2.4477).abs() < 1e-9);
+        assert_eq!(report.quality.height_m, 10.0);
+        // The same again, and older ones, say nothing; later ones are as late as they come.
+        assert!(
+            remote_id
+                .take_pack(&pack, SENDER, &Levels::default(), 101.0)
+                .is_none()
+        );
+        let mut later = pack.clone();
+        later.messages[46..48].copy_from_slice(&133_u16.to_le_bytes());
+        let report = remote_id
+            .take_pack(&later, SENDER, &Levels::default(), 104.0)
+            .unwrap();
+        assert!((report.valid_s - 101.0).abs() < 1e-9, "{}", report.valid_s);
+        assert!(
+            remote_id
+                .take_pack(&pack, SENDER, &Levels::default(), 105.0)
+                .is_none()
+        );
+    }
+
+    #[test]
+    fn locations_that_say_nothing_are_left_out_and_memory_is_bounded() {
+        let mut remote_id = RemoteId::default();
+        let levels = Levels::default();
+        let mut take = |data: OPEN_DRONE_ID_LOCATION_DATA| {
+            remote_id.take_location(&data, SENDER, &levels, 1.0)
+        };
+        let good = OPEN_DRONE_ID_LOCATION_DATA {
+            latitude: 375_000_000,
+            longitude: -1_222_500_000,
+            altitude_barometric: 120.0,
+            altitude_geodetic: -1000.0,
+            timestamp: 65_535.0,
+            direction: 36_100,
+            ..OPEN_DRONE_ID_LOCATION_DATA::DEFAULT
+        };
+        let report = take(good.clone()).unwrap();
+        assert_eq!(report.quality.altitude, AltitudeReference::Pressure);
+        assert_eq!(report.velocity_mps, None);
+        let grounded = OPEN_DRONE_ID_LOCATION_DATA {
+            status: MavOdidStatus::MAV_ODID_STATUS_GROUND,
+            ..good.clone()
+        };
+        assert!(take(grounded).is_none());
+        let nowhere = OPEN_DRONE_ID_LOCATION_DATA {
+            altitude_barometric: f32::NAN,
+            ..good.clone()
+        };
+        assert!(take(nowhere).is_none());
+        for n in 0..5000_u32 {
+            let mut other = good.clone();
+            other.id_or_mac[..4].copy_from_slice(&n.to_be_bytes());
+            take(other);
+        }
+        assert!(remote_id.aircraft() <= MOST_AIRCRAFT);
+    }
+}
