@@ -213,7 +213,7 @@ fn address_and_content(message: &[u8; 14]) -> Option<(u32, &[u8; 7])> {
     // Others, of ground stations and with anonymous addresses, tell no quality here.
     let (head, rest) = message.split_first_chunk::<4>()?;
     let [format, a, b, c] = *head;
-    let own = format >> 3 == 17 || (format >> 3 == 18 && format & 7 == 0);
+    let own = format >> 3 == 17 || format == 18 << 3;
     let address = u32::from_be_bytes([0, a, b, c]);
     own.then_some((address, rest.first_chunk::<7>()?))
 }
