@@ -14,7 +14,6 @@ pub const fn reason_words(reason: Reason) -> &'static str {
         Reason::ManeuverChosen => "a certified manoeuvre begins",
         Reason::ManeuverKept => "the manoeuvre is kept",
         Reason::ManeuverReplaced => "the manoeuvre was no longer certified and is replaced",
-        Reason::ManeuverImproved => "a clearly better manoeuvre was found",
         Reason::BestAvailable => {
             "no manoeuvre is certified, the one with the largest least separation is flown"
         }
@@ -35,7 +34,6 @@ pub const fn reason_key(reason: Reason) -> &'static str {
         Reason::ManeuverChosen => "maneuver-chosen",
         Reason::ManeuverKept => "maneuver-kept",
         Reason::ManeuverReplaced => "maneuver-replaced",
-        Reason::ManeuverImproved => "maneuver-improved",
         Reason::BestAvailable => "best-available",
         Reason::InsideVolume => "inside-volume",
         Reason::RejoinChosen => "rejoin-chosen",

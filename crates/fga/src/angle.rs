@@ -35,15 +35,6 @@ impl Side {
             Self::Left
         }
     }
-
-    /// The other side.
-    #[must_use]
-    pub const fn opposite(self) -> Self {
-        match self {
-            Self::Left => Self::Right,
-            Self::Right => Self::Left,
-        }
-    }
 }
 
 /// The same direction in (−π, π]; a non-finite angle gives 0.

@@ -1,7 +1,5 @@
 //! What is commanded, and when: a [`Maneuver`], a list of [`Stage`]s.
 
-use crate::angle::Side;
-
 /// Most stages of a manoeuvre: the corners of a mission of short legs up to the horizon, and two turns
 /// with their climbs after them.
 pub const MAX_STAGES: usize = 20;
@@ -140,15 +138,5 @@ impl Maneuver {
             .iter()
             .rev()
             .find(|stage| stage.start_s <= at_s)
-    }
-
-    /// The side of the first turn from `course_rad`, if it turns at all.
-    pub fn side(&self, course_rad: f64) -> Option<Side> {
-        let turn = self
-            .stages()
-            .iter()
-            .map(|s| s.course_rad - course_rad)
-            .find(|t| *t != 0.0)?;
-        Some(Side::of(turn))
     }
 }

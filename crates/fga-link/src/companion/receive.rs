@@ -489,7 +489,6 @@ impl Companion {
                 Some(
                     Reason::ManeuverChosen
                         | Reason::ManeuverReplaced
-                        | Reason::ManeuverImproved
                         | Reason::BestAvailable
                         | Reason::RejoinChosen
                 )

@@ -44,8 +44,6 @@ pub enum Reason {
     ManeuverKept,
     /// The manoeuvre flown was no longer certified and another one is.
     ManeuverReplaced,
-    /// A clearly better manoeuvre than the one flown was found.
-    ManeuverImproved,
     /// No manoeuvre is certified: the one with the largest least separation is flown.
     BestAvailable,
     /// The aircraft is inside a protected volume and leaves it.
