@@ -1,5 +1,7 @@
 //! The command line of fga: one file per command, each an adapter from files to the libraries.
 
+mod alerts;
+mod bands;
 mod batch;
 mod batch_replays;
 mod campaign;
@@ -56,6 +58,10 @@ enum Command {
     Batch(batch::BatchArgs),
     /// Say for each encounter whether any manoeuvre could save it.
     Oracle(oracle::OracleArgs),
+    /// Say which alert levels a DAIDALUS configuration gives a recording.
+    Alerts(alerts::AlertsArgs),
+    /// Say which maneuvers meet a conflict in a recording, as bands.
+    Bands(bands::BandsArgs),
     /// Fly drawn encounters by the million, policy by policy, with results that can be resumed.
     Campaign(campaign::CampaignArgs),
     /// Fly the paper's evaluation again and write it as one report.
@@ -104,6 +110,8 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Batch(args) => batch::run(&args),
         Command::Oracle(args) => oracle::run(&args),
+        Command::Alerts(args) => alerts::run(&args),
+        Command::Bands(args) => bands::run(&args),
         Command::Campaign(args) => campaign::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Export(args) => export::run(&args),

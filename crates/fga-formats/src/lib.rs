@@ -9,6 +9,7 @@
 //! | [`units`] | how long is a nautical mile, and what does `kts` mean? |
 //! | [`geodesy`] | where is a latitude and longitude in the local frame? |
 //! | [`daa`] | what did the aircraft of a DAIDALUS recording do? |
+//! | [`conf`] | how are alerts and bands configured? |
 //! | [`encounters`] | which encounters does a batch file hold? |
 //! | [`traffic`] | what do receivers of ADS-B say, as BaseStation lines or Beast frames? |
 //! | [`flight`] | what is a finished flight, to be looked at elsewhere? |
@@ -39,6 +40,7 @@
 extern crate alloc;
 
 pub mod atomic;
+pub mod conf;
 pub mod daa;
 pub mod encounter_model;
 pub mod encounters;

@@ -60,6 +60,36 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     String::from_utf8_lossy(&out).into_owned()
 }
 
+/// `value` with at most `decimals` decimals and at least one, as tables of DAIDALUS have it: zeros
+/// at the end are left out, what rounds to nothing is 0, and infinity is `infty`.
+///
+/// ```
+/// use fga_formats::number::trimmed;
+///
+/// assert_eq!([trimmed(4.5, 6), trimmed(200.0, 6), trimmed(-1e-9, 6)], ["4.5", "200.0", "0.0"]);
+/// ```
+pub fn trimmed(value: f64, decimals: usize) -> String {
+    if value.is_nan() {
+        return "NaN".into();
+    }
+    if value.is_infinite() {
+        return if value < 0.0 { "-infty" } else { "infty" }.into();
+    }
+    // One decimal more decides whether a negative value is nothing.
+    let scale = POWERS.get(decimals + 1).copied().unwrap_or(1e9);
+    let shown = if value < 0.0 && value * scale > -0.5 {
+        0.0
+    } else {
+        value + 0.0
+    };
+    let text = format!("{shown:.decimals$}");
+    let Some((whole, fraction)) = text.split_once('.') else {
+        return text;
+    };
+    let kept = fraction.trim_end_matches('0');
+    format!("{whole}.{}", if kept.is_empty() { "0" } else { kept })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,6 +13,8 @@ pub const NAUTICAL_MILE_M: f64 = 1852.0;
 pub const KNOT_MPS: f64 = NAUTICAL_MILE_M / 3600.0;
 /// One foot per minute, metres per second.
 pub const FOOT_PER_MINUTE_MPS: f64 = FOOT_M / 60.0;
+/// Standard gravity, metres per second squared (exact).
+pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
 /// One degree, radians.
 pub const DEGREE_RAD: f64 = PI / 180.0;
 
@@ -27,9 +29,25 @@ pub enum Dimension {
     Speed,
     /// A duration; the SI unit is the second.
     Time,
+    /// A change of speed; the SI unit is the metre per second squared.
+    Acceleration,
+    /// A change of angle; the SI unit is the radian per second.
+    AngularRate,
 }
 
 impl Dimension {
+    /// Units that a message names as examples.
+    pub const fn examples(self) -> &'static str {
+        match self {
+            Self::Angle => "deg or rad",
+            Self::Length => "m, ft, nmi or km",
+            Self::Speed => "kn, m/s, fpm or km/h",
+            Self::Time => "s, min or h",
+            Self::Acceleration => "m/s^2, ft/s^2 or G",
+            Self::AngularRate => "deg/s or rad/s",
+        }
+    }
+
     /// The dimension with an article, for messages.
     pub const fn with_article(self) -> &'static str {
         match self {
@@ -37,6 +55,8 @@ impl Dimension {
             Self::Length => "a length",
             Self::Speed => "a speed",
             Self::Time => "a time",
+            Self::Acceleration => "an acceleration",
+            Self::AngularRate => "an angular rate",
         }
     }
 }
@@ -84,7 +104,7 @@ impl Unit {
     /// assert_eq!(Unit::parse("furlong"), None);
     /// ```
     pub fn parse(name: &str) -> Option<Self> {
-        use Dimension::{Angle, Length, Speed, Time};
+        use Dimension::{Acceleration, Angle, AngularRate, Length, Speed, Time};
         let name = bare_name(name).to_ascii_lowercase();
         let (dimension, factor) = match name.as_str() {
             "deg" | "degs" | "degree" | "degrees" | "°" => (Angle, DEGREE_RAD),
@@ -100,6 +120,12 @@ impl Unit {
             "mph" | "mi/h" => (Speed, 0.447_04),
             "fps" | "ftps" | "ft/s" => (Speed, FOOT_M),
             "fpm" | "ft/min" | "ftpm" => (Speed, FOOT_PER_MINUTE_MPS),
+            "nmi/s" | "nm/s" => (Speed, NAUTICAL_MILE_M),
+            "m/s^2" | "m/s2" => (Acceleration, 1.0),
+            "ft/s^2" | "ft/s2" => (Acceleration, FOOT_M),
+            "g" => (Acceleration, STANDARD_GRAVITY_MPS2),
+            "deg/s" => (AngularRate, DEGREE_RAD),
+            "rad/s" => (AngularRate, 1.0),
             "s" | "sec" | "secs" | "second" | "seconds" => (Time, 1.0),
             "ms" | "msec" | "millisecond" | "milliseconds" => (Time, 1e-3),
             "min" | "minute" | "minutes" => (Time, 60.0),

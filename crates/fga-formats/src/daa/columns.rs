@@ -1,7 +1,7 @@
 //! Which column of a `.daa` file is what, and in which unit.
 
 use crate::error::shown;
-use crate::units::{Dimension, Unit};
+use crate::units::Unit;
 
 /// A column that every file has, one way or another.
 #[derive(Debug, Clone, Copy)]
@@ -139,7 +139,7 @@ impl Layout {
             let name = column.name;
             let expected = column.unit.dimension.with_article();
             let unit = Unit::parse(text).ok_or_else(|| {
-                let example = example_units(column.unit.dimension);
+                let example = column.unit.dimension.examples();
                 format!(
                     "column {name} has the unknown unit {}, expected {expected} unit such as {example}",
                     shown(text)
@@ -200,16 +200,6 @@ impl Column {
     /// The name the file gives the column.
     pub(super) const fn name(&self) -> &'static str {
         self.name
-    }
-}
-
-/// Units that a message names as examples.
-const fn example_units(dimension: Dimension) -> &'static str {
-    match dimension {
-        Dimension::Angle => "deg or rad",
-        Dimension::Length => "m, ft, nmi or km",
-        Dimension::Speed => "kn, m/s, fpm or km/h",
-        Dimension::Time => "s, min or h",
     }
 }
 

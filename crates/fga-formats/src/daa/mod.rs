@@ -24,7 +24,10 @@
 //! [`Recording::separation_at`] measures at the ownship's own place instead, exactly as DAIDALUS.
 
 mod columns;
+pub mod instants;
 mod rows;
+pub mod scene;
+pub mod tables;
 
 use crate::error::{InputError, read_text};
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
@@ -153,19 +156,20 @@ pub fn read(path: &Path) -> Result<Recording, InputError> {
     parse(&read_text(path)?, path)
 }
 
+/// The numbered lines that are neither blank nor a comment, trimmed.
+fn meaningful_lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
+    text.split('\n').zip(1_u64..).filter_map(|(line, number)| {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        (!line.is_empty()).then_some((number, line))
+    })
+}
+
 /// Reads a recording from `text`; `path` is what errors call it. See [`read`].
 ///
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
-    let mut lines = text
-        .split('\n')
-        .zip(1_u64..)
-        .filter_map(|(line, number)| {
-            let line = line.split('#').next().unwrap_or_default().trim();
-            (!line.is_empty()).then_some((number, line))
-        })
-        .peekable();
+    let mut lines = meaningful_lines(text).peekable();
 
     let mut parameters = Vec::new();
     let (header_line, header) = loop {

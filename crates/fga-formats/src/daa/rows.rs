@@ -22,7 +22,7 @@ pub(super) struct Rows<'a> {
     pub(super) aircraft: Vec<Track>,
     pub(super) frame: Option<LocalFrame>,
     index_of: HashMap<String, usize>,
-    last: Option<usize>,
+    pub(super) last: Option<usize>,
 }
 
 impl<'a> Rows<'a> {

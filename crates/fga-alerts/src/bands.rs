@@ -1,0 +1,602 @@
+//! Bands: which values of a quantity a maneuver would meet a conflict at.
+//!
+//! | part | question |
+//! |---|---|
+//! | [`span`] | which values can be maneuvered to? |
+//! | [`path`] | where does the ownship fly meanwhile? |
+//! | [`search`] | which steps meet a conflict? |
+//! | [`pool`] | what was computed already in this step? |
+//! | [`intervals`] | which values are free? |
+//! | [`colors`] | how do regions cover each other? |
+//! | [`memory`] | what is shown, and which side is preferred? |
+//! | [`recovery`] | which way leads out where none stays clear? |
+
+pub(crate) mod colors;
+pub(crate) mod intervals;
+pub(crate) mod memory;
+pub(crate) mod path;
+mod pool;
+pub(crate) mod recovery;
+pub(crate) mod search;
+pub(crate) mod span;
+
+use crate::aircraft::{Aircraft, PairDeviation, State};
+use crate::bands::colors::{Band, Colors, band_at};
+use crate::bands::intervals::Intervals;
+use crate::bands::memory::{Memory, Resolution, Step, Way};
+use crate::bands::path::Fan;
+use crate::bands::pool::{Key, WindowPool, level_key};
+use crate::bands::recovery::{Recovery, WaysOut};
+use crate::bands::search::{FanSearch, LevelSearch, Met, Task, Windows, is_level};
+use crate::bands::span::{Quantity, Span};
+use crate::loss::Loss;
+use crate::settings::{Region, Settings, TerminalGuidance};
+use crate::volume::{Cylinder, Volume};
+use alloc::vec::Vec;
+
+/// An aircraft that contributes to the bands of a region.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Contribution {
+    /// Which aircraft of the traffic.
+    pub(crate) intruder: usize,
+    /// Which alerter, counted from 0.
+    pub(crate) alerter: usize,
+    /// Which level, counted from 1.
+    pub(crate) level: usize,
+    /// How far ahead it counts, seconds.
+    pub(crate) horizon_s: f64,
+}
+
+/// What holds in the terminal area now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Terminal {
+    #[default]
+    Outside,
+    Inside,
+    /// Inside, and the special guidance is on.
+    Guided,
+}
+
+/// Everything that bands are computed from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Picture<'a> {
+    pub(crate) settings: &'a Settings,
+    pub(crate) time_s: f64,
+    pub(crate) ownship: &'a Aircraft,
+    pub(crate) traffic: &'a [Aircraft],
+    /// Which alerter judges each aircraft.
+    pub(crate) alerters: &'a [Option<usize>],
+    /// Aircraft in conflict, by region, nearest first.
+    pub(crate) conflicts: &'a [Vec<Contribution>; 3],
+    /// When any aircraft is in conflict, by region.
+    pub(crate) times: &'a [Loss; 3],
+    pub(crate) terminal: Terminal,
+    /// Whether the ownship is slower than its least airspeed.
+    pub(crate) is_slow: bool,
+}
+
+impl<'a> Picture<'a> {
+    pub(crate) fn met(&self, intruder: usize) -> Option<Met<'a>> {
+        let aircraft = self.traffic.get(intruder)?;
+        Some(Met {
+            settings: self.settings,
+            intruder: &aircraft.state,
+            deviation: PairDeviation::of(&self.ownship.deviation, &aircraft.deviation),
+        })
+    }
+
+    pub(crate) fn turns_at_once(&self) -> bool {
+        self.is_slow
+            && self.settings.slow_directions == crate::settings::SlowDirections::Instantaneous
+    }
+
+    /// How far below and above the value is looked at, where the terminal area says so.
+    fn around(&self, quantity: Quantity) -> Option<(f64, f64)> {
+        let vertical = matches!(quantity, Quantity::VerticalSpeed | Quantity::Altitude);
+        // No descent.
+        (vertical && self.terminal == Terminal::Guided).then_some((0.0, -1.0))
+    }
+
+    /// Whether any alerter paints a region.
+    fn paints(&self, region: Region) -> bool {
+        self.settings
+            .alerters
+            .iter()
+            .any(|alerter| alerter.level_for(region).is_some())
+    }
+}
+
+/// The bands of one quantity.
+#[derive(Debug, Clone)]
+pub struct QuantityBands {
+    quantity: Quantity,
+    bands: Vec<Band>,
+    peripheral: [Vec<Contribution>; 3],
+    recovery: Recovery,
+    memory: Memory,
+    fan: Fan,
+    pool: WindowPool,
+    span: Option<Span>,
+}
+
+/// Volumes that count instead of the aircraft's own.
+#[derive(Debug, Clone, Copy)]
+enum Instead {
+    /// Each aircraft's own volume.
+    Own,
+    /// A cylinder.
+    Cylinder(Cylinder),
+    /// A cylinder until a time, each aircraft's own volume afterwards.
+    Until(Cylinder, f64),
+}
+
+impl QuantityBands {
+    pub(crate) fn new(quantity: Quantity) -> Self {
+        Self {
+            quantity,
+            bands: Vec::new(),
+            peripheral: Default::default(),
+            recovery: Recovery::NotNeeded,
+            memory: Memory::default(),
+            fan: Fan::default(),
+            pool: WindowPool::default(),
+            span: None,
+        }
+    }
+
+    /// Which quantity.
+    pub const fn quantity(&self) -> Quantity {
+        self.quantity
+    }
+
+    /// The bands in growing order; none where the current value lies outside of the scale.
+    pub fn bands(&self) -> &[Band] {
+        &self.bands
+    }
+
+    /// The region at a value; `None` outside of the bands.
+    pub fn region_at(&self, value: f64) -> Option<Region> {
+        self.span?;
+        let index = band_at(&self.bands, value, self.quantity.modulus())?;
+        self.bands.get(index)?.region
+    }
+
+    /// Aircraft (places in the traffic) that are not in conflict but would be after a maneuver.
+    pub fn peripheral(&self, region: Region) -> impl Iterator<Item = usize> + '_ {
+        region
+            .conflict_index()
+            .and_then(|index| self.peripheral.get(index))
+            .into_iter()
+            .flatten()
+            .map(|contribution| contribution.intruder)
+    }
+
+    /// The nearest way out to one side.
+    pub fn resolution(&self, way: Way) -> Resolution {
+        self.memory.resolution(way)
+    }
+
+    /// The preferred side.
+    pub fn preferred(&self) -> Way {
+        self.memory.preferred()
+    }
+
+    /// What recovery keeps.
+    pub const fn recovery(&self) -> Recovery {
+        self.recovery
+    }
+
+    /// Whether the current value lies on the scale.
+    pub(crate) const fn is_computed(&self) -> bool {
+        self.span.is_some()
+    }
+
+    pub(crate) fn forget(&mut self) {
+        self.memory.forget();
+    }
+
+    /// Computes the bands of a step.
+    pub(crate) fn update(&mut self, picture: &Picture) {
+        self.bands.clear();
+        self.recovery = Recovery::NotNeeded;
+        for aircraft in &mut self.peripheral {
+            aircraft.clear();
+        }
+        self.pool.clear();
+        let settings = picture.settings;
+        let ownship = &picture.ownship.state;
+        self.span = Span::of(
+            self.quantity,
+            settings,
+            ownship,
+            picture.around(self.quantity),
+        );
+        let Some(span) = self.span else {
+            return;
+        };
+        if !is_level(self.quantity) {
+            self.fan.fill(
+                self.quantity,
+                settings,
+                ownship,
+                &span,
+                picture.turns_at_once(),
+            );
+        }
+        for (index, region) in Region::CONFLICTS.into_iter().enumerate() {
+            if picture.paints(region) {
+                self.find_peripheral(picture, &span, index, region);
+            }
+        }
+        let (colors, recovers) = self.paint(picture, &span);
+        let step = Step {
+            settings,
+            time_s: picture.time_s,
+            value: span.value,
+            modulus: span.modulus,
+            tolerance: settings.resolution_persistence.get(self.quantity),
+            recovers,
+            shrinkings: self.recovery.shrinkings(),
+        };
+        self.memory.take(colors, &step, &mut self.bands);
+    }
+
+    /// Finds aircraft that maneuvers alone bring into conflict.
+    fn find_peripheral(&mut self, picture: &Picture, span: &Span, index: usize, region: Region) {
+        let settings = picture.settings;
+        for (intruder, alerter_index) in picture.alerters.iter().enumerate() {
+            let Some(alerter_index) = *alerter_index else {
+                continue;
+            };
+            let Some(alerter) = settings.alerters.get(alerter_index) else {
+                continue;
+            };
+            let (Some(number), Some(met)) = (alerter.level_for(region), picture.met(intruder))
+            else {
+                continue;
+            };
+            let Some(level) = alerter.level(number) else {
+                continue;
+            };
+            let horizon_s = settings.lookahead_s.min(level.alerting_s);
+            let pair = crate::aircraft::Pair {
+                ownship: picture.ownship.state,
+                intruder: *met.intruder,
+                deviation: met.deviation,
+            };
+            let loss = level.volume.violation(&pair, 0.0, settings.lookahead_s);
+            if loss.begins_before(horizon_s) {
+                continue;
+            }
+            let task = Task {
+                volume: &level.volume,
+                before: None,
+                from_s: 0.0,
+                until_s: horizon_s,
+            };
+            let key = level_key(settings, alerter_index, number);
+            let meets = self.with_search(picture, intruder, &met, key, None, |search| {
+                search.any_conflict(&task, span)
+            });
+            if meets && let Some(aircraft) = self.peripheral.get_mut(index) {
+                aircraft.push(Contribution {
+                    intruder,
+                    alerter: alerter_index,
+                    level: number,
+                    horizon_s,
+                });
+            }
+        }
+    }
+
+    /// Runs a search against one intruder, its windows computed once.
+    /// What is searched, against whom and what is asked come together only here.
+    fn with_search<T>(
+        &mut self,
+        picture: &Picture,
+        intruder: usize,
+        met: &Met,
+        key: Key,
+        before: Option<Cylinder>,
+        ask: impl FnOnce(&Search) -> T,
+    ) -> T {
+        let settings = picture.settings;
+        if is_level(self.quantity) {
+            return ask(&Search::Level(LevelSearch {
+                met: *met,
+                ownship: &picture.ownship.state,
+                instantaneous: self.quantity.is_instantaneous(settings, false),
+            }));
+        }
+        let place = match key {
+            Key::Cylinder(cylinder) => {
+                let volume = Volume::Cylinder(cylinder);
+                self.pool.ensure(intruder, key, met, &volume, &self.fan)
+            }
+            Key::Level { alerter, level } => settings
+                .alerters
+                .get(alerter)
+                .and_then(|alerter| alerter.level(level))
+                .map_or(0, |level| {
+                    self.pool
+                        .ensure(intruder, key, met, &level.volume, &self.fan)
+                }),
+        };
+        let before_place = before.map(|cylinder| {
+            let volume = Volume::Cylinder(cylinder);
+            let key = Key::Cylinder(cylinder);
+            self.pool.ensure(intruder, key, met, &volume, &self.fan)
+        });
+        let nothing = Windows::default();
+        let windows = self.pool.get(place).unwrap_or(&nothing);
+        ask(&Search::Fan(FanSearch {
+            met: *met,
+            fan: &self.fan,
+            windows,
+            before: before_place.and_then(|place| self.pool.get(place)),
+        }))
+    }
+
+    /// What is free of the conflicts of these aircraft.
+    fn free_of(
+        &mut self,
+        picture: &Picture,
+        span: &Span,
+        aircraft: &[Contribution],
+        instead: Instead,
+    ) -> Intervals {
+        let settings = picture.settings;
+        let mut free = span.whole();
+        let mut of_one = Intervals::default();
+        for contribution in aircraft {
+            let intruder = contribution.intruder;
+            let level = settings
+                .alerters
+                .get(contribution.alerter)
+                .and_then(|alerter| alerter.level(contribution.level));
+            let (Some(level), Some(met)) = (level, picture.met(intruder)) else {
+                continue;
+            };
+            let own_key = level_key(settings, contribution.alerter, contribution.level);
+            let horizon_s = contribution.horizon_s;
+            let (cylinder, key, from_s, until_s) = match instead {
+                Instead::Own => (None, own_key, 0.0, horizon_s),
+                Instead::Cylinder(cylinder) => {
+                    (Some(cylinder), Key::Cylinder(cylinder), 0.0, horizon_s)
+                }
+                // Beyond the aircraft's horizon only the cylinder counts.
+                Instead::Until(cylinder, time_s) if time_s > horizon_s => {
+                    (Some(cylinder), Key::Cylinder(cylinder), 0.0, horizon_s)
+                }
+                Instead::Until(cylinder, time_s) => (Some(cylinder), own_key, time_s, horizon_s),
+            };
+            let cylinder_volume = cylinder.map(Volume::Cylinder);
+            let counts_before = matches!(key, Key::Level { .. });
+            let task = Task {
+                volume: match (&key, &cylinder_volume) {
+                    (Key::Cylinder(_), Some(volume)) => volume,
+                    _ => &level.volume,
+                },
+                before: cylinder_volume.as_ref().filter(|_| counts_before),
+                from_s,
+                until_s,
+            };
+            let before = cylinder.filter(|_| counts_before);
+            self.with_search(picture, intruder, &met, key, before, |search| {
+                search.free(&task, span, &mut of_one);
+            });
+            free.intersect(&of_one);
+            if free.is_empty() {
+                break;
+            }
+        }
+        free
+    }
+
+    /// The aircraft that paint a region: in conflict, and by maneuvers alone.
+    fn painting(&self, picture: &Picture, index: usize) -> Vec<Contribution> {
+        let in_conflict = picture.conflicts.get(index).into_iter().flatten();
+        let peripheral = self.peripheral.get(index).into_iter().flatten();
+        in_conflict.chain(peripheral).copied().collect()
+    }
+
+    /// Paints the regions; whether recovery was looked for.
+    fn paint(&mut self, picture: &Picture, span: &Span) -> (Colors, bool) {
+        let settings = picture.settings;
+        let corrective = settings.corrective_region.conflict_index().unwrap_or(0);
+        let mut free: [Intervals; 3] = Default::default();
+        let mut recovers = false;
+        let mut last = 0;
+        for (index, region) in Region::CONFLICTS.into_iter().enumerate() {
+            last = index;
+            if !picture.paints(region) {
+                continue;
+            }
+            let (found, ways_out) = self.region(picture, span, index, corrective);
+            let is_full = found.is_empty();
+            if let Some(free) = free.get_mut(index) {
+                *free = found;
+            }
+            recovers = !matches!(ways_out, WaysOut::NotLookedFor);
+            if recovers {
+                last = corrective;
+            }
+            if let WaysOut::Other(ways_out) = ways_out
+                && let Some(free) = free.get_mut(corrective)
+            {
+                *free = ways_out;
+            }
+            if is_full || recovers {
+                break;
+            }
+        }
+        let mut colors = Colors::of(span);
+        for (region, free) in Region::CONFLICTS.into_iter().zip(&free).take(last + 1) {
+            if picture.paints(region) {
+                colors.paint_outside(free, region);
+                if free.is_empty() {
+                    break;
+                }
+            }
+        }
+        if recovers && let Some(ways_out) = free.get(last) {
+            colors.paint_inside(ways_out, Region::Recovery);
+        }
+        (colors, recovers)
+    }
+
+    /// What is free in one region, and what recovery found.
+    fn region(
+        &mut self,
+        picture: &Picture,
+        span: &Span,
+        index: usize,
+        corrective: usize,
+    ) -> (Intervals, WaysOut) {
+        let settings = picture.settings;
+        let landing = picture.terminal == Terminal::Guided
+            && settings.terminal.guidance == TerminalGuidance::Landing;
+        if self.quantity == Quantity::Direction && landing && index <= corrective {
+            return (Intervals::default(), WaysOut::NotLookedFor);
+        }
+        let painting = self.painting(picture, index);
+        let free = self.free_of(picture, span, &painting, Instead::Own);
+        if !settings.recovers.get(self.quantity) {
+            return (free, WaysOut::NotLookedFor);
+        }
+        if index <= corrective && free.is_empty() {
+            let ways_out = self.recover(picture, span, corrective);
+            return (free, WaysOut::Other(ways_out));
+        }
+        let instantaneous = self
+            .quantity
+            .is_instantaneous(settings, picture.turns_at_once());
+        let in_conflict_now = picture
+            .times
+            .get(index)
+            .is_some_and(|times| times.entry_s == 0.0);
+        if instantaneous && index == corrective && in_conflict_now {
+            self.recovery = Recovery::Found {
+                time_s: 0.0,
+                distance_m: settings.recovery_distance_m,
+                height_m: settings.recovery_height_m,
+                shrinkings: 0,
+            };
+            return (free, WaysOut::Same);
+        }
+        (free, WaysOut::NotLookedFor)
+    }
+
+    /// Whether every maneuver from a state meets the volume.
+    pub(crate) fn is_blocked(
+        &mut self,
+        picture: &Picture,
+        ownship: &State,
+        met: &Met,
+        volume: &Volume,
+    ) -> bool {
+        let settings = picture.settings;
+        let Some(base) = self.span else {
+            return true;
+        };
+        let task = Task {
+            volume,
+            before: None,
+            from_s: 0.0,
+            until_s: settings.lookahead_s,
+        };
+        if is_level(self.quantity) {
+            return LevelSearch {
+                met: *met,
+                ownship,
+                instantaneous: self.quantity.is_instantaneous(settings, false),
+            }
+            .all_conflict(&task, &base);
+        }
+        let mut fan = Fan::default();
+        fan.fill(
+            self.quantity,
+            settings,
+            ownship,
+            &base,
+            picture.turns_at_once(),
+        );
+        let mut windows = Windows::default();
+        windows.fill(met, volume, &fan);
+        FanSearch {
+            met: *met,
+            fan: &fan,
+            windows: &windows,
+            before: None,
+        }
+        .all_conflict(&task)
+    }
+}
+
+/// A search of either kind.
+enum Search<'a> {
+    Fan(FanSearch<'a>),
+    Level(LevelSearch<'a>),
+}
+
+impl Search<'_> {
+    fn any_conflict(&self, task: &Task, span: &Span) -> bool {
+        match self {
+            Self::Fan(search) => search.any_conflict(task),
+            Self::Level(search) => search.any_conflict(task, span),
+        }
+    }
+
+    fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
+        match self {
+            Self::Fan(search) => search.free(task, span, free),
+            Self::Level(search) => search.free(task, span, free),
+        }
+    }
+}
+
+/// Whether maneuvers of a quantity within a spread meet a volume before a time.
+pub(crate) fn meets_within_spread(
+    picture: &Picture,
+    quantity: Quantity,
+    spread: (f64, f64),
+    met: &Met,
+    volume: &Volume,
+    until_s: f64,
+) -> bool {
+    let ownship = &picture.ownship.state;
+    let Some(span) = Span::of(quantity, picture.settings, ownship, Some(spread)) else {
+        return false;
+    };
+    let task = Task {
+        volume,
+        before: None,
+        from_s: 0.0,
+        until_s,
+    };
+    if is_level(quantity) {
+        return LevelSearch {
+            met: *met,
+            ownship,
+            instantaneous: quantity.is_instantaneous(picture.settings, false),
+        }
+        .any_conflict(&task, &span);
+    }
+    let mut fan = Fan::default();
+    fan.fill(
+        quantity,
+        picture.settings,
+        ownship,
+        &span,
+        picture.turns_at_once(),
+    );
+    let mut windows = Windows::default();
+    windows.fill(met, volume, &fan);
+    FanSearch {
+        met: *met,
+        fan: &fan,
+        windows: &windows,
+        before: None,
+    }
+    .any_conflict(&task)
+}

@@ -1,0 +1,378 @@
+//! Where the ownship flies while it maneuvers, and along which straight line afterwards.
+//!
+//! A maneuver is looked at after each step of its quantity: from there the ownship flies
+//! straight. Source: Narkawicz, Muñoz, Dutle, "Coordination Logic for Repulsive Resolution
+//! Maneuvers", and Muñoz et al., "DAIDALUS: Detect and Avoid Alerting Logic for Unmanned
+//! Systems", DASC 2015.
+
+use crate::aircraft::State;
+use crate::bands::span::{Quantity, Span};
+use crate::plane::{Crossing, root};
+use crate::settings::Settings;
+use alloc::vec::Vec;
+use glam::DVec3;
+
+/// A straight line that the ownship is on from a time on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Line {
+    /// When it is on the line, seconds from now.
+    pub(crate) since_s: f64,
+    /// Its state on the line, taken back to now.
+    pub(crate) state: State,
+}
+
+impl Line {
+    /// The line of a state at a time.
+    fn at(since_s: f64, position_m: DVec3, velocity_mps: DVec3) -> Self {
+        let position_m = if since_s == 0.0 {
+            position_m
+        } else {
+            position_m - velocity_mps * since_s
+        };
+        Self {
+            since_s,
+            state: State {
+                position_m,
+                velocity_mps,
+            },
+        }
+    }
+
+    /// Whether the maneuver can be flown at all.
+    pub(crate) fn exists(&self) -> bool {
+        self.state.is_finite()
+    }
+}
+
+/// Standard gravity, m/s².
+const GRAVITY_MPS2: f64 = 9.806_65;
+
+/// Lines step by step, to the low and to the high side; index 0 is the current state.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Fan {
+    pub(crate) sides: [Vec<Line>; 2],
+    /// Time of one step, seconds; 0 where a maneuver takes none.
+    pub(crate) step_s: f64,
+}
+
+/// Speed with which turns are computed: a standing aircraft turns nowhere.
+fn turning_speed_mps(settings: &Settings, ownship: &State) -> f64 {
+    settings
+        .horizontal_speed
+        .step
+        .max(settings.least_airspeed_mps)
+        .max(ownship.speed_mps())
+}
+
+impl Fan {
+    /// The lines of a direction or speed maneuver.
+    pub(crate) fn fill(
+        &mut self,
+        quantity: Quantity,
+        settings: &Settings,
+        ownship: &State,
+        span: &Span,
+        slow: bool,
+    ) {
+        let instantaneous = quantity.is_instantaneous(settings, slow);
+        self.step_s = if instantaneous {
+            0.0
+        } else {
+            step_s(quantity, settings, ownship)
+        };
+        let [low, high] = &mut self.sides;
+        low.clear();
+        high.clear();
+        let steps = span.steps_down.max(span.steps_up);
+        let starting = match quantity {
+            Quantity::Direction => with_speed(ownship, turning_speed_mps(settings, ownship)),
+            _ => ownship.velocity_mps,
+        };
+        for (count, tries_low, tries_high) in
+            (0..=steps).map(|k| (k, k <= span.steps_down, k <= span.steps_up))
+        {
+            let time_s = self.step_s * count as f64;
+            let maneuver = Maneuver {
+                quantity,
+                settings,
+                ownship,
+                starting,
+                change: count as f64 * span.step,
+                time_s,
+                instantaneous,
+            };
+            let [to_low, to_high] = maneuver.lines();
+            if tries_low {
+                low.push(to_low);
+            }
+            if tries_high {
+                high.push(to_high);
+            }
+        }
+    }
+}
+
+/// Time of one step, seconds.
+fn step_s(quantity: Quantity, settings: &Settings, ownship: &State) -> f64 {
+    match quantity {
+        Quantity::Direction => {
+            let rate = if settings.turn_rate_radps == 0.0 {
+                GRAVITY_MPS2 * libm::tan(settings.bank_rad.min(core::f64::consts::FRAC_PI_2))
+                    / turning_speed_mps(settings, ownship)
+            } else {
+                settings.turn_rate_radps
+            };
+            settings.direction_step_rad / rate
+        }
+        Quantity::HorizontalSpeed => {
+            settings.horizontal_speed.step / settings.horizontal_acceleration_mps2
+        }
+        Quantity::VerticalSpeed => {
+            settings.vertical_speed.step / settings.vertical_acceleration_mps2
+        }
+        Quantity::Altitude => 1.0,
+    }
+}
+
+/// The velocity with another horizontal speed.
+fn with_speed(state: &State, speed_mps: f64) -> DVec3 {
+    let v = state.velocity_mps;
+    let now_mps = state.speed_mps();
+    if now_mps > 0.0 {
+        let factor = speed_mps / now_mps;
+        DVec3::new(v.x * factor, v.y * factor, v.z)
+    } else {
+        // Without a direction it is north.
+        DVec3::new(0.0, speed_mps, v.z)
+    }
+}
+
+/// One step of a maneuver.
+struct Maneuver<'a> {
+    quantity: Quantity,
+    settings: &'a Settings,
+    ownship: &'a State,
+    starting: DVec3,
+    /// How far the quantity has changed, SI unit.
+    change: f64,
+    time_s: f64,
+    instantaneous: bool,
+}
+
+impl Maneuver<'_> {
+    /// The lines to the low and to the high side.
+    fn lines(&self) -> [Line; 2] {
+        let s = self.ownship.position_m;
+        if self.change == 0.0 {
+            return [Line::at(0.0, s, self.starting); 2];
+        }
+        match self.quantity {
+            Quantity::Direction => self.turns(),
+            Quantity::HorizontalSpeed => [-1.0, 1.0].map(|sign| self.accelerates(sign)),
+            Quantity::VerticalSpeed => [-1.0, 1.0].map(|sign| self.climbs(sign)),
+            Quantity::Altitude => [Line::at(0.0, s, self.starting); 2],
+        }
+    }
+
+    fn turns(&self) -> [Line; 2] {
+        let (s, v, t) = (self.ownship.position_m, self.starting, self.time_s);
+        let rate = self.change / t;
+        let (sin, cos) = libm::sincos(self.change);
+        // Right turns are clockwise from above; a left turn mirrors the sine.
+        [-1.0, 1.0].map(|side| {
+            let sin = sin * side;
+            let turned = DVec3::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin, v.z);
+            if self.instantaneous {
+                return Line::at(0.0, s, turned);
+            }
+            let rate = rate * side;
+            let position_m = DVec3::new(
+                s.x + (v.y - turned.y) / rate,
+                s.y + (turned.x - v.x) / rate,
+                s.z + v.z * t,
+            );
+            Line::at(t, position_m, turned)
+        })
+    }
+
+    fn accelerates(&self, sign: f64) -> Line {
+        let (s, v, t) = (self.ownship.position_m, self.starting, self.time_s);
+        let now_mps = self.ownship.speed_mps();
+        let faster_mps = now_mps + sign * self.change;
+        if faster_mps < 0.0 {
+            // No aircraft flies backwards: the line never meets anything.
+            return Line::at(t, s, DVec3::NAN);
+        }
+        let faster = with_speed(self.ownship, faster_mps);
+        if self.instantaneous {
+            return Line::at(0.0, s, faster);
+        }
+        let ahead = if now_mps > 0.0 { v / now_mps } else { DVec3::Y };
+        let acceleration = sign * self.settings.horizontal_acceleration_mps2;
+        let way_m = now_mps * t + 0.5 * acceleration * t * t;
+        let position_m = DVec3::new(s.x + ahead.x * way_m, s.y + ahead.y * way_m, s.z + v.z * t);
+        Line::at(t, position_m, faster)
+    }
+
+    fn climbs(&self, sign: f64) -> Line {
+        let (s, v, t) = (self.ownship.position_m, self.starting, self.time_s);
+        let turned = DVec3::new(v.x, v.y, v.z + sign * self.change);
+        if self.instantaneous {
+            return Line::at(0.0, s, turned);
+        }
+        let acceleration = sign * self.settings.vertical_acceleration_mps2;
+        let climbed_m = v.z * t + 0.5 * acceleration * t * t;
+        let position_m = DVec3::new(s.x + v.x * t, s.y + v.y * t, s.z + climbed_m);
+        Line::at(t, position_m, turned)
+    }
+}
+
+/// A climb or descent to an altitude: accelerate, hold the rate, level out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LevelChange {
+    ownship: State,
+    target_m: f64,
+    /// First and second acceleration, m/s².
+    first_mps2: f64,
+    second_mps2: f64,
+    /// End of the first acceleration, seconds.
+    pub(crate) rate_since_s: f64,
+    /// Begin of the second one.
+    pub(crate) rate_until_s: f64,
+    /// When the altitude is reached.
+    pub(crate) level_since_s: f64,
+}
+
+/// Vertical way of an acceleration, metres.
+fn way_m(climb_mps: f64, acceleration: f64, time_s: f64) -> f64 {
+    climb_mps * time_s + 0.5 * acceleration * time_s * time_s
+}
+
+/// Vertical way until a climb has come to rest, metres.
+fn braking_way_m(climb_mps: f64, acceleration: f64) -> f64 {
+    way_m(climb_mps, acceleration, -climb_mps / acceleration)
+}
+
+impl LevelChange {
+    /// The change to an altitude with the vertical rate and acceleration of the settings, both
+    /// positive.
+    pub(crate) fn to(target_m: f64, settings: &Settings, ownship: &State) -> Self {
+        let acceleration = settings.vertical_acceleration_mps2;
+        let height_m = ownship.position_m.z;
+        let climb_mps = ownship.velocity_mps.z;
+        let goes_up = target_m >= height_m;
+        let (towards, against) = if goes_up {
+            (acceleration, -acceleration)
+        } else {
+            (-acceleration, acceleration)
+        };
+        let same_way = (climb_mps >= 0.0) == goes_up
+            || crate::almost::Closeness::Rounding.same(climb_mps, 0.0);
+        let way_to_go_m = target_m - height_m;
+        let mut change = Self {
+            ownship: *ownship,
+            target_m,
+            first_mps2: towards,
+            second_mps2: against,
+            rate_since_s: 0.0,
+            rate_until_s: 0.0,
+            level_since_s: 0.0,
+        };
+        if same_way && way_to_go_m.abs() >= braking_way_m(climb_mps, against).abs() {
+            change.plan(settings, height_m, climb_mps, 0.0);
+        } else {
+            // First the climb is stopped; then the altitude is flown to from rest.
+            let stopping = if same_way { against } else { towards };
+            let rest_m = height_m + braking_way_m(climb_mps, stopping);
+            change.plan(settings, rest_m, 0.0, -climb_mps / stopping);
+        }
+        change
+    }
+
+    /// Fills accelerations and times for a change that begins at a height and climb, later by
+    /// `delay_s`.
+    fn plan(&mut self, settings: &Settings, height_m: f64, climb_mps: f64, delay_s: f64) {
+        let acceleration = settings.vertical_acceleration_mps2;
+        let goes_up = self.target_m >= height_m;
+        let sign = if goes_up { 1.0 } else { -1.0 };
+        let rate_mps = sign * settings.vertical_rate_mps.abs().max(climb_mps.abs());
+        let to_go_m = self.target_m - height_m;
+        let first = if rate_mps >= climb_mps {
+            acceleration
+        } else {
+            -acceleration
+        };
+        let second = -sign * acceleration;
+        let reached_s = (rate_mps - climb_mps) / first;
+        let reached_mps = climb_mps + first * reached_s;
+        let accelerating_m = way_m(climb_mps, first, reached_s);
+        let braking_m = braking_way_m(reached_mps, second);
+        let (since_s, until_s, level_s);
+        if to_go_m.abs() >= (accelerating_m + braking_m).abs() {
+            let hold_s = (to_go_m - accelerating_m - braking_m) / rate_mps;
+            since_s = reached_s;
+            until_s = reached_s + hold_s;
+            level_s = until_s + -rate_mps / second;
+        } else {
+            // The rate is never reached: brake from the peak.
+            let ratio = first / second;
+            let a = 0.5 * first * (1.0 - ratio);
+            let b = climb_mps * (1.0 - ratio);
+            let c = -climb_mps * climb_mps / (2.0 * second) - to_go_m;
+            let late = root(a, b, c, Crossing::Exit);
+            let early = root(a, b, c, Crossing::Entry);
+            since_s = match (late, early) {
+                (Some(late), Some(early)) if late >= 0.0 && early >= 0.0 => late.min(early),
+                (Some(late), _) if late >= 0.0 => late,
+                (_, Some(early)) => early,
+                _ => f64::NAN,
+            };
+            until_s = since_s;
+            level_s = since_s + -(climb_mps + first * since_s) / second;
+        }
+        self.first_mps2 = first;
+        self.second_mps2 = second;
+        self.rate_since_s = delay_s + since_s;
+        self.rate_until_s = delay_s + until_s;
+        self.level_since_s = delay_s + level_s;
+    }
+
+    /// The line on which the ownship is at a time.
+    pub(crate) fn line_at(&self, time_s: f64) -> Line {
+        let (s, v) = (self.ownship.position_m, self.ownship.velocity_mps);
+        let (t1, t2, t3) = (self.rate_since_s, self.rate_until_s, self.level_since_s);
+        let reached_s = if t1 < 0.0 { 0.0 } else { t3 };
+        let (height_m, climb_mps) = if time_s > reached_s {
+            (self.target_m, 0.0)
+        } else if time_s <= t1 {
+            (
+                s.z + way_m(v.z, self.first_mps2, time_s),
+                v.z + self.first_mps2 * time_s,
+            )
+        } else {
+            let rate_mps = v.z + self.first_mps2 * t1;
+            let reached_m = s.z + way_m(v.z, self.first_mps2, t1);
+            if time_s <= t2 {
+                (reached_m + rate_mps * (time_s - t1), rate_mps)
+            } else {
+                let braking_s = time_s - t2;
+                (
+                    reached_m + rate_mps * (t2 - t1) + way_m(rate_mps, self.second_mps2, braking_s),
+                    rate_mps + self.second_mps2 * braking_s,
+                )
+            }
+        };
+        let position_m = DVec3::new(s.x + v.x * time_s, s.y + v.y * time_s, height_m);
+        Line::at(time_s, position_m, DVec3::new(v.x, v.y, climb_mps))
+    }
+
+    /// The line of an altitude that is reached at once.
+    pub(crate) fn instantly(target_m: f64, ownship: &State) -> Line {
+        let (s, v) = (ownship.position_m, ownship.velocity_mps);
+        Line::at(
+            0.0,
+            DVec3::new(s.x, s.y, target_m),
+            DVec3::new(v.x, v.y, 0.0),
+        )
+    }
+}

@@ -1,0 +1,158 @@
+//! Ways out where every maneuver meets the corrective volume.
+
+use crate::aircraft::State;
+use crate::bands::intervals::Intervals;
+use crate::bands::span::Span;
+use crate::bands::{Contribution, Instead, Picture, QuantityBands};
+use crate::settings::Settings;
+use crate::volume::{Advisory, Cylinder};
+
+/// What recovery bands keep, where every maneuver meets the corrective volume.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Recovery {
+    /// There is another way; recovery was not looked for.
+    NotNeeded,
+    /// Not even the NMAC volume can be left out.
+    Impossible {
+        /// How often its distances were shrunk.
+        shrinkings: i32,
+    },
+    /// Well clear is regained after a time, at a distance.
+    Found {
+        /// Time until well clear is regained, seconds.
+        time_s: f64,
+        /// Horizontal distance kept meanwhile, metres.
+        distance_m: f64,
+        /// Vertical distance kept meanwhile, metres.
+        height_m: f64,
+        /// How often the distances were shrunk.
+        shrinkings: i32,
+    },
+}
+
+impl Recovery {
+    /// How often the distances were shrunk; −1 where recovery was not looked for.
+    pub const fn shrinkings(self) -> i32 {
+        match self {
+            Self::NotNeeded => -1,
+            Self::Impossible { shrinkings } | Self::Found { shrinkings, .. } => shrinkings,
+        }
+    }
+}
+
+/// What recovery found.
+pub(super) enum WaysOut {
+    /// Recovery was not looked for.
+    NotLookedFor,
+    /// What is free is the way out.
+    Same,
+    /// The ways out that replace what is free in the corrective region.
+    Other(Intervals),
+}
+
+/// More shrinkings than this reach the NMAC volume from any distance at the default part.
+const MOST_SHRINKINGS: i32 = 1000;
+
+impl QuantityBands {
+    /// Looks for ways out of a conflict that is certain.
+    pub(super) fn recover(
+        &mut self,
+        picture: &Picture,
+        span: &Span,
+        corrective: usize,
+    ) -> Intervals {
+        let settings = picture.settings;
+        let painting = self.painting(picture, corrective);
+        let nmac = Cylinder::new(settings.nmac_distance_m, settings.nmac_height_m);
+        let mut shrinkings = 0;
+        self.recovery = Recovery::Impossible { shrinkings };
+        let past_nmac = self.free_of(picture, span, &painting, Instead::Cylinder(nmac));
+        if past_nmac.is_empty() {
+            return past_nmac;
+        }
+        let mut kept = least_recovery(settings, &picture.ownship.state);
+        let factor = 1.0 - settings.recovery_shrinking;
+        // What the last search left is what is shown where none succeeds.
+        let mut ways_out = past_nmac;
+        // Shrinking by a part of zero never ends by itself.
+        while (kept.radius_m > nmac.radius_m || kept.half_height_m > nmac.half_height_m)
+            && shrinkings < MOST_SHRINKINGS
+        {
+            ways_out = self.free_of(picture, span, &painting, Instead::Cylinder(kept));
+            if !ways_out.is_empty() {
+                let time_s = self.recovery_time_s(picture, span, &painting, kept);
+                ways_out = self.free_of(picture, span, &painting, Instead::Until(kept, time_s));
+                if !ways_out.is_empty() {
+                    self.recovery = Recovery::Found {
+                        time_s,
+                        distance_m: kept.radius_m,
+                        height_m: kept.half_height_m,
+                        shrinkings,
+                    };
+                    return ways_out;
+                }
+            }
+            if !settings.shrinks_recovery {
+                return ways_out;
+            }
+            shrinkings += 1;
+            self.recovery = Recovery::Impossible { shrinkings };
+            kept = Cylinder::new(
+                nmac.radius_m.max(kept.radius_m * factor),
+                nmac.half_height_m.max(kept.half_height_m * factor),
+            );
+        }
+        ways_out
+    }
+
+    /// The earliest time, to half a second, after which well clear can be kept again.
+    fn recovery_time_s(
+        &mut self,
+        picture: &Picture,
+        span: &Span,
+        painting: &[Contribution],
+        kept: Cylinder,
+    ) -> f64 {
+        let lookahead_s = picture.settings.lookahead_s;
+        let (mut blocked_s, mut open_s) = (0.0, lookahead_s + 1.0);
+        let mut tried_s = open_s - 1.0;
+        while open_s - blocked_s > 0.5 {
+            let free = self.free_of(picture, span, painting, Instead::Until(kept, tried_s));
+            if free.is_empty() {
+                blocked_s = tried_s;
+            } else {
+                open_s = tried_s;
+            }
+            tried_s = f64::midpoint(blocked_s, open_s);
+        }
+        if open_s <= lookahead_s {
+            lookahead_s.min(open_s + picture.settings.recovery_stability_s)
+        } else {
+            blocked_s
+        }
+    }
+}
+
+/// The distances that recovery begins with.
+fn least_recovery(settings: &Settings, ownship: &State) -> Cylinder {
+    // Below the third sensitivity level there are no resolution advisories.
+    let table = || {
+        let resolution = Advisory::resolution();
+        let altitude_m = ownship.position_m.z.max(LOWEST_ADVISORY_M);
+        resolution.at(altitude_m).copied()
+    };
+    let or_table = |value_m: f64, pick: fn(&crate::volume::Sensitivity) -> f64| {
+        if value_m > 0.0 {
+            value_m
+        } else {
+            table().as_ref().map_or(0.0, pick)
+        }
+    };
+    Cylinder::new(
+        or_table(settings.recovery_distance_m, |level| level.miss_distance_m),
+        or_table(settings.recovery_height_m, |level| level.height_m),
+    )
+}
+
+/// An altitude in the lowest level that has resolution advisories, metres.
+const LOWEST_ADVISORY_M: f64 = 1001.0 * 0.3048;

@@ -1,0 +1,157 @@
+//! Why a level does not flicker: M of N, persistence, and a memory that ends with a gap.
+
+use alloc::collections::VecDeque;
+
+/// The highest value that at least M of the last N values reach.
+///
+/// A value below zero is no value. Without M and N every value passes as it is.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct MOfN {
+    m: usize,
+    last: VecDeque<i8>,
+}
+
+impl MOfN {
+    /// A memory that begins as if `value` had been seen M times.
+    pub(crate) fn new(m: usize, n: usize, value: i8) -> Self {
+        let mut memory = Self::default();
+        if m > 0 && m <= n {
+            memory.m = m;
+            memory.last.resize(m, value);
+            memory.last.resize(n, -1);
+        }
+        memory
+    }
+
+    /// Takes a value and says which one counts.
+    pub(crate) fn take(&mut self, value: i8) -> i8 {
+        if self.last.is_empty() {
+            return value;
+        }
+        self.last.pop_front();
+        self.last.push_back(value);
+        // The M-th largest of the last N.
+        let mut best = -1;
+        for &candidate in &self.last {
+            let reached = self.last.iter().filter(|seen| **seen >= candidate).count();
+            if reached >= self.m {
+                best = best.max(candidate);
+            }
+        }
+        best
+    }
+
+    /// Whether both have seen the same values.
+    pub(crate) fn has_seen_the_same(&self, other: &Self) -> bool {
+        self.last == other.last
+    }
+}
+
+/// Times and counts of the memory of levels.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct HysteresisSettings {
+    /// A gap longer than this ends every memory, seconds; 0 for no memory.
+    pub memory_s: f64,
+    /// A level that rose is kept this long, seconds.
+    pub persistence_s: f64,
+    /// How many of the last values must agree; 0 for every one as it comes.
+    pub agreeing: usize,
+    /// How many values are remembered.
+    pub remembered: usize,
+}
+
+/// A level over time.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Held {
+    votes: MOfN,
+    rose_s: Option<f64>,
+    last: Option<(f64, i8)>,
+}
+
+impl Held {
+    pub(crate) fn new() -> Self {
+        Self {
+            votes: MOfN::default(),
+            rose_s: None,
+            last: None,
+        }
+    }
+
+    /// The level of the last step, if there was one.
+    pub(crate) fn last(&self) -> Option<(f64, i8)> {
+        self.last
+    }
+
+    /// When the level rose last.
+    pub(crate) fn rose_s(&self) -> Option<f64> {
+        self.rose_s
+    }
+
+    /// Takes the raw level at a time and says which level holds.
+    pub(crate) fn take(&mut self, raw: i8, time_s: f64, settings: &HysteresisSettings) -> i8 {
+        let goes_on = self
+            .last
+            .is_some_and(|(last_s, _)| time_s > last_s && time_s - last_s <= settings.memory_s);
+        if !goes_on {
+            self.votes = MOfN::new(settings.agreeing, settings.remembered, raw);
+            self.rose_s = None;
+            self.last = None;
+        }
+        let before = self.last.map_or(-1, |(_, level)| level);
+        let agreed = self.votes.take(raw);
+        let persists = self
+            .rose_s
+            .is_some_and(|rose_s| time_s >= rose_s && time_s - rose_s < settings.persistence_s);
+        let level = if agreed < 0 {
+            self.rose_s = None;
+            raw
+        } else if persists && before > 0 && agreed < before {
+            before
+        } else {
+            if agreed > 0 && agreed > before {
+                self.rose_s = Some(time_s);
+            }
+            agreed
+        };
+        self.last = Some((time_s, level));
+        level
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_of_four_ignores_a_single_value() {
+        let mut votes = MOfN::new(2, 4, 0);
+        assert_eq!(votes.take(3), 0);
+        assert_eq!(votes.take(0), 0);
+        assert_eq!(votes.take(2), 2, "3 and 2 of the last four reach 2");
+        assert_eq!(votes.take(0), 2);
+        assert_eq!(votes.take(0), 0, "3 has left the memory");
+    }
+
+    #[test]
+    fn a_risen_level_is_kept_for_the_persistence_and_forgotten_after_a_gap() {
+        let settings = HysteresisSettings {
+            memory_s: 5.0,
+            persistence_s: 4.0,
+            agreeing: 0,
+            remembered: 0,
+        };
+        let mut held = Held::new();
+        let levels: alloc::vec::Vec<i8> = [0, 3, 0, 0, 0, 0, 0]
+            .into_iter()
+            .zip(0_u8..)
+            .map(|(raw, second)| held.take(raw, f64::from(second), &settings))
+            .collect();
+        assert_eq!(levels, [0, 3, 3, 3, 3, 0, 0]);
+        assert_eq!(held.take(2, 7.0, &settings), 2);
+        assert_eq!(
+            held.take(0, 13.0, &settings),
+            0,
+            "after 6 s nothing is remembered"
+        );
+    }
+}

@@ -1,0 +1,101 @@
+//! Well clear, alert levels and maneuver bands as the standards of detect and avoid define them.
+//!
+//! The core `fga` decides; this crate speaks the language in which standards, displays and
+//! regulators judge: how near is a volume, which level does that alert, which directions, speeds
+//! and altitudes meet a conflict, which way out is preferred. It reads no clock and no file, and
+//! cannot panic on any input; lists live in buffers that are used again from step to step.
+//!
+//! # Which item answers which question
+//!
+//! | item | question |
+//! |---|---|
+//! | [`volume`] | when do straight lines violate NMAC, well clear, a cylinder, TCAS thresholds? |
+//! | [`Pair`] | how do two aircraft approach each other? |
+//! | [`severity`] | how bad is a loss of well clear? |
+//! | [`encounter`] | what happened between two tracks, in continuous time? |
+//! | [`Settings`] | what is configured? |
+//! | [`schemes`] | which configurations do the standards give? |
+//! | [`Monitor`] | which alert level holds, and what do the bands look like, over time? |
+//! | [`QuantityBands`] | which values of one quantity meet a conflict, and which way out is preferred? |
+//! | [`Ahead`] | where will the aircraft be, for the last time to maneuver? |
+//!
+//! # Conventions
+//!
+//! Local plane: x east, y north, z up from the datum of the altitudes. Metres, seconds, radians;
+//! **directions are clockwise from north**, as these standards count them (the core counts
+//! anticlockwise from east). Velocities are through the air: wind moves everyone alike and is
+//! taken out before. Times are from now.
+//!
+//! ```
+//! use fga_alerts::{Aircraft, AircraftId, Monitor, Quantity, Region, State, schemes};
+//! use glam::DVec3;
+//!
+//! let at = |id, position_m, velocity_mps| {
+//!     Aircraft::new(AircraftId(id), State { position_m, velocity_mps })
+//! };
+//! let ownship = at(0, DVec3::new(0.0, 0.0, 1000.0), DVec3::new(0.0, 50.0, 0.0));
+//! let intruder = at(1, DVec3::new(0.0, 5000.0, 1000.0), DVec3::new(0.0, -50.0, 0.0));
+//!
+//! let mut monitor = Monitor::new(schemes::do_365b());
+//! monitor.step(0.0, &ownship, &[intruder])?;
+//! assert_eq!(monitor.highest_level(), 3, "35 s of modified tau are violated already");
+//! let directions = monitor.bands(Quantity::Direction);
+//! assert_eq!(directions.region_at(0.0), Some(Region::Near));
+//! # Ok::<(), fga_alerts::StepError>(())
+//! ```
+//!
+//! # References
+//!
+//! - RTCA DO-365B, "Minimum Operational Performance Standards for Detect and Avoid Systems".
+//! - ASTM F3442, "Standard Specification for Detect and Avoid System Performance Requirements".
+//! - Muñoz et al., "DAIDALUS: Detect and Avoid Alerting Logic for Unmanned Systems", DASC 2015.
+//!   Its implementation, version 2.0.4, is what tables are compared with: `docs/alerts.md`.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing
+)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing
+    )
+)]
+
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
+mod aircraft;
+mod almost;
+mod approach;
+mod bands;
+pub mod encounter;
+mod hysteresis;
+mod loss;
+mod monitor;
+mod plane;
+pub mod schemes;
+mod settings;
+pub mod severity;
+pub mod volume;
+
+pub use aircraft::{Aircraft, AircraftId, Deviation, Pair, PairDeviation, State};
+pub use bands::QuantityBands;
+pub use bands::colors::Band;
+pub use bands::memory::{Resolution, Way};
+pub use bands::recovery::Recovery;
+pub use bands::span::Quantity;
+pub use hysteresis::HysteresisSettings;
+pub use loss::Loss;
+pub use monitor::{Ahead, Alert, LastTime, Monitor, StepError};
+pub use settings::{
+    AlertLevel, Alerter, PerManeuver, Reach, Region, Settings, SlowDirections, TerminalArea,
+    TerminalGuidance,
+};

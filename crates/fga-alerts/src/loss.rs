@@ -1,0 +1,68 @@
+//! The interval in which a volume is violated.
+
+use crate::almost::Closeness;
+
+/// From when to when a volume is violated along straight lines, seconds from now.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Loss {
+    /// When the violation begins.
+    pub entry_s: f64,
+    /// When it ends.
+    pub exit_s: f64,
+}
+
+impl Loss {
+    /// No violation at any time.
+    pub const NEVER: Self = Self {
+        entry_s: f64::INFINITY,
+        exit_s: f64::NEG_INFINITY,
+    };
+    /// A violation at all times.
+    pub(crate) const ALWAYS: Self = Self {
+        entry_s: f64::NEG_INFINITY,
+        exit_s: f64::INFINITY,
+    };
+
+    pub(crate) const fn new(entry_s: f64, exit_s: f64) -> Self {
+        Self { entry_s, exit_s }
+    }
+
+    /// The violation, or [`Loss::NEVER`] where it does not last.
+    pub(crate) fn if_lasting(self) -> Self {
+        if self.is_conflict() {
+            self
+        } else {
+            Self::NEVER
+        }
+    }
+
+    /// Whether there is a violation that lasts.
+    pub fn is_conflict(self) -> bool {
+        Closeness::Rounding.less(self.entry_s, self.exit_s)
+    }
+
+    /// Whether there is a violation that begins before `time_s`, or has begun.
+    pub fn begins_before(self, time_s: f64) -> bool {
+        (self.entry_s == 0.0 || Closeness::Rounding.less(self.entry_s, time_s))
+            && self.is_conflict()
+    }
+
+    /// The part of both.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self::new(
+            self.entry_s.max(other.entry_s),
+            self.exit_s.min(other.exit_s),
+        )
+    }
+
+    /// Whether the part between two times lasts.
+    pub(crate) fn conflicts_within(self, from_s: f64, to_s: f64) -> bool {
+        Closeness::Rounding.less(self.entry_s.max(from_s), self.exit_s.min(to_s))
+    }
+
+    /// Whether the violation is on at this very time and lasts beyond it.
+    pub(crate) fn is_on_at(self, time_s: f64) -> bool {
+        self.conflicts_within(time_s, time_s + 1.0)
+            && Closeness::Rounding.same(self.entry_s.max(time_s), time_s)
+    }
+}

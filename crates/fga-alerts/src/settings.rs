@@ -1,0 +1,351 @@
+//! What is configured: horizons, dynamics, regions, memories, alerters.
+
+use crate::hysteresis::HysteresisSettings;
+use crate::volume::{DeviationFactors, Volume};
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// How close in time a band's conflict is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Region {
+    /// No conflict.
+    None,
+    /// Preventive.
+    Far,
+    /// Corrective, in most configurations.
+    Mid,
+    /// Warning.
+    Near,
+    /// A way out of a violation that is certain.
+    Recovery,
+}
+
+impl Region {
+    /// The three regions of conflicts, nearest first.
+    pub const CONFLICTS: [Self; 3] = [Self::Near, Self::Mid, Self::Far];
+
+    /// The region's name in configuration files and tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "NONE",
+            Self::Far => "FAR",
+            Self::Mid => "MID",
+            Self::Near => "NEAR",
+            Self::Recovery => "RECOVERY",
+        }
+    }
+
+    /// Whether a maneuver into the region meets a conflict.
+    pub const fn is_conflict(self) -> bool {
+        matches!(self, Self::Far | Self::Mid | Self::Near)
+    }
+
+    /// Severity of the conflict: 1 to 3, 0 for a way that meets none.
+    pub(crate) const fn severity(self) -> u8 {
+        match self {
+            Self::None | Self::Recovery => 0,
+            Self::Far => 1,
+            Self::Mid => 2,
+            Self::Near => 3,
+        }
+    }
+
+    /// Order in which colors cover each other, recovery over all.
+    pub(crate) const fn order(self) -> i8 {
+        match self {
+            Self::None => 0,
+            Self::Far => 1,
+            Self::Mid => 2,
+            Self::Near => 3,
+            Self::Recovery => 4,
+        }
+    }
+
+    pub(crate) const fn from_order(order: i8) -> Option<Self> {
+        match order {
+            0 => Some(Self::None),
+            1 => Some(Self::Far),
+            2 => Some(Self::Mid),
+            3 => Some(Self::Near),
+            4 => Some(Self::Recovery),
+            _ => None,
+        }
+    }
+
+    /// Place in [`Region::CONFLICTS`].
+    pub(crate) const fn conflict_index(self) -> Option<usize> {
+        match self {
+            Self::Near => Some(0),
+            Self::Mid => Some(1),
+            Self::Far => Some(2),
+            Self::None | Self::Recovery => None,
+        }
+    }
+}
+
+/// One value for each kind of maneuver.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PerManeuver<T> {
+    /// Direction over ground.
+    pub direction: T,
+    /// Horizontal speed.
+    pub horizontal_speed: T,
+    /// Vertical speed.
+    pub vertical_speed: T,
+    /// Altitude.
+    pub altitude: T,
+}
+
+/// From where to where a quantity may be maneuvered, in its SI unit.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Reach {
+    /// Least value.
+    pub least: f64,
+    /// Greatest value.
+    pub greatest: f64,
+    /// How far below the current value is looked at; 0 with `above` 0: down to the least;
+    /// negative: down to the least.
+    pub below: f64,
+    /// How far above; see `below`.
+    pub above: f64,
+    /// Distance between the values that are tried.
+    pub step: f64,
+}
+
+/// The terminal area, within which another alerter holds.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TerminalArea {
+    /// What holds inside.
+    pub guidance: TerminalGuidance,
+    /// Latitude of the center, radians.
+    pub latitude_rad: f64,
+    /// Longitude of the center, radians.
+    pub longitude_rad: f64,
+    /// Radius, metres.
+    pub radius_m: f64,
+    /// Altitude up to which it reaches, metres.
+    pub height_m: f64,
+    /// The alerter inside, counted from 0.
+    pub alerter: Option<usize>,
+}
+
+/// Which guidance holds in the terminal area after a corrective alert.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TerminalGuidance {
+    /// The terminal area is not considered.
+    #[default]
+    Off,
+    /// Departing: horizontal recovery stays; no descent.
+    Departing,
+    /// Landing: directions are all in conflict; no descent.
+    Landing,
+}
+
+/// How directions are banded when the ownship is slower than its least airspeed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SlowDirections {
+    /// As always.
+    #[default]
+    Kinematic,
+    /// As if a turn took no time.
+    Instantaneous,
+}
+
+/// Thresholds of one alert level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AlertLevel {
+    /// The volume whose violation is alerted.
+    pub volume: Volume,
+    /// Time before the violation at which the alert begins, seconds.
+    pub alerting_s: f64,
+    /// Time before the violation within which an alert that is on stays on, seconds.
+    pub early_alerting_s: f64,
+    /// The region of bands that the level paints.
+    pub region: Region,
+    /// Maneuvers of the ownship that are alerted too, in SI units; 0 for none.
+    pub spread: PerManeuver<f64>,
+}
+
+/// Alert levels in the order of severity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Alerter {
+    /// Its name.
+    pub name: String,
+    /// The levels; the first is level 1.
+    pub levels: Vec<AlertLevel>,
+}
+
+impl Alerter {
+    /// The lowest level (counted from 1) that paints a region.
+    pub fn level_for(&self, region: Region) -> Option<usize> {
+        self.levels
+            .iter()
+            .position(|level| level.region == region)
+            .map(|index| index + 1)
+    }
+
+    /// A level, counted from 1.
+    pub fn level(&self, number: usize) -> Option<&AlertLevel> {
+        self.levels.get(number.checked_sub(1)?)
+    }
+}
+
+/// Everything that is configured.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "switches of the file format, each for itself"
+)]
+pub struct Settings {
+    /// How far ahead conflicts count, seconds.
+    pub lookahead_s: f64,
+    /// How far to the left directions are looked at, radians.
+    pub left_rad: f64,
+    /// How far to the right, radians.
+    pub right_rad: f64,
+    /// Step of directions, radians.
+    pub direction_step_rad: f64,
+    /// Least airspeed, metres per second.
+    pub least_airspeed_mps: f64,
+    /// Horizontal speeds, metres per second.
+    pub horizontal_speed: Reach,
+    /// Vertical speeds, metres per second.
+    pub vertical_speed: Reach,
+    /// Altitudes, metres.
+    pub altitude: Reach,
+    /// Acceleration along the flight, m/s²; 0 for changes that take no time.
+    pub horizontal_acceleration_mps2: f64,
+    /// Vertical acceleration, m/s²; 0 for changes that take no time.
+    pub vertical_acceleration_mps2: f64,
+    /// Turn rate, radians per second; 0 to turn with the bank angle.
+    pub turn_rate_radps: f64,
+    /// Bank angle, radians; with a turn rate of 0 too turns take no time.
+    pub bank_rad: f64,
+    /// Vertical speed of altitude maneuvers, metres per second; 0 for maneuvers that take no
+    /// time.
+    pub vertical_rate_mps: f64,
+    /// Horizontal distance that recovery keeps, metres; 0 for the TCAS II table.
+    pub recovery_distance_m: f64,
+    /// Vertical distance that recovery keeps, metres; 0 for the TCAS II table.
+    pub recovery_height_m: f64,
+    /// Which maneuvers have recovery bands.
+    pub recovers: PerManeuver<bool>,
+    /// Whether recovery may shrink its distances down to the NMAC volume.
+    pub shrinks_recovery: bool,
+    /// By which part they shrink at a time.
+    pub recovery_shrinking: f64,
+    /// Radius of the NMAC volume, metres.
+    pub nmac_distance_m: f64,
+    /// Half height of the NMAC volume, metres.
+    pub nmac_height_m: f64,
+    /// Time added to the time of recovery, seconds.
+    pub recovery_stability_s: f64,
+    /// Memory of alert levels and bands.
+    pub hysteresis: HysteresisSettings,
+    /// Whether a conflict band that was entered persists.
+    pub bands_persist: bool,
+    /// Difference within which a preferred resolution is kept, SI units.
+    pub resolution_persistence: PerManeuver<f64>,
+    /// Whether the most urgent aircraft's coordination was asked for in conflicts. Without an
+    /// urgency strategy, which no file sets, it changes nothing.
+    pub coordinates_conflicts: bool,
+    /// The same in recovery.
+    pub coordinates_recovery: bool,
+    /// Deviations mitigated in volumes that do not say their own.
+    pub deviation_factors: DeviationFactors,
+    /// How far contours of conflict reach to either side, radians.
+    pub contour_rad: f64,
+    /// The terminal area.
+    pub terminal: TerminalArea,
+    /// Directions below the least airspeed.
+    pub slow_directions: SlowDirections,
+    /// Whether the ownship's alerter judges every aircraft.
+    pub ownship_centric: bool,
+    /// Whether the time of a maneuver counts against the alerting time.
+    pub counts_maneuver_time: bool,
+    /// The region from which on a maneuver is asked for.
+    pub corrective_region: Region,
+    /// The alerters.
+    pub alerters: Vec<Alerter>,
+}
+
+const FOOT_M: f64 = 0.3048;
+const KNOT_MPS: f64 = 1852.0 / 3600.0;
+const FOOT_PER_MINUTE_MPS: f64 = FOOT_M / 60.0;
+const DEGREE_RAD: f64 = core::f64::consts::PI / 180.0;
+
+impl Default for Settings {
+    /// What a file that names no key means.
+    fn default() -> Self {
+        let unbounded_below = |least: f64, greatest: f64, step: f64| Reach {
+            least,
+            greatest,
+            below: 0.0,
+            above: 0.0,
+            step,
+        };
+        Self {
+            lookahead_s: 180.0,
+            left_rad: 180.0 * DEGREE_RAD,
+            right_rad: 180.0 * DEGREE_RAD,
+            direction_step_rad: DEGREE_RAD,
+            least_airspeed_mps: 10.0 * KNOT_MPS,
+            horizontal_speed: unbounded_below(10.0 * KNOT_MPS, 700.0 * KNOT_MPS, 5.0 * KNOT_MPS),
+            vertical_speed: unbounded_below(
+                -6000.0 * FOOT_PER_MINUTE_MPS,
+                6000.0 * FOOT_PER_MINUTE_MPS,
+                100.0 * FOOT_PER_MINUTE_MPS,
+            ),
+            altitude: unbounded_below(100.0 * FOOT_M, 50_000.0 * FOOT_M, 100.0 * FOOT_M),
+            horizontal_acceleration_mps2: 2.0,
+            vertical_acceleration_mps2: 0.25 * 9.806_65,
+            turn_rate_radps: 3.0 * DEGREE_RAD,
+            bank_rad: 0.0,
+            vertical_rate_mps: 500.0 * FOOT_PER_MINUTE_MPS,
+            recovery_distance_m: 0.0,
+            recovery_height_m: 0.0,
+            recovers: PerManeuver {
+                direction: true,
+                horizontal_speed: true,
+                vertical_speed: true,
+                altitude: true,
+            },
+            shrinks_recovery: false,
+            recovery_shrinking: 0.1,
+            nmac_distance_m: 500.0 * FOOT_M,
+            nmac_height_m: 100.0 * FOOT_M,
+            recovery_stability_s: 3.0,
+            hysteresis: HysteresisSettings::default(),
+            bands_persist: false,
+            resolution_persistence: PerManeuver::default(),
+            coordinates_conflicts: false,
+            coordinates_recovery: false,
+            deviation_factors: DeviationFactors::default(),
+            contour_rad: 180.0 * DEGREE_RAD,
+            terminal: TerminalArea::default(),
+            slow_directions: SlowDirections::Kinematic,
+            ownship_centric: true,
+            counts_maneuver_time: false,
+            corrective_region: Region::Near,
+            alerters: Vec::new(),
+        }
+    }
+}
+
+impl Settings {
+    /// The level (counted from 1) from which on an alerter asks for a maneuver.
+    pub fn corrective_level(&self, alerter: usize) -> Option<usize> {
+        self.alerters
+            .get(alerter)?
+            .level_for(self.corrective_region)
+    }
+
+    /// The most levels any alerter has.
+    pub fn most_levels(&self) -> usize {
+        self.alerters
+            .iter()
+            .map(|alerter| alerter.levels.len())
+            .max()
+            .unwrap_or(0)
+    }
+}

@@ -1,0 +1,41 @@
+//! `fga bands`: which maneuvers meet a conflict, as the standards see it?
+
+use std::process::ExitCode;
+
+use clap::Args;
+use fga_formats::atomic;
+use fga_formats::daa::tables::{Tables, watch};
+
+use crate::alerts::DetectArgs;
+use crate::common::print;
+use crate::failure::Failure;
+
+/// Options of `fga bands`.
+#[derive(Args, Debug)]
+pub(crate) struct BandsArgs {
+    #[command(flatten)]
+    input: DetectArgs,
+}
+
+/// Writes `bands.out`.
+pub(crate) fn run(args: &BandsArgs) -> Result<ExitCode, Failure> {
+    let input = &args.input;
+    let (recording, configuration) = input.read()?;
+    let folder = input.out.prepare(&input.recording)?;
+    let tables = Tables {
+        recording: &recording,
+        configuration: &configuration,
+    };
+    // The file as it was named, so that outputs of the same command compare.
+    let mut text = Tables::bands_head(&input.recording.display().to_string());
+    let mut times = 0;
+    watch(&recording, &configuration, |monitor, scene| {
+        tables.bands_text(monitor, scene, &mut text);
+        times += 1;
+    })
+    .map_err(|message| input.refused(&message))?;
+    let path = folder.join("bands.out");
+    atomic::write(&path, text)?;
+    print(&format!("{times} instants; bands in {}\n", path.display()))?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,139 @@
+//! `fga alerts` and `fga bands`: the reference's outputs, and wrong input.
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use support::{data, errors, fga_in};
+
+const CONFIGURATION: &str = "lookahead_time = 180.0 [s]
+corrective_region = NEAR
+alerters = A
+A_alert_1_region = NEAR
+A_alert_1_alerting_time = 60.0 [s]
+A_alert_1_detector = det_1
+A_det_1_D = 2000 [ft]
+A_det_1_H = 250 [ft]
+A_load_core_detection_det_1 = CDCylinder
+";
+
+const RECORDING: &str = "NAME, sx, sy, sz, vx, vy, vz, time
+[none], [m], [m], [ft], [knot], [knot], [fpm], [s]
+own, 0, 0, 1000, 0, 60, 0, 0
+other, 0, 3000, 1000, 0, -60, 0, 0
+";
+
+/// Whether `diff` finds two files equal.
+fn diff(a: &Path, b: &Path) -> bool {
+    let output = Command::new("diff").arg(a).arg(b).output();
+    output.expect("diff is installed").status.success()
+}
+
+#[test]
+fn tables_of_h1_equal_the_reference_by_diff() {
+    let (Some(recording), Some(configuration), Some(alerts), Some(bands)) = (
+        data("daidalus/H1.daa"),
+        data("daidalus/DO_365B_no_SUM.conf"),
+        data("daidalus/gold/DaidalusqAlerting-no_sum.csv"),
+        data("daidalus/gold/DaidalusBatch-no_sum.out"),
+    ) else {
+        return;
+    };
+    // The first line of the bands holds the file's name as it was given.
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path().join("C++");
+    fs::create_dir(&here).unwrap();
+    fs::create_dir(folder.path().join("Scenarios")).unwrap();
+    fs::copy(recording, folder.path().join("Scenarios/H1.daa")).unwrap();
+    let configuration = configuration.canonicalize().unwrap();
+    let configuration = configuration.to_str().unwrap();
+    for command in ["alerts", "bands"] {
+        let output = fga_in(
+            &here,
+            &[
+                command,
+                "../Scenarios/H1.daa",
+                "--config",
+                configuration,
+                "--out",
+                "out",
+            ],
+        );
+        assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    }
+    assert!(diff(&here.join("out/alerts.csv"), &alerts));
+    assert!(diff(&here.join("out/bands.out"), &bands));
+}
+
+#[test]
+fn a_cylinder_alerts_when_its_time_has_come() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.daa"), RECORDING).unwrap();
+    fs::write(folder.path().join("c.conf"), CONFIGURATION).unwrap();
+    let output = fga_in(
+        folder.path(),
+        &["alerts", "a.daa", "--config", "c.conf", "--out", "o"],
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    let table = fs::read_to_string(folder.path().join("o/alerts.csv")).unwrap();
+    let row: Vec<&str> = table.lines().nth(2).unwrap().split(", ").collect();
+    // 3000 m − 609.6 m at 120 kn.
+    let expected_s = (3000.0 - 609.6) / (120.0 * 1852.0 / 3600.0);
+    assert_eq!(row[4], "1", "38.7 s are within 60 s");
+    assert!((row[5].parse::<f64>().unwrap() - expected_s).abs() < 1e-5);
+}
+
+#[test]
+fn wrong_input_is_one_sentence_and_exit_code_1() {
+    let folder = tempfile::tempdir().unwrap();
+    let one_only: String = RECORDING
+        .lines()
+        .filter(|line| !line.starts_with("other"))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let cases = [
+        (
+            RECORDING.to_owned(),
+            format!("{CONFIGURATION}lookahead = 3 [s]\n"),
+            "c.conf, line 10: the key lookahead is unknown",
+        ),
+        (
+            RECORDING.to_owned(),
+            CONFIGURATION.replace("2000 [ft]", "2000 [furlong]"),
+            "c.conf, line 7: A_det_1_D has the unknown unit \"furlong\", expected a length unit",
+        ),
+        (
+            RECORDING.to_owned(),
+            CONFIGURATION.replace("180.0 [s]", "180.0 [ft]"),
+            "c.conf, line 1: lookahead_time has the unit \"ft\" of a length, expected a time unit",
+        ),
+        (RECORDING.to_owned(), String::new(), "c.conf: is empty"),
+        (String::new(), CONFIGURATION.to_owned(), "a.daa: is empty"),
+        (
+            one_only,
+            CONFIGURATION.to_owned(),
+            "a.daa: holds one aircraft only",
+        ),
+        (
+            RECORDING.replace("3000", "NaN"),
+            CONFIGURATION.to_owned(),
+            "a.daa, line 4: column sy holds \"NaN\", expected a finite number",
+        ),
+    ];
+    for (recording, configuration, expected) in cases {
+        fs::write(folder.path().join("a.daa"), recording).unwrap();
+        fs::write(folder.path().join("c.conf"), configuration).unwrap();
+        for command in ["alerts", "bands"] {
+            let output = fga_in(
+                folder.path(),
+                &[command, "a.daa", "--config", "c.conf", "--out", "o"],
+            );
+            assert_eq!(output.status.code(), Some(1));
+            let message = errors(&output);
+            assert!(message.contains(expected), "{message}");
+            assert_eq!(message.lines().count(), 1, "{message}");
+        }
+    }
+}

@@ -1,0 +1,287 @@
+//! The lines `key = value [unit]` of a configuration.
+
+use crate::error::{InputError, shown};
+use crate::units::{Dimension, Unit};
+use alloc::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A value that has not been read yet.
+#[derive(Debug, Clone)]
+struct Entry {
+    line: u64,
+    key: String,
+    value: String,
+}
+
+/// The lines of a file; reading a key takes it away.
+#[derive(Debug)]
+pub(super) struct Entries {
+    path: PathBuf,
+    /// By the key in lower case.
+    left: BTreeMap<String, Entry>,
+}
+
+/// What a number measures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Measure {
+    /// A quantity with a unit.
+    Of(Dimension),
+    /// A plain number.
+    Plain,
+}
+
+/// A number that was read.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Number {
+    /// The value in SI units.
+    pub(super) si: f64,
+    /// The unit's symbol and factor, where it has one.
+    pub(super) unit: Option<(String, f64)>,
+}
+
+/// Which numbers are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Allowed {
+    Any,
+    NotNegative,
+    Positive,
+}
+
+impl Allowed {
+    fn contains(self, value: f64) -> bool {
+        match self {
+            Self::Any => true,
+            Self::NotNegative => value >= 0.0,
+            Self::Positive => value > 0.0,
+        }
+    }
+
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Any => "a finite number",
+            Self::NotNegative => "0 or more",
+            Self::Positive => "more than 0",
+        }
+    }
+}
+
+impl Entries {
+    pub(super) fn parse(text: &str, path: &Path) -> Result<Self, InputError> {
+        let mut left: BTreeMap<String, Entry> = BTreeMap::new();
+        for (line, number) in text.split('\n').zip(1_u64..) {
+            let content = line.split('#').next().unwrap_or_default().trim();
+            if content.is_empty() {
+                continue;
+            }
+            let Some((key, value)) = content.split_once('=') else {
+                let message = format!("holds {}, expected key = value", shown(content));
+                return Err(InputError::at_line(path, number, message));
+            };
+            let (key, value) = (key.trim(), value.trim());
+            let entry = Entry {
+                line: number,
+                key: key.to_owned(),
+                value: value.to_owned(),
+            };
+            if let Some(first) = left.insert(key.to_ascii_lowercase(), entry) {
+                let message = format!(
+                    "the key {key} is there twice, expected it once (first on line {})",
+                    first.line
+                );
+                return Err(InputError::at_line(path, number, message));
+            }
+        }
+        if left.is_empty() {
+            return Err(InputError::in_file(
+                path,
+                "is empty, expected lines key = value [unit]",
+            ));
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            left,
+        })
+    }
+
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.left.contains_key(&key.to_ascii_lowercase())
+    }
+
+    /// Keys that begin with a prefix, without it, in the order of the alphabet.
+    pub(super) fn after(&self, prefix: &str) -> Vec<String> {
+        let prefix = prefix.to_ascii_lowercase();
+        self.left
+            .values()
+            .filter_map(|entry| {
+                let key = entry.key.to_ascii_lowercase();
+                key.strip_prefix(&prefix)
+                    .map(|rest| entry.key.get(entry.key.len() - rest.len()..))?
+                    .map(str::to_owned)
+            })
+            .collect()
+    }
+
+    fn error(&self, line: u64, message: String) -> InputError {
+        InputError::at_line(&self.path, line, message)
+    }
+
+    /// An error about the file as a whole.
+    pub(super) fn missing(&self, message: impl Into<String>) -> InputError {
+        InputError::in_file(&self.path, message)
+    }
+
+    /// Takes the text of a key.
+    pub(super) fn text(&mut self, key: &str) -> Option<(u64, String)> {
+        self.left
+            .remove(&key.to_ascii_lowercase())
+            .map(|entry| (entry.line, entry.value))
+    }
+
+    /// Takes a number.
+    pub(super) fn number(
+        &mut self,
+        key: &str,
+        measure: Measure,
+        allowed: Allowed,
+    ) -> Result<Option<Number>, InputError> {
+        let Some((line, text)) = self.text(key) else {
+            return Ok(None);
+        };
+        let at = |message: String| self.error(line, message);
+        let (digits, symbol) = split_unit(&text);
+        let value: f64 = digits
+            .parse()
+            .ok()
+            .filter(|value: &f64| value.is_finite())
+            .ok_or_else(|| at(format!("{key} is {}, expected a number", shown(&text))))?;
+        let unit = match measure {
+            _ if Unit::is_unspecified(symbol) => None,
+            Measure::Plain => {
+                return Err(at(format!(
+                    "{key} has the unit {}, expected a plain number",
+                    shown(symbol)
+                )));
+            }
+            Measure::Of(dimension) => {
+                let known = Unit::parse(symbol);
+                let expected = dimension.with_article();
+                let examples = dimension.examples();
+                match known {
+                    Some(unit) if unit.dimension == dimension => {
+                        Some((symbol.to_owned(), unit.factor))
+                    }
+                    Some(unit) => {
+                        return Err(at(format!(
+                            "{key} has the unit {} of {}, expected {expected} unit such as {examples}",
+                            shown(symbol),
+                            unit.dimension.with_article()
+                        )));
+                    }
+                    None => {
+                        return Err(at(format!(
+                            "{key} has the unknown unit {}, expected {expected} unit such as {examples}",
+                            shown(symbol)
+                        )));
+                    }
+                }
+            }
+        };
+        if !allowed.contains(value) {
+            return Err(at(format!(
+                "{key} is {}, expected {}",
+                shown(&text),
+                allowed.words()
+            )));
+        }
+        let factor = unit.as_ref().map_or(1.0, |(_, factor)| *factor);
+        Ok(Some(Number {
+            si: value * factor,
+            unit,
+        }))
+    }
+
+    /// Takes a yes or no.
+    pub(super) fn boolean(&mut self, key: &str) -> Result<Option<bool>, InputError> {
+        let Some((line, text)) = self.text(key) else {
+            return Ok(None);
+        };
+        match text.to_ascii_lowercase().as_str() {
+            "true" | "t" => Ok(Some(true)),
+            "false" | "f" => Ok(Some(false)),
+            _ => Err(self.error(
+                line,
+                format!("{key} is {}, expected true or false", shown(&text)),
+            )),
+        }
+    }
+
+    /// Takes a whole number between two.
+    pub(super) fn integer(
+        &mut self,
+        key: &str,
+        range: core::ops::RangeInclusive<i32>,
+    ) -> Result<Option<i32>, InputError> {
+        let Some((line, text)) = self.text(key) else {
+            return Ok(None);
+        };
+        match text.parse().ok().filter(|value| range.contains(value)) {
+            Some(value) => Ok(Some(value)),
+            None => Err(self.error(
+                line,
+                format!(
+                    "{key} is {}, expected a whole number from {} to {}",
+                    shown(&text),
+                    range.start(),
+                    range.end()
+                ),
+            )),
+        }
+    }
+
+    /// Takes one of several words.
+    pub(super) fn word<T: Copy>(
+        &mut self,
+        key: &str,
+        words: &[(&str, T)],
+    ) -> Result<Option<T>, InputError> {
+        let Some((line, text)) = self.text(key) else {
+            return Ok(None);
+        };
+        if let Some((_, value)) = words.iter().find(|(word, _)| *word == text) {
+            return Ok(Some(*value));
+        }
+        let known: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+        let message = format!(
+            "{key} is {}, expected one of {}",
+            shown(&text),
+            known.join(", ")
+        );
+        Err(self.error(line, message))
+    }
+
+    /// An error about the value of a key that was taken.
+    pub(super) fn refused(&self, line: u64, message: impl Into<String>) -> InputError {
+        self.error(line, message.into())
+    }
+
+    /// Refuses a file with keys that nothing has read.
+    pub(super) fn nothing_left(&self) -> Result<(), InputError> {
+        match self.left.values().min_by_key(|entry| entry.line) {
+            None => Ok(()),
+            Some(entry) => Err(self.error(entry.line, format!("the key {} is unknown", entry.key))),
+        }
+    }
+}
+
+/// A number's digits and its unit without brackets.
+fn split_unit(text: &str) -> (&str, &str) {
+    let is_unit = |c: char| !(c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | 'e' | 'E'));
+    let end = text.find(is_unit).unwrap_or(text.len());
+    let (digits, unit) = text.split_at(end);
+    let unit = unit.trim();
+    let bare = unit
+        .strip_prefix('[')
+        .and_then(|inner| inner.strip_suffix(']'))
+        .unwrap_or(unit);
+    (digits.trim(), bare.trim())
+}

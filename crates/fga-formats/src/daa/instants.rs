@@ -1,0 +1,413 @@
+//! A recording time by time, with every column that alerts and bands look at.
+//!
+//! Beside the columns of [`crate::daa`], in any order and any case:
+//!
+//! | column | what | unit without a unit line |
+//! |---|---|---|
+//! | `heading`, `airspeed` | direction and speed through the air; on the ownship they give the wind | deg, kn |
+//! | `alerter` | which alerter judges the aircraft, counted from 1; 0 for none | |
+//! | `s_EW_std`, `s_NS_std`, `s_EN_std`, `sz_std` | standard deviations of the position | none: a unit is required |
+//! | `v_EW_std`, `v_NS_std`, `v_EN_std`, `vz_std` | standard deviations of the velocity | none: a unit is required |
+//!
+//! A field that is empty or `-` is no value.
+
+use super::columns::{Layout, PositionColumns, VelocityColumns, fields};
+use super::rows::Rows;
+use crate::error::{InputError, read_text, shown};
+use crate::units::{Dimension, Unit};
+use fga_alerts::Deviation;
+use glam::DVec3;
+use std::path::Path;
+
+/// Where an aircraft is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Place {
+    /// On the earth.
+    Geodetic {
+        /// Latitude, radians, north positive.
+        latitude_rad: f64,
+        /// Longitude, radians, east positive.
+        longitude_rad: f64,
+        /// Altitude, metres.
+        altitude_m: f64,
+    },
+    /// In the plane: east, north, up, metres.
+    Local(DVec3),
+}
+
+impl Place {
+    /// Altitude, metres.
+    pub const fn altitude_m(&self) -> f64 {
+        match self {
+            Self::Geodetic { altitude_m, .. } => *altitude_m,
+            Self::Local(position_m) => position_m.z,
+        }
+    }
+}
+
+/// A velocity with its direction and speed as they were given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Direction, radians clockwise from north.
+    pub track_rad: f64,
+    /// Horizontal speed, metres per second.
+    pub speed_mps: f64,
+    /// Velocity: east, north, up, metres per second.
+    pub velocity_mps: DVec3,
+}
+
+impl Motion {
+    /// From direction, speed and climb.
+    pub fn from_track(track_rad: f64, speed_mps: f64, climb_mps: f64) -> Self {
+        let (sin, cos) = libm::sincos(track_rad);
+        Self {
+            track_rad,
+            speed_mps,
+            velocity_mps: DVec3::new(speed_mps * sin, speed_mps * cos, climb_mps),
+        }
+    }
+
+    /// From a vector.
+    pub fn from_velocity(velocity_mps: DVec3) -> Self {
+        let DVec3 { x, y, .. } = velocity_mps;
+        Self {
+            track_rad: libm::atan2(x, y),
+            speed_mps: libm::sqrt(x * x + y * y),
+            velocity_mps,
+        }
+    }
+}
+
+/// What a row says about an aircraft.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Report {
+    /// Which aircraft: its place in [`Instants::names`].
+    pub aircraft: usize,
+    /// Where it is.
+    pub place: Place,
+    /// How it moves over the ground.
+    pub ground: Motion,
+    /// Direction (radians clockwise from north) and speed (metres per second) through the air.
+    pub air: Option<(f64, f64)>,
+    /// Which alerter judges it, counted from 1, 0 for none.
+    pub alerter: Option<u32>,
+    /// How sure the state is.
+    pub deviation: Deviation,
+}
+
+/// All aircraft of one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Instant {
+    /// Time, seconds.
+    pub time_s: f64,
+    /// The aircraft that have a row, in the order of their first rows.
+    pub reports: Vec<Report>,
+}
+
+/// A recording time by time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Instants {
+    /// Names of the aircraft in the order of their first rows; the first is the ownship.
+    pub names: Vec<String>,
+    /// Whether places are latitudes and longitudes.
+    pub is_geodetic: bool,
+    /// The times, growing.
+    pub instants: Vec<Instant>,
+}
+
+/// The deviation columns, in the order of [`Extras::deviations`].
+const DEVIATIONS: [(&str, Dimension); 8] = [
+    ("s_ew_std", Dimension::Length),
+    ("s_ns_std", Dimension::Length),
+    ("s_en_std", Dimension::Length),
+    ("sz_std", Dimension::Length),
+    ("v_ew_std", Dimension::Speed),
+    ("v_ns_std", Dimension::Speed),
+    ("v_en_std", Dimension::Speed),
+    ("vz_std", Dimension::Speed),
+];
+
+/// A column beside those that every file has.
+#[derive(Debug, Clone, Copy)]
+struct Extra {
+    place: usize,
+    name: &'static str,
+    dimension: Dimension,
+    unit: Option<Unit>,
+}
+
+impl Extra {
+    fn find(
+        names: &[String],
+        name: &'static str,
+        dimension: Dimension,
+        unit: Option<Unit>,
+    ) -> Option<Self> {
+        let place = names.iter().position(|known| known == name)?;
+        Some(Self {
+            place,
+            name,
+            dimension,
+            unit,
+        })
+    }
+
+    /// Takes the unit of a line of units.
+    fn take_unit(&mut self, units: &[&str]) -> Result<(), String> {
+        let text = units.get(self.place).copied().unwrap_or_default();
+        if Unit::is_unspecified(text) {
+            return Ok(());
+        }
+        let expected = self.dimension.with_article();
+        let unit = Unit::parse(text)
+            .filter(|unit| unit.dimension == self.dimension)
+            .ok_or_else(|| {
+                format!(
+                    "column {} has the unit {}, expected {expected} unit such as {}",
+                    self.name,
+                    shown(text),
+                    self.dimension.examples()
+                )
+            })?;
+        self.unit = Some(unit);
+        Ok(())
+    }
+
+    /// The number in a row, in SI units; `None` for an empty field.
+    fn value(&self, fields: &[&str]) -> Result<Option<f64>, String> {
+        let text = fields.get(self.place).copied().unwrap_or_default();
+        if text.is_empty() || text == "-" {
+            return Ok(None);
+        }
+        let number: f64 = text
+            .parse()
+            .ok()
+            .filter(|number: &f64| number.is_finite())
+            .ok_or_else(|| {
+                format!(
+                    "column {} holds {}, expected a finite number",
+                    self.name,
+                    shown(text)
+                )
+            })?;
+        let unit = self.unit.ok_or_else(|| {
+            format!(
+                "column {} has no unit, expected one such as {} in a line of units",
+                self.name,
+                self.dimension.examples()
+            )
+        })?;
+        Ok(Some(unit.to_si(number)))
+    }
+}
+
+/// The columns beside those that every file has.
+struct Extras {
+    heading: Option<Extra>,
+    airspeed: Option<Extra>,
+    alerter: Option<usize>,
+    deviations: [Option<Extra>; 8],
+}
+
+impl Extras {
+    fn from_header(header: &str) -> Self {
+        let names: Vec<String> = fields(header, None)
+            .into_iter()
+            .map(str::to_ascii_lowercase)
+            .collect();
+        let find = |name, dimension, unit| Extra::find(&names, name, dimension, unit);
+        Self {
+            heading: find("heading", Dimension::Angle, Some(Unit::DEGREE)),
+            airspeed: find("airspeed", Dimension::Speed, Some(Unit::KNOT)),
+            alerter: names.iter().position(|name| name == "alerter"),
+            deviations: DEVIATIONS.map(|(name, dimension)| find(name, dimension, None)),
+        }
+    }
+
+    fn take_units(&mut self, line: &str, width: usize) -> Result<(), String> {
+        let units = fields(line, Some(width));
+        [&mut self.heading, &mut self.airspeed]
+            .into_iter()
+            .chain(&mut self.deviations)
+            .flatten()
+            .try_for_each(|extra| extra.take_unit(&units))
+    }
+
+    fn air(&self, fields: &[&str]) -> Result<Option<(f64, f64)>, String> {
+        let (Some(heading), Some(airspeed)) = (&self.heading, &self.airspeed) else {
+            return Ok(None);
+        };
+        let (heading, airspeed) = (heading.value(fields)?, airspeed.value(fields)?);
+        if airspeed.is_some_and(|speed_mps| speed_mps < 0.0) {
+            return Err("column airspeed is negative, expected 0 or more".into());
+        }
+        Ok(heading.zip(airspeed))
+    }
+
+    fn alerter(&self, fields: &[&str]) -> Result<Option<u32>, String> {
+        let Some(place) = self.alerter else {
+            return Ok(None);
+        };
+        let text = fields.get(place).copied().unwrap_or_default();
+        if text.is_empty() || text == "-" {
+            return Ok(None);
+        }
+        text.parse().map(Some).map_err(|_| {
+            format!(
+                "column alerter holds {}, expected a number of 0 or more",
+                shown(text)
+            )
+        })
+    }
+
+    fn deviation(&self, fields: &[&str]) -> Result<Deviation, String> {
+        let mut values = [0.0; 8];
+        for (value, extra) in values.iter_mut().zip(&self.deviations) {
+            if let Some(extra) = extra {
+                *value = extra.value(fields)?.unwrap_or(0.0);
+                let signed = extra.name.contains("_en_");
+                if *value < 0.0 && !signed {
+                    return Err(format!(
+                        "column {} is negative, expected a deviation of 0 or more",
+                        extra.name
+                    ));
+                }
+            }
+        }
+        let [
+            east_m,
+            north_m,
+            east_north_m,
+            up_m,
+            east_mps,
+            north_mps,
+            east_north_mps,
+            up_mps,
+        ] = values;
+        Ok(Deviation {
+            east_m,
+            north_m,
+            east_north_m,
+            up_m,
+            east_mps,
+            north_mps,
+            east_north_mps,
+            up_mps,
+        })
+    }
+}
+
+/// Reads a recording time by time.
+///
+/// # Errors
+/// As [`crate::daa::read`]; a unit of a deviation or of the air velocity that is missing, unknown
+/// or measures something else; a deviation or airspeed that is negative or no number.
+pub fn read(path: &Path) -> Result<Instants, InputError> {
+    parse(&read_text(path)?, path)
+}
+
+/// Reads a recording from `text`; `path` is what errors call it. See [`read`].
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(text: &str, path: &Path) -> Result<Instants, InputError> {
+    let mut lines = super::meaningful_lines(text).peekable();
+    let (header_line, header) = loop {
+        match lines.next() {
+            None => {
+                return Err(InputError::in_file(
+                    path,
+                    "is empty, expected a line of column names",
+                ));
+            }
+            Some((_, line)) if line.contains('=') => {}
+            Some(header) => break header,
+        }
+    };
+    let at = |number, message| InputError::at_line(path, number, message);
+    let mut layout = Layout::from_header(header).map_err(|message| at(header_line, message))?;
+    let mut extras = Extras::from_header(header);
+    if let Some(&(number, line)) = lines.peek()
+        && layout.is_unit_line(line)
+    {
+        layout
+            .take_units(line)
+            .and_then(|()| extras.take_units(line, layout.width))
+            .map_err(|message| at(number, message))?;
+        lines.next();
+    }
+    let mut rows = Rows::new(&layout);
+    let mut found: Vec<(f64, Report)> = Vec::new();
+    for (number, line) in lines {
+        let report = rows
+            .push(line)
+            .and_then(|()| report(&layout, &extras, line, rows.last.unwrap_or(0)))
+            .map_err(|message| at(number, message))?;
+        found.push(report);
+    }
+    if found.is_empty() {
+        return Err(InputError::in_file(
+            path,
+            "holds no rows, expected at least one below the column names",
+        ));
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.aircraft.cmp(&b.1.aircraft)));
+    let mut instants: Vec<Instant> = Vec::new();
+    for (time_s, report) in found {
+        match instants.last_mut() {
+            Some(instant) if instant.time_s == time_s => instant.reports.push(report),
+            _ => instants.push(Instant {
+                time_s,
+                reports: vec![report],
+            }),
+        }
+    }
+    Ok(Instants {
+        names: rows.aircraft.into_iter().map(|track| track.name).collect(),
+        is_geodetic: matches!(layout.position, PositionColumns::Geodetic(_)),
+        instants,
+    })
+}
+
+/// The report of a row that was taken.
+fn report(
+    layout: &Layout,
+    extras: &Extras,
+    line: &str,
+    aircraft: usize,
+) -> Result<(f64, Report), String> {
+    let fields = fields(line, Some(layout.width));
+    let place = match &layout.position {
+        PositionColumns::Geodetic([latitude, longitude, altitude]) => Place::Geodetic {
+            latitude_rad: latitude.value(&fields)?,
+            longitude_rad: longitude.value(&fields)?,
+            altitude_m: altitude.value(&fields)?,
+        },
+        PositionColumns::Cartesian([east, north, up]) => Place::Local(DVec3::new(
+            east.value(&fields)?,
+            north.value(&fields)?,
+            up.value(&fields)?,
+        )),
+    };
+    let ground = match &layout.velocity {
+        VelocityColumns::Track([track, speed, climb]) => Motion::from_track(
+            track.value(&fields)?,
+            speed.value(&fields)?,
+            climb.value(&fields)?,
+        ),
+        VelocityColumns::Cartesian([east, north, up]) => Motion::from_velocity(DVec3::new(
+            east.value(&fields)?,
+            north.value(&fields)?,
+            up.value(&fields)?,
+        )),
+    };
+    let report = Report {
+        aircraft,
+        place,
+        ground,
+        air: extras.air(&fields)?,
+        alerter: extras.alerter(&fields)?,
+        deviation: extras.deviation(&fields)?,
+    };
+    Ok((layout.time.clock_s(&fields)?, report))
+}
