@@ -236,7 +236,7 @@ fn a_recorded_file_means_what_another_decoder_says() {
 }
 
 /// A squitter of 0x123456 with a right checksum.
-fn squitter(content: [u8; 7]) -> [u8; 14] {
+fn whole(content: [u8; 7]) -> [u8; 14] {
     let mut message = [0; 14];
     message[..4].copy_from_slice(&[0x8D, 0x12, 0x34, 0x56]);
     message[4..11].copy_from_slice(&content);
@@ -247,15 +247,16 @@ fn squitter(content: [u8; 7]) -> [u8; 14] {
     let generator: Vec<bool> = (0..25)
         .map(|n| 0x1FF_F409_u32 >> (24 - n) & 1 != 0)
         .collect();
-    for n in 0..88 {
-        if bits[n] {
-            for (bit, divisor) in bits[n..].iter_mut().zip(&generator) {
+    for at in 0..88 {
+        let (first, rest) = bits[at..].split_first_mut().expect("a bit");
+        if *first {
+            for (bit, divisor) in rest.iter_mut().zip(&generator[1..]) {
                 *bit ^= divisor;
             }
         }
     }
-    for n in 88..112 {
-        message[n / 8] |= u8::from(bits[n]) << (7 - n % 8);
+    for (at, bit) in bits.iter().enumerate().skip(88) {
+        message[at / 8] |= u8::from(*bit) << (7 - at % 8);
     }
     message
 }
@@ -273,11 +274,11 @@ fn reports_of(messages: &[[u8; 14]]) -> Vec<TrafficReport> {
 /// DO-260B, 2.2.3.2.7.2: version 2, supplement A, NACp 9, GVA 2, SIL 3; and 2.2.3.2.7.1.
 #[test]
 fn quality_is_read_from_status_messages() {
-    let status = [0xF8, 0, 0, 0, 0, 0b010_1_1001, 0b10_11_0000];
-    let state = [0xEA, 0, 0, 0, 1, 0b000_1_10_00, 0];
-    let old = [0xF8, 0, 0, 0, 0, 0b000_1_1001, 0b10_11_0000];
-    let on_ground = [0xF9, 0, 0, 0, 0, 0b010_1_1001, 0b10_11_0000];
-    let found = reports_of(&[status, state, old, on_ground].map(squitter));
+    let status = [0xF8, 0, 0, 0, 0, 0b0101_1001, 0b1011_0000];
+    let state = [0xEA, 0, 0, 0, 1, 0b0001_1000, 0];
+    let old = [0xF8, 0, 0, 0, 0, 0b0001_1001, 0b1011_0000];
+    let on_ground = [0xF9, 0, 0, 0, 0, 0b0101_1001, 0b1011_0000];
+    let found = reports_of(&[status, state, old, on_ground].map(whole));
     assert_eq!(found.len(), 2, "{found:?}");
     assert_eq!(found[0].address, 0x12_3456);
     assert_eq!(found[0].position_error_m, Some(30.0));
@@ -304,8 +305,8 @@ fn the_supplements_narrow_the_containment() {
     let place = [0x59, 0xC3, 0x86, 0x43, 0x5C, 0xC4, 0x12];
     let plain = [0x58, 0xC3, 0x86, 0x43, 0x5C, 0xC4, 0x12];
     let none = [0x90, 0xC3, 0x86, 0x43, 0x5C, 0xC4, 0x12];
-    let status = [0xF8, 0, 0, 0, 0, 0b010_1_1001, 0b10_11_0000];
-    let found = reports_of(&[place, status, place, plain, none].map(squitter));
+    let status = [0xF8, 0, 0, 0, 0, 0b0101_1001, 0b1011_0000];
+    let found = reports_of(&[place, status, place, plain, none].map(whole));
     let contained: Vec<Option<f64>> = found.iter().map(|r| r.containment_m).collect();
     assert_eq!(
         contained,
