@@ -206,9 +206,13 @@ impl VehicleModel {
     /// As [`VehicleModel::read`].
     pub fn parse(text: TomlText<'_>) -> Result<Self, InputError> {
         let file: File = text.read()?;
-        let airspeed_mps = text.positive("airspeed_mps", &file.airspeed_mps)?;
+        let airspeed_mps = text.within("airspeed_mps", &file.airspeed_mps, (1.0, 1e3))?;
         let turn_radius_m = match (&file.turn_radius_m, &file.max_bank_deg) {
-            (Some(radius), None) => text.positive("turn_radius_m", radius)?,
+            (Some(radius), None) => {
+                // No turn of more than 10 g.
+                let tightest_m = airspeed_mps * airspeed_mps / (10.0 * STANDARD_GRAVITY_MPS2);
+                text.within("turn_radius_m", radius, (tightest_m.max(1.0), 1e6))?
+            }
             (None, Some(bank)) => {
                 let bank_deg = text.within("max_bank_deg", bank, (1.0, 80.0))?;
                 // Eq. 8.
@@ -244,12 +248,9 @@ impl VehicleModel {
                 (0.0, 60.0),
                 15.0,
             )?,
-            climb_rate_radps: not_negative(
-                &text,
-                "climb_rate_radps",
-                file.climb_rate_radps.as_ref(),
-                0.2,
-            )?,
+            climb_rate_radps: file.climb_rate_radps.as_ref().map_or(Ok(0.2), |rate| {
+                text.within("climb_rate_radps", rate, (0.0, 10.0))
+            })?,
             response: file.response.checked(&text)?,
         };
         Ok(Self {
@@ -313,6 +314,7 @@ impl File {
         };
         let avoider = Settings {
             start: default.start,
+            work_limit: default.work_limit,
             decision_period_s: self
                 .decision_period_s
                 .as_ref()
@@ -320,12 +322,12 @@ impl File {
                     text.within("decision_period_s", value, (0.01, 10.0))
                 })?,
             surveillance_radius_m,
-            horizon_s: positive(
-                text,
-                "horizon_s",
-                avoidance.horizon_s.as_ref(),
-                default.horizon_s,
-            )?,
+            horizon_s: avoidance
+                .horizon_s
+                .as_ref()
+                .map_or(Ok(default.horizon_s), |value| {
+                    text.within("horizon_s", value, (1.0, 600.0))
+                })?,
             margin_m: not_negative(
                 text,
                 "margin_m",
@@ -407,12 +409,12 @@ impl ResponseTable {
         };
         Ok(Response {
             dead_time_s: limited("dead_time_s", &self.dead_time_s, (0.0, 5.0), 0.0)?,
-            bank_time_constant_s: limited(
-                "bank_time_constant_s",
-                &self.bank_time_constant_s,
-                (0.0, 10.0),
-                0.0,
-            )?,
+            bank_time_constant_s: match &self.bank_time_constant_s {
+                Some(value) if *value.get_ref() != 0.0 => {
+                    text.within("bank_time_constant_s", value, (0.01, 10.0))?
+                }
+                _ => 0.0,
+            },
             turn_rate_factor: limited(
                 "turn_rate_factor",
                 &self.turn_rate_factor,

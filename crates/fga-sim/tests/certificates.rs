@@ -1,6 +1,7 @@
 //! Certificates against flights that another program integrates: [`fga_sim::fine`].
 //!
 //! `FGA_CERTIFICATE_FLIGHTS` sets the number of random manoeuvres.
+#![expect(clippy::cast_possible_truncation, reason = "small counts")]
 
 use std::path::{Path, PathBuf};
 

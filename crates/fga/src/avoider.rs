@@ -18,13 +18,13 @@ mod turn_aware;
 pub use crate::limit::SettingsError;
 pub use against::Against;
 pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
-pub use settings::{Settings, Start};
+pub use settings::{LEAST_WORK, Settings, Start};
 pub use tracks::{MAX_TRACKED, Tracks};
 
 use crate::maneuver::Maneuver;
 use crate::mission::Progress;
 use crate::prediction::{FlightPath, Flyer, MotionState};
-use crate::search::Proof;
+use crate::search::{PREDICTION_WORK, Proof};
 use crate::situation::Situation;
 use crate::vehicle::Vehicle;
 
@@ -81,6 +81,8 @@ pub struct Avoider {
     plan: Option<Plan>,
     last_time_s: f64,
     cycle: u32,
+    /// Work done in this step, in tests of a line against four obstacles.
+    work: u32,
 }
 
 impl Avoider {
@@ -103,6 +105,7 @@ impl Avoider {
             plan: None,
             last_time_s: f64::NEG_INFINITY,
             cycle: 0,
+            work: 0,
         })
     }
 
@@ -164,6 +167,14 @@ impl Avoider {
         }
         self.last_time_s = situation.time_s;
         self.cycle = self.cycle.wrapping_add(1);
+        self.work = 0;
+        let mut decision = self.decide(situation);
+        decision.record.work.work = self.work;
+        decision.record.work.limit_met |= self.work >= self.settings.work_limit;
+        decision
+    }
+
+    fn decide(&mut self, situation: &Situation<'_>) -> Decision {
         let now = MotionState::of(&situation.ownship);
         self.progress.update(
             &situation.mission,
@@ -173,6 +184,25 @@ impl Avoider {
             (situation.time_s, self.climb_limits_rad()),
         );
         self.step_turn_aware(situation, &now, self.settings.start)
+    }
+
+    /// Work that is left in this step.
+    fn work_left(&self) -> u32 {
+        self.settings.work_limit.saturating_sub(self.work)
+    }
+
+    /// Counts looking at one hazard along the path some times: half a test for each node.
+    fn count_looks(&mut self, times: usize) {
+        let work = 1 + self.path.nodes().len() * times / 2;
+        self.work = self
+            .work
+            .saturating_add(u32::try_from(work).unwrap_or(u32::MAX));
+    }
+
+    /// Counts predicting the path.
+    fn count_prediction(&mut self) {
+        let work = u32::try_from(PREDICTION_WORK).unwrap_or(u32::MAX);
+        self.work = self.work.saturating_add(work);
     }
 
     fn load_tracks(&mut self, situation: &Situation<'_>) {

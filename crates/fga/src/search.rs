@@ -31,7 +31,7 @@ const ENOUGH_M: f64 = 1e3;
 const CLIMB_STEP_RAD: f64 = 0.03;
 
 /// What predicting a path takes, in line tests.
-const PREDICTION_WORK: usize = 40;
+pub(crate) const PREDICTION_WORK: usize = 40;
 
 /// An obstacle that takes longer than this to pass is taken to have passed then, seconds.
 const LONGEST_PASS_S: f64 = 60.0;
@@ -220,6 +220,11 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Work done so far, in tests of a line against four obstacles.
+    pub const fn work(&self) -> u32 {
+        self.work
+    }
+
     /// Whether the limit of work was met.
     pub const fn limit_met(&self) -> bool {
         self.work >= self.limit
@@ -277,14 +282,19 @@ impl<'a> Search<'a> {
         for_each_piece(flyer, &start, nominal, wait_s, |_, _, _| ())
     }
 
-    /// Margin along the mission up to a wait's end, metres.
+    /// Margin along the mission up to a wait's end, metres; the least there is once the limit of work
+    /// is met.
     fn margin_before(&mut self, wait_s: f64) -> f64 {
         let scene = self.scene;
+        if self.limit_met() {
+            return f64::MIN;
+        }
         if wait_s <= 0.0 {
             return ENOUGH_M;
         }
         self.path
             .predict(scene.flyer, &scene.start, scene.nominal, scene.horizon_s);
+        self.count_path(self.path.nodes().len());
         certify_set(
             scene.flyer,
             self.path,
@@ -339,6 +349,7 @@ impl<'a> Search<'a> {
         let end_velocity_mps = self.path.end_velocity_mps();
         self.path
             .predict(scene.flyer, &scene.start, scene.nominal, scene.horizon_s);
+        self.count(3 * PREDICTION_WORK + self.path.nodes().len() * scene.hazards.rows().len() / 2);
         let mut until_s = turns.wait_s;
         for hazard in scene.hazards.rows() {
             let (horizon_s, target_m) = (scene.horizon_s, scene.target_m);

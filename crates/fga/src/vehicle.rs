@@ -2,8 +2,6 @@
 
 mod turn;
 
-use core::f64::consts::FRAC_PI_2;
-
 use crate::limit::SettingsError;
 
 pub use turn::{
@@ -99,65 +97,65 @@ impl Vehicle {
         bank_for_radius_rad(self.airspeed_mps, self.turn_radius_m)
     }
 
-    /// Checks every limit.
+    /// Checks every limit: what flies, and what a prediction can follow in bounded work.
+    ///
+    /// Ranges: airspeed 1 to 1,000 m/s; turn radius 1 m to 1,000 km, and no turn of more than 10 g; climb
+    /// angles to ±80°; climb rate up to 10 rad/s; dead time up to 10 s; time constant of the bank 0, or 0.01 s to
+    /// 10 s; turn-rate factor 0.05 to 2.
     ///
     /// # Errors
     /// The first limit that is not finite or out of range.
     pub fn check(&self) -> Result<(), SettingsError> {
+        /// Steepest climb, radians (80°).
+        const STEEPEST_RAD: f64 = 80.0 * core::f64::consts::PI / 180.0;
+        /// Largest acceleration to the side, in g.
+        const MOST_G: f64 = 10.0;
         let response = self.response;
-        let positive = "a positive number";
+        let tightest_m = self.airspeed_mps * self.airspeed_mps / (STANDARD_GRAVITY_MPS2 * MOST_G);
+        let lag_s = response.bank_time_constant_s;
+        let lag = if lag_s == 0.0 { 0.0 } else { 0.01 };
         let rows = [
-            (
-                "airspeed_mps",
-                self.airspeed_mps,
-                self.airspeed_mps > 0.0,
-                positive,
-            ),
+            ("airspeed_mps", self.airspeed_mps, (1.0, 1e3), "1 to 1,000"),
             (
                 "turn_radius_m",
                 self.turn_radius_m,
-                self.turn_radius_m > 0.0,
-                positive,
+                (tightest_m.max(1.0), 1e6),
+                "1 to 1,000,000, and no turn of more than 10 g",
             ),
             (
                 "climb_min_rad",
                 self.climb_min_rad,
-                self.climb_min_rad > -FRAC_PI_2 && self.climb_min_rad <= 0.0,
-                "an angle from -pi/2 to 0",
+                (-STEEPEST_RAD, 0.0),
+                "-1.396 (80 degrees) to 0",
             ),
             (
                 "climb_max_rad",
                 self.climb_max_rad,
-                self.climb_max_rad < FRAC_PI_2 && self.climb_max_rad >= 0.0,
-                "an angle from 0 to pi/2",
+                (0.0, STEEPEST_RAD),
+                "0 to 1.396 (80 degrees)",
             ),
             (
                 "climb_rate_radps",
                 self.climb_rate_radps,
-                self.climb_rate_radps >= 0.0,
-                "a number that is not negative",
+                (0.0, 10.0),
+                "0 to 10",
             ),
-            (
-                "dead_time_s",
-                response.dead_time_s,
-                response.dead_time_s >= 0.0,
-                "a number that is not negative",
-            ),
+            ("dead_time_s", response.dead_time_s, (0.0, 10.0), "0 to 10"),
             (
                 "bank_time_constant_s",
-                response.bank_time_constant_s,
-                response.bank_time_constant_s >= 0.0,
-                "a number that is not negative",
+                lag_s,
+                (lag, 10.0),
+                "0, or 0.01 to 10",
             ),
             (
                 "turn_rate_factor",
                 response.turn_rate_factor,
-                response.turn_rate_factor > 0.0,
-                positive,
+                (0.05, 2.0),
+                "0.05 to 2",
             ),
         ];
-        for (name, value, in_range, expected) in rows {
-            SettingsError::unless(in_range && value.is_finite(), name, value, expected)?;
+        for (name, value, (low, high), expected) in rows {
+            SettingsError::unless((low..=high).contains(&value), name, value, expected)?;
         }
         Ok(())
     }

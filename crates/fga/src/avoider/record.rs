@@ -104,6 +104,8 @@ pub struct Work {
     pub threats: u32,
     /// Manoeuvres evaluated.
     pub candidates: u32,
+    /// Work done, in the unit of [`Settings::work_limit`](super::Settings::work_limit).
+    pub work: u32,
     /// Whether the limit of work per step was met before the search was finished.
     pub limit_met: bool,
 }

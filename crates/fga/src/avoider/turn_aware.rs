@@ -18,15 +18,9 @@ use crate::search::Objective;
 use crate::search::{Effort, Found, Proof, Scene, Search};
 use crate::situation::Situation;
 
-/// Tests of a line against four obstacles that one search may make: some 25 ns each.
-const WORK_LIMIT: u32 = 80_000;
-
-/// So many times as many with bank lag, where a path has several times as many pieces.
-const LAGGED_WORK: u32 = 4;
-
-/// So many times as many in the first search of an encounter, if it has come near: what is begun then
-/// leads away from what later ones could find.
-const FIRST_WORK: u32 = 2;
+/// The share of a step's work that a search may take, one in so many, unless it is the first of an
+/// encounter and has come near: what is begun then leads away from what later ones could find.
+const LATER_SHARE: u32 = 2;
 
 /// Another uncertified manoeuvre must be better by this to be flown instead, metres.
 const CLEARLY_BETTER_M: f64 = 0.5;
@@ -47,6 +41,9 @@ const NEWS_M: f64 = 1.0;
 
 /// Starts that are compared when the start is free, as shares of the time to the first entry.
 const FREE_STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
+
+/// Halvings to the moment at which a volume is entered.
+const ENTRY_HALVINGS: usize = 24;
 
 /// Margins beyond this are not told apart, metres.
 const ENOUGH_M: f64 = 1e3;
@@ -120,7 +117,10 @@ impl Avoider {
         let horizon_s = self.settings.horizon_s;
         let target_m = self.settings.margin_m;
         self.path.predict(&self.flyer, now, nominal, horizon_s);
+        self.count_prediction();
         let mut first: Option<Threat> = None;
+        let mut looks = self.tracks.hazards().rows().len();
+        let most = self.work_left() as usize;
         for hazard in self.tracks.hazards().rows() {
             let closest = certify(
                 &self.flyer,
@@ -136,7 +136,19 @@ impl Avoider {
             // The margin up to a moment only falls as the moment moves on: halve to the entry.
             let (mut before_s, mut after_s) = (0.0, closest.at_s);
             let entered_m = (closest.margin_m + 1e-3).max(0.0).min(target_m);
-            for _ in 0..24 {
+            if let Some(first) = first {
+                let until_s = first.entry_s;
+                let so_far = certify(&self.flyer, &self.path, hazard, until_s, f64::MIN, target_m);
+                looks += 1;
+                if so_far.margin_m > entered_m {
+                    // It is entered later than the first.
+                    continue;
+                }
+            }
+            let left = most.saturating_sub(self.path.nodes().len() * looks / 2);
+            let halvings = if left == 0 { 0 } else { ENTRY_HALVINGS };
+            looks += halvings;
+            for _ in 0..halvings {
                 let middle = 0.5 * (before_s + after_s);
                 let so_far = certify(&self.flyer, &self.path, hazard, middle, f64::MIN, target_m);
                 if so_far.margin_m > entered_m {
@@ -154,7 +166,14 @@ impl Avoider {
                 });
             }
         }
+        self.count_looks(looks);
         let first = first?;
+        if self.work_left() == 0 {
+            let mut against = Against::default();
+            against.add(first.id);
+            return Some((first, against));
+        }
+        self.count_looks(self.tracks.hazards().rows().len());
         let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
         let mut against = Against::default();
         for hazard in self.tracks.hazards().rows() {
@@ -173,6 +192,10 @@ impl Avoider {
         now: &MotionState,
         look: impl FnOnce(&mut Search<'_>) -> T,
     ) -> (T, u32, bool) {
+        let limit = self.settings.work_limit;
+        let patience = limit / LATER_SHARE;
+        let most = if self.plan.is_none() { limit } else { patience };
+        let left = self.work_left();
         let leg = self.progress.leg(now);
         let (low, high) = self.climb_limits_rad();
         let scene = Scene {
@@ -190,15 +213,11 @@ impl Avoider {
             costs: (self.settings.heading_cost, self.settings.pitch_cost),
             objective: self.settings.objective,
         };
-        let (times, first) = match (self.flyer.is_ideal(), self.plan) {
-            (true, None) => (1, FIRST_WORK),
-            (true, Some(_)) => (1, 1),
-            (false, _) => (LAGGED_WORK, 1),
-        };
-        let patience = WORK_LIMIT * times;
-        let mut search = Search::new(scene, &mut self.path, patience * first, patience);
+        let mut search = Search::new(scene, &mut self.path, most.min(left), patience.min(left));
         let answer = look(&mut search);
-        (answer, search.evaluated, search.limit_met())
+        let (evaluated, limit_met, work) = (search.evaluated, search.limit_met(), search.work());
+        self.work = self.work.saturating_add(work);
+        (answer, evaluated, limit_met)
     }
 
     /// Chooses a manoeuvre and its start.
@@ -270,6 +289,8 @@ impl Avoider {
     ) -> f64 {
         let horizon_s = self.settings.horizon_s;
         self.path.predict(&self.flyer, now, maneuver, horizon_s);
+        self.count_prediction();
+        self.count_looks(4 * self.tracks.hazards().block_count());
         let hazards = self.tracks.hazards();
         certify_set(
             &self.flyer,
@@ -389,6 +410,8 @@ impl Avoider {
         let horizon_s = self.settings.horizon_s;
         let target_m = self.settings.margin_m;
         self.path.predict(&self.flyer, now, maneuver, horizon_s);
+        self.count_prediction();
+        self.count_looks(self.tracks.hazards().rows().len());
         for hazard in self.tracks.hazards().rows() {
             let id = hazard.id;
             let closest = certify(

@@ -16,6 +16,9 @@ pub(super) const LONGEST_STEP_RAD: f64 = 0.1;
 /// What it takes to set up a sweep, in line tests.
 const SETUP_WORK: usize = 15;
 
+/// What a piece of a flight with bank lag takes, in line tests.
+const PIECE_WORK: usize = 4;
+
 /// Halvings of the step between the last turn that fails and the first that does.
 const HALVINGS: u32 = 7;
 
@@ -376,6 +379,9 @@ impl Search<'_> {
         let mut best = *leave;
         let (mut share, mut width) = (0.0, 1.0);
         for _ in 0..HALVINGS {
+            if self.limit_met() {
+                break;
+            }
             width *= 0.5;
             if let Some(leave) = look(self, share + width) {
                 (best, share) = (leave, share + width);
@@ -544,6 +550,9 @@ impl Search<'_> {
             let longest_s = libm::sqrt(8.0 * CHORD_BOW_M / acceleration_mps2);
             let duration_s = piece.duration_s.min(until_s - state.time_s);
             let step_s = duration_s / whole(duration_s / longest_s, MAX_NODES) as f64;
+            if !flyer.is_ideal() {
+                self.count(PIECE_WORK);
+            }
             let node = Node::on(flyer, &state, &piece, 0.0);
             let end = flyer.advance(&state, &piece, step_s);
             self.along(&node, &end, floor_m, worst);

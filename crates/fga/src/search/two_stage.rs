@@ -111,6 +111,9 @@ pub enum Effort {
     Full,
 }
 
+/// The cost of a seed, which nobody asks for.
+const UNKNOWN: f64 = f64::INFINITY;
+
 /// Whether both turns have one climb target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Climbs {
@@ -254,6 +257,9 @@ impl Search<'_> {
         let departure = self.departure(found.turns.wait_s);
         let maneuver = self.maneuver(&found.turns, &departure);
         scene.hazards.rows().iter().any(|hazard| {
+            if self.limit_met() {
+                return false;
+            }
             self.path
                 .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
             self.count_path(self.path.nodes().len());
@@ -279,7 +285,8 @@ impl Search<'_> {
             hazards: &alone,
             ..scene
         };
-        let mut search = Search::new(scene_alone, self.path, self.limit, self.patience);
+        let limit = self.limit.saturating_sub(self.work);
+        let mut search = Search::new(scene_alone, self.path, limit, limit);
         let mut seeds = Seeds::new(WORTH * scene.turn_radius_m());
         let mut farthest = None;
         search.collect_single(&scene.start, &mut seeds);
@@ -310,11 +317,10 @@ impl Search<'_> {
             }),
         };
         let margin_m = self.certify(&turns, &start, f64::MIN).proven_m();
-        let cost = self.cost(&turns, &start);
         Some(Found {
             turns,
             margin_m,
-            cost,
+            cost: UNKNOWN,
         })
     }
 
@@ -337,6 +343,9 @@ impl Search<'_> {
                 if climber.is_done() {
                     continue;
                 }
+                if self.limit_met() {
+                    break;
+                }
                 climber.climb(self, steps);
                 if climber.least_m() >= self.scene.target_m {
                     let found = climber.certified(self);
@@ -346,15 +355,15 @@ impl Search<'_> {
                         cheapest = Some(found);
                     }
                 }
-                if self.limit_met() {
-                    break;
-                }
             }
             if cheapest.is_some() {
                 *best = cheapest;
                 return;
             }
             climbers.sort_unstable_by(|a, b| height(b.as_ref()).total_cmp(&height(a.as_ref())));
+        }
+        if self.limit_met() && best.is_some() {
+            return;
         }
         if let Some(highest) = climbers.iter().flatten().next() {
             keep_larger(best, highest.certified(self));
@@ -379,13 +388,12 @@ impl Search<'_> {
                     climb_rad,
                     second: None,
                 };
-                let cost = self.cost(&turns, start);
                 seeds.take(
                     kind,
                     Found {
                         turns,
                         margin_m: leave.margin_m,
-                        cost,
+                        cost: UNKNOWN,
                     },
                 );
             }
@@ -402,6 +410,9 @@ impl Search<'_> {
         for (place, climb_rad) in climbs.enumerate().skip(1) {
             let kind = KINDS_OF_ONE + place * sides * KINDS_OF_ONE * BINS;
             for radii in LEVEL_AFTER {
+                if self.limit_met() {
+                    return;
+                }
                 let turns = Turns {
                     wait_s: 0.0,
                     turn_rad: 0.0,
@@ -414,13 +425,12 @@ impl Search<'_> {
                 };
                 let floor_m = seeds.floor_of_m(kind);
                 let margin_m = self.certify(&turns, start, floor_m).proven_m();
-                let cost = self.cost(&turns, start);
                 seeds.take(
                     kind,
                     Found {
                         turns,
                         margin_m,
-                        cost,
+                        cost: UNKNOWN,
                     },
                 );
             }
@@ -544,13 +554,12 @@ impl Search<'_> {
                     second: Some(second),
                     ..first
                 };
-                let cost = self.cost(&turns, start);
                 seeds.take(
                     kind,
                     Found {
                         turns,
                         margin_m: last.margin_m,
-                        cost,
+                        cost: UNKNOWN,
                     },
                 );
             }

@@ -117,6 +117,8 @@ impl Avoider {
         self.progress
             .round_corners(mission, &self.flyer, horizon_s, &mut maneuver, bend);
         self.path.predict(&self.flyer, now, &maneuver, horizon_s);
+        self.count_prediction();
+        self.count_looks(2 * self.tracks.hazards().rows().len());
         let ahead = self.way_ahead(plan, joined.joined_s, situation);
         let back = Plan {
             maneuver,

@@ -1,0 +1,303 @@
+//! Every step ends within its limit of work, whatever vehicle, settings and obstacles are accepted:
+//! counted, not timed.
+
+use fga::Vec3;
+use fga::avoider::{Avoider, LEAST_WORK, MAX_TRACKED, Settings, Start, State};
+use fga::prediction::{FlightPath, Flyer, MAX_NODES, MotionState};
+use fga::search::Objective;
+use fga::situation::{Mission, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation};
+use fga::vehicle::{Response, Vehicle};
+
+/// What may be done beyond the limit: the manoeuvre in hand is looked at, the answer certified and its
+/// departure measured; this is the work of that for the longest path among the most obstacles.
+#[expect(clippy::cast_possible_truncation, reason = "small numbers")]
+const THE_ANSWER: u32 = 3 * (2 * MAX_NODES * MAX_TRACKED / 4 + 200) as u32;
+
+/// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// Spread evenly over the magnitudes between two positive numbers.
+    fn magnitude(&mut self, low: f64, high: f64) -> f64 {
+        (self.within(low.ln(), high.ln())).exp()
+    }
+
+    fn chance(&mut self, share: f64) -> bool {
+        self.unit() < share
+    }
+
+    fn vehicle(&mut self) -> Vehicle {
+        let wide = self.chance(0.3);
+        let airspeed_mps = if wide {
+            self.magnitude(1.0, 1e3)
+        } else {
+            self.within(10.0, 60.0)
+        };
+        let tightest_m = (airspeed_mps * airspeed_mps / 98.0).max(1.0);
+        let tight = if wide { 1e6 / tightest_m } else { 20.0 };
+        Vehicle {
+            airspeed_mps,
+            turn_radius_m: tightest_m * self.magnitude(1.001, tight),
+            climb_min_rad: if self.chance(0.3) {
+                0.0
+            } else {
+                -self.within(0.0, 1.39)
+            },
+            climb_max_rad: if self.chance(0.3) {
+                0.0
+            } else {
+                self.within(0.0, 1.39)
+            },
+            climb_rate_radps: if wide {
+                self.magnitude(1e-3, 10.0)
+            } else {
+                self.within(0.0, 0.5)
+            },
+            response: Response {
+                dead_time_s: 0.0,
+                bank_time_constant_s: if self.chance(0.3) {
+                    0.0
+                } else if wide {
+                    self.magnitude(0.01, 10.0)
+                } else {
+                    self.within(0.2, 1.2)
+                },
+                turn_rate_factor: if wide {
+                    self.within(0.05, 2.0)
+                } else {
+                    self.within(0.6, 1.0)
+                },
+            },
+        }
+    }
+
+    fn settings(&mut self) -> Settings {
+        let starts = [
+            Start::Free,
+            Start::AtDetection,
+            Start::Latest,
+            Start::Score(0.6),
+        ];
+        let objectives = [
+            Objective::PaperCost,
+            Objective::LeastDeviation,
+            Objective::ShortestPath,
+        ];
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "small positive numbers"
+        )]
+        let work_limit = self.magnitude(f64::from(LEAST_WORK) + 1.0, 3e5) as u32;
+        Settings {
+            start: *self.one_of(&starts),
+            decision_period_s: self.magnitude(1e-3, 10.0),
+            surveillance_radius_m: f64::INFINITY,
+            horizon_s: self.magnitude(1.0, 600.0),
+            margin_m: self.magnitude(1e-3, 100.0),
+            confidence_sigmas: self.within(0.0, 4.0),
+            heading_cost: self.within(0.0, 1.0),
+            pitch_cost: self.within(0.0, 1.0),
+            objective: *self.one_of(&objectives),
+            work_limit,
+            ..Settings::default()
+        }
+    }
+
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "an index"
+    )]
+    fn one_of<'a, T>(&mut self, all: &'a [T]) -> &'a T {
+        &all[(self.unit() * all.len() as f64) as usize]
+    }
+
+    /// A ring about the aircraft, layers, and a few that fly towards it.
+    fn obstacles(&mut self, own: &Ownship, reach_m: f64) -> Vec<Obstacle> {
+        let count = *self.one_of(&[1_u32, 3, 10, 30, 100, 250]);
+        let noisy = self.chance(0.5);
+        let radius_m = reach_m * self.magnitude(0.02, 0.3);
+        (0..count)
+            .map(|id| {
+                let around = f64::from(id) / f64::from(count) * core::f64::consts::TAU;
+                let beside =
+                    Vec3::new(around.cos(), around.sin(), 0.0) * reach_m * self.within(0.8, 1.2);
+                let volume = if self.chance(0.5) {
+                    ProtectedVolume::Sphere { radius_m }
+                } else if self.chance(0.2) {
+                    ProtectedVolume::Cylinder {
+                        radius_m: 1e5,
+                        half_height_m: self.within(1.0, 20.0),
+                    }
+                } else {
+                    ProtectedVolume::Cylinder {
+                        radius_m,
+                        half_height_m: 0.3 * radius_m,
+                    }
+                };
+                let above = if volume.radius_m() > 1e4 {
+                    self.within(30.0, 300.0)
+                } else {
+                    0.0
+                };
+                let position_m = own.position_m + beside + Vec3::new(0.0, 0.0, above);
+                let velocity_mps = -beside / self.within(3.0, 60.0);
+                let mut obstacle = Obstacle::new(id, position_m, velocity_mps, volume);
+                if noisy {
+                    obstacle.uncertainty.position_m = self.within(0.0, 10.0);
+                    obstacle.uncertainty.velocity_mps = self.within(0.0, 1.0);
+                }
+                obstacle
+            })
+            .collect()
+    }
+}
+
+/// Flies one drawn case; returns the largest work of a step as a share of its limit, and whether the
+/// limit was met.
+fn fly(seed: u64) -> (u32, u32, bool) {
+    let mut random = Random(seed);
+    let vehicle = random.vehicle();
+    let settings = random.settings();
+    let mut avoider = Avoider::new(settings, vehicle).expect("drawn within the ranges");
+    let flyer = Flyer::new(&vehicle);
+    let mut own = Ownship {
+        position_m: Vec3::new(0.0, 0.0, 500.0),
+        course_rad: random.within(-3.0, 3.0),
+        climb_rad: 0.0,
+        bank_rad: 0.0,
+        airspeed_mps: vehicle.airspeed_mps,
+    };
+    let ahead = Vec3::new(own.course_rad.cos(), own.course_rad.sin(), 0.0);
+    let reach_m = vehicle.airspeed_mps * random.magnitude(5.0, 60.0);
+    let mission_m: Vec<Vec3> = (0..12)
+        .map(|k| {
+            let aside = Vec3::new(-ahead.y, ahead.x, 0.0) * random.within(-0.2, 0.2);
+            own.position_m + (ahead * f64::from(k) + aside) * (0.4 * reach_m)
+        })
+        .collect();
+    let wind = vehicle.airspeed_mps * random.within(0.0, 0.95);
+    let wind_mps = Vec3::new(wind, 0.0, 0.0);
+    let mut obstacles = random.obstacles(&own, reach_m);
+    let mut path = FlightPath::new();
+    let (mut most, mut met) = (0, false);
+    for cycle in 0..6 {
+        let time_s = f64::from(cycle) * settings.decision_period_s;
+        let decision = avoider.step(&Situation {
+            time_s,
+            ownship: own,
+            obstacles: Obstacles::Rows(&obstacles),
+            mission: Mission::new(&mission_m),
+            wind_mps,
+        });
+        let work = decision.record.work;
+        assert!(
+            work.work <= settings.work_limit + THE_ANSWER,
+            "seed {seed}, cycle {cycle}: {work:?} of {}, {settings:?} {vehicle:?}",
+            settings.work_limit
+        );
+        assert!(work.limit_met || work.work < settings.work_limit);
+        assert!(decision.state != State::Avoiding || work.work > 0 || cycle > 0);
+        most = most.max(work.work);
+        met |= work.limit_met;
+        let period_s = settings.decision_period_s;
+        path.predict(
+            &flyer,
+            &MotionState::of(&own),
+            &decision.command,
+            period_s + 1.0,
+        );
+        let Some(state) = path.state_at(&flyer, period_s) else {
+            break;
+        };
+        own.position_m = state.position_m + wind_mps * period_s;
+        own.course_rad = state.course_rad;
+        own.climb_rad = state.climb_rad;
+        own.bank_rad = state.bank_rad;
+        for obstacle in &mut obstacles {
+            obstacle.position_m += obstacle.velocity_mps * period_s;
+        }
+    }
+    (most, settings.work_limit, met)
+}
+
+#[test]
+fn every_step_ends_within_its_limit_of_work() {
+    let cases = 200;
+    let met = (0..cases).filter(|seed| fly(*seed).2).count();
+    assert!(met > 5, "the limit was met in {met} of {cases} cases only");
+}
+
+/// A turn radius of a centimetre with lag, or a turn-rate factor of ten thousand, took minutes a step.
+#[test]
+fn limits_of_what_does_not_fly_are_refused() {
+    let good = Vehicle::table_4();
+    let lagged = Response {
+        bank_time_constant_s: 0.6,
+        ..good.response
+    };
+    let with = |change: fn(&mut Vehicle)| {
+        let mut vehicle = Vehicle {
+            response: lagged,
+            ..good
+        };
+        change(&mut vehicle);
+        Avoider::new(Settings::default(), vehicle).map(|_| ())
+    };
+    assert!(with(|_| ()).is_ok());
+    let refused = [
+        ("turn_radius_m", with(|v| v.turn_radius_m = 0.01)),
+        ("turn_radius_m", with(|v| v.turn_radius_m = 2e6)),
+        (
+            "turn_rate_factor",
+            with(|v| v.response.turn_rate_factor = 1e4),
+        ),
+        (
+            "bank_time_constant_s",
+            with(|v| v.response.bank_time_constant_s = 1e-4),
+        ),
+        (
+            "bank_time_constant_s",
+            with(|v| v.response.bank_time_constant_s = 100.0),
+        ),
+        ("airspeed_mps", with(|v| v.airspeed_mps = 1e4)),
+        (
+            "climb_rate_radps",
+            with(|v| v.climb_rate_radps = f64::INFINITY),
+        ),
+        ("climb_max_rad", with(|v| v.climb_max_rad = 1.5)),
+        ("dead_time_s", with(|v| v.response.dead_time_s = f64::NAN)),
+    ];
+    for (name, answer) in refused {
+        assert_eq!(answer.expect_err(name).name, name);
+    }
+    let settings = Settings {
+        horizon_s: 1e6,
+        ..Settings::default()
+    };
+    assert_eq!(
+        Avoider::new(settings, good).expect_err("too far").name,
+        "horizon_s"
+    );
+    let settings = Settings {
+        work_limit: 10,
+        ..Settings::default()
+    };
+    assert_eq!(
+        Avoider::new(settings, good).expect_err("too little").name,
+        "work_limit"
+    );
+}
