@@ -376,6 +376,39 @@ impl LevelSearch<'_> {
                 .is_some_and(|volume| self.meets_later(volume, line, 0.0, task.from_s))
     }
 
+    /// Whether flying to an altitude meets no conflict, with what is known about altitudes beyond
+    /// the horizon: on the way to any of them the same is met.
+    fn leads_past_or_known(
+        &self,
+        target_m: f64,
+        task: &Task,
+        known: &mut [Option<bool>; 2],
+    ) -> bool {
+        if self.instantaneous {
+            return self.leads_past(target_m, task);
+        }
+        let settings = self.met.settings;
+        let height_m = self.ownship.position_m.z;
+        let climb_mps = self.ownship.velocity_mps.z.abs();
+        let rate_mps = settings.vertical_rate_mps.max(climb_mps);
+        // Stopping, accelerating and levelling out take less than three braking ways.
+        let braking_m = rate_mps * rate_mps / settings.vertical_acceleration_mps2;
+        let beyond_m = rate_mps * settings.lookahead_s + 3.0 * braking_m;
+        let is_beyond = (target_m - height_m).abs() > beyond_m;
+        let [down, up] = known;
+        let known = if target_m >= height_m { up } else { down };
+        match *known {
+            Some(free) if is_beyond => free,
+            _ => {
+                let free = self.leads_past(target_m, task);
+                if is_beyond {
+                    *known = Some(free);
+                }
+                free
+            }
+        }
+    }
+
     /// How many altitudes of a span are looked at, less one.
     fn last_step(span: &Span) -> i32 {
         int(libm::floor((span.max - span.min) / span.step)) + 1
@@ -399,8 +432,9 @@ impl LevelSearch<'_> {
                 );
             }
         };
+        let mut known = [None; 2];
         for step in 0..=last {
-            if self.leads_past(Self::target_m(span, step), task) {
+            if self.leads_past_or_known(Self::target_m(span, step), task, &mut known) {
                 first.get_or_insert(step);
             } else if let Some(first) = first.take() {
                 add(free, first, step - 1);
@@ -419,9 +453,13 @@ impl LevelSearch<'_> {
         }
         let up_from = int(libm::ceil(height_m - span.min) / span.step);
         let down_from = int(libm::floor((height_m - span.min) / span.step));
-        let is_wanted =
-            |step: i32| self.leads_past(Self::target_m(span, step), task) == wanted_free;
-        (up_from..=Self::last_step(span)).any(is_wanted) || (0..=down_from).rev().any(is_wanted)
+        let mut known = [None; 2];
+        let mut is_wanted = |step: i32| {
+            let target_m = Self::target_m(span, step);
+            self.leads_past_or_known(target_m, task, &mut known) == wanted_free
+        };
+        (up_from..=Self::last_step(span)).any(&mut is_wanted)
+            || (0..=down_from).rev().any(&mut is_wanted)
     }
 
     pub(crate) fn any_conflict(&self, task: &Task, span: &Span) -> bool {
