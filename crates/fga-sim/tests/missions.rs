@@ -210,3 +210,21 @@ fn a_curve_of_short_legs_is_joined_again_behind_an_obstacle() {
         );
     }
 }
+
+/// A headwind of 70 % and a sphere ahead: each way back led to it again, for 600 s.
+#[test]
+fn a_sphere_is_passed_in_a_strong_headwind() {
+    let text = "name = \"headwind\"\nduration_s = 400.0\n[wind]\neast_mps = -6.356\n\
+        north_mps = -8.358\n[mission]\nwaypoints_m = [[0, 0, 0], [1000, 0, 0]]\n[[obstacle]]\n\
+        position_m = [37.3, 204.8, 0]\nvelocity_mps = [1.455, -27.236, 0]\nradius_m = 30.0\n\
+        [[obstacle]]\nposition_m = [87.9, -6.0, 0]\nradius_m = 30.0\n";
+    let vehicle = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../vehicles/paper-planar.toml"
+    );
+    let model = fga_sim::vehicle_file::VehicleModel::read(std::path::Path::new(vehicle)).unwrap();
+    let path = std::path::Path::new("headwind.toml");
+    let plan = fga_sim::scenario::parse(TomlText::new(path, text), Some(model)).unwrap();
+    let (_, outcome) = fly(&plan.world);
+    assert!(outcome.min_margin_m >= 0.0 && outcome.mission_flown);
+}

@@ -58,6 +58,16 @@ struct Plan {
     against: Against,
 }
 
+/// A way back that was taken: what it was tried against, where and when.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Returned {
+    against: Against,
+    /// Index of the waypoint at the start of the leg.
+    leg: usize,
+    /// When, seconds on the situation's clock.
+    time_s: f64,
+}
+
 impl Plan {
     fn remaining(&self, time_s: f64) -> Maneuver {
         self.maneuver.after(time_s - self.decided_s)
@@ -79,6 +89,8 @@ pub struct Avoider {
     tracks: tracks::Tracks,
     path: FlightPath,
     plan: Option<Plan>,
+    /// The last way back that was taken.
+    returned: Option<Returned>,
     last_time_s: f64,
     cycle: u32,
     /// Work done in this step, in tests of a line against four obstacles.
@@ -103,6 +115,7 @@ impl Avoider {
             tracks: tracks::Tracks::new(),
             path: FlightPath::new(),
             plan: None,
+            returned: None,
             last_time_s: f64::NEG_INFINITY,
             cycle: 0,
             work: 0,
@@ -117,6 +130,7 @@ impl Avoider {
         self.progress = Progress::new();
         self.tracks.clear();
         self.plan = None;
+        self.returned = None;
         self.last_time_s = f64::NEG_INFINITY;
         self.cycle = 0;
     }

@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use crate::avoider::{Avoider, Decision, Plan, Reason, Start, State};
+use crate::avoider::{Avoider, Decision, Plan, Reason, Returned, Start, State};
 use crate::certificate::certify;
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
@@ -23,7 +23,7 @@ const INTERCEPTS_RAD: [f64; 6] = [0.52, 0.79, 0.35, 1.05, 0.17, 1.45];
 /// Intercept angles below this are only for a mission that is near, radians.
 const SHALLOW_RAD: f64 = 0.5;
 
-/// A way back that leaves out a leg is looked for this long after the manoeuvre was chosen, seconds.
+/// A way back that leaves out a leg is looked for this long after the avoidance began, seconds.
 const SKIP_AFTER_S: f64 = 4.0;
 
 /// After this long without a way back one is also looked for behind an obstacle that flies
@@ -54,6 +54,13 @@ const SHALLOW_S: f64 = 15.0;
 /// An obstacle that takes longer than this to pass flies alongside; the mission does not wait for
 /// it, seconds.
 const LONGEST_PASS_S: f64 = 20.0;
+
+/// A way back is remembered for this long: one that led back to the same obstacle is not taken
+/// again, seconds.
+const TRIED_S: f64 = 60.0;
+
+/// An obstacle that moves more slowly than this over the ground stands, metres per second.
+const STANDS_MPS: f64 = 1.0;
 
 /// Cycles between two looks for a way back, each at one intercept angle.
 const LOOK_BACK_EVERY: u32 = 2;
@@ -93,7 +100,7 @@ impl Avoider {
         };
         let mission = &situation.mission;
         // Leaving out a leg is for when this one cannot be joined at any angle.
-        let patient = situation.time_s - plan.decided_s < SKIP_AFTER_S;
+        let patient = situation.time_s - plan.start_s < SKIP_AFTER_S;
         let skipped = if patient { 0 } else { MAX_SKIPPED };
         let waits = situation.time_s - plan.start_s > DETOUR_AFTER_S;
         let detour = (turn % 2 == 1 && waits && self.is_accompanied(situation, plan))
@@ -141,6 +148,11 @@ impl Avoider {
             WayAhead::NextEncounter => self.way_back_and_on(&back, joined.joined_s, now),
         };
         if back.is_some() {
+            self.returned = Some(Returned {
+                against: plan.against,
+                leg: index,
+                time_s: situation.time_s,
+            });
             self.progress.advance_to(index, mission, now, &self.flyer);
         }
         back
@@ -196,6 +208,7 @@ impl Avoider {
         let horizon_s = self.settings.horizon_s;
         let own = situation.ownship;
         let velocity_mps = own.velocity_mps();
+        let is_again = self.was_tried(plan, situation.time_s);
         let mut ahead = WayAhead::Clear;
         for hazard in self.tracks.hazards().rows() {
             let along = |until_s: f64| {
@@ -214,13 +227,27 @@ impl Avoider {
                 let relative = velocity_mps - hazard.velocity_mps;
                 let square = relative.length_squared().max(1e-9);
                 let passes_s = (offset.dot(relative) / square).limited(0.0, LONGEST_PASS_S);
-                if whole.at_s < passes_s + NEXT_ENCOUNTER_S {
+                // What stands still is met again until the aircraft is past it.
+                let ground_mps = hazard.velocity_mps + situation.wind_mps;
+                let stands = ground_mps.length_squared() < STANDS_MPS * STANDS_MPS;
+                if whole.at_s < passes_s + NEXT_ENCOUNTER_S || (is_again && stands) {
                     return WayAhead::Blocked;
                 }
             }
             ahead = WayAhead::NextEncounter;
         }
         ahead
+    }
+
+    /// Whether a plan avoids what a way back onto the same leg led to a short time before.
+    fn was_tried(&self, plan: &Plan, time_s: f64) -> bool {
+        let first_id = plan.threat.map(|threat| threat.id);
+        self.returned.zip(first_id).is_some_and(|(returned, id)| {
+            returned.leg == self.progress.index()
+                && returned.against.contains(id)
+                && plan.start_s - returned.time_s < TRIED_S
+                && time_s - plan.start_s < TRIED_S
+        })
     }
 
     /// On the way back.
