@@ -3,9 +3,13 @@
 //! | chore | what it does |
 //! |---|---|
 //! | `bytes` | prints the hash of every result that a change of shape must not change |
+//! | `mutants` | changes what decides about the mode, bit by bit, and says what no test notices |
 //! | `pictures` | makes every picture of README and docs anew, from real runs |
 
+extern crate alloc;
+
 mod bytes;
+mod mutants;
 mod pictures;
 
 use std::process::ExitCode;
@@ -14,8 +18,9 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["bytes", ref options @ ..] => bytes::print(options),
+        ["mutants"] => mutants::check(),
         ["pictures"] => pictures::make(),
-        _ => Err("expected cargo xtask bytes or cargo xtask pictures".to_owned()),
+        _ => Err("expected cargo xtask bytes, mutants or pictures".to_owned()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,0 +1,96 @@
+//! Mutants of what decides about the mode: authority, watchdog and clock of the link.
+//!
+//! `cargo mutants` changes one thing at a time and runs the tests. What the tests do not notice must
+//! stand in `crates/fga-link/src/authority/mutants.txt`, with the reason why nobody could.
+
+use alloc::collections::BTreeSet;
+use std::fs;
+use std::process::Command;
+
+const LIST: &str = "crates/fga-link/src/authority/mutants.txt";
+const OUT: &str = "target/mutants";
+/// What is mutated. Tests, and what only prints, are left alone.
+const FILES: [&str; 4] = [
+    "crates/fga-link/src/authority/*.rs",
+    "crates/fga-link/src/clock.rs",
+    "crates/fga-link/src/fly/guard.rs",
+    "crates/fga-link/src/restart.rs",
+];
+
+/// A mutant without its place in the file, which moves with every line.
+fn without_place(line: &str) -> String {
+    let mut parts = line.splitn(4, ':');
+    let (file, what) = (parts.next().unwrap_or_default(), parts.nth(2));
+    what.map_or_else(|| line.trim().to_owned(), |what| format!("{file}:{what}"))
+}
+
+/// The mutants of the list, without their reasons.
+fn argued(text: &str) -> Result<BTreeSet<String>, String> {
+    text.lines()
+        .filter(|line| !line.is_empty() && !line.starts_with('#'))
+        .map(|line| match line.split_once(" -- ") {
+            Some((mutant, reason)) if !reason.trim().is_empty() => Ok(mutant.trim().to_owned()),
+            _ => Err(format!("{LIST}: '{line}' has no reason after ' -- '")),
+        })
+        .collect()
+}
+
+/// Runs `cargo mutants` and compares what survived with the list.
+pub(crate) fn check() -> Result<(), String> {
+    let known = argued(&fs::read_to_string(LIST).map_err(|error| format!("{LIST}: {error}"))?)?;
+    let mut command = Command::new("cargo");
+    command.args(["mutants", "--package", "fga-link", "--output", OUT]);
+    for file in FILES {
+        command.args(["--file", file]);
+    }
+    // The unit tests and those in scaled time; the ones in real time would take hours.
+    command.args(["--", "--lib", "--test", "safety", "--test", "faults"]);
+    let status = command
+        .status()
+        .map_err(|error| format!("cargo mutants does not start: {error}"))?;
+    // 2: some survived; 3: some did not end, which the tests notice.
+    if !matches!(status.code(), Some(0 | 2 | 3)) {
+        return Err(format!(
+            "cargo mutants ended with {status}; `cargo install cargo-mutants` installs it"
+        ));
+    }
+    let missed = format!("{OUT}/mutants.out/missed.txt");
+    let missed = fs::read_to_string(&missed).map_err(|error| format!("{missed}: {error}"))?;
+    let survivors: BTreeSet<String> = missed.lines().map(without_place).collect();
+    let (new, gone): (Vec<_>, Vec<_>) = (
+        survivors.difference(&known).cloned().collect(),
+        known.difference(&survivors).cloned().collect(),
+    );
+    for mutant in &gone {
+        eprintln!("caught, but still in {LIST}: {mutant}");
+    }
+    if new.is_empty() {
+        println!("{} survivors, each with a reason", survivors.len());
+        return Ok(());
+    }
+    Err(format!(
+        "{} mutants that no test notices:\n{}",
+        new.len(),
+        new.join("\n")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mutant_is_known_wherever_its_line_moves() {
+        assert_eq!(
+            without_place("crates/a/src/b.rs:12:34: replace < with <= in C::d"),
+            "crates/a/src/b.rs: replace < with <= in C::d"
+        );
+    }
+
+    #[test]
+    fn every_entry_of_the_list_has_a_reason() {
+        let list = include_str!("../../fga-link/src/authority/mutants.txt");
+        assert!(argued(list).is_ok());
+        assert!(argued("a.rs: replace x").is_err());
+    }
+}
