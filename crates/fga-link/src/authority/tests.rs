@@ -378,3 +378,128 @@ fn a_restarted_program_goes_on_or_restores() {
     assert!(keeper.tick(4.9).is_empty());
     assert!(keeper.tick(5.1).contains(&RESTORE));
 }
+
+#[test]
+fn what_is_not_well_is_not_ready() {
+    let mut bench = Bench::ready();
+    assert!(bench.keeper.readiness(false, bench.now_s).is_empty());
+    assert_eq!(bench.keeper.state(), Authority::Waiting);
+    bench.beat();
+    assert_eq!(bench.keeper.state(), Authority::Ready);
+}
+
+#[test]
+fn it_is_ready_again_after_three_seconds_of_all_well_since_fault_and_trouble() {
+    let after_fault = |trouble_s: f64| {
+        let mut bench = in_command();
+        bench.fault(Fault::BelowFloor);
+        let fault_s = bench.now_s;
+        while bench.keeper.state() != Authority::Ready {
+            bench.beat();
+            if bench.now_s <= fault_s + trouble_s {
+                bench.keeper.readiness(false, bench.now_s);
+            }
+            assert!(bench.now_s < fault_s + 20.0);
+        }
+        bench.now_s - fault_s
+    };
+    let (at_once, later) = (after_fault(0.0), after_fault(4.0));
+    assert!((3.0..=3.75).contains(&at_once), "{at_once}");
+    assert!((7.0..=7.75).contains(&later), "{later}");
+}
+
+/// Taking was asked for, and the pilot chose before the vehicle did it.
+fn crossed() -> Bench {
+    let mut bench = Bench::ready();
+    bench.obeys = false;
+    bench.take_over();
+    bench.obeys = true;
+    bench.pilot(MANUAL);
+    bench
+}
+
+#[test]
+fn a_late_request_is_undone_for_as_long_as_it_may_be_on_its_way() {
+    let mut bench = crossed();
+    bench.beats(2);
+    bench.pilot(Mode::GUIDED);
+    assert_eq!(bench.vehicle, MANUAL, "0.75 s after");
+    let mut bench = crossed();
+    bench.beats(3);
+    bench.pilot(Mode::GUIDED);
+    assert_eq!(bench.vehicle, Mode::GUIDED, "1 s after it is the pilot's");
+    // A second choice of the pilot ends it at once.
+    let mut bench = crossed();
+    bench.pilot(Mode::RTL);
+    bench.pilot(Mode::GUIDED);
+    assert_eq!(bench.vehicle, Mode::GUIDED);
+}
+
+#[test]
+fn a_second_fault_changes_only_what_it_must() {
+    let released = |second: Fault| {
+        let mut bench = in_command();
+        bench.obeys = false;
+        bench.fault(Fault::TelemetryStale);
+        bench.told.clear();
+        bench.fault(second);
+        bench
+    };
+    // One from which it recovers by itself is no news, and what is owed stays owed.
+    for second in [Fault::LinkLost, Fault::NoDecision, Fault::Disarmed] {
+        let bench = released(second);
+        assert!(bench.told.is_empty() && bench.keeper.is_enabled());
+        assert_eq!(bench.keeper.owed(), Some(Mode::AUTO));
+    }
+    // The operator's word counts, and the mode is restored all the same.
+    for second in [Fault::OperatorOff, Fault::ProgramEnds] {
+        let mut bench = released(second);
+        assert_eq!(bench.told, [reaction(second).text]);
+        assert!(!bench.keeper.is_enabled());
+        bench.obeys = true;
+        bench.beats(2);
+        assert_eq!(bench.vehicle, Mode::AUTO);
+    }
+    // Where the mode is to be left alone, nothing is owed any more.
+    for second in [Fault::Contradiction, Fault::AutopilotRestarted] {
+        let mut bench = in_command();
+        bench.fault(Fault::LinkLost);
+        bench.asked = Some((Mode::AUTO, Mode::GUIDED));
+        bench.hearing.forget();
+        bench.fault(second);
+        assert_eq!((bench.keeper.owed(), bench.asked), (None, None));
+        assert!(!bench.keeper.is_enabled());
+    }
+    // After one that only the operator undoes, no other counts.
+    let mut bench = in_command();
+    bench.fault(Fault::NotFollowing);
+    bench.told.clear();
+    bench.fault(Fault::OperatorOff);
+    assert!(bench.told.is_empty());
+}
+
+#[test]
+fn a_fault_of_a_manoeuvre_is_none_without_one() {
+    for fault in [Fault::NotFollowing, Fault::AutopilotRestarted] {
+        let mut bench = Bench::ready();
+        bench.told.clear();
+        bench.fault(fault);
+        assert!(bench.told.is_empty());
+        assert_eq!(bench.keeper.state(), Authority::Ready);
+    }
+    for fault in [Fault::OperatorOff, Fault::Contradiction] {
+        let mut bench = Bench::ready();
+        bench.told.clear();
+        bench.fault(fault);
+        assert_eq!(bench.told, [reaction(fault).text]);
+        assert_eq!(bench.keeper.state(), Authority::Waiting);
+    }
+}
+
+#[test]
+fn a_restarted_program_has_five_seconds() {
+    let mut keeper = Keeper::new(Mode::GUIDED, true);
+    keeper.resume(Mode::AUTO, 100.0);
+    assert!(keeper.tick(104.9).is_empty());
+    assert!(keeper.tick(105.1).contains(&RESTORE));
+}
