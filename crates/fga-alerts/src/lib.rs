@@ -38,7 +38,7 @@
 //!
 //! let mut monitor = Monitor::new(schemes::do_365b());
 //! monitor.step(0.0, &ownship, &[intruder])?;
-//! assert_eq!(monitor.highest_level(), 3, "35 s of modified tau are violated already");
+//! assert_eq!(monitor.highest_level(), 3, "well clear is lost in 11 s");
 //! let directions = monitor.bands(Quantity::Direction);
 //! assert_eq!(directions.region_at(0.0), Some(Region::Near));
 //! # Ok::<(), fga_alerts::StepError>(())
