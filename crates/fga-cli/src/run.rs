@@ -25,6 +25,9 @@ const ENTERED: u8 = 2;
 pub(crate) struct RunArgs {
     /// A scenario (.toml) or a recording (.daa).
     file: PathBuf,
+    /// The aircraft of a recording that is the ownship; without it the first one of the file.
+    #[arg(long, value_name = "NAME")]
+    ownship: Option<String>,
     #[command(flatten)]
     policy: PolicyArgs,
     #[command(flatten)]
@@ -58,7 +61,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let provenance = Provenance::begin();
     let policy = args.policy.choice()?;
     let overlay = args.overlay.choices(&policy)?;
-    let plan = Plan::read(&args.file, args.vehicle.given()?)?;
+    let plan = Plan::read_as(&args.file, args.vehicle.given()?, args.ownship.as_deref())?;
     if args.vehicle.vehicle.is_none() && args.file.extension().is_some_and(|is| is == "daa") {
         eprintln!(
             "a recording names no vehicle: {} flies it; --vehicle names another",

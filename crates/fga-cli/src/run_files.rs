@@ -152,6 +152,7 @@ fn decision_event(log: &RunLog, moment: &DecisionLog) -> Value {
         "airspeed_mps": moment.ownship.airspeed_mps,
         "threat": threat,
         "latest_start_s": record.latest_start_s,
+        "resilience": record.resilience,
         "start_s": record.start_s,
         "command": maneuver(&decision.command),
         "chosen": record.chosen.as_ref().map(candidate),

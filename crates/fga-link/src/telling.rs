@@ -133,6 +133,7 @@ pub fn decision_line(
         })),
         "start_s": record.start_s.map(rounded),
         "latest_start_s": record.latest_start_s.map(rounded),
+        "resilience": record.resilience,
         "margin_m": record.chosen.map(|candidate| rounded(candidate.margin_m)),
         "tracked": record.work.tracked,
         "candidates": record.work.candidates,

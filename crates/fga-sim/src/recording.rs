@@ -1,10 +1,13 @@
-//! A `.daa` recording flown again: the first aircraft is the ownship, the others fly as recorded.
+//! A `.daa` recording flown again: one aircraft is the ownship, the others fly as recorded.
 //!
 //! Until it manoeuvres the ownship is where the recording puts it, straight between rows. It
 //! manoeuvres at the airspeed recorded at that time, with the bank of the vehicle file. Its mission
 //! is its recorded track, without the rows that lie within half a metre of straight legs, and the
-//! protected volume is the vehicle file's. An aircraft is there from its first to its last row; a
-//! gap between rows is flown straight. Times count from the ownship's first row.
+//! protected volume is the vehicle file's. Times count from the ownship's first row.
+//!
+//! An aircraft is there from its first to its last row; separations are measured along the straight
+//! lines between its rows. Whoever avoids knows of it what was recorded so far: the last row, carried on
+//! with the velocity recorded there for at most two seconds.
 
 use std::path::Path;
 
@@ -18,7 +21,7 @@ use crate::plant::at_airspeed;
 use crate::run::Plan;
 use crate::track::{Track, TrackPoint};
 use crate::vehicle_file::VehicleModel;
-use crate::world::{Ending, StartState, World, WorldObstacle};
+use crate::world::{Ending, StartState, TrackReport, World, WorldObstacle};
 
 /// Rows nearer than this to a straight leg are not waypoints, metres.
 const STRAIGHT_WITHIN_M: f64 = 0.5;
@@ -26,12 +29,15 @@ const STRAIGHT_WITHIN_M: f64 = 0.5;
 /// Time for the way back after the recording's end, seconds.
 const WAY_BACK_S: f64 = 300.0;
 
-/// Reads a recording.
+/// Reads a recording; `ownship` names the aircraft that is the ownship, without it the first one is.
 ///
 /// # Errors
 /// A file that is not a recording, an ownship that does not move, a wind that does not let it fly.
-pub fn read(path: &Path, model: VehicleModel) -> Result<Plan, InputError> {
-    let recording = daa::read(path)?;
+pub fn read(path: &Path, model: VehicleModel, ownship: Option<&str>) -> Result<Plan, InputError> {
+    let mut recording = daa::read(path)?;
+    if let Some(name) = ownship {
+        make_ownship(&mut recording, name, path)?;
+    }
     let unusable = |message: &str| InputError::in_file(path, message);
     let ownship = recording
         .ownship()
@@ -71,6 +77,15 @@ pub fn read(path: &Path, model: VehicleModel) -> Result<Plan, InputError> {
         names.push(aircraft.name.clone());
         obstacles.push(WorldObstacle {
             movement: Movement::CREWED,
+            reports: aircraft
+                .samples
+                .iter()
+                .map(|sample| TrackReport {
+                    time_s: sample.time_s - time_offset_s,
+                    position_m: sample.position_m,
+                    velocity_mps: sample.velocity_mps,
+                })
+                .collect(),
             ..WorldObstacle::new(id, track, model.protection)
         });
     }
@@ -105,6 +120,25 @@ pub fn read(path: &Path, model: VehicleModel) -> Result<Plan, InputError> {
         },
         model,
     })
+}
+
+/// Puts the aircraft of a name first. Positions stay in the frame of the file's first aircraft.
+fn make_ownship(recording: &mut daa::Recording, name: &str, path: &Path) -> Result<(), InputError> {
+    let place = recording.aircraft.iter().position(|a| a.name == name);
+    let Some(place) = place else {
+        let names: Vec<&str> = recording.aircraft.iter().map(|a| a.name.as_str()).collect();
+        return Err(InputError::in_file(
+            path,
+            format!(
+                "has no aircraft {}, expected one of {}",
+                fga_formats::error::shown(name),
+                names.join(", ")
+            ),
+        ));
+    };
+    let ownship = recording.aircraft.remove(place);
+    recording.aircraft.insert(0, ownship);
+    Ok(())
 }
 
 /// The corners of a track: each row in between is within half a metre of the straight legs

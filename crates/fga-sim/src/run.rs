@@ -41,15 +41,31 @@ impl Plan {
     /// # Errors
     /// A file that is neither, or that cannot be used.
     pub fn read(path: &Path, vehicle: Option<VehicleModel>) -> Result<Self, InputError> {
+        Self::read_as(path, vehicle, None)
+    }
+
+    /// The same, with the aircraft of a recording that is the ownship; without it the first one is.
+    ///
+    /// # Errors
+    /// As [`Plan::read`]; an ownship that the recording does not hold, or with a scenario.
+    pub fn read_as(
+        path: &Path,
+        vehicle: Option<VehicleModel>,
+        ownship: Option<&str>,
+    ) -> Result<Self, InputError> {
         let extension = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
         match extension.as_ref().and_then(|extension| extension.to_str()) {
+            Some("toml") if ownship.is_some() => Err(InputError::in_file(
+                path,
+                "is a scenario, expected a .daa recording with --ownship",
+            )),
             Some("toml") => scenario::read(path, vehicle),
             Some("daa") => {
                 let model = match vehicle {
                     Some(model) => model,
                     None => VehicleModel::recorded()?,
                 };
-                recording::read(path, model)
+                recording::read(path, model, ownship)
             }
             _ => Err(InputError::in_file(
                 path,

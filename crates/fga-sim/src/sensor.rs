@@ -144,7 +144,7 @@ impl Sensor {
             for (obstacle, (first_seen_s, kept)) in world.iter().zip(looks) {
                 // A track ends with a look that does not see its obstacle.
                 let track = kept.take();
-                let Some((position_m, velocity_mps)) = obstacle.track.at(time_s) else {
+                let Some((position_m, velocity_mps)) = obstacle.known_at(time_s) else {
                     continue;
                 };
                 if time_s < obstacle.appears_s {

@@ -22,6 +22,8 @@ pub struct WorldObstacle {
     pub kind: ObstacleKind,
     /// How the avoider is told that it may move.
     pub movement: Movement,
+    /// What is heard of it, times growing; empty where it is seen as it really is.
+    pub reports: Vec<TrackReport>,
     /// It is not seen before this time, seconds.
     pub appears_s: f64,
     /// It is not seen before it first comes within this distance, metres; then it stays known.
@@ -37,9 +39,46 @@ impl WorldObstacle {
             volume,
             kind: ObstacleKind::Unknown,
             movement: Movement::Straight,
+            reports: Vec::new(),
             appears_s: 0.0,
             first_seen_m: None,
         }
+    }
+}
+
+/// A row of a recording, as whoever avoids hears it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrackReport {
+    /// Seconds since the start of the run.
+    pub time_s: f64,
+    /// Position then, metres.
+    pub position_m: Vec3,
+    /// Velocity over the ground then, metres per second.
+    pub velocity_mps: Vec3,
+}
+
+/// A report is carried on in a straight line for this long, seconds; then the obstacle is missing
+/// until it is heard again.
+const CARRIED_ON_S: f64 = 2.0;
+
+impl WorldObstacle {
+    /// Position and velocity as they are known at a time; `None` where nothing is.
+    ///
+    /// What is reported later plays no part; after the last report the obstacle is gone.
+    pub fn known_at(&self, time_s: f64) -> Option<(Vec3, Vec3)> {
+        if self.reports.is_empty() {
+            return self.track.at(time_s);
+        }
+        let heard = self.reports.partition_point(|r| r.time_s <= time_s + 1e-9);
+        let last = self.reports.get(heard.checked_sub(1)?)?;
+        let since_s = time_s - last.time_s;
+        let is_gone = heard == self.reports.len() && since_s > 1e-9;
+        (!is_gone && since_s <= CARRIED_ON_S).then(|| {
+            (
+                last.position_m + last.velocity_mps * since_s,
+                last.velocity_mps,
+            )
+        })
     }
 }
 

@@ -9,6 +9,7 @@
 //! ```
 
 mod against;
+mod intruders;
 mod quiet;
 mod record;
 mod settings;
@@ -21,6 +22,7 @@ pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Wo
 pub use settings::{LEAST_WORK, Settings, Start};
 pub use tracks::{MAX_TRACKED, Tracks};
 
+use crate::angle::Side;
 use crate::maneuver::Maneuver;
 use crate::mission::Progress;
 use crate::prediction::{FlightPath, Flyer, MotionState};
@@ -56,6 +58,10 @@ struct Plan {
     basis: Option<turn_aware::Basis>,
     /// Identifiers of the obstacles that it was made against: the way back must be clear of them.
     against: Against,
+    /// Share of what aircraft may do that it withstood when it was chosen; 1 without aircraft.
+    resilience: f64,
+    /// The side to which it was begun.
+    side: Option<Side>,
 }
 
 /// A way back that was taken: what it was tried against, where and when.
@@ -76,7 +82,7 @@ impl Plan {
 
 /// Collision avoidance for one aircraft: feed it a [`Situation`] each cycle, fly its [`Decision`].
 ///
-/// It holds its scratch space (some 60 kB) and never allocates: keep it in one place.
+/// It holds its scratch space (some 170 kB) and never allocates: keep it in one place.
 #[derive(Debug, Clone)]
 pub struct Avoider {
     settings: Settings,
@@ -128,7 +134,7 @@ impl Avoider {
         self.flyer = Flyer::new(&self.vehicle);
         self.state = State::Cruise;
         self.progress = Progress::new();
-        self.tracks.clear();
+        self.tracks.forget();
         self.plan = None;
         self.returned = None;
         self.last_time_s = f64::NEG_INFINITY;

@@ -225,6 +225,12 @@ impl<'a> Search<'a> {
         self.work
     }
 
+    /// Leaves all but one part of the work to other searches of the step.
+    pub const fn share_work(&mut self, parts: u32) {
+        self.limit /= parts;
+        self.patience /= parts;
+    }
+
     /// Whether the limit of work was met.
     pub const fn limit_met(&self) -> bool {
         self.work >= self.limit

@@ -9,7 +9,7 @@
 )]
 
 use fga::Vec3;
-use fga::certificate::{Hazard, Status, certify, certify_all};
+use fga::certificate::{ALWAYS, Hazard, Status, certify, certify_all};
 use fga::maneuver::{Maneuver, Stage};
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Obstacle, ProtectedVolume};
@@ -133,13 +133,23 @@ impl Random {
             } else {
                 self.within(0.0, 2.5)
             },
+            stretch_m: if self.chance(0.7) {
+                (0.0, 0.0)
+            } else {
+                (self.within(0.0, 40.0), self.within(0.0, 2.5))
+            },
+            window_s: ALWAYS,
         }
     }
 }
 
 /// Signed distance from the hazard's surface, metres, by elementary geometry.
 fn margin_m(hazard: &Hazard, position_m: Vec3, at_s: f64) -> f64 {
-    let offset = position_m - (hazard.position_m + hazard.velocity_mps * at_s);
+    let mut offset = position_m - (hazard.position_m + hazard.velocity_mps * at_s);
+    // From the nearest point of the upright line that the centre is stretched to.
+    let (now_m, more_mps) = hazard.stretch_m;
+    let along_m = now_m + more_mps * at_s;
+    offset.z -= offset.z.max(-along_m).min(along_m);
     let distance = match hazard.volume {
         ProtectedVolume::Sphere { radius_m } => {
             (offset.x.powi(2) + offset.y.powi(2) + offset.z.powi(2)).sqrt() - radius_m

@@ -132,6 +132,14 @@ fn merged(one: &Hazard, other: &Hazard) -> Hazard {
         velocity_mps: (one.velocity_mps + other.velocity_mps) / 2.0,
         volume,
         growth_mps: one.growth_mps.max(other.growth_mps),
+        stretch_m: (
+            one.stretch_m.0.max(other.stretch_m.0),
+            one.stretch_m.1.max(other.stretch_m.1),
+        ),
+        window_s: (
+            one.window_s.0.min(other.window_s.0),
+            one.window_s.1.max(other.window_s.1),
+        ),
     }
 }
 

@@ -10,6 +10,9 @@ use crate::situation::{Columns, Obstacles};
 /// Obstacles that are tested before the first look at the result.
 const BLOCK: usize = 64;
 
+/// Added to how far an aircraft may come, metres.
+const NEAR_M: f64 = 200.0;
+
 /// The line ahead of the aircraft and what is kept clear around it, over the ground.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LineAhead {
@@ -29,6 +32,9 @@ impl LineAhead {
     pub(super) fn is_clear_of(&self, obstacles: &Obstacles<'_>) -> bool {
         match obstacles {
             Obstacles::Rows(rows) => rows.iter().all(|row| !self.may_meet_row(row)),
+            Obstacles::Columns(columns) if columns.movement.is_some() => {
+                obstacles.iter().all(|row| !self.may_meet_row(&row))
+            }
             Obstacles::Columns(columns) => self.is_clear_of_columns(columns),
         }
     }
@@ -36,6 +42,9 @@ impl LineAhead {
     fn may_meet_row(&self, row: &Obstacle) -> bool {
         let offset = row.position_m - self.position_m;
         let velocity = self.velocity_mps - row.velocity_mps;
+        if row.movement.bounds().is_some() && self.may_come_near(row) {
+            return true;
+        }
         let volume_m = row.volume.radius_m() + row.volume.half_height_m();
         let growth_m = self.sigmas
             * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
@@ -48,6 +57,18 @@ impl LineAhead {
                 velocity.dot(velocity),
                 reach_m,
             )
+    }
+
+    /// Whether an aircraft could come near within the horizon, wherever it turns.
+    fn may_come_near(&self, row: &Obstacle) -> bool {
+        let offset = row.position_m - self.position_m;
+        let distance_m = offset.length();
+        let speed_mps = self.velocity_mps.length() + row.velocity_mps.length();
+        let volume_m = row.volume.radius_m() + row.volume.half_height_m();
+        let uncertain_m = self.sigmas
+            * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
+        let reach_m = speed_mps * self.horizon_s + volume_m + uncertain_m + NEAR_M;
+        distance_m <= self.surveillance_radius_m && distance_m <= reach_m
     }
 
     fn is_clear_of_columns(&self, columns: &Columns<'_>) -> bool {

@@ -125,6 +125,10 @@ pub struct Record {
     pub chosen: Option<Candidate>,
     /// The best manoeuvre to the other side, where one was looked for.
     pub alternative: Option<Candidate>,
+    /// Share of what aircraft may do that the manoeuvre flown withstands, from 0 (they go on as they
+    /// do) to 1 (turns and changes of climb up to their bounds); `None` where none is flown or no
+    /// obstacle is an aircraft.
+    pub resilience: Option<f64>,
     /// How much was computed.
     pub work: Work,
 }

@@ -1,12 +1,16 @@
 //! The obstacles that matter for a decision, in a buffer of fixed size.
 
 use crate::Vec3;
+use crate::avoider::intruders::{Freedom, Motions, Turning};
 use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
 use crate::situation::Situation;
-use crate::situation::{Obstacle, ProtectedVolume};
+use crate::situation::{Movement, Obstacle, ProtectedVolume};
 
 /// Most obstacles that a decision takes into account: the most urgent ones.
 pub const MAX_TRACKED: usize = MAX_HAZARDS;
+
+/// For this long an obstacle that is missing is taken to fly on, seconds.
+const COASTED_S: f64 = 2.0;
 
 /// How far inside a volume the aircraft may come again while it leaves it, as a share of its depth.
 const LEAVING_SHARE: f64 = 0.98;
@@ -34,6 +38,20 @@ const NEWS_MPS: f64 = 3.0;
 #[derive(Debug, Clone)]
 pub struct Tracks {
     hazards: Hazards,
+    /// The same obstacles as they are known, over the ground.
+    obstacles: [Obstacle; MAX_TRACKED],
+    /// How each of them turns.
+    turning: [Turning; MAX_TRACKED],
+    /// What was known at the last two steps.
+    memory: [Memory; 2],
+    /// Which of the two is of the last step.
+    last: usize,
+    /// What they may do, where that is asked for.
+    motions: Motions,
+    /// Whether `motions` take the place of the hazards.
+    moving: bool,
+    /// How many of them are flown.
+    aircraft: usize,
     /// Obstacles within the surveillance radius.
     pub seen: u32,
     /// Whether the aircraft is inside a protected volume.
@@ -52,9 +70,20 @@ impl Default for Tracks {
 
 impl Tracks {
     /// No obstacles.
+    #[expect(
+        clippy::large_stack_arrays,
+        reason = "no allocation: the caller says where it lies"
+    )]
     pub const fn new() -> Self {
         Self {
             hazards: Hazards::new(),
+            obstacles: [Known::NONE.obstacle; MAX_TRACKED],
+            turning: [Turning::STRAIGHT; MAX_TRACKED],
+            memory: [Memory::NONE; 2],
+            last: 0,
+            motions: Motions::new(),
+            moving: false,
+            aircraft: 0,
             seen: 0,
             inside: false,
             overflow: false,
@@ -62,16 +91,77 @@ impl Tracks {
         }
     }
 
-    /// Forgets all obstacles.
+    /// Forgets the obstacles of this step.
     pub fn clear(&mut self) {
         self.hazards.clear();
+        self.motions.clear();
+        self.moving = false;
+        self.aircraft = 0;
         self.seen = 0;
         (self.inside, self.overflow, self.uncertain) = (false, false, false);
     }
 
+    /// Forgets what was known at earlier steps too.
+    pub fn forget(&mut self) {
+        self.clear();
+        for memory in &mut self.memory {
+            memory.len = 0;
+        }
+    }
+
     /// The hazards.
     pub const fn hazards(&self) -> &Hazards {
-        &self.hazards
+        if self.moving {
+            self.motions.hazards()
+        } else {
+            &self.hazards
+        }
+    }
+
+    /// Whether any obstacle is flown, so that it may do something else than go on.
+    pub(super) const fn has_aircraft(&self) -> bool {
+        self.aircraft > 0
+    }
+
+    /// Whether every aircraft of some moves away from the own one.
+    pub(super) fn all_pass(&self, own_m: Vec3, own_mps: Vec3, of: impl Fn(u32) -> bool) -> bool {
+        let rows = self.hazards.rows().iter().zip(&self.obstacles);
+        rows.filter(|(_, known)| known.movement.bounds().is_some() && of(known.id))
+            .all(|(hazard, _)| (hazard.position_m - own_m).dot(hazard.velocity_mps - own_mps) > 0.0)
+    }
+
+    /// Makes the hazards those of what aircraft may do; obstacles that keep their velocity stay what
+    /// they are.
+    pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3) {
+        self.withstand_by(freedom, own_m, 0.0);
+    }
+
+    /// The same, and that much beyond the volumes of aircraft, metres.
+    pub(super) fn withstand_by(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
+        self.motions.clear();
+        self.moving = true;
+        let rows = self.hazards.rows();
+        let room = Motions::room_for(rows.len());
+        // Where there is no room for all, the nearest ones may turn.
+        let mut within_m = f64::INFINITY;
+        if self.aircraft > room {
+            let mut distances = [f64::INFINITY; MAX_TRACKED];
+            for (slot, (hazard, known)) in
+                distances.iter_mut().zip(rows.iter().zip(&self.obstacles))
+            {
+                if known.movement.bounds().is_some() {
+                    *slot = hazard.margin_m(own_m, 0.0);
+                }
+            }
+            distances.sort_unstable_by(f64::total_cmp);
+            let last = room.checked_sub(1).and_then(|last| distances.get(last));
+            within_m = last.copied().unwrap_or(f64::NEG_INFINITY);
+        }
+        for ((hazard, known), turning) in rows.iter().zip(&self.obstacles).zip(&self.turning) {
+            let far = hazard.margin_m(own_m, 0.0) > within_m;
+            self.motions
+                .add_aircraft(hazard, (known, *turning), (freedom, beyond_m), far);
+        }
     }
 
     /// The obstacles now, to be compared with later.
@@ -92,21 +182,85 @@ impl Tracks {
         sigmas: f64,
     ) {
         self.clear();
-        let own = situation.ownship;
-        let square = |x: f64| x * x;
+        let limits = (surveillance_radius_m, horizon_s);
         for obstacle in situation.obstacles.iter() {
-            if !obstacle.is_valid() {
+            self.consider(situation, &obstacle, limits, sigmas);
+        }
+        let heard = self.hazards.rows().len();
+        // One that is missing is where it was heading for, until it has been for long.
+        let mut place = 0;
+        while let Some(known) = self.remembered().known(place) {
+            place += 1;
+            let missing_s = situation.time_s - known.heard_s;
+            let missing = (0.0..=COASTED_S).contains(&missing_s) && {
+                let mut rows = self.obstacles.iter().take(heard);
+                !rows.any(|obstacle| obstacle.id == known.obstacle.id)
+            };
+            if missing && self.hazards.rows().len() < MAX_TRACKED {
+                self.consider(situation, &known.coasted(missing_s), limits, sigmas);
+            }
+        }
+        self.learn(situation, heard);
+    }
+
+    /// What was known at the last step.
+    fn remembered(&self) -> &Memory {
+        let [one, other] = &self.memory;
+        if self.last == 0 { one } else { other }
+    }
+
+    /// Learns how the obstacles turn, and remembers them; the first `heard` of them were reported now.
+    fn learn(&mut self, situation: &Situation<'_>, heard: usize) {
+        let [one, other] = &mut self.memory;
+        let (before, now) = if self.last == 0 {
+            (one, other)
+        } else {
+            (other, one)
+        };
+        self.last = 1 - self.last;
+        now.len = 0;
+        let count = self.hazards.rows().len();
+        let tracked = self.obstacles.iter().zip(&mut self.turning).take(count);
+        for (place, (known, turning)) in tracked.enumerate() {
+            self.aircraft += usize::from(known.movement.bounds().is_some());
+            let last = before.of(known.id, place);
+            *turning = last.map_or(Turning::STRAIGHT, |last| last.turning);
+            if let Some(last) = last.filter(|_| place >= heard) {
+                now.add(last);
                 continue;
             }
-            let offset = obstacle.position_m - own.position_m;
-            if offset.length_squared() > square(surveillance_radius_m) {
-                continue;
+            if let Some(last) = last {
+                turning.learn(
+                    last.obstacle.velocity_mps - situation.wind_mps,
+                    known.velocity_mps - situation.wind_mps,
+                    situation.time_s - last.heard_s,
+                );
             }
-            self.seen += 1;
-            if situation.is_out_of_reach(&obstacle, horizon_s) {
-                continue;
-            }
-            self.keep(situation, &obstacle, sigmas);
+            now.add(Known {
+                obstacle: *known,
+                heard_s: situation.time_s,
+                turning: *turning,
+            });
+        }
+    }
+
+    fn consider(
+        &mut self,
+        situation: &Situation<'_>,
+        obstacle: &Obstacle,
+        (surveillance_radius_m, horizon_s): (f64, f64),
+        sigmas: f64,
+    ) {
+        if !obstacle.is_valid() {
+            return;
+        }
+        let offset = obstacle.position_m - situation.ownship.position_m;
+        if offset.length_squared() > surveillance_radius_m * surveillance_radius_m {
+            return;
+        }
+        self.seen += 1;
+        if !situation.is_out_of_reach(obstacle, horizon_s) {
+            self.keep(situation, obstacle, sigmas);
         }
     }
 
@@ -135,9 +289,88 @@ impl Tracks {
             self.inside |= obstacle.volume.margin_m(own - obstacle.position_m) < 0.0;
             hazard.volume = relaxed(&hazard.volume, &obstacle.volume, own - obstacle.position_m);
         }
-        self.hazards.put(place, hazard);
+        if obstacle.movement == Movement::AtRest {
+            hazard.velocity_mps = -situation.wind_mps;
+        }
+        if self.hazards.put(place, hazard)
+            && let Some(known) = self.obstacles.get_mut(place)
+        {
+            *known = *obstacle;
+        }
         let uncertainty = obstacle.uncertainty;
         self.uncertain |= uncertainty.position_m > 0.0 || uncertainty.velocity_mps > 0.0;
+    }
+}
+
+/// Obstacles that were known at the last step.
+#[derive(Debug, Clone)]
+struct Memory {
+    known: [Known; MAX_TRACKED],
+    len: usize,
+}
+
+impl Memory {
+    #[expect(
+        clippy::large_stack_arrays,
+        reason = "no allocation: the caller says where it lies"
+    )]
+    const NONE: Self = Self {
+        known: [Known::NONE; MAX_TRACKED],
+        len: 0,
+    };
+
+    fn known(&self, place: usize) -> Option<Known> {
+        let known = self.known.get(..self.len)?;
+        known.get(place).copied()
+    }
+
+    /// The obstacle with an identifier; it is most often in the same place as before.
+    fn of(&self, id: u32, place: usize) -> Option<Known> {
+        let is_it = |known: &Known| known.obstacle.id == id;
+        self.known(place)
+            .filter(is_it)
+            .or_else(|| self.known.iter().take(self.len).copied().find(is_it))
+    }
+
+    fn add(&mut self, known: Known) {
+        if let Some(slot) = self.known.get_mut(self.len) {
+            *slot = known;
+            self.len += 1;
+        }
+    }
+}
+
+/// An obstacle as it was last heard of, over the ground.
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    obstacle: Obstacle,
+    heard_s: f64,
+    turning: Turning,
+}
+
+impl Known {
+    const NONE: Self = Self {
+        obstacle: Obstacle::new(
+            0,
+            Vec3::ZERO,
+            Vec3::ZERO,
+            ProtectedVolume::Sphere { radius_m: 0.0 },
+        ),
+        heard_s: f64::NEG_INFINITY,
+        turning: Turning::STRAIGHT,
+    };
+
+    /// Where it is when it was not heard of for a while: straight on, and within what its bounds allow.
+    fn coasted(&self, missing_s: f64) -> Obstacle {
+        let mut obstacle = self.obstacle;
+        obstacle.position_m = obstacle.position_after_m(missing_s);
+        if let Some(bounds) = obstacle.movement.bounds() {
+            let speed_mps = obstacle.velocity_mps.length();
+            let across_mps2 = speed_mps * bounds.turn_rate_radps;
+            let change_mps2 = across_mps2.max(bounds.acceleration_mps2);
+            obstacle.uncertainty.position_m += 0.5 * change_mps2 * missing_s * missing_s;
+        }
+        obstacle
     }
 }
 

@@ -1,5 +1,6 @@
 //! The turn-aware policy: look, plan, fly, return.
 
+mod aircraft;
 mod holding;
 mod way_back;
 
@@ -67,6 +68,9 @@ impl Avoider {
         self.load_tracks(situation);
         match self.state {
             State::Cruise | State::Threatened => self.watch(situation, now, start),
+            State::Avoiding if self.tracks.has_aircraft() => {
+                self.avoid_aircraft(situation, now, start)
+            }
             State::Avoiding => self.avoid(situation, now, start),
             State::Recovering => self.come_back(situation, now, start),
         }
@@ -92,6 +96,9 @@ impl Avoider {
 
     /// On the mission: is it clear, and if not, when and where to turn?
     fn watch(&mut self, situation: &Situation<'_>, now: &MotionState, start: Start) -> Decision {
+        if self.tracks.has_aircraft() {
+            return self.watch_aircraft(situation, now, start);
+        }
         if let Some(plan) = self.plan
             && self.state == State::Threatened
             && self.still_holds(&plan, situation, now)
@@ -252,6 +259,8 @@ impl Avoider {
                     against,
                     next_start_s: None,
                     basis: None,
+                    resilience: 1.0,
+                    side: None,
                 };
                 self.plan = Some(plan);
                 let (state, reason) = if proof != Proof::Certified {
@@ -442,6 +451,7 @@ impl Avoider {
             closest_s: threat.closest_s - elapsed_s,
             ..threat
         });
+        record.resilience = self.tracks.has_aircraft().then_some(plan.resilience);
         record.start_s = Some(plan.start_s - time_s);
         record.latest_start_s = plan.latest_start_s.map(|latest_s| latest_s - time_s);
         record.chosen = Some(Candidate {

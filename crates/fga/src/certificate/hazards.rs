@@ -17,14 +17,17 @@ const FEW: usize = 3;
 /// Golden-section steps on a cylinder's chord: they shrink it by 0.618⁴⁸ ≈ 10⁻¹⁰.
 const GOLDEN_STEPS: u32 = 48;
 
-/// An obstacle as the certificate sees it: a volume that moves and grows.
+/// An obstacle as the certificate sees it: a volume that moves straight and grows, for a time.
+///
+/// A motion that is not straight is several of these, one after the other, each there only within its
+/// own window of time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hazard {
     /// Place in the caller's list of hazards.
     pub index: u32,
     /// The obstacle's identifier.
     pub id: u32,
-    /// Centre at time 0, metres, air-mass frame.
+    /// Centre at time 0, metres, air-mass frame; where the window begins later, extended backwards.
     pub position_m: Vec3,
     /// Velocity in the air mass, metres per second.
     pub velocity_mps: Vec3,
@@ -32,7 +35,15 @@ pub struct Hazard {
     pub volume: ProtectedVolume,
     /// How fast its surface moves outwards as the prediction ages, metres per second.
     pub growth_mps: f64,
+    /// How far the volume is stretched upwards and downwards, metres: at time 0, and what each second
+    /// adds; never negative within the window.
+    pub stretch_m: (f64, f64),
+    /// When it is there: from and until, seconds from the decision.
+    pub window_s: (f64, f64),
 }
+
+/// The window of a hazard that is always there, seconds.
+pub const ALWAYS: (f64, f64) = (0.0, f64::INFINITY);
 
 /// A point that moves straight for a while, in the air mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,6 +70,8 @@ impl Hazard {
             velocity_mps: obstacle.velocity_mps - wind_mps,
             volume: obstacle.volume.grown(sigmas * uncertainty.position_m),
             growth_mps: sigmas * uncertainty.velocity_mps,
+            stretch_m: (0.0, 0.0),
+            window_s: ALWAYS,
         }
     }
 
@@ -76,6 +89,8 @@ impl Hazard {
             velocity_mps,
             volume,
             growth_mps: 0.0,
+            stretch_m: (0.0, 0.0),
+            window_s: ALWAYS,
         }
     }
 
@@ -105,7 +120,36 @@ impl Hazard {
 
     /// Signed distance from the volume's surface at a time, metres; negative inside.
     pub fn margin_m(&self, position_m: Vec3, at_s: f64) -> f64 {
-        self.volume.margin_m(self.offset_m(position_m, at_s)) - self.growth_mps * at_s
+        let offset = self.stretched(self.offset_m(position_m, at_s), at_s);
+        self.volume.margin_m(offset) - self.growth_mps * at_s
+    }
+
+    fn is_stretched(&self) -> bool {
+        self.stretch_m != (0.0, 0.0)
+    }
+
+    /// The offset from the nearest point of the stretched centre. The size of each component is a
+    /// convex function of time where that of the offset is, and so is the margin.
+    fn stretched(&self, offset: Vec3, at_s: f64) -> Vec3 {
+        if !self.is_stretched() {
+            return offset;
+        }
+        let (now_m, more_mps) = self.stretch_m;
+        let stretch_m = now_m + more_mps * at_s;
+        Vec3::new(offset.x, offset.y, (offset.z.abs() - stretch_m).max(0.0))
+    }
+
+    /// The part of a line that lies in the hazard's window.
+    fn within_window(&self, line: &Line) -> Option<Line> {
+        let (from_s, until_s) = self.window_s;
+        let skipped_s = (from_s - line.at_s).max(0.0);
+        let end_s = line.duration_s.min(until_s - line.at_s);
+        (end_s >= skipped_s).then(|| Line {
+            from_m: line.from_m + line.velocity_mps * skipped_s,
+            at_s: line.at_s + skipped_s,
+            duration_s: end_s - skipped_s,
+            ..*line
+        })
     }
 
     /// Radius of a sphere about the volume at time 0, metres.
@@ -119,11 +163,19 @@ impl Hazard {
     /// Least margin of a point that moves straight, and when, if it is below `below_m`.
     #[inline]
     pub(crate) fn least_on_line(&self, line: &Line, below_m: f64) -> Option<(f64, f64)> {
+        let inside;
+        let line = if self.window_s == ALWAYS {
+            line
+        } else {
+            inside = self.within_window(line)?;
+            &inside
+        };
         let (at_s, duration_s) = (line.at_s, line.duration_s);
         let offset = self.offset_m(line.from_m, at_s);
         let velocity = line.velocity_mps - self.velocity_mps;
         let growth = self.growth_mps;
-        let radius = self.bounding_radius_m() + growth * at_s;
+        let stretch_m = self.stretch_m.0 + self.stretch_m.1 * (at_s + duration_s);
+        let radius = self.bounding_radius_m() + growth * at_s + stretch_m;
         let square = velocity.length_squared();
         let along = -offset.dot(velocity);
         // Squares only, until the sphere is close enough to matter.
@@ -143,6 +195,14 @@ impl Hazard {
             return None;
         }
         let (margin, when) = match self.volume {
+            _ if self.is_stretched() => {
+                let margin = |t: f64| {
+                    let offset = self.stretched(offset + velocity * t, at_s + t);
+                    self.volume.margin_m(offset) - growth * (at_s + t)
+                };
+                let speed = libm::sqrt(square) + growth + self.stretch_m.1;
+                least_of_convex(margin, duration_s, speed)
+            }
             ProtectedVolume::Sphere { .. } if growth == 0.0 => {
                 (libm::sqrt(nearest_square) - radius, nearest_s)
             }
@@ -233,7 +293,10 @@ struct Block {
     velocity_mps: [[f64; LANES]; 3],
     /// Minus infinity where there is no hazard.
     radius_m: [f64; LANES],
+    /// Growth and stretch together.
     growth_mps: [f64; LANES],
+    from_s: [f64; LANES],
+    until_s: [f64; LANES],
 }
 
 impl Block {
@@ -242,6 +305,8 @@ impl Block {
         velocity_mps: [[0.0; LANES]; 3],
         radius_m: [f64::NEG_INFINITY; LANES],
         growth_mps: [0.0; LANES],
+        from_s: [0.0; LANES],
+        until_s: [f64::INFINITY; LANES],
     };
 
     /// Which of the four may have a margin below `below_m` on the line: the first part of
@@ -269,7 +334,13 @@ impl Block {
         let growth = DVec4::from_array(self.growth_mps) * (line.at_s + line.duration_s);
         let radius = DVec4::from_array(self.radius_m);
         let reach = (radius + growth + DVec4::splat(below_m)).max(DVec4::ZERO);
-        (nx * nx + ny * ny + nz * nz).cmplt(reach * reach)
+        let near = (nx * nx + ny * ny + nz * nz).cmplt(reach * reach);
+        if !near.any() {
+            return near;
+        }
+        let begun = DVec4::from_array(self.from_s).cmple(DVec4::splat(line.at_s + line.duration_s));
+        let lasts = DVec4::from_array(self.until_s).cmpge(DVec4::splat(line.at_s));
+        near & begun & lasts
     }
 
     fn put(&mut self, lane: usize, hazard: &Hazard) {
@@ -278,6 +349,8 @@ impl Block {
             velocity_mps: [vx, vy, vz],
             radius_m,
             growth_mps,
+            from_s,
+            until_s,
         } = self;
         let (position, velocity) = (hazard.position_m, hazard.velocity_mps);
         let values = [
@@ -287,8 +360,10 @@ impl Block {
             (vx, velocity.x),
             (vy, velocity.y),
             (vz, velocity.z),
-            (radius_m, hazard.bounding_radius_m()),
-            (growth_mps, hazard.growth_mps),
+            (radius_m, hazard.bounding_radius_m() + hazard.stretch_m.0),
+            (growth_mps, hazard.growth_mps + hazard.stretch_m.1),
+            (from_s, hazard.window_s.0),
+            (until_s, hazard.window_s.1),
         ];
         for (lanes, value) in values {
             if let Some(slot) = lanes.get_mut(lane) {

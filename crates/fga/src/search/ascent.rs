@@ -386,6 +386,9 @@ fn nearest(search: &Search<'_>, place: usize, hazard: &Hazard) -> Option<Approac
     }
     let last = nodes.last()?;
     look(&last.state, search.path.end_velocity_mps(), scene.horizon_s);
+    if least.0 == f64::INFINITY {
+        return None;
+    }
     let at_s = least.1;
     let state = search.path.state_at(scene.flyer, at_s)?;
     Some(Approach {

@@ -34,14 +34,22 @@ impl Search<'_> {
 
     /// Whether a certified single turn exists after a wait.
     pub fn is_avoidable(&mut self, wait_s: f64) -> bool {
+        self.is_avoidable_within(wait_s, MAX_TURN_RAD)
+    }
+
+    /// Whether a certified single turn of no more than `max_turn_rad` exists after a wait.
+    pub fn is_avoidable_within(&mut self, wait_s: f64, max_turn_rad: f64) -> bool {
         let target_m = self.scene.target_m;
         let before_m = self.margin_before(wait_s);
         if before_m < target_m {
             return false;
         }
         let departure = self.departure(wait_s);
-        let level = self.has_turn(&departure, before_m, &Side::BOTH, self.scene.original.1);
-        level || self.has_steep_turn(&departure, before_m, &Side::BOTH)
+        let level_rad = self.scene.original.1;
+        let mut climbs = self.scene.extreme_climbs().skip(1);
+        let mut has_turn =
+            |climb_rad| self.has_turn(&departure, before_m, &Side::BOTH, (climb_rad, max_turn_rad));
+        has_turn(level_rad) || climbs.any(has_turn)
     }
 
     /// Whether a certified single turn to one of some sides exists at the steepest climb or descent:
@@ -53,7 +61,7 @@ impl Search<'_> {
         sides: &[Side],
     ) -> bool {
         let mut climbs = self.scene.extreme_climbs().skip(1);
-        climbs.any(|climb_rad| self.has_turn(from, before_m, sides, climb_rad))
+        climbs.any(|climb_rad| self.has_turn(from, before_m, sides, (climb_rad, MAX_TURN_RAD)))
     }
 
     fn has_turn(
@@ -61,7 +69,7 @@ impl Search<'_> {
         from: &MotionState,
         before_m: f64,
         sides: &[Side],
-        climb_rad: f64,
+        (climb_rad, max_turn_rad): (f64, f64),
     ) -> bool {
         let target_m = self.scene.target_m;
         sides.iter().any(|side| {
@@ -70,7 +78,7 @@ impl Search<'_> {
                 before_m,
                 side: *side,
                 climb_rad,
-                max_turn_rad: MAX_TURN_RAD,
+                max_turn_rad,
                 floor_m: target_m,
                 enough_m: target_m,
             })

@@ -1,5 +1,6 @@
 //! The avoider from outside: its states, its symmetries, what it does with unusable numbers.
 
+mod aircraft;
 mod flight;
 mod objectives;
 mod policies;

@@ -7,7 +7,7 @@ use crate::search::Proof;
 use crate::situation::Situation;
 
 /// A manoeuvre under way is kept while this share of the margin is certified.
-const KEEP_SHARE: f64 = 0.5;
+pub(super) const KEEP_SHARE: f64 = 0.5;
 
 /// What comes true to within this comes true, metres and metres per second times ten.
 const SAME_M: f64 = 1e-6;
@@ -59,9 +59,10 @@ impl Avoider {
         }
         let since_s = situation.time_s - plan.decided_s;
         let obstacles = self.outlook(situation.wind_mps, since_s);
-        let comes_true = plan.basis.is_some_and(|basis| {
-            basis.obstacles.is(&obstacles) && self.flies_as(plan, &basis, situation, now)
-        });
+        let comes_true = !self.tracks.has_aircraft()
+            && plan.basis.is_some_and(|basis| {
+                basis.obstacles.is(&obstacles) && self.flies_as(plan, &basis, situation, now)
+            });
         if comes_true {
             return true;
         }

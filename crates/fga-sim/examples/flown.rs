@@ -1,0 +1,266 @@
+//! Flies a folder of recordings of two aircraft and counts what was lost, needless and restless.
+//!
+//! `flown FOLDER VEHICLE.toml [--volume nmac|wellclear] [--policy P] [--start S]
+//! [--only odd|even] [--rows]`
+//!
+//! Separations are measured here, on the recorded intruder and the flown samples, and count only
+//! while the intruder was recorded. NMAC: 500 ft and 100 ft at once. LoWC: 2,000 ft and 250 ft at once
+//! (ASTM F3442).
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use fga::Vec3;
+use fga::avoider::State;
+use fga::situation::ProtectedVolume;
+use fga_formats::daa;
+use fga_sim::policy::PolicyChoice;
+use fga_sim::run::{Plan, RunLog, fly};
+use fga_sim::vehicle_file::VehicleModel;
+use rayon::prelude::*;
+
+const FOOT_M: f64 = 0.3048;
+const NMAC: (f64, f64) = (500.0 * FOOT_M, 100.0 * FOOT_M);
+const WELL_CLEAR: (f64, f64) = (2000.0 * FOOT_M, 250.0 * FOOT_M);
+
+/// Bank beyond which a turn has a side, radians (5°).
+const BANKED_RAD: f64 = 0.087;
+
+type Moments = Vec<(f64, Vec3)>;
+
+struct Row {
+    name: String,
+    /// Least signed distance outside of NMAC and well-clear volume, metres.
+    nominal: [f64; 2],
+    flown: [f64; 2],
+    acted: bool,
+    transitions: usize,
+    reversals: usize,
+    cross_m: f64,
+    extra_m: f64,
+    back: bool,
+    searched: u32,
+    longest_us: f64,
+}
+
+fn main() -> ExitCode {
+    match run(&std::env::args().skip(1).collect::<Vec<_>>()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn option<'a>(arguments: &'a [String], name: &str) -> Option<&'a str> {
+    let place = arguments.iter().position(|a| a == name)?;
+    arguments.get(place + 1).map(String::as_str)
+}
+
+fn run(arguments: &[String]) -> Result<(), String> {
+    let [folder, vehicle, ..] = arguments else {
+        return Err("usage: flown FOLDER VEHICLE.toml [--volume nmac|wellclear] [--policy P] [--only odd|even] [--rows]".into());
+    };
+    let mut model = VehicleModel::read(Path::new(vehicle)).map_err(|e| e.to_string())?;
+    if option(arguments, "--volume") == Some("wellclear") {
+        model.protection = ProtectedVolume::Cylinder {
+            radius_m: WELL_CLEAR.0,
+            half_height_m: WELL_CLEAR.1,
+        };
+    }
+    let policy = option(arguments, "--policy").unwrap_or("turn-aware");
+    let policy = PolicyChoice::parse(policy, option(arguments, "--start"))?;
+    let only = option(arguments, "--only");
+    let mut files: Vec<(u32, PathBuf)> = std::fs::read_dir(folder)
+        .map_err(|e| e.to_string())?
+        .filter_map(|entry| {
+            let path = entry.ok()?.path();
+            let stem = path.file_stem()?.to_str()?;
+            let digits = stem.trim_start_matches(|c: char| !c.is_ascii_digit());
+            (path.extension()? == "daa").then(|| (digits.parse().unwrap_or(0), path.clone()))
+        })
+        .collect();
+    files.sort();
+    files.retain(|(number, _)| match only {
+        Some("odd") => number / 2 % 2 == 1,
+        Some("even") => number / 2 % 2 == 0,
+        _ => true,
+    });
+    let rows: Result<Vec<Row>, String> = files
+        .par_iter()
+        .map(|(_, path)| fly_one(path, model.clone(), &policy))
+        .collect();
+    let rows = rows?;
+    if arguments.iter().any(|a| a == "--rows") {
+        for r in &rows {
+            println!(
+                "{:18} nominal {:7.1} {:7.1} flown {:7.1} {:7.1} acted {:5} changes {:2} reversals {:2} cross {:7.1} extra {:7.1} back {} work {} {:.0} us",
+                r.name,
+                r.nominal[0],
+                r.nominal[1],
+                r.flown[0],
+                r.flown[1],
+                r.acted,
+                r.transitions,
+                r.reversals,
+                r.cross_m,
+                r.extra_m,
+                r.back,
+                r.searched,
+                r.longest_us
+            );
+        }
+    }
+    show(&rows);
+    Ok(())
+}
+
+fn show(rows: &[Row]) {
+    for (place, name) in ["NMAC", "LoWC"].iter().enumerate() {
+        let entered = |r: &&Row| r.flown[place] < 0.0;
+        let would = |r: &&Row| r.nominal[place] < 0.0;
+        let left: Vec<&str> = rows
+            .iter()
+            .filter(entered)
+            .map(|r| r.name.as_str())
+            .collect();
+        println!(
+            "{name} {} of {}, induced {}; needless {} of {}; left: {}",
+            left.len(),
+            rows.iter().filter(would).count(),
+            rows.iter().filter(|r| entered(r) && !would(r)).count(),
+            rows.iter().filter(|r| r.acted && !would(r)).count(),
+            rows.iter().filter(|r| !would(r)).count(),
+            left.join(" ")
+        );
+    }
+    let sorted = |value: fn(&Row) -> f64| {
+        let mut all: Vec<f64> = rows.iter().map(value).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    let cross = sorted(|r| r.cross_m);
+    let acted: Vec<&Row> = rows.iter().filter(|r| r.acted).collect();
+    let not_back: Vec<&str> = acted
+        .iter()
+        .filter(|r| !r.back)
+        .map(|r| r.name.as_str())
+        .collect();
+    println!(
+        "cross-track median {:.0} 90% {:.0} most {:.0} m; extra path median {:.0}; acted {}; changes over 3: {}, most {}; reversals over 3: {}, most {}; not back {}; most work {}, longest {:.0} us",
+        cross[cross.len() / 2],
+        cross[(cross.len() - 1) * 9 / 10],
+        cross[cross.len() - 1],
+        sorted(|r| r.extra_m)[rows.len() / 2],
+        acted.len(),
+        acted.iter().filter(|r| r.transitions > 3).count(),
+        rows.iter().map(|r| r.transitions).max().unwrap_or(0),
+        acted.iter().filter(|r| r.reversals > 3).count(),
+        rows.iter().map(|r| r.reversals).max().unwrap_or(0),
+        not_back.join(" "),
+        rows.iter().map(|r| r.searched).max().unwrap_or(0),
+        rows.iter().map(|r| r.longest_us).fold(0.0, f64::max),
+    );
+}
+
+fn fly_one(path: &Path, model: VehicleModel, policy: &PolicyChoice) -> Result<Row, String> {
+    let recording = daa::read(path).map_err(|e| e.to_string())?;
+    let from_s = recording.aircraft[0].samples[0].time_s;
+    let tracks: Vec<Moments> = recording
+        .aircraft
+        .iter()
+        .map(|aircraft| {
+            let moment = |s: &daa::TrackSample| (s.time_s - from_s, s.position_m);
+            aircraft.samples.iter().map(moment).collect()
+        })
+        .collect();
+    let (own, intruders) = tracks.split_first().ok_or("no aircraft")?;
+    let until_s = own.last().map_or(0.0, |last| last.0);
+    let least = |own: &Moments| {
+        intruders
+            .iter()
+            .fold([f64::INFINITY; 2], |least, intruder| {
+                let one = measure(own, intruder, until_s);
+                [least[0].min(one[0]), least[1].min(one[1])]
+            })
+    };
+    let plan = Plan::read(path, Some(model)).map_err(|e| e.to_string())?;
+    let log = fly(plan, policy, &mut |_| ()).map_err(|e| e.to_string())?;
+    let track: Moments = log
+        .samples
+        .iter()
+        .map(|s| (s.time_s, s.position_m))
+        .collect();
+    let states: Vec<State> = log.samples.iter().map(|s| s.state).collect();
+    Ok(Row {
+        name: path.file_stem().map_or_else(String::new, |s| {
+            s.to_string_lossy().replace("NRC_Intercept", "")
+        }),
+        nominal: least(own),
+        flown: least(&track),
+        acted: states.contains(&State::Avoiding),
+        transitions: states
+            .windows(2)
+            .filter(|w| w[0] != w[1] && w.contains(&State::Avoiding))
+            .count(),
+        reversals: reversals(&log),
+        cross_m: log.outcome.max_cross_track_m,
+        extra_m: log.outcome.extra_path_m,
+        back: states.last() == Some(&State::Cruise),
+        searched: log
+            .decisions
+            .iter()
+            .map(|d| d.decision.record.work.candidates)
+            .max()
+            .unwrap_or(0),
+        longest_us: log.decision_times().max_us,
+    })
+}
+
+/// How often the bank goes from one side to the other while the aircraft avoids.
+fn reversals(log: &RunLog) -> usize {
+    let mut last = 0.0;
+    let mut count = 0;
+    for sample in log.samples.iter().filter(|s| s.state == State::Avoiding) {
+        if sample.bank_rad.abs() > BANKED_RAD {
+            count += usize::from(last * sample.bank_rad < 0.0);
+            last = sample.bank_rad;
+        }
+    }
+    count
+}
+
+fn at(rows: &Moments, time_s: f64) -> Vec3 {
+    let next = rows
+        .partition_point(|r| r.0 < time_s)
+        .clamp(1, rows.len() - 1);
+    let (a, b) = (rows[next - 1], rows[next]);
+    let share = if b.0 > a.0 {
+        (time_s - a.0) / (b.0 - a.0)
+    } else {
+        0.0
+    };
+    a.1 + (b.1 - a.1) * share
+}
+
+/// Least signed distances outside of the two volumes, at the rows of both and halfway between.
+fn measure(own: &Moments, intruder: &Moments, until_s: f64) -> [f64; 2] {
+    let mut times: Vec<f64> = own.iter().chain(intruder).map(|m| m.0).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let last_s = until_s
+        .min(own[own.len() - 1].0)
+        .min(intruder[intruder.len() - 1].0);
+    times.retain(|t| (intruder[0].0..=last_s).contains(t));
+    let halves: Vec<f64> = times.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
+    let mut least = [f64::INFINITY; 2];
+    for time_s in times.into_iter().chain(halves) {
+        let offset = at(own, time_s) - at(intruder, time_s);
+        let level = offset.x.hypot(offset.y);
+        for (least, (radius, half_height)) in least.iter_mut().zip([NMAC, WELL_CLEAR]) {
+            *least = least.min((level - radius).max(offset.z.abs() - half_height));
+        }
+    }
+    least
+}

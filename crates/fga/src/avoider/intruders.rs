@@ -1,0 +1,391 @@
+//! What obstacles that are flown may do next, as hazards.
+//!
+//! An aircraft is expected to go on as it does: straight, and, where it turns, along its turn for some
+//! time. It may also turn to either side and change its climb, within its bounds. Each of these
+//! motions is a chain of hazards, one a window of time: chords of the turn, widened by how far
+//! the turn bows from them, then a straight line. A change of climb stretches the volume upwards and
+//! downwards.
+
+use crate::Vec3;
+use crate::angle::wrap_pi;
+use crate::certificate::{ALWAYS, Hazard, Hazards, MAX_HAZARDS};
+use crate::limit::Limit as _;
+use crate::situation::{MovementBounds, Obstacle};
+
+/// For this long a change of climb goes on, seconds.
+pub(super) const CLIMB_CHANGES_S: f64 = 20.0;
+
+/// For this long an aircraft that turns is expected to turn on, seconds.
+const TURNS_ON_S: f64 = 10.0;
+
+/// Turn rates below this are straight flight, radians per second (0.5°/s).
+const STRAIGHT_RADPS: f64 = 0.009;
+
+/// Longest chord of a turn, radians (15°): at 60 m/s and 3°/s it bows by 10 m.
+const CHORD_RAD: f64 = 0.27;
+
+/// Kept beyond the volumes of an aircraft for what its track and the flight along the own one are
+/// off, metres.
+const TRACKING_M: f64 = 5.0;
+
+/// Over this time a turn rate is averaged, seconds.
+const TURN_AVERAGED_S: f64 = 1.5;
+
+/// Aircraft slower than this over the ground have no course, metres per second.
+const HOVERS_MPS: f64 = 2.0;
+
+/// Turn rates below this many standard deviations are noise.
+const NOISE_SIGMAS: f64 = 3.0;
+
+/// Hazards of one aircraft: two turns of five chords, the expected one of three, straight flight, and
+/// the line after each.
+const MOST_A_MOTION: usize = 21;
+
+/// How much of what aircraft may do is taken into account.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Freedom {
+    /// They go on as they do; climbs may change.
+    Expected,
+    /// This share of turns and changes of climb, from 0 to 1, too.
+    Share(f64),
+}
+
+/// The turn rate of an aircraft as its reports tell it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Turning {
+    /// Average turn rate, radians per second, left positive.
+    rate_radps: f64,
+}
+
+impl Turning {
+    /// Not turning, as far as is known.
+    pub(super) const STRAIGHT: Self = Self { rate_radps: 0.0 };
+
+    /// Takes in how the velocity changed from one report to the next.
+    pub(super) fn learn(&mut self, before_mps: Vec3, now_mps: Vec3, passed_s: f64) {
+        let slow = |v: Vec3| v.x * v.x + v.y * v.y < HOVERS_MPS * HOVERS_MPS;
+        if passed_s <= 0.0 || slow(before_mps) || slow(now_mps) {
+            return;
+        }
+        let turned_rad =
+            wrap_pi(libm::atan2(now_mps.y, now_mps.x) - libm::atan2(before_mps.y, before_mps.x));
+        let gain = 1.0 - libm::exp(-passed_s / TURN_AVERAGED_S);
+        self.rate_radps += gain * (turned_rad / passed_s - self.rate_radps);
+    }
+
+    /// The turn rate that is expected to go on, radians per second: zero where it may be noise.
+    fn expected_radps(self, obstacle: &Obstacle, bounds: &MovementBounds) -> f64 {
+        let velocity = obstacle.velocity_mps;
+        let speed_mps = libm::sqrt(velocity.x * velocity.x + velocity.y * velocity.y);
+        let noise = obstacle.uncertainty.velocity_mps / speed_mps.max(HOVERS_MPS);
+        let least = STRAIGHT_RADPS.max(NOISE_SIGMAS * noise / TURN_AVERAGED_S);
+        if self.rate_radps.abs() < least {
+            return 0.0;
+        }
+        let most = bounds.brief_turn_rate_radps;
+        self.rate_radps.limited(-most, most)
+    }
+}
+
+/// The motions of all obstacles of a step.
+#[derive(Debug, Clone)]
+pub(super) struct Motions {
+    hazards: Hazards,
+}
+
+impl Motions {
+    pub(super) const fn new() -> Self {
+        Self {
+            hazards: Hazards::new(),
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.hazards.clear();
+    }
+
+    pub(super) const fn hazards(&self) -> &Hazards {
+        &self.hazards
+    }
+
+    /// Adds an obstacle that keeps its velocity.
+    pub(super) fn add_straight(&mut self, hazard: &Hazard) {
+        self.put(*hazard);
+    }
+
+    /// How many aircraft have room for all their motions beside some other hazards.
+    pub(super) const fn room_for(others: usize) -> usize {
+        MAX_HAZARDS.saturating_sub(others) / MOST_A_MOTION
+    }
+
+    /// Adds what an aircraft may do. `hazard` is what it is when it flies straight on; `alone` leaves
+    /// its turns out.
+    pub(super) fn add_aircraft(
+        &mut self,
+        hazard: &Hazard,
+        (obstacle, turning): (&Obstacle, Turning),
+        (freedom, beyond_m): (Freedom, f64),
+        alone: bool,
+    ) {
+        let Some(bounds) = obstacle.movement.bounds() else {
+            return self.add_straight(hazard);
+        };
+        let (climbs, turns) = match freedom {
+            Freedom::Expected => (1.0, 0.0),
+            Freedom::Share(share) => (share, share),
+        };
+        let mut hazard = *hazard;
+        hazard.volume = hazard.volume.grown((TRACKING_M + beyond_m) * climbs);
+        let base = Base {
+            hazard,
+            stretch_mps: climbs * bounds.climb_change_mps,
+        };
+        self.add_motion(&base, 0.0, 0.0);
+        if alone {
+            return;
+        }
+        let expected_radps = turning.expected_radps(obstacle, &bounds);
+        if expected_radps != 0.0 {
+            self.add_motion(&base, expected_radps, TURNS_ON_S);
+        }
+        if turns > 0.0 && bounds.turn_rate_radps > 0.0 {
+            let for_s = turns * bounds.turn_rad / bounds.turn_rate_radps;
+            for rate_radps in [bounds.turn_rate_radps, -bounds.turn_rate_radps] {
+                self.add_motion(&base, rate_radps, for_s);
+            }
+        }
+    }
+
+    /// A turn for a time, then straight on.
+    fn add_motion(&mut self, base: &Base, rate_radps: f64, for_s: f64) {
+        let mut at = Moment {
+            at_s: 0.0,
+            position_m: base.hazard.position_m,
+            velocity_mps: base.hazard.velocity_mps,
+        };
+        if rate_radps != 0.0 {
+            let chords = crate::prediction::whole((rate_radps * for_s).abs() / CHORD_RAD, 5);
+            let step_s = for_s / chords as f64;
+            for _ in 0..chords {
+                let next = at.turned(rate_radps, step_s);
+                self.add_leg(base, &at, &next, rate_radps);
+                at = next;
+            }
+        }
+        if at.at_s < CLIMB_CHANGES_S && base.stretch_mps > 0.0 {
+            let next = at.turned(0.0, CLIMB_CHANGES_S - at.at_s);
+            self.add_leg(base, &at, &next, 0.0);
+            at = next;
+        }
+        self.put(Hazard {
+            position_m: at.position_m - at.velocity_mps * at.at_s,
+            velocity_mps: at.velocity_mps,
+            stretch_m: (base.stretch_mps * CLIMB_CHANGES_S, 0.0),
+            window_s: if at.at_s > 0.0 {
+                (at.at_s, f64::INFINITY)
+            } else {
+                ALWAYS
+            },
+            ..base.hazard
+        });
+    }
+
+    fn add_leg(&mut self, base: &Base, from: &Moment, to: &Moment, rate_radps: f64) {
+        let duration_s = to.at_s - from.at_s;
+        let velocity_mps = (to.position_m - from.position_m) / duration_s;
+        let speed_mps = libm::sqrt(
+            from.velocity_mps.x * from.velocity_mps.x + from.velocity_mps.y * from.velocity_mps.y,
+        );
+        let bow_m = speed_mps * rate_radps.abs() * duration_s * duration_s / 8.0;
+        self.put(Hazard {
+            position_m: from.position_m - velocity_mps * from.at_s,
+            velocity_mps,
+            volume: base.hazard.volume.grown(bow_m),
+            stretch_m: (0.0, base.stretch_mps),
+            window_s: (from.at_s, to.at_s),
+            ..base.hazard
+        });
+    }
+
+    fn put(&mut self, hazard: Hazard) {
+        let place = self.hazards.rows().len();
+        let index = u32::try_from(place).unwrap_or(u32::MAX);
+        self.hazards.put(place, Hazard { index, ..hazard });
+    }
+}
+
+/// What the motions of one aircraft share.
+struct Base {
+    hazard: Hazard,
+    stretch_mps: f64,
+}
+
+/// An aircraft at a moment, in the air mass.
+#[derive(Clone, Copy)]
+struct Moment {
+    at_s: f64,
+    position_m: Vec3,
+    velocity_mps: Vec3,
+}
+
+impl Moment {
+    /// The same aircraft after a turn at a constant rate.
+    fn turned(&self, rate_radps: f64, for_s: f64) -> Self {
+        let v = self.velocity_mps;
+        let angle = rate_radps * for_s;
+        let (sin, cos) = libm::sincos(angle);
+        let velocity_mps = Vec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z);
+        // ∫ R(ω t) v dt = (sin a · v + (1 − cos a) · v⊥) / ω
+        let (along_s, across_s) = if angle.abs() < 1e-9 {
+            (for_s, 0.0)
+        } else {
+            (sin / rate_radps, (1.0 - cos) / rate_radps)
+        };
+        let moved = Vec3::new(
+            along_s * v.x - across_s * v.y,
+            along_s * v.y + across_s * v.x,
+            v.z * for_s,
+        );
+        Self {
+            at_s: self.at_s + for_s,
+            position_m: self.position_m + moved,
+            velocity_mps,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::situation::{Movement, ProtectedVolume};
+
+    const BOUNDS: MovementBounds = MovementBounds::CREWED;
+
+    fn intruder() -> Obstacle {
+        let volume = ProtectedVolume::Cylinder {
+            radius_m: 150.0,
+            half_height_m: 30.0,
+        };
+        Obstacle {
+            movement: Movement::CREWED,
+            ..Obstacle::new(
+                7,
+                Vec3::new(900.0, 300.0, 20.0),
+                Vec3::new(-52.0, 21.0, 1.5),
+                volume,
+            )
+        }
+    }
+
+    fn motions(freedom: Freedom, turning: Turning) -> Motions {
+        let obstacle = intruder();
+        let mut motions = Motions::new();
+        let hazard = Hazard::new(0, &obstacle, Vec3::ZERO, 3.0);
+        motions.add_aircraft(&hazard, (&obstacle, turning), (freedom, 0.0), false);
+        motions
+    }
+
+    /// The intruder after a turn at a rate for a time and a change of climb, by small steps.
+    fn flown(rate_radps: f64, for_s: f64, climb_mps: f64, until_s: f64) -> Vec3 {
+        let Obstacle {
+            mut position_m,
+            velocity_mps: v,
+            ..
+        } = intruder();
+        let mut course = v.y.atan2(v.x);
+        let (speed, dt) = (v.x.hypot(v.y), 1e-3);
+        let steps = (until_s / dt).round();
+        let mut time_s = 0.0;
+        while time_s < steps * dt - 0.5 * dt {
+            let turn = if time_s < for_s - 0.5 * dt {
+                rate_radps * dt
+            } else {
+                0.0
+            };
+            course += 0.5 * turn;
+            let climb = v.z
+                + if time_s < CLIMB_CHANGES_S {
+                    climb_mps
+                } else {
+                    0.0
+                };
+            position_m += Vec3::new(speed * course.cos(), speed * course.sin(), climb) * dt;
+            course += 0.5 * turn;
+            time_s += dt;
+        }
+        position_m
+    }
+
+    /// Whether the volume about a place, and nothing less, lies within a hazard that is there then.
+    fn is_within(motions: &Motions, place_m: Vec3, at_s: f64) -> bool {
+        motions.hazards().rows().iter().any(|hazard| {
+            let (from_s, until_s) = hazard.window_s;
+            let volume = intruder().volume;
+            let room_m = hazard.volume.radius_m() - volume.radius_m();
+            let (now_m, more_mps) = hazard.stretch_m;
+            let off = place_m - (hazard.position_m + hazard.velocity_mps * at_s);
+            (from_s..=until_s).contains(&at_s)
+                && off.x.hypot(off.y) <= room_m
+                && off.z.abs() <= now_m + more_mps * at_s + room_m
+        })
+    }
+
+    #[test]
+    fn a_turn_and_a_climb_within_the_share_stay_within_the_hazards() {
+        for share in [0.25, 0.5, 1.0] {
+            let motions = motions(Freedom::Share(share), Turning::STRAIGHT);
+            let for_s = share * BOUNDS.turn_rad / BOUNDS.turn_rate_radps;
+            for side in [-1.0, 1.0] {
+                for climb in [-1.0, 0.0, 0.7, 1.0] {
+                    for at_s in [0.0, 1.3, 4.0, 7.7, 12.1, 19.9, 20.1, 33.0] {
+                        let rate = side * BOUNDS.turn_rate_radps;
+                        let climb_mps = climb * share * BOUNDS.climb_change_mps;
+                        let place_m = flown(rate, for_s, climb_mps, at_s);
+                        assert!(
+                            is_within(&motions, place_m, at_s),
+                            "share {share}, side {side}, climb {climb}, {at_s} s"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_larger_turn_leaves_the_hazards_of_a_smaller_share() {
+        let motions = motions(Freedom::Share(0.25), Turning::STRAIGHT);
+        let place_m = flown(BOUNDS.turn_rate_radps, 20.0, 0.0, 30.0);
+        assert!(!is_within(&motions, place_m, 30.0));
+    }
+
+    #[test]
+    fn a_turn_is_learned_from_reports_and_expected_to_go_on() {
+        let mut turning = Turning::STRAIGHT;
+        let rate = 0.05_f64;
+        let velocity = |time_s: f64| {
+            Vec3::new(
+                50.0 * (rate * time_s).cos(),
+                50.0 * (rate * time_s).sin(),
+                0.0,
+            )
+        };
+        for k in 1..=60 {
+            let time_s = 0.1 * f64::from(k);
+            turning.learn(velocity(time_s - 0.1), velocity(time_s), 0.1);
+        }
+        let expected = turning.expected_radps(&intruder(), &BOUNDS);
+        assert!((expected - rate).abs() < 0.1 * rate, "{expected}");
+        let motions = motions(Freedom::Expected, turning);
+        let place_m = flown(expected, TURNS_ON_S, 0.0, 14.0);
+        assert!(is_within(&motions, place_m, 14.0));
+        // Half of the course noise of 1 m/s in 50 m/s may be a turn of this rate.
+        let noisy = Obstacle {
+            uncertainty: crate::situation::Uncertainty {
+                position_m: 0.0,
+                velocity_mps: 2.0,
+            },
+            ..intruder()
+        };
+        assert_eq!(turning.expected_radps(&noisy, &BOUNDS), 0.0);
+    }
+}

@@ -1,0 +1,392 @@
+//! Decisions about obstacles that are flown: as late as is robust, and kept while they withstand what
+//! an aircraft may do next.
+//!
+//! A maneuver *withstands* a share of what aircraft may do when it is certified against the expected
+//! motion, turns of that share of the bounds to either side, and changes of climb of that share. Its
+//! **resilience** is the largest share of [`SHARES`] that it withstands.
+
+use crate::angle::Side;
+use crate::avoider::intruders::Freedom;
+use crate::avoider::{Against, Avoider, Decision, Plan, Reason, Start, State, Threat};
+use crate::limit::Limit as _;
+use crate::maneuver::Maneuver;
+use crate::prediction::MotionState;
+use crate::search::{Effort, Found, Proof, Search};
+use crate::situation::Situation;
+
+use super::{ENOUGH_M, as_maneuver};
+
+/// Shares of what aircraft may do that are told apart, most first.
+const SHARES: [f64; 5] = [1.0, 0.75, 0.5, 0.25, 0.0];
+
+/// Maneuvers are looked for that withstand this share: the aircraft may turn by half of its bounds, and
+/// change its climb by half of them.
+const WANTED_SHARE: f64 = 0.5;
+
+/// The mission is flown on while a maneuver that begins this much later still withstands everything,
+/// seconds.
+const WAIT_S: f64 = 2.0;
+
+/// Only maneuvers with no larger turn than this are a reason to wait, radians (90°).
+const WAIT_FOR_TURN_RAD: f64 = 1.57;
+
+/// A maneuver under way that withstands less than everything is replaced by one that withstands more by
+/// this share.
+const CLEARLY_MORE: f64 = 0.45;
+
+/// A maneuver is chosen with this much more beyond the volumes of aircraft than it is kept with, metres:
+/// what their vertical speed is off by (0.2 m/s), over a quarter of a minute.
+const BEYOND_M: f64 = 3.0;
+
+/// Cycles between two looks for a maneuver with a larger margin where nothing withstands much.
+const LOOK_FOR_MORE: u32 = 5;
+
+/// The largest margin in the worst case must be larger by this to be flown instead, metres.
+const CLEARLY_FARTHER_M: f64 = 20.0;
+
+/// Cycles between two looks for a maneuver that departs less.
+const LOOK_FOR_LESS: u32 = 10;
+
+/// A course that departs less by this is taken, radians (15°).
+const CLEARLY_LESS_RAD: f64 = 0.26;
+
+/// Part of a step's work for one search.
+const SEARCHES: u32 = 8;
+
+impl Avoider {
+    /// On the mission among aircraft: is it clear as far as is expected, and if not, does a maneuver that
+    /// begins later still do?
+    pub(super) fn watch_aircraft(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        start: Start,
+    ) -> Decision {
+        let own_m = now.position_m;
+        self.plan = None;
+        let (nominal, _) = self.guidance(situation, now);
+        self.tracks.withstand(Freedom::Expected, own_m);
+        let Some((threat, against)) = self.first_threat(&nominal, now) else {
+            self.state = State::Cruise;
+            return self.decision(&nominal, Reason::Clear);
+        };
+        self.tracks
+            .withstand_by(Freedom::Share(WANTED_SHARE), own_m, BEYOND_M);
+        let (may_wait, candidates, limit_met) = if start == Start::AtDetection {
+            (false, 0, false)
+        } else {
+            self.search(&nominal, now, |search| {
+                search.share_work(SEARCHES);
+                search.is_avoidable_within(WAIT_S, WAIT_FOR_TURN_RAD)
+            })
+        };
+        let mut decision = if may_wait {
+            self.state = State::Threatened;
+            let mut decision = self.decision(&nominal, Reason::WaitingForStart);
+            decision.record.threat = Some(threat);
+            decision.record.start_s = Some(WAIT_S);
+            decision
+        } else {
+            self.begin(situation, now, (threat, against))
+        };
+        let work = &mut decision.record.work;
+        work.candidates += candidates;
+        work.limit_met |= limit_met || self.tracks.overflow;
+        work.threats = 1;
+        decision
+    }
+
+    /// Begins to avoid with the maneuver that withstands most.
+    fn begin(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        (threat, against): (Threat, Against),
+    ) -> Decision {
+        let time_s = situation.time_s;
+        let (mut answer, mut candidates) = self.cheapest_within(now, None, (0.0, WANTED_SHARE));
+        if answer.is_none() {
+            let (found, looked_at) = self.farthest(now, None, None);
+            answer = found;
+            candidates += looked_at;
+        }
+        let Some(answer) = answer else {
+            return self.decision(&Maneuver::hold(), Reason::BestAvailable);
+        };
+        let plan = Plan {
+            maneuver: answer.maneuver,
+            decided_s: time_s,
+            start_s: time_s,
+            joined_s: f64::INFINITY,
+            proof: answer.proof,
+            open_since_s: time_s,
+            picture: self.tracks.picture(),
+            margin_m: answer.found.margin_m,
+            cost: answer.found.cost,
+            latest_start_s: None,
+            threat: Some(threat),
+            against,
+            next_start_s: None,
+            basis: None,
+            resilience: answer.resilience,
+            side: side_of(&answer.found),
+        };
+        self.plan = Some(plan);
+        self.state = State::Avoiding;
+        let reason = if answer.proof == Proof::Certified {
+            Reason::ManeuverChosen
+        } else if self.tracks.inside {
+            Reason::InsideVolume
+        } else {
+            Reason::BestAvailable
+        };
+        let mut decision = self.report(&plan, time_s, reason);
+        decision.record.work.candidates = candidates;
+        decision
+    }
+
+    /// Flying a maneuver among aircraft: go back, keep it, or replace it.
+    pub(super) fn avoid_aircraft(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        start: Start,
+    ) -> Decision {
+        let time_s = situation.time_s;
+        let own_m = now.position_m;
+        let Some(plan) = self.plan else {
+            return self.watch_aircraft(situation, now, start);
+        };
+        let velocity_mps = situation.ownship.velocity_mps();
+        let against = plan.against;
+        let passing = self
+            .tracks
+            .all_pass(own_m, velocity_mps, |id| against.contains(id));
+        let freedom = if passing {
+            Freedom::Expected
+        } else {
+            Freedom::Share(1.0)
+        };
+        self.tracks.withstand(freedom, own_m);
+        if let Some(back) = self.way_back(situation, now, &plan) {
+            self.plan = Some(back);
+            self.state = State::Recovering;
+            return self.report(&back, time_s, Reason::RejoinChosen);
+        }
+        let flown = plan.remaining(time_s);
+        let kept = self.resilience_of(&flown, now);
+        let enough = kept.is_some_and(|kept| kept >= WANTED_SHARE);
+        if enough {
+            if let Some(plan) = self.improved(situation, now, &plan) {
+                self.plan = Some(plan);
+                return self.report(&plan, time_s, Reason::ManeuverReplaced);
+            }
+            let plan = Plan {
+                proof: Proof::Certified,
+                resilience: kept.unwrap_or(0.0),
+                ..plan
+            };
+            self.plan = Some(plan);
+            return self.report(&plan, time_s, Reason::ManeuverKept);
+        }
+        let above = kept.map_or(0.0, |kept| kept + CLEARLY_MORE);
+        let (mut answer, mut candidates) =
+            self.cheapest_within(now, plan.side, (above, WANTED_SHARE));
+        let poor = kept.is_none_or(|kept| kept <= 0.0);
+        if answer.is_none() && poor && (kept.is_none() || self.cycle.is_multiple_of(LOOK_FOR_MORE))
+        {
+            let (found, looked_at) = self.farthest(now, Some((&flown, kept.is_some())), plan.side);
+            answer = found;
+            candidates += looked_at;
+        }
+        let plan = if let Some(answer) = &answer {
+            Plan {
+                maneuver: answer.maneuver,
+                decided_s: time_s,
+                proof: answer.proof,
+                margin_m: answer.found.margin_m,
+                cost: answer.found.cost,
+                resilience: answer.resilience,
+                side: plan.side.or_else(|| side_of(&answer.found)),
+                ..plan
+            }
+        } else {
+            Plan {
+                proof: if kept.is_some() {
+                    Proof::Certified
+                } else {
+                    Proof::Open
+                },
+                resilience: kept.unwrap_or(0.0),
+                ..plan
+            }
+        };
+        let reason = match (plan.proof, answer) {
+            (Proof::Certified, Some(_)) => Reason::ManeuverReplaced,
+            (Proof::Certified, None) => Reason::ManeuverKept,
+            _ => Reason::BestAvailable,
+        };
+        self.plan = Some(plan);
+        let mut decision = self.report(&plan, time_s, reason);
+        decision.record.work.candidates = candidates;
+        decision
+    }
+
+    /// Where nothing withstands any share of what aircraft may do: the maneuver whose margin is largest
+    /// in the worst case, if it stays clear of the expected motion; else the cheapest that does; else the
+    /// former all the same. One is already flown: only what is clearly better; `flown` says whether that
+    /// stays clear of the expected motion.
+    fn farthest(
+        &mut self,
+        now: &MotionState,
+        flown: Option<(&Maneuver, bool)>,
+        side: Option<Side>,
+    ) -> (Option<Answer>, u32) {
+        let own_m = now.position_m;
+        let hold = Maneuver::hold();
+        let variety = self.cycle;
+        let worst = Freedom::Share(WANTED_SHARE);
+        self.tracks.withstand(worst, own_m);
+        let kept_m = flown.map_or(f64::MIN, |(flown, _)| {
+            self.margin_of(flown, now, (f64::MIN, ENOUGH_M))
+        });
+        let (best, mut candidates, _) = self.search(&hold, now, |search| {
+            search.share_work(SEARCHES);
+            let (found, _) = search.best(flown.map(|(flown, _)| flown), Effort::Quick, variety)?;
+            Some(Answer::new(search, found, Proof::Open, 0.0))
+        });
+        let target_m = self.settings.margin_m;
+        self.tracks.withstand(Freedom::Share(0.0), own_m);
+        let best = best.map(|best| {
+            let expected_m = self.margin_of(&best.maneuver, now, (target_m, target_m));
+            let proof = if expected_m >= target_m {
+                Proof::Certified
+            } else {
+                Proof::Open
+            };
+            Answer { proof, ..best }
+        });
+        let is_clear = flown.is_some_and(|(_, is_clear)| is_clear);
+        let better = |best: &Answer| best.found.margin_m > kept_m + CLEARLY_FARTHER_M;
+        match best {
+            Some(best) if best.proof == Proof::Certified => {
+                ((!is_clear || better(&best)).then_some(best), candidates)
+            }
+            best if !is_clear => {
+                let (answer, looked_at) = self.cheapest_within(now, side, (-1.0, 0.0));
+                candidates += looked_at;
+                (answer.or_else(|| best.filter(better)), candidates)
+            }
+            _ => (None, candidates),
+        }
+    }
+
+    /// A maneuver that departs clearly less from the mission than the one under way, if it withstands as
+    /// much: a course in between.
+    fn improved(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        plan: &Plan,
+    ) -> Option<Plan> {
+        if !self.cycle.is_multiple_of(LOOK_FOR_LESS) {
+            return None;
+        }
+        let flown = plan.remaining(situation.time_s);
+        let last = *flown.stages().last()?;
+        let leg = self.progress.leg(now);
+        let mission_rad = now.course_rad + leg.turn_onto_rad(now);
+        let away_rad = last.course_rad - mission_rad;
+        let step_rad = libm::copysign(CLEARLY_LESS_RAD, away_rad);
+        let (low, high) = self.climb_limits_rad();
+        let level_rad = leg.climb_rad.limited(low, high);
+        self.tracks.withstand_by(
+            Freedom::Share(plan.resilience.min(WANTED_SHARE)),
+            now.position_m,
+            BEYOND_M,
+        );
+        let target_m = self.settings.margin_m;
+        for k in 0..12 {
+            let offset_rad = f64::from(k) * step_rad;
+            if offset_rad.abs() > away_rad.abs() - CLEARLY_LESS_RAD {
+                return None;
+            }
+            for climb_rad in [level_rad, last.climb_rad] {
+                let maneuver = Maneuver::turn(0.0, mission_rad + offset_rad, climb_rad);
+                let margin_m = self.margin_of(&maneuver, now, (target_m, ENOUGH_M));
+                if margin_m >= target_m {
+                    return Some(Plan {
+                        maneuver,
+                        decided_s: situation.time_s,
+                        margin_m,
+                        ..*plan
+                    });
+                }
+            }
+        }
+        None
+    }
+
+    /// The largest share that a maneuver withstands, if any.
+    fn resilience_of(&mut self, maneuver: &Maneuver, now: &MotionState) -> Option<f64> {
+        let target_m = super::holding::KEEP_SHARE * self.settings.margin_m;
+        SHARES.into_iter().find(|share| {
+            self.tracks
+                .withstand(Freedom::Share(*share), now.position_m);
+            self.margin_of(maneuver, now, (target_m, target_m)) >= target_m
+        })
+    }
+
+    /// The maneuver that withstands the largest share within some, above the first and up to the second,
+    /// the cheapest of those, on its side if there is one there.
+    fn cheapest_within(
+        &mut self,
+        now: &MotionState,
+        side: Option<Side>,
+        (above, most): (f64, f64),
+    ) -> (Option<Answer>, u32) {
+        let hold = Maneuver::hold();
+        let mut candidates = 0;
+        let shares = SHARES.into_iter();
+        for share in shares.filter(|share| *share > above && *share <= most) {
+            self.tracks
+                .withstand_by(Freedom::Share(share), now.position_m, BEYOND_M);
+            let (answer, looked_at, _) = self.search(&hold, now, |search| {
+                search.share_work(SEARCHES);
+                let found = side
+                    .and_then(|side| search.cheapest_to(&[side], 0.0))
+                    .or_else(|| search.cheapest(0.0))?;
+                Some(Answer::new(search, found, Proof::Certified, share))
+            });
+            candidates += looked_at;
+            if answer.is_some() {
+                return (answer, candidates);
+            }
+        }
+        (None, candidates)
+    }
+}
+
+/// A maneuver that was found and what it withstands.
+struct Answer {
+    found: Found,
+    maneuver: Maneuver,
+    proof: Proof,
+    resilience: f64,
+}
+
+impl Answer {
+    fn new(search: &Search<'_>, found: Found, proof: Proof, resilience: f64) -> Self {
+        Self {
+            maneuver: as_maneuver(search, &found),
+            found,
+            proof,
+            resilience,
+        }
+    }
+}
+
+/// The side of a maneuver's turn, if it has one.
+fn side_of(found: &Found) -> Option<Side> {
+    (found.turns.turn_rad != 0.0).then(|| Side::of(found.turns.turn_rad))
+}
