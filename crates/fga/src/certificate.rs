@@ -106,6 +106,7 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
 ) -> Certificate {
     // The prediction errs by no more than this: looked for is so much more.
     let remainder_m = path.remainder_m();
+    let asked_m = enough_m;
     let (floor_m, enough_m) = (floor_m + remainder_m, enough_m + remainder_m);
     // First the chords as they are: none whose margin less its bow is above this can decide. That
     // is nothing new where one mark is floor and ceiling.
@@ -151,7 +152,12 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
                     worst.margin_m >= floor_m
                 })
         });
-    worst.margin_m -= remainder_m;
+    // What was found to be enough is what was asked for, whatever rounding says.
+    worst.margin_m = if worst.margin_m >= enough_m {
+        asked_m
+    } else {
+        worst.margin_m - remainder_m
+    };
     worst.status = match above {
         false => Status::BelowFloor,
         true if path.is_complete() => Status::Proven,

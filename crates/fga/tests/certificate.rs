@@ -263,6 +263,14 @@ fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
         given_away <= SLACK_M + path.remainder_m(),
         "case {case}: {claimed} m certified, {truth} m flown; {hazard:?} {maneuver:?} {vehicle:?}"
     );
+    // What is asked for is certified wherever there is that much, and the prediction's bound more:
+    // a way back is asked for exactly its margin.
+    if truth > enough_m + SLACK_M + path.remainder_m() {
+        assert!(
+            certificate.holds(enough_m),
+            "case {case}: {certificate:?}, {truth} m flown, {enough_m} m asked for"
+        );
+    }
     Some(given_away)
 }
 
