@@ -17,6 +17,8 @@ const STEP_S: f64 = 0.5;
 const STEADY_S: f64 = 0.4;
 /// … for so long, seconds.
 const STEP_SEEN_S: f64 = 5.0;
+/// A newest boot time beyond the vehicle's clock by this was told before the clock was set back, seconds.
+const SET_BACK_S: f64 = 0.05;
 /// So many in a row are believed.
 const RESTART_COUNT: u8 = 3;
 /// Boot times run over after 2³² milliseconds.
@@ -88,6 +90,30 @@ impl BootClock {
         self.offset_at_s = now_s;
         Stamp::New {
             measured_s: boot_s + self.offset_s,
+        }
+    }
+
+    /// Takes a round trip: the vehicle's clock read `boot_s` at some moment between `sent_s` and `now_s`.
+    ///
+    /// Nothing that bears a boot time was measured earlier than the trip allows, however late the
+    /// messages are: a clock that stood still or was set back is seen at once, and a link that is late
+    /// is not taken for one.
+    pub fn round_trip(&mut self, sent_s: f64, boot_s: f64, now_s: f64) {
+        let Some(newest_s) = self.newest_boot_s else {
+            return;
+        };
+        let boot_s = boot_s + ((newest_s - boot_s) / WRAP_S).round() * WRAP_S;
+        let ahead_s = newest_s - boot_s;
+        if ahead_s > RESTART_GAP_S {
+            return;
+        }
+        // The clock cannot have read more than this until now.
+        if ahead_s > now_s - sent_s + SET_BACK_S {
+            self.newest_boot_s = Some(boot_s);
+        }
+        if sent_s - boot_s > self.offset_s {
+            self.offset_s = sent_s - boot_s;
+            self.late = None;
         }
     }
 
@@ -169,6 +195,34 @@ mod tests {
         assert!((measured(clock.stamp(5100, 100.35)) - 100.15).abs() < 1e-3);
         assert!((measured(clock.stamp(5200, 100.22)) - 100.22).abs() < 1e-3);
         assert!((measured(clock.stamp(5300, 100.42)) - 100.32).abs() < 1e-3);
+    }
+
+    /// A step is seen by the first round trip; a late link is seen through by none.
+    #[test]
+    fn a_round_trip_tells_a_step_from_a_late_link() {
+        let mut clock = BootClock::default();
+        for n in 0_u32..50 {
+            clock.stamp(n * 100, f64::from(n) * 0.1);
+        }
+        // It stood still for 1.6 s.
+        assert!(7.0 - measured(clock.stamp(5400, 7.0)) > 1.5);
+        clock.round_trip(7.02, 5.44, 7.06);
+        assert!(7.1 - measured(clock.stamp(5500, 7.1)) < 0.05);
+        // Every message is 1.6 s late, and so is the answer.
+        let mut clock = BootClock::default();
+        for n in 0_u32..50 {
+            clock.stamp(n * 100, f64::from(n) * 0.1);
+        }
+        clock.round_trip(7.0, 7.01, 8.61);
+        assert!(8.6 - measured(clock.stamp(7000, 8.6)) > 1.59);
+        // It is set back by two seconds: no restart, and nothing is old for two seconds.
+        let mut clock = BootClock::default();
+        for n in 0_u32..50 {
+            clock.stamp(10_000 + n * 100, f64::from(n) * 0.1);
+        }
+        assert_eq!(clock.stamp(13_000, 5.0), Stamp::Old);
+        clock.round_trip(5.0, 13.01, 5.02);
+        assert!(5.1 - measured(clock.stamp(13_100, 5.1)) < 0.05);
     }
 
     #[test]

@@ -9,9 +9,9 @@ use alloc::collections::VecDeque;
 use fga::vehicle::Response;
 
 /// Commands older than this have done their work, seconds.
-const MEMORY_S: f64 = 2.5;
+const MEMORY_S: f64 = 12.0;
 /// Most commands that are remembered.
-const MOST: usize = 256;
+const MOST: usize = 1024;
 
 /// Commanded banks, oldest first.
 #[derive(Debug, Clone, Default)]

@@ -266,7 +266,6 @@ pub fn item_position_m(
     let flown_to = matches!(
         item.command,
         MavCmd::MAV_CMD_NAV_WAYPOINT
-            | MavCmd::MAV_CMD_NAV_SPLINE_WAYPOINT
             | MavCmd::MAV_CMD_NAV_LOITER_UNLIM
             | MavCmd::MAV_CMD_NAV_LOITER_TIME
             | MavCmd::MAV_CMD_NAV_LOITER_TURNS
@@ -305,12 +304,21 @@ pub struct Way {
 
 /// Legs that are looked ahead.
 const MOST_WAYPOINTS: usize = 12;
+/// Jumps that are looked ahead: jumps that lead to each other end.
+const MOST_JUMPS: u32 = 4;
 /// Waypoints closer together than this are one, metres.
 const SAME_PLACE_M: f64 = 1.0;
 
+/// The item that a jump leads to which is made for ever.
+fn jump_for_ever(item: &MISSION_ITEM_INT_DATA) -> Option<usize> {
+    let to = usize::from(crate::number::to_u16(f64::from(item.param1)));
+    (item.param2 < 0.0 && to > 0).then_some(to)
+}
+
 /// The way ahead in AUTO: from the item before the present one on.
 ///
-/// It ends at a jump, a landing or an endless loiter: what comes then is not a leg.
+/// It ends at a landing, where it circles, and at a jump that is made a number of times: what comes
+/// then is not a leg, or not known.
 pub fn way_ahead(
     items: &[Item],
     current: u16,
@@ -333,13 +341,18 @@ pub fn way_ahead(
     };
     way.waypoints_m.push(begin_m);
     way.items.push(item);
-    for index in current.max(1)..items.len() {
-        let command = items
-            .get(index)
-            .and_then(|item| item.as_ref())
-            .map(|item| item.command);
-        if command == Some(MavCmd::MAV_CMD_DO_JUMP) || way.waypoints_m.len() >= MOST_WAYPOINTS {
-            break;
+    let (mut next, mut jumps) = (current.max(1), 0);
+    while next < items.len() && way.waypoints_m.len() < MOST_WAYPOINTS {
+        let index = next;
+        next += 1;
+        let item = items.get(index).and_then(|item| item.as_ref());
+        let command = item.map(|item| item.command);
+        if command == Some(MavCmd::MAV_CMD_DO_JUMP) {
+            let to = item.and_then(jump_for_ever).filter(|_| jumps < MOST_JUMPS);
+            let Some(to) = to else { break };
+            jumps += 1;
+            next = to;
+            continue;
         }
         if let Some(at_m) = place(index) {
             let repeated = way
@@ -363,6 +376,9 @@ pub fn way_ahead(
             Some(
                 MavCmd::MAV_CMD_NAV_LAND
                     | MavCmd::MAV_CMD_NAV_LOITER_UNLIM
+                    | MavCmd::MAV_CMD_NAV_LOITER_TIME
+                    | MavCmd::MAV_CMD_NAV_LOITER_TURNS
+                    | MavCmd::MAV_CMD_NAV_LOITER_TO_ALT
                     | MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH
             )
         );
@@ -469,5 +485,63 @@ mod tests {
         let first = way_ahead(&items, 1, here, &frame, 10.0);
         assert_eq!(first.items, [None, Some(1), Some(3)]);
         assert_eq!(first.waypoints_m[0], here);
+    }
+
+    /// The way north from the first item of a list of commands, one waypoint's distance apart.
+    fn way_of(commands: &[(MavCmd, f32, f32)]) -> Way {
+        let origin = Geodetic::new(37.0, -122.0, 10.0).unwrap();
+        let frame = LocalFrame::new(origin, Earth::Wgs84);
+        let home = item(0, MavCmd::MAV_CMD_NAV_WAYPOINT, 370_000_000, -1_220_000_000);
+        let mut items = vec![Some(home)];
+        for (n, (command, param1, param2)) in (1..).zip(commands) {
+            let place = 370_000_000 + i32::from(n) * 10_000;
+            items.push(Some(MISSION_ITEM_INT_DATA {
+                param1: *param1,
+                param2: *param2,
+                ..item(n, *command, place, -1_220_000_000)
+            }));
+        }
+        way_ahead(&items, 1, Vec3::ZERO, &frame, 10.0)
+    }
+
+    const WAYPOINT: (MavCmd, f32, f32) = (MavCmd::MAV_CMD_NAV_WAYPOINT, 0.0, 0.0);
+
+    #[test]
+    fn a_jump_for_ever_is_followed_and_a_counted_one_ends_the_way() {
+        let for_ever = (MavCmd::MAV_CMD_DO_JUMP, 1.0, -1.0);
+        let way = way_of(&[WAYPOINT, WAYPOINT, for_ever, WAYPOINT]);
+        assert_eq!(way.items[..5], [None, Some(1), Some(2), Some(1), Some(2)]);
+        let counted = (MavCmd::MAV_CMD_DO_JUMP, 1.0, 3.0);
+        let way = way_of(&[WAYPOINT, WAYPOINT, counted, WAYPOINT]);
+        assert_eq!(way.items, [None, Some(1), Some(2)]);
+        let to_itself = (MavCmd::MAV_CMD_DO_JUMP, 2.0, -1.0);
+        assert_eq!(way_of(&[WAYPOINT, to_itself]).items, [None, Some(1)]);
+    }
+
+    #[test]
+    fn the_way_ends_where_it_circles_or_lands() {
+        for command in [
+            MavCmd::MAV_CMD_NAV_LOITER_UNLIM,
+            MavCmd::MAV_CMD_NAV_LOITER_TIME,
+            MavCmd::MAV_CMD_NAV_LOITER_TURNS,
+            MavCmd::MAV_CMD_NAV_LOITER_TO_ALT,
+            MavCmd::MAV_CMD_NAV_LAND,
+        ] {
+            let way = way_of(&[WAYPOINT, (command, 3.0, 0.0), WAYPOINT]);
+            assert_eq!(way.items, [None, Some(1), Some(2)], "{command:?}");
+        }
+        let home = (MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH, 0.0, 0.0);
+        assert_eq!(way_of(&[WAYPOINT, home, WAYPOINT]).items, [None, Some(1)]);
+    }
+
+    #[test]
+    fn what_a_plane_does_not_fly_is_passed_over() {
+        for command in [
+            MavCmd::MAV_CMD_NAV_SPLINE_WAYPOINT,
+            MavCmd::MAV_CMD_DO_LAND_START,
+        ] {
+            let way = way_of(&[WAYPOINT, (command, 0.0, 0.0), WAYPOINT]);
+            assert_eq!(way.items, [None, Some(1), Some(3)], "{command:?}");
+        }
     }
 }

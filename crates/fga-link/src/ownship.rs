@@ -21,16 +21,22 @@ use crate::clock::{BootClock, Stamp};
 use crate::commanded::Commanded;
 use crate::number::degrees_from_e7;
 
-/// Never carried farther than this, seconds: staler telemetry is a fault, not a guess.
-const LONGEST_CARRY_S: f64 = 1.5;
+/// Never carried farther than this, seconds: as long as a manoeuvre may be flown on without telemetry.
+const LONGEST_CARRY_S: f64 = 11.0;
+/// An altitude older than this is not told, seconds.
+const ALTITUDE_LIFETIME_S: f64 = 1.5;
+/// What the measured rate of turn says beyond the bank holds for this long, then it fades, seconds.
+const RATE_HOLDS_S: f64 = 0.5;
+const RATE_FADES_S: f64 = 1.0;
 /// Wind older than this is not used, seconds.
 const WIND_LIFETIME_S: f64 = 10.0;
 /// Wind is rounded to this, metres per second: legs are laid anew with each change.
 const WIND_STEP_MPS: f64 = 0.25;
 /// Faster than this the bank changes, radians per second.
 const ROLLS_RADPS: f64 = 0.15;
-/// Pieces of the arc along which a state is carried.
+/// Pieces of the arc along which a state is carried, and the longest one, seconds.
 const STEPS: u32 = 8;
+const LONGEST_STEP_S: f64 = 0.2;
 /// A position farther from the origin of the local frame lays it anew, metres. Before its receiver
 /// has a fix, ArduPlane tells a place near latitude and longitude 0; and so far out the plane of the
 /// frame lies 30 m above the sea.
@@ -137,8 +143,14 @@ impl OwnshipEstimate {
     pub fn altitude_m(&self, now_s: f64) -> Option<f64> {
         let position = self.position?;
         let age_s = now_s - position.measured_s;
-        (age_s < LONGEST_CARRY_S)
+        (age_s < ALTITUDE_LIFETIME_S)
             .then_some(position.place.altitude_m + position.velocity_mps.z * age_s)
+    }
+
+    /// Takes a round trip of the vehicle's clock ([`BootClock::round_trip`]).
+    pub fn round_trip(&mut self, sent_s: f64, boot_s: f64, now_s: f64) {
+        self.position_clock.round_trip(sent_s, boot_s, now_s);
+        self.attitude_clock.round_trip(sent_s, boot_s, now_s);
     }
 
     /// Age of the older of position and attitude, seconds; `None` before both have come.
@@ -301,9 +313,12 @@ impl OwnshipEstimate {
         let (mut place_m, mut course_rad) = (position.place_m, course_of(air_mps));
         let climb_rad = libm::asin((air_mps.z / speed).clamp(-1.0, 1.0));
         let level = speed * libm::cos(climb_rad);
-        let step_s = carry_s / f64::from(STEPS);
-        for n in 0..STEPS {
+        let steps = (carry_s / LONGEST_STEP_S).ceil().max(f64::from(STEPS));
+        let step_s = carry_s / steps;
+        for n in 0..crate::number::to_u16(steps) {
             let step_at_s = at_s - carry_s + (f64::from(n) + 0.5) * step_s;
+            let beyond_s = (step_at_s - attitude.measured_s - RATE_HOLDS_S).max(0.0);
+            let offset_radps = offset_radps * libm::exp(-beyond_s / RATE_FADES_S);
             let rate = rate_of(bank_at(step_at_s)) + offset_radps;
             let middle_rad = course_rad + 0.5 * rate * step_s;
             place_m += Vec3::new(

@@ -3,13 +3,14 @@
 
 mod common;
 
-use common::{BAD, Intruder, Random, World};
+use common::{BAD, Intruder, Random, World, mission, upload};
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
 use fga_emulator::{Mode, PlantSettings};
 use fga_sim::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
 };
+use mavlink::dialects::ardupilotmega::MavMissionType;
 
 /// Speed of the aircraft and the time at which the paths meet, 30 s after the start.
 const OWN_MPS: f64 = 25.0;
@@ -241,6 +242,111 @@ fn run(count: u32, shown: (f64, f64)) -> Vec<Result> {
             result
         })
         .collect()
+}
+
+/// When the ground station uploads another mission on its own link, seconds.
+const UPLOAD_S: f64 = 20.0;
+
+/// How one encounter on a mission that is new ended.
+#[derive(Debug)]
+struct OnNewMission {
+    seed: u32,
+    kind: Kind,
+    least_m: f64,
+    /// Last off the new leg, after the last intruder has passed, seconds.
+    back_s: f64,
+    changes: usize,
+}
+
+/// An encounter on a leg that was uploaded on another link 50 s before: from where the aircraft is,
+/// turned by up to 25° to either side.
+fn fly_new_mission(seed: u32) -> OnNewMission {
+    let kind = KINDS[(seed % 6) as usize];
+    let mut random = Random::new(u64::from(seed) * 7919 + 13);
+    let shown_m = random.uniform(500.0, 2000.0);
+    let mut world = World::new("", BAD, u64::from(seed));
+    world.run_until(UPLOAD_S);
+    let from_m = world.emulator.plant().position_m();
+    let (sin, cos) = random.uniform(-25.0, 25.0_f64).to_radians().sin_cos();
+    let turned = |[x, y]: [f64; 2]| [x * cos + y * sin, y * cos - x * sin];
+    let along = |m: f64| {
+        let [x, y] = turned([0.0, m]);
+        [from_m[0] + x, from_m[1] + y, 100.0]
+    };
+    let items = mission(
+        &world.emulator,
+        &[along(0.0), along(6000.0), along(9000.0), along(12_000.0)],
+    );
+    upload(
+        &mut world,
+        MavMissionType::MAV_MISSION_TYPE_MISSION,
+        &items,
+        Some(2),
+    );
+    let mut add = |world: &mut World, kind, icao, shown_m| {
+        let mut other = intruder(&mut random, kind, icao, shown_m);
+        // It was laid on the old leg; where it would be now is turned with the leg.
+        let [x, y, z] = other.position_m;
+        let [vx, vy, vz] = other.velocity_mps;
+        let [x, y] = turned([x + vx * UPLOAD_S - from_m[0], y + vy * UPLOAD_S - from_m[1]]);
+        let [vx, vy] = turned([vx, vy]);
+        other.position_m = [from_m[0] + x, from_m[1] + y, z];
+        other.velocity_mps = [vx, vy, vz];
+        world.add(other);
+    };
+    add(&mut world, kind, 0x0010_0000 + seed, shown_m);
+    if matches!(kind, Kind::Two) {
+        let second = [Kind::HeadOn, Kind::Crossing, Kind::Static][(seed % 3) as usize];
+        add(&mut world, second, 0x0020_0000 + seed, shown_m);
+    }
+    let mut last_off_s = 0.0;
+    while world.time_s < 125.0 || (world.mode() != Mode::Auto && world.time_s < 250.0) {
+        world.step();
+        let plant = world.emulator.plant();
+        let offset = [
+            plant.position_m()[0] - from_m[0],
+            plant.position_m()[1] - from_m[1],
+        ];
+        let across_m = offset[0] * cos - offset[1] * sin;
+        let velocity = plant.velocity_mps();
+        let ahead = velocity[0] * sin + velocity[1] * cos;
+        let aside = velocity[0] * cos - velocity[1] * sin;
+        if across_m.abs() > 20.0 || aside.atan2(ahead).abs() > 5.0_f64.to_radians() {
+            last_off_s = world.time_s;
+        }
+    }
+    let least = world.least_m.iter();
+    let passed_s = least.clone().map(|least| least.1).fold(0.0, f64::max);
+    OnNewMission {
+        seed,
+        kind,
+        least_m: least.map(|least| least.0).fold(f64::INFINITY, f64::min),
+        back_s: (last_off_s - passed_s).max(0.0),
+        changes: world.emulator.mode_changes().len(),
+    }
+}
+
+/// `FGA_ENCOUNTERS=50` flies them all.
+#[test]
+fn with_a_new_mission_on_another_link_before_each_it_comes_back_to_the_new_leg() {
+    let count = std::env::var("FGA_ENCOUNTERS").map_or(12, |text| text.parse().expect("a number"));
+    let mut wrong = Vec::new();
+    for seed in 0..count {
+        let result = fly_new_mission(seed);
+        eprintln!(
+            "{:3} {:10} least {:6.1} m, back after {:5.1} s, {} mode changes",
+            result.seed,
+            format!("{:?}", result.kind),
+            result.least_m,
+            result.back_s,
+            result.changes
+        );
+        let kept = result.least_m >= PROTECTED_M;
+        if !kept || result.back_s > 30.0 || (result.changes != 2 && result.changes != 0) {
+            wrong.push(result);
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

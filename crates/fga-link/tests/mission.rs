@@ -2,51 +2,10 @@
 
 mod common;
 
-use common::{GOOD, Intruder, World, mission};
+use common::{GOOD, GROUND, Intruder, World, mission, upload};
 use fga_emulator::{Item, Mode};
 use fga_link::authority::Authority;
-use mavlink::MavHeader;
-use mavlink::dialects::ardupilotmega::{
-    COMMAND_LONG_DATA, MISSION_COUNT_DATA, MavCmd, MavMessage, MavMissionType,
-};
-
-const GROUND: MavHeader = MavHeader {
-    system_id: 255,
-    component_id: 190,
-    sequence: 0,
-};
-
-/// A ground station on the second link uploads a list, and lets the vehicle fly from an item on.
-fn upload(world: &mut World, mission_type: MavMissionType, items: &[Item], current: Option<u16>) {
-    let count = MISSION_COUNT_DATA {
-        count: u16::try_from(items.len()).expect("a short list"),
-        target_system: 1,
-        target_component: 1,
-        mission_type,
-        ..MISSION_COUNT_DATA::DEFAULT
-    };
-    world
-        .emulator
-        .receive_on_second_link(&GROUND, &MavMessage::MISSION_COUNT(count));
-    for (seq, item) in (0_u16..).zip(items) {
-        let data = item.message(seq, mission_type, (1, 1));
-        world
-            .emulator
-            .receive_on_second_link(&GROUND, &MavMessage::MISSION_ITEM_INT(data));
-    }
-    if let Some(seq) = current {
-        let data = COMMAND_LONG_DATA {
-            command: MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT,
-            param1: f32::from(seq),
-            target_system: 1,
-            target_component: 1,
-            ..COMMAND_LONG_DATA::DEFAULT
-        };
-        world
-            .emulator
-            .receive_on_second_link(&GROUND, &MavMessage::COMMAND_LONG(data));
-    }
-}
+use mavlink::dialects::ardupilotmega::{MISSION_COUNT_DATA, MavCmd, MavMessage, MavMissionType};
 
 fn ready(world: &mut World) {
     world.run_while(20.0, "ready", |w| {

@@ -148,6 +148,11 @@ impl Hearing {
         }
     }
 
+    /// Takes a round trip of the vehicle's clock ([`BootClock::round_trip`]).
+    pub fn round_trip(&mut self, sent_s: f64, boot_s: f64, now_s: f64) {
+        self.clock.round_trip(sent_s, boot_s, now_s);
+    }
+
     /// The mode told last.
     pub fn mode(&self) -> Option<Mode> {
         self.last.map(|(beat, _)| beat.mode)

@@ -19,6 +19,17 @@ const MOST_TRIES: u8 = 24;
 /// A vehicle that stays disarmed for this long has landed: nothing is owed any more, seconds.
 const LANDED_S: f64 = 5.0;
 
+/// The same after a gap in the telemetry, which ends as suddenly as it began, seconds.
+const GAP_SETTLE_S: f64 = 0.4;
+
+/// How long all must be well after a fault, seconds.
+const fn settle_s(fault: Fault) -> f64 {
+    match fault {
+        Fault::TelemetryStale | Fault::LinkLost => GAP_SETTLE_S,
+        _ => SETTLE_S,
+    }
+}
+
 /// The state machine of authority. It reads no clock and sends nothing itself.
 #[derive(Debug)]
 pub struct Keeper {
@@ -167,8 +178,8 @@ impl Keeper {
                 ..
             } if self.enabled
                 && reaction(fault).rearm == Rearm::Automatic
-                && well_s >= SETTLE_S
-                && now_s - since_s >= SETTLE_S =>
+                && well_s >= settle_s(fault)
+                && now_s - since_s >= settle_s(fault) =>
             {
                 self.state = Authority::Waiting;
                 Vec::new()
@@ -329,6 +340,15 @@ impl Keeper {
             Authority::Taking { .. } => self.fault(Fault::TakeOverRefused, now_s),
             Authority::Returning { .. } => self.fault(Fault::ReturnRefused, now_s),
             _ => Vec::new(),
+        }
+    }
+
+    /// The vehicle was silent for a while, seconds: it had no chance to confirm anything.
+    pub const fn excuse(&mut self, silent_s: f64) {
+        if let Authority::Taking { since_s, .. } | Authority::Returning { since_s, .. } =
+            &mut self.state
+        {
+            *since_s += silent_s;
         }
     }
 

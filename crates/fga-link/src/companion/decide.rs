@@ -38,13 +38,13 @@ impl Companion {
 
     pub(super) fn decide(&mut self, now_s: f64) {
         self.due.decision_s = now_s + self.config.command.decision_period_s;
-        let stale_s = self.stale_s();
-        let fresh = self
-            .ownship
-            .age_s(now_s)
-            .is_some_and(|age_s| age_s <= stale_s);
-        let state = if fresh { self.state_ahead(now_s) } else { None };
-        let lacking = self.lacking(now_s, state.as_ref());
+        let fresh = !self.is_blind(now_s);
+        let state = if fresh || self.flies_blind(now_s) {
+            self.state_ahead(now_s)
+        } else {
+            None
+        };
+        let lacking = self.lacking(now_s, state.as_ref().filter(|_| fresh));
         let before = self.keeper.state();
         let actions = self.keeper.readiness(lacking.is_none(), now_s);
         self.perform(&actions, now_s);
@@ -74,6 +74,7 @@ impl Companion {
         self.log_decision(now_s);
         self.send_collision(now_s);
         self.act_on(&decision, &state, now_s);
+        self.judge_gap(&decision, &state, now_s);
     }
 
     /// Telemetry older than this is stale, seconds: as configured, or more than two messages late
@@ -88,6 +89,7 @@ impl Companion {
         self.renew_way(state, now_s);
         self.renew_avoider(now_s)?;
         self.gather_obstacles(state, now_s);
+        self.grow_obstacles(now_s);
         if self.config.command.mode == CommandMode::Paper {
             return self.paper_decision(state, now_s);
         }

@@ -7,6 +7,7 @@
 
 mod around;
 mod decide;
+mod gap;
 mod mission_watch;
 mod picture;
 mod readiness;
@@ -41,6 +42,7 @@ use crate::telling;
 use crate::traffic::fence::Fence;
 use crate::traffic::{Report, TrackTable};
 
+pub(crate) use gap::round_trip_of;
 pub use picture::Picture;
 
 /// System id of the first heartbeats, until a vehicle is heard: that of most vehicles.
@@ -74,6 +76,7 @@ struct Due {
     heading_s: f64,
     fence_s: f64,
     contradiction_s: f64,
+    round_trip_s: f64,
 }
 
 /// The last decision and what goes with it.
@@ -117,6 +120,7 @@ pub struct Companion {
     last_decision_s: f64,
     told: readiness::Told,
     rates: Rates,
+    gap: gap::Gap,
     commands: Commands,
     parameters: VehicleParameters,
     mission: Download,
@@ -201,6 +205,7 @@ impl Companion {
             last_decision_s: never,
             told: readiness::Told::NOTHING,
             rates: Rates::default(),
+            gap: gap::Gap::default(),
             commands: Commands::default(),
             parameters: VehicleParameters::default(),
             mission: Download::new(MavMissionType::MAV_MISSION_TYPE_MISSION),
@@ -247,6 +252,7 @@ impl Companion {
                 heading_s: never,
                 fence_s: never,
                 contradiction_s: never,
+                round_trip_s: never,
             },
             last_logged: None,
             counts: Counts::default(),
@@ -368,8 +374,10 @@ impl Companion {
     /// Lets time pass: sends what is due and decides where no telemetry prompted it.
     pub fn tick(&mut self, now_s: f64) {
         self.watch_link(now_s);
-        let actions = self.keeper.tick(now_s);
-        self.perform(&actions, now_s);
+        if !self.is_silent(now_s) {
+            let actions = self.keeper.tick(now_s);
+            self.perform(&actions, now_s);
+        }
         self.send_regular(now_s);
         if now_s >= self.due.tidy_s {
             self.due.tidy_s = now_s + 0.5;
@@ -402,16 +410,17 @@ impl Companion {
 
     fn watch_link(&mut self, now_s: f64) {
         let Some(heard) = self.heard else { return };
-        if now_s - heard.heartbeat_s > self.config.safety.link_lost_s {
+        // While it is asked to go back nothing is flown, and a restarted program has to wait: only the
+        // heartbeat matters.
+        let flies = matches!(
+            self.keeper.state(),
+            Authority::Taking { .. } | Authority::InCommand { .. }
+        );
+        let flies_blind = self.flies_blind(now_s);
+        if now_s - heard.heartbeat_s > self.config.safety.link_lost_s && !flies_blind {
             self.fault(Fault::LinkLost, now_s);
-        } else if self.keeper.is_engaged()
-            && !matches!(self.keeper.state(), Authority::Resuming { .. })
-            && self
-                .ownship
-                .age_s(now_s)
-                .is_none_or(|age_s| age_s > self.stale_s())
-        {
-            self.fault(Fault::TelemetryStale, now_s);
+        } else if flies && self.is_blind(now_s) && !flies_blind {
+            self.end_gap(now_s);
         } else if self.keeper.commands() && !self.can_decide(now_s) {
             self.fault(Fault::NoDecision, now_s);
         }

@@ -110,6 +110,7 @@ impl Companion {
         if verdict == Verdict::Overtaken {
             return;
         }
+        let silent_s = now_s - heard.heartbeat_s;
         let was_armed = heard.armed;
         let mode_was = heard.mode;
         *heard = Heard {
@@ -123,6 +124,9 @@ impl Companion {
         if mode != mode_was {
             self.watch.mode_changed(now_s);
             self.note(now_s, "mode", json!({ "mode": mode.name() }));
+        }
+        if silent_s > super::gap::SILENT_S {
+            self.keeper.excuse(silent_s);
         }
         // The mode first: whoever changed it wins, whatever else this message says.
         let actions = self.keeper.heartbeat(mode, armed, now_s);
@@ -224,6 +228,7 @@ impl Companion {
             MavMessage::MISSION_CURRENT(data) => self.take_mission_current(data),
             MavMessage::POSITION_TARGET_GLOBAL_INT(data) => self.take_position_target(data, now_s),
             MavMessage::NAV_CONTROLLER_OUTPUT(data) => self.take_nav(data, now_s),
+            MavMessage::TIMESYNC(data) => self.take_round_trip(data, now_s),
             MavMessage::STATUSTEXT(data) => self.take_vehicle_text(data),
             MavMessage::MISSION_ACK(data)
                 if data.target_system != 0 && data.target_component != OWN_COMPONENT =>

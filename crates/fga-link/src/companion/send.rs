@@ -60,6 +60,7 @@ impl Companion {
             self.fence_arrived(now_s);
         }
         self.probe_lists(system, now_s);
+        self.ask_for_round_trip(system, now_s);
         self.look_for_fence(now_s);
         if now_s >= self.due.values_s {
             self.due.values_s = now_s + 0.5;
@@ -326,7 +327,8 @@ impl Companion {
     }
 
     fn watch_following(&mut self, now_s: f64) {
-        if self.recorded || !matches!(self.keeper.state(), Authority::InCommand { .. }) {
+        let commands = matches!(self.keeper.state(), Authority::InCommand { .. });
+        if self.recorded || !commands || self.is_blind(now_s) {
             self.following_since_s = None;
             return;
         }

@@ -9,7 +9,7 @@ use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::MavMessage;
 
 use crate::authority::{Hearing, Owed};
-use crate::companion::beat_of_plane;
+use crate::companion::{beat_of_plane, round_trip_of};
 use crate::mode::Mode;
 use crate::outgoing::AUTOPILOT;
 
@@ -97,6 +97,12 @@ impl Shared {
             && header.component_id == AUTOPILOT
         {
             vehicle.hearing.stamp(data.time_boot_ms, now_s);
+        }
+        if let MavMessage::TIMESYNC(data) = message
+            && header.component_id == AUTOPILOT
+            && let Some((sent_s, boot_s)) = round_trip_of(data, now_s)
+        {
+            vehicle.hearing.round_trip(sent_s, boot_s, now_s);
         }
         true
     }

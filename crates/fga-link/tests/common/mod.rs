@@ -21,7 +21,8 @@ use fga_link::player::{LoggedLine, read_sbs_log};
 use fga_link::{Companion, Config};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
-    ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, MavCmd, MavFrame, MavMessage,
+    ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, COMMAND_LONG_DATA, MISSION_COUNT_DATA, MavCmd,
+    MavFrame, MavMessage, MavMissionType,
 };
 
 /// A file of the third-party data; where it is missing, the test is skipped, or fails in CI.
@@ -158,6 +159,11 @@ pub struct World {
     pub killed: bool,
     /// Nothing passes at all.
     pub cut: bool,
+    /// The vehicle stands still, its clock too: what is sent to it waits.
+    pub frozen: bool,
+    held: Vec<(MavHeader, MavMessage)>,
+    /// The companion hears nothing of the vehicle.
+    pub deaf: bool,
     /// Nothing passes but heartbeats.
     pub no_telemetry: bool,
     pub random: Random,
@@ -216,6 +222,50 @@ pub fn mission(emulator: &Emulator, points_m: &[[f64; 3]]) -> Vec<Item> {
     items
 }
 
+/// A ground station.
+pub const GROUND: MavHeader = MavHeader {
+    system_id: 255,
+    component_id: 190,
+    sequence: 0,
+};
+
+/// A ground station on the second link uploads a list, and lets the vehicle fly from an item on.
+pub fn upload(
+    world: &mut World,
+    mission_type: MavMissionType,
+    items: &[Item],
+    current: Option<u16>,
+) {
+    let count = MISSION_COUNT_DATA {
+        count: u16::try_from(items.len()).expect("a short list"),
+        target_system: 1,
+        target_component: 1,
+        mission_type,
+        ..MISSION_COUNT_DATA::DEFAULT
+    };
+    world
+        .emulator
+        .receive_on_second_link(&GROUND, &MavMessage::MISSION_COUNT(count));
+    for (seq, item) in (0_u16..).zip(items) {
+        let data = item.message(seq, mission_type, (1, 1));
+        world
+            .emulator
+            .receive_on_second_link(&GROUND, &MavMessage::MISSION_ITEM_INT(data));
+    }
+    if let Some(seq) = current {
+        let data = COMMAND_LONG_DATA {
+            command: MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT,
+            param1: f32::from(seq),
+            target_system: 1,
+            target_component: 1,
+            ..COMMAND_LONG_DATA::DEFAULT
+        };
+        world
+            .emulator
+            .receive_on_second_link(&GROUND, &MavMessage::COMMAND_LONG(data));
+    }
+}
+
 impl World {
     /// North along the y axis at 100 m: waypoints at 0 (behind), 6 km, 9 km, and east from there.
     pub fn new(config: &str, network: Network, seed: u64) -> Self {
@@ -244,6 +294,9 @@ impl World {
             network,
             killed: false,
             cut: false,
+            frozen: false,
+            held: Vec::new(),
+            deaf: false,
             no_telemetry: false,
             random: Random::new(seed),
             fates: [1, 2, 3, 4].map(|sender| Random::new(seed.wrapping_mul(4) + sender)),
@@ -272,6 +325,9 @@ impl World {
         let sequence = self.sequences[sender];
         self.sequences[sender] = sequence.wrapping_add(1);
         if self.cut {
+            return;
+        }
+        if self.deaf && sender == 0 {
             return;
         }
         if self.no_telemetry && !to_vehicle && !matches!(message, MavMessage::HEARTBEAT(_)) {
@@ -322,7 +378,12 @@ impl World {
     pub fn step(&mut self) {
         self.time_s += STEP_S;
         let time_s = self.time_s;
-        self.emulator.advance(STEP_S);
+        if !self.frozen {
+            for (header, message) in core::mem::take(&mut self.held) {
+                self.emulator.receive(&header, &message);
+            }
+            self.emulator.advance(STEP_S);
+        }
         let own_m = self.emulator.plant().position_m();
         for index in 0..self.intruders.len() {
             self.intruders[index].step(time_s, STEP_S);
@@ -351,7 +412,9 @@ impl World {
             let Some(packet) = self.queue.pop() else {
                 break;
             };
-            if packet.to_vehicle {
+            if packet.to_vehicle && self.frozen {
+                self.held.push((packet.header, packet.message));
+            } else if packet.to_vehicle {
                 if matches!(packet.message, MavMessage::SET_ATTITUDE_TARGET(_))
                     && self.emulator.mode() == Mode::Guided
                 {

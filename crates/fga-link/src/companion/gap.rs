@@ -1,0 +1,216 @@
+//! Gaps in the telemetry: a proven manoeuvre is flown on, from the last state that was heard.
+//!
+//! What was commanded since is known, so is how the aircraft follows; the prediction is worth less with
+//! every second, and the obstacles grow by as much. Decisions go on with that. The mode is given back
+//! when nothing is proven any more, unless the course that it would be given back to is known to
+//! collide: that is the last choice.
+
+use fga::Vec3;
+use fga::angle::wrap_pi;
+use fga::avoider::{Decision, Reason};
+use mavlink::dialects::ardupilotmega::{MavMessage, TIMESYNC_DATA};
+
+use super::Companion;
+use crate::authority::{Fault, Severity};
+use crate::config::CommandMode;
+use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
+use crate::ownship::State;
+
+/// A manoeuvre is flown on for at least this long, seconds …
+const LEAST_BLIND_S: f64 = 3.0;
+/// … and no longer than this, seconds.
+const MOST_BLIND_S: f64 = 8.0;
+/// The operator is told of a gap that lasts this long, seconds.
+const TOLD_S: f64 = 1.5;
+/// Acceleration that the prediction may be wrong by, metres per second squared: gusts, and a turn rate
+/// known to a few per cent.
+const UNKNOWN_MPS2: f64 = 0.8;
+/// Without a heartbeat for this long the vehicle is silent, seconds.
+pub(super) const SILENT_S: f64 = 1.2;
+/// How far ahead a course that would be given back to is looked along, and in which steps, seconds.
+const GIVEN_BACK_S: f64 = 30.0;
+const GIVEN_BACK_STEP_S: f64 = 0.2;
+/// Round trips of the vehicle's clock are asked for this often, and more often when telemetry is late,
+/// seconds.
+const ROUND_TRIP_S: f64 = 1.0;
+const LATE_ROUND_TRIP_S: f64 = 0.2;
+/// Telemetry is late when it is older than this, seconds.
+const LATE_S: f64 = 0.3;
+/// An answer that took longer than this is not ours, seconds.
+const LONGEST_TRIP_S: f64 = 5.0;
+
+/// The round trip that an answer tells: when it was asked for, and what the vehicle's clock read then;
+/// seconds. `None` for the answer to somebody else.
+pub(crate) fn round_trip_of(data: &TIMESYNC_DATA, now_s: f64) -> Option<(f64, f64)> {
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "nanoseconds of a flight are exact for 104 days"
+    )]
+    let seconds = |nanoseconds: i64| nanoseconds as f64 * 1e-9;
+    let for_us = data.target_component == OWN_COMPONENT || data.target_component == 0;
+    let sent_s = seconds(data.ts1);
+    let plausible = data.tc1 > 0 && (now_s - LONGEST_TRIP_S..=now_s).contains(&sent_s);
+    (for_us && plausible).then(|| (sent_s, seconds(data.tc1)))
+}
+
+/// What was told of the present gap.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Gap {
+    begun: bool,
+    collision: bool,
+}
+
+impl Companion {
+    /// Age of the telemetry, seconds; infinite before any has come.
+    fn telemetry_age_s(&self, now_s: f64) -> f64 {
+        self.ownship.age_s(now_s).unwrap_or(f64::INFINITY)
+    }
+
+    /// Whether the telemetry is too old to be taken as it is.
+    pub(super) fn is_blind(&self, now_s: f64) -> bool {
+        self.telemetry_age_s(now_s) > self.stale_s()
+    }
+
+    /// Whether the manoeuvre is flown on though no telemetry comes.
+    pub(super) fn flies_blind(&self, now_s: f64) -> bool {
+        self.keeper.commands()
+            && self.config.command.mode != CommandMode::Paper
+            && self.decided.is_some()
+            && self.is_blind(now_s)
+            && self.telemetry_age_s(now_s) <= MOST_BLIND_S
+    }
+
+    /// Whether no heartbeat tells what the vehicle makes of a request.
+    pub(super) fn is_silent(&self, now_s: f64) -> bool {
+        self.heard
+            .is_some_and(|heard| now_s - heard.heartbeat_s > SILENT_S)
+    }
+
+    /// How much less well than usual the own position is known, metres.
+    fn growth_m(&self, now_s: f64) -> f64 {
+        if !self.is_blind(now_s) {
+            return 0.0;
+        }
+        let age_s = self.telemetry_age_s(now_s).min(MOST_BLIND_S);
+        0.5 * UNKNOWN_MPS2 * age_s * age_s
+    }
+
+    /// Grows what is around by what is not known of the own position.
+    pub(super) fn grow_obstacles(&mut self, now_s: f64) {
+        let by_m = self.growth_m(now_s);
+        if by_m > 0.0 {
+            for obstacle in &mut self.obstacles {
+                obstacle.volume = obstacle.volume.grown(by_m);
+            }
+        }
+    }
+
+    /// Decides whether the gap is still flown through.
+    pub(super) fn judge_gap(&mut self, decision: &Decision, state: &State, now_s: f64) {
+        if !self.flies_blind(now_s) {
+            self.gap = Gap::default();
+            return;
+        }
+        let age_s = self.telemetry_age_s(now_s);
+        if age_s > TOLD_S && !core::mem::replace(&mut self.gap.begun, true) {
+            let words = "fga: no telemetry, flies on as proven";
+            self.tell(Severity::Warning, words, now_s);
+        }
+        let proven = !matches!(
+            decision.record.reason,
+            Reason::BestAvailable | Reason::InsideVolume | Reason::InvalidInput
+        );
+        if proven || age_s <= LEAST_BLIND_S {
+            return;
+        }
+        if self.given_back_collides(state, now_s) {
+            if !core::mem::replace(&mut self.gap.collision, true) {
+                let words = "fga: no telemetry, not given back: collision";
+                self.tell(Severity::Critical, words, now_s);
+            }
+            return;
+        }
+        self.end_gap(now_s);
+    }
+
+    /// The gap has lasted too long.
+    pub(super) fn end_gap(&mut self, now_s: f64) {
+        self.gap = Gap::default();
+        let link_lost_s = self.config.safety.link_lost_s;
+        let lost = self
+            .heard
+            .is_some_and(|heard| now_s - heard.heartbeat_s > link_lost_s);
+        let fault = if lost {
+            Fault::LinkLost
+        } else {
+            Fault::TelemetryStale
+        };
+        self.fault(fault, now_s);
+    }
+
+    /// Whether the vehicle is known to enter a volume when it is given back now: it turns to its next
+    /// waypoint and flies there.
+    fn given_back_collides(&self, state: &State, now_s: f64) -> bool {
+        let Some(avoider) = &self.avoider else {
+            return false;
+        };
+        let rate_radps = avoider.vehicle().course_rate_radps();
+        let to_m = self.way.waypoints_m.get(avoider.leg_index() + 1).copied();
+        let grown_m = self.growth_m(now_s);
+        let (mut at_m, mut course_rad) = (state.ownship.position_m, state.ownship.course_rad);
+        let mut after_s = 0.0;
+        while after_s < GIVEN_BACK_S {
+            let enters = self.obstacles.iter().any(|obstacle| {
+                let offset_m = at_m - obstacle.position_after_m(after_s);
+                obstacle.volume.margin_m(offset_m) + grown_m < 0.0
+            });
+            if enters {
+                return true;
+            }
+            if let Some(to_m) = to_m {
+                let ahead = to_m - at_m;
+                let error_rad = wrap_pi(libm::atan2(ahead.y, ahead.x) - course_rad);
+                let most_rad = rate_radps * GIVEN_BACK_STEP_S;
+                course_rad += error_rad.clamp(-most_rad, most_rad);
+            }
+            let air_mps = Vec3::new(libm::cos(course_rad), libm::sin(course_rad), 0.0)
+                * state.ownship.airspeed_mps;
+            at_m += (air_mps + state.wind_mps) * GIVEN_BACK_STEP_S;
+            after_s += GIVEN_BACK_STEP_S;
+        }
+        false
+    }
+
+    /// Asks what the vehicle's clock reads.
+    pub(super) fn ask_for_round_trip(&mut self, system: u8, now_s: f64) {
+        if now_s < self.due.round_trip_s {
+            return;
+        }
+        let late = self.telemetry_age_s(now_s) > LATE_S;
+        self.due.round_trip_s = now_s
+            + if late {
+                LATE_ROUND_TRIP_S
+            } else {
+                ROUND_TRIP_S
+            };
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "nanoseconds of a flight fit 63 bits for 292 years"
+        )]
+        let ts1 = (now_s * 1e9) as i64;
+        self.outbox.send(MavMessage::TIMESYNC(TIMESYNC_DATA {
+            tc1: 0,
+            ts1,
+            target_system: system,
+            target_component: AUTOPILOT,
+        }));
+    }
+
+    /// Takes the answer.
+    pub(super) fn take_round_trip(&mut self, data: &TIMESYNC_DATA, now_s: f64) {
+        if let Some((sent_s, boot_s)) = round_trip_of(data, now_s) {
+            self.ownship.round_trip(sent_s, boot_s, now_s);
+            self.hearing.round_trip(sent_s, boot_s, now_s);
+        }
+    }
+}
