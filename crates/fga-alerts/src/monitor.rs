@@ -129,7 +129,7 @@ impl Monitor {
     /// Takes the aircraft of one time; alerts and bands are those of this time afterwards.
     ///
     /// States are in one local frame, velocities through the air. A time that goes back, another
-    /// ownship or a gap longer than the memory of the settings begin anew.
+    /// ownship or a gap longer than the memory of the settings start again.
     ///
     /// # Errors
     /// A number that is not finite, or an id that is there twice.

@@ -32,7 +32,7 @@ const PICTURE_EVERY_S: f64 = 0.1;
 const WAITING: usize = 32;
 /// How long browsers have to take what was sent last.
 const LAST_WORDS: Duration = Duration::from_secs(2);
-/// An obstacle is told anew where it is off what was told by so much, metres and metres a second,
+/// The page hears of an obstacle again when it is this far from what the page expects, metres and metres a second,
 /// and at most so often, seconds.
 const OFF_M: f64 = 3.0;
 const OFF_MPS: f64 = 1.0;

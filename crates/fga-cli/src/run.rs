@@ -182,13 +182,8 @@ pub(crate) fn in_words(log: &RunLog, overlaid: &[RunLog], folder: &Path) -> Stri
     text
 }
 
-fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::Result {
-    let outcome = &log.outcome;
-    writeln!(
-        text,
-        "{}: policy {}, vehicle {}, {:.1} s flown",
-        log.plan.name, log.policy, log.plan.model.name, outcome.end_s
-    )?;
+/// One line for each obstacle, the nearest first.
+fn describe_obstacles(text: &mut String, log: &RunLog) -> core::fmt::Result {
     let mut rows: Vec<_> = log.obstacles.iter().collect();
     rows.sort_by(|a, b| a.margin.value_m.total_cmp(&b.margin.value_m));
     if rows.is_empty() {
@@ -235,6 +230,17 @@ fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::
             )?;
         }
     }
+    Ok(())
+}
+
+fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::Result {
+    let outcome = &log.outcome;
+    writeln!(
+        text,
+        "{}: policy {}, vehicle {}, {:.1} s flown",
+        log.plan.name, log.policy, log.plan.model.name, outcome.end_s
+    )?;
+    describe_obstacles(text, log)?;
     let at = |time_s: Option<f64>| time_s.map_or("never".into(), |t| format!("{t:.1} s"));
     writeln!(
         text,

@@ -88,11 +88,11 @@ fn a_cylinder_alerts_when_its_time_has_come() {
 #[test]
 fn wrong_input_is_one_sentence_and_exit_code_1() {
     let folder = tempfile::tempdir().unwrap();
-    let one_only: String = RECORDING
+    let one_only = RECORDING
         .lines()
         .filter(|line| !line.starts_with("other"))
-        .map(|line| format!("{line}\n"))
-        .collect();
+        .collect::<Vec<_>>()
+        .join("\n");
     let cases = [
         (
             RECORDING.to_owned(),

@@ -7,10 +7,11 @@
 #[path = "../../fga-link/tests/common/live.rs"]
 mod live;
 
+use core::net::SocketAddr;
 use core::time::Duration;
 use std::fs;
 use std::io::{Read as _, Write as _};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;

@@ -1,6 +1,8 @@
 //! The reference pages list the keys that the program reads, and no others.
 
-use std::collections::{BTreeMap, BTreeSet};
+extern crate alloc;
+
+use alloc::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use fga_sim::campaign::file::{self as campaign_file, Overrides};

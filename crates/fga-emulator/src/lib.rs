@@ -344,13 +344,13 @@ impl Emulator {
         self.streams = Streams::new(self.settings.default_interval_s);
     }
 
-    /// For tests: the autopilot starts anew before the flight: it initialises for two seconds.
+    /// For tests: the autopilot restarts before the flight; it initialises for two seconds.
     pub fn reboot_on_ground(&mut self) {
         self.reboot();
         self.settings.initialising_until_s = 2.0;
     }
 
-    /// For tests: the autopilot starts anew in the air; its boot time begins at zero.
+    /// For tests: the autopilot restarts in the air; its boot time begins at zero.
     pub fn reboot(&mut self) {
         self.time_s = 0.0;
         self.forget_rates();
@@ -368,7 +368,7 @@ impl Emulator {
             component_id,
         });
         self.enter(mode);
-        // The ground is told at once, not only at the next beat.
+        // Tells the ground at once instead of at the next heartbeat.
         self.send_heartbeat();
     }
 

@@ -31,7 +31,7 @@ const VFR_HUD: u32 = 74;
 const POSITION_TARGET_GLOBAL_INT: u32 = 87;
 const WIND: u32 = 168;
 const ADSB_VEHICLE: u32 = 246;
-/// Number of the mode that is told before the autopilot has started.
+/// Mode number in heartbeats before the autopilot has started.
 const INITIALISING: u32 = 16;
 
 /// Which messages are sent, and how often.

@@ -6,7 +6,7 @@
 //! flies straight. Positions and velocities are in the local frame, in which the aircraft starts at
 //! the origin along +x.
 //!
-//! `kind` says what the policy is told of an obstacle's movement: `still` (at rest), `straight` (it
+//! `kind` says how the policy expects an obstacle to move: `still` (at rest), `straight` (it
 //! keeps its velocity), `aircraft` (crewed: it may turn, climb and change its speed) or `uas` (the
 //! same for a small unmanned one). Without the column, and in an empty field, it is `straight`.
 //! Lines that begin with `#` and blank lines are skipped. The rows of an encounter need not stand
@@ -54,7 +54,7 @@ pub struct EncounterObstacle {
     pub velocity_mps: DVec3,
     /// Radius of the protected sphere, metres.
     pub radius_m: f64,
-    /// How the policy is told that it may move.
+    /// How the policy expects it to move.
     pub movement: Movement,
 }
 

@@ -39,11 +39,12 @@ fn rows_are_grouped_in_the_order_of_first_appearance() {
 #[test]
 fn the_kind_says_how_an_obstacle_may_move() {
     let header = HEADER.trim_end();
-    let rows: String = ["still", "straight", "aircraft", "uas", ""]
+    let rows = ["still", "straight", "aircraft", "uas", ""]
         .iter()
         .zip(0..)
-        .map(|(kind, id)| format!("1,{id},1,2,3,4,5,6,30,{kind}\n"))
-        .collect();
+        .map(|(kind, id)| format!("1,{id},1,2,3,4,5,6,30,{kind}"))
+        .collect::<Vec<_>>()
+        .join("\n");
     let found = parse(&format!("{header},kind\n{rows}")).unwrap();
     let movements: Vec<Movement> = found[0].obstacles.iter().map(|o| o.movement).collect();
     assert_eq!(

@@ -19,7 +19,7 @@ const STEADY_S: f64 = 0.4;
 const STEP_SEEN_S: f64 = 5.0;
 /// A newest boot time beyond the vehicle's clock by this was told before the clock was set back, seconds.
 const SET_BACK_S: f64 = 0.05;
-/// So many in a row are believed.
+/// This many in a row are believed.
 const RESTART_COUNT: u8 = 3;
 /// Boot times run over after 2³² milliseconds.
 const WRAP_S: f64 = 4_294_967.296;
@@ -34,7 +34,7 @@ pub enum Stamp {
     },
     /// A message that was overtaken by a newer one, or a copy; not to be used.
     Old,
-    /// The vehicle started anew.
+    /// The vehicle restarted.
     Restarted {
         /// Seconds, local clock.
         measured_s: f64,

@@ -201,9 +201,9 @@ impl Default for ResponseConfig {
 pub struct TrafficConfig {
     /// A track that was not heard for this long is dropped, seconds.
     pub drop_after_s: f64,
-    /// ICAO address of the own transponder, hexadecimal.
+    /// ICAO address of the vehicle's transponder, hexadecimal.
     pub own_icao: Option<String>,
-    /// Call sign of the own transponder.
+    /// Call sign of the vehicle's transponder.
     pub own_callsign: Option<String>,
     /// σ of a position without quality figures, metres.
     pub position_sigma_m: f64,
@@ -439,7 +439,7 @@ impl Config {
         }
     }
 
-    /// The own ICAO address.
+    /// The vehicle's ICAO address.
     ///
     /// # Errors
     /// A text that is not up to six hexadecimal digits.

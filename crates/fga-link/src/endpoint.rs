@@ -104,7 +104,7 @@ impl FromStr for Endpoint {
 /// What a read gave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Received {
-    /// So many bytes of a stream or one datagram.
+    /// This number of bytes of a stream, or one datagram.
     Bytes(usize),
     /// Nothing came in time.
     Nothing,

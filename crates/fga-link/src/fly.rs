@@ -9,7 +9,7 @@
 //! | `fga-log`, `fga-notes`, `fga-status` | write files and the terminal, whose stalls concern nobody else |
 //! | `fga-guard` | restores the mode and ends the program when the deciding thread stands still |
 //!
-//! All queues between them are bounded: what does not fit is dropped, and the operator is told once.
+//! All queues between them are bounded: a full queue drops, and the companion says so once.
 
 mod guard;
 mod link;
@@ -60,7 +60,7 @@ const LAST_WORDS: Duration = Duration::from_secs(5);
 /// A receiver's thread that has failed is started again after this.
 const RECEIVER_PAUSE: Duration = Duration::from_secs(1);
 
-/// What `fga fly` is told.
+/// Options of `fga fly`.
 #[derive(Debug, Clone)]
 pub struct FlyOptions {
     /// Where the vehicle is.
@@ -104,7 +104,7 @@ impl Sequences {
 ///
 /// # Errors
 /// A configuration or an endpoint that cannot be used, or a part of the program that has failed. A log
-/// that cannot be written is no error: the operator is told.
+/// that cannot be written is no error; the companion says so.
 pub fn fly(
     options: &FlyOptions,
     stop: &Arc<AtomicBool>,

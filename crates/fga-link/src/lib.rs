@@ -11,7 +11,7 @@
 //! | [`response`] | how does it follow? |
 //! | [`restart`] | what does a program that is started again owe? |
 //! | [`attitude`], [`commanded`], [`paper`], [`commands`] | how is it commanded? |
-//! | [`telling`] | who is told what? |
+//! | [`telling`] | what does the operator hear? |
 //! | [`wire`], [`signing`], [`endpoint`], [`outgoing`], [`tlog`] | how do messages become bytes and go their way? |
 //! | [`fly`], [`replay`] | what drives the companion: sockets and a clock, or a recording? |
 //! | [`player`], [`play`], [`rc`] | how is traffic played, and the keyboard flown, in a test? |

@@ -38,7 +38,7 @@ impl Outbox {
         self.own_system = system_id;
     }
 
-    /// Adds a message under the own identity.
+    /// Adds a message under our identity.
     pub(crate) fn send(&mut self, message: MavMessage) {
         self.send_as(self.own_system, message);
     }

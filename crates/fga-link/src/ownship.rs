@@ -30,14 +30,14 @@ const RATE_HOLDS_S: f64 = 0.5;
 const RATE_FADES_S: f64 = 1.0;
 /// Wind older than this is not used, seconds.
 const WIND_LIFETIME_S: f64 = 10.0;
-/// Wind is rounded to this, metres per second: legs are laid anew with each change.
+/// Wind is rounded to this, metres per second: each change makes new legs.
 const WIND_STEP_MPS: f64 = 0.25;
 /// Faster than this the bank changes, radians per second.
 const ROLLS_RADPS: f64 = 0.15;
 /// Pieces of the arc along which a state is carried, and the longest one, seconds.
 const STEPS: u32 = 8;
 const LONGEST_STEP_S: f64 = 0.2;
-/// A position farther from the origin of the local frame lays it anew, metres. Before its receiver
+/// A position farther than this from the origin moves the local frame, m. Before its receiver
 /// has a fix, ArduPlane tells a place near latitude and longitude 0; and so far out the plane of the
 /// frame lies 30 m above the sea.
 const FRAME_REACH_M: f64 = 20_000.0;
@@ -77,7 +77,7 @@ pub enum Update {
     Fresh,
     /// It is older than what is known, or not usable.
     Ignored,
-    /// The vehicle started anew.
+    /// The vehicle restarted.
     Restarted,
 }
 
@@ -118,7 +118,7 @@ impl OwnshipEstimate {
         self.frame.as_ref()
     }
 
-    /// Lays the local frame anew around the last position where that is far from the origin; all
+    /// Moves the local frame to the last position where that is far from the origin; all
     /// that is known in the old frame is to be forgotten then.
     pub fn lay_frame_anew(&mut self) -> bool {
         let Some(position) = &mut self.position else {

@@ -60,7 +60,7 @@ const STREAMS: [Stream; 11] = [
         message_id: 2.0,
         interval_s: 2.0,
     },
-    // The own pressure, for the heights of other aircraft, and the height of the geoid.
+    // Our pressure, to compare with other aircraft's, and the height of the geoid.
     Stream {
         message_id: 29.0,
         interval_s: 0.5,
@@ -100,7 +100,7 @@ const SHOWS_AFTER_INTERVALS: f64 = 2.2;
 /// seconds.
 const BRISK_REQUESTS: u32 = 20;
 const PAUSE_S: f64 = 5.0;
-/// Arrivals are remembered for this long, seconds, and so many of them.
+/// Arrivals are remembered for this long, s, and at most this many.
 const MEMORY_S: f64 = 4.0;
 const MOST_ARRIVALS: usize = 256;
 /// Gaps from which a rate is known.

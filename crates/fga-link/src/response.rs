@@ -67,7 +67,7 @@ impl ResponseEstimate {
     }
 
     /// Takes one attitude: bank and rate of turn (left positive), airspeed, and the bank that was
-    /// commanded so many seconds before, where known.
+    /// commanded this many seconds before, where known.
     pub fn observe(
         &mut self,
         measured_s: f64,

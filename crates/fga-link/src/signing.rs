@@ -22,7 +22,7 @@ const NEW_STREAM_BEHIND: u64 = 60 * TICKS_PER_S;
 /// What is kept on the disk is ahead of what was heard by this: more than the time to the next keeping,
 /// so that no frame which was heard before a sudden end is new afterwards.
 const KEPT_AHEAD: u64 = TICKS_PER_S;
-/// Streams that are told apart; only who has the key can begin one.
+/// Streams that are remembered; only a holder of the key can begin one.
 const MOST_STREAMS: usize = 256;
 
 /// The newest timestamps, as they are kept on the disk.

@@ -109,7 +109,7 @@ fn two_heartbeats_with_the_armed_bit_clear() {
     forge(&mut world, 0, &heartbeat(15, false));
     forge(&mut world, 1, &heartbeat(15, false));
     assert!(was_told_soon(&mut world, reaction(Fault::Disarmed).text));
-    // The vehicle is heard armed again, and what is owed is given back.
+    // The vehicle says that it is armed again, and gets its mode back.
     world.run_while(2.0, "AUTO", |w| w.mode() != Mode::Auto);
     world.run_until(130.0);
     assert_eq!(world.mode(), Mode::Auto);

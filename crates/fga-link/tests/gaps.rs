@@ -1,4 +1,4 @@
-//! Gaps in the telemetry, in every state of an encounter: what is proven is flown on.
+//! Gaps in the telemetry, in every state of an encounter: a proven manoeuvre is flown on.
 
 mod common;
 

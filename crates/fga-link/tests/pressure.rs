@@ -9,7 +9,7 @@ use fga_emulator::{Mode, Settings};
 /// Protected by default, metres.
 const PROTECTED_M: f64 = 60.0;
 
-/// A head-on intruder at the own altitude, seen through pressure altitudes.
+/// A head-on intruder at our altitude, seen through pressure altitudes.
 fn flown(config: &str, sea_level_hpa: f64, told: bool, home_m: f64) -> World {
     let mut settings = Settings {
         sea_level_hpa: told.then_some(sea_level_hpa),

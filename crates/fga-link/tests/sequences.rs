@@ -37,7 +37,7 @@ const FIRST_FAULT_S: f64 = 12.0;
 const LAST_FAULT_S: f64 = 45.0;
 /// A manoeuvre is flown on without telemetry for no longer than this, seconds.
 const LONGEST_PROOF_S: f64 = 10.0;
-/// An ability that is lost is told within this, seconds.
+/// The companion reports a lost ability within this, s.
 const TOLD_WITHIN_S: f64 = 3.0;
 /// Modes that the companion must never leave.
 const PILOTS: [Mode; 5] = [

@@ -171,7 +171,7 @@ fn reports_at_the_own_place_under_the_address_of_a_later_intruder() {
     assert_eq!(world.mode(), Mode::Auto);
 }
 
-/// The own transponder, heard by a receiver on board a second late, is no obstacle, in turns too.
+/// Our transponder, heard by a receiver on board a second late, is no obstacle, in turns too.
 #[test]
 fn the_own_transponder_is_no_obstacle() {
     for config in ["", "[traffic]\nown_icao = \"123456\"\n"] {

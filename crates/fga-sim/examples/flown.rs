@@ -4,7 +4,7 @@
 //! [--only odd|even] [--rows]`
 //!
 //! Separations are measured here, on the recorded intruder and the flown samples, and count only
-//! while the intruder was recorded. NMAC: 500 ft and 100 ft at once. LoWC: 2,000 ft and 250 ft at once
+//! while the intruder was recorded. NMAC: 500 ft and 100 ft at once. `LoWC`: 2,000 ft and 250 ft at once
 //! (ASTM F3442).
 
 use std::path::{Path, PathBuf};

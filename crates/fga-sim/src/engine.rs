@@ -385,7 +385,7 @@ impl Flight<'_> {
         match world.ending {
             Ending::Horizon => false,
             Ending::MissionFlown => milestones.mission_flown && milestones.last == State::Cruise,
-            // Most flights are not back: what is cheap is asked first.
+            // Most flights are not back: ask the cheap question first.
             Ending::BackAndPassed
                 if milestones.last != State::Cruise
                     || self.progress.cross_track_m() > BACK_WITHIN_M =>

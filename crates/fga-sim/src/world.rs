@@ -20,7 +20,7 @@ pub struct WorldObstacle {
     pub volume: ProtectedVolume,
     /// What it is.
     pub kind: ObstacleKind,
-    /// How the avoider is told that it may move.
+    /// How the avoider expects it to move.
     pub movement: Movement,
     /// What is heard of it, times growing; empty where it is seen as it really is.
     pub reports: Vec<TrackReport>,

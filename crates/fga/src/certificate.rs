@@ -83,7 +83,7 @@ pub fn certify(
 
 /// Bounds the separation from every hazard along a path up to `horizon_s`, seconds.
 ///
-/// Stops early below `floor_m`; margins beyond `enough_m` are not told apart.
+/// Stops early below `floor_m`; margins are capped at `enough_m`.
 pub fn certify_all(
     flyer: &Flyer,
     path: &FlightPath,

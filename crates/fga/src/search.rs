@@ -24,7 +24,7 @@ use crate::prediction::{FlightPath, Flyer, MotionState, for_each_piece, whole};
 /// Largest single turn that is searched, radians: short of a full circle.
 pub const MAX_TURN_RAD: f64 = 6.0;
 
-/// Margins beyond this are not told apart in a search for the largest one, metres.
+/// A search for the largest margin caps margins at this value, m.
 const ENOUGH_M: f64 = 1e3;
 
 /// Step of the climb targets that are searched, radians, as in Table 7.
@@ -414,7 +414,7 @@ impl<'a> Search<'a> {
 
     /// The cheapest certified single turn that begins after `wait_s`.
     ///
-    /// Sweeps the climb targets from the cheapest on, both sides, no farther than a manoeuvre
+    /// Sweeps the climb targets from the cheapest on, both sides, up to the cost of a manoeuvre
     /// already found; then halves the step between the last turn that fails and the first that
     /// does.
     pub fn cheapest(&mut self, wait_s: f64) -> Option<Found> {

@@ -83,7 +83,7 @@ pub(crate) fn print(arguments: &[&str]) -> Result<(), String> {
     done
 }
 
-/// A run of the program: what it is told, without `--out`, and the folder of its results.
+/// A run of the program: its arguments without `--out`, and the folder of its results.
 struct Run {
     arguments: Vec<String>,
     name: String,

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `bytes` | prints the hash of every result that a change of shape must not change |
 //! | `mutants` | changes what decides about the mode, bit by bit, and says what no test notices |
-//! | `pictures` | makes every picture of README and docs anew, from real runs |
+//! | `pictures` | makes every picture of README and docs from real runs |
 
 extern crate alloc;
 

@@ -1,6 +1,8 @@
 //! The pages hang together: every relative link leads somewhere, and the book's contents list every page.
 
-use std::collections::BTreeSet;
+extern crate alloc;
+
+use alloc::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 

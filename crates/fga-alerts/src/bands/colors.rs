@@ -218,7 +218,7 @@ pub struct Band {
 }
 
 impl Colors {
-    /// The bands, neighbours of one color merged. In recovery what is free is a way out.
+    /// The bands, neighbours of one color merged. In recovery a free interval is a way out.
     pub(crate) fn bands_into(&self, recovers: bool, bands: &mut Vec<Band>) {
         bands.clear();
         let shown = |color: Option<Region>| match color {

@@ -44,7 +44,7 @@ impl Recovery {
 pub(super) enum WaysOut {
     /// Recovery was not looked for.
     NotLookedFor,
-    /// What is free is the way out.
+    /// A free interval is a way out.
     Same,
     /// The ways out that replace what is free in the corrective region.
     Other(Intervals),

@@ -339,7 +339,7 @@ const STATIC: [[f64; 3]; 6] = [
     [30.0, 150.0, 75.0],
 ];
 
-/// The finest step in which a distance is told apart, metres.
+/// Resolution of a distance, m.
 const FINEST_M: f64 = 0.1;
 
 /// A static obstacle ahead, as far as it is from the aircraft; `None` where it is beside it.

@@ -249,7 +249,7 @@ pub struct RecordedLine {
 /// Reads a recording of BaseStation lines, each with a leading time in nanoseconds, as Stratux
 /// keeps them; compressed (gzip) or not.
 ///
-/// Where the recorder began anew (a `START` line, or times that go back) the recording goes on
+/// Where the recorder restarted (a `START` line, or times that go back) the recording goes on
 /// without a gap. Damaged lines are skipped.
 #[derive(Debug)]
 pub struct Recording<R> {

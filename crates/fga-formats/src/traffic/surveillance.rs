@@ -202,7 +202,7 @@ fn checksum(message: &[u8; 14]) -> u32 {
 /// What the operational status adds to the kind of a position message.
 #[derive(Debug, Clone, Copy, Default)]
 struct Supplement {
-    /// Version of the standard that the transponder follows; 0 until it is told.
+    /// Version of the standard that the transponder follows; 0 while unknown.
     version: u8,
     /// NIC supplement A.
     a: bool,

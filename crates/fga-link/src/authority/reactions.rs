@@ -19,7 +19,7 @@ pub enum Fault {
     ReturnRefused,
     /// The vehicle does not do what is commanded.
     NotFollowing,
-    /// The autopilot started anew.
+    /// The autopilot restarted.
     AutopilotRestarted,
     /// The operator ended it by parameter or command.
     OperatorOff,
@@ -76,9 +76,9 @@ pub struct Reaction {
     pub hand_back: HandBack,
     /// When it may act again.
     pub rearm: Rearm,
-    /// How the operator is told.
+    /// Severity of the message to the operator.
     pub severity: Severity,
-    /// What the operator is told, 50 characters at most.
+    /// Message to the operator, at most 50 characters.
     pub text: &'static str,
 }
 

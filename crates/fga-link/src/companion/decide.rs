@@ -20,9 +20,9 @@ const ON_LEG_FOR_S: f64 = 0.4;
 const PREPARE_S: f64 = 0.6;
 /// A difference of airspeed or response that makes new limits worth while, as a share.
 const LIMITS_CHANGE: f64 = 0.02;
-/// Telemetry is stale after so many of its intervals, where these are long.
+/// Telemetry is stale after this many of its measured intervals, where these are long.
 const STALE_INTERVALS: f64 = 2.5;
-/// After so many refusals in a row the operator has to arm it again.
+/// After this many refusals in a row the operator has to arm it again.
 const MOST_REFUSALS: u32 = 3;
 
 impl Companion {

@@ -20,7 +20,7 @@ use crate::ownship::State;
 const LEAST_BLIND_S: f64 = 3.0;
 /// … and no longer than this, seconds.
 const MOST_BLIND_S: f64 = 8.0;
-/// The operator is told of a gap that lasts this long, seconds.
+/// The companion reports a gap that lasts this long, s.
 const TOLD_S: f64 = 1.5;
 /// Acceleration that the prediction may be wrong by, metres per second squared: gusts, and a turn rate
 /// known to a few per cent.
@@ -86,7 +86,7 @@ impl Companion {
             .is_some_and(|heard| now_s - heard.heartbeat_s > SILENT_S)
     }
 
-    /// How much less well than usual the own position is known, metres.
+    /// Extra uncertainty of our own position, m.
     fn growth_m(&self, now_s: f64) -> f64 {
         if !self.is_blind(now_s) {
             return 0.0;
@@ -95,7 +95,7 @@ impl Companion {
         0.5 * UNKNOWN_MPS2 * age_s * age_s
     }
 
-    /// Grows what is around by what is not known of the own position.
+    /// Grows the obstacles by the uncertainty of our own position.
     pub(super) fn grow_obstacles(&mut self, now_s: f64) {
         let by_m = self.growth_m(now_s);
         if by_m > 0.0 {

@@ -25,7 +25,7 @@ const PROBE_S: f64 = 1.0;
 const HINTED_PROBE_S: f64 = 0.3;
 /// The number of the fence's items is asked for this often, seconds.
 const FENCE_COUNT_S: f64 = 2.0;
-/// The target of the vehicle is that of its mode so long after a change of mode, seconds.
+/// The vehicle's target belongs to its present mode from this long after a change of mode, s.
 const MODE_SETTLES_S: f64 = 0.7;
 /// A target older than this is not known, seconds.
 const TARGET_LIFETIME_S: f64 = 2.5;
@@ -35,7 +35,7 @@ const OTHER_TARGET_M: f64 = 15.0;
 /// of the distance.
 const BEARING_TARGET_M: f64 = 60.0;
 const BEARING_TARGET_SHARE: f64 = 0.03;
-/// The target disagrees when it did for this long: item and target are told at different moments,
+/// The target disagrees once it has done so for this long: item and target arrive at different moments,
 /// seconds.
 const DISAGREES_S: f64 = 1.2;
 

@@ -493,7 +493,7 @@ impl Companion {
         }
     }
 
-    /// The avoider and its way are made anew with the next decision.
+    /// The next decision makes a new avoider and a new way.
     fn forget_plan(&mut self) {
         self.avoider = None;
         self.decided = None;

@@ -5,7 +5,7 @@ use crate::authority::{Authority, Severity};
 use crate::mode::Mode;
 use crate::ownship::State;
 
-/// What is missing is told when it has been missing for this long, seconds …
+/// The companion reports what is missing after this long, s …
 const LOST_S: f64 = 1.0;
 /// … and where it never was ready, for this long, seconds.
 const NEVER_READY_S: f64 = 8.0;

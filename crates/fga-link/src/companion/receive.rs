@@ -22,7 +22,7 @@ use crate::traffic::fence;
 
 /// Name of the switch among this component's parameters.
 const ENABLE: &str = "FGA_ENABLE";
-/// Heartbeats that contradict each other are told this often, seconds.
+/// Interval between reports of contradicting heartbeats, s.
 const CONTRADICTION_AGAIN_S: f64 = 5.0;
 
 /// The heartbeat of a fixed-wing autopilot; `None` for everybody else's.
@@ -254,7 +254,7 @@ impl Companion {
         }
     }
 
-    /// Lays the local frame anew where the aircraft is far from its origin and nothing threatens;
+    /// Moves the local frame where the aircraft is far from its origin and nothing threatens;
     /// whatever is known in the old one is learnt again.
     fn renew_frame(&mut self, now_s: f64) {
         let busy = self

@@ -16,7 +16,7 @@ use crate::traffic::{AltitudeReference, Report, Sender, Source};
 /// σ of a place that a sensor tells without a configuration, metres, and with its distance.
 const SENSOR_SIGMA_M: f64 = 10.0;
 const SENSOR_SIGMA_SHARE: f64 = 0.02;
-/// A sensor sees no farther than this, metres.
+/// Largest range of a sensor, m.
 const SENSOR_REACH_M: f64 = 20_000.0;
 /// An obstacle without a number of its own.
 const UNNUMBERED: u16 = u16::MAX;

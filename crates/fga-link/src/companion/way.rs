@@ -15,7 +15,7 @@ use crate::ownship::State;
 
 /// Length of the line that is flown on in CRUISE, metres.
 const CRUISE_AHEAD_M: f64 = 50_000.0;
-/// In CRUISE the line is laid anew when the aircraft is off it by this, metres and radians.
+/// In CRUISE a new line begins when the aircraft is off the old one by this, m and rad.
 const CRUISE_OFF_M: f64 = 12.0;
 const CRUISE_OFF_RAD: f64 = 0.05;
 /// Back on the leg: this close, this well aligned.

@@ -1,7 +1,7 @@
 //! The two logs of a flight, written by a thread of their own.
 //!
 //! The flight never waits for a disk: what the thread cannot take in time is dropped, and where it
-//! cannot write the log stops. Both are told once.
+//! cannot write the log stops. The companion reports each once.
 
 use alloc::sync::Arc;
 use core::time::Duration;

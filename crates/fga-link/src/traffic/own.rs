@@ -1,6 +1,6 @@
 //! Is a received aircraft the vehicle's own transponder?
 //!
-//! A belief that is checked with each report: reports of the own transponder lie on the way that the
+//! A belief that is checked with each report: reports of our transponder lie on the way that the
 //! vehicle has just flown, at its speed, some seconds late. Once they do not, it is another aircraft.
 
 use alloc::collections::VecDeque;
@@ -10,7 +10,7 @@ use fga::Vec3;
 /// How far back the flown way is kept, seconds, and how finely.
 const KEPT_S: f64 = 8.0;
 const SPACING_S: f64 = 0.2;
-/// A report of the own transponder is this late at most, and this early by the prediction of the own
+/// A report of our transponder is at most this late, and this early by the prediction of our own
 /// state, seconds.
 const LATE_S: f64 = 4.0;
 const EARLY_S: f64 = 0.6;
@@ -93,12 +93,12 @@ impl Flown {
 }
 
 impl Belief {
-    /// Whether it is believed to be the own transponder.
+    /// Whether it is believed to be our transponder.
     pub const fn holds(&self) -> bool {
         self.held
     }
 
-    /// Checks it with a new report; `named` where the configuration names this aircraft as the own.
+    /// Checks it with a new report; `named` where the configuration names this aircraft as ours.
     pub fn check(&mut self, seen: &Seen, flown: &Flown, named: bool, now_s: f64) {
         if self.held {
             let kept = flown.holds(seen, KEPT_PLACE_M, KEPT_HEIGHT_M, KEPT_VELOCITY_MPS);

@@ -354,7 +354,7 @@ impl TrackTable {
             .urgency(position_m, track.velocity_mps(), now_s, reach)
     }
 
-    /// Drops what is too old or contradicted, checks which track is the own transponder, and orders
+    /// Drops what is too old or contradicted, checks which track is our transponder, and orders
     /// the rest by urgency; `own` is the vehicle's position and velocity.
     pub fn tidy(&mut self, now_s: f64, own: Option<(Vec3, Vec3)>) {
         if let Some((own_m, own_mps)) = own {
@@ -400,7 +400,7 @@ impl TrackTable {
             })
     }
 
-    /// Where the address is configured, only that aircraft can be the own one.
+    /// Where the address is configured, only that aircraft can be ours.
     fn is_named_own(&self, track: &Track) -> Option<bool> {
         let by_address = self.own_icao.filter(|_| track.icao != 0);
         let by_callsign = self

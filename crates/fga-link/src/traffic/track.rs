@@ -13,7 +13,7 @@ use super::report::{AltitudeReference, Key, Quality, Report, Source};
 
 /// A report continues a track that is this far from it, metres, …
 const GATE_M: f64 = 25.0;
-/// … plus so many σ, …
+/// … plus this many σ, …
 const GATE_SIGMAS: f64 = 3.0;
 /// … plus what it flies while a message is on its way, seconds, …
 const GATE_DELAY_S: f64 = 0.6;
@@ -91,7 +91,7 @@ pub struct Track {
     pub(super) heard_s: f64,
     /// What decides whether it is kept, seconds.
     pub(super) keep_s: f64,
-    /// Whether the last report was compared with the own way.
+    /// Whether the last report was compared with our own way.
     pub(super) checked: bool,
     position_m: Vec3,
     velocity_mps: Vec3,
@@ -162,7 +162,7 @@ impl Track {
         self.quality.height_m
     }
 
-    /// Whether it is believed to be the own transponder.
+    /// Whether it is believed to be our transponder.
     pub const fn is_own(&self) -> bool {
         self.own.holds()
     }

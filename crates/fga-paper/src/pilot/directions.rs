@@ -222,7 +222,7 @@ impl PaperPilot {
         self.report(&plan, time_s, reason)
     }
 
-    /// Holds the direction until the obstacles have passed; chooses anew where it no longer clears.
+    /// Holds the direction until the obstacles have passed; chooses again where it no longer clears.
     fn hold_direction(
         &mut self,
         situation: &Situation<'_>,

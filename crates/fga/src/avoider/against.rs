@@ -8,7 +8,7 @@ pub struct Against {
 }
 
 impl Against {
-    /// Adds one; more than there is room for are not told apart from all others.
+    /// Adds an identifier. Once full, every identifier counts as contained.
     pub fn add(&mut self, id: u32) {
         if let Some(slot) = self.ids.get_mut(self.len) {
             *slot = id;

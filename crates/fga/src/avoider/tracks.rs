@@ -36,6 +36,10 @@ const NEWS_MPS: f64 = 3.0;
 
 /// The hazards of one step.
 #[derive(Debug, Clone)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is an answer about the same step, and any of them may hold with any other"
+)]
 pub struct Tracks {
     hazards: Hazards,
     /// The same obstacles as they are known, over the ground.
@@ -123,7 +127,7 @@ impl Tracks {
         self.aircraft > 0
     }
 
-    /// Whether every aircraft of some moves away from the own one.
+    /// Whether every aircraft of some moves away from ours.
     pub(super) fn all_pass(&self, own_m: Vec3, own_mps: Vec3, of: impl Fn(u32) -> bool) -> bool {
         let rows = self.hazards.rows().iter().zip(&self.obstacles);
         rows.filter(|(_, known)| known.movement.bounds().is_some() && of(known.id))

@@ -46,7 +46,7 @@ const FREE_STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 /// Halvings to the moment at which a volume is entered.
 const ENTRY_HALVINGS: usize = 24;
 
-/// Margins beyond this are not told apart, metres.
+/// Margins are capped at this value, m.
 const ENOUGH_M: f64 = 1e3;
 
 /// An obstacle that would be met later than this after the first one belongs to another encounter,

@@ -440,7 +440,7 @@ impl Flyer {
 
     /// Displacement `after_s` seconds into a piece, metres.
     ///
-    /// With the course rate linear in time the course is that of its mean rate and a parabola
+    /// With the course rate linear in time the course follows its mean rate plus a parabola
     /// e(t) = a t (t − T) / 2 besides, of which this takes in the first two orders.
     fn moved_m(&self, state: &MotionState, piece: &Piece, after_s: f64) -> Vec3 {
         let growth = piece.course_growth_radps2;

@@ -314,7 +314,7 @@ impl Search<'_> {
         let (slack_m, slack_rad) = if self.is_settled(state, sweep.climb_rad) {
             (0.0, 0.0)
         } else {
-            // The margin is that of chords.
+            // The margin holds for the chords.
             let rollout_rad = if flyer.is_ideal() { 0.0 } else { ROLL_OUT_RAD };
             (2.0 * CHORD_BOW_M, rollout_rad)
         };

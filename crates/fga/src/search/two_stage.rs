@@ -25,10 +25,10 @@ const STRIDE: usize = 2;
 /// Most ends of first turns on an arc.
 const PLACES: usize = 20;
 
-/// Every so many of them are in one grid.
+/// One grid holds every n-th of them.
 const COARSE: usize = 4;
 
-/// Every so many of the straight times are in one grid.
+/// One grid holds every n-th of the straight times.
 const GAP_SHIFTS: usize = 2;
 
 /// Grids that interleave.

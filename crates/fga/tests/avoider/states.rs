@@ -133,7 +133,7 @@ fn a_new_threat_on_the_way_back_is_avoided() {
 #[test]
 fn a_manoeuvre_is_kept_only_while_everything_goes_as_it_was_certified() {
     // A flight without any noise is certified by what comes true. One in which every position is off
-    // by less than a hair is certified anew each cycle: both must keep the manoeuvre.
+    // by less than a hair is certified again each cycle: both must keep the manoeuvre.
     let reasons = |hair_m: f64| {
         let mut flight = flight(Start::AtDetection);
         let mut obstacles = [sphere(7, AHEAD, Vec3::new(-10.0, 2.0, 0.0), 30.0)];

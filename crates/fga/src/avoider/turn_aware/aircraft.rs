@@ -16,7 +16,7 @@ use crate::situation::Situation;
 
 use super::{ENOUGH_M, as_maneuver};
 
-/// Shares of what aircraft may do that are told apart, most first.
+/// Shares of the bounds that are tried, largest first.
 const SHARES: [f64; 5] = [1.0, 0.75, 0.5, 0.25, 0.0];
 
 /// Maneuvers are looked for that withstand this share: the aircraft may turn by half of its bounds, and

@@ -30,7 +30,7 @@ const SKIP_AFTER_S: f64 = 4.0;
 /// alongside, seconds.
 const DETOUR_AFTER_S: f64 = 8.0;
 
-/// An obstacle flies alongside that is no farther than this, turn radii, ...
+/// An obstacle within this distance flies alongside, turn radii, ...
 const ALONGSIDE: f64 = 2.0;
 
 /// ... and no faster relative to the aircraft than this share of its airspeed.
