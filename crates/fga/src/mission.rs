@@ -4,9 +4,9 @@
 //! |---|---|
 //! | which leg, and what to fly along it? | [`Progress`] |
 //! | where does it stand on a leg? | [`leg`] |
-//! | how does it get from one leg onto the next? | [`corner`] |
-//! | which way onto the leg? | [`join`] |
-//! | which way onto the beginning of the leg? | [`turnaround`] |
+//! | how does it get from one leg onto the next? | [`mod@corner`] |
+//! | which way onto the leg? | [`mod@join`] |
+//! | which way onto the beginning of the leg? | [`mod@turnaround`] |
 //! | which line is flown where nothing is in the way? | [`planned_line`] |
 
 pub mod corner;
