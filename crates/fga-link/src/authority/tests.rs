@@ -162,7 +162,9 @@ fn observed_rearm(fault: Fault) -> Rearm {
     let mut bench = in_command();
     bench.fault(fault);
     bench.vehicle = Mode::AUTO;
-    bench.beats(8);
+    // A gap in the telemetry ends as suddenly as it began; after everything else it waits for longer.
+    let gap = matches!(fault, Fault::TelemetryStale | Fault::LinkLost);
+    bench.beats(if gap { 1 } else { 8 });
     assert_ne!(bench.keeper.state(), Authority::Ready, "not at once");
     bench.beats(40);
     if bench.keeper.state() == Authority::Ready {
