@@ -210,6 +210,7 @@ impl Pilot for PaperPilot {
         self.state = State::Cruise;
         self.progress = Progress::new();
         self.around.clear();
+        self.tracks.forget();
         self.plan = None;
         self.last_time_s = f64::NEG_INFINITY;
     }
