@@ -533,12 +533,12 @@ mod tests {
             (
                 "airspeed_mps=15",
                 "airspeed_mps=-15",
-                "v.toml, line 2: airspeed_mps is -15, expected a positive number",
+                "v.toml, line 2: airspeed_mps is -15, expected a number from 1 to 1000",
             ),
             (
                 "radius_m=30\n[",
                 "radius_m=nan\n[",
-                "v.toml, line 3: turn_radius_m is NaN, expected a positive number",
+                "v.toml, line 3: turn_radius_m is NaN, expected a number from 2.29",
             ),
             (
                 "turn_radius_m=30\n",
