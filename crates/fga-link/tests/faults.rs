@@ -267,6 +267,25 @@ fn fga_enable_0_from_any_system() {
     assert_eq!(world.companion.authority(), Authority::Waiting);
 }
 
+#[test]
+fn a_step_that_comes_late_is_no_fault() {
+    let mut world = in_command();
+    for _ in 0..3 {
+        // The whole machine is busy: nothing is read and nothing decided.
+        world.killed = true;
+        world.run_until(world.time_s + 0.7);
+        world.killed = false;
+        world.run_until(world.time_s + 1.0);
+    }
+    assert!(matches!(
+        world.companion.authority(),
+        Authority::InCommand { .. }
+    ));
+    world.run_until(120.0);
+    avoided(&world);
+    assert_eq!(own_changes(&world), 2);
+}
+
 /// The program is killed, and another one begins after a while with the note that it left.
 fn restart(world: &mut World, after_s: f64, note: Option<Note>) {
     world.killed = true;

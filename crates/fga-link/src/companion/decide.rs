@@ -61,10 +61,11 @@ impl Companion {
             self.pitch.observe(state.pitch_rad, state.ownship.climb_rad);
         }
         let Some(decision) = self.decision_for(&state, now_s) else {
+            self.undecided_s.get_or_insert(now_s);
             return;
         };
         self.counts.decisions += 1;
-        self.last_decision_s = now_s;
+        self.undecided_s = None;
         let ahead_s = self.response.response().dead_time_s;
         self.decided = Some(Decided {
             decision,

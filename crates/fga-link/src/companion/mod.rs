@@ -117,7 +117,8 @@ pub struct Companion {
     noted_boot_ms: Option<u32>,
     /// A manoeuvre of an earlier run is flown on.
     resumed: bool,
-    last_decision_s: f64,
+    /// Since when no decision can be made, seconds; a step that comes late is none of that.
+    undecided_s: Option<f64>,
     told: readiness::Told,
     rates: Rates,
     gap: gap::Gap,
@@ -202,7 +203,7 @@ impl Companion {
             notes: Vec::new(),
             noted_boot_ms: None,
             resumed: false,
-            last_decision_s: never,
+            undecided_s: Some(never),
             told: readiness::Told::NOTHING,
             rates: Rates::default(),
             gap: gap::Gap::default(),
@@ -405,7 +406,8 @@ impl Companion {
 
     /// Whether decisions are made.
     fn can_decide(&self, now_s: f64) -> bool {
-        now_s - self.last_decision_s <= NO_DECISION_S
+        self.undecided_s
+            .is_none_or(|since_s| now_s - since_s <= NO_DECISION_S)
     }
 
     fn watch_link(&mut self, now_s: f64) {

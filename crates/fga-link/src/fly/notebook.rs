@@ -19,7 +19,7 @@ use crate::wire::{Signing, Timestamps};
 /// How often the timestamps of signed frames are kept.
 const KEEP_TIMESTAMPS: Duration = Duration::from_millis(500);
 /// How long a take-over waits until it is noted; then it goes on without a note.
-const LONGEST_WAIT: Duration = Duration::from_millis(100);
+const LONGEST_WAIT: Duration = Duration::from_millis(250);
 /// How long the end of a flight waits for the disk.
 const LAST_WORDS: Duration = Duration::from_secs(1);
 const TIMESTAMPS: &str = "signing.json";
@@ -36,8 +36,12 @@ fn write_whole(path: &Path, content: &str) -> io::Result<()> {
     let begun = path.with_extension("json.part");
     let mut file = File::create(&begun)?;
     file.write_all(content.as_bytes())?;
-    file.sync_data()?;
     fs::rename(&begun, path)
+}
+
+/// Waits until a file would outlive a loss of power.
+fn settle(path: &Path) -> io::Result<()> {
+    File::open(path)?.sync_data()
 }
 
 /// The notes that an earlier run left in a folder.
@@ -146,6 +150,11 @@ fn keep(
             };
             written = note;
             done.store(number, Ordering::Release);
+            // The program's sudden end is provided for from here on; the disk may take its time.
+            let result = match note {
+                Some(note) => result.and_then(|()| settle(&note_path(folder, note.system_id))),
+                None => result,
+            };
             if let Err(error) = result
                 && error.kind() != io::ErrorKind::NotFound
             {

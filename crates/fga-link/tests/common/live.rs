@@ -23,7 +23,7 @@ use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
 
 /// The disc on the leg, metres ahead of the start, and its radius.
-pub const AHEAD_M: f64 = 360.0;
+pub const AHEAD_M: f64 = 500.0;
 pub const RADIUS_M: f64 = 60.0;
 /// A test that waits for longer has failed.
 const LONGEST: Duration = Duration::from_mins(1);
