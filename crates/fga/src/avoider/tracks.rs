@@ -157,9 +157,13 @@ impl Tracks {
                     *slot = hazard.margin_m(own_m, 0.0);
                 }
             }
-            distances.sort_unstable_by(f64::total_cmp);
-            let last = room.checked_sub(1).and_then(|last| distances.get(last));
-            within_m = last.copied().unwrap_or(f64::NEG_INFINITY);
+            // The largest one with fewer than `room` smaller ones; a sort could panic.
+            let nearer = |than: &f64| distances.iter().filter(|other| *other < than).count();
+            within_m = distances
+                .iter()
+                .filter(|distance| nearer(distance) < room)
+                .copied()
+                .fold(f64::NEG_INFINITY, f64::max);
         }
         for ((hazard, known), turning) in rows.iter().zip(&self.obstacles).zip(&self.turning) {
             let far = hazard.margin_m(own_m, 0.0) > within_m;
