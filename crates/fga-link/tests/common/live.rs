@@ -28,12 +28,13 @@ pub const RADIUS_M: f64 = 60.0;
 /// A test that waits for longer has failed.
 const LONGEST: Duration = Duration::from_mins(1);
 
-/// A configuration with the disc.
+/// A configuration with the disc. The margin is for a machine that is busy with other tests: what is shown
+/// here is what stalls, not how close it flies.
 pub fn config() -> String {
     let emulator = Emulator::new(Settings::default());
     let place = emulator.home().to_place([0.0, AHEAD_M, 100.0]);
     format!(
-        "[[obstacle]]\nname = \"disc\"\nlatitude_deg = {:.7}\nlongitude_deg = {:.7}\naltitude_m = 104.0\nradius_m = {RADIUS_M}\n",
+        "[protection]\nmargin_m = 15.0\n[[obstacle]]\nname = \"disc\"\nlatitude_deg = {:.7}\nlongitude_deg = {:.7}\naltitude_m = 104.0\nradius_m = {RADIUS_M}\n",
         f64::from(place.latitude_e7) * 1e-7,
         f64::from(place.longitude_e7) * 1e-7,
     )
