@@ -6,12 +6,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga::Vec3;
-use fga::situation::ProtectedVolume;
 use fga_formats::OutputError;
 use fga_formats::atomic::AtomicFile;
 use fga_formats::encounters::{self, Encounter};
 use fga_formats::number::push_fixed;
-use fga_sim::batch::crab;
+use fga_sim::batch::{crab, volume_of};
 use fga_sim::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
 };
@@ -52,17 +51,9 @@ fn search(
         .obstacles
         .iter()
         .map(|obstacle| {
-            let radius_m = obstacle.radius_m;
             OracleObstacle {
-                position_m: obstacle.position_m,
-                velocity_mps: obstacle.velocity_mps,
-                volume: match model.protection {
-                    ProtectedVolume::Sphere { .. } => ProtectedVolume::Sphere { radius_m },
-                    ProtectedVolume::Cylinder { half_height_m, .. } => ProtectedVolume::Cylinder {
-                        radius_m,
-                        half_height_m,
-                    },
-                },
+                volume: volume_of(obstacle, &model.protection),
+                ..OracleObstacle::from(obstacle)
             }
             .in_wind(model.wind_mps)
         })

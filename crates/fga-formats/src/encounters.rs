@@ -15,7 +15,7 @@
 use crate::error::{InputError, OutputError, shown};
 use crate::{atomic, number};
 use core::str::from_utf8;
-use fga::situation::Movement;
+use fga::situation::{Movement, Obstacle, ProtectedVolume};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
@@ -43,28 +43,15 @@ const LARGEST_LENGTH_M: f64 = 1e8;
 /// The largest component of a velocity taken for real, metres per second.
 const LARGEST_SPEED_MPS: f64 = 1e5;
 
-/// One obstacle of an encounter: a sphere that flies straight.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EncounterObstacle {
-    /// Identifier, unique within the encounter.
-    pub id: u64,
-    /// Position at the start, metres, local frame.
-    pub position_m: DVec3,
-    /// Velocity, metres per second, local frame.
-    pub velocity_mps: DVec3,
-    /// Radius of the protected sphere, metres.
-    pub radius_m: f64,
-    /// How the policy expects it to move.
-    pub movement: Movement,
-}
-
-/// One encounter: its obstacles in the order of the file, at least one.
+/// One encounter: what is around the aircraft at the start. The aircraft is at the origin and flies
+/// along +x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Encounter {
-    /// Identifier, unique within the file.
+    /// Identifier, unique within the file or source.
     pub id: u64,
-    /// The obstacles.
-    pub obstacles: Vec<EncounterObstacle>,
+    /// The obstacles, at least one, each in a protected sphere; identifiers are unique within the
+    /// encounter.
+    pub obstacles: Vec<Obstacle>,
 }
 
 /// Reads a batch file; the encounters come in the order of their first rows.
@@ -112,7 +99,7 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
 
     let mut encounters: Vec<Encounter> = Vec::new();
     let mut index_of: HashMap<u64, usize> = HashMap::new();
-    let mut seen: HashSet<(usize, u64)> = HashSet::new();
+    let mut seen: HashSet<(usize, u32)> = HashSet::new();
     while next(&mut reader, &mut record)? {
         let line = line_of(&record);
         if record.len() == 1 && record.get(0).is_none_or(<[u8]>::is_empty) {
@@ -270,19 +257,21 @@ impl Row<'_> {
         Ok(value)
     }
 
-    fn obstacle(&self) -> Result<EncounterObstacle, InputError> {
+    fn obstacle(&self) -> Result<Obstacle, InputError> {
         let length = |column| self.number(column, LARGEST_LENGTH_M, "metres");
         let speed = |column| self.number(column, LARGEST_SPEED_MPS, "metres per second");
         let radius_m = length(8)?;
         if radius_m < 0.0 {
             return Err(self.error(8, "a radius of 0 metres or more"));
         }
-        Ok(EncounterObstacle {
-            id: self.identifier(1)?,
-            position_m: DVec3::new(length(2)?, length(3)?, length(4)?),
-            velocity_mps: DVec3::new(speed(5)?, speed(6)?, speed(7)?),
-            radius_m,
+        let id = u32::try_from(self.identifier(1)?)
+            .map_err(|_| self.error(1, "a whole number from 0 to 4294967295"))?;
+        let position_m = DVec3::new(length(2)?, length(3)?, length(4)?);
+        let velocity_mps = DVec3::new(speed(5)?, speed(6)?, speed(7)?);
+        let volume = ProtectedVolume::Sphere { radius_m };
+        Ok(Obstacle {
             movement: self.movement()?,
+            ..Obstacle::new(id, position_m, velocity_mps, volume)
         })
     }
 
@@ -339,7 +328,7 @@ impl<W: Write> Writer<W> {
                 .to_array()
                 .into_iter()
                 .chain(obstacle.velocity_mps.to_array())
-                .chain([obstacle.radius_m])
+                .chain([obstacle.volume.radius_m()])
             {
                 self.row.push(b',');
                 number::push_fixed(&mut self.row, value, 6);

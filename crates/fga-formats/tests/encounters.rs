@@ -5,8 +5,8 @@
     reason = "tests fail by panicking"
 )]
 
-use fga::situation::Movement;
-use fga_formats::encounters::{self, Encounter, EncounterObstacle};
+use fga::situation::{Movement, Obstacle, ProtectedVolume};
+use fga_formats::encounters::{self, Encounter};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::path::Path;
@@ -26,13 +26,12 @@ fn rows_are_grouped_in_the_order_of_first_appearance() {
     assert_eq!(found.iter().map(|e| e.id).collect::<Vec<_>>(), [7, 3]);
     assert_eq!(
         found[0].obstacles[1],
-        EncounterObstacle {
-            id: 4,
-            position_m: DVec3::new(100.0, -2.0, 0.5),
-            velocity_mps: DVec3::new(4.0, 5.0, 6.0),
-            radius_m: 30.5,
-            movement: Movement::Straight,
-        }
+        Obstacle::new(
+            4,
+            DVec3::new(100.0, -2.0, 0.5),
+            DVec3::new(4.0, 5.0, 6.0),
+            ProtectedVolume::Sphere { radius_m: 30.5 },
+        )
     );
 }
 
@@ -156,13 +155,12 @@ proptest! {
         let round = |value: f64| (value * 1e6).round() / 1e6;
         let made: Vec<Encounter> = rows.chunks(split).zip(100..).map(|(chunk, id)| Encounter {
             id,
-            obstacles: chunk.iter().zip(0..).map(|((v, radius), id)| EncounterObstacle {
+            obstacles: chunk.iter().zip(0..).map(|((v, radius), id)| Obstacle::new(
                 id,
-                position_m: DVec3::new(round(v[0]), round(v[1]), round(v[2])),
-                velocity_mps: DVec3::new(round(v[3]), round(v[4]), round(v[5])),
-                radius_m: round(*radius),
-                movement: Movement::Straight,
-            }).collect(),
+                DVec3::new(round(v[0]), round(v[1]), round(v[2])),
+                DVec3::new(round(v[3]), round(v[4]), round(v[5])),
+                ProtectedVolume::Sphere { radius_m: round(*radius) },
+            )).collect(),
         }).collect();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("e.csv");

@@ -19,8 +19,9 @@ use fga::pilot::MissionPilot;
 use fga::situation::Situation;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::Vehicle;
+use fga_formats::encounters::Encounter;
 use fga_sim::batch::{BatchSettings, empty_world};
-use fga_sim::encounters::{Encounter, EncounterSource, Random, Range};
+use fga_sim::encounters::{EncounterSource, Random, Range};
 use fga_sim::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
 use fga_sim::oracle::{
     OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin, least_departure,
@@ -392,7 +393,10 @@ fn clear_traffic(seed: u64, number: u64, planar: bool) -> Encounter {
             obstacles.push(Obstacle::new(id, position_m, velocity_mps, volume));
         }
     }
-    Encounter { number, obstacles }
+    Encounter {
+        id: number,
+        obstacles,
+    }
 }
 
 fn needless(seed: u64, count: u64) -> Result<(), String> {

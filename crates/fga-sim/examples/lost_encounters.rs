@@ -17,7 +17,8 @@ use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::situation::{Obstacle, Ownship};
 use fga::vehicle::{Response, Vehicle};
-use fga_sim::encounters::{Encounter, EncounterSource};
+use fga_formats::encounters::Encounter;
+use fga_sim::encounters::EncounterSource;
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 use fga_sim::policy::{PolicyChoice, PolicySettings};
 
@@ -120,7 +121,7 @@ fn fly(
             }
         }
         if turning && flown.turned.is_none() && time_s >= avoids_s + TURNS_AFTER_S - 1e-9 {
-            turn_closest(&mut rows, own.position_m, encounter.number);
+            turn_closest(&mut rows, own.position_m, encounter.id);
             let rows = rows.clone();
             flown.turned = Some(Turned { own, rows });
         }

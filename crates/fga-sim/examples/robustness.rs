@@ -12,8 +12,9 @@ use std::process::ExitCode;
 
 use fga::Vec3;
 use fga::avoider::{Reason, State};
+use fga_formats::encounters::Encounter;
 use fga_sim::batch::{BatchSettings, crab, empty_world};
-use fga_sim::encounters::{Encounter, EncounterSource};
+use fga_sim::encounters::EncounterSource;
 use fga_sim::engine::{DecisionMoment, Engine, Observer, Outcome};
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 use fga_sim::policy::PolicyChoice;

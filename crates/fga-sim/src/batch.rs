@@ -16,7 +16,7 @@ use fga_formats::encounters::Encounter;
 use fga_formats::number::push_fixed;
 use rayon::prelude::*;
 
-use fga::situation::ProtectedVolume;
+use fga::situation::{Obstacle, ProtectedVolume};
 
 use crate::engine::{Engine, Observer, Outcome, Sample};
 use crate::policy::{Pilot, PolicyChoice, PolicySettings};
@@ -143,6 +143,19 @@ pub fn empty_world(settings: &BatchSettings) -> Option<World> {
     })
 }
 
+/// The volume that protects an obstacle of an encounter: its own sphere, or a cylinder of the same
+/// radius where the vehicle file protects a cylinder.
+pub fn volume_of(obstacle: &Obstacle, protection: &ProtectedVolume) -> ProtectedVolume {
+    let radius_m = obstacle.volume.radius_m();
+    match *protection {
+        ProtectedVolume::Sphere { .. } => ProtectedVolume::Sphere { radius_m },
+        ProtectedVolume::Cylinder { half_height_m, .. } => ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        },
+    }
+}
+
 /// Puts an encounter's obstacles into a world, in place of those that were there.
 pub fn populate(world: &mut World, encounter: &Encounter, protection: &ProtectedVolume) {
     world.stream = encounter.id;
@@ -150,14 +163,7 @@ pub fn populate(world: &mut World, encounter: &Encounter, protection: &Protected
     world
         .obstacles
         .extend(encounter.obstacles.iter().zip(0..).map(|(obstacle, id)| {
-            let radius_m = obstacle.radius_m;
-            let volume = match *protection {
-                ProtectedVolume::Sphere { .. } => ProtectedVolume::Sphere { radius_m },
-                ProtectedVolume::Cylinder { half_height_m, .. } => ProtectedVolume::Cylinder {
-                    radius_m,
-                    half_height_m,
-                },
-            };
+            let volume = volume_of(obstacle, protection);
             let track = Track::straight(obstacle.position_m, obstacle.velocity_mps);
             WorldObstacle {
                 movement: obstacle.movement,

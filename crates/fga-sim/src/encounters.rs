@@ -15,20 +15,12 @@ pub use random::Random;
 
 use fga::Vec3;
 use fga::situation::{Obstacle, ProtectedVolume};
+use fga_formats::encounters::Encounter;
 
 use crate::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, Stages,
     best_margin,
 };
-
-/// An encounter: what is around the aircraft at the start.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Encounter {
-    /// Its number within its source.
-    pub number: u64,
-    /// The obstacles, identifiers from 0.
-    pub obstacles: Vec<Obstacle>,
-}
 
 /// Objects that are no threat, among which the threats are hidden (§2.3 (5)).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,7 +90,7 @@ impl EncounterSource {
             radius_m: self.radius_m,
         };
         Encounter {
-            number,
+            id: number,
             obstacles: obstacles
                 .into_iter()
                 .zip(0..)

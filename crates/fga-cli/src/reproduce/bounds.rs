@@ -5,9 +5,9 @@ use core::fmt::Write as _;
 
 use fga::Vec3;
 use fga::certificate::Hazard;
-use fga::situation::{Movement, Ownship, ProtectedVolume};
+use fga::situation::{Movement, Obstacle, Ownship, ProtectedVolume};
 use fga_formats::atomic;
-use fga_formats::encounters::{Encounter, EncounterObstacle};
+use fga_formats::encounters::Encounter;
 use fga_paper::bounds::{
     HeadingSet, admissible_fraction, distance_feasible, speed_feasible_2d, speed_feasible_3d,
 };
@@ -54,7 +54,7 @@ struct Seen {
 }
 
 impl Seen {
-    fn of(model: &VehicleModel, obstacles: &[EncounterObstacle]) -> Self {
+    fn of(model: &VehicleModel, obstacles: &[Obstacle]) -> Self {
         let vehicle = &model.vehicle;
         Self {
             ownship: Ownship {
@@ -69,10 +69,7 @@ impl Seen {
             obstacles: (0..)
                 .zip(obstacles)
                 .map(|(id, o)| {
-                    let volume = ProtectedVolume::Sphere {
-                        radius_m: o.radius_m,
-                    };
-                    Hazard::exact(id, o.position_m, o.velocity_mps - model.wind_mps, volume)
+                    Hazard::exact(id, o.position_m, o.velocity_mps - model.wind_mps, o.volume)
                 })
                 .collect(),
         }
@@ -343,14 +340,15 @@ const STATIC: [[f64; 3]; 6] = [
 const FINEST_M: f64 = 0.1;
 
 /// A static obstacle ahead, as far as it is from the aircraft; `None` where it is beside it.
-fn ahead(distance_m: f64, radius_m: f64, across_m: f64) -> Option<EncounterObstacle> {
+fn ahead(distance_m: f64, radius_m: f64, across_m: f64) -> Option<Obstacle> {
     let along = distance_m * distance_m - across_m * across_m;
-    (along > 0.0 && distance_m > radius_m).then(|| EncounterObstacle {
-        id: 1,
-        position_m: Vec3::new(libm::sqrt(along), -across_m, 0.0),
-        velocity_mps: Vec3::ZERO,
-        radius_m,
-        movement: Movement::AtRest,
+    (along > 0.0 && distance_m > radius_m).then(|| {
+        let position_m = Vec3::new(libm::sqrt(along), -across_m, 0.0);
+        let volume = ProtectedVolume::Sphere { radius_m };
+        Obstacle {
+            movement: Movement::AtRest,
+            ..Obstacle::new(1, position_m, Vec3::ZERO, volume)
+        }
     })
 }
 
@@ -523,7 +521,7 @@ fn least_distances(
     );
     let allowed_m = least_distance(farthest_m, radius_m, |r| {
         ahead(r, radius_m, across_m).is_some_and(|o| {
-            let obstacle = OracleObstacle::sphere(o.position_m, o.velocity_mps, o.radius_m);
+            let obstacle = OracleObstacle::from(&o);
             best_margin(&OracleStart::ORIGIN, &vehicle, &[obstacle], &settings).best_margin_m >= 0.0
         })
     });

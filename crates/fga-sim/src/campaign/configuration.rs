@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use fga::Vec3;
 use fga::angle::direction;
-use fga_formats::encounters::{self, Encounter, EncounterObstacle};
+use fga_formats::encounters::{self, Encounter};
 use fga_formats::{InputError, error::shown};
 use serde::{Deserialize, Serialize};
 
@@ -340,23 +340,9 @@ impl Campaign {
         }
         let place = index((number - in_files) % (self.cells.len().max(1) as u64));
         let source = self.cells.get(place).ok_or_else(past)?;
-        let drawn = source.encounter(number);
         let cell = self.files.len() + place % configuration.cells.len().max(1);
         Ok(Drawn {
-            encounter: Encounter {
-                id: number,
-                obstacles: drawn
-                    .obstacles
-                    .iter()
-                    .map(|obstacle| EncounterObstacle {
-                        id: obstacle.id.into(),
-                        position_m: obstacle.position_m,
-                        velocity_mps: obstacle.velocity_mps,
-                        radius_m: obstacle.volume.radius_m(),
-                        movement: obstacle.movement,
-                    })
-                    .collect(),
-            },
+            encounter: source.encounter(number),
             source_encounter: number,
             seed: source.seed,
             source: u32::try_from(cell).unwrap_or(u32::MAX),
