@@ -245,7 +245,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
     batch_replays::remove_others(&folder, &shown)?;
     let configuration = json!({
         "policy": settings.policy.name(),
-        "vehicle": format!("{:?}", settings.model),
+        "vehicle_sha256": settings.model.sha256,
         "horizon_s": args.horizon,
         "seed": args.seed,
         "input_sha256": input_hash,

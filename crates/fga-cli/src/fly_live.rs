@@ -15,13 +15,13 @@ use fga::angle::{climb_of, course_of};
 use fga::avoider::{Reason, State};
 use fga::certificate::Hazard;
 use fga::situation::Obstacle;
+use fga_formats::words::reason_words;
 use fga_link::Companion;
 use fga_link::authority::Authority;
 use fga_link::companion::Picture;
 use fga_report::replay::{
     LiveMessage, ReplayEvent, ReplayObstacle, ReplayPiece, ReplayRun, ReplaySample, ReplayState,
 };
-use fga_sim::words::reason_words;
 use fga_view::{Live, Server};
 
 use crate::replay_page::{Drawer, due};

@@ -7,13 +7,13 @@ use fga::maneuver::Maneuver;
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::Ownship;
 use fga::vehicle::Vehicle;
+use fga_formats::words::{decision_words, reason_words};
 use fga_report::replay::{
     Replay, ReplayDecision, ReplayEvent, ReplayObstacle, ReplayOutcome, ReplayPath, ReplayPathKind,
     ReplayPiece, ReplayRun, ReplaySample, render,
 };
 use fga_sim::run::{DecisionLog, Plan, RunLog};
 use fga_sim::track::Track;
-use fga_sim::words::{decision_words, reason_words};
 
 use crate::run_files::missed_words;
 

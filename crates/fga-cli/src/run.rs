@@ -84,7 +84,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     };
     let mut configuration = json!({
         "policy": log.policy,
-        "vehicle": format!("{:?}", log.plan.model),
+        "vehicle_sha256": log.plan.model.sha256,
         "seed": log.plan.world.seed,
         "input_sha256": input_hash,
     });

@@ -2,15 +2,16 @@
 
 use std::path::Path;
 
-use fga::avoider::{Candidate, State, Verdict};
+use fga::avoider::State;
 use fga_formats::OutputError;
 use fga_formats::atomic;
+use fga_formats::decision;
 use fga_formats::number::push_fixed;
+use fga_formats::words::decision_words;
 use fga_report::overview::{self, Closest, Moment, MomentKind, Overview};
 use fga_sim::progress::MissedWaypoint;
 use fga_sim::run::{DecisionLog, RunLog};
 use fga_sim::track::Track;
-use fga_sim::words::{decision_words, reason_key};
 use serde_json::{Value, json};
 
 use crate::flight_file;
@@ -125,75 +126,13 @@ pub(crate) fn events_jsonl(events: &[(f64, Value)]) -> String {
 
 /// One decision with its whole record, in words and numbers.
 fn decision_event(log: &RunLog, moment: &DecisionLog) -> Value {
-    let decision = &moment.decision;
-    let record = &decision.record;
     let name_of = |id: u32| log.name_of(id).to_string();
-    let threat = record.threat.map(|threat| {
-        json!({
-            "obstacle": threat.id,
-            "name": name_of(threat.id),
-            "entry_s": finite(threat.entry_s),
-            "closest_s": finite(threat.closest_s),
-            "margin_m": finite(threat.margin_m),
-        })
-    });
-    json!({
-        "t_s": moment.time_s,
-        "event": "decision",
-        "state": decision.state.name(),
-        "reason": reason_key(record.reason),
-        "text": decision_words(decision, &moment.ownship, name_of),
-        "x_m": moment.ownship.position_m.x,
-        "y_m": moment.ownship.position_m.y,
-        "z_m": moment.ownship.position_m.z,
-        "course_rad": moment.ownship.course_rad,
-        "climb_rad": moment.ownship.climb_rad,
-        "bank_rad": moment.ownship.bank_rad,
-        "airspeed_mps": moment.ownship.airspeed_mps,
-        "threat": threat,
-        "latest_start_s": record.latest_start_s,
-        "resilience": record.resilience,
-        "start_s": record.start_s,
-        "command": maneuver(&decision.command),
-        "chosen": record.chosen.as_ref().map(candidate),
-        "alternative": record.alternative.as_ref().map(candidate),
-        "tracked": record.work.tracked,
-        "threats": record.work.threats,
-        "candidates": record.work.candidates,
-        "limit_met": record.work.limit_met,
-    })
-}
-
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
-}
-
-fn maneuver(maneuver: &fga::maneuver::Maneuver) -> Vec<Value> {
-    maneuver
-        .stages()
-        .iter()
-        .map(|stage| {
-            json!({
-                "start_s": finite(stage.start_s),
-                "course_rad": stage.course_rad,
-                "climb_rad": stage.climb_rad,
-                "rate_share": stage.rate_share,
-            })
-        })
-        .collect()
-}
-
-fn candidate(candidate: &Candidate) -> Value {
-    json!({
-        "maneuver": maneuver(&candidate.maneuver),
-        "margin_m": finite(candidate.margin_m),
-        "cost": finite(candidate.cost),
-        "verdict": match candidate.verdict {
-            Verdict::Certified => "certified",
-            Verdict::Rejected => "rejected",
-            Verdict::Chosen => "chosen",
-        },
-    })
+    let mut event = decision::to_json(&moment.decision, &moment.ownship, name_of);
+    let words = decision_words(&moment.decision, &moment.ownship, name_of);
+    event.insert("t_s".into(), moment.time_s.into());
+    event.insert("event".into(), "decision".into());
+    event.insert("text".into(), words.into());
+    Value::Object(event)
 }
 
 /// The critical moments: where the avoider's state says that one was met.

@@ -6,6 +6,7 @@
 
 #[path = "../../fga-link/tests/common/live.rs"]
 mod live;
+mod support;
 
 use core::net::SocketAddr;
 use core::time::Duration;
@@ -19,6 +20,7 @@ use std::time::{Instant, SystemTime};
 
 use fga_emulator::Mode;
 use live::{AHEAD_M, Live, RADIUS_M};
+use support::decisions_follow_their_schema;
 
 /// The program; it ends with the test.
 struct Program(Child);
@@ -92,15 +94,23 @@ fn sigint_sigterm_sighup_hand_back_alike() {
         .into_iter()
         .map(|signal| {
             let live = Live::udp(None, None);
-            let program = start(&live, &live::folder(&format!("signal-{signal}")));
-            (signal, live, program)
+            let folder = live::folder(&format!("signal-{signal}"));
+            let program = start(&live, &folder);
+            (signal, live, program, folder)
         })
         .collect();
-    for (signal, live, program) in &mut flights {
+    for (signal, live, program, folder) in &mut flights {
         live.wait_for_maneuver();
         program.signal(signal);
         assert!(program.ended().success(), "{signal}");
         assert_eq!(live.mode(), Mode::Auto, "{signal}");
+        let written = fs::read_dir(folder.join("out"));
+        let log = written
+            .expect("a folder")
+            .map(|entry| entry.expect("an entry").path())
+            .find(|path| path.extension().is_some_and(|ending| ending == "jsonl"));
+        let log = log.expect("a log of decisions");
+        assert!(decisions_follow_their_schema(&log) > 3, "{signal}");
         assert!(
             live.was_told("fga: program ends, mode restored"),
             "{signal}"

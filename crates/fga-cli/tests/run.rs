@@ -5,7 +5,7 @@ mod support;
 use std::fs;
 use std::path::Path;
 
-use support::{columns, data, errors, fga_in, repository};
+use support::{columns, data, decisions_follow_their_schema, errors, fga_in, repository};
 
 const MAST: &str = "name = 'past-a-mast'
 duration_s = 60.0
@@ -63,6 +63,7 @@ fn a_scenario_is_flown_and_everything_is_written() {
         let event: serde_json::Value = serde_json::from_str(line).unwrap();
         assert!(event["t_s"].is_number() && event["text"].is_string());
     }
+    assert!(decisions_follow_their_schema(&out.join("events.jsonl")) > 3);
 }
 
 #[test]

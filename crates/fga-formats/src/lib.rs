@@ -12,6 +12,8 @@
 //! | [`conf`] | how are alerts and bands configured? |
 //! | [`encounters`] | which encounters does a batch file hold? |
 //! | [`traffic`] | what do receivers of ADS-B say, as BaseStation lines or Beast frames? |
+//! | [`decision`] | what was decided, as JSON? |
+//! | [`words`] | what was decided, in words? |
 //! | [`flight`] | what is a finished flight, to be looked at elsewhere? |
 //! | [`export`] | how does Google Earth, Cesium, a map or Foxglove get it? |
 //! | [`encounter_model`] | how do aircraft fly that meet, statistically? |
@@ -42,6 +44,7 @@ extern crate alloc;
 pub mod atomic;
 pub mod conf;
 pub mod daa;
+pub mod decision;
 pub mod encounter_model;
 pub mod encounters;
 pub mod error;
@@ -51,5 +54,6 @@ pub mod geodesy;
 pub mod number;
 pub mod traffic;
 pub mod units;
+pub mod words;
 
 pub use error::{InputError, OutputError};

@@ -2,11 +2,12 @@
 
 use fga::avoider::Decision;
 use fga::situation::Obstacle;
+use fga_formats::decision;
 use mavlink::dialects::ardupilotmega::{
     COLLISION_DATA, MavCollisionAction, MavCollisionSrc, MavCollisionThreatLevel, MavMessage,
     MavSeverity, NAMED_VALUE_FLOAT_DATA, STATUSTEXT_DATA,
 };
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::authority::{Authority, Severity};
 use crate::number::single;
@@ -83,11 +84,15 @@ pub fn collision(
 }
 
 /// Three decimals: enough for a log.
-fn rounded(value: f64) -> Value {
-    if value.is_finite() {
-        json!((value * 1e3).round() / 1e3)
-    } else {
-        Value::Null
+fn round(value: &mut Value) {
+    match value {
+        Value::Number(number) if number.is_f64() => {
+            let rounded = number.as_f64().map(|exact| (exact * 1e3).round() / 1e3);
+            *value = rounded.into();
+        }
+        Value::Array(items) => items.iter_mut().for_each(round),
+        Value::Object(fields) => fields.values_mut().for_each(round),
+        _ => (),
     }
 }
 
@@ -99,46 +104,13 @@ pub fn decision_line(
     authority: &Authority,
     names: impl Fn(u32) -> String,
 ) -> Value {
-    let record = &decision.record;
-    let position = own.ownship.position_m;
-    let stages: Vec<Value> = decision
-        .command
-        .stages()
-        .iter()
-        .map(|stage| {
-            json!({
-                "start_s": rounded(stage.start_s),
-                "course_rad": rounded(stage.course_rad),
-                "climb_rad": rounded(stage.climb_rad),
-            })
-        })
-        .collect();
-    json!({
-        "kind": "decision",
-        "t_s": rounded(time_s),
-        "state": decision.state.name(),
-        "authority": authority.name(),
-        "reason": format!("{:?}", record.reason),
-        "x_m": rounded(position.x),
-        "y_m": rounded(position.y),
-        "z_m": rounded(position.z),
-        "course_rad": rounded(own.ownship.course_rad),
-        "bank_rad": rounded(own.ownship.bank_rad),
-        "threat": record.threat.map(|threat| json!({
-            "id": threat.id,
-            "name": names(threat.id),
-            "entry_s": rounded(threat.entry_s),
-            "closest_s": rounded(threat.closest_s),
-            "margin_m": rounded(threat.margin_m),
-        })),
-        "start_s": record.start_s.map(rounded),
-        "latest_start_s": record.latest_start_s.map(rounded),
-        "resilience": record.resilience,
-        "margin_m": record.chosen.map(|candidate| rounded(candidate.margin_m)),
-        "tracked": record.work.tracked,
-        "candidates": record.work.candidates,
-        "stages": stages,
-    })
+    let mut line = decision::to_json(decision, &own.ownship, names);
+    line.insert("kind".into(), "decision".into());
+    line.insert("t_s".into(), time_s.into());
+    line.insert("authority".into(), authority.name().into());
+    let mut line = Value::Object(line);
+    round(&mut line);
+    line
 }
 
 #[cfg(test)]

@@ -16,7 +16,6 @@
 //! | [`policy`] | which policy is meant by a name? |
 //! | [`engine`] | what comes of a flight? |
 //! | [`run`] | what happened in one flight, with everything logged? |
-//! | [`words`] | what does a decision say? |
 //! | [`batch`] | what comes of many encounters? |
 //! | [`baselines`] | what would others fly? |
 //! | [`campaign`] | what comes of millions of drawn encounters, policy by policy? |
@@ -45,5 +44,4 @@ pub mod toml_input;
 pub mod track;
 pub mod tracker;
 pub mod vehicle_file;
-pub mod words;
 pub mod world;

@@ -19,6 +19,11 @@ impl<'a> TomlText<'a> {
         Self { path, text }
     }
 
+    /// The text itself.
+    pub const fn text(&self) -> &'a str {
+        self.text
+    }
+
     /// The file as it is named in messages.
     pub const fn path(&self) -> &'a Path {
         self.path

@@ -18,6 +18,7 @@ use fga_paper::pilot::GridSteps;
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::campaign::fingerprint;
 use crate::plant::Autopilot;
 use crate::policy::PolicySettings;
 use crate::sensor::SensorSettings;
@@ -34,6 +35,8 @@ const RECORDED: &str = include_str!("../vehicles/general-aviation.toml");
 pub struct VehicleModel {
     /// What people call it.
     pub name: String,
+    /// SHA-256 of its file's text, in hexadecimal.
+    pub sha256: String,
     /// Its limits.
     pub vehicle: Vehicle,
     /// What it says about deciding; the policy is chosen elsewhere.
@@ -266,6 +269,7 @@ impl VehicleModel {
             )?,
             autopilot: file.autopilot.checked(&text)?,
             name: file.name,
+            sha256: fingerprint(text.text().as_bytes()),
         })
     }
 }

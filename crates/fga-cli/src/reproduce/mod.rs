@@ -112,7 +112,7 @@ pub(crate) fn run(args: &ReproduceArgs) -> Result<ExitCode, Failure> {
     let configuration = json!({
         "seed": args.seed,
         "encounters": args.encounters,
-        "vehicle": format!("{model:?}"),
+        "vehicle_sha256": model.sha256,
     });
     let document = provenance.to_json("reproduce", &configuration, json!({"seed": args.seed}));
     atomic::write(&data.join("run.json"), format!("{document:#}\n"))?;

@@ -44,6 +44,45 @@ pub fn data(relative: &str) -> Option<PathBuf> {
     None
 }
 
+/// Checks every decision of a log against the published schema with an independent validator, and
+/// returns how many there are. The check is skipped where Python or its `jsonschema` is not there,
+/// except in continuous integration, where that is a failure.
+pub fn decisions_follow_their_schema(log: &Path) -> usize {
+    const SCRIPT: &str = "
+import json, sys
+from jsonschema import Draft202012Validator
+schema = json.load(open(sys.argv[1]))
+Draft202012Validator.check_schema(schema)
+check = Draft202012Validator(schema)
+for line in map(json.loads, open(sys.argv[2])):
+    if 'decision' in (line.get('event'), line.get('kind')):
+        check.validate(line)
+";
+    let text = std::fs::read_to_string(log).expect("a log");
+    let is_decision = |line: &&str| {
+        let line: serde_json::Value = serde_json::from_str(line).expect("JSON");
+        line["event"] == "decision" || line["kind"] == "decision"
+    };
+    let count = text.lines().filter(is_decision).count();
+    let interpreter = std::env::var("FGA_PYTHON").unwrap_or_else(|_| "python3".into());
+    let python = |arguments: &[&std::ffi::OsStr]| {
+        Command::new(&interpreter)
+            .arg("-c")
+            .args(arguments)
+            .output()
+    };
+    if !python(&["import jsonschema".as_ref()]).is_ok_and(|output| output.status.success()) {
+        let missing = format!("{interpreter} has no module jsonschema (FGA_PYTHON names another)");
+        assert!(std::env::var("CI").as_deref() != Ok("true"), "{missing}");
+        eprintln!("skipped: {missing}");
+        return count;
+    }
+    let schema = repository().join("docs/schema/decision.schema.json");
+    let output = python(&[SCRIPT.as_ref(), schema.as_ref(), log.as_ref()]).expect("Python");
+    assert!(output.status.success(), "{}", errors(&output));
+    count
+}
+
 /// A CSV file of numbers: its columns by name. Fields that are not numbers become NaN.
 pub fn columns(path: &Path) -> HashMap<String, Vec<f64>> {
     let text = std::fs::read_to_string(path).expect("the file is there");

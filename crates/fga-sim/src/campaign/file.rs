@@ -197,7 +197,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         oracle: overrides.oracle,
         cells: cells.into_iter().map(|(cell, _)| cell).collect(),
         files,
-        vehicle_sha256: fingerprint(format!("{model:?}").as_bytes()),
+        vehicle_sha256: model.sha256,
         vehicle,
         events: events(&text, &file.events, encounters)?,
     })

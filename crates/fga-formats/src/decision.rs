@@ -1,0 +1,86 @@
+//! A decision as JSON: the form that `events.jsonl` and the log of `fga fly` share. Its schema is
+//! `docs/schema/decision.schema.json`.
+
+use fga::avoider::{Candidate, Decision, Verdict};
+use fga::maneuver::Maneuver;
+use fga::situation::Ownship;
+use serde_json::{Map, Value, json};
+
+use crate::words::reason_key;
+
+/// A decision with its whole record and the aircraft that it was made for. Metres, seconds and
+/// radians; what is infinite or unknown is `null`. `name_of` gives the name of an obstacle.
+pub fn to_json(
+    decision: &Decision,
+    ownship: &Ownship,
+    name_of: impl Fn(u32) -> String,
+) -> Map<String, Value> {
+    let record = &decision.record;
+    let threat = record.threat.map(|threat| {
+        json!({
+            "obstacle": threat.id,
+            "name": name_of(threat.id),
+            "entry_s": finite(threat.entry_s),
+            "closest_s": finite(threat.closest_s),
+            "margin_m": finite(threat.margin_m),
+        })
+    });
+    let fields = json!({
+        "state": decision.state.name(),
+        "reason": reason_key(record.reason),
+        "x_m": ownship.position_m.x,
+        "y_m": ownship.position_m.y,
+        "z_m": ownship.position_m.z,
+        "course_rad": ownship.course_rad,
+        "climb_rad": ownship.climb_rad,
+        "bank_rad": ownship.bank_rad,
+        "airspeed_mps": ownship.airspeed_mps,
+        "threat": threat,
+        "latest_start_s": record.latest_start_s,
+        "resilience": record.resilience,
+        "start_s": record.start_s,
+        "command": maneuver(&decision.command),
+        "chosen": record.chosen.as_ref().map(candidate),
+        "alternative": record.alternative.as_ref().map(candidate),
+        "tracked": record.work.tracked,
+        "threats": record.work.threats,
+        "candidates": record.work.candidates,
+        "limit_met": record.work.limit_met,
+    });
+    match fields {
+        Value::Object(fields) => fields,
+        _ => Map::new(),
+    }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn maneuver(maneuver: &Maneuver) -> Vec<Value> {
+    maneuver
+        .stages()
+        .iter()
+        .map(|stage| {
+            json!({
+                "start_s": finite(stage.start_s),
+                "course_rad": stage.course_rad,
+                "climb_rad": stage.climb_rad,
+                "rate_share": stage.rate_share,
+            })
+        })
+        .collect()
+}
+
+fn candidate(candidate: &Candidate) -> Value {
+    json!({
+        "maneuver": maneuver(&candidate.maneuver),
+        "margin_m": finite(candidate.margin_m),
+        "cost": finite(candidate.cost),
+        "verdict": match candidate.verdict {
+            Verdict::Certified => "certified",
+            Verdict::Rejected => "rejected",
+            Verdict::Chosen => "chosen",
+        },
+    })
+}
