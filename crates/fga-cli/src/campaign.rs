@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use clap::{Args, Subcommand};
 use fga_formats::atomic;
+use fga_formats::encounters;
 use fga_formats::error::read_text;
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{
@@ -35,6 +36,8 @@ pub(crate) struct CampaignArgs {
 enum CampaignCommand {
     /// Fly a campaign, or go on with one.
     Run(RunArgs),
+    /// Write a campaign's encounters as a file for `fga batch`, without flying them.
+    Draw(DrawArgs),
     /// Put the parts of a campaign together.
     Merge(MergeArgs),
     /// Fly one encounter of a campaign again and write what `fga run` writes.
@@ -70,6 +73,17 @@ struct RunArgs {
     out: OutArgs,
     #[command(flatten)]
     threads: ThreadArgs,
+}
+
+#[derive(Args, Debug)]
+struct DrawArgs {
+    /// The campaign file (.toml).
+    file: PathBuf,
+    /// Encounters in all, over all cells; without it as many as the file says.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    encounters: Option<u64>,
+    #[command(flatten)]
+    out: OutArgs,
 }
 
 #[derive(Args, Debug)]
@@ -118,6 +132,7 @@ impl From<CampaignError> for Failure {
 pub(crate) fn run(args: &CampaignArgs) -> Result<ExitCode, Failure> {
     match &args.command {
         CampaignCommand::Run(args) => run_campaign(args),
+        CampaignCommand::Draw(args) => draw(args),
         CampaignCommand::Merge(args) => merge_parts(args),
         CampaignCommand::Show(args) => show(args),
     }
@@ -297,6 +312,23 @@ fn rate(times: &[DecisionTimes], fly_s: f64) -> Option<String> {
             encounters as f64 / fly_s
         )
     })
+}
+
+fn draw(args: &DrawArgs) -> Result<ExitCode, Failure> {
+    let overrides = Overrides {
+        encounters: args.encounters,
+        ..Overrides::default()
+    };
+    let configuration = file::read(&args.file, &overrides)?;
+    let campaign = Campaign::new(configuration, &args.file)?;
+    let path = args.out.prepare(&args.file)?.join("encounters.csv");
+    let count = campaign.configuration.encounters;
+    let drawn = (0..count)
+        .map(|number| Ok(campaign.draw(number)?.encounter))
+        .collect::<Result<Vec<_>, CampaignError>>()?;
+    encounters::write(&path, &drawn)?;
+    print(&format!("{count} encounters drawn: {}\n", path.display()))?;
+    Ok(ExitCode::SUCCESS)
 }
 
 fn merge_parts(args: &MergeArgs) -> Result<ExitCode, Failure> {

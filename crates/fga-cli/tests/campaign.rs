@@ -458,3 +458,28 @@ fn files_of_encounters_are_a_source_too() {
         .collect();
     assert_eq!(flown, batch["min_margin_m"]);
 }
+
+/// What `fga campaign draw` writes is what the campaign flies: flown as a file it gives the same
+/// margins.
+#[test]
+fn drawn_encounters_are_those_that_are_flown() {
+    let folder = written();
+    let at = folder.path();
+    campaign(at, &["--encounters", "12", "--csv", "--out", "flown"]);
+    let draw = ["campaign", "draw", "small.toml", "--encounters", "12"];
+    let output = fga_in(at, &[&draw[..], &["--out", "drawn"]].concat());
+    assert!(output.status.success(), "{}", errors(&output));
+    let batch = ["batch", "drawn/encounters.csv", "--policy", "none"];
+    let output = fga_in(
+        at,
+        &[&batch[..], &["--horizon", "20", "--out", "batch"]].concat(),
+    );
+    assert!(output.status.success(), "{}", errors(&output));
+    let flown = &support::columns(&at.join("flown/results.csv"))["min_margin_m"];
+    let again = &support::columns(&at.join("batch/results.csv"))["min_margin_m"];
+    // Two policies fly each encounter of the campaign, `none` first; the file has six decimals.
+    assert_eq!((flown.len(), again.len()), (24, 12));
+    for (flown, again) in flown.iter().step_by(2).zip(again) {
+        assert!((flown - again).abs() < 1e-4, "{flown} and {again}");
+    }
+}

@@ -294,16 +294,16 @@ impl Row<'_> {
     }
 }
 
-/// Writes encounters as they come; lengths and speeds with six decimals. The column `kind` is not
-/// written: what a generator draws flies straight.
+/// Writes encounters as they come; lengths and speeds with six decimals.
 #[derive(Debug)]
 pub struct Writer<W> {
     out: W,
     row: Vec<u8>,
+    kinds: bool,
 }
 
 impl<W: Write> Writer<W> {
-    /// Begins a file: writes the column names.
+    /// Begins a file of obstacles that fly straight: writes the column names, without `kind`.
     ///
     /// # Errors
     /// Those of `out`.
@@ -312,6 +312,20 @@ impl<W: Write> Writer<W> {
         Ok(Self {
             out,
             row: Vec::new(),
+            kinds: false,
+        })
+    }
+
+    /// Begins a file that says of every obstacle how it may move, in the column `kind`.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn with_kinds(mut out: W) -> io::Result<Self> {
+        writeln!(out, "{},{KIND_COLUMN}", COLUMNS.join(","))?;
+        Ok(Self {
+            out,
+            row: Vec::new(),
+            kinds: true,
         })
     }
 
@@ -333,6 +347,9 @@ impl<W: Write> Writer<W> {
                 self.row.push(b',');
                 number::push_fixed(&mut self.row, value, 6);
             }
+            if self.kinds {
+                write!(self.row, ",{}", kind_name(obstacle.movement)?)?;
+            }
             self.row.push(b'\n');
             self.out.write_all(&self.row)?;
         }
@@ -345,18 +362,40 @@ impl<W: Write> Writer<W> {
     }
 }
 
-/// Writes a batch file, whole or not at all.
+/// A movement as the column `kind` says it.
+fn kind_name(movement: Movement) -> io::Result<&'static str> {
+    match movement {
+        Movement::AtRest => Ok("still"),
+        Movement::Straight => Ok("straight"),
+        Movement::CREWED => Ok("aircraft"),
+        Movement::SMALL_UAS => Ok("uas"),
+        Movement::Aircraft(_) => Err(io::Error::new(
+            io::ErrorKind::InvalidData,
+            "an obstacle's bounds are not those of a kind, expected still, straight, aircraft or uas",
+        )),
+    }
+}
+
+/// Writes a batch file, whole or not at all; with the column `kind` where an obstacle does not fly
+/// straight.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write<'a>(
     path: &Path,
-    encounters: impl IntoIterator<Item = &'a Encounter>,
+    encounters: impl IntoIterator<Item = &'a Encounter, IntoIter: Clone>,
 ) -> Result<(), OutputError> {
+    let mut encounters = encounters.into_iter();
+    let is_straight = |obstacle: &Obstacle| obstacle.movement == Movement::Straight;
+    let straight = encounters
+        .clone()
+        .all(|encounter| encounter.obstacles.iter().all(is_straight));
     atomic::write_with(path, |file| {
-        let mut writer = Writer::new(file)?;
-        encounters
-            .into_iter()
-            .try_for_each(|encounter| writer.write(encounter))
+        let mut writer = if straight {
+            Writer::new(file)?
+        } else {
+            Writer::with_kinds(file)?
+        };
+        encounters.try_for_each(|encounter| writer.write(encounter))
     })
 }

@@ -9,6 +9,7 @@
 //! | [`units`] | how long is a nautical mile, and what does `kts` mean? |
 //! | [`geodesy`] | where is a latitude and longitude in the local frame? |
 //! | [`daa`] | what did the aircraft of a DAIDALUS recording do? |
+//! | [`recordings`] | which encounters does a recording of any kind hold? |
 //! | [`conf`] | how are alerts and bands configured? |
 //! | [`encounters`] | which encounters does a batch file hold? |
 //! | [`traffic`] | what do receivers of ADS-B say, as BaseStation lines or Beast frames? |
@@ -52,6 +53,7 @@ pub mod export;
 pub mod flight;
 pub mod geodesy;
 pub mod number;
+pub mod recordings;
 pub mod traffic;
 pub mod units;
 pub mod words;

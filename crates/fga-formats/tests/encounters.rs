@@ -150,17 +150,20 @@ proptest! {
     fn what_is_written_is_read_back(
         rows in proptest::collection::vec(
             (proptest::array::uniform6(-1e5..1e5_f64), 0.0..1e4_f64), 1..20),
-        split in 1..5_usize,
+        split in 1..5_usize, kinds in 1..5usize,
     ) {
         let round = |value: f64| (value * 1e6).round() / 1e6;
         let made: Vec<Encounter> = rows.chunks(split).zip(100..).map(|(chunk, id)| Encounter {
             id,
-            obstacles: chunk.iter().zip(0..).map(|((v, radius), id)| Obstacle::new(
+            obstacles: chunk.iter().zip(0..).map(|((v, radius), id)| Obstacle { movement:
+                [Movement::Straight, Movement::AtRest, Movement::CREWED, Movement::SMALL_UAS]
+                    [id as usize % kinds],
+                ..Obstacle::new(
                 id,
                 DVec3::new(round(v[0]), round(v[1]), round(v[2])),
                 DVec3::new(round(v[3]), round(v[4]), round(v[5])),
                 ProtectedVolume::Sphere { radius_m: round(*radius) },
-            )).collect(),
+            )}).collect(),
         }).collect();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("e.csv");
@@ -172,6 +175,7 @@ proptest! {
             for (found, made) in found.obstacles.iter().zip(&made.obstacles) {
                 prop_assert!((found.position_m - made.position_m).length() < 1e-8);
                 prop_assert!((found.velocity_mps - made.velocity_mps).length() < 1e-8);
+                prop_assert_eq!(found.movement, made.movement);
             }
         }
     }

@@ -8,7 +8,7 @@
 //! `departures latest SEED COUNT [CELL…]`: `turn-aware --start latest`: how long before the last
 //! moment at which the oracle still finds a way out it starts.
 //! `departures needless SEED COUNT`: traffic that passes close but clear: is anything done, is
-//! anything entered? CELL as in `generate_encounters`.
+//! anything entered? CELL as in `EncounterSource::parse`.
 
 use std::process::ExitCode;
 

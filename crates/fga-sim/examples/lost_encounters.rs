@@ -1,6 +1,6 @@
 //! Counts the encounters that the oracle saves and a policy loses.
 //!
-//! `lost_encounters CELL SEED COUNT [START] [turning]`, CELL as in `generate_encounters`, START one of
+//! `lost_encounters CELL SEED COUNT [START] [turning]`, CELL as in `EncounterSource::parse`, START one of
 //! `free`, `t0`, `latest` or a `C_s`. Prints one line for the cell and one for each lost encounter.
 //!
 //! With `turning` the closest intruder turns by 45° to either side one second after the policy has

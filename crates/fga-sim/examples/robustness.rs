@@ -1,7 +1,7 @@
 //! How many of the encounters that the aircraft's limits allow to be saved are saved when nothing
 //! is ideal: noisy sight, a bank that lags, a turn that is slower than assumed, wind.
 //!
-//! `robustness SEED COUNT [CELL…]`, CELL as in `generate_encounters`; without cells the hundred of
+//! `robustness SEED COUNT [CELL…]`, CELL as in `EncounterSource::parse`; without cells the hundred of
 //! {1, 2, 3, 5, 10} threats × {100–500, 300} m × five speeds, in space and in the plane. Each
 //! encounter is drawn for the ground speed in its wind, whose direction goes round with the
 //! encounter's number. The oracle has the same limits and perfect sight. Options are taken from the

@@ -50,6 +50,9 @@ const NAME: &[&str] = &["name", "aircraft", "id"];
 const LATITUDE: &[&str] = &["lat", "latitude"];
 const LONGITUDE: &[&str] = &["lon", "long", "longitude"];
 const ALTITUDE: &[&str] = &["alt", "altitude"];
+const EAST: &[&str] = &["sx", "east"];
+const NORTH: &[&str] = &["sy", "north"];
+const UP: &[&str] = &["sz", "alt", "altitude"];
 const TRACK: &[&str] = &["trk", "track"];
 const GROUND_SPEED: &[&str] = &["gs", "groundspeed", "groundspd"];
 const VERTICAL_SPEED: &[&str] = &["vs", "verticalspeed", "hdot"];
@@ -66,11 +69,12 @@ impl Layout {
         let kind = |first: &[&str], second: &[&str]| header.has(first) && !header.has(second);
 
         let name = header.place(NAME)?;
-        let position = if kind(&["sx", "sy", "sz"], &[LATITUDE, LONGITUDE].concat()) {
+        let cartesian = [EAST, NORTH].concat();
+        let position = if kind(&cartesian, &[LATITUDE, LONGITUDE].concat()) {
             PositionColumns::Cartesian([
-                header.column(&["sx"], Unit::NAUTICAL_MILE)?,
-                header.column(&["sy"], Unit::NAUTICAL_MILE)?,
-                header.column(&["sz"], Unit::FOOT)?,
+                header.column(EAST, Unit::NAUTICAL_MILE)?,
+                header.column(NORTH, Unit::NAUTICAL_MILE)?,
+                header.column(UP, Unit::FOOT)?,
             ])
         } else {
             PositionColumns::Geodetic([

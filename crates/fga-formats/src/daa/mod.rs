@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | name | `name`, `aircraft`, `id` | |
 //! | position | `lat`, `lon`, `alt` (or long forms) | deg, deg, ft |
-//! | | or `sx`, `sy`, `sz`: east, north, up | nmi, nmi, ft |
+//! | | or `sx`, `sy`, `sz`: east, north, up; also `east`, `north`, `alt`, as MIT-LL pairing files name them | nmi, nmi, ft |
 //! | velocity | `trk`, `gs`, `vs` (or long forms): true track from north, ground speed, climb | deg, kn, fpm |
 //! | | or `vx`, `vy`, `vz`: east, north, up | kn, kn, fpm |
 //! | time | `time`, `tm`, `st`, or `clock` as `hours:minutes:seconds` | s |
@@ -28,6 +28,7 @@ pub mod instants;
 mod rows;
 pub mod scene;
 pub mod tables;
+mod write;
 
 use crate::error::{InputError, read_text};
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
@@ -35,6 +36,8 @@ use columns::Layout;
 use glam::DVec3;
 use rows::Rows;
 use std::path::Path;
+
+pub use write::write;
 
 /// What a recording holds: at least the ownship, with at least one sample each.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,0 +1,112 @@
+//! Encounters as MIT-LL's DEGAS has them: a row each second with both aircraft side by side.
+//!
+//! The first line names the columns, with two numbers for two aircraft, and the units:
+//! `# xE1,xE2,xN1,xN2,h1,h2,vE1,vE2,vN1,vN2,hdot1,hdot2 [ft, ft/s], 1 Hz`.
+
+use crate::daa::{Recording, Track, TrackSample};
+use crate::error::{InputError, shown};
+use crate::units::FOOT_M;
+use glam::DVec3;
+use std::path::Path;
+
+/// Columns of a row, in their order.
+const COLUMNS: [&str; 12] = [
+    "xE1", "xE2", "xN1", "xN2", "h1", "h2", "vE1", "vE2", "vN1", "vN2", "hdot1", "hdot2",
+];
+
+/// The farthest and fastest that is taken for real, metres and metres per second.
+const LARGEST: f64 = 1e7;
+
+/// Whether a text begins as such a file does.
+pub(super) fn is_degas(text: &str) -> bool {
+    text.strip_prefix('#')
+        .is_some_and(|rest| rest.trim_start().starts_with("xE1"))
+}
+
+/// Reads the encounter.
+pub(super) fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
+    let head = text.trim_start().lines().next().unwrap_or_default();
+    let names: Vec<&str> = head
+        .trim_start_matches(['#', ' '])
+        .split('[')
+        .next()
+        .unwrap_or_default()
+        .split(',')
+        .map(str::trim)
+        .collect();
+    let wrong = |found: String| {
+        InputError::at_line(
+            path,
+            1,
+            format!("{found}, expected {} [ft, ft/s], 1 Hz", COLUMNS.join(",")),
+        )
+    };
+    if names != COLUMNS {
+        return Err(wrong(format!("names the columns {}", names.join(","))));
+    }
+    if !head.contains("[ft, ft/s]") || !head.contains("1 Hz") {
+        return Err(wrong("has other units or another rate".into()));
+    }
+    let mut samples = [Vec::new(), Vec::new()];
+    for (line, number) in text.lines().zip(1_u64..) {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let row: Vec<f64> = line
+            .split(',')
+            .map(|field| {
+                field
+                    .trim()
+                    .parse::<f64>()
+                    .ok()
+                    .map(|feet| feet * FOOT_M)
+                    .filter(|value| value.abs() <= LARGEST)
+                    .ok_or_else(|| {
+                        let field = shown(field.trim());
+                        InputError::at_line(
+                            path,
+                            number,
+                            format!("holds {field}, expected a number"),
+                        )
+                    })
+            })
+            .collect::<Result<_, _>>()?;
+        let [e1, e2, n1, n2, h1, h2, ve1, ve2, vn1, vn2, hd1, hd2] =
+            *<&[f64; 12]>::try_from(row.as_slice()).map_err(|_| {
+                let message = format!("has {} fields, expected 12", row.len());
+                InputError::at_line(path, number, message)
+            })?;
+        let states = [
+            (DVec3::new(e1, n1, h1), DVec3::new(ve1, vn1, hd1)),
+            (DVec3::new(e2, n2, h2), DVec3::new(ve2, vn2, hd2)),
+        ];
+        for (samples, (position_m, velocity_mps)) in samples.iter_mut().zip(states) {
+            samples.push(TrackSample {
+                time_s: samples.len() as f64,
+                position_m,
+                velocity_mps,
+                place: None,
+            });
+        }
+    }
+    if samples.iter().any(Vec::is_empty) {
+        return Err(InputError::in_file(
+            path,
+            "holds no rows, expected at least one below the column names",
+        ));
+    }
+    let aircraft = ["1", "2"]
+        .into_iter()
+        .zip(samples)
+        .map(|(name, samples)| Track {
+            name: name.to_owned(),
+            samples,
+        })
+        .collect();
+    Ok(Recording {
+        aircraft,
+        frame: None,
+        parameters: Vec::new(),
+    })
+}

@@ -1,0 +1,192 @@
+//! Which of many received aircraft came close to each other?
+//!
+//! Two tracks are an encounter where at some time they are within [`CLOSE_M`] horizontally and
+//! [`CLOSE_HEIGHT_M`] vertically. It reaches from [`BEFORE_S`] before their closest approach to
+//! [`AFTER_S`] after it, as far as both are heard without a gap longer than [`GAP_S`]. The first
+//! of the two by name is the ownship. Between reports aircraft fly straight.
+
+use super::Named;
+use super::received::{Heard, ReceivedTrack};
+use crate::daa::{Recording, Track, TrackSample};
+use crate::error::InputError;
+use crate::geodesy::{Earth, LocalFrame};
+use std::path::Path;
+
+/// Horizontal distance of a pair, metres.
+pub const CLOSE_M: f64 = 3000.0;
+/// Vertical distance of a pair, metres.
+pub const CLOSE_HEIGHT_M: f64 = 300.0;
+/// An encounter begins this long before the closest approach, seconds.
+pub const BEFORE_S: f64 = 120.0;
+/// An encounter ends this long after the closest approach, seconds.
+pub const AFTER_S: f64 = 60.0;
+/// A track that was silent for longer is another track afterwards, seconds.
+pub const GAP_S: f64 = 30.0;
+/// Shorter common times are no encounter, seconds.
+const SHORTEST_S: f64 = 20.0;
+/// Slower than this an aircraft stands on the ground, metres per second.
+const SLOWEST_MPS: f64 = 5.0;
+/// The longest step between two looks at a pair, seconds.
+const LOOK_S: f64 = 1.0;
+
+/// The close pairs among some tracks, in the order of their names.
+///
+/// # Errors
+/// No pair at all.
+pub(super) fn close_pairs(
+    tracks: &[ReceivedTrack],
+    name: &str,
+    path: &Path,
+) -> Result<Vec<Named>, InputError> {
+    let pieces: Vec<ReceivedTrack> = tracks.iter().flat_map(unbroken).collect();
+    let mut found = Vec::new();
+    for (index, first) in pieces.iter().enumerate() {
+        for second in pieces.iter().skip(index + 1) {
+            if first.name != second.name
+                && let Some(recording) = pair(first, second)
+            {
+                let name = format!("{name} {}-{}", first.name, second.name);
+                found.push(Named { name, recording });
+            }
+        }
+    }
+    // The same two may meet twice.
+    for index in 1..found.len() {
+        let (before, rest) = found.split_at_mut(index);
+        let Some(this) = rest.first_mut() else {
+            continue;
+        };
+        let again = before
+            .iter()
+            .filter(|other| {
+                other.name == this.name || other.name.starts_with(&format!("{} #", this.name))
+            })
+            .count();
+        if again > 0 {
+            this.name = format!("{} #{}", this.name, again + 1);
+        }
+    }
+    if found.is_empty() {
+        return Err(InputError::in_file(
+            path,
+            format!(
+                "has {} aircraft with positions, of which no two come within {CLOSE_M} m and {CLOSE_HEIGHT_M} m of each other, expected at least one pair",
+                tracks.len()
+            ),
+        ));
+    }
+    Ok(found)
+}
+
+/// The parts of a track without gaps.
+fn unbroken(track: &ReceivedTrack) -> Vec<ReceivedTrack> {
+    track
+        .heard
+        .chunk_by(|a, b| b.time_s - a.time_s <= GAP_S)
+        .filter(|part| part.len() >= 2)
+        .map(|part| ReceivedTrack {
+            name: track.name.clone(),
+            heard: part.to_vec(),
+        })
+        .collect()
+}
+
+/// A pair as a recording, if it comes close.
+fn pair(first: &ReceivedTrack, second: &ReceivedTrack) -> Option<Recording> {
+    let begin_s = first
+        .heard
+        .first()?
+        .time_s
+        .max(second.heard.first()?.time_s);
+    let end_s = first.heard.last()?.time_s.min(second.heard.last()?.time_s);
+    if end_s - begin_s < SHORTEST_S {
+        return None;
+    }
+    let frame = LocalFrame::new(first.heard.first()?.place, Earth::Daidalus);
+    let tracks = [first, second].map(|track| local(track, &frame));
+    let looks = libm::ceil((end_s - begin_s) / LOOK_S);
+    let mut closest: Option<(f64, f64)> = None;
+    let mut time_s = begin_s;
+    let step_s = (end_s - begin_s) / looks.max(1.0);
+    while time_s <= end_s {
+        let [Some((a, _)), Some((b, _))] = [0, 1].map(|i: usize| tracks.get(i)?.state_at(time_s))
+        else {
+            break;
+        };
+        let offset_m = b - a;
+        let horizontal_m = libm::hypot(offset_m.x, offset_m.y);
+        let is_close = horizontal_m <= CLOSE_M && offset_m.z.abs() <= CLOSE_HEIGHT_M;
+        let distance_m = offset_m.length();
+        if is_close && closest.is_none_or(|(least_m, _)| distance_m < least_m) {
+            closest = Some((distance_m, time_s));
+        }
+        time_s += step_s;
+    }
+    let (_, closest_s) = closest?;
+    let (from_s, to_s) = (closest_s - BEFORE_S, closest_s + AFTER_S);
+    let aircraft: Vec<Track> = tracks
+        .into_iter()
+        .map(|track| Track {
+            samples: track
+                .samples
+                .into_iter()
+                .filter(|sample| {
+                    (from_s.max(begin_s) - GAP_S / 2.0..=to_s.min(end_s) + GAP_S / 2.0)
+                        .contains(&sample.time_s)
+                })
+                .collect(),
+            ..track
+        })
+        .collect();
+    let is_moving = |track: &Track| {
+        track
+            .samples
+            .iter()
+            .all(|sample| sample.velocity_mps.length() > SLOWEST_MPS)
+    };
+    (aircraft
+        .iter()
+        .all(|track| track.samples.len() >= 2 && is_moving(track)))
+    .then_some(Recording {
+        aircraft,
+        frame: Some(frame),
+        parameters: Vec::new(),
+    })
+}
+
+/// A track in the local frame; a velocity that was not heard is that to the next report.
+fn local(track: &ReceivedTrack, frame: &LocalFrame) -> Track {
+    let positions: Vec<_> = track
+        .heard
+        .iter()
+        .map(|heard| frame.to_local_m(heard.place))
+        .collect();
+    let between = |from: usize, to: usize| {
+        let (a, b) = (track.heard.get(from)?, track.heard.get(to)?);
+        Some((*positions.get(to)? - *positions.get(from)?) / (b.time_s - a.time_s))
+    };
+    let velocity = |index: usize, heard: &Heard| {
+        heard
+            .velocity_mps
+            .map(|own| frame.velocity_mps(heard.place, own))
+            .or_else(|| between(index.checked_sub(1)?, index))
+            .or_else(|| between(index, index + 1))
+            .unwrap_or_default()
+    };
+    let samples = track
+        .heard
+        .iter()
+        .zip(&positions)
+        .enumerate()
+        .map(|(index, (heard, position_m))| TrackSample {
+            time_s: heard.time_s,
+            position_m: *position_m,
+            velocity_mps: velocity(index, heard),
+            place: Some(heard.place),
+        })
+        .collect();
+    Track {
+        name: track.name.clone(),
+        samples,
+    }
+}
