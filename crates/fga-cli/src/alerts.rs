@@ -8,8 +8,9 @@ use fga_formats::atomic;
 use fga_formats::conf::{self, Configuration};
 use fga_formats::daa::instants::{self, Instants};
 use fga_formats::daa::tables::{Tables, watch};
+use serde_json::json;
 
-use crate::common::{OutArgs, print};
+use crate::common::{AnswerArgs, OutArgs};
 use crate::failure::Failure;
 
 /// Options of `fga alerts`.
@@ -29,6 +30,8 @@ pub(crate) struct DetectArgs {
     config: PathBuf,
     #[command(flatten)]
     pub(crate) out: OutArgs,
+    #[command(flatten)]
+    pub(crate) answer: AnswerArgs,
 }
 
 impl DetectArgs {
@@ -78,9 +81,14 @@ pub(crate) fn run(args: &AlertsArgs) -> Result<ExitCode, Failure> {
         || "no alert".to_owned(),
         |(level, time_s)| format!("highest level {level}, first at {time_s} s"),
     );
-    print(&format!(
-        "{times} instants, {what}; alerts in {}\n",
-        path.display()
-    ))?;
+    input.answer.print(
+        || format!("{times} instants, {what}; alerts in {}\n", path.display()),
+        &json!({
+            "instants": times,
+            "highest_level": highest.map_or(0, |(level, _)| level),
+            "highest_level_t_s": highest.map(|(_, time_s)| time_s),
+            "file": path.display().to_string(),
+        }),
+    )?;
     Ok(ExitCode::SUCCESS)
 }

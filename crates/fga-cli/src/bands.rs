@@ -5,9 +5,9 @@ use std::process::ExitCode;
 use clap::Args;
 use fga_formats::atomic;
 use fga_formats::daa::tables::{Tables, watch};
+use serde_json::json;
 
 use crate::alerts::DetectArgs;
-use crate::common::print;
 use crate::failure::Failure;
 
 /// Options of `fga bands`.
@@ -36,6 +36,9 @@ pub(crate) fn run(args: &BandsArgs) -> Result<ExitCode, Failure> {
     .map_err(|message| input.refused(&message))?;
     let path = folder.join("bands.out");
     atomic::write(&path, text)?;
-    print(&format!("{times} instants; bands in {}\n", path.display()))?;
+    input.answer.print(
+        || format!("{times} instants; bands in {}\n", path.display()),
+        &json!({ "instants": times, "file": path.display().to_string() }),
+    )?;
     Ok(ExitCode::SUCCESS)
 }

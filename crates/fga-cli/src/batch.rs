@@ -16,7 +16,7 @@ use serde_json::json;
 
 use crate::batch_replays;
 use crate::common::{
-    OutArgs, PolicyArgs, ThreadArgs, VehicleArgs, interrupted, print, watch_for_interrupt,
+    AnswerArgs, OutArgs, PolicyArgs, ThreadArgs, VehicleArgs, interrupted, watch_for_interrupt,
 };
 use crate::failure::Failure;
 use crate::provenance::{Provenance, file_fingerprint};
@@ -48,6 +48,8 @@ pub(crate) struct BatchArgs {
     /// Master seed of the sensor noise of the vehicle file.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
+    #[command(flatten)]
+    answer: AnswerArgs,
 }
 
 /// A positive number of seconds, at most a day.
@@ -251,10 +253,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
         "input_sha256": input_hash,
     });
     let (median_us, max_us) = totals.decision_us();
-    let document = provenance.to_json(
-        "batch",
-        &configuration,
-        json!({
+    let mut summary = json!({
             "input": args.encounters.display().to_string(),
             "policy": settings.policy.name(),
             "vehicle": settings.model.name,
@@ -266,22 +265,28 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
             "decision_median_us": median_us,
             "decision_max_us": max_us,
             "encounters_per_s": totals.encounters as f64 / flown_s,
-        }),
-    );
+    });
+    let document = provenance.to_json("batch", &configuration, summary.clone());
     atomic::write(&folder.join("run.json"), format!("{document:#}\n"))?;
-    let mut lines = totals.in_words(&settings);
-    if !shown.is_empty() {
-        lines.push(format!(
-            "replay pages of the {} worst encounters; fga view {} lists them",
-            shown.len(),
-            folder.display()
-        ));
-    }
-    lines.push(format!(
-        "{:.0} encounters a second; results in {}\n",
-        totals.encounters as f64 / flown_s,
-        folder.display()
-    ));
-    print(&lines.join("\n"))?;
+    summary["results"] = folder.display().to_string().into();
+    args.answer.print(
+        || {
+            let mut lines = totals.in_words(&settings);
+            if !shown.is_empty() {
+                lines.push(format!(
+                    "replay pages of the {} worst encounters; fga view {} lists them",
+                    shown.len(),
+                    folder.display()
+                ));
+            }
+            lines.push(format!(
+                "{:.0} encounters a second; results in {}\n",
+                totals.encounters as f64 / flown_s,
+                folder.display()
+            ));
+            lines.join("\n")
+        },
+        &summary,
+    )?;
     Ok(ExitCode::SUCCESS)
 }

@@ -13,13 +13,15 @@ use fga_formats::error::read_text;
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{
     Assembled, Campaign, CampaignError, DecisionTimes, Folder, Manifest, Progress, RESULTS, Shard,
-    Stamp, Task, assemble, merge, reread, run as fly,
+    Stamp, Summary, Task, assemble, merge, reread, run as fly,
 };
 use fga_sim::policy::PolicyChoice;
 use serde_json::{Value, json};
 
-use crate::campaign_summary::{in_words, write_summary};
-use crate::common::{OutArgs, OverlayArgs, ThreadArgs, interrupted, print, watch_for_interrupt};
+use crate::campaign_summary::{document as summary_document, in_words, write_summary};
+use crate::common::{
+    AnswerArgs, OutArgs, OverlayArgs, ThreadArgs, interrupted, watch_for_interrupt,
+};
 use crate::failure::Failure;
 use crate::provenance::Provenance;
 use crate::run::summary as run_summary;
@@ -73,6 +75,8 @@ struct RunArgs {
     out: OutArgs,
     #[command(flatten)]
     threads: ThreadArgs,
+    #[command(flatten)]
+    answer: AnswerArgs,
 }
 
 #[derive(Args, Debug)]
@@ -97,6 +101,8 @@ struct MergeArgs {
     /// Write results.csv too.
     #[arg(long)]
     csv: bool,
+    #[command(flatten)]
+    answer: AnswerArgs,
 }
 
 #[derive(Args, Debug)]
@@ -117,6 +123,8 @@ struct ShowArgs {
     /// Folder for the flight; without it out/<name of the folder>-<number>.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    answer: AnswerArgs,
 }
 
 impl From<CampaignError> for Failure {
@@ -159,7 +167,7 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
     };
     let manifest = task.manifest();
     if args.resume && task.folder.file(RESULTS).exists() {
-        return finished(&task, &manifest);
+        return finished(&task, &manifest, args.answer);
     }
     watch_for_interrupt();
     let mut display = Display::new();
@@ -187,15 +195,21 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
     if part != Shard::WHOLE {
         let document = document(&provenance, &manifest, more);
         atomic::write(&task.folder.file("run.json"), format!("{document:#}\n"))?;
-        print(&format!(
-            "part {}/{} of {} is complete; put the parts together with fga campaign merge\n",
-            part.number, part.of, campaign.configuration.name
-        ))?;
+        let name = &campaign.configuration.name;
+        args.answer.print(
+            || {
+                format!(
+                    "part {}/{} of {name} is complete; put the parts together with fga campaign merge\n",
+                    part.number, part.of
+                )
+            },
+            &json!({ "name": name, "shard": format!("{}/{}", part.number, part.of), "complete": true }),
+        )?;
         return Ok(ExitCode::SUCCESS);
     }
     let blocks = task.folder.blocks()?;
     let assembled = assemble(&blocks, &campaign, &task.stamp, &task.folder, args.csv)?;
-    finish(
+    let summary = finish(
         &task.folder,
         &campaign,
         &manifest,
@@ -203,14 +217,18 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
         &provenance,
         more,
     )?;
-    if let Some(line) = rate(&times, fly_s) {
-        print(&line)?;
-    }
+    args.answer.print(
+        || {
+            let rate = rate(&times, fly_s).unwrap_or_default();
+            in_words(&campaign, &summary, task.folder.path()) + &rate
+        },
+        &summary_document(&campaign, &summary),
+    )?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// The folder holds all results already.
-fn finished(task: &Task<'_>, manifest: &Manifest) -> Result<ExitCode, Failure> {
+fn finished(task: &Task<'_>, manifest: &Manifest, answer: AnswerArgs) -> Result<ExitCode, Failure> {
     task.folder.open(manifest, true)?;
     let expected = std::fs::read(task.folder.file("run.json"))
         .ok()
@@ -218,15 +236,14 @@ fn finished(task: &Task<'_>, manifest: &Manifest) -> Result<ExitCode, Failure> {
         .and_then(|document| Some(document.get("results_sha256")?.as_str()?.to_owned()));
     let assembled = reread(&task.folder, task.campaign, expected.as_deref())?;
     task.folder.remove_blocks()?;
-    print(&in_words(
-        task.campaign,
-        &assembled.summary,
-        task.folder.path(),
-    ))?;
+    answer.print(
+        || in_words(task.campaign, &assembled.summary, task.folder.path()),
+        &summary_document(task.campaign, &assembled.summary),
+    )?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes everything about a complete campaign and says it.
+/// Writes everything about a complete campaign; returns what it says together.
 fn finish(
     folder: &Folder,
     campaign: &Campaign,
@@ -234,7 +251,7 @@ fn finish(
     mut assembled: Assembled,
     provenance: &Provenance,
     mut more: Value,
-) -> Result<(), Failure> {
+) -> Result<Summary, Failure> {
     write_events(folder, campaign)?;
     write_summary(folder.path(), campaign, &assembled.summary)?;
     if let Some(more) = more.as_object_mut() {
@@ -244,7 +261,7 @@ fn finish(
     atomic::write(&folder.file("run.json"), format!("{document:#}\n"))?;
     assembled.commit()?;
     folder.remove_blocks()?;
-    print(&in_words(campaign, &assembled.summary, folder.path()))
+    Ok(assembled.summary)
 }
 
 /// Writes the events of the encounters that the campaign names, each flown again by every policy.
@@ -347,13 +364,17 @@ fn merge_parts(args: &MergeArgs) -> Result<ExitCode, Failure> {
     folder.write_manifest(&parts.manifest)?;
     let from: Vec<String> = args.parts.iter().map(|p| p.display().to_string()).collect();
     let more = json!({ "merged_from": from });
-    finish(
+    let summary = finish(
         &folder,
         &parts.campaign,
         &parts.manifest,
         assembled,
         &provenance,
         more,
+    )?;
+    args.answer.print(
+        || in_words(&parts.campaign, &summary, folder.path()),
+        &summary_document(&parts.campaign, &summary),
     )?;
     Ok(ExitCode::SUCCESS)
 }
@@ -394,7 +415,8 @@ fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
         "policy": log.policy,
         "overlay": overlaid.iter().map(|log| log.policy.as_str()).collect::<Vec<_>>(),
     });
-    let mut more = run_summary(&log);
+    let summary = run_summary(&log);
+    let mut more = summary.clone();
     if let Some(more) = more.as_object_mut() {
         more.insert("input".into(), json!(args.folder.display().to_string()));
         more.insert("seed".into(), json!(log.plan.world.seed));
@@ -402,7 +424,8 @@ fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
     }
     let document = provenance.to_json("campaign show", &configuration, more);
     run_files::write(&folder, &log, &overlaid, &document)?;
-    print(&crate::run::in_words(&log, &overlaid, &folder))?;
+    args.answer
+        .print(|| crate::run::in_words(&log, &overlaid, &folder), &summary)?;
     Ok(ExitCode::SUCCESS)
 }
 

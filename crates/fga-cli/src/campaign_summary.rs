@@ -102,6 +102,19 @@ fn rows(campaign: &Campaign, summary: &Summary) -> Vec<Vec<(String, Value)>> {
     all.chain(each).collect()
 }
 
+/// What `summary.json` holds: one object for each policy over all sources, then for each source.
+pub(crate) fn document(campaign: &Campaign, summary: &Summary) -> Value {
+    let objects: Vec<Value> = rows(campaign, summary)
+        .into_iter()
+        .map(|row| Value::Object(row.into_iter().collect::<Map<_, _>>()))
+        .collect();
+    json!({
+        "name": campaign.configuration.name,
+        "configuration_hash": campaign.hash,
+        "rows": objects,
+    })
+}
+
 /// Writes `summary.csv` and `summary.json`.
 pub(crate) fn write_summary(
     folder: &Path,
@@ -121,15 +134,7 @@ pub(crate) fn write_summary(
         csv.push('\n');
     }
     atomic::write(&folder.join("summary.csv"), csv)?;
-    let objects: Vec<Value> = rows
-        .into_iter()
-        .map(|row| Value::Object(row.into_iter().collect::<Map<_, _>>()))
-        .collect();
-    let document = json!({
-        "name": campaign.configuration.name,
-        "configuration_hash": campaign.hash,
-        "rows": objects,
-    });
+    let document = document(campaign, summary);
     atomic::write(&folder.join("summary.json"), format!("{document:#}\n"))
 }
 

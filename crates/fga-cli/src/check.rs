@@ -13,7 +13,7 @@ use fga_sim::toml_input::TomlText;
 use fga_sim::vehicle_file::VehicleModel;
 use serde_json::json;
 
-use crate::common::print;
+use crate::common::AnswerArgs;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 
@@ -25,24 +25,19 @@ pub(crate) struct CheckArgs {
     /// Kind of a .toml file; without it the file's keys tell.
     #[arg(long)]
     kind: Option<FileKind>,
-    /// Print the result as JSON.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    answer: AnswerArgs,
 }
 
 /// Reads the file as its command would, and says what it holds.
 pub(crate) fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     let (kind, holds) = check(&args.file, args.kind)?;
     let shown = args.file.display();
-    print(&if args.json {
-        let file = shown.to_string();
-        format!(
-            "{:#}\n",
-            json!({ "file": file, "kind": kind, "usable": true, "holds": holds })
-        )
-    } else {
-        format!("{shown}: a usable {kind}: {holds}\n")
-    })?;
+    let file = shown.to_string();
+    args.answer.print(
+        || format!("{shown}: a usable {kind}: {holds}\n"),
+        &json!({ "file": file, "kind": kind, "usable": true, "holds": holds }),
+    )?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -41,6 +41,29 @@ impl PolicyArgs {
     }
 }
 
+/// How a command answers on standard output.
+#[derive(Args, Debug, Clone, Copy)]
+pub(crate) struct AnswerArgs {
+    /// Print the answer as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl AnswerArgs {
+    /// Prints the answer: in words, which end with a line break, or as JSON.
+    pub(crate) fn print(
+        self,
+        in_words: impl FnOnce() -> String,
+        value: &serde_json::Value,
+    ) -> Result<(), Failure> {
+        if self.json {
+            print(&format!("{value:#}\n"))
+        } else {
+            print(&in_words())
+        }
+    }
+}
+
 /// What else the replay page shows.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct OverlayArgs {

@@ -11,8 +11,9 @@ use fga_formats::export::flightgear::{self, Sender};
 use fga_formats::export::{self, Format};
 use fga_formats::flight::Flight;
 use fga_formats::{InputError, atomic};
+use serde_json::json;
 
-use crate::common::{interrupted, print, watch_for_interrupt};
+use crate::common::{AnswerArgs, interrupted, watch_for_interrupt};
 use crate::failure::Failure;
 use crate::flight_file;
 
@@ -34,6 +35,8 @@ pub(crate) struct ExportArgs {
     /// How many times faster than it was flown it is played.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor, requires = "flightgear")]
     speed: f64,
+    #[command(flatten)]
+    answer: AnswerArgs,
 }
 
 /// A factor from 0.01 to 1000.
@@ -52,18 +55,23 @@ pub(crate) fn run(args: &ExportArgs) -> Result<ExitCode, Failure> {
         args.run.clone()
     };
     let flight = Flight::read(&file)?;
+    let mut written = Vec::new();
     if let Some(format) = args.format {
         let out = args
             .out
             .clone()
             .unwrap_or_else(|| file.with_file_name(format!("flight.{format}")));
         export::write(&flight, format, &out)?;
-        print(&format!("{}\n", out.display()))?;
+        written.push(out.display().to_string());
     }
-    if let Some(target) = &args.flightgear {
+    if args.flightgear.is_some() {
         let protocol = file.with_file_name("fga.xml");
         atomic::write(&protocol, flightgear::PROTOCOL_XML)?;
-        print(&format!("{}\n", protocol.display()))?;
+        written.push(protocol.display().to_string());
+    }
+    args.answer
+        .print(|| written.join("\n") + "\n", &json!({ "files": written }))?;
+    if let Some(target) = &args.flightgear {
         play(&flight, target, args.speed)?;
     }
     Ok(ExitCode::SUCCESS)

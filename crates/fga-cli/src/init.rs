@@ -7,8 +7,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga_formats::OutputError;
+use serde_json::json;
 
-use crate::common::print;
+use crate::common::AnswerArgs;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
 
@@ -20,6 +21,8 @@ pub(crate) struct InitArgs {
     /// Where to write it; without it KIND.toml in this folder.
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
+    #[command(flatten)]
+    answer: AnswerArgs,
 }
 
 /// Writes the file; one that is there already is left alone.
@@ -44,9 +47,10 @@ pub(crate) fn run(args: &InitArgs) -> Result<ExitCode, Failure> {
         let _ = std::fs::remove_file(&path);
         return Err(Failure::Output(OutputError::new(&path, error)));
     }
-    print(&format!(
-        "{shown} written; {}\n",
-        args.kind.next_step(&shown.to_string())
-    ))?;
+    let next = args.kind.next_step(&shown.to_string());
+    args.answer.print(
+        || format!("{shown} written; {next}\n"),
+        &json!({ "file": shown.to_string(), "kind": args.kind.to_string() }),
+    )?;
     Ok(ExitCode::SUCCESS)
 }

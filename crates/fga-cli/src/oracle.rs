@@ -16,9 +16,12 @@ use fga_sim::oracle::{
 };
 use fga_sim::vehicle_file::VehicleModel;
 use rayon::prelude::*;
+use serde_json::json;
 
 use crate::batch::positive_seconds;
-use crate::common::{OutArgs, ThreadArgs, VehicleArgs, interrupted, print, watch_for_interrupt};
+use crate::common::{
+    AnswerArgs, OutArgs, ThreadArgs, VehicleArgs, interrupted, watch_for_interrupt,
+};
 use crate::failure::Failure;
 
 /// Encounters searched between two writings.
@@ -38,6 +41,8 @@ pub(crate) struct OracleArgs {
     /// Time over which the margin counts, seconds.
     #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive_seconds, allow_negative_numbers = true)]
     horizon: f64,
+    #[command(flatten)]
+    answer: AnswerArgs,
 }
 
 /// The best margin of one encounter, metres.
@@ -120,13 +125,25 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
         Ok(())
     })??;
     file.commit()?;
-    print(&format!(
-        "{} encounters, vehicle {}: {avoidable} avoidable ({:.2} %); results in {}\n",
-        encounters.len(),
-        model.name,
-        100.0 * avoidable as f64 / encounters.len() as f64,
-        folder.display()
-    ))?;
+    let share = avoidable as f64 / encounters.len() as f64;
+    args.answer.print(
+        || {
+            format!(
+                "{} encounters, vehicle {}: {avoidable} avoidable ({:.2} %); results in {}\n",
+                encounters.len(),
+                model.name,
+                100.0 * share,
+                folder.display()
+            )
+        },
+        &json!({
+            "encounters": encounters.len(),
+            "vehicle": model.name,
+            "avoidable": avoidable,
+            "avoidable_share": share,
+            "results": folder.display().to_string(),
+        }),
+    )?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -11,7 +11,7 @@ use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, RunLog, fly};
 use serde_json::{Value, json};
 
-use crate::common::{OutArgs, OverlayArgs, PolicyArgs, ThreadArgs, VehicleArgs, print};
+use crate::common::{AnswerArgs, OutArgs, OverlayArgs, PolicyArgs, ThreadArgs, VehicleArgs};
 use crate::failure::Failure;
 use crate::live::LiveView;
 use crate::provenance::{Provenance, file_fingerprint};
@@ -38,9 +38,8 @@ pub(crate) struct RunArgs {
     out: OutArgs,
     #[command(flatten)]
     _threads: ThreadArgs,
-    /// Print the summary as JSON.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    answer: AnswerArgs,
     /// Show the flight in the browser while it is flown, in real time.
     #[arg(long)]
     live: bool,
@@ -100,11 +99,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     }
     let document = provenance.to_json("run", &configuration, more);
     run_files::write(&folder, &log, &overlaid, &document)?;
-    if args.json {
-        print(&format!("{summary:#}\n"))?;
-    } else {
-        print(&in_words(&log, &overlaid, &folder))?;
-    }
+    args.answer
+        .print(|| in_words(&log, &overlaid, &folder), &summary)?;
     Ok(if log.outcome.separated() {
         ExitCode::SUCCESS
     } else {

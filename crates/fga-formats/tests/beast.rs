@@ -278,7 +278,7 @@ fn reports_of(messages: &[[u8; 14]]) -> Vec<TrafficReport> {
     found
 }
 
-/// DO-260B, 2.2.3.2.7.2: version 2, supplement A, NACp 9, GVA 2, SIL 3; and 2.2.3.2.7.1.
+/// DO-260B, 2.2.3.2.7.2: version 2, supplement A, `NACp` 9, GVA 2, SIL 3; and 2.2.3.2.7.1.
 #[test]
 fn quality_is_read_from_status_messages() {
     let status = [0xF8, 0, 0, 0, 0, 0b0101_1001, 0b1011_0000];
@@ -294,7 +294,7 @@ fn quality_is_read_from_status_messages() {
     assert_eq!(found[1].source_integrity, Some(2));
 }
 
-/// J. Sun, "The 1090 Megahertz Riddle", on target state and status: NACp 9, SIL 3.
+/// J. Sun, "The 1090 Megahertz Riddle", on target state and status: `NACp` 9, SIL 3.
 #[test]
 fn the_books_target_state_tells_its_quality() {
     let message = u128::from_str_radix("8DA05629EA21485CBF3F8CADAEEB", 16).unwrap();

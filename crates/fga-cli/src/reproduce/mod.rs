@@ -30,7 +30,7 @@ use fga_report::report::Report;
 use fga_sim::vehicle_file::VehicleModel;
 use serde_json::json;
 
-use crate::common::{ThreadArgs, interrupted, print, watch_for_interrupt};
+use crate::common::{AnswerArgs, ThreadArgs, interrupted, watch_for_interrupt};
 use crate::failure::Failure;
 use crate::provenance::Provenance;
 
@@ -48,6 +48,8 @@ pub(crate) struct ReproduceArgs {
     out: PathBuf,
     #[command(flatten)]
     threads: ThreadArgs,
+    #[command(flatten)]
+    answer: AnswerArgs,
 }
 
 /// What the sections are made with.
@@ -118,6 +120,9 @@ pub(crate) fn run(args: &ReproduceArgs) -> Result<ExitCode, Failure> {
     atomic::write(&data.join("run.json"), format!("{document:#}\n"))?;
     let page = args.out.join("report.html");
     atomic::write(&page, report.to_html())?;
-    print(&format!("report in {}\n", page.display()))?;
+    args.answer.print(
+        || format!("report in {}\n", page.display()),
+        &json!({ "report": page.display().to_string() }),
+    )?;
     Ok(ExitCode::SUCCESS)
 }
