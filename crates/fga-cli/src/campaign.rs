@@ -88,6 +88,8 @@ struct DrawArgs {
     encounters: Option<u64>,
     #[command(flatten)]
     out: OutArgs,
+    #[command(flatten)]
+    answer: AnswerArgs,
 }
 
 #[derive(Args, Debug)]
@@ -344,7 +346,10 @@ fn draw(args: &DrawArgs) -> Result<ExitCode, Failure> {
         .map(|number| Ok(campaign.draw(number)?.encounter))
         .collect::<Result<Vec<_>, CampaignError>>()?;
     encounters::write(&path, &drawn)?;
-    print(&format!("{count} encounters drawn: {}\n", path.display()))?;
+    args.answer.print(
+        || format!("{count} encounters drawn: {}\n", path.display()),
+        &json!({ "encounters": count, "file": path.display().to_string() }),
+    )?;
     Ok(ExitCode::SUCCESS)
 }
 
