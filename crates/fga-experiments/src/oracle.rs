@@ -1,26 +1,27 @@
-//! Avoidable share and time of the oracle over cells.
-//!
-//! `oracle_rate SEED COUNT ENOUGH CELL…`: ENOUGH is a margin at which the search stops, or `none`.
+//! What does the oracle save, and how long does it take?
 
 use std::time::Instant;
 
-use fga_sim::encounters::EncounterSource;
-use fga_sim::oracle::{
-    OracleObstacle, OracleSettings, OracleStart, OracleVehicle, Stages, best_margin,
-};
+use clap::Args;
+use fga_sim::oracle::{OracleSettings, OracleStart, OracleVehicle, Stages, best_margin};
 
-fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [seed, count, enough, cells @ ..] = arguments.as_slice() else {
-        eprintln!("usage: oracle_rate SEED COUNT ENOUGH CELL…");
-        std::process::exit(1);
-    };
-    let seed: u64 = seed.parse().expect("a seed");
-    let count: u64 = count.parse().expect("a count");
-    let enough_m = enough.parse().ok();
+use crate::common::{DrawArgs, oracle_obstacles};
+
+/// Options of `oracle`.
+#[derive(Args, Debug)]
+pub(crate) struct OracleArgs {
+    #[command(flatten)]
+    draw: DrawArgs,
+    /// Margin at which the search stops, metres; without it the best one is searched for.
+    #[arg(long, value_name = "M")]
+    enough: Option<f64>,
+}
+
+/// Prints the share and the times of each cell.
+pub(crate) fn run(args: &OracleArgs) -> Result<(), String> {
     println!("cell,encounters,avoidable_share,one_turn_share,mean_ms,median_ms,max_ms");
-    for cell in cells {
-        let source = EncounterSource::parse(cell, seed).expect("a cell");
+    let (count, enough_m) = (args.draw.count, args.enough);
+    for (cell, source) in args.draw.sources()? {
         let mut vehicle = OracleVehicle::table_4();
         if source.planar {
             vehicle = vehicle.planar();
@@ -28,12 +29,7 @@ fn main() {
         let mut times = Vec::new();
         let (mut saved, mut saved_by_one) = (0_u32, 0_u32);
         for n in 0..count {
-            let obstacles: Vec<OracleObstacle> = source
-                .encounter(n)
-                .obstacles
-                .iter()
-                .map(OracleObstacle::from)
-                .collect();
+            let obstacles = oracle_obstacles(&source.encounter(n));
             let search = |stages| {
                 best_margin(
                     &OracleStart::ORIGIN,
@@ -59,8 +55,9 @@ fn main() {
             share(saved),
             share(saved_by_one),
             times.iter().sum::<f64>() / count as f64,
-            times[times.len() / 2],
-            times[times.len() - 1]
+            times.get(times.len() / 2).copied().unwrap_or(f64::NAN),
+            times.last().copied().unwrap_or(f64::NAN)
         );
     }
+    Ok(())
 }

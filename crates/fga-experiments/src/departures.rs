@@ -1,17 +1,13 @@
 //! How far policies depart from the mission, when they start, and whether they come back.
 //!
-//! `departures compare SEED COUNT [CELL…]`: `turn-aware` beside `published --start t0` on the same
-//! encounters: saved by each, and over those saved by both the medians of the largest cross-track
-//! deviation and the extra path, each flight continued until it is back, at most 300 s.
-//! `departures oracle SEED COUNT [CELL…]`: `turn-aware` beside the oracle's safe manoeuvre of least
-//! departure, followed from when the obstacles have passed by the same way back.
-//! `departures latest SEED COUNT [CELL…]`: `turn-aware --start latest`: how long before the last
-//! moment at which the oracle still finds a way out it starts.
-//! `departures needless SEED COUNT`: traffic that passes close but clear: is anything done, is
-//! anything entered? CELL as in `EncounterSource::parse`.
+//! | mode | what |
+//! |---|---|
+//! | `compare` | `turn-aware` beside `published --start t0` on the same encounters: saved by each, and over those saved by both the medians of the largest cross-track deviation and the extra path, each flight continued until it is back, at most 300 s |
+//! | `oracle` | `turn-aware` beside the oracle's safe maneuver of least departure, followed by the same way back once the obstacles have passed |
+//! | `latest` | `turn-aware --start latest`: how long before the last moment at which the oracle still finds a way out it starts |
+//! | `needless` | traffic that passes close but clear: is anything done, is anything entered? |
 
-use std::process::ExitCode;
-
+use clap::{Args, ValueEnum};
 use fga::Vec3;
 use fga::avoider::{Decision, Settings, State};
 use fga::maneuver::{Maneuver, Stage};
@@ -20,34 +16,21 @@ use fga::situation::Situation;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::Vehicle;
 use fga_formats::encounters::Encounter;
-use fga_sim::batch::{BatchSettings, empty_world};
 use fga_sim::encounters::{EncounterSource, Random, Range};
 use fga_sim::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
 use fga_sim::oracle::{
     OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin, least_departure,
 };
 use fga_sim::policy::{Pilot, PolicyChoice};
-use fga_sim::track::Track;
-use fga_sim::vehicle_file::VehicleModel;
-use fga_sim::world::WorldObstacle;
 use rayon::prelude::*;
+
+use crate::common::{DrawArgs, median, model, oracle_obstacles, pilot, settings, world};
 
 /// Back on the leg: within this of the line, metres, and of its direction, radians.
 const BACK: (f64, f64) = (20.0, 5.0 * core::f64::consts::PI / 180.0);
 
 /// Longest flight, seconds.
 const LONGEST_S: f64 = 300.0;
-
-fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    match run(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("{message}");
-            ExitCode::FAILURE
-        }
-    }
-}
 
 /// The last sample, and the last change of state.
 #[derive(Default)]
@@ -82,14 +65,6 @@ impl Last {
     }
 }
 
-fn model(planar: bool) -> Result<VehicleModel, String> {
-    let mut model = VehicleModel::built_in().map_err(|e| e.to_string())?;
-    if planar {
-        (model.vehicle.climb_min_rad, model.vehicle.climb_max_rad) = (0.0, 0.0);
-    }
-    Ok(model)
-}
-
 fn fly(
     encounter: &Encounter,
     planar: bool,
@@ -107,26 +82,9 @@ fn fly_under(
     policy: PolicyChoice,
     make: impl FnOnce(Box<dyn Pilot + Send>) -> Box<dyn Pilot + Send>,
 ) -> Result<(Outcome, Last), String> {
-    let settings = BatchSettings {
-        model: model(planar)?,
-        policy,
-        horizon_s: LONGEST_S,
-        seed: 0,
-        tracks: false,
-    };
-    let mut world = empty_world(&settings).ok_or("the wind is too strong")?;
-    world.obstacles = encounter
-        .obstacles
-        .iter()
-        .map(|o| {
-            let track = Track::straight(o.position_m, o.velocity_mps);
-            WorldObstacle::new(o.id, track, o.volume)
-        })
-        .collect();
-    let pilot = settings
-        .policy
-        .pilot(&world.settings, &world.vehicle)
-        .map_err(|e| e.to_string())?;
+    let settings = settings(planar, policy, LONGEST_S)?;
+    let world = world(&settings, encounter)?;
+    let pilot = pilot(&settings, &world)?;
     let mut pilot = make(pilot);
     let mut last = Last::default();
     let outcome = Engine::new().fly(&world, pilot.as_mut(), &mut last);
@@ -168,11 +126,7 @@ impl Pilot for OraclePilot {
 /// Flies the oracle's safe manoeuvre of least departure; `None` where it finds none.
 fn fly_oracle(encounter: &Encounter, planar: bool) -> Result<Option<Outcome>, String> {
     let vehicle = OracleVehicle::from(&model(planar)?.vehicle);
-    let obstacles: Vec<_> = encounter
-        .obstacles
-        .iter()
-        .map(OracleObstacle::from)
-        .collect();
+    let obstacles = oracle_obstacles(encounter);
     let (start, settings) = (OracleStart::ORIGIN, OracleSettings::default());
     let Some(best) = least_departure(&start, &vehicle, &obstacles, &settings, 0.05) else {
         return Ok(None);
@@ -205,8 +159,7 @@ fn fly_oracle(encounter: &Encounter, planar: bool) -> Result<Option<Outcome>, St
     Ok(Some(flown.0))
 }
 
-fn beside_oracle(cell: &str, seed: u64, count: u64) -> Result<(), String> {
-    let source = EncounterSource::parse(cell, seed)?;
+fn beside_oracle(cell: &str, source: &EncounterSource, count: u64) -> Result<(), String> {
     let flown: Vec<_> = (0..count)
         .into_par_iter()
         .map(|n| {
@@ -230,27 +183,7 @@ fn beside_oracle(cell: &str, seed: u64, count: u64) -> Result<(), String> {
     Ok(())
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-}
-
-fn cells() -> Vec<String> {
-    let mut cells = Vec::new();
-    for option in ["", ",planar"] {
-        for seen in ["100-500", "300"] {
-            for count in [1, 2, 3, 5, 10] {
-                for speed in ["0", "0-15", "15-30", "30-45", "45-60"] {
-                    cells.push(format!("threats:{count}:{seen}:{speed}{option}"));
-                }
-            }
-        }
-    }
-    cells
-}
-
-fn compare(cell: &str, seed: u64, count: u64) -> Result<(), String> {
-    let source = EncounterSource::parse(cell, seed)?;
+fn compare(cell: &str, source: &EncounterSource, count: u64) -> Result<(), String> {
     let flown: Vec<_> = (0..count)
         .into_par_iter()
         .map(|n| {
@@ -345,8 +278,7 @@ fn latest_s(encounter: &Encounter, planar: bool) -> Result<Option<f64>, String> 
     Ok(Some(good))
 }
 
-fn latest(cell: &str, seed: u64, count: u64) -> Result<(), String> {
-    let source = EncounterSource::parse(cell, seed)?;
+fn latest(cell: &str, source: &EncounterSource, count: u64) -> Result<(), String> {
     let flown: Vec<_> = (0..count)
         .into_par_iter()
         .map(|n| {
@@ -425,43 +357,53 @@ fn needless(seed: u64, count: u64) -> Result<(), String> {
     Ok(())
 }
 
-fn run(arguments: &[String]) -> Result<(), String> {
-    let [mode, seed, count, chosen @ ..] = arguments else {
-        return Err("usage: departures compare|oracle|latest|needless SEED COUNT [CELL…]".into());
+/// What is measured.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Mode {
+    /// Beside the published rule.
+    Compare,
+    /// Beside the oracle's maneuver of least departure.
+    Oracle,
+    /// The latest start beside the oracle's.
+    Latest,
+    /// Traffic that passes clear; takes no cells.
+    Needless,
+}
+
+/// Options of `departures`.
+#[derive(Args, Debug)]
+pub(crate) struct DeparturesArgs {
+    /// What is measured.
+    mode: Mode,
+    #[command(flatten)]
+    draw: DrawArgs,
+}
+
+/// Measures a cell, by name and source, over a number of encounters, and prints its row.
+type Measure = fn(&str, &EncounterSource, u64) -> Result<(), String>;
+
+/// Prints a row for each cell.
+pub(crate) fn run(args: &DeparturesArgs) -> Result<(), String> {
+    let count = args.draw.count;
+    let (head, measure): (&str, Measure) = match args.mode {
+        Mode::Needless => return needless(args.draw.seed, count),
+        Mode::Compare => (
+            "cell,saved,saved by published,stranded,saved by both,cross m,published cross m,\
+                 extra m,published extra m",
+            compare,
+        ),
+        Mode::Oracle => (
+            "cell,saved by both,cross m,oracle cross m,extra m,oracle extra m",
+            beside_oracle,
+        ),
+        Mode::Latest => (
+            "cell,avoidable,saved,median s before the latest,most s,lost",
+            latest,
+        ),
     };
-    let number = |text: &str| {
-        text.parse::<u64>()
-            .map_err(|e| format!("{text}: expected a number: {e}"))
-    };
-    let (seed, count) = (number(seed)?, number(count)?);
-    let chosen = if chosen.is_empty() {
-        cells()
-    } else {
-        chosen.to_vec()
-    };
-    match mode.as_str() {
-        "compare" => {
-            println!(
-                "cell,saved,saved by published,stranded,saved by both,cross m,published cross m,\
-                 extra m,published extra m"
-            );
-            chosen
-                .iter()
-                .try_for_each(|cell| compare(cell, seed, count))
-        }
-        "oracle" => {
-            println!("cell,saved by both,cross m,oracle cross m,extra m,oracle extra m");
-            chosen
-                .iter()
-                .try_for_each(|cell| beside_oracle(cell, seed, count))
-        }
-        "latest" => {
-            println!("cell,avoidable,saved,median s before the latest,most s,lost");
-            chosen.iter().try_for_each(|cell| latest(cell, seed, count))
-        }
-        "needless" => needless(seed, count),
-        other => Err(format!(
-            "{other}: expected compare, oracle, latest or needless"
-        )),
-    }
+    println!("{head}");
+    args.draw
+        .sources()?
+        .iter()
+        .try_for_each(|(cell, source)| measure(cell, source, count))
 }

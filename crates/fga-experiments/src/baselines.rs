@@ -5,26 +5,25 @@
 //!
 //! Every setting is flown on a sixth of the encounters, the best five then on all.
 //!
-//! `cargo run --release -p fga-sim --example tune_baselines -- METHOD [ENCOUNTERS]`; METHOD is the
-//! name of a baseline; `lowered` for how much lower the velocity methods see an obstacle at their own
-//! height; or `all` for every policy with the settings it ships with, and the oracle.
+//! METHOD is the name of a baseline; `lowered` for how much lower the velocity methods see an
+//! obstacle at their own height; or `all` for every policy with the settings it ships with, and the
+//! oracle.
 
-use core::error::Error;
-
+use clap::Args;
 use fga::vehicle::Vehicle;
 use fga_sim::baselines::{
     Baseline, BaselinePilot, Cube, Orca, PotentialField, Steering, VelocityObstacles, View,
     VoltagePotential, WaypointGreedy, WaypointOptimal,
 };
-use fga_sim::batch::{BatchSettings, empty_world};
+use fga_sim::batch::{BatchSettings, empty_world, populate};
 use fga_sim::encounters::{EncounterSource, Family, Range};
 use fga_sim::engine::{Engine, Outcome};
-use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
+use fga_sim::oracle::{OracleSettings, OracleStart, OracleVehicle, best_margin};
 use fga_sim::policy::{Pilot, PolicyChoice, PolicySettings};
-use fga_sim::track::Track;
 use fga_sim::vehicle_file::VehicleModel;
-use fga_sim::world::WorldObstacle;
 use rayon::prelude::*;
+
+use crate::common::{model, oracle_obstacles};
 
 /// Seed of the search.
 const SEARCH_SEED: u64 = 20_240_229;
@@ -250,7 +249,7 @@ fn fly(
     cells: &[(&str, EncounterSource)],
     model: &VehicleModel,
     count: u64,
-) -> Result<Scores, Box<dyn Error>> {
+) -> Result<Scores, String> {
     let mut separated = Vec::new();
     let (mut back, mut times) = (Vec::new(), Vec::new());
     let (mut aside, mut extra) = (Vec::new(), Vec::new());
@@ -273,14 +272,7 @@ fn fly(
                 || (Engine::new(), world.clone()),
                 |(engine, world), number| {
                     let encounter = source.encounter(number);
-                    world.obstacles = encounter
-                        .obstacles
-                        .iter()
-                        .map(|o| {
-                            let track = Track::straight(o.position_m, o.velocity_mps);
-                            WorldObstacle::new(o.id, track, o.volume)
-                        })
-                        .collect();
+                    populate(world, &encounter, &settings.model.protection);
                     let mut pilot = factory(&world.settings, &world.vehicle);
                     let outcome = engine.fly(world, pilot.as_mut(), &mut ());
                     let elapsed = engine.elapsed_ns();
@@ -322,11 +314,21 @@ fn print_row(name: &str, scores: &Scores) {
     println!();
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let method = arguments.next().unwrap_or_else(|| "all".into());
-    let count: u64 = arguments.next().map_or(Ok(300), |text| text.parse())?;
-    let model = VehicleModel::built_in()?;
+/// Options of `baselines`.
+#[derive(Args, Debug)]
+pub(crate) struct BaselinesArgs {
+    /// Name of a baseline, `lowered` or `all`.
+    #[arg(default_value = "all")]
+    method: String,
+    /// Encounters in each cell.
+    #[arg(default_value_t = 300)]
+    count: u64,
+}
+
+/// Prints a row for each setting, or for each policy.
+pub(crate) fn run(args: &BaselinesArgs) -> Result<(), String> {
+    let (method, count) = (args.method.as_str(), args.count);
+    let model = model(false)?;
     let cells = cells(if method == "all" {
         COMPARISON_SEED
     } else {
@@ -340,7 +342,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         print!("{name:>17}");
     }
     println!();
-    let candidates = candidates(&method)?;
+    let candidates = candidates(method)?;
     if method == "all" || method == "lowered" {
         for (name, factory) in &candidates {
             print_row(name, &fly(factory, &cells, &model, count)?);
@@ -384,12 +386,7 @@ fn print_oracle(cells: &[(&str, EncounterSource)], vehicle: &Vehicle, count: u64
             let saved = (0..count)
                 .into_par_iter()
                 .filter(|number| {
-                    let obstacles: Vec<OracleObstacle> = source
-                        .encounter(*number)
-                        .obstacles
-                        .iter()
-                        .map(OracleObstacle::from)
-                        .collect();
+                    let obstacles = oracle_obstacles(&source.encounter(*number));
                     best_margin(&OracleStart::ORIGIN, &vehicle, &obstacles, &settings).best_margin_m
                         >= 0.0
                 })

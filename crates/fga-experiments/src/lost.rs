@@ -1,0 +1,213 @@
+//! Which encounters does the oracle save and a policy lose?
+//!
+//! With `--turning` the intruder that is closest when the policy has avoided for a second turns by
+//! 45°: to the left in encounters of an even number, else to the right. The oracle learns of the
+//! turn when the policy does: it starts from where the aircraft is at that moment.
+
+use core::f64::consts::FRAC_PI_4;
+
+use clap::Args;
+use fga::Vec3;
+use fga::avoider::State;
+use fga_formats::encounters::Encounter;
+use fga_sim::batch::BatchSettings;
+use fga_sim::campaign::parse_policy;
+use fga_sim::engine::{DecisionMoment, Engine, Observer, Outcome};
+use fga_sim::oracle::{
+    AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
+};
+use fga_sim::track::{Track, TrackPoint};
+use fga_sim::world::{World, WorldObstacle};
+use rayon::prelude::*;
+
+use crate::common::{DrawArgs, median, oracle_obstacles, pilot, settings, world};
+
+/// Options of `lost`.
+#[derive(Args, Debug)]
+pub(crate) struct LostArgs {
+    #[command(flatten)]
+    draw: DrawArgs,
+    /// What decides, as in "published --start t0".
+    #[arg(long, default_value = "turn-aware")]
+    policy: String,
+    /// The closest intruder turns by 45° after a second of avoidance.
+    #[arg(long)]
+    turning: bool,
+}
+
+/// Longest flight, seconds.
+const HORIZON_S: f64 = 60.0;
+
+/// Time from the beginning of the avoidance to the intruder's turn, seconds.
+const TURNS_AFTER_S: f64 = 1.0;
+
+/// Follows a flight: when the avoidance began, what happened, and where everything was when it was
+/// time for an intruder to turn.
+#[derive(Default)]
+struct Story {
+    avoids_s: Option<f64>,
+    states: Vec<(f64, State)>,
+    turn: Option<(f64, OracleStart)>,
+}
+
+impl Observer for Story {
+    fn decision(&mut self, moment: &DecisionMoment<'_>) {
+        let state = moment.decision.state;
+        if self.states.last().is_none_or(|(_, last)| *last != state) {
+            self.states.push((moment.time_s, state));
+        }
+        if state == State::Avoiding {
+            self.avoids_s.get_or_insert(moment.time_s);
+        }
+        let due = |begun_s| moment.time_s >= begun_s + TURNS_AFTER_S - 1e-9;
+        if self.turn.is_none() && self.avoids_s.is_some_and(due) {
+            let own = &moment.situation.ownship;
+            let start = OracleStart {
+                position_m: own.position_m,
+                course_rad: own.course_rad,
+                climb_rad: own.climb_rad,
+                ..OracleStart::ORIGIN
+            };
+            self.turn = Some((moment.time_s, start));
+        }
+    }
+}
+
+/// What came of an encounter.
+struct Flown {
+    number: u64,
+    outcome: Outcome,
+    states: Vec<(f64, State)>,
+    /// What the oracle reaches, metres, where the flight entered a volume.
+    oracle_m: Option<f64>,
+}
+
+fn fly(settings: &BatchSettings, encounter: &Encounter, turning: bool) -> Result<Flown, String> {
+    let mut world = world(settings, encounter)?;
+    let mut story = Story::default();
+    let mut outcome = Engine::new().fly(&world, pilot(settings, &world)?.as_mut(), &mut story);
+    let mut start = OracleStart::ORIGIN;
+    let mut obstacles = oracle_obstacles(encounter);
+    if turning && let Some((turn_s, from)) = story.turn {
+        // Until the turn, the second flight is the first one again.
+        obstacles = turn_closest(&mut world, turn_s, from.position_m, encounter.id);
+        start = from;
+        story = Story::default();
+        outcome = Engine::new().fly(&world, pilot(settings, &world)?.as_mut(), &mut story);
+    }
+    let oracle_m = (!outcome.separated()).then(|| {
+        let vehicle = OracleVehicle::from(&settings.model.vehicle);
+        best_margin(&start, &vehicle, &obstacles, &OracleSettings::default()).best_margin_m
+    });
+    Ok(Flown {
+        number: encounter.id,
+        outcome,
+        states: story.states,
+        oracle_m,
+    })
+}
+
+/// Turns the obstacle closest to a position at a time; returns all of them as they are then.
+fn turn_closest(
+    world: &mut World,
+    turn_s: f64,
+    position_m: Vec3,
+    number: u64,
+) -> Vec<OracleObstacle> {
+    let distance_m = |obstacle: &WorldObstacle| {
+        let at = obstacle.track.at(turn_s);
+        at.map_or(f64::INFINITY, |(at_m, _)| at_m.distance(position_m))
+    };
+    let closest = world
+        .obstacles
+        .iter_mut()
+        .min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
+    if let Some(obstacle) = closest
+        && let Track::Straight {
+            position_m,
+            velocity_mps: v,
+        } = obstacle.track
+    {
+        let side = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let (sin, cos) = libm::sincos(side * FRAC_PI_4);
+        let turned_mps = Vec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z);
+        let corner_m = position_m + v * turn_s;
+        let after_s = 2.0 * HORIZON_S;
+        let turned = Track::through(vec![
+            TrackPoint {
+                time_s: 0.0,
+                position_m,
+            },
+            TrackPoint {
+                time_s: turn_s,
+                position_m: corner_m,
+            },
+            TrackPoint {
+                time_s: turn_s + after_s,
+                position_m: corner_m + turned_mps * after_s,
+            },
+        ]);
+        obstacle.track = turned.unwrap_or(Track::Straight {
+            position_m,
+            velocity_mps: v,
+        });
+    }
+    world
+        .obstacles
+        .iter()
+        .filter_map(|obstacle| {
+            let (position_m, velocity_mps) = obstacle.track.at(turn_s + 1e-6)?;
+            Some(OracleObstacle {
+                position_m,
+                velocity_mps,
+                volume: obstacle.volume,
+            })
+        })
+        .collect()
+}
+
+/// Flies every cell and prints one line for it, and one for each encounter that is lost although
+/// the oracle saves it.
+pub(crate) fn run(args: &LostArgs) -> Result<(), String> {
+    let policy = parse_policy(&args.policy)?;
+    let (mut all_avoidable, mut all_lost) = (0, 0);
+    println!("cell,saved,lost,not avoidable,not back,median cross m,median extra m");
+    for (cell, source) in args.draw.sources()? {
+        let settings = settings(source.planar, policy, HORIZON_S)?;
+        let flown: Vec<Flown> = (0..args.draw.count)
+            .into_par_iter()
+            .map(|number| fly(&settings, &source.encounter(number), args.turning))
+            .collect::<Result<_, _>>()?;
+        let saved: Vec<&Flown> = flown.iter().filter(|f| f.outcome.separated()).collect();
+        let is_lost = |f: &&Flown| {
+            f.oracle_m
+                .is_some_and(|best_m| best_m >= AVOIDABLE_MARGIN_M)
+        };
+        let lost = flown.iter().filter(is_lost).count();
+        let back: Vec<&&Flown> = saved
+            .iter()
+            .filter(|f| f.outcome.end_s < HORIZON_S)
+            .collect();
+        println!(
+            "{cell},{},{lost},{},{},{:.2},{:.2}",
+            saved.len(),
+            flown.len() - saved.len() - lost,
+            saved.len() - back.len(),
+            median(saved.iter().map(|f| f.outcome.max_cross_track_m).collect()),
+            median(back.iter().map(|f| f.outcome.extra_path_m).collect()),
+        );
+        for f in flown.iter().filter(is_lost) {
+            println!(
+                "  lost {}: flown {:.3} m, oracle {:.3} m, {:?}",
+                f.number,
+                f.outcome.min_margin_m,
+                f.oracle_m.unwrap_or(f64::NAN),
+                f.states
+            );
+        }
+        all_avoidable += saved.len() + lost;
+        all_lost += lost;
+    }
+    println!("all: {all_lost} lost of {all_avoidable} avoidable");
+    Ok(())
+}

@@ -1,0 +1,61 @@
+//! The experiments behind the numbers of fga's pages: each flies drawn encounters with the engine
+//! and judges them by its separation over continuous time and by the oracle. Neither shares code
+//! with the policy.
+//!
+//! | experiment | question |
+//! |---|---|
+//! | [`lost`] | which encounters does the oracle save and a policy lose? |
+//! | [`departures`] | how far does the policy depart, when does it begin, does it come back? |
+//! | [`robustness`] | what is saved with noise, wind and a bank that lags? |
+//! | [`baselines`] | which settings suit the baselines, and how do all policies compare? |
+//! | [`oracle`] | what does the oracle save, and how long does it take? |
+
+mod baselines;
+mod common;
+mod departures;
+mod lost;
+mod oracle;
+mod robustness;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Fly the experiments behind the numbers of fga's pages
+#[derive(Parser, Debug)]
+#[command(version)]
+struct Arguments {
+    #[command(subcommand)]
+    experiment: Experiment,
+}
+
+#[derive(Subcommand, Debug)]
+enum Experiment {
+    /// Count the encounters that the oracle saves and a policy loses.
+    Lost(lost::LostArgs),
+    /// Measure departures from the mission, starts and returns.
+    Departures(departures::DeparturesArgs),
+    /// Count what is saved with noise, wind and a bank that lags.
+    Robustness(robustness::RobustnessArgs),
+    /// Search the settings of a baseline, or compare all policies.
+    Baselines(baselines::BaselinesArgs),
+    /// Measure the oracle: share that it saves, and time.
+    Oracle(oracle::OracleArgs),
+}
+
+fn main() -> ExitCode {
+    let done = match Arguments::parse().experiment {
+        Experiment::Lost(args) => lost::run(&args),
+        Experiment::Departures(args) => departures::run(&args),
+        Experiment::Robustness(args) => robustness::run(&args),
+        Experiment::Baselines(args) => baselines::run(&args),
+        Experiment::Oracle(args) => oracle::run(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("fga-experiments: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
