@@ -308,7 +308,7 @@ const fn authority_words(authority: &Authority) -> &'static str {
         Authority::Taking { .. } => "takes over",
         Authority::InCommand { .. } => "in command",
         Authority::Returning { .. } => "gives back",
-        Authority::Resuming { .. } => "restarted, about to go on",
+        Authority::Resuming { .. } => "about to go on with the manoeuvre",
         Authority::Released { .. } => "released",
     }
 }

@@ -4,7 +4,7 @@ use mavlink::dialects::ardupilotmega::{
     COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame, MavMessage, MavResult,
 };
 
-use crate::mode::Mode;
+use crate::mode::{Mode, ModeChange};
 use crate::number::single;
 use crate::outgoing::{AUTOPILOT, Outbox};
 
@@ -24,8 +24,8 @@ pub struct Command {
     pub parameters: [f32; 7],
     /// As `COMMAND_INT`, with its frame; else as `COMMAND_LONG`.
     pub frame: Option<MavFrame>,
-    /// A command of another mode: it is sent only while the vehicle is in this one.
-    pub only_in: Option<Mode>,
+    /// A command of another mode: it is sent only while the vehicle is in the one that it leaves.
+    pub change: Option<ModeChange>,
 }
 
 impl Command {
@@ -35,7 +35,7 @@ impl Command {
             command,
             parameters: [first, second, 0.0, 0.0, 0.0, 0.0, 0.0],
             frame: None,
-            only_in: None,
+            change: None,
         }
     }
 
@@ -43,7 +43,7 @@ impl Command {
     pub fn set_mode(to: Mode, from: Mode) -> Self {
         let number = single(f64::from(to.0));
         Self {
-            only_in: Some(from),
+            change: Some(ModeChange { from, to }),
             ..Self::long(MavCmd::MAV_CMD_DO_SET_MODE, 1.0, number)
         }
     }
@@ -152,12 +152,12 @@ impl Commands {
     }
 
     /// Sends what is due; hands back what was given up. What may be sent in one mode only waits until
-    /// `permits` says that the vehicle is in it.
+    /// `asks` says that the vehicle is in it.
     pub fn tick(
         &mut self,
         now_s: f64,
         target_system: u8,
-        permits: impl Fn(Mode) -> bool,
+        mut asks: impl FnMut(ModeChange) -> bool,
         outbox: &mut Outbox,
     ) -> Option<Outcome> {
         let mut given_up = None;
@@ -175,9 +175,9 @@ impl Commands {
                 continue;
             }
             let message = waiting.command.message(target_system, waiting.attempts);
-            match waiting.command.only_in {
-                Some(mode) if !permits(mode) => continue,
-                Some(mode) => outbox.send_only_in(mode, message),
+            match waiting.command.change {
+                Some(change) if !asks(change) => continue,
+                Some(change) => outbox.send_change(change, message),
                 None => outbox.send(message),
             }
             waiting.attempts += 1;
@@ -248,15 +248,19 @@ mod tests {
             let outcome = commands.tick(
                 f64::from(tenth) * 0.1,
                 1,
-                |mode| mode != Mode::GUIDED,
+                |change| change.from != Mode::GUIDED,
                 &mut outbox,
             );
             assert_eq!(outcome, None, "it is not given up either");
         }
         assert!(outbox.take().is_empty());
-        commands.tick(6.0, 1, |mode| mode == Mode::GUIDED, &mut outbox);
+        commands.tick(6.0, 1, |change| change.from == Mode::GUIDED, &mut outbox);
         let sent = outbox.take();
         assert_eq!(sent.len(), 1);
-        assert_eq!(sent[0].only_in, Some(Mode::GUIDED));
+        let change = ModeChange {
+            from: Mode::GUIDED,
+            to: Mode::AUTO,
+        };
+        assert_eq!(sent[0].change, Some(change));
     }
 }

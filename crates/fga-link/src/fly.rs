@@ -334,7 +334,7 @@ impl Pilot<'_> {
         waiting.extend(self.companion.outbox());
         let noted = self.notebook.is_kept();
         for outgoing in waiting {
-            if outgoing.only_in.is_some() && !noted {
+            if outgoing.change.is_some() && !noted {
                 self.held.push(outgoing);
                 continue;
             }
@@ -349,7 +349,7 @@ impl Pilot<'_> {
                 self.parcels,
                 Parcel {
                     raw,
-                    only_in: outgoing.only_in,
+                    change: outgoing.change,
                 },
             );
         }

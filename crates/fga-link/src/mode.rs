@@ -4,6 +4,15 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Mode(pub u32);
 
+/// A change of the flight mode that is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ModeChange {
+    /// The mode that it leaves: only there it may be asked for.
+    pub from: Mode,
+    /// The mode that it leads to.
+    pub to: Mode,
+}
+
 /// Names as ArduPlane and its ground stations write them.
 const NAMES: [(u32, &str); 26] = [
     (0, "MANUAL"),

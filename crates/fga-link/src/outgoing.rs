@@ -2,7 +2,7 @@
 
 use mavlink::dialects::ardupilotmega::MavMessage;
 
-use crate::mode::Mode;
+use crate::mode::ModeChange;
 
 /// Component id of obstacle avoidance (`MAV_COMP_ID_OBSTACLE_AVOIDANCE`).
 pub const OWN_COMPONENT: u8 = 196;
@@ -16,8 +16,8 @@ pub struct Outgoing {
     pub system_id: u8,
     /// The message.
     pub message: MavMessage,
-    /// A command of another mode: it may be sent only while the vehicle is in this one.
-    pub only_in: Option<Mode>,
+    /// A command of another mode: it may be sent only while the vehicle is in the one that it leaves.
+    pub change: Option<ModeChange>,
 }
 
 /// Most messages that wait to be sent; what comes beyond is dropped.
@@ -49,20 +49,19 @@ impl Outbox {
             self.waiting.push(Outgoing {
                 system_id,
                 message,
-                only_in: None,
+                change: None,
             });
         } else {
             self.dropped += 1;
         }
     }
 
-    /// Adds a command that may be sent only while the vehicle is in a mode. It goes first: where the
-    /// others wait, this one must not.
-    pub(crate) fn send_only_in(&mut self, mode: Mode, message: MavMessage) {
+    /// Adds a command of another mode. It goes first: where the others wait, this one must not.
+    pub(crate) fn send_change(&mut self, change: ModeChange, message: MavMessage) {
         let urgent = Outgoing {
             system_id: self.own_system,
             message,
-            only_in: Some(mode),
+            change: Some(change),
         };
         self.waiting.insert(0, urgent);
         if self.waiting.len() > MOST_WAITING {

@@ -51,6 +51,11 @@ fn fly(world: &mut World, end_s: f64) -> Flown {
     }
     let changes = world.emulator.mode_changes().iter();
     flown.modes = changes.map(|change| change.mode).collect();
+    if std::env::var("FGA_LOG").is_ok() {
+        for line in world.companion.take_log() {
+            eprintln!("{line}");
+        }
+    }
     eprintln!("{flown:?}");
     flown
 }
@@ -136,7 +141,8 @@ fn wind_from_every_side_is_flown() {
         );
         assert_eq!(flown.modes, [Mode::Guided, Mode::Auto], "{wind_mps:?}");
         let largest_m = flown.east_m.1.max(-flown.east_m.0);
-        assert!(largest_m <= 90.0, "{wind_mps:?} {flown:?}");
+        // Room for half of a standard-rate turn of the intruder is in it.
+        assert!(largest_m <= 110.0, "{wind_mps:?} {flown:?}");
         let (across_m, _) = world.off_leg();
         assert!(across_m <= 20.0, "{wind_mps:?} {across_m}");
     }

@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use fga_emulator::{Emulator, Item, Mode, STEP_S, Settings};
 use fga_link::authority::{Authority, Beat, Hearing, LOOK_EVERY_S, Order, Owed, Watchdog};
 use fga_link::commands::Command;
-use fga_link::mode::Mode as LinkMode;
+use fga_link::mode::{Mode as LinkMode, ModeChange};
 use fga_link::restart::Note;
 use fga_link::{Companion, Config};
 use mavlink::MavHeader;
@@ -499,14 +499,14 @@ impl Rig {
                     self.fail(format!("a target {age_s:.1} s after the last telemetry"));
                 }
             }
-            self.send(outgoing.only_in, outgoing.message);
+            self.send(outgoing.change, outgoing.message);
         }
         self.companion.take_log();
     }
 
     /// The writing thread: what leaves a mode is checked at the last moment.
-    fn send(&mut self, only_in: Option<LinkMode>, message: MavMessage) {
-        if only_in.is_some_and(|mode| !self.hearing.permits(mode, self.time_s)) {
+    fn send(&mut self, change: Option<ModeChange>, message: MavMessage) {
+        if change.is_some_and(|change| !self.hearing.ask(change, self.time_s)) {
             return;
         }
         if self.is_on(Fault::Mute) || self.is_on(Fault::Cut) {
@@ -544,7 +544,11 @@ impl Rig {
             Order::Restore(owed) => {
                 self.say("the watchdog restores");
                 let message = Command::set_mode(owed.previous, owed.owned).message(1, 0);
-                self.send(Some(owed.owned), message);
+                let change = ModeChange {
+                    from: owed.owned,
+                    to: owed.previous,
+                };
+                self.send(Some(change), message);
             }
             Order::EndProgram => {
                 self.say("the watchdog ends the program");

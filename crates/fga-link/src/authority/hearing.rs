@@ -10,7 +10,7 @@
 //! until they have agreed for a while.
 
 use crate::clock::{BootClock, Stamp};
-use crate::mode::Mode;
+use crate::mode::{Mode, ModeChange};
 
 /// A heartbeat with a lower sequence number so soon after another was overtaken by it, seconds.
 const OVERTAKEN_S: f64 = 0.45;
@@ -70,6 +70,8 @@ pub struct Hearing {
     mode_changes_s: [f64; CHANGES],
     armed_changes_s: [f64; CHANGES],
     suspect: Option<(Beat, f64)>,
+    /// The mode that was asked for last and has not been heard since.
+    asked: Option<Mode>,
     contradicted_s: f64,
     clock: BootClock,
     late_s: f64,
@@ -84,6 +86,7 @@ impl Default for Hearing {
             mode_changes_s: [f64::NEG_INFINITY; CHANGES],
             armed_changes_s: [f64::NEG_INFINITY; CHANGES],
             suspect: None,
+            asked: None,
             contradicted_s: f64::NEG_INFINITY,
             clock: BootClock::default(),
             late_s: 0.0,
@@ -114,7 +117,9 @@ impl Hearing {
             }
             self.contradicted_s = now_s;
         }
-        let too_often = (last.mode != beat.mode && too_many(&mut self.mode_changes_s, now_s))
+        // What was asked for and is heard once is nobody else's.
+        let changed = last.mode != beat.mode && self.asked.take_if(|to| *to == beat.mode).is_none();
+        let too_often = (changed && too_many(&mut self.mode_changes_s, now_s))
             | (last.armed != beat.armed && too_many(&mut self.armed_changes_s, now_s));
         if too_often {
             self.contradicted_s = now_s;
@@ -196,6 +201,16 @@ impl Hearing {
         self.mode() == Some(from) && self.is_sure(now_s)
     }
 
+    /// Whether a change of the mode may be commanded now. Where it may, it is taken to be commanded: the
+    /// heartbeat that tells it does not contradict those before.
+    pub fn ask(&mut self, change: ModeChange, now_s: f64) -> bool {
+        let may = self.permits(change.from, now_s);
+        if may {
+            self.asked = Some(change.to);
+        }
+        may
+    }
+
     /// Forgets all that was heard before a pause of this program: the next heartbeat counts as the first.
     pub fn forget(&mut self) {
         self.last = None;
@@ -247,6 +262,28 @@ mod tests {
         assert!(!hearing.permits(Mode::GUIDED, 2.25));
         hearing.forget();
         assert!(!hearing.permits(Mode(0), 2.25));
+    }
+
+    /// Both directions of the link were cut while the mode was taken; GUIDED, AUTO and GUIDED again were
+    /// all asked for here and told within a second.
+    #[test]
+    fn changes_that_were_asked_for_do_not_contradict() {
+        let change = |from, to| ModeChange { from, to };
+        let mut hearing = steady(Mode::AUTO);
+        assert!(hearing.ask(change(Mode::AUTO, Mode::GUIDED), 2.1));
+        assert_eq!(hearing.hear(beat(120, Mode::GUIDED), 7.0), Verdict::New);
+        assert!(hearing.ask(change(Mode::GUIDED, Mode::AUTO), 7.1));
+        assert_eq!(hearing.hear(beat(130, Mode::AUTO), 7.25), Verdict::New);
+        assert!(hearing.ask(change(Mode::AUTO, Mode::GUIDED), 7.3));
+        assert_eq!(hearing.hear(beat(140, Mode::GUIDED), 7.5), Verdict::New);
+        // Each only once, and nothing that was not asked for.
+        hearing.hear(beat(150, Mode::AUTO), 7.75);
+        hearing.hear(beat(160, Mode::GUIDED), 8.0);
+        assert_eq!(
+            hearing.hear(beat(170, Mode::AUTO), 8.25),
+            Verdict::Contradicts
+        );
+        assert!(!hearing.ask(change(Mode::AUTO, Mode::GUIDED), 8.3));
     }
 
     #[test]

@@ -12,8 +12,12 @@ const RETURN_S: f64 = 5.0;
 const LATE_S: f64 = 0.8;
 /// All must be well for this long before it is ready again by itself, seconds.
 const SETTLE_S: f64 = 3.0;
-/// A restarted program that is not ready within this restores the mode, seconds.
+/// A restarted program, or one that hears the vehicle again, restores the mode when it is not ready within
+/// this, seconds.
 const RESUME_S: f64 = 5.0;
+/// A vehicle that is heard again in the owned mode within this after the link was lost is flown on,
+/// seconds; later it has circled for long, and what was avoided has passed.
+const LOST_FOR_S: f64 = 10.0;
 /// Heartbeats that are answered with a request for the mode that is owed.
 const MOST_TRIES: u8 = 24;
 /// A vehicle that stays disarmed for this long has landed: nothing is owed any more, seconds.
@@ -80,6 +84,7 @@ impl Keeper {
             self.state = Authority::Resuming {
                 since_s: now_s,
                 previous,
+                after: Fault::Restarted,
             };
         }
     }
@@ -157,15 +162,19 @@ impl Keeper {
         }
         let well_s = now_s - *self.well_since_s.get_or_insert(now_s);
         match self.state {
-            Authority::Resuming { previous, .. } => {
+            Authority::Resuming {
+                previous, after, ..
+            } => {
                 self.state = Authority::InCommand {
                     since_s: now_s,
                     previous,
                 };
-                vec![
-                    Action::Resumed,
-                    Action::Tell(Severity::Warning, "fga: restarted, goes on avoiding"),
-                ]
+                let words = if after == Fault::Restarted {
+                    "fga: restarted, goes on avoiding"
+                } else {
+                    "fga: link back, goes on avoiding"
+                };
+                vec![Action::Resumed, Action::Tell(Severity::Warning, words)]
             }
             Authority::Waiting if self.enabled => {
                 self.state = Authority::Ready;
@@ -266,6 +275,19 @@ impl Keeper {
             Authority::Returning { previous, .. } => self.pilot_chose(mode, previous, now_s),
             Authority::Released {
                 since_s,
+                fault: Fault::LinkLost,
+                owed: Some(previous),
+                ..
+            } if mode == self.target && now_s - since_s <= LOST_FOR_S => {
+                self.state = Authority::Resuming {
+                    since_s: now_s,
+                    previous,
+                    after: Fault::LinkLost,
+                };
+                Vec::new()
+            }
+            Authority::Released {
+                since_s,
                 fault,
                 owed: Some(owed),
                 late,
@@ -361,8 +383,14 @@ impl Keeper {
             Authority::Returning { since_s, .. } if now_s - since_s > RETURN_S => {
                 self.fault(Fault::ReturnRefused, now_s)
             }
-            Authority::Resuming { since_s, .. } if now_s - since_s > RESUME_S => {
-                self.fault(Fault::Restarted, now_s)
+            Authority::Resuming { since_s, after, .. } if now_s - since_s > RESUME_S => {
+                let fault = if after == Fault::LinkLost {
+                    // Heard, but nothing can be flown by it.
+                    Fault::TelemetryStale
+                } else {
+                    after
+                };
+                self.fault(fault, now_s)
             }
             _ => Vec::new(),
         }
@@ -425,7 +453,7 @@ impl Keeper {
                 actions.push(self.restore(previous));
                 Some(previous)
             }
-            HandBack::RestoreWhenHeard => {
+            HandBack::RestoreWhenHeard | HandBack::ResumeWhenHeard => {
                 actions.push(Action::CancelSetMode);
                 Some(previous)
             }

@@ -56,12 +56,15 @@ pub enum Authority {
         /// The mode asked for.
         previous: Mode,
     },
-    /// The program was restarted in a manoeuvre, and is not ready to go on yet.
+    /// The program was restarted in a manoeuvre, or the vehicle is heard again in one; it is not ready to
+    /// go on yet.
     Resuming {
         /// Since when, seconds.
         since_s: f64,
         /// The mode to go back to.
         previous: Mode,
+        /// What interrupted the manoeuvre: [`Fault::Restarted`] or [`Fault::LinkLost`].
+        after: Fault,
     },
     /// May not act until the condition of the fault's row is met.
     Released {

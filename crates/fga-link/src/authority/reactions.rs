@@ -41,6 +41,9 @@ pub enum HandBack {
     /// The mode from before the manoeuvre is set as soon as the vehicle is heard again, unless it
     /// has changed meanwhile.
     RestoreWhenHeard,
+    /// The manoeuvre is gone on with when the vehicle is heard again soon in the mode of manoeuvres; later
+    /// the mode from before is set.
+    ResumeWhenHeard,
     /// Nothing is sent.
     LeaveAlone,
 }
@@ -114,7 +117,7 @@ pub const REACTIONS: [Reaction; 14] = [
     },
     Reaction {
         fault: Fault::LinkLost,
-        hand_back: HandBack::RestoreWhenHeard,
+        hand_back: HandBack::ResumeWhenHeard,
         rearm: Rearm::Automatic,
         severity: Severity::Critical,
         text: "fga: link lost",

@@ -1,6 +1,7 @@
 //! Every fault in every state, and the pilot in each, with a vehicle that obeys what it is sent.
 
 use super::*;
+use crate::mode::ModeChange;
 
 const ALL: [Fault; 14] = [
     Fault::ModeChanged,
@@ -66,7 +67,7 @@ impl Bench {
             }
         }
         if let Some((to, from)) = self.asked
-            && self.hearing.permits(from, self.now_s)
+            && self.hearing.ask(ModeChange { from, to }, self.now_s)
         {
             self.asked = None;
             self.commands += 1;
@@ -152,6 +153,9 @@ fn observed_hand_back(fault: Fault) -> HandBack {
     if bench.vehicle == Mode::AUTO {
         return HandBack::RestoreWhenHeard;
     }
+    if bench.keeper.commands() {
+        return HandBack::ResumeWhenHeard;
+    }
     bench.beats(40);
     assert_eq!(bench.vehicle, Mode::GUIDED);
     HandBack::LeaveAlone
@@ -206,6 +210,7 @@ fn the_page_says_what_the_table_says() {
         let mode = match row.hand_back {
             HandBack::Restore => "| restored |",
             HandBack::RestoreWhenHeard => "| restored when",
+            HandBack::ResumeWhenHeard => "| flown on when",
             HandBack::LeaveAlone => "| left alone |",
         };
         assert!(line.contains(mode), "{line}");
@@ -220,8 +225,10 @@ fn every_fault_ends_the_command_in_every_state() {
         for mut bench in engaged() {
             bench.fault(fault);
             assert!(!bench.keeper.commands() && !bench.keeper.is_engaged());
-            bench.beats(3);
-            assert!(!bench.keeper.commands());
+            if reaction(fault).hand_back != HandBack::ResumeWhenHeard {
+                bench.beats(3);
+                assert!(!bench.keeper.commands());
+            }
         }
     }
 }
@@ -334,6 +341,36 @@ fn a_lost_link_is_paid_back_when_the_vehicle_is_heard() {
     other.pilot(Mode::RTL);
     other.beats(40);
     assert_eq!((other.vehicle, other.commands), (Mode::RTL, commands));
+}
+
+/// A vehicle in GUIDED that is heard again while what was avoided is still there: AUTO would lead back to it,
+/// and the next decision would take the mode once more.
+#[test]
+fn a_manoeuvre_is_gone_on_with_when_the_link_comes_back_soon() {
+    let lost_for = |lost_s: f64| {
+        let mut bench = in_command();
+        bench.fault(Fault::LinkLost);
+        bench.now_s += lost_s;
+        bench
+    };
+    let mut bench = lost_for(9.0);
+    let commands = bench.commands;
+    bench.beats(2);
+    assert!(matches!(bench.keeper.state(), Authority::InCommand { .. }));
+    assert!(bench.told.contains(&"fga: link back, goes on avoiding"));
+    assert_eq!((bench.vehicle, bench.commands), (Mode::GUIDED, commands));
+    // Heard, but not ready: the mode is restored after 5 s.
+    let mut bench = lost_for(2.0);
+    let actions = bench.keeper.heartbeat(Mode::GUIDED, true, bench.now_s);
+    assert!(actions.is_empty());
+    assert!(bench.keeper.tick(bench.now_s + 4.9).is_empty());
+    assert!(bench.keeper.tick(bench.now_s + 5.1).contains(&RESTORE));
+    // Switched off meanwhile, it is restored at once.
+    let mut bench = lost_for(2.0);
+    let actions = bench.keeper.set_enabled(false, bench.now_s);
+    bench.perform(&actions);
+    bench.beats(2);
+    assert_eq!(bench.vehicle, Mode::AUTO);
 }
 
 #[test]

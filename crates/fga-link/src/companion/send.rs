@@ -84,9 +84,9 @@ impl Companion {
         let Some(system) = self.vehicle_system() else {
             return;
         };
-        let hearing = &self.hearing;
-        let permits = |mode| hearing.permits(mode, now_s);
-        let outcome = self.commands.tick(now_s, system, permits, &mut self.outbox);
+        let hearing = &mut self.hearing;
+        let asks = |change| hearing.ask(change, now_s);
+        let outcome = self.commands.tick(now_s, system, asks, &mut self.outbox);
         if let Some(outcome) = outcome {
             self.command_ended(outcome, now_s);
         }
@@ -273,7 +273,7 @@ impl Companion {
                 command: MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING,
                 parameters,
                 frame: Some(MavFrame::MAV_FRAME_GLOBAL),
-                only_in: None,
+                change: None,
             },
             true,
         );
@@ -292,7 +292,7 @@ impl Companion {
                     command: MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE,
                     parameters: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, single(altitude_m)],
                     frame: Some(MavFrame::MAV_FRAME_GLOBAL),
-                    only_in: None,
+                    change: None,
                 },
                 true,
             );

@@ -10,7 +10,7 @@ use super::shared::Shared;
 use crate::authority::Owed;
 use crate::commands::Command;
 use crate::endpoint::{Reader, Received, Writer};
-use crate::mode::Mode;
+use crate::mode::ModeChange;
 use crate::outgoing::OWN_COMPONENT;
 use crate::wire::{Frame, Framer, Signing, encode};
 
@@ -25,8 +25,8 @@ const LOOK: Duration = Duration::from_millis(100);
 pub(super) struct Parcel {
     /// The frame.
     pub(super) raw: MAVLinkV2MessageRaw,
-    /// It is sent only while the vehicle is in this mode.
-    pub(super) only_in: Option<Mode>,
+    /// A command of another mode: it is sent only while the vehicle is in the one that it leaves.
+    pub(super) change: Option<ModeChange>,
 }
 
 impl Parcel {
@@ -40,7 +40,10 @@ impl Parcel {
         };
         Self {
             raw: encode(header, &message, signing),
-            only_in: Some(owed.owned),
+            change: Some(ModeChange {
+                from: owed.owned,
+                to: owed.previous,
+            }),
         }
     }
 }
@@ -92,7 +95,7 @@ pub(super) fn write(shared: &Shared, writer: &Writer, parcels: &Receiver<Parcel>
     loop {
         match parcels.recv_timeout(LOOK) {
             Ok(parcel) => {
-                if parcel.only_in.is_none_or(|mode| shared.permits(mode)) {
+                if parcel.change.is_none_or(|change| shared.asks(change)) {
                     writer.write(parcel.raw.raw_bytes());
                 }
             }

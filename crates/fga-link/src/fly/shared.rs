@@ -10,7 +10,7 @@ use mavlink::dialects::ardupilotmega::MavMessage;
 
 use crate::authority::{Hearing, Owed};
 use crate::companion::{beat_of_plane, round_trip_of};
-use crate::mode::Mode;
+use crate::mode::ModeChange;
 use crate::outgoing::AUTOPILOT;
 
 /// Most troubles that wait to be told.
@@ -112,10 +112,10 @@ impl Shared {
         locked(&self.vehicle).hearing.forget();
     }
 
-    /// Whether a command that leaves a mode may be sent now.
-    pub(super) fn permits(&self, from: Mode) -> bool {
+    /// Whether a command of another mode may be sent now; it is taken to be sent.
+    pub(super) fn asks(&self, change: ModeChange) -> bool {
         let now_s = self.now_s();
-        locked(&self.vehicle).hearing.permits(from, now_s)
+        locked(&self.vehicle).hearing.ask(change, now_s)
     }
 
     /// What the vehicle tells of its mode, for the watchdog.

@@ -458,8 +458,7 @@ impl TrackTable {
             velocity_mps: track.velocity_mps(),
             volume: taller(&wanted.volume, shift.bound_m),
             kind: ObstacleKind::Unknown,
-            // Decisions about aircraft (`track.movement`) are not yet tested through the link.
-            movement: fga::situation::Movement::Straight,
+            movement: track.movement,
             uncertainty: Uncertainty {
                 position_m: track.sigma_m(wanted.at_s),
                 velocity_mps: 0.0,

@@ -273,12 +273,34 @@ impl Avoider {
                 ((!is_clear || better(&best)).then_some(best), candidates)
             }
             best if !is_clear => {
-                let (answer, looked_at) = self.cheapest_within(now, side, (-1.0, 0.0));
+                let (mut answer, looked_at) = self.cheapest_within(now, side, (-1.0, 0.0));
                 candidates += looked_at;
+                let again = flown.is_none() || self.cycle.is_multiple_of(LOOK_FOR_MORE);
+                if answer.is_none() && again {
+                    let (found, looked_at) = self.in_two_stages(now, flown.map(|(flown, _)| flown));
+                    answer = found;
+                    candidates += looked_at;
+                }
                 (answer.or_else(|| best.filter(better)), candidates)
             }
             _ => (None, candidates),
         }
+    }
+
+    /// A maneuver of two turns or climbs that stays clear of the expected motion where no single one does:
+    /// between a floor and a ceiling no climb angle can be held. It may take what is left of the step's work.
+    fn in_two_stages(
+        &mut self,
+        now: &MotionState,
+        flown: Option<&Maneuver>,
+    ) -> (Option<Answer>, u32) {
+        self.tracks.withstand(Freedom::Share(0.0), now.position_m);
+        let variety = self.cycle;
+        let (answer, looked_at, _) = self.search(&Maneuver::hold(), now, |search| {
+            let (found, proof) = search.best(flown, Effort::Full, variety)?;
+            (proof == Proof::Certified).then(|| Answer::new(search, found, proof, 0.0))
+        });
+        (answer, looked_at)
     }
 
     /// A maneuver that departs clearly less from the mission than the one under way, if it withstands as
