@@ -23,12 +23,20 @@ pub use settings::{LEAST_WORK, Settings, Start};
 pub use tracks::{MAX_TRACKED, Tracks};
 
 use crate::angle::Side;
+use crate::certificate::{Asked, Certificate, Hazard, certify_set};
 use crate::maneuver::Maneuver;
+use crate::meter::Meter;
 use crate::mission::Progress;
-use crate::prediction::{FlightPath, Flyer, MotionState};
-use crate::search::{PREDICTION_WORK, Proof};
+use crate::prediction::{FlightPath, Flyer, MotionState, flown};
+use crate::search::Proof;
 use crate::situation::Situation;
 use crate::vehicle::Vehicle;
+
+/// Work that is kept for what is still done once the limit is met: what is in hand is finished.
+const LAST_WORK: u32 = 8_000;
+
+/// The mission's geometry may take one part in so many of a step's work.
+const MISSION_SHARE: u32 = 4;
 
 /// A manoeuvre under way or waited for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,8 +107,12 @@ pub struct Avoider {
     returned: Option<Returned>,
     last_time_s: f64,
     cycle: u32,
-    /// Work done in this step, in tests of a line against four obstacles.
-    work: u32,
+    /// Counts the work of this step.
+    meter: Meter,
+    /// Searches in a row that were cut: the next one goes on with other manoeuvres.
+    cut: u32,
+    /// The course at which the next look for a smaller departure begins.
+    improved_to: u32,
 }
 
 impl Avoider {
@@ -124,7 +136,9 @@ impl Avoider {
             returned: None,
             last_time_s: f64::NEG_INFINITY,
             cycle: 0,
-            work: 0,
+            meter: Meter::unlimited(),
+            cut: 0,
+            improved_to: 0,
         })
     }
 
@@ -139,6 +153,7 @@ impl Avoider {
         self.returned = None;
         self.last_time_s = f64::NEG_INFINITY;
         self.cycle = 0;
+        (self.cut, self.improved_to) = (0, 0);
     }
 
     /// The vehicle's limits as they are assumed.
@@ -187,10 +202,12 @@ impl Avoider {
         }
         self.last_time_s = situation.time_s;
         self.cycle = self.cycle.wrapping_add(1);
-        self.work = 0;
+        let limit = self.settings.work_limit.saturating_sub(LAST_WORK);
+        self.meter = Meter::new(limit);
+        self.progress.allow_work(limit / MISSION_SHARE);
         let mut decision = self.decide(situation);
-        decision.record.work.work = self.work;
-        decision.record.work.limit_met |= self.work >= self.settings.work_limit;
+        decision.record.work.work = self.meter.done();
+        decision.record.work.limit_met |= self.meter.is_met();
         decision
     }
 
@@ -203,26 +220,31 @@ impl Avoider {
             situation.wind_mps,
             (situation.time_s, self.climb_limits_rad()),
         );
+        self.count_mission();
         self.step_turn_aware(situation, &now, self.settings.start)
     }
 
-    /// Work that is left in this step.
-    fn work_left(&self) -> u32 {
-        self.settings.work_limit.saturating_sub(self.work)
+    /// Predicts a manoeuvre into the path.
+    fn predict(&mut self, maneuver: &Maneuver, now: &MotionState) {
+        let horizon_s = self.settings.horizon_s;
+        self.path.predict(&self.flyer, now, maneuver, horizon_s);
+        self.meter.count(self.path.work(&self.flyer));
     }
 
-    /// Counts looking at one hazard along the path some times: half a test for each node.
-    fn count_looks(&mut self, times: usize) {
-        let work = 1 + self.path.nodes().len() * times / 2;
-        self.work = self
-            .work
-            .saturating_add(u32::try_from(work).unwrap_or(u32::MAX));
+    /// Bounds the separation from one hazard along the path.
+    fn certify_one(&self, hazard: &Hazard, until_s: f64, floor_m: f64) -> Certificate {
+        let asked = Asked {
+            horizon_s: until_s,
+            floor_m,
+            enough_m: self.settings.margin_m,
+        };
+        let one = core::slice::from_ref(hazard);
+        certify_set(&self.flyer, &self.path, one, &asked, &self.meter)
     }
 
-    /// Counts predicting the path.
-    fn count_prediction(&mut self) {
-        let work = u32::try_from(PREDICTION_WORK).unwrap_or(u32::MAX);
-        self.work = self.work.saturating_add(work);
+    /// The aircraft some time into a manoeuvre.
+    fn after(&self, from: &MotionState, maneuver: &Maneuver, until_s: f64) -> MotionState {
+        flown(&self.flyer, from, maneuver, until_s, &self.meter)
     }
 
     fn load_tracks(&mut self, situation: &Situation<'_>) {
@@ -232,6 +254,7 @@ impl Avoider {
             self.settings.horizon_s,
             self.settings.confidence_sigmas,
         );
+        self.meter.count(self.tracks.work());
     }
 
     fn climb_limits_rad(&self) -> (f64, f64) {
@@ -240,12 +263,17 @@ impl Avoider {
 
     /// What the mission asks to fly, and the moment from which it is straight.
     fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> (Maneuver, f64) {
-        self.progress.guidance(
-            &situation.mission,
-            now,
-            &self.flyer,
-            self.settings.horizon_s,
-        )
+        let horizon_s = self.settings.horizon_s;
+        let guidance = self
+            .progress
+            .guidance(&situation.mission, now, &self.flyer, horizon_s);
+        self.count_mission();
+        guidance
+    }
+
+    /// Counts the work that the mission's geometry has taken.
+    fn count_mission(&mut self) {
+        self.meter.count(self.progress.take_work() as usize);
     }
 
     fn decision(&self, command: &Maneuver, reason: Reason) -> Decision {

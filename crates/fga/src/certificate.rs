@@ -12,10 +12,14 @@ pub use hazards::{ALWAYS, Hazard, Hazards, MAX_HAZARDS};
 pub(crate) use hazards::{HazardSet, Line};
 
 use crate::Vec3;
+use crate::meter::{LOOK, Meter};
 use crate::prediction::{FlightPath, Flyer, MotionState, Node};
 
 /// A chord that decides the answer is split into this many.
 const SPLITS: u32 = 5;
+
+/// What flying to the ends of those takes, in units of work.
+const SPLIT_WORK: usize = 12;
 
 /// Whether the bound is proven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -24,7 +28,8 @@ pub enum Status {
     Proven,
     /// The margin is below the floor that was asked for; the rest was not looked at.
     BelowFloor,
-    /// The path does not follow the manoeuvre up to the horizon: nothing is proven.
+    /// The path does not follow the manoeuvre up to the horizon, or the work that the step may take was
+    /// done before all of it was looked at: nothing is proven.
     LimitMet,
 }
 
@@ -92,22 +97,37 @@ pub fn certify_all(
     floor_m: f64,
     enough_m: f64,
 ) -> Certificate {
-    certify_set(flyer, path, hazards, horizon_s, floor_m, enough_m)
+    let asked = Asked {
+        horizon_s,
+        floor_m,
+        enough_m,
+    };
+    certify_set(flyer, path, hazards, &asked, &Meter::unlimited())
 }
 
-/// [`certify_all`] of hazards that may be held in blocks.
+/// What is asked of a certificate.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Asked {
+    /// How far ahead, seconds.
+    pub(crate) horizon_s: f64,
+    /// Margins below this are not told, metres.
+    pub(crate) floor_m: f64,
+    /// Margins are capped at this, metres.
+    pub(crate) enough_m: f64,
+}
+
+/// [`certify_all`] of hazards that may be held in blocks, as far as a meter allows.
 pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     flyer: &Flyer,
     path: &FlightPath,
     hazards: &H,
-    horizon_s: f64,
-    floor_m: f64,
-    enough_m: f64,
+    asked: &Asked,
+    meter: &Meter,
 ) -> Certificate {
+    let horizon_s = asked.horizon_s;
     // The prediction errs by no more than this: looked for is so much more.
     let remainder_m = path.remainder_m();
-    let asked_m = enough_m;
-    let (floor_m, enough_m) = (floor_m + remainder_m, enough_m + remainder_m);
+    let (floor_m, enough_m) = (asked.floor_m + remainder_m, asked.enough_m + remainder_m);
     // First the chords as they are: none whose margin less its bow is above this can decide. That
     // is nothing new where one mark is floor and ceiling.
     let mut worst = Certificate::clear(enough_m);
@@ -115,25 +135,25 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     let above = one_mark
         || for_each_chord(flyer, path, horizon_s, |chord| {
             let below_m = worst.margin_m - chord.bow_m;
-            hazards.each_close(&chord.line, below_m, |hazard| {
+            hazards.each_close(&chord.line, below_m, meter, |hazard| {
                 let below_m = worst.margin_m - chord.bow_m;
-                if let Some((margin, at_s)) = hazard.least_on_line(&chord.line, below_m) {
+                if let Some((margin, at_s)) = hazard.least_on_line(&chord.line, below_m, meter) {
                     lower(&mut worst, margin + chord.bow_m, at_s, hazard);
                 }
                 worst.margin_m >= floor_m
-            })
+            }) && !meter.is_met()
         });
     // Then those that can, split until the bow no longer matters.
     let above = above
         && for_each_chord(flyer, path, horizon_s, |chord| {
             let below_m = worst.margin_m + chord.bow_m;
-            hazards.each_close(&chord.line, below_m, |hazard| {
+            hazards.each_close(&chord.line, below_m, meter, |hazard| {
                 let below_m = worst.margin_m + chord.bow_m;
-                if hazard.least_on_line(&chord.line, below_m).is_some() {
-                    chord.split(flyer, hazard, &mut worst);
+                if hazard.least_on_line(&chord.line, below_m, meter).is_some() {
+                    chord.split(flyer, hazard, &mut worst, meter);
                 }
                 worst.margin_m >= floor_m
-            })
+            }) && !meter.is_met()
         });
     let last = path.nodes().last().map(|last| last.state);
     let above = above
@@ -145,25 +165,61 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
                 duration_s: horizon_s - state.time_s,
             };
             line.duration_s < 0.0
-                || hazards.each_close(&line, worst.margin_m, |hazard| {
-                    if let Some((margin, at_s)) = hazard.least_on_line(&line, worst.margin_m) {
+                || hazards.each_close(&line, worst.margin_m, meter, |hazard| {
+                    if let Some((margin, at_s)) = hazard.least_on_line(&line, worst.margin_m, meter)
+                    {
                         lower(&mut worst, margin, at_s, hazard);
                     }
                     worst.margin_m >= floor_m
                 })
         });
+    let below_floor = worst.margin_m < floor_m;
     // What was found to be enough is what was asked for, whatever rounding says.
     worst.margin_m = if worst.margin_m >= enough_m {
-        asked_m
+        asked.enough_m
     } else {
         worst.margin_m - remainder_m
     };
-    worst.status = match above {
-        false => Status::BelowFloor,
-        true if path.is_complete() => Status::Proven,
-        true => Status::LimitMet,
+    worst.status = if below_floor {
+        Status::BelowFloor
+    } else if above && path.is_complete() {
+        Status::Proven
+    } else {
+        Status::LimitMet
     };
     worst
+}
+
+/// Marks the hazards that may come closer than `below_m` anywhere along a path up to `horizon_s`, by
+/// spheres about them: the margins of all others are no less.
+pub(crate) fn mark_close(
+    flyer: &Flyer,
+    path: &FlightPath,
+    hazards: &Hazards,
+    (horizon_s, below_m): (f64, f64),
+    meter: &Meter,
+) -> [bool; MAX_HAZARDS] {
+    let mut marks = [false; MAX_HAZARDS];
+    let mut mark = |hazard: &Hazard| {
+        if let Some(mark) = marks.get_mut(hazard.index as usize) {
+            *mark = true;
+        }
+        true
+    };
+    let below_m = below_m + path.remainder_m();
+    for_each_chord(flyer, path, horizon_s, |chord| {
+        hazards.each_close(&chord.line, below_m + chord.bow_m, meter, &mut mark)
+    });
+    if let Some(last) = path.nodes().last() {
+        let line = Line {
+            from_m: last.state.position_m,
+            velocity_mps: path.end_velocity_mps(),
+            at_s: last.state.time_s,
+            duration_s: (horizon_s - last.state.time_s).max(0.0),
+        };
+        hazards.each_close(&line, below_m, meter, &mut mark);
+    }
+    marks
 }
 
 /// The straight line between two moments of a flight, taken at constant speed.
@@ -196,10 +252,11 @@ impl<'a> Chord<'a> {
     }
 
     /// Lowers `worst` to a bound over the shorter chords between exact points in between.
-    fn split(&self, flyer: &Flyer, hazard: &Hazard, worst: &mut Certificate) {
+    fn split(&self, flyer: &Flyer, hazard: &Hazard, worst: &mut Certificate, meter: &Meter) {
         let mut from: MotionState = self.node.state;
+        meter.count(LOOK);
         if self.bow_m == 0.0 {
-            if let Some((margin, at_s)) = hazard.least_on_line(&self.line, worst.margin_m) {
+            if let Some((margin, at_s)) = hazard.least_on_line(&self.line, worst.margin_m, meter) {
                 lower(worst, margin, at_s, hazard);
             }
             return;
@@ -207,6 +264,7 @@ impl<'a> Chord<'a> {
         let piece = self.node.piece();
         let step_s = self.line.duration_s / f64::from(SPLITS);
         let bow_m = self.bow_m / f64::from(SPLITS * SPLITS);
+        meter.count(SPLIT_WORK);
         for part in 1..=SPLITS {
             let to = if part == SPLITS {
                 MotionState {
@@ -225,7 +283,7 @@ impl<'a> Chord<'a> {
                 duration_s: step_s,
             };
             let below_m = worst.margin_m + bow_m;
-            if let Some((margin, at_s)) = hazard.least_on_line(&line, below_m) {
+            if let Some((margin, at_s)) = hazard.least_on_line(&line, below_m, meter) {
                 lower(worst, margin - bow_m, at_s, hazard);
             }
             from = to;
@@ -241,13 +299,14 @@ impl<'a> Chord<'a> {
         hazard: &Hazard,
         floor_m: f64,
         worst: &mut Certificate,
+        meter: &Meter,
     ) {
         let below_m = worst.margin_m + self.bow_m;
-        let Some((margin, at_s)) = hazard.least_on_line(&self.line, below_m) else {
+        let Some((margin, at_s)) = hazard.least_on_line(&self.line, below_m, meter) else {
             return;
         };
         if margin - self.bow_m < floor_m && margin + self.bow_m >= floor_m {
-            self.split(flyer, hazard, worst);
+            self.split(flyer, hazard, worst, meter);
         } else {
             lower(worst, margin - self.bow_m, at_s, hazard);
         }

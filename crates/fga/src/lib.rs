@@ -57,6 +57,7 @@ pub mod avoider;
 pub mod certificate;
 pub mod limit;
 pub mod maneuver;
+mod meter;
 pub mod mission;
 pub mod pilot;
 pub mod prediction;

@@ -24,7 +24,8 @@ use self::turnaround::turnaround;
 use crate::Vec3;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
-use crate::prediction::{Flyer, MotionState, for_each_piece};
+use crate::meter::Meter;
+use crate::prediction::{Flyer, MotionState, flown};
 use crate::situation::{Mission, Passing};
 
 /// Stages that corners leave for the turns of an avoidance.
@@ -113,6 +114,10 @@ pub struct Progress {
     airspeed_mps: f64,
     climb_limits_rad: (f64, f64),
     complete: bool,
+    /// Work that may be done in this step, and what was.
+    work: (u32, u32),
+    /// The leg at which the next look for a way onto the mission begins, where the last one was cut.
+    looked_to: usize,
 }
 
 impl Default for Progress {
@@ -135,7 +140,31 @@ impl Progress {
             airspeed_mps: 0.0,
             climb_limits_rad: (0.0, 0.0),
             complete: false,
+            work: (u32::MAX, 0),
+            looked_to: 0,
         }
+    }
+
+    /// Begins a step: how much work it may do.
+    pub(crate) const fn allow_work(&mut self, most: u32) {
+        self.work = (most, 0);
+    }
+
+    /// Work done in this step since this was asked last.
+    pub(crate) const fn take_work(&mut self) -> u32 {
+        let (most, done) = self.work;
+        self.work = (most.saturating_sub(done), 0);
+        done
+    }
+
+    /// A meter for what is left of the work.
+    const fn meter(&self) -> Meter {
+        Meter::new(self.work.0.saturating_sub(self.work.1))
+    }
+
+    /// Counts what a meter has counted.
+    const fn note(&mut self, meter: &Meter) {
+        self.work.1 = self.work.1.saturating_add(meter.done());
     }
 
     /// Index of the waypoint at the start of the leg.
@@ -160,11 +189,12 @@ impl Progress {
         })
     }
 
-    const fn air<'a>(&self, flyer: &'a Flyer) -> Air<'a> {
+    const fn air<'a>(&self, flyer: &'a Flyer, meter: &'a Meter) -> Air<'a> {
         Air {
             flyer,
             wind_mps: self.wind_mps,
             climb_limits_rad: self.climb_limits_rad,
+            meter,
         }
     }
 
@@ -184,10 +214,12 @@ impl Progress {
 
     fn load(&mut self, mission: &Mission<'_>, state: &MotionState, flyer: &Flyer) {
         let laid = self.laid(mission);
+        let meter = self.meter();
         self.leg = laid.leg(self.index);
         self.corner = self
             .leg
-            .and_then(|leg| corner(&laid, self.index, &leg, &self.air(flyer)));
+            .and_then(|leg| corner(&laid, self.index, &leg, &self.air(flyer, &meter)));
+        self.note(&meter);
         if self.leg.is_none() && !self.complete {
             // Past the last waypoint, or no mission: hold course and height from here.
             self.complete = true;
@@ -226,7 +258,7 @@ impl Progress {
         self.update_turn(state, flyer);
         while let (Some(leg), false, false) = (self.leg, self.complete, self.from_start) {
             let position = leg.position(state.position_m, state.time_s);
-            if position.along_m < leg.length_m - self.lead_m() {
+            if position.along_m < leg.length_m - self.lead_m() || self.meter().is_met() {
                 break;
             }
             let (next, turns_round) = self
@@ -256,10 +288,12 @@ impl Progress {
         let Some(leg) = self.leg.filter(|_| self.from_start) else {
             return;
         };
-        let radius_m = self.air(flyer).radius_m();
+        let meter = self.meter();
+        let radius_m = self.air(flyer, &meter).radius_m();
         if let Some(turn) = self.turn {
             let since_s = self.time_s - turn.begun_s;
-            let there = for_each_piece(flyer, &turn.from, &turn.maneuver, since_s, |_, _, _| ());
+            let there = flown(flyer, &turn.from, &turn.maneuver, since_s, &meter);
+            self.note(&meter);
             let planned_m = there.position_m + self.wind_mps * since_s;
             let off_m = planned_m.distance(state.position_m);
             if !(0.0..=OFF_TURN_RADII * radius_m).contains(&off_m) || since_s < 0.0 {
@@ -274,10 +308,9 @@ impl Progress {
     }
 
     /// A way onto the beginning of a leg, by a turn round.
-    fn round_to_beginning(&self, leg: &Leg, state: &MotionState, flyer: &Flyer) -> Option<Join> {
-        let air = self.air(flyer);
-        let to = arrival(leg, &air);
-        let found = turnaround(flyer, state, &to, self.wind_mps)?;
+    fn round_to_beginning(leg: &Leg, state: &MotionState, air: &Air<'_>) -> Option<Join> {
+        let to = arrival(leg, air);
+        let found = turnaround(air, state, &to)?;
         let along_m = leg.position(to.position_m, 0.0).along_m;
         Some(Join {
             maneuver: found.maneuver,
@@ -293,52 +326,77 @@ impl Progress {
     /// where there is none. A leg that is to be entered at its beginning, and a long one that was
     /// not begun, is not joined behind it.
     pub fn way_back(
-        &self,
+        &mut self,
         mission: &Mission<'_>,
         state: &MotionState,
         flyer: &Flyer,
         limits: &JoinLimits,
         skipped: usize,
     ) -> Option<(Join, usize)> {
+        let meter = self.meter();
+        let found = self.way_onto(mission, state, (&self.air(flyer, &meter), limits), skipped);
+        self.note(&meter);
+        // Where a cut look came no farther than the last one, the next begins again.
+        self.looked_to = found.as_ref().err().copied().unwrap_or(0);
+        found.ok().flatten()
+    }
+
+    /// [`Self::way_back`], or how many legs were looked at before the work was done.
+    fn way_onto(
+        &self,
+        mission: &Mission<'_>,
+        state: &MotionState,
+        (air, limits): (&Air<'_>, &JoinLimits),
+        skipped: usize,
+    ) -> Result<Option<(Join, usize)>, usize> {
         let mut leg = self.leg(state);
+        let round = |leg: &Leg, index: usize| {
+            let joined = Self::round_to_beginning(leg, state, air);
+            Ok(joined.map(|joined| (joined, index)))
+        };
         if self.from_start {
-            return Some((self.round_to_beginning(&leg, state, flyer)?, self.index));
+            return round(&leg, self.index);
         }
         let laid = self.laid(mission);
-        let air = self.air(flyer);
         let radius_m = air.radius_m();
         let mut next = self.corner;
         let mut index = self.index;
         let mut passed_m = 0.0;
         for count in 0..MOST_LEGS {
             let is_tried = count < ONE_BY_ONE || passed_m >= 0.5 * radius_m || next.is_none();
-            if is_tried {
+            if is_tried && count >= self.looked_to {
                 passed_m = 0.0;
-                let joined = join(flyer, &leg, state, limits);
+                let joined = join(air.flyer, &leg, state, limits, air.meter);
                 let room_m = next.map_or(f64::INFINITY, |next| leg.length_m - next.lead_m);
                 let is_behind = joined.along_m > room_m;
                 let is_far_before = count > 0 && joined.along_m < -BEFORE_RADII * radius_m;
                 if is_far_before || (is_behind && count > 0 && leg.length_m > LONG_RADII * radius_m)
                 {
-                    return Some((self.round_to_beginning(&leg, state, flyer)?, index));
+                    return round(&leg, index);
                 }
                 if !is_behind {
-                    return Some((joined, index));
+                    return Ok(Some((joined, index)));
                 }
             }
-            let corner_here = next?;
+            let Some(corner_here) = next else { break };
             if index >= self.index + skipped {
-                return None;
+                break;
+            }
+            if air.meter.is_met() {
+                return Err(if count > self.looked_to { count } else { 0 });
             }
             index = corner_here.next;
-            leg = laid.leg(index)?;
+            let Some(next_leg) = laid.leg(index) else {
+                break;
+            };
+            leg = next_leg;
             if corner_here.is_turnaround {
-                return Some((self.round_to_beginning(&leg, state, flyer)?, index));
+                return round(&leg, index);
             }
             passed_m += leg.length_m;
-            next = corner(&laid, index, &leg, &air);
+            next = corner(&laid, index, &leg, air);
         }
-        None
+        Ok(None)
     }
 
     /// Goes on to the leg that begins at a waypoint.
@@ -422,12 +480,15 @@ impl Progress {
                 intercept_rad: GUIDANCE_INTERCEPT_RAD,
                 climb_limits_rad: self.climb_limits_rad,
             };
-            let joined = match self.way_back(mission, state, flyer, &limits, MOST_LEGS) {
-                Some((joined, index)) => {
-                    self.advance_to(index, mission, state, flyer);
-                    joined
-                }
-                None => join(flyer, &leg, state, &limits),
+            let found = self.way_back(mission, state, flyer, &limits, MOST_LEGS);
+            let joined = if let Some((joined, index)) = found {
+                self.advance_to(index, mission, state, flyer);
+                joined
+            } else {
+                let meter = self.meter();
+                let joined = join(flyer, &leg, state, &limits, &meter);
+                self.note(&meter);
+                joined
             };
             (joined.maneuver, joined.joined_s, joined.along_m)
         };
@@ -443,8 +504,11 @@ impl Progress {
     /// What is left of the turn round to the beginning of the leg; it begins now if none is flown.
     fn turning(&mut self, state: &MotionState, flyer: &Flyer) -> Option<Join> {
         let leg = self.leg.filter(|_| self.from_start)?;
+        let meter = self.meter();
         if self.turn.is_none() {
-            let found = self.round_to_beginning(&leg, state, flyer)?;
+            let found = Self::round_to_beginning(&leg, state, &self.air(flyer, &meter));
+            self.note(&meter);
+            let found = found?;
             self.turn = Some(Turn {
                 maneuver: found.maneuver,
                 from: *state,
@@ -454,7 +518,7 @@ impl Progress {
         }
         let turn = self.turn?;
         let along_m = leg
-            .position(arrival(&leg, &self.air(flyer)).position_m, 0.0)
+            .position(arrival(&leg, &self.air(flyer, &meter)).position_m, 0.0)
             .along_m;
         Some(Join {
             maneuver: turn.maneuver.after(self.time_s - turn.begun_s),
@@ -468,9 +532,24 @@ impl Progress {
     /// Appends the corners up to `horizon_s` to a manoeuvre that flies along a leg from `bend` on.
     /// Returns the moment from which it is straight, `None` where there is no corner.
     pub fn round_corners(
-        &self,
+        &mut self,
         mission: &Mission<'_>,
         flyer: &Flyer,
+        horizon_s: f64,
+        maneuver: &mut Maneuver,
+        bend: Bend,
+    ) -> Option<f64> {
+        let meter = self.meter();
+        let air = self.air(flyer, &meter);
+        let turned = self.add_corners(mission, &air, horizon_s, maneuver, bend);
+        self.note(&meter);
+        turned
+    }
+
+    fn add_corners(
+        &self,
+        mission: &Mission<'_>,
+        air: &Air<'_>,
         horizon_s: f64,
         maneuver: &mut Maneuver,
         bend: Bend,
@@ -481,14 +560,13 @@ impl Progress {
             mut along_m,
         } = bend;
         let laid = self.laid(mission);
-        let air = self.air(flyer);
         let mut turned = None;
         let is_here = index == self.index;
         let mut leg = if is_here { self.leg } else { laid.leg(index) }?;
         let mut ahead = if is_here {
             self.corner
         } else {
-            corner(&laid, index, &leg, &air)
+            corner(&laid, index, &leg, air)
         };
         while let Some(here) = ahead {
             let left_m = leg.length_m - here.lead_m - along_m;
@@ -496,7 +574,7 @@ impl Progress {
             let stages = here.maneuver.stages();
             // Corners beyond the room are for a later cycle: straight on is a whole flight too.
             let is_full = maneuver.room() < stages.len() + ROOM_TO_AVOID;
-            if corner_s > horizon_s || is_full {
+            if corner_s > horizon_s || is_full || air.meter.is_met() {
                 break;
             }
             let course_rad = maneuver.stages().last()?.course_rad;
@@ -512,7 +590,7 @@ impl Progress {
             along_m = here.along_m;
             index = here.next;
             leg = laid.leg(index)?;
-            ahead = corner(&laid, index, &leg, &air);
+            ahead = corner(&laid, index, &leg, air);
         }
         turned
     }

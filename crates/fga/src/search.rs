@@ -16,10 +16,11 @@ pub use two_stage::Effort;
 use sweep::Sweep;
 
 use crate::angle::Side;
-use crate::certificate::{Certificate, Hazards, certify, certify_set};
+use crate::certificate::{Asked, Certificate, Hazards, certify_set, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
-use crate::prediction::{FlightPath, Flyer, MotionState, for_each_piece, whole};
+use crate::meter::Meter;
+use crate::prediction::{FlightPath, Flyer, MotionState, flown, whole};
 
 /// Largest single turn that is searched, radians: short of a full circle.
 pub const MAX_TURN_RAD: f64 = 6.0;
@@ -30,8 +31,8 @@ const ENOUGH_M: f64 = 1e3;
 /// Step of the climb targets that are searched, radians, as in Table 7.
 const CLIMB_STEP_RAD: f64 = 0.03;
 
-/// What predicting a path takes, in line tests.
-pub(crate) const PREDICTION_WORK: usize = 40;
+/// One part in so many of a search's work is kept for the certificate of its answer.
+const ANSWER_SHARE: u32 = 8;
 
 /// An obstacle that takes longer than this to pass is taken to have passed then, seconds.
 const LONGEST_PASS_S: f64 = 60.0;
@@ -81,6 +82,12 @@ pub struct Departure {
 }
 
 impl Departure {
+    /// Where there was no work left to measure it: farther than any that was.
+    const UNKNOWN: Self = Self {
+        aside_m: f64::MAX,
+        behind_m: 0.0,
+    };
+
     /// What it adds to the path until the aircraft is back, metres: a way back at a moderate
     /// intercept angle takes about a quarter of the distance more.
     pub fn extra_path_m(&self) -> f64 {
@@ -196,9 +203,9 @@ pub struct Search<'a> {
     path: &'a mut FlightPath,
     /// Manoeuvres evaluated so far.
     pub evaluated: u32,
-    /// Tests of a line against four obstacles so far: what the time goes into.
-    work: u32,
-    limit: u32,
+    meter: Meter,
+    /// Whether what was kept of the work for the answer is in use.
+    answering: bool,
     /// After this much work it goes on only if it is near.
     patience: u32,
     /// The hazard that decided last: looked at first, it decides most often again.
@@ -213,8 +220,12 @@ impl<'a> Search<'a> {
             scene,
             path,
             evaluated: 0,
-            work: 0,
-            limit,
+            meter: {
+                let mut meter = Meter::new(limit);
+                meter.reserve(ANSWER_SHARE);
+                meter
+            },
+            answering: false,
             patience,
             culprit: 0,
         }
@@ -222,33 +233,50 @@ impl<'a> Search<'a> {
 
     /// Work done so far, in tests of a line against four obstacles.
     pub const fn work(&self) -> u32 {
-        self.work
+        self.meter.done()
     }
 
     /// Leaves all but one part of the work to other searches of the step.
     pub const fn share_work(&mut self, parts: u32) {
-        self.limit /= parts;
+        self.meter.share(parts);
         self.patience /= parts;
     }
 
     /// Whether the limit of work was met.
     pub const fn limit_met(&self) -> bool {
-        self.work >= self.limit
+        self.meter.is_met()
+    }
+
+    /// Takes what was kept of the work for the answer.
+    const fn answer(&mut self) {
+        if !self.answering {
+            self.answering = true;
+            self.meter.extend(ANSWER_SHARE);
+        }
     }
 
     /// Whether the share of the work that sweeps may take is used up.
     const fn sweeps_done(&self) -> bool {
-        self.work >= self.limit / 5 * 4
+        self.meter.left() <= self.meter.done() / 4
     }
 
-    fn count(&mut self, work: usize) {
-        let work = u32::try_from(work).unwrap_or(u32::MAX);
-        self.work = self.work.saturating_add(work);
+    /// Predicts a manoeuvre into the path.
+    fn predict(&mut self, maneuver: &Maneuver) {
+        let scene = self.scene;
+        self.path
+            .predict(scene.flyer, &scene.start, maneuver, scene.horizon_s);
+        self.meter.count(self.path.work(scene.flyer));
     }
 
-    /// Counts predicting a path of some nodes and certifying it.
-    fn count_path(&mut self, nodes: usize) {
-        self.count(PREDICTION_WORK + 2 * nodes * self.scene.hazards.block_count());
+    /// Certifies the path against some hazards up to a moment.
+    fn certify_path(&self, hazards: &Hazards, horizon_s: f64, marks: (f64, f64)) -> Certificate {
+        let (floor_m, enough_m) = marks;
+        let asked = Asked {
+            horizon_s,
+            floor_m,
+            enough_m,
+        };
+        certify_set(self.scene.flyer, self.path, hazards, &asked, &self.meter)
     }
 
     /// The commands of a manoeuvre: the mission up to its start, then its turns.
@@ -285,7 +313,7 @@ impl<'a> Search<'a> {
             nominal,
             ..
         } = self.scene;
-        for_each_piece(flyer, &start, nominal, wait_s, |_, _, _| ())
+        flown(flyer, &start, nominal, wait_s, &self.meter)
     }
 
     /// Margin along the mission up to a wait's end, metres; the least there is once the limit of work
@@ -298,18 +326,12 @@ impl<'a> Search<'a> {
         if wait_s <= 0.0 {
             return ENOUGH_M;
         }
-        self.path
-            .predict(scene.flyer, &scene.start, scene.nominal, scene.horizon_s);
-        self.count_path(self.path.nodes().len());
-        certify_set(
-            scene.flyer,
-            self.path,
-            scene.hazards,
-            wait_s,
-            f64::MIN,
-            ENOUGH_M,
-        )
-        .margin_m
+        self.predict(scene.nominal);
+        let before = self.certify_path(scene.hazards, wait_s, (f64::MIN, ENOUGH_M));
+        if self.limit_met() {
+            return f64::MIN;
+        }
+        before.margin_m
     }
 
     /// Certifies one manoeuvre; stops early below `floor_m`.
@@ -317,17 +339,8 @@ impl<'a> Search<'a> {
         self.evaluated += 1;
         let scene = self.scene;
         let maneuver = self.maneuver(turns, departure);
-        self.path
-            .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
-        self.count_path(self.path.nodes().len());
-        certify_set(
-            scene.flyer,
-            self.path,
-            scene.hazards,
-            scene.horizon_s,
-            floor_m,
-            ENOUGH_M,
-        )
+        self.predict(&maneuver);
+        self.certify_path(scene.hazards, scene.horizon_s, (floor_m, ENOUGH_M))
     }
 
     /// Separation beyond the volumes that a certified manoeuvre keeps, metres.
@@ -343,31 +356,39 @@ impl<'a> Search<'a> {
     /// How far a manoeuvre departs from the mission until the obstacles that it avoids have passed.
     pub fn departure_of(&mut self, turns: &Turns) -> Departure {
         let scene = self.scene;
+        if self.limit_met() {
+            return Departure::UNKNOWN;
+        }
         let departure = self.departure(turns.wait_s);
         let maneuver = self.maneuver(turns, &departure);
-        self.path
-            .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
+        self.predict(&maneuver);
         let end = self
             .path
             .nodes()
             .last()
             .map_or(scene.start, |node| node.state);
         let end_velocity_mps = self.path.end_velocity_mps();
-        self.path
-            .predict(scene.flyer, &scene.start, scene.nominal, scene.horizon_s);
-        self.count(3 * PREDICTION_WORK + self.path.nodes().len() * scene.hazards.rows().len() / 2);
+        self.predict(scene.nominal);
         let mut until_s = turns.wait_s;
-        for hazard in scene.hazards.rows() {
-            let (horizon_s, target_m) = (scene.horizon_s, scene.target_m);
-            let closest = certify(
-                scene.flyer,
-                self.path,
-                hazard,
-                horizon_s,
-                f64::MIN,
-                target_m,
-            );
-            if closest.margin_m < target_m {
+        let marks = mark_close(
+            scene.flyer,
+            self.path,
+            scene.hazards,
+            (scene.horizon_s, scene.target_m),
+            &self.meter,
+        );
+        for (hazard, close) in scene.hazards.rows().iter().zip(marks) {
+            if !close || self.limit_met() {
+                continue;
+            }
+            let asked = Asked {
+                horizon_s: scene.horizon_s,
+                floor_m: f64::MIN,
+                enough_m: scene.target_m,
+            };
+            let one = core::slice::from_ref(hazard);
+            let closest = certify_set(scene.flyer, self.path, one, &asked, &self.meter);
+            if closest.margin_m < scene.target_m {
                 let offset = end.position_m - hazard.position_m - hazard.velocity_mps * end.time_s;
                 let relative = end_velocity_mps - hazard.velocity_mps;
                 let after_s = -offset.dot(relative) / relative.length_squared().max(1e-9);
@@ -379,8 +400,7 @@ impl<'a> Search<'a> {
             .path
             .state_at(scene.flyer, until_s)
             .unwrap_or(scene.start);
-        self.path
-            .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
+        self.predict(&maneuver);
         let flown = self
             .path
             .state_at(scene.flyer, until_s)

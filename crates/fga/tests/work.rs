@@ -2,16 +2,13 @@
 //! counted, not timed.
 
 use fga::Vec3;
-use fga::avoider::{Avoider, LEAST_WORK, MAX_TRACKED, Settings, Start, State};
-use fga::prediction::{FlightPath, Flyer, MAX_NODES, MotionState};
+use fga::avoider::{Avoider, LEAST_WORK, Settings, Start, State};
+use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::search::Objective;
-use fga::situation::{Mission, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation};
+use fga::situation::{
+    Mission, Movement, MovementBounds, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation,
+};
 use fga::vehicle::{Response, Vehicle};
-
-/// What may be done beyond the limit: the manoeuvre in hand is looked at, the answer certified and its
-/// departure measured; this is the work of that for the longest path among the most obstacles.
-#[expect(clippy::cast_possible_truncation, reason = "small numbers")]
-const THE_ANSWER: u32 = 3 * (2 * MAX_NODES * MAX_TRACKED / 4 + 200) as u32;
 
 /// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
 struct Random(u64);
@@ -124,10 +121,44 @@ impl Random {
         &all[(self.unit() * all.len() as f64) as usize]
     }
 
+    fn bounds(&mut self) -> MovementBounds {
+        let bounds = *self.one_of(&[MovementBounds::CREWED, MovementBounds::SMALL_UAS]);
+        if self.chance(0.7) {
+            return bounds;
+        }
+        MovementBounds {
+            turn_rate_radps: self.magnitude(1e-3, 3.0),
+            brief_turn_rate_radps: self.magnitude(1e-3, 10.0),
+            turn_rad: self.magnitude(1e-2, 10.0),
+            climb_change_mps: self.magnitude(1e-2, 100.0),
+            acceleration_mps2: self.magnitude(1e-2, 30.0),
+        }
+    }
+
+    /// A mission of legs from a tenth of a turn radius to many.
+    fn mission(&mut self, own: &Ownship, reach_m: f64) -> Vec<Vec3> {
+        let leg_m = reach_m * self.magnitude(1e-3, 0.4);
+        let count = *self.one_of(&[2_u32, 12, 60, 200]);
+        let mut course_rad = own.course_rad;
+        let bend_rad = self.magnitude(1e-2, 2.0);
+        let mut at_m = own.position_m;
+        (0..count)
+            .map(|_| {
+                let here_m = at_m;
+                let along = Vec3::new(course_rad.cos(), course_rad.sin(), self.within(-0.1, 0.1));
+                at_m += along * leg_m * self.within(0.5, 1.5);
+                course_rad += bend_rad * self.within(-1.0, 1.0);
+                here_m
+            })
+            .collect()
+    }
+
     /// A ring about the aircraft, layers, and a few that fly towards it.
     fn obstacles(&mut self, own: &Ownship, reach_m: f64) -> Vec<Obstacle> {
         let count = *self.one_of(&[1_u32, 3, 10, 30, 100, 250]);
         let noisy = self.chance(0.5);
+        let flown = *self.one_of(&[0.0, 0.0, 0.3, 1.0]);
+        let on_top = self.chance(0.2);
         let radius_m = reach_m * self.magnitude(0.02, 0.3);
         (0..count)
             .map(|id| {
@@ -152,9 +183,17 @@ impl Random {
                 } else {
                     0.0
                 };
+                let beside = if on_top && id == 0 {
+                    Vec3::ZERO
+                } else {
+                    beside
+                };
                 let position_m = own.position_m + beside + Vec3::new(0.0, 0.0, above);
                 let velocity_mps = -beside / self.within(3.0, 60.0);
                 let mut obstacle = Obstacle::new(id, position_m, velocity_mps, volume);
+                if self.chance(flown) {
+                    obstacle.movement = Movement::Aircraft(self.bounds());
+                }
                 if noisy {
                     obstacle.uncertainty.position_m = self.within(0.0, 10.0);
                     obstacle.uncertainty.velocity_mps = self.within(0.0, 1.0);
@@ -180,14 +219,8 @@ fn fly(seed: u64) -> (u32, u32, bool) {
         bank_rad: 0.0,
         airspeed_mps: vehicle.airspeed_mps,
     };
-    let ahead = Vec3::new(own.course_rad.cos(), own.course_rad.sin(), 0.0);
     let reach_m = vehicle.airspeed_mps * random.magnitude(5.0, 60.0);
-    let mission_m: Vec<Vec3> = (0..12)
-        .map(|k| {
-            let aside = Vec3::new(-ahead.y, ahead.x, 0.0) * random.within(-0.2, 0.2);
-            own.position_m + (ahead * f64::from(k) + aside) * (0.4 * reach_m)
-        })
-        .collect();
+    let mission_m = random.mission(&own, reach_m);
     let wind = vehicle.airspeed_mps * random.within(0.0, 0.95);
     let wind_mps = Vec3::new(wind, 0.0, 0.0);
     let mut obstacles = random.obstacles(&own, reach_m);
@@ -204,11 +237,10 @@ fn fly(seed: u64) -> (u32, u32, bool) {
         });
         let work = decision.record.work;
         assert!(
-            work.work <= settings.work_limit + THE_ANSWER,
+            work.work <= settings.work_limit,
             "seed {seed}, cycle {cycle}: {work:?} of {}, {settings:?} {vehicle:?}",
             settings.work_limit
         );
-        assert!(work.limit_met || work.work < settings.work_limit);
         assert!(decision.state != State::Avoiding || work.work > 0 || cycle > 0);
         most = most.max(work.work);
         met |= work.limit_met;

@@ -50,6 +50,17 @@ pub(super) enum Freedom {
     Share(f64),
 }
 
+/// How many hazards there is room for, for one aircraft.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Room {
+    /// All its motions.
+    Turns,
+    /// Straight flight, whose climb may change for a time.
+    Straight,
+    /// One: straight flight, with all that its climb may change from the beginning on.
+    One,
+}
+
 /// The turn rate of an aircraft as its reports tell it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Turning {
@@ -118,14 +129,23 @@ impl Motions {
         MAX_HAZARDS.saturating_sub(others) / MOST_A_MOTION
     }
 
-    /// Adds what an aircraft may do. `hazard` is what it is when it flies straight on; `alone` leaves
-    /// its turns out.
+    /// The room for each aircraft that does not turn, beside some that do and as many others.
+    pub(super) const fn room_of_straight(turning: usize, others: usize) -> Room {
+        if turning * MOST_A_MOTION + 2 * others <= MAX_HAZARDS {
+            Room::Straight
+        } else {
+            Room::One
+        }
+    }
+
+    /// Adds what an aircraft may do, as far as there is room. `hazard` is what it is when it flies
+    /// straight on.
     pub(super) fn add_aircraft(
         &mut self,
         hazard: &Hazard,
         (obstacle, turning): (&Obstacle, Turning),
         (freedom, beyond_m): (Freedom, f64),
-        alone: bool,
+        room: Room,
     ) {
         let Some(bounds) = obstacle.movement.bounds() else {
             return self.add_straight(hazard);
@@ -140,8 +160,15 @@ impl Motions {
             hazard,
             stretch_mps: climbs * bounds.climb_change_mps,
         };
+        if room == Room::One {
+            let stretch_m = (base.stretch_mps * CLIMB_CHANGES_S, 0.0);
+            return self.put(Hazard {
+                stretch_m,
+                ..base.hazard
+            });
+        }
         self.add_motion(&base, 0.0, 0.0);
-        if alone {
+        if room == Room::Straight {
             return;
         }
         let expected_radps = turning.expected_radps(obstacle, &bounds);
@@ -281,7 +308,7 @@ mod tests {
         let obstacle = intruder();
         let mut motions = Motions::new();
         let hazard = Hazard::new(0, &obstacle, Vec3::ZERO, 3.0);
-        motions.add_aircraft(&hazard, (&obstacle, turning), (freedom, 0.0), false);
+        motions.add_aircraft(&hazard, (&obstacle, turning), (freedom, 0.0), Room::Turns);
         motions
     }
 

@@ -59,7 +59,7 @@ pub struct Settings {
 }
 
 /// Least [`Settings::work_limit`]: a look at the mission ahead among 128 obstacles and one short search.
-pub const LEAST_WORK: u32 = 20_000;
+pub const LEAST_WORK: u32 = 40_000;
 
 impl Default for Settings {
     fn default() -> Self {
@@ -106,7 +106,7 @@ impl Settings {
             (
                 "work_limit",
                 f64::from(self.work_limit),
-                (f64::from(LEAST_WORK), 1e9, "20,000 or more"),
+                (f64::from(LEAST_WORK), 1e9, "40,000 or more"),
             ),
         ];
         for (name, value, (low, high, expected)) in rows {

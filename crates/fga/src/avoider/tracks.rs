@@ -1,7 +1,7 @@
 //! The obstacles that matter for a decision, in a buffer of fixed size.
 
 use crate::Vec3;
-use crate::avoider::intruders::{Freedom, Motions, Turning};
+use crate::avoider::intruders::{Freedom, Motions, Room, Turning};
 use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
 use crate::situation::Situation;
 use crate::situation::{Movement, Obstacle, ProtectedVolume};
@@ -11,6 +11,9 @@ pub const MAX_TRACKED: usize = MAX_HAZARDS;
 
 /// For this long an obstacle that is missing is taken to fly on, seconds.
 const COASTED_S: f64 = 2.0;
+
+/// What learning how an obstacle moves takes, in units of work.
+const LEARN_WORK: usize = 8;
 
 /// How far inside a volume the aircraft may come again while it leaves it, as a share of its depth.
 const LEAVING_SHARE: f64 = 0.98;
@@ -56,6 +59,10 @@ pub struct Tracks {
     moving: bool,
     /// How many of them are flown.
     aircraft: usize,
+    /// What taking in the obstacles of this step has taken, in units of work.
+    work: usize,
+    /// The farthest hazard, where all places are taken: its place and how far it is, metres.
+    farthest: Option<(usize, f64)>,
     /// Obstacles within the surveillance radius.
     pub seen: u32,
     /// Whether the aircraft is inside a protected volume.
@@ -88,6 +95,8 @@ impl Tracks {
             motions: Motions::new(),
             moving: false,
             aircraft: 0,
+            work: 0,
+            farthest: None,
             seen: 0,
             inside: false,
             overflow: false,
@@ -101,6 +110,8 @@ impl Tracks {
         self.motions.clear();
         self.moving = false;
         self.aircraft = 0;
+        self.work = 0;
+        self.farthest = None;
         self.seen = 0;
         (self.inside, self.overflow, self.uncertain) = (false, false, false);
     }
@@ -134,42 +145,48 @@ impl Tracks {
             .all(|(hazard, _)| (hazard.position_m - own_m).dot(hazard.velocity_mps - own_mps) > 0.0)
     }
 
-    /// Makes the hazards those of what aircraft may do; obstacles that keep their velocity stay what
-    /// they are.
-    pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3) {
-        self.withstand_by(freedom, own_m, 0.0);
-    }
-
-    /// The same, and that much beyond the volumes of aircraft, metres.
-    pub(super) fn withstand_by(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
+    /// Makes the hazards those of what aircraft may do, and that much beyond the volumes of aircraft,
+    /// metres; obstacles that keep their velocity stay what they are.
+    pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
         self.motions.clear();
         self.moving = true;
         let rows = self.hazards.rows();
-        let room = Motions::room_for(rows.len());
-        // Where there is no room for all, the nearest ones may turn.
-        let mut within_m = f64::INFINITY;
-        if self.aircraft > room {
-            let mut distances = [f64::INFINITY; MAX_TRACKED];
-            for (slot, (hazard, known)) in
-                distances.iter_mut().zip(rows.iter().zip(&self.obstacles))
-            {
-                if known.movement.bounds().is_some() {
-                    *slot = hazard.margin_m(own_m, 0.0);
+        let room = Motions::room_for(rows.len()).min(self.aircraft);
+        // Where there is no room for all, the nearest ones may turn: these come before the rest.
+        let mut last = (f64::NEG_INFINITY, 0);
+        for _ in 0..room {
+            let mut next = (f64::INFINITY, usize::MAX);
+            let distances = rows.iter().zip(&self.obstacles).enumerate();
+            for (place, (hazard, known)) in distances {
+                let here = (hazard.margin_m(own_m, 0.0), place);
+                if known.movement.bounds().is_some() && here > last && here < next {
+                    next = here;
                 }
             }
-            // The largest one with fewer than `room` smaller ones; a sort could panic.
-            let nearer = |than: &f64| distances.iter().filter(|other| *other < than).count();
-            within_m = distances
-                .iter()
-                .filter(|distance| nearer(distance) < room)
-                .copied()
-                .fold(f64::NEG_INFINITY, f64::max);
+            last = next;
         }
-        for ((hazard, known), turning) in rows.iter().zip(&self.obstacles).zip(&self.turning) {
-            let far = hazard.margin_m(own_m, 0.0) > within_m;
+        let others = rows.len() - room;
+        let straight = Motions::room_of_straight(room, others);
+        for (place, (hazard, (known, turning))) in rows
+            .iter()
+            .zip(self.obstacles.iter().zip(&self.turning))
+            .enumerate()
+        {
+            let may_turn = room > 0 && (hazard.margin_m(own_m, 0.0), place) <= last;
+            let room = if may_turn { Room::Turns } else { straight };
             self.motions
-                .add_aircraft(hazard, (known, *turning), (freedom, beyond_m), far);
+                .add_aircraft(hazard, (known, *turning), (freedom, beyond_m), room);
         }
+    }
+
+    /// How many obstacles there are.
+    pub(super) fn obstacle_count(&self) -> usize {
+        self.hazards.rows().len()
+    }
+
+    /// What taking in the obstacles of this step has taken, in units of work.
+    pub(super) const fn work(&self) -> usize {
+        self.work
     }
 
     /// The obstacles now, to be compared with later.
@@ -195,6 +212,7 @@ impl Tracks {
             self.consider(situation, &obstacle, limits, sigmas);
         }
         let heard = self.hazards.rows().len();
+        self.work += self.seen as usize / 2;
         // One that is missing is where it was heading for, until it has been for long.
         let mut place = 0;
         while let Some(known) = self.remembered().known(place) {
@@ -228,6 +246,8 @@ impl Tracks {
         self.last = 1 - self.last;
         now.len = 0;
         let count = self.hazards.rows().len();
+        // Each is looked for among those of the last step, twice.
+        self.work += count * (LEARN_WORK + before.len / 16);
         let tracked = self.obstacles.iter().zip(&mut self.turning).take(count);
         for (place, (known, turning)) in tracked.enumerate() {
             self.aircraft += usize::from(known.movement.bounds().is_some());
@@ -277,18 +297,13 @@ impl Tracks {
         let mut place = self.hazards.rows().len();
         if place >= MAX_TRACKED {
             self.overflow = true;
-            let urgency = |hazard: &Hazard| hazard.margin_m(own, 0.0);
             let new = Hazard::new(0, obstacle, situation.wind_mps, sigmas);
-            let farthest = self
-                .hazards
-                .rows()
-                .iter()
-                .enumerate()
-                .max_by(|a, b| urgency(a.1).total_cmp(&urgency(b.1)));
-            match farthest {
-                Some((index, hazard)) if urgency(hazard) > urgency(&new) => place = index,
-                _ => return,
+            let (index, distance_m) = self.farthest(own);
+            if distance_m <= new.margin_m(own, 0.0) {
+                return;
             }
+            place = index;
+            self.farthest = None;
         }
         let index = u32::try_from(place).unwrap_or(u32::MAX);
         let mut hazard = Hazard::new(index, obstacle, situation.wind_mps, sigmas);
@@ -307,6 +322,26 @@ impl Tracks {
         }
         let uncertainty = obstacle.uncertainty;
         self.uncertain |= uncertainty.position_m > 0.0 || uncertainty.velocity_mps > 0.0;
+    }
+}
+
+impl Tracks {
+    /// The place of the farthest hazard from where the aircraft is, and how far it is, metres. It is kept until it is
+    /// replaced.
+    fn farthest(&mut self, own_m: Vec3) -> (usize, f64) {
+        if let Some(known) = self.farthest {
+            return known;
+        }
+        let rows = self.hazards.rows();
+        self.work += rows.len() / 2;
+        let farthest = rows
+            .iter()
+            .map(|hazard| hazard.margin_m(own_m, 0.0))
+            .enumerate()
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((0, f64::NEG_INFINITY));
+        self.farthest = Some(farthest);
+        farthest
     }
 }
 
@@ -457,6 +492,50 @@ mod tests {
                 );
                 assert!(shrunk.margin_m(offset_m) >= 0.0, "{shrunk:?} {offset_m}");
             }
+        }
+    }
+
+    /// Of more than sixty aircraft some had no hazard at all.
+    #[test]
+    fn each_of_many_aircraft_keeps_a_hazard() {
+        use crate::situation::{Mission, Obstacles, Ownship};
+        let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+        for count in [1_u32, 6, 7, 50, 62, 64, 107, 108, 128] {
+            let rows: alloc::vec::Vec<Obstacle> = (0..count)
+                .map(|id| Obstacle {
+                    movement: Movement::CREWED,
+                    // Pairs at one distance.
+                    ..Obstacle::new(
+                        id,
+                        Vec3::new(300.0 + f64::from(id / 2), 0.0, 0.0),
+                        Vec3::new(-40.0, 0.0, 0.0),
+                        volume,
+                    )
+                })
+                .collect();
+            let situation = Situation {
+                time_s: 0.0,
+                ownship: Ownship {
+                    position_m: Vec3::ZERO,
+                    course_rad: 0.0,
+                    climb_rad: 0.0,
+                    bank_rad: 0.0,
+                    airspeed_mps: 20.0,
+                },
+                obstacles: Obstacles::Rows(&rows),
+                mission: Mission::new(&[]),
+                wind_mps: Vec3::ZERO,
+            };
+            let mut tracks = Tracks::new();
+            tracks.load(&situation, f64::INFINITY, 60.0, 3.0);
+            tracks.withstand(Freedom::Share(1.0), Vec3::ZERO, 0.0);
+            for id in 0..count {
+                let has = tracks.hazards().rows().iter().any(|hazard| hazard.id == id);
+                assert!(has, "{id} of {count}");
+            }
+            // The nearest may turn.
+            let of_first = tracks.hazards().rows().iter().filter(|h| h.id == 0);
+            assert!(of_first.count() > 2 || count > 107, "{count}");
         }
     }
 }

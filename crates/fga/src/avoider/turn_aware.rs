@@ -11,7 +11,7 @@ use crate::avoider::quiet::LineAhead;
 use crate::avoider::{
     Against, Avoider, Candidate, Decision, Plan, Reason, Start, State, Threat, Verdict,
 };
-use crate::certificate::{certify, certify_set};
+use crate::certificate::{Asked, certify_set, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
@@ -123,41 +123,33 @@ impl Avoider {
     fn first_threat(&mut self, nominal: &Maneuver, now: &MotionState) -> Option<(Threat, Against)> {
         let horizon_s = self.settings.horizon_s;
         let target_m = self.settings.margin_m;
-        self.path.predict(&self.flyer, now, nominal, horizon_s);
-        self.count_prediction();
+        self.predict(nominal, now);
+        let reach = (horizon_s, target_m);
+        let hazards = self.tracks.hazards();
+        let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
         let mut first: Option<Threat> = None;
-        let mut looks = self.tracks.hazards().rows().len();
-        let most = self.work_left() as usize;
-        for hazard in self.tracks.hazards().rows() {
-            let closest = certify(
-                &self.flyer,
-                &self.path,
-                hazard,
-                horizon_s,
-                f64::MIN,
-                target_m,
-            );
-            if closest.margin_m >= target_m {
+        for (hazard, _) in hazards.rows().iter().zip(close).filter(|(_, close)| *close) {
+            let closest = self.certify_one(hazard, horizon_s, f64::MIN);
+            // What was not looked at to its end may be anything.
+            if closest.margin_m >= target_m && !self.meter.is_met() {
                 continue;
             }
             // The margin up to a moment only falls as the moment moves on: halve to the entry.
             let (mut before_s, mut after_s) = (0.0, closest.at_s);
             let entered_m = (closest.margin_m + 1e-3).max(0.0).min(target_m);
             if let Some(first) = first {
-                let until_s = first.entry_s;
-                let so_far = certify(&self.flyer, &self.path, hazard, until_s, f64::MIN, target_m);
-                looks += 1;
+                let so_far = self.certify_one(hazard, first.entry_s, f64::MIN);
                 if so_far.margin_m > entered_m {
                     // It is entered later than the first.
                     continue;
                 }
             }
-            let left = most.saturating_sub(self.path.nodes().len() * looks / 2);
-            let halvings = if left == 0 { 0 } else { ENTRY_HALVINGS };
-            looks += halvings;
-            for _ in 0..halvings {
+            for _ in 0..ENTRY_HALVINGS {
+                if self.meter.is_met() {
+                    break;
+                }
                 let middle = 0.5 * (before_s + after_s);
-                let so_far = certify(&self.flyer, &self.path, hazard, middle, f64::MIN, target_m);
+                let so_far = self.certify_one(hazard, middle, f64::MIN);
                 if so_far.margin_m > entered_m {
                     before_s = middle;
                 } else {
@@ -172,20 +164,20 @@ impl Avoider {
                     margin_m: closest.margin_m,
                 });
             }
+            if self.meter.is_met() {
+                break;
+            }
         }
-        self.count_looks(looks);
         let first = first?;
-        if self.work_left() == 0 {
-            let mut against = Against::default();
-            against.add(first.id);
-            return Some((first, against));
-        }
-        self.count_looks(self.tracks.hazards().rows().len());
-        let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
         let mut against = Against::default();
-        for hazard in self.tracks.hazards().rows() {
-            let closest = certify(&self.flyer, &self.path, hazard, same_s, f64::MIN, target_m);
-            if closest.margin_m < target_m {
+        against.add(first.id);
+        let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
+        for (hazard, _) in hazards.rows().iter().zip(close).filter(|(_, close)| *close) {
+            if self.meter.is_met() {
+                break;
+            }
+            let closest = self.certify_one(hazard, same_s, f64::MIN);
+            if closest.margin_m < target_m && !against.contains(hazard.id) {
                 against.add(hazard.id);
             }
         }
@@ -202,7 +194,7 @@ impl Avoider {
         let limit = self.settings.work_limit;
         let patience = limit / LATER_SHARE;
         let most = if self.plan.is_none() { limit } else { patience };
-        let left = self.work_left();
+        let left = self.meter.left();
         let leg = self.progress.leg(now);
         let (low, high) = self.climb_limits_rad();
         let scene = Scene {
@@ -223,7 +215,12 @@ impl Avoider {
         let mut search = Search::new(scene, &mut self.path, most.min(left), patience.min(left));
         let answer = look(&mut search);
         let (evaluated, limit_met, work) = (search.evaluated, search.limit_met(), search.work());
-        self.work = self.work.saturating_add(work);
+        self.meter.count(work as usize);
+        self.cut = if limit_met {
+            self.cut.wrapping_add(1)
+        } else {
+            0
+        };
         (answer, evaluated, limit_met)
     }
 
@@ -239,8 +236,9 @@ impl Avoider {
     ) -> Decision {
         let period_s = self.settings.decision_period_s;
         let entry_s = threat.entry_s;
+        let cut = self.cut;
         let (choice, candidates, limit_met) = self.search(nominal, now, |search| {
-            choose(search, start, entry_s, period_s)
+            choose(search, start, (entry_s, period_s), cut)
         });
         let decision = match choice.chosen {
             Some((found, maneuver, proof)) => {
@@ -296,20 +294,14 @@ impl Avoider {
         now: &MotionState,
         (floor_m, enough_m): (f64, f64),
     ) -> f64 {
-        let horizon_s = self.settings.horizon_s;
-        self.path.predict(&self.flyer, now, maneuver, horizon_s);
-        self.count_prediction();
-        self.count_looks(4 * self.tracks.hazards().block_count());
-        let hazards = self.tracks.hazards();
-        certify_set(
-            &self.flyer,
-            &self.path,
-            hazards,
-            horizon_s,
+        self.predict(maneuver, now);
+        let asked = Asked {
+            horizon_s: self.settings.horizon_s,
             floor_m,
             enough_m,
-        )
-        .proven_m()
+        };
+        let hazards = self.tracks.hazards();
+        certify_set(&self.flyer, &self.path, hazards, &asked, &self.meter).proven_m()
     }
 
     /// Flying the manoeuvre: keep it, replace it, or go back.
@@ -416,23 +408,17 @@ impl Avoider {
         now: &MotionState,
         mut against: Against,
     ) -> Against {
-        let horizon_s = self.settings.horizon_s;
-        let target_m = self.settings.margin_m;
-        self.path.predict(&self.flyer, now, maneuver, horizon_s);
-        self.count_prediction();
-        self.count_looks(self.tracks.hazards().rows().len());
-        for hazard in self.tracks.hazards().rows() {
-            let id = hazard.id;
-            let closest = certify(
-                &self.flyer,
-                &self.path,
-                hazard,
-                horizon_s,
-                target_m,
-                target_m,
-            );
-            if closest.margin_m < target_m && !against.contains(id) {
-                against.add(id);
+        let reach = (self.settings.horizon_s, self.settings.margin_m);
+        self.predict(maneuver, now);
+        let hazards = self.tracks.hazards();
+        let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
+        for (hazard, _) in hazards.rows().iter().zip(close).filter(|(_, close)| *close) {
+            if self.meter.is_met() {
+                break;
+            }
+            let closest = self.certify_one(hazard, reach.0, reach.1);
+            if closest.margin_m < reach.1 && !against.contains(hazard.id) {
+                against.add(hazard.id);
             }
         }
         against
@@ -478,13 +464,19 @@ struct Choice {
     alternative: Option<Candidate>,
 }
 
-/// The manoeuvre and its start: certified if there is one, else the best available.
-fn choose(search: &mut Search<'_>, start: Start, entry_s: f64, period_s: f64) -> Choice {
+/// The manoeuvre and its start: certified if there is one, else the best available. After searches
+/// that were cut it begins with others.
+fn choose(
+    search: &mut Search<'_>,
+    start: Start,
+    (entry_s, period_s): (f64, f64),
+    cut: u32,
+) -> Choice {
     let (mut latest_s, mut alternative) = (None, None);
     let found = match start {
         Start::AtDetection => search.cheapest(0.0),
         Start::Free => {
-            let [found, other] = least_departure(search, entry_s);
+            let [found, other] = least_departure(search, entry_s, cut);
             alternative = other.map(|other| Candidate {
                 maneuver: as_maneuver(search, &other),
                 margin_m: other.margin_m,
@@ -514,7 +506,7 @@ fn choose(search: &mut Search<'_>, start: Start, entry_s: f64, period_s: f64) ->
     };
     let found = found
         .map(|found| (found, Proof::Certified))
-        .or_else(|| search.best(None, Effort::Full, 0));
+        .or_else(|| search.best(None, Effort::Full, cut));
     Choice {
         chosen: found.map(|(found, proof)| (found, as_maneuver(search, &found), proof)),
         latest_s,
@@ -528,10 +520,20 @@ fn as_maneuver(search: &Search<'_>, found: &Found) -> Maneuver {
 
 /// The cheapest manoeuvre to each side at several starts: of these the one that departs least, and
 /// that to the other side.
-fn least_departure(search: &mut Search<'_>, entry_s: f64) -> [Option<Found>; 2] {
-    let [mut left, mut right] = Side::BOTH.map(|side| {
+fn least_departure(search: &mut Search<'_>, entry_s: f64, cut: u32) -> [Option<Found>; 2] {
+    let [one, other] = Side::BOTH;
+    let sides = if cut.is_multiple_of(2) {
+        [one, other]
+    } else {
+        [other, one]
+    };
+    let [mut left, mut right] = sides.map(|side| {
         let mut best: Option<(f64, Found)> = None;
-        for share in FREE_STARTS {
+        let starts = FREE_STARTS
+            .iter()
+            .cycle()
+            .skip(cut as usize % FREE_STARTS.len());
+        for share in starts.take(FREE_STARTS.len()) {
             let Some(found) = search.cheapest_to(&[side], share * entry_s) else {
                 continue;
             };

@@ -3,6 +3,7 @@
 use glam::{BVec4, DVec4};
 
 use crate::Vec3;
+use crate::meter::{LEAST_STEP, LOOK, Meter};
 use crate::situation::{Obstacle, ProtectedVolume};
 
 /// Most hazards of a [`Hazards`].
@@ -14,8 +15,11 @@ const LANES: usize = 4;
 /// So few hazards are looked at one by one sooner than in a block.
 const FEW: usize = 3;
 
-/// Golden-section steps on a cylinder's chord: they shrink it by 0.618⁴⁸ ≈ 10⁻¹⁰.
-const GOLDEN_STEPS: u32 = 48;
+/// Most steps to the least margin of a cylinder on a line; six are usual.
+const MOST_STEPS: u32 = 40;
+
+/// The least margin of a cylinder on a line is known within this, metres.
+const LEAST_KNOWN_M: f64 = 1e-9;
 
 /// An obstacle as the certificate sees it: a volume that moves straight and grows, for a time.
 ///
@@ -162,7 +166,12 @@ impl Hazard {
 
     /// Least margin of a point that moves straight, and when, if it is below `below_m`.
     #[inline]
-    pub(crate) fn least_on_line(&self, line: &Line, below_m: f64) -> Option<(f64, f64)> {
+    pub(crate) fn least_on_line(
+        &self,
+        line: &Line,
+        below_m: f64,
+        meter: &Meter,
+    ) -> Option<(f64, f64)> {
         let inside;
         let line = if self.window_s == ALWAYS {
             line
@@ -194,31 +203,58 @@ impl Hazard {
         if nearest_square >= reach * reach {
             return None;
         }
+        meter.count(LOOK);
         let (margin, when) = match self.volume {
-            _ if self.is_stretched() => {
-                let margin = |t: f64| {
-                    let offset = self.stretched(offset + velocity * t, at_s + t);
-                    self.volume.margin_m(offset) - growth * (at_s + t)
-                };
-                let speed = libm::sqrt(square) + growth + self.stretch_m.1;
-                least_of_convex(margin, duration_s, speed)
-            }
-            ProtectedVolume::Sphere { .. } if growth == 0.0 => {
+            ProtectedVolume::Sphere { .. } if growth == 0.0 && !self.is_stretched() => {
                 (libm::sqrt(nearest_square) - radius, nearest_s)
             }
-            ProtectedVolume::Sphere { .. } => {
+            ProtectedVolume::Sphere { .. } if !self.is_stretched() => {
                 let when = growing_nearest_s(offset, velocity, square, along, growth, duration_s);
                 let distance = (offset + velocity * when).length();
                 (distance - radius - growth * when, when)
             }
-            ProtectedVolume::Cylinder { .. } => {
+            _ => {
                 let margin =
-                    |t: f64| self.volume.margin_m(offset + velocity * t) - growth * (at_s + t);
-                let speed = libm::sqrt(square) + growth;
-                least_of_convex(margin, duration_s, speed)
+                    |t: f64| self.margin_and_slope(offset + velocity * t, velocity, at_s + t);
+                least_of_convex(margin, duration_s, below_m, meter)?
             }
         };
         (margin < below_m).then_some((margin, at_s + when))
+    }
+
+    /// Margin at an offset from the centre, metres, and its slope where the offset moves, metres per
+    /// second.
+    fn margin_and_slope(&self, offset: Vec3, velocity: Vec3, at_s: f64) -> (f64, f64) {
+        let (now_m, more_mps) = self.stretch_m;
+        let mut height = offset.z.abs() - (now_m + more_mps * at_s);
+        let mut rise = libm::copysign(velocity.z, velocity.z * offset.z) - more_mps;
+        if self.is_stretched() && height < 0.0 {
+            (height, rise) = (0.0, 0.0);
+        }
+        let aside = libm::sqrt(offset.x * offset.x + offset.y * offset.y);
+        let departs = if aside > 0.0 {
+            (offset.x * velocity.x + offset.y * velocity.y) / aside
+        } else {
+            0.0
+        };
+        let (wall, face, room) = match self.volume {
+            ProtectedVolume::Sphere { radius_m } => (aside, height, radius_m),
+            ProtectedVolume::Cylinder {
+                radius_m,
+                half_height_m,
+            } => (aside - radius_m, height - half_height_m, 0.0),
+        };
+        let is_sphere = !self.is_cylinder();
+        let (margin, slope) = if is_sphere || (wall > 0.0 && face > 0.0) {
+            let distance = libm::sqrt(wall * wall + face * face);
+            let slope = (wall * departs + face * rise) / distance.max(f64::MIN_POSITIVE);
+            (distance - room, slope)
+        } else if wall > face {
+            (wall, departs)
+        } else {
+            (face, rise)
+        };
+        (margin - self.growth_mps * at_s, slope - self.growth_mps)
     }
 }
 
@@ -249,37 +285,80 @@ fn growing_nearest_s(
     }
 }
 
-/// Minimum of a convex function with slope at most `speed` on [0, duration], from below.
-fn least_of_convex(margin: impl Fn(f64) -> f64, duration_s: f64, speed: f64) -> (f64, f64) {
-    const RATIO: f64 = 0.618_033_988_749_894_9;
-    let (mut low, mut high) = (0.0, duration_s);
-    let mut left = high - RATIO * (high - low);
-    let mut right = low + RATIO * (high - low);
-    let (mut at_left, mut at_right) = (margin(left), margin(right));
-    for _ in 0..GOLDEN_STEPS {
-        if at_left <= at_right {
-            (high, right, at_right) = (right, left, at_left);
-            left = high - RATIO * (high - low);
-            at_left = margin(left);
-        } else {
-            (low, left, at_left) = (left, right, at_right);
-            right = low + RATIO * (high - low);
-            at_right = margin(right);
-        }
+/// Minimum of a convex function on [0, duration], from below, and where it is, from its values and
+/// slopes: `None` where it is not below `below`.
+///
+/// The tangents at two places with the minimum between them meet below it.
+fn least_of_convex(
+    function: impl Fn(f64) -> (f64, f64),
+    duration: f64,
+    below: f64,
+    meter: &Meter,
+) -> Option<(f64, f64)> {
+    meter.count(LEAST_STEP);
+    let mut low = (0.0, function(0.0));
+    if low.1.1 >= 0.0 || duration <= 0.0 {
+        return Some((low.1.0, low.0));
     }
-    let middle = 0.5 * (low + high);
-    (margin(middle) - 0.5 * speed * (high - low), middle)
+    let mut high = (duration, function(duration));
+    if high.1.1 <= 0.0 {
+        return Some((high.1.0, high.0));
+    }
+    let mut bound = f64::NEG_INFINITY;
+    let mut at = 0.0;
+    for step in 0..MOST_STEPS {
+        let ((a, (at_a, slope_a)), (b, (at_b, slope_b))) = (low, high);
+        let meet = a + (at_b - at_a - slope_b * (b - a)) / (slope_a - slope_b);
+        at = meet.max(a).min(b);
+        bound = (at_a + slope_a * (at - a)).min(at_b + slope_b * (at - b));
+        if bound >= below {
+            return None;
+        }
+        if at_a.min(at_b) - bound < LEAST_KNOWN_M {
+            break;
+        }
+        // Where the tangents meet for a kink, where the slope is zero for a smooth minimum.
+        let next = if step % 2 == 0 {
+            at
+        } else {
+            a - slope_a * (b - a) / (slope_b - slope_a)
+        };
+        if next <= a || next >= b {
+            break;
+        }
+        let there = (next, function(next));
+        if there.1.1 < 0.0 {
+            low = there;
+        } else {
+            high = there;
+        }
+        meter.count(LEAST_STEP);
+    }
+    Some((bound, at))
 }
 
 /// Hazards, and which of them a line may come close to.
 pub(crate) trait HazardSet {
     /// Shows each hazard whose margin on `line` may be below `below_m`, metres, and perhaps others,
     /// until `visit` returns false. Says whether none did.
-    fn each_close(&self, line: &Line, below_m: f64, visit: impl FnMut(&Hazard) -> bool) -> bool;
+    fn each_close(
+        &self,
+        line: &Line,
+        below_m: f64,
+        meter: &Meter,
+        visit: impl FnMut(&Hazard) -> bool,
+    ) -> bool;
 }
 
 impl HazardSet for [Hazard] {
-    fn each_close(&self, _: &Line, _: f64, visit: impl FnMut(&Hazard) -> bool) -> bool {
+    fn each_close(
+        &self,
+        _: &Line,
+        _: f64,
+        meter: &Meter,
+        visit: impl FnMut(&Hazard) -> bool,
+    ) -> bool {
+        meter.count(self.len().div_ceil(2));
         self.iter().all(visit)
     }
 }
@@ -441,8 +520,10 @@ impl HazardSet for Hazards {
         &self,
         line: &Line,
         below_m: f64,
+        meter: &Meter,
         mut visit: impl FnMut(&Hazard) -> bool,
     ) -> bool {
+        meter.count(self.block_count().max(1));
         if self.len <= FEW {
             return self.rows().iter().all(visit);
         }

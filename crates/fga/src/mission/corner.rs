@@ -14,10 +14,11 @@ use crate::Vec3;
 use crate::angle::wrap_pi;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
+use crate::meter::Meter;
 use crate::mission::join::{Join, JoinLimits, join};
 use crate::mission::leg::Leg;
 use crate::mission::turnaround::{Arrival, turnaround};
-use crate::prediction::{Flyer, MotionState, for_each_piece};
+use crate::prediction::{Flyer, MotionState, flown};
 use crate::situation::{FLY_OVER_WITHIN_M, Passing};
 
 /// A turn beyond this is never flown by, radians.
@@ -51,6 +52,8 @@ pub struct Air<'a> {
     pub wind_mps: Vec3,
     /// Steepest descent and climb, radians.
     pub climb_limits_rad: (f64, f64),
+    /// Counts the work.
+    pub(crate) meter: &'a Meter,
 }
 
 impl Air<'_> {
@@ -69,13 +72,7 @@ impl Air<'_> {
             return 0.0;
         }
         let quarter = Maneuver::turn(0.0, core::f64::consts::FRAC_PI_2, 0.0);
-        let end = for_each_piece(
-            self.flyer,
-            &still(0.0),
-            &quarter,
-            f64::INFINITY,
-            |_, _, _| (),
-        );
+        let end = flown(self.flyer, &still(0.0), &quarter, f64::INFINITY, self.meter);
         // What the lag adds to a quarter turn, at either end of it.
         let late_m = (end.position_m.x - self.radius_m()).max(0.0);
         self.radius_m() + 4.0 * late_m
@@ -158,7 +155,7 @@ fn tangent_m(leg: &Leg, next: &Leg, air: &Air<'_>) -> f64 {
     let air_turn = wrap_pi(next.air_course_rad - leg.air_course_rad);
     let maneuver = Maneuver::turn(0.0, leg.air_course_rad + air_turn, 0.0);
     let from = still(leg.air_course_rad);
-    let end = for_each_piece(air.flyer, &from, &maneuver, f64::INFINITY, |_, _, _| ());
+    let end = flown(air.flyer, &from, &maneuver, f64::INFINITY, air.meter);
     let moved = end.position_m + air.wind_mps * end.time_s;
     // In the frame of the leg: forward and left.
     let (s, c) = libm::sincos(leg.course_rad);
@@ -250,6 +247,9 @@ fn chain(
         climb_limits_rad: air.climb_limits_rad,
     };
     for at in index + 1..=index + MOST_IN_CHAIN {
+        if air.meter.is_met() {
+            return None;
+        }
         let candidate = legs.leg(at)?;
         let is_last = legs.leg(at + 1).is_none();
         let turn = wrap_pi(candidate.course_rad - leg.course_rad).abs();
@@ -260,7 +260,7 @@ fn chain(
             // A turn back beyond short legs: not deep into the leg, but onto its beginning.
             return turn_round(legs, leg, at, air);
         }
-        let joined = join(air.flyer, &candidate, &exit, &limits);
+        let joined = join(air.flyer, &candidate, &exit, &limits, air.meter);
         let room_m = candidate.length_m - lead_after(at, &candidate).max(0.0);
         if joined.cross_m.abs() < 1.0 && (joined.along_m <= room_m || is_last) {
             if !passes_all(legs, (index + 1, at), &exit, &joined, air) {
@@ -294,9 +294,16 @@ fn passes_all(
     /// Corners up to this make a curve, radians.
     const GENTLE_RAD: f64 = 0.8;
     /// Places on the way that are looked at.
-    const PLACES: u32 = 24;
+    const PLACES: usize = 24;
     if first == last {
         return true;
+    }
+    let mut places = [Vec3::ZERO; PLACES + 1];
+    let mut state = *from;
+    for (k, place) in places.iter_mut().enumerate() {
+        let at_s = joined.joined_s * k as f64 / PLACES as f64;
+        state = flown(air.flyer, &state, &joined.maneuver, at_s, air.meter);
+        *place = state.position_m + air.wind_mps * at_s;
     }
     let mut before = legs.leg(first.saturating_sub(1));
     let mut is_gentle = true;
@@ -305,14 +312,10 @@ fn passes_all(
         let here = legs.leg(at);
         if let (Some(before), Some(here)) = (before, here) {
             is_gentle &= wrap_pi(here.course_rad - before.course_rad).abs() <= GENTLE_RAD;
-            let nearest_m = (0..=PLACES)
-                .map(|k| {
-                    let at_s = joined.joined_s * f64::from(k) / f64::from(PLACES);
-                    let there =
-                        for_each_piece(air.flyer, from, &joined.maneuver, at_s, |_, _, _| ());
-                    let offset = there.position_m + air.wind_mps * at_s - here.from_m;
-                    libm::hypot(offset.x, offset.y)
-                })
+            let nearest_m = places
+                .iter()
+                .map(|place| *place - here.from_m)
+                .map(|offset| libm::hypot(offset.x, offset.y))
                 .fold(f64::INFINITY, f64::min);
             misses |= nearest_m > air.radius_m();
         }
@@ -326,7 +329,7 @@ fn turn_round(legs: &impl Legs, leg: &Leg, target: usize, air: &Air<'_>) -> Opti
     let onto = legs.leg(target)?;
     let exit = at_exit(leg, 0.0, air);
     let to = arrival(&onto, air);
-    let found = turnaround(air.flyer, &exit, &to, air.wind_mps);
+    let found = turnaround(air, &exit, &to);
     let (maneuver, duration_s) = found.map_or((Maneuver::hold(), 0.0), |found| {
         (
             relative(&found.maneuver, leg.air_course_rad),

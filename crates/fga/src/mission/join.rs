@@ -7,8 +7,9 @@
 use crate::angle::wrap_pi;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
+use crate::meter::{Meter, SETUP};
 use crate::mission::leg::Leg;
-use crate::prediction::{Flyer, MotionState, for_each_piece};
+use crate::prediction::{Flyer, MotionState, flown};
 
 /// Cross-track and height error at which the aircraft is on its leg, metres.
 const ON_LEG_M: f64 = 0.05;
@@ -100,9 +101,16 @@ impl Shot {
 }
 
 /// The way onto a leg from a state, at an intercept angle or a smaller one where the leg is near.
-pub fn join(flyer: &Flyer, leg: &Leg, state: &MotionState, limits: &JoinLimits) -> Join {
+pub(crate) fn join(
+    flyer: &Flyer,
+    leg: &Leg,
+    state: &MotionState,
+    limits: &JoinLimits,
+    meter: &Meter,
+) -> Join {
+    meter.count(SETUP);
     let mut shot = aim(flyer, leg, state, limits);
-    let mut join = fly(flyer, leg, state, &shot);
+    let mut join = fly(flyer, leg, state, &shot, meter);
     for _ in 0..CORRECTIONS {
         if join.cross_m.abs() < 1e-6 && join.above_m.abs() < 1e-6 {
             break;
@@ -118,14 +126,14 @@ pub fn join(flyer: &Flyer, leg: &Leg, state: &MotionState, limits: &JoinLimits) 
         if climbing.abs() > 1e-3 * flyer.airspeed_mps() {
             shot.level_at_s = (shot.level_at_s - join.above_m / climbing).max(state.time_s);
         }
-        join = fly(flyer, leg, state, &shot);
+        join = fly(flyer, leg, state, &shot, meter);
     }
     join
 }
 
-fn fly(flyer: &Flyer, leg: &Leg, state: &MotionState, shot: &Shot) -> Join {
+fn fly(flyer: &Flyer, leg: &Leg, state: &MotionState, shot: &Shot, meter: &Meter) -> Join {
     let maneuver = shot.maneuver(state.time_s);
-    let end = for_each_piece(flyer, state, &maneuver, f64::INFINITY, |_, _, _| ());
+    let end = flown(flyer, state, &maneuver, f64::INFINITY, meter);
     let position = leg.position(end.position_m, end.time_s);
     Join {
         maneuver,

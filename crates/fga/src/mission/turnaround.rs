@@ -9,6 +9,8 @@ use core::f64::consts::{PI, TAU};
 use crate::Vec3;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
+use crate::meter::WORD;
+use crate::mission::corner::Air;
 use crate::prediction::{Flyer, MotionState};
 
 /// Repetitions of "how long does it take, and where has the place drifted by then?".
@@ -123,38 +125,38 @@ fn three_turns(x: f64, y: f64, turn: f64) -> Option<Word> {
     })
 }
 
-/// All words to a pose in turn radii, relative to the start, whose course is 0.
-fn words(x: f64, y: f64, turn: f64) -> [Option<Word>; 6] {
+/// How many kinds of words there are.
+const KINDS: usize = 6;
+
+/// The word of a kind to a pose in turn radii, relative to the start, whose course is 0.
+fn word(kind: usize, x: f64, y: f64, turn: f64) -> Option<Word> {
     let mirror = |word: Word| word.mirrored();
-    [
-        Some(same_side(x, y, turn)),
-        Some(same_side(x, -y, -turn).mirrored()),
-        other_side(x, y, turn),
-        other_side(x, -y, -turn).map(mirror),
-        three_turns(x, y, turn),
-        three_turns(x, -y, -turn).map(mirror),
-    ]
+    match kind {
+        0 => Some(same_side(x, y, turn)),
+        1 => Some(same_side(x, -y, -turn).mirrored()),
+        2 => other_side(x, y, turn),
+        3 => other_side(x, -y, -turn).map(mirror),
+        4 => three_turns(x, y, turn),
+        _ => three_turns(x, -y, -turn).map(mirror),
+    }
 }
 
 /// The quickest turn round from a state to a place; `None` where the wind lets none arrive.
-pub fn turnaround(
-    flyer: &Flyer,
-    state: &MotionState,
-    to: &Arrival,
-    wind_mps: Vec3,
-) -> Option<Turnaround> {
+pub(crate) fn turnaround(air: &Air<'_>, state: &MotionState, to: &Arrival) -> Option<Turnaround> {
+    let (flyer, wind_mps) = (air.flyer, air.wind_mps);
     let rate = flyer.course_rate_radps();
     let radius_m = flyer.airspeed_mps() / rate;
     let (sin, cos) = libm::sincos(state.course_rad);
     let turn = to.course_rad - state.course_rad;
     let mut best: Option<(f64, Word)> = None;
-    for kind in 0..6 {
+    for kind in 0..KINDS {
         let mut taken_s = 0.0;
         for _ in 0..DRIFT_STEPS {
             let offset = to.position_m - state.position_m - wind_mps * (state.time_s + taken_s);
             let x = (cos * offset.x + sin * offset.y) / radius_m;
             let y = (cos * offset.y - sin * offset.x) / radius_m;
-            let Some(word) = words(x, y, turn).get(kind).copied().flatten() else {
+            air.meter.count(WORD);
+            let Some(word) = word(kind, x, y, turn) else {
                 break;
             };
             let needed_s = word.length() / rate;
@@ -220,6 +222,7 @@ fn climb_over(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::meter::Meter;
     use crate::prediction::for_each_piece;
     use crate::vehicle::{Response, Vehicle};
     use proptest::prelude::*;
@@ -233,6 +236,16 @@ mod tests {
             climb_rate_radps: 0.2,
             response: Response::default(),
         })
+    }
+
+    fn found(state: &MotionState, to: &Arrival, wind_mps: Vec3) -> Option<Turnaround> {
+        let air = Air {
+            flyer: &flyer(),
+            wind_mps,
+            climb_limits_rad: (-0.26, 0.26),
+            meter: &Meter::unlimited(),
+        };
+        turnaround(&air, state, to)
     }
 
     fn at(course_rad: f64) -> MotionState {
@@ -253,7 +266,7 @@ mod tests {
             course_rad: PI,
             climb_rad: 0.0,
         };
-        let found = turnaround(&flyer(), &at(0.0), &to, Vec3::ZERO).unwrap();
+        let found = found(&at(0.0), &to, Vec3::ZERO).unwrap();
         let end = for_each_piece(
             &flyer(),
             &at(0.0),
@@ -277,7 +290,7 @@ mod tests {
         fn it_arrives(x in -200.0..200.0f64, y in -200.0..200.0f64, course in -3.1..3.1f64, start in -3.1..3.1f64, wx in -7.0..7.0f64, wy in -7.0..7.0f64) {
             let to = Arrival { position_m: Vec3::new(x, y, 0.0), course_rad: course, climb_rad: 0.0 };
             let wind = Vec3::new(wx, wy, 0.0);
-            if let Some(found) = turnaround(&flyer(), &at(start), &to, wind) {
+            if let Some(found) = found(&at(start), &to, wind) {
                 let end = for_each_piece(&flyer(), &at(start), &found.maneuver, found.arrives_s, |_, _, _| ());
                 let ground = end.position_m + wind * found.arrives_s;
                 prop_assert!(ground.distance(to.position_m) < 0.05, "{} {}", ground, to.position_m);

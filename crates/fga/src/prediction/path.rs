@@ -6,6 +6,7 @@ use core::slice::Iter;
 use crate::Vec3;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
+use crate::meter::{LAGGED_NODE, LAGGED_PIECE, Meter, NODE, PIECE, SETUP};
 use crate::prediction::motion::{ArcSteps, Piece};
 use crate::prediction::{Flyer, MotionState, Target};
 
@@ -139,6 +140,24 @@ pub(crate) fn for_each_piece(
     state
 }
 
+/// The aircraft at the end of a manoeuvre's flight up to `limit_s`, its pieces counted.
+pub(crate) fn flown(
+    flyer: &Flyer,
+    start: &MotionState,
+    maneuver: &Maneuver,
+    limit_s: f64,
+    meter: &Meter,
+) -> MotionState {
+    let piece = if flyer.is_ideal() {
+        PIECE
+    } else {
+        LAGGED_PIECE
+    };
+    for_each_piece(flyer, start, maneuver, limit_s, |_, _, _| {
+        meter.count(piece);
+    })
+}
+
 /// A predicted flight: nodes in time, then straight on from the last one.
 #[derive(Debug, Clone)]
 pub struct FlightPath {
@@ -198,6 +217,12 @@ impl FlightPath {
     /// where the manoeuvre lost a stage ([`Maneuver::is_whole`]).
     pub const fn is_complete(&self) -> bool {
         self.complete
+    }
+
+    /// What its prediction takes, in units of work.
+    pub(crate) fn work(&self, flyer: &Flyer) -> usize {
+        let node = if flyer.is_ideal() { NODE } else { LAGGED_NODE };
+        SETUP + self.len * node
     }
 
     /// Bound of how far the flight is from its nodes and from the pieces between them, metres: 0

@@ -7,6 +7,7 @@
 use crate::certificate::{Hazard, Line};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
+use crate::meter::{LAGGED_PIECE, Meter, PIECE};
 use crate::prediction::{Flyer, MotionState, for_each_piece};
 
 use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
@@ -28,6 +29,9 @@ const DIFFERENCE: f64 = 1e-4;
 
 /// Rounds of the linear program.
 const ROUNDS: u32 = 60;
+
+/// What they take for each obstacle, in units of work.
+const ROUNDS_WORK: usize = 40;
 
 /// The largest box of a step, in units of the natural steps.
 const LARGEST_BOX: f64 = 2.0;
@@ -90,6 +94,7 @@ impl Approaches {
 /// A climb under way.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ascent {
+    seed: Found,
     at: Vector,
     used: usize,
     approaches: Approaches,
@@ -107,6 +112,7 @@ impl Ascent {
         let rate = flyer.course_rate_radps();
         let two = seed.turns.second.is_some();
         Self {
+            seed: *seed,
             at: to_vector(&seed.turns),
             used: if two { PARAMETERS } else { 3 },
             approaches: Approaches::NONE,
@@ -152,9 +158,17 @@ impl Ascent {
         let turns = self.turns(&self.at);
         let departure = search.departure(turns.wait_s);
         let certificate = search.certify(&turns, &departure, f64::MIN);
+        let proven_m = certificate.proven_m();
+        if proven_m == f64::NEG_INFINITY && search.limit_met() {
+            // There was no work left to prove it: its seed, by what is known of that.
+            return Found {
+                margin_m: self.seed.margin_m.min(search.scene.target_m - LEAST_GAIN_M),
+                ..self.seed
+            };
+        }
         Found {
             turns,
-            margin_m: certificate.proven_m(),
+            margin_m: proven_m,
             cost: search.cost(&turns, &departure),
         }
     }
@@ -165,7 +179,7 @@ impl Ascent {
         let bounds = bounds(search.scene.climb_limits_rad);
         let slopes = self.slopes(search, &bounds);
         loop {
-            let (step, lifted_m) = self.best_step(&slopes, &bounds);
+            let (step, lifted_m) = self.best_step(&slopes, &bounds, &search.meter);
             let promised_m = lifted_m - here_m;
             if promised_m < LEAST_GAIN_M || search.limit_met() {
                 self.done = true;
@@ -218,11 +232,14 @@ impl Ascent {
         let mut closest = Approaches::NONE;
         if predict(search, &self.turns(&self.at)) {
             for (place, hazard) in hazards.iter().enumerate() {
+                if search.limit_met() {
+                    self.done = true;
+                    break;
+                }
                 if let Some(approach) = nearest(search, place, hazard) {
                     closest.take(approach);
                 }
             }
-            search.count_path(search.path.nodes().len() / 2);
         } else {
             self.done = true;
         }
@@ -250,7 +267,6 @@ impl Ascent {
                 approaches.take(approach);
             }
         }
-        search.count(super::PREDICTION_WORK + search.path.nodes().len() * self.approaches.len / 2);
         Some(approaches)
     }
 
@@ -275,14 +291,19 @@ impl Ascent {
             let sign = if *x + difference > *high { -1.0 } else { 1.0 };
             *x += sign * difference;
             let maneuver = maneuver(search, &self.turns(&moved));
-            search.count(super::PREDICTION_WORK + self.approaches.len);
             let start = search.scene.start;
+            let work = if flyer.is_ideal() {
+                PIECE
+            } else {
+                LAGGED_PIECE
+            };
             for_each_piece(
                 flyer,
                 &start,
                 &maneuver,
                 horizon_s,
                 |from, piece, lasts_s| {
+                    search.meter.count(work);
                     for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
                         let since_s = known.at_s - from.time_s;
                         if since_s < 0.0 || since_s > lasts_s {
@@ -308,6 +329,7 @@ impl Ascent {
         &self,
         slopes: &[Vector; CLOSEST],
         bounds: &[(f64, f64); PARAMETERS],
+        meter: &Meter,
     ) -> (Vector, f64) {
         let mut room = [(0.0, 0.0); PARAMETERS];
         for ((room, (low, high)), (x, scale)) in room
@@ -321,6 +343,7 @@ impl Ascent {
         }
         let mut step = [0.0; PARAMETERS];
         let mut best = (step, self.least_m());
+        meter.count(1 + self.approaches.len * ROUNDS_WORK);
         for round in 1..=ROUNDS {
             let mut least: Option<(f64, &Vector)> = None;
             for (known, slope) in self.approaches.iter().zip(slopes) {
@@ -353,16 +376,15 @@ fn maneuver(search: &Search<'_>, turns: &Turns) -> Maneuver {
 /// Predicts a manoeuvre into the search's path; says whether it is complete.
 fn predict(search: &mut Search<'_>, turns: &Turns) -> bool {
     let maneuver = maneuver(search, turns);
-    let scene = search.scene;
-    search
-        .path
-        .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
+    search.predict(&maneuver);
     search.path.is_complete()
 }
 
 /// The closest approach to a hazard along the path: on its chords, then on the flight itself.
 fn nearest(search: &Search<'_>, place: usize, hazard: &Hazard) -> Option<Approach> {
     let scene = search.scene;
+    let meter = &search.meter;
+    meter.count(1 + search.path.nodes().len() / 2);
     let mut least = (f64::INFINITY, 0.0);
     let mut look = |from: &MotionState, velocity_mps, until_s: f64| {
         let line = Line {
@@ -372,7 +394,7 @@ fn nearest(search: &Search<'_>, place: usize, hazard: &Hazard) -> Option<Approac
             duration_s: until_s - from.time_s,
         };
         if line.duration_s > 0.0
-            && let Some(found) = hazard.least_on_line(&line, least.0)
+            && let Some(found) = hazard.least_on_line(&line, least.0, meter)
         {
             least = found;
         }

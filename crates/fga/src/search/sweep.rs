@@ -4,6 +4,7 @@ use crate::Vec3;
 use crate::angle::Side;
 use crate::certificate::{Certificate, Chord, Hazard, HazardSet as _, Line};
 use crate::limit::Limit as _;
+use crate::meter::{LAGGED_PIECE, LAGGED_STEP, Meter, PIECE, SETUP};
 use crate::prediction::{
     ArcSteps, CHORD_BOW_M, Flyer, MAX_NODES, MotionState, Node, Piece, Target, whole,
 };
@@ -12,12 +13,6 @@ use super::{CLIMB_STEP_RAD, Search, Turns};
 
 /// Longest step along an arc, radians: it bows from its chord by less than a thousandth of its radius.
 pub(super) const LONGEST_STEP_RAD: f64 = 0.1;
-
-/// What it takes to set up a sweep, in line tests.
-const SETUP_WORK: usize = 15;
-
-/// What a piece of a flight with bank lag takes, in line tests.
-const PIECE_WORK: usize = 4;
 
 /// Halvings of the step between the last turn that fails and the first that does.
 const HALVINGS: u32 = 7;
@@ -187,7 +182,7 @@ impl Search<'_> {
         let mut best = None;
         let mut best_m = f64::MIN;
         let mut failing_rad = f64::MIN;
-        self.count(SETUP_WORK);
+        self.meter.count(SETUP);
         loop {
             let turn_rad = self.turn_at(&walk.state, sweep);
             if sign * turn_rad >= failing_rad {
@@ -219,6 +214,7 @@ impl Search<'_> {
             if arc_fails || failing_rad > sweep.max_turn_rad + ROLL_OUT_RAD || self.limit_met() {
                 return best;
             }
+            self.count_step();
             if !walk.step() {
                 return best;
             }
@@ -229,7 +225,7 @@ impl Search<'_> {
     pub(super) fn arc(&mut self, sweep: &Sweep, mut visit: impl FnMut(Leave)) {
         let mut walk = Walk::new(self.scene.flyer, sweep);
         let mut worst = Certificate::clear(sweep.before_m);
-        self.count(SETUP_WORK);
+        self.meter.count(SETUP);
         loop {
             visit(Leave {
                 turn_rad: self.turn_at(&walk.state, sweep),
@@ -238,6 +234,7 @@ impl Search<'_> {
                 state: walk.state,
                 before_m: worst.margin_m,
             });
+            self.count_step();
             if !walk.step() {
                 return;
             }
@@ -245,6 +242,13 @@ impl Search<'_> {
             if worst.margin_m < sweep.floor_m || self.limit_met() {
                 return;
             }
+        }
+    }
+
+    /// Counts a step along an arc.
+    fn count_step(&self) {
+        if !self.scene.flyer.is_ideal() {
+            self.meter.count(LAGGED_STEP);
         }
     }
 
@@ -275,7 +279,8 @@ impl Search<'_> {
         worst: &mut Certificate,
     ) {
         while walk.state.time_s < to.time_s && worst.margin_m >= floor_m {
-            if !walk.step() {
+            self.count_step();
+            if !walk.step() || self.limit_met() {
                 return;
             }
             self.along_step(walk, floor_m, worst);
@@ -420,9 +425,13 @@ impl Search<'_> {
     ) {
         let flyer = self.scene.flyer;
         if let Some(chord) = Chord::new(node, to.position_m, to.time_s) {
-            self.lower(&chord.line, chord.bow_m, floor_m, worst, |hazard, worst| {
-                chord.bound(flyer, hazard, floor_m, worst);
-            });
+            self.lower(
+                &chord.line,
+                chord.bow_m,
+                floor_m,
+                worst,
+                |hazard, worst, meter| chord.bound(flyer, hazard, floor_m, worst, meter),
+            );
         }
     }
 
@@ -442,8 +451,8 @@ impl Search<'_> {
             at_s: state.time_s,
             duration_s: (self.scene.horizon_s - state.time_s).max(0.0),
         };
-        self.lower(&line, 0.0, floor_m, &mut worst, |hazard, worst| {
-            if let Some((least_m, at_s)) = hazard.least_on_line(&line, worst.margin_m) {
+        self.lower(&line, 0.0, floor_m, &mut worst, |hazard, worst, meter| {
+            if let Some((least_m, at_s)) = hazard.least_on_line(&line, worst.margin_m, meter) {
                 (worst.margin_m, worst.at_s) = (least_m, at_s);
             }
         });
@@ -458,23 +467,23 @@ impl Search<'_> {
         bow_m: f64,
         floor_m: f64,
         worst: &mut Certificate,
-        look: impl Fn(&Hazard, &mut Certificate),
+        look: impl Fn(&Hazard, &mut Certificate, &Meter),
     ) {
         let hazards = self.scene.hazards;
         let first = hazards.rows().get(self.culprit);
         if let Some(hazard) = first {
-            look(hazard, worst);
+            look(hazard, worst, &self.meter);
+            self.meter.count(1);
             if worst.margin_m < floor_m {
-                self.count(1);
                 return;
             }
         }
-        self.count(1 + hazards.block_count());
-        hazards.each_close(line, worst.margin_m + bow_m, |hazard| {
+        let meter = &self.meter;
+        hazards.each_close(line, worst.margin_m + bow_m, meter, |hazard| {
             if first.is_some_and(|first| first.index == hazard.index) {
                 return true;
             }
-            look(hazard, worst);
+            look(hazard, worst, meter);
             let above = worst.margin_m >= floor_m;
             if !above {
                 self.culprit = hazard.index as usize;
@@ -550,9 +559,11 @@ impl Search<'_> {
             let longest_s = libm::sqrt(8.0 * CHORD_BOW_M / acceleration_mps2);
             let duration_s = piece.duration_s.min(until_s - state.time_s);
             let step_s = duration_s / whole(duration_s / longest_s, MAX_NODES) as f64;
-            if !flyer.is_ideal() {
-                self.count(PIECE_WORK);
-            }
+            self.meter.count(if flyer.is_ideal() {
+                PIECE
+            } else {
+                LAGGED_PIECE
+            });
             let node = Node::on(flyer, &state, &piece, 0.0);
             let end = flyer.advance(&state, &piece, step_s);
             self.along(&node, &end, floor_m, worst);

@@ -5,7 +5,7 @@
 //! parameters nearby, and the step in a box that lifts the least of them most is taken.
 
 use crate::angle::Side;
-use crate::certificate::{Certificate, Hazard, Hazards, certify};
+use crate::certificate::{Asked, Certificate, Hazard, Hazards, Status, certify_set};
 use crate::maneuver::Maneuver;
 use crate::prediction::{MotionState, Target, whole};
 
@@ -212,7 +212,7 @@ impl Search<'_> {
         if found.margin_m >= target_m {
             return Some((found, Proof::Certified));
         }
-        if effort == Effort::Quick {
+        if effort == Effort::Quick || self.answering {
             return Some((found, Proof::Open));
         }
         // A volume that grows with uncertainty may be too much today and not tomorrow.
@@ -238,10 +238,10 @@ impl Search<'_> {
             if found.margin_m >= target_m {
                 return Some((found, Proof::Certified));
             }
-            if self.work >= self.patience && is_certain && found.margin_m < far_m {
+            if self.work() >= self.patience && is_certain && found.margin_m < far_m {
                 return Some((found, Proof::Hopeless));
             }
-            if self.limit_met() {
+            if self.limit_met() || self.answering {
                 break;
             }
         }
@@ -260,19 +260,15 @@ impl Search<'_> {
             if self.limit_met() {
                 return false;
             }
-            self.path
-                .predict(scene.flyer, &scene.start, &maneuver, scene.horizon_s);
-            self.count_path(self.path.nodes().len());
-            let (horizon_s, target_m) = (scene.horizon_s, scene.target_m);
-            let one = certify(
-                scene.flyer,
-                self.path,
-                hazard,
-                horizon_s,
-                target_m,
-                target_m,
-            );
-            !one.holds(target_m) && self.is_too_much(hazard)
+            self.predict(&maneuver);
+            let asked = Asked {
+                horizon_s: scene.horizon_s,
+                floor_m: scene.target_m,
+                enough_m: scene.target_m,
+            };
+            let one = core::slice::from_ref(hazard);
+            let one = certify_set(scene.flyer, self.path, one, &asked, &self.meter);
+            one.status == Status::BelowFloor && self.is_too_much(hazard)
         })
     }
 
@@ -280,22 +276,29 @@ impl Search<'_> {
     fn is_too_much(&mut self, hazard: &Hazard) -> bool {
         let scene = self.scene;
         let mut alone = Hazards::new();
-        alone.put(0, *hazard);
+        alone.put(
+            0,
+            Hazard {
+                index: 0,
+                ..*hazard
+            },
+        );
         let scene_alone = Scene {
             hazards: &alone,
             ..scene
         };
-        let limit = self.limit.saturating_sub(self.work);
+        let limit = self.meter.left();
         let mut search = Search::new(scene_alone, self.path, limit, limit);
         let mut seeds = Seeds::new(WORTH * scene.turn_radius_m());
         let mut farthest = None;
         search.collect_single(&scene.start, &mut seeds);
         search.climb(&mut seeds, 2, &SINGLE_ROUNDS, &mut farthest);
-        let (evaluated, work) = (search.evaluated, search.work);
+        let (evaluated, work) = (search.evaluated, search.work());
+        let is_cut = search.limit_met();
         self.evaluated += evaluated;
-        self.work = self.work.saturating_add(work);
+        self.meter.count(work as usize);
         let short_m = ALONE * scene.turn_radius_m();
-        farthest.is_some_and(|farthest| farthest.margin_m < scene.target_m - short_m)
+        !is_cut && farthest.is_some_and(|farthest| farthest.margin_m < scene.target_m - short_m)
     }
 
     /// The manoeuvre under way in the terms of the search.
@@ -362,8 +365,11 @@ impl Search<'_> {
             }
             climbers.sort_unstable_by(|a, b| height(b.as_ref()).total_cmp(&height(a.as_ref())));
         }
-        if self.limit_met() && best.is_some() {
-            return;
+        if self.limit_met() {
+            if best.is_some() {
+                return;
+            }
+            self.answer();
         }
         if let Some(highest) = climbers.iter().flatten().next() {
             keep_larger(best, highest.certified(self));

@@ -5,11 +5,13 @@
 //! motion, turns of that share of the bounds to either side, and changes of climb of that share. Its
 //! **resilience** is the largest share of [`SHARES`] that it withstands.
 
+use crate::Vec3;
 use crate::angle::Side;
 use crate::avoider::intruders::Freedom;
 use crate::avoider::{Against, Avoider, Decision, Plan, Reason, Start, State, Threat};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
+use crate::meter::MOTION;
 use crate::prediction::MotionState;
 use crate::search::{Effort, Found, Proof, Search};
 use crate::situation::Situation;
@@ -65,13 +67,12 @@ impl Avoider {
         let own_m = now.position_m;
         self.plan = None;
         let (nominal, _) = self.guidance(situation, now);
-        self.tracks.withstand(Freedom::Expected, own_m);
+        self.withstand(Freedom::Expected, own_m, 0.0);
         let Some((threat, against)) = self.first_threat(&nominal, now) else {
             self.state = State::Cruise;
             return self.decision(&nominal, Reason::Clear);
         };
-        self.tracks
-            .withstand_by(Freedom::Share(WANTED_SHARE), own_m, BEYOND_M);
+        self.withstand(Freedom::Share(WANTED_SHARE), own_m, BEYOND_M);
         let (may_wait, candidates, limit_met) = if start == Start::AtDetection {
             (false, 0, false)
         } else {
@@ -167,7 +168,7 @@ impl Avoider {
         } else {
             Freedom::Share(1.0)
         };
-        self.tracks.withstand(freedom, own_m);
+        self.withstand(freedom, own_m, 0.0);
         if let Some(back) = self.way_back(situation, now, &plan) {
             self.plan = Some(back);
             self.state = State::Recovering;
@@ -246,7 +247,7 @@ impl Avoider {
         let hold = Maneuver::hold();
         let variety = self.cycle;
         let worst = Freedom::Share(WANTED_SHARE);
-        self.tracks.withstand(worst, own_m);
+        self.withstand(worst, own_m, 0.0);
         let kept_m = flown.map_or(f64::MIN, |(flown, _)| {
             self.margin_of(flown, now, (f64::MIN, ENOUGH_M))
         });
@@ -256,7 +257,7 @@ impl Avoider {
             Some(Answer::new(search, found, Proof::Open, 0.0))
         });
         let target_m = self.settings.margin_m;
-        self.tracks.withstand(Freedom::Share(0.0), own_m);
+        self.withstand(Freedom::Share(0.0), own_m, 0.0);
         let best = best.map(|best| {
             let expected_m = self.margin_of(&best.maneuver, now, (target_m, target_m));
             let proof = if expected_m >= target_m {
@@ -322,15 +323,18 @@ impl Avoider {
         let step_rad = libm::copysign(CLEARLY_LESS_RAD, away_rad);
         let (low, high) = self.climb_limits_rad();
         let level_rad = leg.climb_rad.limited(low, high);
-        self.tracks.withstand_by(
-            Freedom::Share(plan.resilience.min(WANTED_SHARE)),
-            now.position_m,
-            BEYOND_M,
-        );
+        let share = plan.resilience.min(WANTED_SHARE);
+        self.withstand(Freedom::Share(share), now.position_m, BEYOND_M);
         let target_m = self.settings.margin_m;
-        for k in 0..12 {
+        // Where the work was done before all were looked at, the next look goes on from there.
+        let from = core::mem::take(&mut self.improved_to);
+        for k in from..12 {
             let offset_rad = f64::from(k) * step_rad;
             if offset_rad.abs() > away_rad.abs() - CLEARLY_LESS_RAD {
+                return None;
+            }
+            if self.meter.is_met() {
+                self.improved_to = k.saturating_sub(1).max(from);
                 return None;
             }
             for climb_rad in [level_rad, last.climb_rad] {
@@ -349,12 +353,19 @@ impl Avoider {
         None
     }
 
+    /// Makes the hazards those of what aircraft may do, that much beyond their volumes, metres.
+    fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
+        self.tracks.withstand(freedom, own_m, beyond_m);
+        let motions = self.tracks.hazards().rows().len();
+        self.meter
+            .count(MOTION * motions + self.tracks.obstacle_count());
+    }
+
     /// The largest share that a maneuver withstands, if any.
     fn resilience_of(&mut self, maneuver: &Maneuver, now: &MotionState) -> Option<f64> {
         let target_m = super::holding::KEEP_SHARE * self.settings.margin_m;
         SHARES.into_iter().find(|share| {
-            self.tracks
-                .withstand(Freedom::Share(*share), now.position_m);
+            self.withstand(Freedom::Share(*share), now.position_m, 0.0);
             self.margin_of(maneuver, now, (target_m, target_m)) >= target_m
         })
     }
@@ -371,8 +382,7 @@ impl Avoider {
         let mut candidates = 0;
         let shares = SHARES.into_iter();
         for share in shares.filter(|share| *share > above && *share <= most) {
-            self.tracks
-                .withstand_by(Freedom::Share(share), now.position_m, BEYOND_M);
+            self.withstand(Freedom::Share(share), now.position_m, BEYOND_M);
             let (answer, looked_at, _) = self.search(&hold, now, |search| {
                 search.share_work(SEARCHES);
                 let found = side

@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::avoider::{Avoider, Plan};
-use crate::prediction::{MotionState, for_each_piece};
+use crate::prediction::MotionState;
 use crate::search::Proof;
 use crate::situation::Situation;
 
@@ -96,7 +96,7 @@ impl Avoider {
             time_s: basis.since_s,
             ..basis.own
         };
-        let there = for_each_piece(&self.flyer, &from, &plan.maneuver, since_s, |_, _, _| ());
+        let there = self.after(&from, &plan.maneuver, since_s);
         let position_m = there.position_m + situation.wind_mps * passed_s;
         let turned_rad = [
             now.course_rad - there.course_rad,
@@ -111,6 +111,7 @@ impl Avoider {
         let mut outlook = Outlook::default();
         // Weights that differ, so that two obstacles cannot make up for each other.
         let mut weight = 1.0;
+        self.meter.count(self.tracks.hazards().rows().len() / 2);
         for hazard in self.tracks.hazards().rows() {
             let ground_mps = hazard.velocity_mps + wind_mps;
             outlook.count += 1;

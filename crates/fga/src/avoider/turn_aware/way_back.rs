@@ -3,12 +3,12 @@
 use core::f64::consts::PI;
 
 use crate::avoider::{Avoider, Decision, Plan, Reason, Returned, Start, State};
-use crate::certificate::certify;
+use crate::certificate::mark_close;
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::mission::Bend;
 use crate::mission::join::JoinLimits;
-use crate::prediction::{MotionState, for_each_piece};
+use crate::prediction::MotionState;
 use crate::search::Proof;
 use crate::situation::Situation;
 
@@ -86,7 +86,7 @@ impl Avoider {
     ) -> Option<Plan> {
         let target_m = self.settings.margin_m;
         let horizon_s = self.settings.horizon_s;
-        if !self.cycle.is_multiple_of(LOOK_BACK_EVERY) {
+        if !self.cycle.is_multiple_of(LOOK_BACK_EVERY) || self.meter.is_met() {
             return None;
         }
         let turn = (self.cycle / LOOK_BACK_EVERY) as usize;
@@ -106,9 +106,11 @@ impl Avoider {
         let detour = (turn % 2 == 1 && waits && self.is_accompanied(situation, plan))
             .then(|| self.detour(now, turn / 2));
         let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
-        let (joined, index) =
-            self.progress
-                .way_back(mission, &from, &self.flyer, &limits, skipped)?;
+        let found = self
+            .progress
+            .way_back(mission, &from, &self.flyer, &limits, skipped);
+        self.count_mission();
+        let (joined, index) = found?;
         if intercept_rad < SHALLOW_RAD && joined.joined_s > SHALLOW_S {
             return None;
         }
@@ -123,9 +125,8 @@ impl Avoider {
         };
         self.progress
             .round_corners(mission, &self.flyer, horizon_s, &mut maneuver, bend);
-        self.path.predict(&self.flyer, now, &maneuver, horizon_s);
-        self.count_prediction();
-        self.count_looks(2 * self.tracks.hazards().rows().len());
+        self.count_mission();
+        self.predict(&maneuver, now);
         let ahead = self.way_ahead(plan, joined.joined_s, situation);
         let back = Plan {
             maneuver,
@@ -154,6 +155,7 @@ impl Avoider {
                 time_s: situation.time_s,
             });
             self.progress.advance_to(index, mission, now, &self.flyer);
+            self.count_mission();
         }
         back
     }
@@ -177,8 +179,7 @@ impl Avoider {
         let (turn_rad, radii) = DETOURS.get(index).copied().unwrap_or_default();
         let maneuver = Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
         let until_s = (turn_rad.abs() + radii) / self.flyer.course_rate_radps();
-        let from = for_each_piece(&self.flyer, now, &maneuver, until_s, |_, _, _| ());
-        (maneuver, from)
+        (maneuver, self.after(now, &maneuver, until_s))
     }
 
     /// A way back that meets other obstacles later, with the manoeuvre that avoids those.
@@ -210,10 +211,15 @@ impl Avoider {
         let velocity_mps = own.velocity_mps();
         let is_again = self.was_tried(plan, situation.time_s);
         let mut ahead = WayAhead::Clear;
-        for hazard in self.tracks.hazards().rows() {
-            let along = |until_s: f64| {
-                certify(&self.flyer, &self.path, hazard, until_s, target_m, target_m)
-            };
+        let hazards = self.tracks.hazards();
+        let reach = (horizon_s, target_m);
+        let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
+        let is_whole = self.path.is_complete();
+        for (hazard, close) in hazards.rows().iter().zip(close) {
+            if is_whole && !close {
+                continue;
+            }
+            let along = |until_s: f64| self.certify_one(hazard, until_s, target_m);
             let whole = along(horizon_s);
             if whole.holds(target_m) {
                 continue;
