@@ -295,7 +295,7 @@ impl Avoider {
         now: &MotionState,
         flown: Option<&Maneuver>,
     ) -> (Option<Answer>, u32) {
-        self.tracks.withstand(Freedom::Share(0.0), now.position_m);
+        self.withstand(Freedom::Share(0.0), now.position_m, 0.0);
         let variety = self.cycle;
         let (answer, looked_at, _) = self.search(&Maneuver::hold(), now, |search| {
             let (found, proof) = search.best(flown, Effort::Full, variety)?;
