@@ -23,6 +23,7 @@ use crate::common::{
     AnswerArgs, OutArgs, OverlayArgs, ThreadArgs, interrupted, watch_for_interrupt,
 };
 use crate::failure::Failure;
+use crate::files::TARGET;
 use crate::provenance::Provenance;
 use crate::run::summary as run_summary;
 use crate::run_files;
@@ -162,7 +163,7 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
         campaign: &campaign,
         shard: args.shard.unwrap_or(Shard::WHOLE),
         stamp: Stamp {
-            target: env!("FGA_TARGET").into(),
+            target: TARGET.into(),
         },
         folder: Folder::at(&args.out.prepare(&args.file)?),
         resume: args.resume,
@@ -245,15 +246,15 @@ fn finished(task: &Task<'_>, manifest: &Manifest, answer: AnswerArgs) -> Result<
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes everything about a complete campaign; returns what it says together.
-fn finish(
+/// Writes everything about a complete campaign. What it says together.
+pub(crate) fn finish(
     folder: &Folder,
     campaign: &Campaign,
     manifest: &Manifest,
     mut assembled: Assembled,
     provenance: &Provenance,
     mut more: Value,
-) -> Result<Summary, Failure> {
+) -> Result<Summary, CampaignError> {
     write_events(folder, campaign)?;
     write_summary(folder.path(), campaign, &assembled.summary)?;
     if let Some(more) = more.as_object_mut() {
@@ -267,7 +268,7 @@ fn finish(
 }
 
 /// Writes the events of the encounters that the campaign names, each flown again by every policy.
-fn write_events(folder: &Folder, campaign: &Campaign) -> Result<(), Failure> {
+fn write_events(folder: &Folder, campaign: &Campaign) -> Result<(), CampaignError> {
     let configuration = &campaign.configuration;
     if configuration.events.is_empty() {
         return Ok(());

@@ -5,16 +5,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use fga::Vec3;
 use fga_formats::OutputError;
 use fga_formats::atomic::AtomicFile;
-use fga_formats::encounters::{self, Encounter};
+use fga_formats::encounters;
 use fga_formats::number::push_fixed;
-use fga_sim::batch::{crab, volume_of};
-use fga_sim::oracle::{
-    AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
-};
-use fga_sim::vehicle_file::VehicleModel;
+use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge};
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -45,54 +40,11 @@ pub(crate) struct OracleArgs {
     answer: AnswerArgs,
 }
 
-/// The best margin of one encounter, metres.
-fn search(
-    encounter: &Encounter,
-    model: &VehicleModel,
-    start: &OracleStart,
-    settings: &OracleSettings,
-) -> f64 {
-    let obstacles: Vec<OracleObstacle> = encounter
-        .obstacles
-        .iter()
-        .map(|obstacle| {
-            OracleObstacle {
-                volume: volume_of(obstacle, &model.protection),
-                ..OracleObstacle::from(obstacle)
-            }
-            .in_wind(model.wind_mps)
-        })
-        .collect();
-    best_margin(
-        start,
-        &OracleVehicle::from(&model.vehicle),
-        &obstacles,
-        settings,
-    )
-    .best_margin_m
-}
-
 /// Searches every encounter and writes `oracle.csv`.
 pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
     let model = args.vehicle.model()?;
     let encounters = encounters::read(&args.encounters)?;
-    let (course_rad, climb_rad) = crab(Vec3::X, model.vehicle.airspeed_mps, model.wind_mps)
-        .ok_or_else(|| {
-            Failure::Input(format!(
-                "wind of {} m/s at an airspeed of {} m/s, expected less: the line cannot be flown",
-                model.wind_mps.length(),
-                model.vehicle.airspeed_mps
-            ))
-        })?;
-    let start = OracleStart {
-        course_rad,
-        climb_rad,
-        ..OracleStart::ORIGIN
-    };
-    let settings = OracleSettings {
-        horizon_s: args.horizon,
-        ..OracleSettings::default()
-    };
+    let judge = Judge::new(&model, args.horizon).map_err(Failure::Input)?;
     let folder = args.out.prepare(&args.encounters)?;
     watch_for_interrupt();
     let path = folder.join("oracle.csv");
@@ -105,19 +57,17 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
         for block in encounters.chunks(BLOCK) {
             let margins: Vec<f64> = block
                 .par_iter()
-                .map(|encounter| search(encounter, &model, &start, &settings))
+                .map(|encounter| judge.best_margin_m(encounter))
                 .collect();
             if interrupted() {
                 return Err(Failure::Interrupted);
             }
             for (encounter, margin_m) in block.iter().zip(margins) {
-                // Judged on the written number, so that the columns never disagree.
-                let written_m = as_written(margin_m);
-                let is_avoidable = written_m >= AVOIDABLE_MARGIN_M;
+                let is_avoidable = margin_m >= AVOIDABLE_MARGIN_M;
                 avoidable += usize::from(is_avoidable);
                 line.clear();
                 line.extend_from_slice(format!("{},{is_avoidable},", encounter.id).as_bytes());
-                push_fixed(&mut line, written_m, 6);
+                push_fixed(&mut line, margin_m, 6);
                 line.push(b'\n');
                 file.write_all(&line).map_err(failed)?;
             }
@@ -145,9 +95,4 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
         }),
     )?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// Six decimals, as they are written.
-fn as_written(value: f64) -> f64 {
-    (value * 1e6).round_ties_even() / 1e6
 }

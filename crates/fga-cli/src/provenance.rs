@@ -35,7 +35,7 @@ impl Provenance {
         let mut document = json!({
             "command": command,
             "version": env!("CARGO_PKG_VERSION"),
-            "target": env!("FGA_TARGET"),
+            "target": crate::files::TARGET,
             "configuration_hash": fingerprint(configuration.to_string().as_bytes()),
             "configuration": configuration,
             "begun_unix_s": self.begun_unix_s,

@@ -81,26 +81,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     } else {
         fly(plan, &policy, &mut |_| ())?
     };
-    let mut configuration = json!({
-        "policy": log.policy,
-        "vehicle_sha256": log.plan.model.sha256,
-        "seed": log.plan.world.seed,
-        "input_sha256": input_hash,
-    });
-    if !overlaid.is_empty() {
-        configuration["overlay"] = overlaid.iter().map(|log| log.policy.as_str()).collect();
-    }
-    let summary = summary(&log);
-    let mut more = summary.clone();
-    if let Some(more) = more.as_object_mut() {
-        more.insert("input".into(), json!(args.file.display().to_string()));
-        more.insert("seed".into(), json!(log.plan.world.seed));
-        more.insert("vehicle".into(), json!(log.plan.model.name));
-    }
-    let document = provenance.to_json("run", &configuration, more);
+    let document = document(&provenance, (&args.file, &input_hash), &log, &overlaid);
     run_files::write(&folder, &log, &overlaid, &document)?;
     args.answer
-        .print(|| in_words(&log, &overlaid, &folder), &summary)?;
+        .print(|| in_words(&log, &overlaid, &folder), &summary(&log))?;
     Ok(if log.outcome.separated() {
         ExitCode::SUCCESS
     } else {
@@ -113,6 +97,31 @@ fn begin_live(plan: &Plan, policy: &PolicyChoice, speed: f64) -> Result<LiveView
         .map_err(|error| Failure::Input(format!("the live view cannot be served: {error}")))?;
     eprintln!("live at http://{}/", live.address());
     Ok(live)
+}
+
+/// `run.json`: what made the results, and the summary.
+pub(crate) fn document(
+    provenance: &Provenance,
+    (input, input_sha256): (&Path, &str),
+    log: &RunLog,
+    overlaid: &[RunLog],
+) -> Value {
+    let mut configuration = json!({
+        "policy": log.policy,
+        "vehicle_sha256": log.plan.model.sha256,
+        "seed": log.plan.world.seed,
+        "input_sha256": input_sha256,
+    });
+    if !overlaid.is_empty() {
+        configuration["overlay"] = overlaid.iter().map(|log| log.policy.as_str()).collect();
+    }
+    let mut more = summary(log);
+    if let Some(more) = more.as_object_mut() {
+        more.insert("input".into(), json!(input.display().to_string()));
+        more.insert("seed".into(), json!(log.plan.world.seed));
+        more.insert("vehicle".into(), json!(log.plan.model.name));
+    }
+    provenance.to_json("run", &configuration, more)
 }
 
 /// A finite number, or null.

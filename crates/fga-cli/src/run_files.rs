@@ -37,7 +37,7 @@ pub(crate) fn write(
     atomic::write(&folder.join("run.json"), format!("{document:#}\n"))
 }
 
-fn track_csv(log: &RunLog) -> Vec<u8> {
+pub(crate) fn track_csv(log: &RunLog) -> Vec<u8> {
     let mut text = b"t_s,x_m,y_m,z_m,course_rad,climb_rad,bank_rad,state\n".to_vec();
     for sample in &log.samples {
         for value in [

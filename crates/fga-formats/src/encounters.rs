@@ -155,6 +155,79 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
     Ok(encounters)
 }
 
+/// Puts obstacles that did not come from a file together into encounters, in the order of their first
+/// rows. Each row is the number of its encounter and an obstacle.
+///
+/// # Errors
+/// One sentence about a number that is not finite or out of range, a negative radius, a doubled
+/// obstacle number, no encounter; rows are counted from 0.
+pub fn from_rows(
+    rows: impl IntoIterator<Item = (u64, Obstacle)>,
+) -> Result<Vec<Encounter>, String> {
+    let mut encounters: Vec<Encounter> = Vec::new();
+    let mut index_of: HashMap<u64, usize> = HashMap::new();
+    let mut seen: HashSet<(u64, u32)> = HashSet::new();
+    for (row, (id, obstacle)) in rows.into_iter().enumerate() {
+        let values = obstacle
+            .position_m
+            .to_array()
+            .into_iter()
+            .chain(obstacle.velocity_mps.to_array())
+            .chain([obstacle.volume.radius_m()]);
+        for (index, value) in values.enumerate() {
+            let name = COLUMNS.get(index + 2).copied().unwrap_or_default();
+            let largest = if (3..6).contains(&index) {
+                LARGEST_SPEED_MPS
+            } else {
+                LARGEST_LENGTH_M
+            };
+            if !value.is_finite() || value.abs() > largest {
+                return Err(format!(
+                    "row {row}: column {name} holds {value}, expected a finite number of at most {largest:e} either way"
+                ));
+            }
+        }
+        if obstacle.volume.radius_m() < 0.0 {
+            return Err(format!(
+                "row {row}: column radius_m holds {}, expected a radius of 0 metres or more",
+                obstacle.volume.radius_m()
+            ));
+        }
+        if !seen.insert((id, obstacle.id)) {
+            return Err(format!(
+                "row {row}: encounter {id} has a second obstacle {}, expected each number once",
+                obstacle.id
+            ));
+        }
+        let index = *index_of.entry(id).or_insert_with(|| {
+            encounters.push(Encounter {
+                id,
+                obstacles: Vec::new(),
+            });
+            encounters.len() - 1
+        });
+        if let Some(encounter) = encounters.get_mut(index) {
+            encounter.obstacles.push(obstacle);
+        }
+    }
+    if encounters.is_empty() {
+        return Err("there is no encounter, expected at least one row".to_owned());
+    }
+    Ok(encounters)
+}
+
+/// How an obstacle may move by the word of the column [`KIND_COLUMN`]; `None` for one that is not
+/// known.
+pub const fn movement_of(word: &[u8]) -> Option<Movement> {
+    match word {
+        b"" | b"straight" => Some(Movement::Straight),
+        b"still" => Some(Movement::AtRest),
+        b"aircraft" => Some(Movement::CREWED),
+        b"uas" => Some(Movement::SMALL_UAS),
+        _ => None,
+    }
+}
+
 /// Where each of [`COLUMNS`] stands in the file.
 fn find_columns(
     header: &csv::ByteRecord,
@@ -277,20 +350,17 @@ impl Row<'_> {
 
     fn movement(&self) -> Result<Movement, InputError> {
         let field = self.kind_column.and_then(|place| self.record.get(place));
-        match field.unwrap_or_default() {
-            b"" | b"straight" => Ok(Movement::Straight),
-            b"still" => Ok(Movement::AtRest),
-            b"aircraft" => Ok(Movement::CREWED),
-            b"uas" => Ok(Movement::SMALL_UAS),
-            other => Err(InputError::at_line(
+        let field = field.unwrap_or_default();
+        movement_of(field).ok_or_else(|| {
+            InputError::at_line(
                 self.path,
                 self.line,
                 format!(
                     "column {KIND_COLUMN} holds {}, expected still, straight, aircraft or uas",
-                    shown(&String::from_utf8_lossy(other))
+                    shown(&String::from_utf8_lossy(field))
                 ),
-            )),
-        }
+            )
+        })
     }
 }
 

@@ -1,5 +1,9 @@
 //! One flight, closed loop: look, decide, fly until the next decision, measure.
 
+mod stepped;
+
+pub use stepped::SteppedFlight;
+
 use std::time::Instant;
 
 use fga::Vec3;
@@ -7,7 +11,7 @@ use fga::angle::{climb_of, course_of, wrap_pi};
 use fga::avoider::{Decision, Reason, State};
 use fga::situation::Ownship;
 use fga::situation::{Mission, Obstacles, Situation};
-use fga::vehicle::STANDARD_GRAVITY_MPS2;
+use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 use crate::plant::{Arc, Plant, unwrap_near};
 use crate::policy::Pilot;
@@ -184,6 +188,12 @@ impl Engine {
         pilot: &mut (impl Pilot + ?Sized),
         observer: &mut impl Observer,
     ) -> Outcome {
+        let mut state = self.begin(world);
+        self.flight(world, &mut state).fly(pilot, observer)
+    }
+
+    /// Puts the aircraft at the start of a world.
+    fn begin(&mut self, world: &World) -> FlightState {
         let plant = self
             .plant
             .get_or_insert_with(|| Plant::new(world.vehicle, world.autopilot, world.wind_mps));
@@ -206,6 +216,21 @@ impl Engine {
                 }
                 separation
             }));
+        FlightState {
+            milestones: Milestones::default(),
+            progress: MissionProgress::of(world),
+            replaying: world.recorded.is_some(),
+            tuned_mps: world.vehicle.airspeed_mps,
+            flown_m: 0.0,
+            cycle: 0,
+        }
+    }
+
+    /// The flight that [`Engine::begin`] began.
+    fn flight<'a>(&'a mut self, world: &'a World, state: &'a mut FlightState) -> Flight<'a> {
+        let plant = self
+            .plant
+            .get_or_insert_with(|| Plant::new(world.vehicle, world.autopilot, world.wind_mps));
         Flight {
             world,
             plant,
@@ -213,14 +238,24 @@ impl Engine {
             separations: &mut self.separations,
             elapsed_ns: &mut self.elapsed_ns,
             missed: &mut self.missed,
-            milestones: Milestones::default(),
-            progress: MissionProgress::of(world),
-            replaying: world.recorded.as_ref(),
-            tuned_mps: world.vehicle.airspeed_mps,
-            flown_m: 0.0,
+            state,
         }
-        .fly(pilot, observer)
     }
+}
+
+/// What changes in a flight besides the aircraft, the sensor and what is measured.
+#[derive(Debug, Clone)]
+struct FlightState {
+    milestones: Milestones,
+    progress: MissionProgress,
+    /// Whether the recording is followed still.
+    replaying: bool,
+    /// Airspeed for which the pilot is set up, metres per second.
+    tuned_mps: f64,
+    /// Path over the ground, metres.
+    flown_m: f64,
+    /// Decisions flown.
+    cycle: u32,
 }
 
 /// A flight under way.
@@ -231,48 +266,88 @@ struct Flight<'a> {
     separations: &'a mut [Separation],
     elapsed_ns: &'a mut Vec<u64>,
     missed: &'a mut Vec<MissedWaypoint>,
-    milestones: Milestones,
-    progress: MissionProgress,
-    /// The recording, until it is left.
-    replaying: Option<&'a Track>,
-    /// Airspeed for which the pilot is set up, metres per second.
-    tuned_mps: f64,
-    /// Path over the ground, metres.
-    flown_m: f64,
+    state: &'a mut FlightState,
 }
 
-impl Flight<'_> {
+impl<'a> Flight<'a> {
     fn fly(mut self, pilot: &mut (impl Pilot + ?Sized), observer: &mut impl Observer) -> Outcome {
-        let period_s = self.world.settings.avoider.decision_period_s;
-        let mut cycle = 0_u32;
         let end_s = loop {
-            let time_s = f64::from(cycle) * period_s;
+            let time_s = self.time_s();
             let decision = self.decide(time_s, pilot, observer);
-            // A recording that was not left ends where it ends.
-            let horizon_s = self.world.horizon_s;
-            let limit_s = self
-                .replaying
-                .map_or(horizon_s, |track| horizon_s.min(track.presence_s().1));
-            let left_s = limit_s - time_s;
-            if left_s <= 1e-9 || self.ended(time_s) {
-                break time_s;
+            if let Some(end_s) = self.fly_on(&decision, observer) {
+                break end_s;
             }
-            // The end need not fall on a decision.
-            let last = left_s < period_s + 1e-9;
-            let step_s = if last { left_s } else { period_s };
-            self.advance(&decision, time_s, step_s, observer);
-            if last {
-                self.follow_recording(limit_s);
-                let plant = &self.plant;
-                let position_m = plant.ownship().position_m;
-                self.progress
-                    .follow(limit_s, position_m, || plant.ground_velocity_mps());
-                self.show(limit_s, decision.state, observer);
-                break limit_s;
-            }
-            cycle += 1;
         };
         self.outcome(end_s)
+    }
+
+    /// Time of the decision that is due, seconds.
+    fn time_s(&self) -> f64 {
+        f64::from(self.state.cycle) * self.world.settings.avoider.decision_period_s
+    }
+
+    /// The recording, until it is left.
+    fn replaying(&self) -> Option<&'a Track> {
+        let world = self.world;
+        world.recorded.as_ref().filter(|_| self.state.replaying)
+    }
+
+    /// Flies until the next decision; gives the time of the end once it is reached.
+    fn fly_on(&mut self, decision: &Decision, observer: &mut impl Observer) -> Option<f64> {
+        let period_s = self.world.settings.avoider.decision_period_s;
+        let time_s = self.time_s();
+        // A recording that was not left ends where it ends.
+        let horizon_s = self.world.horizon_s;
+        let limit_s = self
+            .replaying()
+            .map_or(horizon_s, |track| horizon_s.min(track.presence_s().1));
+        let left_s = limit_s - time_s;
+        if left_s <= 1e-9 || self.ended(time_s) {
+            return Some(time_s);
+        }
+        // The end need not fall on a decision.
+        let last = left_s < period_s + 1e-9;
+        let step_s = if last { left_s } else { period_s };
+        self.advance(decision, time_s, step_s, observer);
+        if last {
+            self.follow_recording(limit_s);
+            self.follow_mission(limit_s);
+            self.show(limit_s, decision.state, observer);
+            return Some(limit_s);
+        }
+        self.state.cycle += 1;
+        None
+    }
+
+    /// Takes the aircraft's place on its mission into account.
+    fn follow_mission(&mut self, time_s: f64) {
+        let plant = &self.plant;
+        let position_m = plant.ownship().position_m;
+        self.state
+            .progress
+            .follow(time_s, position_m, || plant.ground_velocity_mps());
+    }
+
+    /// Puts the aircraft where it is now, looks, and sets a pilot up that was set up for another
+    /// airspeed.
+    fn look(&mut self, time_s: f64, mut retune: impl FnMut(&Vehicle)) {
+        self.follow_recording(time_s);
+        let airspeed_mps = self.plant.vehicle().airspeed_mps;
+        // A recording's speed changes from row to row in its last digits.
+        if (airspeed_mps - self.state.tuned_mps).abs() > 1e-3 * self.state.tuned_mps {
+            retune(self.plant.vehicle());
+            self.state.tuned_mps = airspeed_mps;
+        }
+        let at_m = self.plant.ownship().position_m;
+        self.sensor.look(time_s, at_m, &self.world.obstacles);
+    }
+
+    /// Takes over what was decided.
+    fn take(&mut self, time_s: f64, decision: &Decision) {
+        self.state.milestones.note(time_s, decision);
+        if decision.state == State::Avoiding {
+            self.state.replaying = false;
+        }
     }
 
     /// Looks and decides.
@@ -282,46 +357,21 @@ impl Flight<'_> {
         pilot: &mut (impl Pilot + ?Sized),
         observer: &mut impl Observer,
     ) -> Decision {
-        let world = self.world;
-        self.follow_recording(time_s);
-        let airspeed_mps = self.plant.vehicle().airspeed_mps;
-        // A recording's speed changes from row to row in its last digits.
-        if (airspeed_mps - self.tuned_mps).abs() > 1e-3 * self.tuned_mps {
-            pilot.retune(self.plant.vehicle());
-            self.tuned_mps = airspeed_mps;
-        }
-        let ownship = self.plant.ownship();
-        let known = self
-            .sensor
-            .look(time_s, ownship.position_m, &world.obstacles);
-        let situation = Situation {
-            time_s,
-            ownship,
-            obstacles: Obstacles::Rows(known),
-            mission: Mission {
-                waypoints_m: &world.mission_m,
-                passing: &world.passing,
-            },
-            wind_mps: world.wind_mps,
-        };
+        self.look(time_s, |vehicle| pilot.retune(vehicle));
+        let situation = situation(self.world, self.plant.ownship(), self.sensor, time_s);
         let begun = Instant::now();
         let decision = pilot.step(&situation);
         let elapsed_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
         self.elapsed_ns.push(elapsed_ns);
-        self.milestones.note(time_s, &decision);
         observer.decision(&DecisionMoment {
             time_s,
             situation: &situation,
             decision: &decision,
             elapsed_ns,
         });
-        if decision.state == State::Avoiding {
-            self.replaying = None;
-        }
+        self.take(time_s, &decision);
         self.show(time_s, decision.state, observer);
-        let plant = &self.plant;
-        self.progress
-            .follow(time_s, ownship.position_m, || plant.ground_velocity_mps());
+        self.follow_mission(time_s);
         decision
     }
 
@@ -345,20 +395,22 @@ impl Flight<'_> {
         observer: &mut impl Observer,
     ) {
         let obstacles = &self.world.obstacles;
+        let replaying = self.replaying();
         let separations = &mut *self.separations;
         let mut measure = |arc: &Arc, end_m: Vec3| {
             for (separation, obstacle) in separations.iter_mut().zip(obstacles) {
                 separation.observe(arc, end_m, &obstacle.track);
             }
         };
-        if let Some(recorded) = self.replaying {
+        if let Some(recorded) = replaying {
+            let flown_m = &mut self.state.flown_m;
             recorded_arcs(recorded, time_s, time_s + step_s, &mut |arc| {
-                self.flown_m += arc.airspeed_mps * arc.duration_s;
+                *flown_m += arc.airspeed_mps * arc.duration_s;
                 measure(arc, arc.end_m());
             });
         } else {
             self.plant.command(&decision.command, step_s);
-            self.flown_m += fly_step(self.plant, step_s, measure, |ownship, wind, time| {
+            self.state.flown_m += fly_step(self.plant, step_s, measure, |ownship, wind, time| {
                 observer.sample(&sample_of(ownship, wind, time, decision.state));
             });
         }
@@ -366,7 +418,7 @@ impl Flight<'_> {
 
     /// Puts the aircraft where the recording has it, while it is followed.
     fn follow_recording(&mut self, time_s: f64) {
-        let Some(recorded) = self.replaying else {
+        let Some(recorded) = self.replaying() else {
             return;
         };
         let (first_s, last_s) = recorded.presence_s();
@@ -381,14 +433,14 @@ impl Flight<'_> {
 
     /// Whether the flight is over before its horizon.
     fn ended(&self, time_s: f64) -> bool {
-        let (world, milestones) = (self.world, &self.milestones);
+        let (world, milestones) = (self.world, &self.state.milestones);
         match world.ending {
             Ending::Horizon => false,
             Ending::MissionFlown => milestones.mission_flown && milestones.last == State::Cruise,
             // Most flights are not back: ask the cheap question first.
             Ending::BackAndPassed
                 if milestones.last != State::Cruise
-                    || self.progress.cross_track_m() > BACK_WITHIN_M =>
+                    || self.state.progress.cross_track_m() > BACK_WITHIN_M =>
             {
                 false
             }
@@ -401,20 +453,21 @@ impl Flight<'_> {
                     })
                 };
                 world.obstacles.iter().all(passed)
-                    && velocity_mps.angle_between(self.progress.direction()) <= BACK_WITHIN_RAD
+                    && velocity_mps.angle_between(self.state.progress.direction())
+                        <= BACK_WITHIN_RAD
             }
         }
     }
 
     fn outcome(&mut self, end_s: f64) -> Outcome {
-        *self.missed = self.progress.missed();
+        *self.missed = self.state.progress.missed();
         let least = |value: fn(&Separation) -> f64| {
             self.separations
                 .iter()
                 .map(value)
                 .fold(f64::INFINITY, f64::min)
         };
-        let milestones = &self.milestones;
+        let milestones = &self.state.milestones;
         Outcome {
             min_separation_m: least(|s| s.distance().value_m),
             min_margin_m: least(|s| s.margin().value_m),
@@ -422,12 +475,31 @@ impl Flight<'_> {
             start_s: milestones.start_s,
             clear_s: milestones.clear_s,
             rejoined_s: milestones.rejoined_s,
-            max_cross_track_m: self.progress.max_cross_track_m(),
-            extra_path_m: self.flown_m - self.progress.along_m(),
+            max_cross_track_m: self.state.progress.max_cross_track_m(),
+            extra_path_m: self.state.flown_m - self.state.progress.along_m(),
             end_s,
             mission_flown: milestones.mission_flown && self.missed.is_empty(),
             waypoints_missed: self.missed.len(),
         }
+    }
+}
+
+/// What is known at a time, after a look.
+fn situation<'a>(
+    world: &'a World,
+    ownship: Ownship,
+    sensor: &'a Sensor,
+    time_s: f64,
+) -> Situation<'a> {
+    Situation {
+        time_s,
+        ownship,
+        obstacles: Obstacles::Rows(sensor.known()),
+        mission: Mission {
+            waypoints_m: &world.mission_m,
+            passing: &world.passing,
+        },
+        wind_mps: world.wind_mps,
     }
 }
 

@@ -14,6 +14,8 @@
 //! | [`separation`] | how close did they really come? |
 //! | [`progress`] | how far along the mission, and how far beside it? |
 //! | [`policy`] | which policy is meant by a name? |
+//! | [`shield`] | may any policy fly, as long as a way out remains? |
+//! | [`worlds`] | what do many worlds show to policies that learn? |
 //! | [`engine`] | what comes of a flight? |
 //! | [`run`] | what happened in one flight, with everything logged? |
 //! | [`batch`] | what comes of many encounters? |
@@ -40,8 +42,10 @@ pub mod run;
 pub mod scenario;
 pub mod sensor;
 pub mod separation;
+pub mod shield;
 pub mod toml_input;
 pub mod track;
 pub mod tracker;
 pub mod vehicle_file;
 pub mod world;
+pub mod worlds;

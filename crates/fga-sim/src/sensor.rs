@@ -135,6 +135,11 @@ impl Sensor {
         &self.first_seen_s
     }
 
+    /// What the last look saw, carried on to its time.
+    pub fn known(&self) -> &[Obstacle] {
+        &self.seen
+    }
+
     /// What is known at `time_s`, with the sensor at `at_m`.
     pub fn look(&mut self, time_s: f64, at_m: Vec3, world: &[WorldObstacle]) -> &[Obstacle] {
         let due = time_s >= self.last_look_s + self.settings.update_period_s - 1e-9;

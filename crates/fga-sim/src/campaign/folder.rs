@@ -254,16 +254,7 @@ impl Folder {
         campaign: &Campaign,
         stamp: &Stamp,
     ) -> Result<(), CampaignError> {
-        let bytes = TableWriter::new(Vec::new(), campaign, stamp)
-            .and_then(|mut table| {
-                table.write(rows, campaign)?;
-                table.finish()
-            })
-            .map_err(|error| {
-                CampaignError::Other(format!("block {block} cannot be written: {error}"))
-            })?;
-        let checksum = fingerprint(&bytes);
-        let name = format!("block-{block:08}-{}.parquet", &checksum[..CHECKSUM_DIGITS]);
+        let (name, bytes) = encode_block(block, rows, campaign, stamp)?;
         Ok(atomic::write(&self.file(BLOCKS).join(name), bytes)?)
     }
 
@@ -282,8 +273,31 @@ impl Folder {
     }
 }
 
-/// The number of a block by the name of its file.
-fn number_of(name: &str) -> Option<u64> {
+/// A finished block as a file: its name, which holds the checksum, and its bytes.
+///
+/// # Errors
+/// Rows that cannot be written as a table.
+pub fn encode_block(
+    block: u64,
+    rows: &[Row],
+    campaign: &Campaign,
+    stamp: &Stamp,
+) -> Result<(String, Vec<u8>), CampaignError> {
+    let bytes = TableWriter::new(Vec::new(), campaign, stamp)
+        .and_then(|mut table| {
+            table.write(rows, campaign)?;
+            table.finish()
+        })
+        .map_err(|error| {
+            CampaignError::Other(format!("block {block} cannot be written: {error}"))
+        })?;
+    let checksum = fingerprint(&bytes);
+    let name = format!("block-{block:08}-{}.parquet", &checksum[..CHECKSUM_DIGITS]);
+    Ok((name, bytes))
+}
+
+/// The number of a block by the name of its file; `None` for other files.
+pub fn number_of(name: &str) -> Option<u64> {
     let (number, checksum) = name
         .strip_prefix("block-")?
         .strip_suffix(".parquet")?

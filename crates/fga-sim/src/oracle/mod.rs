@@ -24,6 +24,7 @@ mod ascent;
 mod departure;
 mod flight;
 mod grid;
+mod judge;
 mod linear;
 mod pattern;
 mod search;
@@ -32,6 +33,7 @@ mod tree;
 
 pub use departure::{DepartureAnswer, least_departure};
 pub use flight::{FlightNode, OracleFlight};
+pub use judge::Judge;
 
 use fga::Vec3;
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};

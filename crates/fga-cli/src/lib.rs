@@ -1,0 +1,165 @@
+//! The command line of fga: one file per command, each an adapter from files to the libraries.
+//!
+//! The program `fga` is [`main`] and nothing else. [`files`] holds what it writes about a flight or a
+//! campaign, for whoever wants the same without a process.
+
+mod alerts;
+mod bands;
+mod batch;
+mod batch_replays;
+mod campaign;
+mod campaign_catalogue;
+mod campaign_summary;
+mod check;
+mod common;
+mod export;
+mod failure;
+mod file_kind;
+pub mod files;
+mod flight_file;
+#[cfg(feature = "fly")]
+mod fly;
+#[cfg(feature = "fly")]
+mod fly_live;
+mod init;
+mod live;
+mod oracle;
+mod provenance;
+#[cfg(feature = "fly")]
+mod rc;
+mod replay_page;
+mod reproduce;
+mod run;
+mod run_files;
+mod shell;
+#[cfg(feature = "fly")]
+mod traffic;
+mod view;
+mod worst;
+
+extern crate alloc;
+
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{CommandFactory as _, Parser, Subcommand};
+
+use crate::failure::Failure;
+
+/// Real-time 3D collision avoidance for fixed-wing aircraft.
+#[derive(Parser)]
+#[command(name = "fga", version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Fly one scenario or recording, closed loop, and show what happened.
+    Run(run::RunArgs),
+    /// Fly many encounters that somebody else made.
+    Batch(batch::BatchArgs),
+    /// Say for each encounter whether any manoeuvre could save it.
+    Oracle(oracle::OracleArgs),
+    /// Say which alert levels a DAIDALUS configuration gives a recording.
+    Alerts(alerts::AlertsArgs),
+    /// Say which maneuvers meet a conflict in a recording, as bands.
+    Bands(bands::BandsArgs),
+    /// Fly drawn encounters by the million, policy by policy, with results that can be resumed.
+    Campaign(campaign::CampaignArgs),
+    /// Fly the paper's evaluation again and write it as one report.
+    Reproduce(reproduce::ReproduceArgs),
+    /// Write a run as a file for Google Earth, Cesium, maps or Foxglove, or play it to FlightGear.
+    Export(export::ExportArgs),
+    /// Show a folder of runs, or a campaign, in the browser.
+    View(view::ViewArgs),
+    /// Fly avoiding manoeuvres on an ArduPlane vehicle over MAVLink.
+    #[cfg(feature = "fly")]
+    Fly(fly::FlyArgs),
+    /// Play intruders as `ADSB_VEHICLE` messages and as BaseStation lines.
+    #[cfg(feature = "fly")]
+    Traffic(traffic::TrafficArgs),
+    /// Fly by keyboard, for tests on the bench.
+    #[cfg(feature = "fly")]
+    Rc(rc::RcArgs),
+    /// Write a commented scenario, vehicle, campaign or link file to begin with.
+    Init(init::InitArgs),
+    /// Say whether a file can be used, without flying it.
+    Check(check::CheckArgs),
+    /// Print the completion script of a shell.
+    Completions(shell::CompletionsArgs),
+    /// Write a manual page for each command.
+    Man(shell::ManArgs),
+}
+
+/// The program: does what the arguments of the process say.
+pub fn main() -> ExitCode {
+    main_with(std::env::args_os())
+}
+
+/// Does what these arguments say, the first of which is the name of the program.
+pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+                let _ = error.print();
+                return ExitCode::FAILURE;
+            }
+            if error.use_stderr() {
+                eprintln!("fga: {}", one_sentence(&error.to_string()));
+                return ExitCode::FAILURE;
+            }
+            // A pipe that closed while help was printed is not an error.
+            let _ = error.print();
+            return ExitCode::SUCCESS;
+        }
+    };
+    let result = match cli.command {
+        Command::Run(args) => run::run(&args),
+        Command::Batch(args) => batch::run(&args),
+        Command::Oracle(args) => oracle::run(&args),
+        Command::Alerts(args) => alerts::run(&args),
+        Command::Bands(args) => bands::run(&args),
+        Command::Campaign(args) => campaign::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::View(args) => view::run(&args),
+        #[cfg(feature = "fly")]
+        Command::Fly(args) => fly::run(&args),
+        #[cfg(feature = "fly")]
+        Command::Traffic(args) => traffic::run(&args),
+        #[cfg(feature = "fly")]
+        Command::Rc(args) => rc::run(&args),
+        Command::Init(args) => init::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Completions(args) => shell::completions(&args, Cli::command()),
+        Command::Man(args) => shell::man(&args, Cli::command()),
+    };
+    match result {
+        Ok(code) => code,
+        Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
+        Err(Failure::Interrupted) => {
+            eprintln!("fga: interrupted; nothing was written");
+            ExitCode::from(130)
+        }
+        Err(failure) => {
+            eprintln!("fga: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// A message about wrong usage without its layout.
+fn one_sentence(message: &str) -> String {
+    let told: Vec<&str> = message
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with("Usage:"))
+        .filter(|line| !line.is_empty() && !line.starts_with("tip:"))
+        .collect();
+    let told = told.join(" ");
+    let told = told.strip_prefix("error: ").unwrap_or(&told);
+    format!("{told} (see fga --help)")
+}

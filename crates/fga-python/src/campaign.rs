@@ -1,0 +1,386 @@
+//! Drawn encounters by the million: `fga campaign`, whole or block by block.
+
+use core::sync::atomic::Ordering;
+use std::path::{Path, PathBuf};
+
+use fga_cli::files::{TARGET, finish_campaign};
+use fga_formats::error::read_text;
+use fga_sim::campaign::file::{self, Overrides};
+use fga_sim::campaign::folder::{encode_block, number_of};
+use fga_sim::campaign::{
+    Campaign as CoreCampaign, CampaignError, Configuration, Flyer, Folder, Manifest, RESULTS, Row,
+    Shard, Stamp, Task, assemble, run as fly, table,
+};
+use fga_sim::run::RunLog;
+use parquet::errors::ParquetError;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyType};
+use rayon::prelude::*;
+
+use crate::failure::{campaign as failed, input, output};
+use crate::table::{Column, Table};
+use crate::work::{interruptible, pool};
+
+/// A campaign as its file describes it: encounters drawn by number, flown by every policy, in blocks.
+///
+/// `Campaign(file)` reads a campaign file as the program does. It pickles as its configuration, so workers
+/// need neither the file nor the folder it lies in; files of encounters that it names must be where they were.
+#[pyclass(frozen, module = "fga")]
+pub(crate) struct Campaign(CoreCampaign);
+
+impl Campaign {
+    fn stamp() -> Stamp {
+        Stamp {
+            target: TARGET.into(),
+        }
+    }
+
+    fn manifest(&self) -> Manifest {
+        Manifest {
+            configuration_hash: self.0.hash.clone(),
+            stamp: Self::stamp(),
+            shard: Shard::WHOLE,
+            configuration: self.0.configuration.clone(),
+        }
+    }
+
+    /// Puts the blocks of a folder together.
+    fn finish(&self, folder: &Folder, csv: bool) -> Result<String, CampaignError> {
+        let blocks = folder.blocks()?;
+        let assembled = assemble(&blocks, &self.0, &Self::stamp(), folder, csv)?;
+        let sha256 = assembled.sha256.clone();
+        finish_campaign(folder, &self.0, &self.manifest(), assembled)?;
+        Ok(sha256)
+    }
+}
+
+#[pymethods]
+impl Campaign {
+    #[new]
+    #[pyo3(signature = (file, encounters = None, policies = Vec::new(), vehicle = None, oracle = false))]
+    fn new(
+        py: Python<'_>,
+        file: PathBuf,
+        encounters: Option<u64>,
+        policies: Vec<String>,
+        vehicle: Option<PathBuf>,
+        oracle: bool,
+    ) -> PyResult<Self> {
+        if encounters == Some(0) {
+            return Err(PyValueError::new_err(
+                "encounters is 0, expected at least 1",
+            ));
+        }
+        let overrides = Overrides {
+            encounters,
+            policies,
+            vehicle: vehicle
+                .as_deref()
+                .map(read_text)
+                .transpose()
+                .map_err(input)?,
+            oracle,
+        };
+        py.detach(|| {
+            let configuration = file::read(&file, &overrides)?;
+            CoreCampaign::new(configuration, &file)
+        })
+        .map(Self)
+        .map_err(failed)
+    }
+
+    /// The campaign of a configuration that `to_json` gave.
+    #[staticmethod]
+    fn from_json(text: &str) -> PyResult<Self> {
+        let wrong =
+            |error| PyValueError::new_err(format!("is no configuration of a campaign: {error}"));
+        let configuration: Configuration = serde_json::from_str(text).map_err(wrong)?;
+        CoreCampaign::new(configuration, Path::new("the configuration"))
+            .map(Self)
+            .map_err(failed)
+    }
+
+    /// The configuration with all defaults written out, as one line of JSON.
+    fn to_json(&self) -> String {
+        self.0.configuration.to_json()
+    }
+
+    /// What a folder of this campaign says about itself: the text of campaign.json.
+    fn manifest_json(&self) -> PyResult<String> {
+        serde_json::to_string_pretty(&self.manifest())
+            .map(|text| text + "\n")
+            .map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// Its name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.configuration.name
+    }
+
+    /// Fingerprint of all that the results depend on.
+    #[getter]
+    fn hash(&self) -> &str {
+        &self.0.hash
+    }
+
+    /// Encounters in all.
+    #[getter]
+    fn encounters(&self) -> u64 {
+        self.0.configuration.encounters
+    }
+
+    /// Number of blocks.
+    #[getter]
+    fn blocks(&self) -> u64 {
+        self.0.configuration.blocks()
+    }
+
+    /// The policies.
+    #[getter]
+    fn policies(&self) -> Vec<String> {
+        self.0.configuration.policies.clone()
+    }
+
+    /// Encounters of a block: its first number and the one after its last.
+    fn range_of(&self, block: u64) -> PyResult<(u64, u64)> {
+        self.check_block(block)?;
+        let range = self.0.configuration.range_of(block);
+        Ok((range.start, range.end))
+    }
+
+    /// Flies one block: the name of its file, which holds its checksum, the number of its rows, and its
+    /// bytes. The same on every machine of one kind, on any number of threads.
+    #[pyo3(signature = (block, threads = None, progress = None))]
+    fn fly_block<'py>(
+        &self,
+        py: Python<'py>,
+        block: u64,
+        threads: Option<usize>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(String, usize, Bound<'py, PyBytes>)> {
+        self.check_block(block)?;
+        let range = self.0.configuration.range_of(block);
+        let pool = pool(threads)?;
+        let (name, rows, bytes) = interruptible(py, progress, |shared| {
+            shared
+                .total
+                .store(range.end - range.start, Ordering::Relaxed);
+            let flown: Result<Vec<Vec<Row>>, CampaignError> = pool.install(|| {
+                range
+                    .into_par_iter()
+                    .map_init(
+                        || Flyer::new(&self.0),
+                        |flyer, number| {
+                            let Ok(flyer) = flyer else {
+                                return Err(CampaignError::Other(
+                                    "the campaign cannot be flown".into(),
+                                ));
+                            };
+                            let mut flown = Vec::new();
+                            if shared.goes_on() {
+                                flyer.fly(number, &mut flown)?;
+                            }
+                            shared.done.fetch_add(1, Ordering::Relaxed);
+                            Ok(flown.into_iter().map(|flown| flown.row).collect())
+                        },
+                    )
+                    .collect()
+            });
+            let rows: Vec<Row> = flown?.into_iter().flatten().collect();
+            let (name, bytes) = encode_block(block, &rows, &self.0, &Self::stamp())?;
+            Ok::<_, CampaignError>((name, rows.len(), bytes))
+        })?
+        .map_err(failed)?;
+        Ok((name, rows, PyBytes::new(py, &bytes)))
+    }
+
+    /// The number of a block by the name of its file; None for a file of another name.
+    #[staticmethod]
+    fn block_of(name: &str) -> Option<u64> {
+        number_of(name)
+    }
+
+    /// Makes a folder ready for blocks: writes campaign.json, or checks that the one there is of this
+    /// campaign.
+    fn open(&self, folder: PathBuf) -> PyResult<()> {
+        Folder::at(&folder)
+            .open(&self.manifest(), true)
+            .map_err(failed)
+    }
+
+    /// Puts the blocks of a folder together: results.parquet, the summary and run.json as the program
+    /// writes them. The SHA-256 of results.parquet.
+    #[pyo3(signature = (folder, csv = false))]
+    fn merge(&self, py: Python<'_>, folder: PathBuf, csv: bool) -> PyResult<String> {
+        py.detach(|| self.finish(&Folder::at(&folder), csv))
+            .map_err(failed)
+    }
+
+    /// Flies what is missing in a folder and puts it together: `fga campaign run`. The SHA-256 of
+    /// results.parquet. Ctrl-C keeps the finished blocks, and the next call goes on with them.
+    #[pyo3(signature = (out, threads = None, resume = true, csv = false, progress = None))]
+    fn run(
+        &self,
+        py: Python<'_>,
+        out: PathBuf,
+        threads: Option<usize>,
+        resume: bool,
+        csv: bool,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let folder = Folder::at(&out);
+        fga_formats::atomic::prepare_folder(&out).map_err(output)?;
+        if resume && folder.file(RESULTS).exists() {
+            folder.open(&self.manifest(), true).map_err(failed)?;
+            let told = fga_sim::campaign::reread(&folder, &self.0, None).map_err(failed)?;
+            return Ok(told.sha256);
+        }
+        let pool = pool(threads)?;
+        let task = Task {
+            campaign: &self.0,
+            shard: Shard::WHOLE,
+            stamp: Self::stamp(),
+            folder,
+            resume,
+        };
+        interruptible(py, progress, |shared| {
+            shared
+                .total
+                .store(self.0.configuration.encounters, Ordering::Relaxed);
+            pool.install(|| {
+                fly(&task, &|| shared.goes_on(), &mut |progress| {
+                    shared.done.store(progress.done, Ordering::Relaxed);
+                })
+            })?;
+            self.finish(&task.folder, csv)
+        })?
+        .map_err(failed)
+    }
+
+    /// Flies one encounter again with everything logged: a policy's name, else the first policy.
+    #[pyo3(signature = (encounter, policy = None))]
+    fn decisions(
+        &self,
+        py: Python<'_>,
+        encounter: u64,
+        policy: Option<&str>,
+    ) -> PyResult<Vec<crate::decision::Decision>> {
+        let choice = match (policy, self.0.policies.first()) {
+            (Some(name), _) => {
+                fga_sim::campaign::parse_policy(name).map_err(PyValueError::new_err)?
+            }
+            (None, Some(first)) => *first,
+            (None, None) => fga_sim::policy::PolicyChoice::default(),
+        };
+        let log: RunLog = py
+            .detach(|| self.0.show(encounter, &choice))
+            .map_err(failed)?;
+        let decisions = log.decisions.iter();
+        Ok(decisions
+            .map(|log| crate::decision::Decision::of(log.decision, log.ownship))
+            .collect())
+    }
+
+    /// The rows of a results.parquet of this campaign.
+    fn read(&self, py: Python<'_>, path: PathBuf) -> PyResult<Table> {
+        let rows = py
+            .detach(|| {
+                let unreadable = |error| fga_formats::InputError::unreadable(&path, &error);
+                let file = std::fs::File::open(&path).map_err(unreadable)?;
+                let mut rows = Vec::new();
+                table::read(file, &self.0, |mut group| {
+                    rows.append(&mut group);
+                    Ok::<_, ParquetError>(())
+                })
+                .map_err(|error| {
+                    fga_formats::InputError::in_file(&path, format!("cannot be used: {error}"))
+                })?;
+                Ok(rows)
+            })
+            .map_err(input)?;
+        self.table_of(&rows)
+    }
+
+    fn __repr__(&self) -> String {
+        let configuration = &self.0.configuration;
+        format!(
+            "Campaign({:?}, {} encounters in {} blocks, policies {})",
+            configuration.name,
+            configuration.encounters,
+            configuration.blocks(),
+            configuration.policies.join(", ")
+        )
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let class: Bound<'py, PyType> = slf.get_type();
+        Ok((class.getattr("from_json")?, (slf.get().to_json(),)))
+    }
+}
+
+impl Campaign {
+    fn check_block(&self, block: u64) -> PyResult<()> {
+        let blocks = self.0.configuration.blocks();
+        if block < blocks {
+            return Ok(());
+        }
+        Err(PyValueError::new_err(format!(
+            "there is no block {block}, expected 0 to {}",
+            blocks.saturating_sub(1)
+        )))
+    }
+
+    /// Rows with the columns of results.parquet.
+    fn table_of(&self, rows: &[Row]) -> PyResult<Table> {
+        let whole =
+            |name, get: fn(&Row) -> u64| (name, Column::Whole(rows.iter().map(get).collect()));
+        let flag =
+            |name, get: fn(&Row) -> bool| (name, Column::Flag(rows.iter().map(get).collect()));
+        let real =
+            |name, get: fn(&Row) -> f64| (name, Column::Real(rows.iter().map(get).collect()));
+        let maybe = |name, get: fn(&Row) -> Option<f64>| {
+            (name, Column::MaybeReal(rows.iter().map(get).collect()))
+        };
+        let text = |name, names: &[String], get: fn(&Row) -> u32| {
+            let named = |row| names.get(get(row) as usize).cloned().unwrap_or_default();
+            (name, Column::Text(rows.iter().map(named).collect()))
+        };
+        Table::of(vec![
+            whole("encounter", |row| row.encounter),
+            whole("source_encounter", |row| row.source_encounter),
+            whole("seed", |row| row.seed),
+            text("source", self.0.source_names(), |row| row.source),
+            text("policy", &self.0.configuration.policies, |row| row.policy),
+            whole("obstacles", |row| row.obstacles.into()),
+            flag("threatened", Row::threatened),
+            real("held_margin_m", |row| row.held_margin_m),
+            flag("separated", |row| row.separated),
+            flag("caused", |row| row.caused),
+            flag("needless", Row::needless),
+            real("min_separation_m", |row| row.min_separation_m),
+            real("min_margin_m", |row| row.min_margin_m),
+            maybe("start_s", |row| row.start_s),
+            maybe("clear_s", |row| row.clear_s),
+            maybe("rejoined_s", |row| row.rejoined_s),
+            real("end_s", |row| row.end_s),
+            maybe("time_away_s", Row::time_away_s),
+            real("max_cross_track_m", |row| row.max_cross_track_m),
+            real("extra_path_m", |row| row.extra_path_m),
+            (
+                "avoidable",
+                Column::MaybeFlag(rows.iter().map(Row::avoidable).collect()),
+            ),
+            maybe("oracle_margin_m", |row| row.oracle_margin_m),
+        ])
+    }
+}
+
+/// Versions: of the package and of the build's target.
+pub(crate) fn versions(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("version", env!("CARGO_PKG_VERSION"))?;
+    dict.set_item("target", TARGET)?;
+    Ok(dict)
+}

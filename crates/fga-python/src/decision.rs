@@ -1,0 +1,380 @@
+//! What was decided, and why.
+
+use fga::avoider::{
+    Candidate as CoreCandidate, Decision as CoreDecision, Reason, State, Threat as CoreThreat,
+    Verdict,
+};
+use fga::maneuver::{Maneuver, Stage as CoreStage};
+use fga_formats::words::{decision_words, reason_key};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::value::{NewArguments, expect, shown};
+
+/// What is commanded from a moment on, until the next stage begins.
+///
+/// `course_rad` is not wrapped: the aircraft turns by the plain difference to its own course.
+#[pyclass(frozen, eq, module = "fga")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Stage(pub(crate) CoreStage);
+
+#[pymethods]
+impl Stage {
+    #[new]
+    #[pyo3(signature = (course_rad, climb_rad = 0.0, start_s = 0.0, rate_share = 1.0))]
+    fn new(course_rad: f64, climb_rad: f64, start_s: f64, rate_share: f64) -> PyResult<Self> {
+        expect(
+            course_rad.is_finite(),
+            "course_rad",
+            course_rad,
+            "a finite number",
+        )?;
+        expect(
+            climb_rad.is_finite(),
+            "climb_rad",
+            climb_rad,
+            "a finite number",
+        )?;
+        let holds = start_s.is_finite() && start_s >= 0.0;
+        expect(holds, "start_s", start_s, "0 or more")?;
+        let holds = rate_share > 0.0 && rate_share <= 1.0;
+        expect(holds, "rate_share", rate_share, "more than 0, at most 1")?;
+        Ok(Self(CoreStage {
+            start_s,
+            course_rad,
+            climb_rad,
+            rate_share,
+        }))
+    }
+
+    /// When it begins, seconds from the moment of the decision.
+    #[getter]
+    fn start_s(&self) -> f64 {
+        self.0.start_s
+    }
+
+    /// Course to turn to, radians.
+    #[getter]
+    fn course_rad(&self) -> f64 {
+        self.0.course_rad
+    }
+
+    /// Climb angle to take up, radians.
+    #[getter]
+    fn climb_rad(&self) -> f64 {
+        self.0.climb_rad
+    }
+
+    /// Share of the largest course rate to turn with.
+    #[getter]
+    fn rate_share(&self) -> f64 {
+        self.0.rate_share
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        shown("Stage", &self.arguments(py)?)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
+        Ok(((), self.arguments(py)?))
+    }
+}
+
+impl Stage {
+    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let arguments = PyDict::new(py);
+        arguments.set_item("course_rad", self.0.course_rad)?;
+        arguments.set_item("climb_rad", self.0.climb_rad)?;
+        arguments.set_item("start_s", self.0.start_s)?;
+        arguments.set_item("rate_share", self.0.rate_share)?;
+        Ok(arguments)
+    }
+}
+
+/// The obstacle that a decision is about.
+#[pyclass(frozen, eq, module = "fga")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Threat(CoreThreat);
+
+#[pymethods]
+impl Threat {
+    /// The obstacle's identifier.
+    #[getter]
+    fn id(&self) -> u32 {
+        self.0.id
+    }
+
+    /// When its volume would be entered on the mission, seconds from now.
+    #[getter]
+    fn entry_s(&self) -> f64 {
+        self.0.entry_s
+    }
+
+    /// When it would come closest, seconds from now.
+    #[getter]
+    fn closest_s(&self) -> f64 {
+        self.0.closest_s
+    }
+
+    /// Separation from its volume then, metres; negative inside.
+    #[getter]
+    fn margin_m(&self) -> f64 {
+        self.0.margin_m
+    }
+
+    fn __repr__(&self) -> String {
+        let Self(threat) = self;
+        format!(
+            "Threat(id={}, entry_s={:?}, closest_s={:?}, margin_m={:?})",
+            threat.id, threat.entry_s, threat.closest_s, threat.margin_m
+        )
+    }
+}
+
+/// A manoeuvre that was looked at.
+#[pyclass(frozen, eq, module = "fga")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Candidate(CoreCandidate);
+
+#[pymethods]
+impl Candidate {
+    /// What would be flown.
+    #[getter]
+    fn stages(&self) -> Vec<Stage> {
+        stages(&self.0.maneuver)
+    }
+
+    /// Certified lower bound of the separation beyond every volume, metres.
+    #[getter]
+    fn margin_m(&self) -> f64 {
+        self.0.margin_m
+    }
+
+    /// Its cost.
+    #[getter]
+    fn cost(&self) -> f64 {
+        self.0.cost
+    }
+
+    /// certified, rejected or chosen.
+    #[getter]
+    fn verdict(&self) -> &'static str {
+        match self.0.verdict {
+            Verdict::Certified => "certified",
+            Verdict::Rejected => "rejected",
+            Verdict::Chosen => "chosen",
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Candidate({} stages, margin_m={:?}, cost={:?}, verdict={:?})",
+            self.0.maneuver.stages().len(),
+            self.0.margin_m,
+            self.0.cost,
+            self.verdict()
+        )
+    }
+}
+
+fn stages(maneuver: &Maneuver) -> Vec<Stage> {
+    maneuver.stages().iter().copied().map(Stage).collect()
+}
+
+/// What to fly until the next step, and why.
+///
+/// `Decision(stages, state)` makes one, for a policy of your own. It does not pickle; `to_dict` does.
+#[pyclass(frozen, module = "fga")]
+#[derive(Debug)]
+pub(crate) struct Decision {
+    pub(crate) decision: CoreDecision,
+    /// The aircraft for which it was made.
+    ownship: Option<fga::situation::Ownship>,
+}
+
+impl Decision {
+    pub(crate) const fn of(decision: CoreDecision, ownship: fga::situation::Ownship) -> Self {
+        Self {
+            decision,
+            ownship: Some(ownship),
+        }
+    }
+}
+
+#[pymethods]
+impl Decision {
+    #[new]
+    #[pyo3(signature = (stages, state = "avoiding"))]
+    fn new(stages: Vec<PyRef<'_, Stage>>, state: &str) -> PyResult<Self> {
+        let state = match state {
+            "cruise" => State::Cruise,
+            "threatened" => State::Threatened,
+            "avoiding" => State::Avoiding,
+            "recovering" => State::Recovering,
+            other => {
+                return Err(PyValueError::new_err(format!(
+                    "state is {other:?}, expected cruise, threatened, avoiding or recovering"
+                )));
+            }
+        };
+        let mut maneuver = Maneuver::hold();
+        for stage in &stages {
+            if !maneuver.push(stage.0) {
+                return Err(PyValueError::new_err(format!(
+                    "stages holds {} stages, expected at most {} in order of their start_s",
+                    stages.len(),
+                    fga::maneuver::MAX_STAGES
+                )));
+            }
+        }
+        let reason = match state {
+            State::Cruise | State::Threatened => Reason::Clear,
+            State::Avoiding => Reason::ManeuverKept,
+            State::Recovering => Reason::RejoinKept,
+        };
+        Ok(Self {
+            decision: CoreDecision::new(state, &maneuver, reason),
+            ownship: None,
+        })
+    }
+
+    /// Where the avoider stands: cruise, threatened, avoiding or recovering.
+    #[getter]
+    fn state(&self) -> &'static str {
+        self.decision.state.name()
+    }
+
+    /// Why, as the key that files have.
+    #[getter]
+    fn reason(&self) -> &'static str {
+        reason_key(self.decision.record.reason)
+    }
+
+    /// The decision as a sentence.
+    #[getter]
+    fn text(&self) -> String {
+        let ownship = self.ownship.unwrap_or(fga::situation::Ownship {
+            position_m: fga::Vec3::ZERO,
+            course_rad: 0.0,
+            climb_rad: 0.0,
+            bank_rad: 0.0,
+            airspeed_mps: 1.0,
+        });
+        decision_words(&self.decision, &ownship, |id| format!("obstacle {id}"))
+    }
+
+    /// What to fly: stages in order of their start; none means: hold course and climb angle.
+    #[getter]
+    fn command(&self) -> Vec<Stage> {
+        stages(&self.decision.command)
+    }
+
+    /// The stage that is commanded so long after the decision, seconds; None before the first one.
+    #[pyo3(signature = (after_s = 0.0))]
+    fn stage_at(&self, after_s: f64) -> Option<Stage> {
+        self.decision.command.stage_at(after_s).copied().map(Stage)
+    }
+
+    /// The most urgent threat.
+    #[getter]
+    fn threat(&self) -> Option<Threat> {
+        self.decision.record.threat.map(Threat)
+    }
+
+    /// Latest start of a certified manoeuvre, seconds from now; None where none exists.
+    #[getter]
+    fn latest_start_s(&self) -> Option<f64> {
+        self.decision.record.latest_start_s
+    }
+
+    /// Start of the chosen manoeuvre, seconds from now.
+    #[getter]
+    fn start_s(&self) -> Option<f64> {
+        self.decision.record.start_s
+    }
+
+    /// The manoeuvre flown or waited for.
+    #[getter]
+    fn chosen(&self) -> Option<Candidate> {
+        self.decision.record.chosen.map(Candidate)
+    }
+
+    /// The best manoeuvre to the other side, where one was looked for.
+    #[getter]
+    fn alternative(&self) -> Option<Candidate> {
+        self.decision.record.alternative.map(Candidate)
+    }
+
+    /// Share of what aircraft may do that the manoeuvre withstands.
+    #[getter]
+    fn resilience(&self) -> Option<f64> {
+        self.decision.record.resilience
+    }
+
+    /// Obstacles within the surveillance radius.
+    #[getter]
+    fn tracked(&self) -> u32 {
+        self.decision.record.work.tracked
+    }
+
+    /// Of these, those that threaten the mission.
+    #[getter]
+    fn threats(&self) -> u32 {
+        self.decision.record.work.threats
+    }
+
+    /// Manoeuvres evaluated.
+    #[getter]
+    fn candidates(&self) -> u32 {
+        self.decision.record.work.candidates
+    }
+
+    /// Work done, in the unit of `Settings.work_limit`.
+    #[getter]
+    fn work(&self) -> u32 {
+        self.decision.record.work.work
+    }
+
+    /// Whether the limit of work was met before the search was finished.
+    #[getter]
+    fn limit_met(&self) -> bool {
+        self.decision.record.work.limit_met
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.decision == other.decision
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Decision(state={:?}, {:?})", self.state(), self.text())
+    }
+
+    /// State, reason, text, command and figures as plain values.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        dict.set_item("state", self.state())?;
+        dict.set_item("reason", self.reason())?;
+        dict.set_item("text", self.text())?;
+        let command: Vec<_> = self
+            .decision
+            .command
+            .stages()
+            .iter()
+            .map(|stage| {
+                (
+                    stage.start_s,
+                    stage.course_rad,
+                    stage.climb_rad,
+                    stage.rate_share,
+                )
+            })
+            .collect();
+        dict.set_item("command", command)?;
+        dict.set_item("latest_start_s", self.latest_start_s())?;
+        dict.set_item("start_s", self.start_s())?;
+        dict.set_item("resilience", self.resilience())?;
+        dict.set_item("limit_met", self.limit_met())?;
+        Ok(dict)
+    }
+}

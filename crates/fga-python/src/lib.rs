@@ -1,0 +1,59 @@
+//! fga for Python: translates, and decides nothing.
+//!
+//! | module | question |
+//! |---|---|
+//! | [`mod@value`], [`situation`] | what is a decision made from? |
+//! | [`decision`] | what was decided? |
+//! | [`pilot`] | who decides? |
+//! | [`simulation`] | what comes of one flight? |
+//! | [`batch`], [`campaign`] | what comes of many? |
+//! | [`worlds`] | what do policies that learn see, and what keeps them safe? |
+//! | [`table`] | how do tables come in and go out? |
+//! | [`work`] | how does long work meet Ctrl-C? |
+//! | [`failure`] | which exception is an error? |
+
+#![deny(unsafe_code)]
+
+mod batch;
+mod campaign;
+mod decision;
+mod failure;
+mod pilot;
+mod simulation;
+mod situation;
+mod table;
+mod value;
+mod work;
+mod worlds;
+
+use pyo3::prelude::*;
+
+/// The compiled part of the package `fga`.
+#[pymodule]
+fn _fga(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<value::Ownship>()?;
+    module.add_class::<value::Obstacle>()?;
+    module.add_class::<value::Vehicle>()?;
+    module.add_class::<value::Settings>()?;
+    module.add_class::<situation::Obstacles>()?;
+    module.add_class::<situation::Mission>()?;
+    module.add_class::<situation::Situation>()?;
+    module.add_class::<decision::Stage>()?;
+    module.add_class::<decision::Threat>()?;
+    module.add_class::<decision::Candidate>()?;
+    module.add_class::<decision::Decision>()?;
+    module.add_class::<pilot::VehicleModel>()?;
+    module.add_class::<pilot::Avoider>()?;
+    module.add_class::<pilot::Pilot>()?;
+    module.add_class::<simulation::Simulation>()?;
+    module.add_class::<simulation::Run>()?;
+    module.add_class::<table::Table>()?;
+    module.add_class::<campaign::Campaign>()?;
+    module.add_class::<worlds::Worlds>()?;
+    module.add_class::<worlds::Shield>()?;
+    module.add_function(wrap_pyfunction!(simulation::run, module)?)?;
+    module.add_function(wrap_pyfunction!(batch::batch, module)?)?;
+    module.add_function(wrap_pyfunction!(batch::oracle, module)?)?;
+    module.add("versions", campaign::versions(module.py())?)?;
+    Ok(())
+}

@@ -1,0 +1,258 @@
+//! Whatever decides, step by step.
+
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, TryLockError};
+
+use fga::avoider::Avoider as CoreAvoider;
+use fga::vehicle::Vehicle as CoreVehicle;
+use fga_sim::campaign::parse_policy;
+use fga_sim::policy::Pilot as CorePilot;
+use fga_sim::vehicle_file::VehicleModel as CoreModel;
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::decision::Decision;
+use crate::failure::input;
+use crate::situation::Situation;
+use crate::value::{Settings, Vehicle, refused, tuple, volume_of};
+
+/// An aircraft as its TOML file describes it: limits, settings, protected volume, wind.
+///
+/// `VehicleModel.read(path)` reads a file as the program does, `VehicleModel()` is the aircraft of the
+/// paper's Table 4. Raises ValueError with the sentence of the program.
+#[pyclass(frozen, module = "fga")]
+#[derive(Debug, Clone)]
+pub(crate) struct VehicleModel(pub(crate) CoreModel);
+
+#[pymethods]
+impl VehicleModel {
+    #[new]
+    fn new() -> PyResult<Self> {
+        CoreModel::built_in().map(Self).map_err(input)
+    }
+
+    /// Reads a vehicle file.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        py.detach(|| CoreModel::read(&path))
+            .map(Self)
+            .map_err(input)
+    }
+
+    /// What people call it.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    /// Its limits.
+    #[getter]
+    fn vehicle(&self) -> Vehicle {
+        Vehicle(self.0.vehicle)
+    }
+
+    /// What it says about deciding.
+    #[getter]
+    fn settings(&self) -> Settings {
+        Settings(self.0.settings.avoider)
+    }
+
+    /// Radius of the volume about each obstacle, metres.
+    #[getter]
+    fn radius_m(&self) -> f64 {
+        self.0.protection.radius_m()
+    }
+
+    /// Half height of the volume, metres; None for a sphere.
+    #[getter]
+    fn half_height_m(&self) -> Option<f64> {
+        let half_height_m = self.0.protection.half_height_m();
+        let cylinder = volume_of(self.0.protection.radius_m(), Some(half_height_m));
+        (self.0.protection == cylinder).then_some(half_height_m)
+    }
+
+    /// Velocity of the air over the ground, metres per second.
+    #[getter]
+    fn wind_mps(&self) -> (f64, f64, f64) {
+        tuple(self.0.wind_mps)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let vehicle = Bound::new(py, self.vehicle())?;
+        Ok(format!(
+            "VehicleModel({:?}, {})",
+            self.0.name,
+            vehicle.repr()?
+        ))
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a VehicleModel cannot be pickled: send the path of its file, or its vehicle and settings",
+        ))
+    }
+}
+
+/// A vehicle model: one that was read, the path of a file, or None for the built-in one.
+pub(crate) fn model_of(model: Option<&Bound<'_, PyAny>>) -> PyResult<Option<CoreModel>> {
+    let Some(object) = model else {
+        return Ok(None);
+    };
+    if let Ok(model) = object.cast::<VehicleModel>() {
+        return Ok(Some(model.get().0.clone()));
+    }
+    let path: PathBuf = object.extract().map_err(|_| {
+        PyTypeError::new_err("vehicle is neither a path nor a VehicleModel, expected one of them")
+    })?;
+    CoreModel::read(&path).map(Some).map_err(input)
+}
+
+/// Whoever decides, for one thread at a time.
+pub(crate) type Decider = Mutex<Box<dyn CorePilot + Send>>;
+
+fn locked(decider: &Decider) -> PyResult<MutexGuard<'_, Box<dyn CorePilot + Send>>> {
+    match decider.try_lock() {
+        Ok(guard) => Ok(guard),
+        // It is whole: the core does not panic.
+        Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+        Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err(
+            "another thread steps it now, expected one for each thread",
+        )),
+    }
+}
+
+fn step(py: Python<'_>, decider: &Decider, situation: &Bound<'_, Situation>) -> PyResult<Decision> {
+    let mut guard = locked(decider)?;
+    let pilot = guard.as_mut();
+    let situation = situation.get();
+    let decision = py.detach(|| situation.with(|situation| pilot.step(situation)));
+    Ok(Decision::of(decision, situation.ownship))
+}
+
+/// Lets a pilot look at a situation of the simulator.
+pub(crate) fn with_pilot<T>(
+    object: &Bound<'_, PyAny>,
+    work: impl FnOnce(&mut dyn CorePilot) -> T,
+) -> PyResult<T> {
+    if let Ok(avoider) = object.cast::<Avoider>() {
+        return Ok(work(locked(&avoider.get().0)?.as_mut()));
+    }
+    if let Ok(pilot) = object.cast::<Pilot>() {
+        return Ok(work(locked(&pilot.get().decider)?.as_mut()));
+    }
+    Err(PyTypeError::new_err(format!(
+        "pilot is {}, expected an Avoider or a Pilot",
+        object.get_type()
+    )))
+}
+
+/// Collision avoidance for one aircraft: feed it a Situation each cycle, fly its Decision.
+///
+/// Call `step` every `settings.decision_period_s` seconds. It remembers the manoeuvre under way, so one
+/// aircraft needs one avoider. A step releases the interpreter's lock; a second thread that steps the same
+/// avoider meanwhile gets RuntimeError. It cannot be pickled; after a fork each process has its own copy.
+#[pyclass(frozen, module = "fga")]
+pub(crate) struct Avoider(Decider);
+
+#[pymethods]
+impl Avoider {
+    #[new]
+    #[pyo3(signature = (settings = None, vehicle = None))]
+    fn new(
+        settings: Option<&Bound<'_, Settings>>,
+        vehicle: Option<&Bound<'_, Vehicle>>,
+    ) -> PyResult<Self> {
+        let settings = settings.map_or_else(Default::default, |settings| settings.get().0);
+        let vehicle = vehicle.map_or_else(CoreVehicle::table_4, |vehicle| vehicle.get().0);
+        let avoider = CoreAvoider::new(settings, vehicle).map_err(refused)?;
+        Ok(Self(Mutex::new(Box::new(avoider))))
+    }
+
+    /// Decides what to fly until the next step.
+    fn step(&self, py: Python<'_>, situation: &Bound<'_, Situation>) -> PyResult<Decision> {
+        step(py, &self.0, situation)
+    }
+
+    /// Takes over changed limits of the vehicle.
+    fn retune(&self, vehicle: &Bound<'_, Vehicle>) -> PyResult<()> {
+        locked(&self.0)?.retune(&vehicle.get().0);
+        Ok(())
+    }
+
+    /// Forgets the last flight.
+    fn restart(&self) -> PyResult<()> {
+        locked(&self.0)?.restart();
+        Ok(())
+    }
+
+    fn __repr__(&self) -> &'static str {
+        "Avoider()"
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "an Avoider cannot be pickled: make one in each process from its settings and vehicle",
+        ))
+    }
+}
+
+/// Any policy of the program by its name, as in `Pilot("published --start t0", model)`.
+///
+/// The same rules hold as for `Avoider`.
+#[pyclass(frozen, module = "fga")]
+pub(crate) struct Pilot {
+    name: String,
+    decider: Decider,
+}
+
+#[pymethods]
+impl Pilot {
+    #[new]
+    #[pyo3(signature = (policy = "turn-aware", model = None))]
+    fn new(policy: &str, model: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let model = model_of(model)?
+            .map_or_else(CoreModel::built_in, Ok)
+            .map_err(input)?;
+        let choice = parse_policy(policy).map_err(PyValueError::new_err)?;
+        let pilot = choice
+            .pilot(&model.settings, &model.vehicle)
+            .map_err(refused)?;
+        Ok(Self {
+            name: choice.name(),
+            decider: Mutex::new(pilot),
+        })
+    }
+
+    /// The policy's name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Decides what to fly until the next step.
+    fn step(&self, py: Python<'_>, situation: &Bound<'_, Situation>) -> PyResult<Decision> {
+        step(py, &self.decider, situation)
+    }
+
+    /// Takes over changed limits of the vehicle.
+    fn retune(&self, vehicle: &Bound<'_, Vehicle>) -> PyResult<()> {
+        locked(&self.decider)?.retune(&vehicle.get().0);
+        Ok(())
+    }
+
+    /// Forgets the last flight.
+    fn restart(&self) -> PyResult<()> {
+        locked(&self.decider)?.restart();
+        Ok(())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Pilot({:?})", self.name)
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a Pilot cannot be pickled: make one in each process from its name and model",
+        ))
+    }
+}

@@ -1,0 +1,340 @@
+//! A flight that is flown decision by decision, and one that is flown at once.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, TryLockError};
+
+use fga::situation::Situation as CoreSituation;
+use fga_cli::files;
+use fga_formats::InputError;
+use fga_sim::campaign::parse_policy;
+use fga_sim::engine::{Outcome, SteppedFlight};
+use fga_sim::run::{Plan, RunLog};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use sha2::{Digest as _, Sha256};
+
+use crate::decision::Decision;
+use crate::failure::{input, output};
+use crate::pilot::{VehicleModel, model_of, with_pilot};
+use crate::situation::{Around, Mission, Situation};
+use crate::table::{Column, Table};
+use crate::value::{Ownship, Vehicle, refused};
+
+/// What came of a flight, by the names of the columns of `results.csv`.
+pub(crate) fn outcome_dict<'py>(
+    py: Python<'py>,
+    outcome: &Outcome,
+) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("separated", outcome.separated())?;
+    dict.set_item("min_separation_m", outcome.min_separation_m)?;
+    dict.set_item("min_margin_m", outcome.min_margin_m)?;
+    dict.set_item("threat_s", outcome.threat_s)?;
+    dict.set_item("start_s", outcome.start_s)?;
+    dict.set_item("clear_s", outcome.clear_s)?;
+    dict.set_item("rejoined_s", outcome.rejoined_s)?;
+    dict.set_item("max_cross_track_m", outcome.max_cross_track_m)?;
+    dict.set_item("extra_path_m", outcome.extra_path_m)?;
+    dict.set_item("end_s", outcome.end_s)?;
+    dict.set_item("mission_flown", outcome.mission_flown)?;
+    dict.set_item("waypoints_missed", outcome.waypoints_missed)?;
+    Ok(dict)
+}
+
+fn read_plan(
+    path: &Path,
+    vehicle: Option<&Bound<'_, PyAny>>,
+    ownship: Option<&str>,
+) -> PyResult<Plan> {
+    Plan::read_as(path, model_of(vehicle)?, ownship).map_err(input)
+}
+
+/// A scenario (.toml) or recording (.daa) that stands still until it is given a decision.
+///
+/// `step(pilot)` lets a pilot decide and flies on; `situation` and `advance(decision)` are for a policy of
+/// your own. Flown with the same policy, it is the flight of `fga run`, bit for bit.
+#[pyclass(frozen, module = "fga")]
+pub(crate) struct Simulation {
+    flight: Mutex<SteppedFlight>,
+    mission: Py<Mission>,
+    plan: Plan,
+}
+
+impl Simulation {
+    fn flight(&self) -> PyResult<MutexGuard<'_, SteppedFlight>> {
+        match self.flight.try_lock() {
+            Ok(guard) => Ok(guard),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err(
+                "another thread flies this simulation now, expected one for each thread",
+            )),
+        }
+    }
+
+    fn of(&self, py: Python<'_>, situation: &CoreSituation<'_>) -> Situation {
+        Situation {
+            time_s: situation.time_s,
+            ownship: situation.ownship,
+            around: Around::Rows(situation.obstacles.iter().collect()),
+            mission: self.mission.clone_ref(py),
+            wind_mps: situation.wind_mps,
+        }
+    }
+}
+
+#[pymethods]
+impl Simulation {
+    #[new]
+    #[pyo3(signature = (file, vehicle = None, ownship = None))]
+    fn new(
+        py: Python<'_>,
+        file: PathBuf,
+        vehicle: Option<&Bound<'_, PyAny>>,
+        ownship: Option<&str>,
+    ) -> PyResult<Self> {
+        let plan = read_plan(&file, vehicle, ownship)?;
+        let world = plan.world.clone();
+        let mission = Mission::of(world.mission_m.clone(), world.passing.clone());
+        Ok(Self {
+            mission: Py::new(py, mission)?,
+            flight: Mutex::new(SteppedFlight::new(world)),
+            plan,
+        })
+    }
+
+    /// Its name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.plan.name
+    }
+
+    /// The aircraft that flies it.
+    #[getter]
+    fn model(&self) -> VehicleModel {
+        VehicleModel(self.plan.model.clone())
+    }
+
+    /// Names of the obstacles.
+    #[getter]
+    fn names(&self) -> Vec<String> {
+        self.plan.names.clone()
+    }
+
+    /// Time of the decision that is due, seconds; at the end the time of the end.
+    #[getter]
+    fn time_s(&self) -> PyResult<f64> {
+        Ok(self.flight()?.time_s())
+    }
+
+    /// The aircraft now.
+    #[getter]
+    fn ownship(&self) -> PyResult<Ownship> {
+        Ok(Ownship(*self.flight()?.ownship()))
+    }
+
+    /// What is known now; None once the flight has ended.
+    #[getter]
+    fn situation(&self, py: Python<'_>) -> PyResult<Option<Situation>> {
+        let flight = self.flight()?;
+        Ok(flight.situation().map(|situation| self.of(py, &situation)))
+    }
+
+    /// Changed limits of the vehicle since the last decision, once; a pilot takes them over by `retune`
+    /// before it decides.
+    fn take_retuned(&self) -> PyResult<Option<Vehicle>> {
+        Ok(self.flight()?.take_retuned().map(Vehicle))
+    }
+
+    /// Flies a decision until the next one is due. Whether the flight goes on.
+    fn advance(&self, py: Python<'_>, decision: &Bound<'_, Decision>) -> PyResult<bool> {
+        let mut guard = self.flight()?;
+        let flight = &mut *guard;
+        let decision = decision.get();
+        Ok(py.detach(|| flight.advance(&decision.decision, &mut ())))
+    }
+
+    /// Lets a pilot decide and flies on. Its decision; None once the flight has ended.
+    fn step(&self, pilot: &Bound<'_, PyAny>) -> PyResult<Option<Decision>> {
+        let mut guard = self.flight()?;
+        let retuned = guard.take_retuned();
+        let Some(situation) = guard.situation() else {
+            return Ok(None);
+        };
+        let decision = with_pilot(pilot, |pilot| {
+            if let Some(vehicle) = &retuned {
+                pilot.retune(vehicle);
+            }
+            pilot.step(&situation)
+        })?;
+        let ownship = situation.ownship;
+        guard.advance(&decision, &mut ());
+        Ok(Some(Decision::of(decision, ownship)))
+    }
+
+    /// What came of the flight until now, by the names of the columns of results.csv.
+    fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        outcome_dict(py, &self.flight()?.outcome())
+    }
+
+    /// Back to the start.
+    fn restart(&self) -> PyResult<()> {
+        self.flight()?.restart(self.plan.world.clone());
+        Ok(())
+    }
+
+    fn __repr__(&self) -> PyResult<String> {
+        Ok(format!(
+            "Simulation({:?}, at {:.1} s)",
+            self.plan.name,
+            self.flight()?.time_s()
+        ))
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a Simulation cannot be pickled: make one in each process from its file",
+        ))
+    }
+}
+
+/// One flight with everything logged: what `fga run` writes.
+#[pyclass(frozen, module = "fga")]
+pub(crate) struct Run {
+    log: RunLog,
+    overlaid: Vec<RunLog>,
+    input: PathBuf,
+    input_sha256: String,
+}
+
+#[pymethods]
+impl Run {
+    /// The summary, as `fga run --json` prints it.
+    #[getter]
+    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let text = files::summary(&self.log).to_string();
+        py.import("json")?.call_method1("loads", (text,))
+    }
+
+    /// Whether no protected volume was entered.
+    #[getter]
+    fn separated(&self) -> bool {
+        self.log.outcome.separated()
+    }
+
+    /// The flown states, at most 0.1 s apart: the columns of track.csv, to full precision.
+    #[getter]
+    fn track(&self) -> PyResult<Table> {
+        let samples = &self.log.samples;
+        let real = |name, get: fn(&fga_sim::engine::Sample) -> f64| {
+            (name, Column::Real(samples.iter().map(get).collect()))
+        };
+        Table::of(vec![
+            real("t_s", |sample| sample.time_s),
+            real("x_m", |sample| sample.position_m.x),
+            real("y_m", |sample| sample.position_m.y),
+            real("z_m", |sample| sample.position_m.z),
+            real("course_rad", |sample| sample.course_rad),
+            real("climb_rad", |sample| sample.climb_rad),
+            real("bank_rad", |sample| sample.bank_rad),
+            (
+                "state",
+                Column::Text(
+                    samples
+                        .iter()
+                        .map(|sample| sample.state.name().into())
+                        .collect(),
+                ),
+            ),
+        ])
+    }
+
+    /// Every decision, in order.
+    #[getter]
+    fn decisions(&self) -> Vec<Decision> {
+        let decisions = self.log.decisions.iter();
+        decisions
+            .map(|log| Decision::of(log.decision, log.ownship))
+            .collect()
+    }
+
+    /// The bytes of track.csv.
+    fn track_csv<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &files::track_csv(&self.log))
+    }
+
+    /// The text of events.jsonl.
+    fn events_jsonl(&self) -> String {
+        files::events_jsonl(&self.log)
+    }
+
+    /// The replay page.
+    fn replay_html(&self) -> String {
+        files::replay_page(&self.log, &self.overlaid)
+    }
+
+    /// Writes what `fga run` writes into a folder.
+    fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+        let source = (self.input.as_path(), self.input_sha256.as_str());
+        py.detach(|| files::write_run(&folder, source, &self.log, &self.overlaid))
+            .map_err(output)
+    }
+
+    fn __repr__(&self) -> String {
+        let outcome = &self.log.outcome;
+        format!(
+            "Run({:?}, policy={:?}, separated={}, min_margin_m={:.2}, end_s={:.1})",
+            self.log.plan.name,
+            self.log.policy,
+            if outcome.separated() { "True" } else { "False" },
+            outcome.min_margin_m,
+            outcome.end_s
+        )
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a Run cannot be pickled: send its summary or its tables",
+        ))
+    }
+}
+
+/// Flies a scenario (.toml) or a recording (.daa) to its end: `fga run`.
+///
+/// `overlay` names policies that are flown too and laid over the replay page.
+#[pyfunction]
+#[pyo3(signature = (file, policy = "turn-aware", vehicle = None, ownship = None, overlay = Vec::new()))]
+pub(crate) fn run(
+    py: Python<'_>,
+    file: PathBuf,
+    policy: &str,
+    vehicle: Option<&Bound<'_, PyAny>>,
+    ownship: Option<&str>,
+    overlay: Vec<String>,
+) -> PyResult<Run> {
+    let plan = read_plan(&file, vehicle, ownship)?;
+    let policy = parse_policy(policy).map_err(PyValueError::new_err)?;
+    let others = overlay
+        .iter()
+        .map(|name| parse_policy(name).map_err(PyValueError::new_err))
+        .collect::<PyResult<Vec<_>>>()?;
+    let bytes =
+        std::fs::read(&file).map_err(|error| input(InputError::unreadable(&file, &error)))?;
+    let mut input_sha256 = String::with_capacity(64);
+    for byte in Sha256::digest(&bytes) {
+        input_sha256.push_str(&format!("{byte:02x}"));
+    }
+    let (log, overlaid) = py
+        .detach(|| {
+            let fly = |policy| fga_sim::run::fly(plan.clone(), policy, &mut |_| ());
+            let overlaid = others.iter().map(fly).collect::<Result<Vec<_>, _>>()?;
+            Ok((fly(&policy)?, overlaid))
+        })
+        .map_err(refused)?;
+    Ok(Run {
+        log,
+        overlaid,
+        input: file,
+        input_sha256,
+    })
+}

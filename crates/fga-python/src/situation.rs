@@ -1,0 +1,440 @@
+//! What one decision is made from.
+
+use fga::Vec3;
+use fga::situation::{
+    Columns, Mission as CoreMission, Obstacle as CoreObstacle, Obstacles as CoreObstacles, Passing,
+    Situation as CoreSituation,
+};
+use numpy::{PyReadonlyArray1, PyUntypedArray, PyUntypedArrayMethods as _};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::value::{NewArguments, Obstacle, Ownship, Triple, expect, expect_finite, shown, tuple};
+
+/// A column of numbers: an array of float64, or any sequence of numbers. Copied, so that it cannot
+/// change while a decision is made without the interpreter's lock.
+pub(crate) fn numbers(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    if let Ok(array) = object.extract::<PyReadonlyArray1<'_, f64>>() {
+        return Ok(array.as_array().to_vec());
+    }
+    let wrong = |found: String| {
+        PyTypeError::new_err(format!(
+            "column {name} is {found}, expected a one-dimensional array of float64"
+        ))
+    };
+    if let Ok(array) = object.cast::<PyUntypedArray>() {
+        let dimensions = array.ndim();
+        let kind = array.dtype().to_string();
+        if dimensions != 1 || !(kind.contains("int") || kind.contains("float")) {
+            return Err(wrong(format!(
+                "an array of {kind} with {dimensions} dimensions"
+            )));
+        }
+    }
+    object
+        .try_iter()
+        .and_then(|items| items.map(|item| item?.extract()).collect())
+        .map_err(|_| wrong(object.get_type().to_string()))
+}
+
+/// A column of identifiers: an array of whole numbers, or any sequence of them.
+fn identifiers(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
+    if let Ok(array) = object.extract::<PyReadonlyArray1<'_, u32>>() {
+        return Ok(array.as_array().to_vec());
+    }
+    let wrong = || {
+        PyTypeError::new_err(format!(
+            "column {name} is {}, expected whole numbers from 0 to 4294967295",
+            object.get_type()
+        ))
+    };
+    if let Ok(array) = object.extract::<PyReadonlyArray1<'_, i64>>() {
+        return array
+            .as_array()
+            .iter()
+            .map(|id| u32::try_from(*id).map_err(|_| wrong()))
+            .collect();
+    }
+    object
+        .try_iter()
+        .and_then(|items| items.map(|item| item?.extract()).collect())
+        .map_err(|_| wrong())
+}
+
+/// Many obstacles, one column a quantity: arrays of numpy, copied once.
+///
+/// Units as in `Obstacle`; every column has the length of `id`.
+///
+/// Raises ValueError for columns of different lengths, a number that is not finite or a length that is
+/// negative; TypeError for a column of another type.
+#[pyclass(frozen, module = "fga")]
+#[derive(Debug)]
+pub(crate) struct Obstacles {
+    id: Vec<u32>,
+    columns: [Vec<f64>; 7],
+    half_height_m: Option<Vec<f64>>,
+    sigmas: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+#[pymethods]
+impl Obstacles {
+    #[new]
+    #[pyo3(signature = (
+        *, id, x_m, y_m, z_m, vx_mps, vy_mps, vz_mps, radius_m, half_height_m = None,
+        position_sigma_m = None, velocity_sigma_mps = None,
+    ))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "one for each column, by name in Python"
+    )]
+    fn new(
+        id: &Bound<'_, PyAny>,
+        x_m: &Bound<'_, PyAny>,
+        y_m: &Bound<'_, PyAny>,
+        z_m: &Bound<'_, PyAny>,
+        vx_mps: &Bound<'_, PyAny>,
+        vy_mps: &Bound<'_, PyAny>,
+        vz_mps: &Bound<'_, PyAny>,
+        radius_m: &Bound<'_, PyAny>,
+        half_height_m: Option<&Bound<'_, PyAny>>,
+        position_sigma_m: Option<&Bound<'_, PyAny>>,
+        velocity_sigma_mps: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let ids = identifiers("id", id)?;
+        let optional = |name: &str, column: Option<&Bound<'_, PyAny>>| {
+            column.map(|column| numbers(name, column)).transpose()
+        };
+        let obstacles = Self {
+            columns: [
+                numbers("x_m", x_m)?,
+                numbers("y_m", y_m)?,
+                numbers("z_m", z_m)?,
+                numbers("vx_mps", vx_mps)?,
+                numbers("vy_mps", vy_mps)?,
+                numbers("vz_mps", vz_mps)?,
+                numbers("radius_m", radius_m)?,
+            ],
+            half_height_m: optional("half_height_m", half_height_m)?,
+            sigmas: match (
+                optional("position_sigma_m", position_sigma_m)?,
+                optional("velocity_sigma_mps", velocity_sigma_mps)?,
+            ) {
+                (None, None) => None,
+                (position, velocity) => Some((
+                    position.unwrap_or_else(|| vec![0.0; ids.len()]),
+                    velocity.unwrap_or_else(|| vec![0.0; ids.len()]),
+                )),
+            },
+            id: ids,
+        };
+        obstacles.check()?;
+        Ok(obstacles)
+    }
+
+    fn __len__(&self) -> usize {
+        self.id.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Obstacles({} obstacles)", self.id.len())
+    }
+}
+
+impl Obstacles {
+    fn check(&self) -> PyResult<()> {
+        self.columns()
+            .check()
+            .map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let names = [
+            "x_m", "y_m", "z_m", "vx_mps", "vy_mps", "vz_mps", "radius_m",
+        ];
+        let more = [
+            ("half_height_m", self.half_height_m.as_ref()),
+            (
+                "position_sigma_m",
+                self.sigmas.as_ref().map(|(position, _)| position),
+            ),
+            (
+                "velocity_sigma_mps",
+                self.sigmas.as_ref().map(|(_, velocity)| velocity),
+            ),
+        ];
+        let all = names
+            .iter()
+            .copied()
+            .zip(self.columns.iter().map(Some))
+            .chain(more);
+        for (name, column) in all {
+            let is_length = name == "radius_m" || !names.contains(&name);
+            for (place, value) in column.into_iter().flatten().enumerate() {
+                if !value.is_finite() || (is_length && *value < 0.0) {
+                    let expected = if is_length {
+                        "0 or more"
+                    } else {
+                        "a finite number"
+                    };
+                    return Err(PyValueError::new_err(format!(
+                        "column {name} holds {value} at {place}, expected {expected}"
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn columns(&self) -> Columns<'_> {
+        let [x_m, y_m, z_m, vx_mps, vy_mps, vz_mps, radius_m] = &self.columns;
+        Columns {
+            id: &self.id,
+            x_m,
+            y_m,
+            z_m,
+            vx_mps,
+            vy_mps,
+            vz_mps,
+            radius_m,
+            half_height_m: self.half_height_m.as_deref(),
+            uncertainty: self
+                .sigmas
+                .as_ref()
+                .map(|(position, velocity)| (position.as_slice(), velocity.as_slice())),
+            movement: None,
+        }
+    }
+}
+
+/// A mission: straight legs from waypoint to waypoint.
+///
+/// `waypoints_m` holds (east, north, up) triples or an array of shape (n, 3); `fly_over` the indices of the
+/// waypoints that are passed themselves before the turn. No waypoint at all means: hold course and altitude.
+///
+/// Raises ValueError for a single waypoint or a number that is not finite.
+#[pyclass(frozen, eq, module = "fga")]
+#[derive(Debug, PartialEq)]
+pub(crate) struct Mission {
+    waypoints_m: Vec<Vec3>,
+    passing: Vec<Passing>,
+}
+
+#[pymethods]
+impl Mission {
+    #[new]
+    #[pyo3(signature = (waypoints_m, fly_over = Vec::new()))]
+    fn new(waypoints_m: &Bound<'_, PyAny>, fly_over: Vec<usize>) -> PyResult<Self> {
+        let waypoints_m: Vec<Vec3> = waypoints_m
+            .try_iter()?
+            .map(|item| Ok(item?.extract::<Triple>()?.0))
+            .collect::<PyResult<_>>()?;
+        let count = waypoints_m.len();
+        if count == 1 {
+            return Err(PyValueError::new_err(
+                "waypoints_m holds 1 waypoint, expected at least 2, or none to hold course and altitude",
+            ));
+        }
+        for waypoint in &waypoints_m {
+            expect_finite("waypoints_m", *waypoint)?;
+        }
+        let mut passing = Vec::new();
+        for index in fly_over {
+            if index >= count {
+                return Err(PyValueError::new_err(format!(
+                    "fly_over names waypoint {index}, expected 0 to {}",
+                    count.saturating_sub(1)
+                )));
+            }
+            passing.resize(count, Passing::FlyBy);
+            passing[index] = Passing::FlyOver;
+        }
+        Ok(Self {
+            waypoints_m,
+            passing,
+        })
+    }
+
+    /// Waypoints, metres, local frame.
+    #[getter]
+    fn waypoints_m(&self) -> Vec<(f64, f64, f64)> {
+        self.waypoints_m.iter().copied().map(tuple).collect()
+    }
+
+    /// Indices of the waypoints that are flown over.
+    #[getter]
+    fn fly_over(&self) -> Vec<usize> {
+        (0..)
+            .zip(&self.passing)
+            .filter_map(|(index, passing)| (*passing == Passing::FlyOver).then_some(index))
+            .collect()
+    }
+
+    fn __len__(&self) -> usize {
+        self.waypoints_m.len()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        shown("Mission", &self.arguments(py)?)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
+        Ok(((), self.arguments(py)?))
+    }
+}
+
+impl Mission {
+    pub(crate) const fn of(waypoints_m: Vec<Vec3>, passing: Vec<Passing>) -> Self {
+        Self {
+            waypoints_m,
+            passing,
+        }
+    }
+
+    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let arguments = PyDict::new(py);
+        arguments.set_item("waypoints_m", self.waypoints_m())?;
+        arguments.set_item("fly_over", self.fly_over())?;
+        Ok(arguments)
+    }
+}
+
+/// The obstacles of a situation.
+#[derive(Debug)]
+pub(crate) enum Around {
+    Rows(Vec<CoreObstacle>),
+    Columns(Py<Obstacles>),
+}
+
+/// All that one decision is made from.
+///
+/// `time_s` is the time of the state on any clock that does not run backwards. `obstacles` are a sequence of
+/// `Obstacle` or one `Obstacles`, over the ground. `wind_mps` is the velocity of the air over the ground.
+#[pyclass(frozen, module = "fga")]
+#[derive(Debug)]
+pub(crate) struct Situation {
+    pub(crate) time_s: f64,
+    pub(crate) ownship: fga::situation::Ownship,
+    pub(crate) around: Around,
+    pub(crate) mission: Py<Mission>,
+    pub(crate) wind_mps: Vec3,
+}
+
+#[pymethods]
+impl Situation {
+    #[new]
+    #[pyo3(signature = (time_s, ownship, mission, obstacles = None, wind_mps = Triple(Vec3::ZERO)))]
+    fn new(
+        time_s: f64,
+        ownship: &Bound<'_, Ownship>,
+        mission: Py<Mission>,
+        obstacles: Option<&Bound<'_, PyAny>>,
+        wind_mps: Triple,
+    ) -> PyResult<Self> {
+        expect(time_s.is_finite(), "time_s", time_s, "a finite number")?;
+        expect_finite("wind_mps", wind_mps.0)?;
+        let around = match obstacles {
+            None => Around::Rows(Vec::new()),
+            Some(object) => match object.cast::<Obstacles>() {
+                Ok(columns) => Around::Columns(columns.clone().unbind()),
+                Err(_) => Around::Rows(rows(object)?),
+            },
+        };
+        let situation = Self {
+            time_s,
+            ownship: ownship.get().0,
+            around,
+            mission,
+            wind_mps: wind_mps.0,
+        };
+        if !situation.with(|situation| situation.is_usable()) {
+            return Err(PyValueError::new_err(
+                "a number of the situation is larger than 1e15, expected less",
+            ));
+        }
+        Ok(situation)
+    }
+
+    /// Time of the state, seconds.
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// The aircraft.
+    #[getter]
+    fn ownship(&self) -> Ownship {
+        Ownship(self.ownship)
+    }
+
+    /// The mission.
+    #[getter]
+    fn mission(&self, py: Python<'_>) -> Py<Mission> {
+        self.mission.clone_ref(py)
+    }
+
+    /// The obstacles, one record each.
+    #[getter]
+    fn obstacles(&self) -> Vec<Obstacle> {
+        self.with(|situation| situation.obstacles.iter().map(Obstacle).collect())
+    }
+
+    /// Velocity of the air over the ground, metres per second.
+    #[getter]
+    fn wind_mps(&self) -> (f64, f64, f64) {
+        tuple(self.wind_mps)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(format!(
+            "Situation(time_s={}, ownship={}, {} obstacles, {} waypoints)",
+            self.time_s.into_pyobject(py)?.repr()?,
+            Bound::new(py, self.ownship())?.repr()?,
+            self.with(|situation| situation.obstacles.len()),
+            self.mission.get().waypoints_m.len()
+        ))
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
+        let arguments = PyDict::new(py);
+        arguments.set_item("time_s", self.time_s)?;
+        arguments.set_item("ownship", self.ownship())?;
+        arguments.set_item("mission", self.mission(py))?;
+        arguments.set_item("obstacles", self.obstacles())?;
+        arguments.set_item("wind_mps", self.wind_mps())?;
+        Ok(((), arguments))
+    }
+}
+
+/// A sequence of obstacles with identifiers of their own.
+fn rows(object: &Bound<'_, PyAny>) -> PyResult<Vec<CoreObstacle>> {
+    let wrong = |found: &Bound<'_, PyAny>| {
+        PyTypeError::new_err(format!(
+            "obstacles holds {}, expected a sequence of Obstacle or one Obstacles",
+            found.get_type()
+        ))
+    };
+    let mut rows = Vec::new();
+    for item in object.try_iter().map_err(|_| wrong(object))? {
+        let item = item?;
+        rows.push(item.cast::<Obstacle>().map_err(|_| wrong(&item))?.get().0);
+    }
+    Ok(rows)
+}
+
+impl Situation {
+    /// Shows the situation as the core takes it.
+    pub(crate) fn with<T>(&self, show: impl FnOnce(&CoreSituation<'_>) -> T) -> T {
+        let mission = self.mission.get();
+        show(&CoreSituation {
+            time_s: self.time_s,
+            ownship: self.ownship,
+            obstacles: match &self.around {
+                Around::Rows(rows) => CoreObstacles::Rows(rows),
+                Around::Columns(columns) => CoreObstacles::Columns(columns.get().columns()),
+            },
+            mission: CoreMission {
+                waypoints_m: &mission.waypoints_m,
+                passing: &mission.passing,
+            },
+            wind_mps: self.wind_mps,
+        })
+    }
+}

@@ -1,0 +1,150 @@
+//! Tables out and in through the Arrow C stream, without copies.
+
+use std::sync::Arc;
+
+use arrow_array::ffi_stream::{RecordBatchStreamReader, FFI_ArrowArrayStream};
+use arrow_array::{
+    Array as _, ArrayRef, BooleanArray, Float64Array, RecordBatch, RecordBatchIterator,
+    RecordBatchReader, StringArray, UInt64Array,
+};
+use arrow_schema::{ArrowError, Field, Schema};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyCapsule};
+
+/// The name that the Arrow PyCapsule interface gives to a stream.
+const STREAM: &core::ffi::CStr = c"arrow_array_stream";
+
+/// One column.
+pub(crate) enum Column {
+    Whole(Vec<u64>),
+    Flag(Vec<bool>),
+    MaybeFlag(Vec<Option<bool>>),
+    Real(Vec<f64>),
+    MaybeReal(Vec<Option<f64>>),
+    Text(Vec<String>),
+}
+
+impl Column {
+    fn array(self) -> (ArrayRef, bool) {
+        match self {
+            Self::Whole(values) => (Arc::new(UInt64Array::from(values)), false),
+            Self::Flag(values) => (Arc::new(BooleanArray::from(values)), false),
+            Self::MaybeFlag(values) => (Arc::new(BooleanArray::from(values)), true),
+            Self::Real(values) => (Arc::new(Float64Array::from(values)), false),
+            Self::MaybeReal(values) => (Arc::new(Float64Array::from(values)), true),
+            Self::Text(values) => (Arc::new(StringArray::from(values)), false),
+        }
+    }
+}
+
+/// A table that every library with the Arrow PyCapsule interface takes without copying:
+/// `polars.DataFrame(table)`, `pyarrow.table(table)`, `pandas.DataFrame.from_arrow(table)`, duckdb.
+#[pyclass(frozen, module = "fga")]
+#[derive(Debug)]
+pub(crate) struct Table {
+    batch: RecordBatch,
+    csv: Option<Vec<u8>>,
+}
+
+impl Table {
+    /// A table of these columns.
+    pub(crate) fn of(columns: Vec<(&str, Column)>) -> PyResult<Self> {
+        let mut fields = Vec::with_capacity(columns.len());
+        let mut arrays = Vec::with_capacity(columns.len());
+        for (name, column) in columns {
+            let (array, nullable) = column.array();
+            fields.push(Field::new(name, array.data_type().clone(), nullable));
+            arrays.push(array);
+        }
+        let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
+            .map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok(Self { batch, csv: None })
+    }
+
+    /// The same with the file that the program writes.
+    pub(crate) fn with_csv(self, csv: Vec<u8>) -> Self {
+        Self {
+            csv: Some(csv),
+            ..self
+        }
+    }
+}
+
+#[pymethods]
+impl Table {
+    /// The Arrow PyCapsule interface.
+    #[pyo3(signature = (requested_schema = None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        // Another schema is a wish that need not be met.
+        let _ = requested_schema;
+        let schema = self.batch.schema();
+        let batches = [Ok::<_, ArrowError>(self.batch.clone())];
+        let reader = RecordBatchIterator::new(batches, schema);
+        PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(reader)), STREAM)
+    }
+
+    /// Names of the columns.
+    #[getter]
+    fn column_names(&self) -> Vec<String> {
+        let schema = self.batch.schema();
+        schema
+            .fields()
+            .iter()
+            .map(|field| field.name().clone())
+            .collect()
+    }
+
+    fn __len__(&self) -> usize {
+        self.batch.num_rows()
+    }
+
+    /// The bytes of the file that the program writes of the same.
+    ///
+    /// Raises ValueError for a table that the program does not write as CSV.
+    fn to_csv<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        self.csv
+            .as_ref()
+            .map(|csv| PyBytes::new(py, csv))
+            .ok_or_else(|| {
+                PyValueError::new_err(
+                    "the program writes no CSV of this table, expected one of batch or oracle",
+                )
+            })
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Table({} rows, columns {})",
+            self.batch.num_rows(),
+            self.column_names().join(", ")
+        )
+    }
+}
+
+/// The batches of anything that has the Arrow PyCapsule interface.
+#[expect(
+    unsafe_code,
+    reason = "the interface hands a C structure over by its address"
+)]
+pub(crate) fn batches_of(object: &Bound<'_, PyAny>) -> PyResult<Vec<RecordBatch>> {
+    let capsule = object.call_method0("__arrow_c_stream__")?;
+    let capsule = capsule.cast::<PyCapsule>().map_err(|_| {
+        PyTypeError::new_err("__arrow_c_stream__ gives no capsule, expected one of a stream")
+    })?;
+    let stream = capsule
+        .pointer_checked(Some(STREAM))?
+        .cast::<FFI_ArrowArrayStream>();
+    // SAFETY: a capsule of this name holds such a structure, by the Arrow PyCapsule interface; the
+    // structure is moved out, and what is left says that it was released.
+    let reader = unsafe { RecordBatchStreamReader::from_raw(stream.as_ptr()) };
+    let wrong =
+        |error: ArrowError| PyValueError::new_err(format!("the table cannot be read: {error}"));
+    let reader = reader.map_err(wrong)?;
+    let _ = reader.schema();
+    reader.map(|batch| batch.map_err(wrong)).collect()
+}

@@ -1,0 +1,628 @@
+//! What a decision is made from, as frozen Python classes.
+
+use fga::Vec3;
+use fga::avoider::{Settings as CoreSettings, SettingsError, Start};
+use fga::search::Objective;
+use fga::situation::{Movement, ProtectedVolume};
+use fga::vehicle::{Response, Vehicle as CoreVehicle};
+use fga_sim::policy::PolicyChoice;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Three numbers: east, north, up.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Triple(pub(crate) Vec3);
+
+impl<'py> FromPyObject<'_, 'py> for Triple {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok((x, y, z)) = object.extract::<(f64, f64, f64)>() {
+            return Ok(Self(Vec3::new(x, y, z)));
+        }
+        let wrong = || PyTypeError::new_err("expected three numbers: east, north, up");
+        let mut values = [0.0; 3];
+        let mut count = 0;
+        for item in object.try_iter().map_err(|_| wrong())? {
+            let value: f64 = item?.extract().map_err(|_| wrong())?;
+            *values.get_mut(count).ok_or_else(wrong)? = value;
+            count += 1;
+        }
+        (count == 3)
+            .then_some(Self(Vec3::from_array(values)))
+            .ok_or_else(wrong)
+    }
+}
+
+/// East, north, up as a tuple.
+pub(crate) fn tuple(vector: Vec3) -> (f64, f64, f64) {
+    (vector.x, vector.y, vector.z)
+}
+
+/// A wrong value as the core says it.
+pub(crate) fn refused(error: SettingsError) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// Refuses a number that is not what is expected.
+pub(crate) fn expect(holds: bool, name: &str, found: f64, expected: &str) -> PyResult<()> {
+    if holds {
+        return Ok(());
+    }
+    Err(PyValueError::new_err(format!(
+        "{name} is {found}, expected {expected}"
+    )))
+}
+
+/// Refuses a vector with a number that is not finite.
+pub(crate) fn expect_finite(name: &str, vector: Vec3) -> PyResult<()> {
+    if vector.is_finite() {
+        return Ok(());
+    }
+    let (x, y, z) = tuple(vector);
+    Err(PyValueError::new_err(format!(
+        "{name} is ({x}, {y}, {z}), expected finite numbers"
+    )))
+}
+
+/// `Name(key=value, …)`.
+pub(crate) fn shown(name: &str, arguments: &Bound<'_, PyDict>) -> PyResult<String> {
+    let mut parts = Vec::with_capacity(arguments.len());
+    for (key, value) in arguments.iter() {
+        parts.push(format!("{key}={}", value.repr()?));
+    }
+    Ok(format!("{name}({})", parts.join(", ")))
+}
+
+/// What pickling calls the class with.
+pub(crate) type NewArguments<'py> = ((), Bound<'py, PyDict>);
+
+/// State of the aircraft: place over the ground, motion through the air.
+///
+/// Frame: x east, y north, z up, metres. Courses are radians from +x towards +y (a left turn makes the
+/// course grow), climb angles positive upwards, bank angles positive in a left turn.
+///
+/// Raises ValueError for a number that is not finite or an airspeed that is not positive.
+#[pyclass(frozen, eq, module = "fga")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ownship(pub(crate) fga::situation::Ownship);
+
+#[pymethods]
+impl Ownship {
+    #[new]
+    #[pyo3(signature = (position_m, course_rad, airspeed_mps, climb_rad = 0.0, bank_rad = 0.0))]
+    fn new(
+        position_m: Triple,
+        course_rad: f64,
+        airspeed_mps: f64,
+        climb_rad: f64,
+        bank_rad: f64,
+    ) -> PyResult<Self> {
+        expect_finite("position_m", position_m.0)?;
+        for (name, angle) in [
+            ("course_rad", course_rad),
+            ("climb_rad", climb_rad),
+            ("bank_rad", bank_rad),
+        ] {
+            expect(angle.is_finite(), name, angle, "a finite number")?;
+        }
+        let flies = airspeed_mps.is_finite() && airspeed_mps > 0.0;
+        expect(flies, "airspeed_mps", airspeed_mps, "a positive number")?;
+        Ok(Self(fga::situation::Ownship {
+            position_m: position_m.0,
+            course_rad,
+            climb_rad,
+            bank_rad,
+            airspeed_mps,
+        }))
+    }
+
+    /// Position, metres, local frame.
+    #[getter]
+    fn position_m(&self) -> (f64, f64, f64) {
+        tuple(self.0.position_m)
+    }
+
+    /// Course through the air, radians.
+    #[getter]
+    fn course_rad(&self) -> f64 {
+        self.0.course_rad
+    }
+
+    /// Climb angle, radians.
+    #[getter]
+    fn climb_rad(&self) -> f64 {
+        self.0.climb_rad
+    }
+
+    /// Bank angle, radians, positive in a left turn.
+    #[getter]
+    fn bank_rad(&self) -> f64 {
+        self.0.bank_rad
+    }
+
+    /// Total airspeed, metres per second.
+    #[getter]
+    fn airspeed_mps(&self) -> f64 {
+        self.0.airspeed_mps
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        shown("Ownship", &self.arguments(py)?)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
+        Ok(((), self.arguments(py)?))
+    }
+}
+
+impl Ownship {
+    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let arguments = PyDict::new(py);
+        arguments.set_item("position_m", self.position_m())?;
+        arguments.set_item("course_rad", self.0.course_rad)?;
+        arguments.set_item("airspeed_mps", self.0.airspeed_mps)?;
+        arguments.set_item("climb_rad", self.0.climb_rad)?;
+        arguments.set_item("bank_rad", self.0.bank_rad)?;
+        Ok(arguments)
+    }
+}
+
+/// How an obstacle may move, by the words of a batch file.
+pub(crate) fn movement_of(word: &str) -> PyResult<Movement> {
+    match word {
+        "straight" => Ok(Movement::Straight),
+        "still" => Ok(Movement::AtRest),
+        "aircraft" => Ok(Movement::CREWED),
+        "uas" => Ok(Movement::SMALL_UAS),
+        other => Err(PyValueError::new_err(format!(
+            "kind is {other:?}, expected still, straight, aircraft or uas"
+        ))),
+    }
+}
+
+/// The word for how an obstacle may move.
+pub(crate) fn movement_word(movement: Movement) -> &'static str {
+    match movement {
+        Movement::Straight => "straight",
+        Movement::AtRest => "still",
+        movement if movement == Movement::CREWED => "aircraft",
+        Movement::Aircraft(_) => "uas",
+    }
+}
+
+/// The volume of a radius and, for a cylinder, a half height.
+pub(crate) fn volume_of(radius_m: f64, half_height_m: Option<f64>) -> ProtectedVolume {
+    half_height_m.map_or(ProtectedVolume::Sphere { radius_m }, |half_height_m| {
+        ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        }
+    })
+}
+
+/// One obstacle: a volume that must not be entered, its place and velocity over the ground.
+///
+/// Without `half_height_m` the volume is a sphere, with it an upright cylinder. `kind` says how it may move:
+/// `still`, `straight`, `aircraft` (crewed) or `uas`. The sigmas are standard deviations along an axis.
+///
+/// Raises ValueError for a number that is not finite or a length that is negative.
+#[pyclass(frozen, eq, module = "fga")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Obstacle(pub(crate) fga::situation::Obstacle);
+
+#[pymethods]
+impl Obstacle {
+    #[new]
+    #[pyo3(signature = (
+        id, position_m, radius_m, velocity_mps = Triple(Vec3::ZERO), half_height_m = None,
+        position_sigma_m = 0.0, velocity_sigma_mps = 0.0, kind = "straight",
+    ))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "one for each property, by name in Python"
+    )]
+    fn new(
+        id: u32,
+        position_m: Triple,
+        radius_m: f64,
+        velocity_mps: Triple,
+        half_height_m: Option<f64>,
+        position_sigma_m: f64,
+        velocity_sigma_mps: f64,
+        kind: &str,
+    ) -> PyResult<Self> {
+        expect_finite("position_m", position_m.0)?;
+        expect_finite("velocity_mps", velocity_mps.0)?;
+        for (name, length) in [
+            ("radius_m", radius_m),
+            ("half_height_m", half_height_m.unwrap_or(0.0)),
+            ("position_sigma_m", position_sigma_m),
+            ("velocity_sigma_mps", velocity_sigma_mps),
+        ] {
+            let holds = length.is_finite() && length >= 0.0;
+            expect(holds, name, length, "a number of 0 or more")?;
+        }
+        let volume = volume_of(radius_m, half_height_m);
+        let mut obstacle = fga::situation::Obstacle::new(id, position_m.0, velocity_mps.0, volume);
+        obstacle.uncertainty.position_m = position_sigma_m;
+        obstacle.uncertainty.velocity_mps = velocity_sigma_mps;
+        obstacle.movement = movement_of(kind)?;
+        Ok(Self(obstacle))
+    }
+
+    /// Identifier, unique among the obstacles of a situation.
+    #[getter]
+    fn id(&self) -> u32 {
+        self.0.id
+    }
+
+    /// Centre of the volume, metres, local frame.
+    #[getter]
+    fn position_m(&self) -> (f64, f64, f64) {
+        tuple(self.0.position_m)
+    }
+
+    /// Velocity over the ground, metres per second.
+    #[getter]
+    fn velocity_mps(&self) -> (f64, f64, f64) {
+        tuple(self.0.velocity_mps)
+    }
+
+    /// Radius of the volume, metres.
+    #[getter]
+    fn radius_m(&self) -> f64 {
+        self.0.volume.radius_m()
+    }
+
+    /// Half height of a cylinder, metres; None for a sphere.
+    #[getter]
+    fn half_height_m(&self) -> Option<f64> {
+        match self.0.volume {
+            ProtectedVolume::Sphere { .. } => None,
+            ProtectedVolume::Cylinder { half_height_m, .. } => Some(half_height_m),
+        }
+    }
+
+    /// Standard deviation of the position along an axis, metres.
+    #[getter]
+    fn position_sigma_m(&self) -> f64 {
+        self.0.uncertainty.position_m
+    }
+
+    /// Standard deviation of the velocity along an axis, metres per second.
+    #[getter]
+    fn velocity_sigma_mps(&self) -> f64 {
+        self.0.uncertainty.velocity_mps
+    }
+
+    /// How it may move: still, straight, aircraft or uas.
+    #[getter]
+    fn kind(&self) -> &'static str {
+        movement_word(self.0.movement)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        shown("Obstacle", &self.arguments(py)?)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
+        Ok(((), self.arguments(py)?))
+    }
+}
+
+impl Obstacle {
+    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let arguments = PyDict::new(py);
+        arguments.set_item("id", self.0.id)?;
+        arguments.set_item("position_m", self.position_m())?;
+        arguments.set_item("radius_m", self.radius_m())?;
+        arguments.set_item("velocity_mps", self.velocity_mps())?;
+        arguments.set_item("half_height_m", self.half_height_m())?;
+        arguments.set_item("position_sigma_m", self.position_sigma_m())?;
+        arguments.set_item("velocity_sigma_mps", self.velocity_sigma_mps())?;
+        arguments.set_item("kind", self.kind())?;
+        Ok(arguments)
+    }
+}
+
+/// Limits of an aircraft at its airspeed, and how it follows commands.
+///
+/// Raises ValueError, with the sentence of the program, for a limit out of range.
+#[pyclass(frozen, eq, module = "fga")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Vehicle(pub(crate) CoreVehicle);
+
+#[pymethods]
+impl Vehicle {
+    #[new]
+    #[pyo3(signature = (
+        airspeed_mps, turn_radius_m, climb_min_rad = -core::f64::consts::PI / 12.0,
+        climb_max_rad = core::f64::consts::PI / 12.0, climb_rate_radps = 0.2, dead_time_s = 0.0,
+        bank_time_constant_s = 0.0, turn_rate_factor = 1.0,
+    ))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "one for each limit, by name in Python"
+    )]
+    fn new(
+        airspeed_mps: f64,
+        turn_radius_m: f64,
+        climb_min_rad: f64,
+        climb_max_rad: f64,
+        climb_rate_radps: f64,
+        dead_time_s: f64,
+        bank_time_constant_s: f64,
+        turn_rate_factor: f64,
+    ) -> PyResult<Self> {
+        let vehicle = CoreVehicle {
+            airspeed_mps,
+            turn_radius_m,
+            climb_min_rad,
+            climb_max_rad,
+            climb_rate_radps,
+            response: Response {
+                dead_time_s,
+                bank_time_constant_s,
+                turn_rate_factor,
+            },
+        };
+        vehicle.check().map_err(refused)?;
+        Ok(Self(vehicle))
+    }
+
+    /// Constant total airspeed, metres per second.
+    #[getter]
+    fn airspeed_mps(&self) -> f64 {
+        self.0.airspeed_mps
+    }
+
+    /// Least radius of the ideal coordinated turn, metres.
+    #[getter]
+    fn turn_radius_m(&self) -> f64 {
+        self.0.turn_radius_m
+    }
+
+    /// Steepest descent, radians, at most 0.
+    #[getter]
+    fn climb_min_rad(&self) -> f64 {
+        self.0.climb_min_rad
+    }
+
+    /// Steepest climb, radians, at least 0.
+    #[getter]
+    fn climb_max_rad(&self) -> f64 {
+        self.0.climb_max_rad
+    }
+
+    /// Rate limit of the climb angle, radians per second.
+    #[getter]
+    fn climb_rate_radps(&self) -> f64 {
+        self.0.climb_rate_radps
+    }
+
+    /// Time before a command has any effect, seconds.
+    #[getter]
+    fn dead_time_s(&self) -> f64 {
+        self.0.response.dead_time_s
+    }
+
+    /// Time constant of the first-order bank response, seconds; 0 for none.
+    #[getter]
+    fn bank_time_constant_s(&self) -> f64 {
+        self.0.response.bank_time_constant_s
+    }
+
+    /// Flown course rate over that of the ideal coordinated turn.
+    #[getter]
+    fn turn_rate_factor(&self) -> f64 {
+        self.0.response.turn_rate_factor
+    }
+
+    /// Largest bank angle, radians.
+    #[getter]
+    fn bank_max_rad(&self) -> Option<f64> {
+        self.0.bank_max_rad()
+    }
+
+    /// Largest course rate that is really flown, radians per second.
+    #[getter]
+    fn course_rate_radps(&self) -> f64 {
+        self.0.course_rate_radps()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        shown("Vehicle", &self.arguments(py)?)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
+        Ok(((), self.arguments(py)?))
+    }
+}
+
+impl Vehicle {
+    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let arguments = PyDict::new(py);
+        let vehicle = &self.0;
+        for (name, value) in [
+            ("airspeed_mps", vehicle.airspeed_mps),
+            ("turn_radius_m", vehicle.turn_radius_m),
+            ("climb_min_rad", vehicle.climb_min_rad),
+            ("climb_max_rad", vehicle.climb_max_rad),
+            ("climb_rate_radps", vehicle.climb_rate_radps),
+            ("dead_time_s", vehicle.response.dead_time_s),
+            (
+                "bank_time_constant_s",
+                vehicle.response.bank_time_constant_s,
+            ),
+            ("turn_rate_factor", vehicle.response.turn_rate_factor),
+        ] {
+            arguments.set_item(name, value)?;
+        }
+        Ok(arguments)
+    }
+}
+
+/// Settings of the avoider.
+///
+/// `start` is `free`, `t0`, `latest` or `Cs=0` to `Cs=1`; `objective` is `paper-cost`, `least-deviation` or
+/// `shortest-path`. What each means and its range stand in the pages of the crate `fga`.
+///
+/// Raises ValueError, with the sentence of the program, for a setting out of range.
+#[pyclass(frozen, eq, module = "fga")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Settings(pub(crate) CoreSettings);
+
+#[pymethods]
+impl Settings {
+    #[new]
+    #[pyo3(signature = (
+        *, start = "free", decision_period_s = 0.1, surveillance_radius_m = 300.0, horizon_s = 60.0,
+        margin_m = 0.05, confidence_sigmas = 3.0, heading_cost = 0.2, pitch_cost = 0.5,
+        objective = "paper-cost", work_limit = 160_000,
+    ))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "one for each setting, by name in Python"
+    )]
+    fn new(
+        start: &str,
+        decision_period_s: f64,
+        surveillance_radius_m: f64,
+        horizon_s: f64,
+        margin_m: f64,
+        confidence_sigmas: f64,
+        heading_cost: f64,
+        pitch_cost: f64,
+        objective: &str,
+        work_limit: u32,
+    ) -> PyResult<Self> {
+        let settings = CoreSettings {
+            start: match PolicyChoice::parse("turn-aware", Some(start)) {
+                Ok(PolicyChoice::Avoider(start)) => start,
+                Ok(_) => Start::Free,
+                Err(message) => return Err(PyValueError::new_err(message)),
+            },
+            decision_period_s,
+            surveillance_radius_m,
+            horizon_s,
+            margin_m,
+            confidence_sigmas,
+            heading_cost,
+            pitch_cost,
+            objective: match objective {
+                "paper-cost" => Objective::PaperCost,
+                "least-deviation" => Objective::LeastDeviation,
+                "shortest-path" => Objective::ShortestPath,
+                other => {
+                    return Err(PyValueError::new_err(format!(
+                        "objective is {other:?}, expected paper-cost, least-deviation or shortest-path"
+                    )));
+                }
+            },
+            work_limit,
+        };
+        settings.check().map_err(refused)?;
+        Ok(Self(settings))
+    }
+
+    /// When a manoeuvre begins.
+    #[getter]
+    fn start(&self) -> String {
+        match self.0.start {
+            Start::Free => "free".into(),
+            Start::AtDetection => "t0".into(),
+            Start::Latest => "latest".into(),
+            Start::Score(score) => format!("Cs={score}"),
+        }
+    }
+
+    /// Time from one step to the next, seconds.
+    #[getter]
+    fn decision_period_s(&self) -> f64 {
+        self.0.decision_period_s
+    }
+
+    /// Obstacles farther away are not considered, metres.
+    #[getter]
+    fn surveillance_radius_m(&self) -> f64 {
+        self.0.surveillance_radius_m
+    }
+
+    /// How far ahead separation is certified, seconds.
+    #[getter]
+    fn horizon_s(&self) -> f64 {
+        self.0.horizon_s
+    }
+
+    /// Kept beyond the protected volume, metres.
+    #[getter]
+    fn margin_m(&self) -> f64 {
+        self.0.margin_m
+    }
+
+    /// How many standard deviations widen an obstacle's volume.
+    #[getter]
+    fn confidence_sigmas(&self) -> f64 {
+        self.0.confidence_sigmas
+    }
+
+    /// Cost of a change of course, per radian.
+    #[getter]
+    fn heading_cost(&self) -> f64 {
+        self.0.heading_cost
+    }
+
+    /// Cost of a change of climb angle, per radian.
+    #[getter]
+    fn pitch_cost(&self) -> f64 {
+        self.0.pitch_cost
+    }
+
+    /// What the cheapest manoeuvre is.
+    #[getter]
+    fn objective(&self) -> &'static str {
+        match self.0.objective {
+            Objective::PaperCost => "paper-cost",
+            Objective::LeastDeviation => "least-deviation",
+            Objective::ShortestPath => "shortest-path",
+        }
+    }
+
+    /// Work that one step may take.
+    #[getter]
+    fn work_limit(&self) -> u32 {
+        self.0.work_limit
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        shown("Settings", &self.arguments(py)?)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
+        Ok(((), self.arguments(py)?))
+    }
+}
+
+impl Settings {
+    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let arguments = PyDict::new(py);
+        let settings = &self.0;
+        arguments.set_item("start", self.start())?;
+        for (name, value) in [
+            ("decision_period_s", settings.decision_period_s),
+            ("surveillance_radius_m", settings.surveillance_radius_m),
+            ("horizon_s", settings.horizon_s),
+            ("margin_m", settings.margin_m),
+            ("confidence_sigmas", settings.confidence_sigmas),
+            ("heading_cost", settings.heading_cost),
+            ("pitch_cost", settings.pitch_cost),
+        ] {
+            arguments.set_item(name, value)?;
+        }
+        arguments.set_item("objective", self.objective())?;
+        arguments.set_item("work_limit", self.0.work_limit)?;
+        Ok(arguments)
+    }
+}

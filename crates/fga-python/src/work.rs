@@ -1,0 +1,79 @@
+//! Long work without the interpreter's lock: Ctrl-C ends it, progress is shown while it runs.
+
+use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use core::time::Duration;
+use std::panic::resume_unwind;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+/// Pause between two looks at Ctrl-C.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// What work and interpreter tell each other.
+#[derive(Debug, Default)]
+pub(crate) struct Shared {
+    stop: AtomicBool,
+    /// How much is done.
+    pub(crate) done: AtomicU64,
+    /// Of how much.
+    pub(crate) total: AtomicU64,
+}
+
+impl Shared {
+    /// Whether the work is to go on.
+    pub(crate) fn goes_on(&self) -> bool {
+        !self.stop.load(Ordering::Relaxed)
+    }
+}
+
+/// A pool of threads for one call: nothing outlives it, so a fork finds no lock held by a thread that is
+/// not there.
+pub(crate) fn pool(threads: Option<usize>) -> PyResult<ThreadPool> {
+    if threads == Some(0) {
+        return Err(PyValueError::new_err("threads is 0, expected at least 1"));
+    }
+    ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .build()
+        .map_err(|error| PyValueError::new_err(format!("threads cannot be started: {error}")))
+}
+
+/// Does work on a thread of its own. `progress(done, total)` is called on this one, some times a second;
+/// what it raises, and Ctrl-C, ends the work and is raised.
+pub(crate) fn interruptible<T: Send>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&Shared) -> T + Send,
+) -> PyResult<T> {
+    let shared = Shared::default();
+    let show = || -> PyResult<()> {
+        let Some(progress) = progress else {
+            return Ok(());
+        };
+        let total = shared.total.load(Ordering::Relaxed);
+        if total > 0 {
+            progress.call1((shared.done.load(Ordering::Relaxed), total))?;
+        }
+        Ok(())
+    };
+    std::thread::scope(|scope| {
+        let worker = scope.spawn(|| work(&shared));
+        let mut failed = None;
+        while !worker.is_finished() {
+            py.detach(|| std::thread::park_timeout(PAUSE));
+            if failed.is_none() {
+                failed = py.check_signals().and_then(|()| show()).err();
+                if failed.is_some() {
+                    shared.stop.store(true, Ordering::Relaxed);
+                }
+            }
+        }
+        let result = worker.join().unwrap_or_else(|panic| resume_unwind(panic));
+        match failed {
+            Some(error) => Err(error),
+            None => show().map(|()| result),
+        }
+    })
+}

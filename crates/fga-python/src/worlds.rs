@@ -1,0 +1,255 @@
+//! Many worlds side by side, for `fga.gym`, and the shield by itself.
+
+use std::sync::{Mutex, MutexGuard, TryLockError};
+
+use fga::maneuver::Maneuver;
+use fga_sim::encounters::EncounterSource;
+use fga_sim::shield::Shield as CoreShield;
+use fga_sim::vehicle_file::VehicleModel;
+use fga_sim::worlds::{Worlds as CoreWorlds, WorldsSettings};
+use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::decision::Decision;
+use crate::failure::input;
+use crate::pilot::model_of;
+use crate::situation::Situation;
+use crate::value::{Settings, Vehicle, refused};
+
+/// Observations, rewards, terminated, truncated, engaged: what a step gives, one row a world.
+type Steps<'py> = (
+    Bound<'py, PyArray2<f32>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<bool>>,
+    Bound<'py, PyArray1<bool>>,
+    Bound<'py, PyArray1<bool>>,
+);
+
+/// Worlds side by side, stepped without the interpreter's lock; `fga.gym` makes environments of them.
+#[pyclass(frozen, module = "fga")]
+pub(crate) struct Worlds(Mutex<CoreWorlds>);
+
+impl Worlds {
+    fn worlds(&self) -> PyResult<MutexGuard<'_, CoreWorlds>> {
+        match self.0.try_lock() {
+            Ok(guard) => Ok(guard),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err(
+                "another thread steps these worlds now, expected one for each thread",
+            )),
+        }
+    }
+}
+
+#[pymethods]
+impl Worlds {
+    #[new]
+    #[pyo3(signature = (cell, count, seed = 0, vehicle = None, horizon_s = 60.0, seen = 4, shielded = false))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "one for each property, by name in Python"
+    )]
+    fn new(
+        cell: &str,
+        count: usize,
+        seed: u64,
+        vehicle: Option<&Bound<'_, PyAny>>,
+        horizon_s: f64,
+        seen: usize,
+        shielded: bool,
+    ) -> PyResult<Self> {
+        for (name, value, most) in [("count", count, 100_000), ("seen", seen, 1000)] {
+            if !(1..=most).contains(&value) {
+                return Err(PyValueError::new_err(format!(
+                    "{name} is {value}, expected 1 to {most}"
+                )));
+            }
+        }
+        if !(horizon_s > 0.0 && horizon_s <= 86_400.0) {
+            return Err(PyValueError::new_err(format!(
+                "horizon_s is {horizon_s}, expected a positive number of seconds, at most 86400"
+            )));
+        }
+        let settings = WorldsSettings {
+            source: EncounterSource::parse(cell, seed).map_err(PyValueError::new_err)?,
+            model: model_of(vehicle)?
+                .map_or_else(VehicleModel::built_in, Ok)
+                .map_err(input)?,
+            horizon_s,
+            seen,
+            shielded,
+        };
+        CoreWorlds::new(settings, count)
+            .map(|worlds| Self(Mutex::new(worlds)))
+            .map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    fn __len__(&self) -> PyResult<usize> {
+        Ok(self.worlds()?.len())
+    }
+
+    /// Length of an observation.
+    #[getter]
+    fn observed(&self) -> PyResult<usize> {
+        Ok(self.worlds()?.observed())
+    }
+
+    /// Puts encounters by their numbers into worlds by their places.
+    fn reset(&self, py: Python<'_>, places: Vec<usize>, numbers: Vec<u64>) -> PyResult<()> {
+        let mut guard = self.worlds()?;
+        let worlds = &mut *guard;
+        if places.len() != numbers.len() {
+            return Err(PyValueError::new_err(format!(
+                "places has {} values and numbers {}, expected as many",
+                places.len(),
+                numbers.len()
+            )));
+        }
+        let count = worlds.len();
+        if let Some(place) = places.iter().find(|place| **place >= count) {
+            return Err(PyValueError::new_err(format!(
+                "places names world {place}, expected 0 to {}",
+                count - 1
+            )));
+        }
+        py.detach(|| {
+            for (place, number) in places.into_iter().zip(numbers) {
+                worlds.reset(place, number);
+            }
+        });
+        Ok(())
+    }
+
+    /// What the worlds show, one row each.
+    fn observe<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let mut guard = self.worlds()?;
+        let worlds = &mut *guard;
+        let (count, width) = (worlds.len(), worlds.observed());
+        let values = py.detach(|| observed(worlds));
+        PyArray1::from_vec(py, values).reshape([count, width])
+    }
+
+    /// Flies one action in each world, an array of shape (worlds, 2), until the next decision.
+    fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<Steps<'py>> {
+        let mut guard = self.worlds()?;
+        let worlds = &mut *guard;
+        let (count, width) = (worlds.len(), worlds.observed());
+        let actions: PyReadonlyArray2<'py, f64> = actions.extract().map_err(|_| {
+            PyTypeError::new_err("actions is no array of float64 with 2 dimensions")
+        })?;
+        let actions = actions.as_array();
+        if actions.dim() != (count, 2) {
+            return Err(PyValueError::new_err(format!(
+                "actions is of shape {:?}, expected ({count}, 2)",
+                actions.dim()
+            )));
+        }
+        let actions: Vec<(f64, f64)> = actions
+            .rows()
+            .into_iter()
+            .map(|row| (row[0], row[1]))
+            .collect();
+        let (steps, values) = py.detach(|| {
+            let steps: Vec<_> = actions
+                .into_iter()
+                .enumerate()
+                .map(|(index, (turn, climb))| worlds.step(index, turn, climb))
+                .collect();
+            let values = observed(worlds);
+            (steps, values)
+        });
+        let flags = |get: fn(&fga_sim::worlds::Stepped) -> bool| {
+            PyArray1::from_vec(py, steps.iter().map(get).collect())
+        };
+        Ok((
+            PyArray1::from_vec(py, values).reshape([count, width])?,
+            PyArray1::from_vec(py, steps.iter().map(|step| step.reward).collect()),
+            flags(|step| step.terminated),
+            flags(|step| step.truncated),
+            flags(|step| step.engaged),
+        ))
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "Worlds cannot be pickled: make them in each process from their cell and seed",
+        ))
+    }
+}
+
+fn observed(worlds: &mut CoreWorlds) -> Vec<f32> {
+    let width = worlds.observed();
+    let mut values = vec![0.0; worlds.len() * width];
+    for (index, row) in values.chunks_exact_mut(width).enumerate() {
+        worlds.observe(index, row);
+    }
+    values
+}
+
+/// Run-time assurance: any policy flies, as long as a certified way out remains.
+///
+/// `step(situation, stages)` gives the decision to fly and whether it is the shield's own. It passes the
+/// stages on while, from where they lead until the next decision, a certified manoeuvre exists, and flies
+/// the avoider in their place otherwise.
+#[pyclass(frozen, module = "fga")]
+pub(crate) struct Shield(Mutex<CoreShield>);
+
+impl Shield {
+    fn shield(&self) -> PyResult<MutexGuard<'_, CoreShield>> {
+        match self.0.try_lock() {
+            Ok(guard) => Ok(guard),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err(
+                "another thread steps it now, expected one for each thread",
+            )),
+        }
+    }
+}
+
+#[pymethods]
+impl Shield {
+    #[new]
+    #[pyo3(signature = (settings = None, vehicle = None))]
+    fn new(
+        settings: Option<&Bound<'_, Settings>>,
+        vehicle: Option<&Bound<'_, Vehicle>>,
+    ) -> PyResult<Self> {
+        let settings = settings.map_or_else(Default::default, |settings| settings.get().0);
+        let vehicle =
+            vehicle.map_or_else(fga::vehicle::Vehicle::table_4, |vehicle| vehicle.get().0);
+        CoreShield::new(settings, vehicle)
+            .map(|shield| Self(Mutex::new(shield)))
+            .map_err(refused)
+    }
+
+    /// Lets the wish of a policy through, or decides in its place.
+    fn step(
+        &self,
+        py: Python<'_>,
+        situation: &Bound<'_, Situation>,
+        wish: &Bound<'_, Decision>,
+    ) -> PyResult<(Decision, bool)> {
+        let mut guard = self.shield()?;
+        let shield = &mut *guard;
+        let situation = situation.get();
+        let wish: Maneuver = wish.get().decision.command;
+        let shielded = py.detach(|| situation.with(|situation| shield.step(situation, &wish)));
+        Ok((
+            Decision::of(shielded.decision, situation.ownship),
+            shielded.engaged,
+        ))
+    }
+
+    /// Forgets the last flight.
+    fn restart(&self) -> PyResult<()> {
+        self.shield()?.restart();
+        Ok(())
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a Shield cannot be pickled: make one in each process from its settings and vehicle",
+        ))
+    }
+}

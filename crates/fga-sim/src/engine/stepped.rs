@@ -1,0 +1,167 @@
+//! A flight that is flown decision by decision, by whoever decides outside of the engine.
+
+use fga::avoider::Decision;
+use fga::situation::{Ownship, Situation};
+use fga::vehicle::Vehicle;
+
+use super::{Engine, FlightState, Observer, Outcome, situation};
+use crate::separation::Separation;
+use crate::world::World;
+
+/// A flight that stands still until it is given a decision.
+///
+/// Look, decide, fly until the next decision: the same steps as [`Engine::fly`], in the same order and
+/// with the same results, one at a time.
+#[derive(Debug)]
+pub struct SteppedFlight {
+    engine: Engine,
+    world: World,
+    state: FlightState,
+    /// The aircraft as it was at the last look, or at the end.
+    ownship: Ownship,
+    /// Limits of the vehicle that the pilot is to take over.
+    retuned: Option<Vehicle>,
+    ended_s: Option<f64>,
+}
+
+impl SteppedFlight {
+    /// A flight at the start of its world, after the first look.
+    pub fn new(world: World) -> Self {
+        let mut engine = Engine::new();
+        let mut state = engine.begin(&world);
+        let ownship = engine.flight(&world, &mut state).plant.ownship();
+        let mut flight = Self {
+            engine,
+            ownship,
+            world,
+            state,
+            retuned: None,
+            ended_s: None,
+        };
+        flight.look();
+        flight
+    }
+
+    /// Begins again, in another world.
+    pub fn restart(&mut self, world: World) {
+        self.world = world;
+        self.state = self.engine.begin(&self.world);
+        self.retuned = None;
+        self.ended_s = None;
+        self.look();
+    }
+
+    fn look(&mut self) {
+        let retuned = &mut self.retuned;
+        let mut flight = self.engine.flight(&self.world, &mut self.state);
+        let time_s = flight.time_s();
+        flight.look(time_s, |vehicle| *retuned = Some(*vehicle));
+        self.ownship = flight.plant.ownship();
+    }
+
+    /// The world.
+    pub const fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// Time of the decision that is due, seconds; the time of the end once it is reached.
+    pub fn time_s(&self) -> f64 {
+        let period_s = self.world.settings.avoider.decision_period_s;
+        let due_s = f64::from(self.state.cycle) * period_s;
+        self.ended_s.unwrap_or(due_s)
+    }
+
+    /// The aircraft now; angles through the air.
+    pub const fn ownship(&self) -> &Ownship {
+        &self.ownship
+    }
+
+    /// What is known now. `None` once the flight has ended.
+    pub fn situation(&self) -> Option<Situation<'_>> {
+        let sensor = &self.engine.sensor;
+        self.ended_s
+            .is_none()
+            .then(|| situation(&self.world, self.ownship, sensor, self.time_s()))
+    }
+
+    /// Changed limits of the vehicle, once: whoever decides takes them over before the decision that
+    /// is due, as [`fga::pilot::Pilot::retune`] does.
+    pub const fn take_retuned(&mut self) -> Option<Vehicle> {
+        self.retuned.take()
+    }
+
+    /// Flies a decision until the next one is due, and looks. Whether the flight goes on; once it
+    /// has ended, nothing is flown any more.
+    pub fn advance(&mut self, decision: &Decision, observer: &mut impl Observer) -> bool {
+        if self.ended_s.is_some() {
+            return false;
+        }
+        let mut flight = self.engine.flight(&self.world, &mut self.state);
+        let time_s = flight.time_s();
+        flight.take(time_s, decision);
+        flight.show(time_s, decision.state, observer);
+        flight.follow_mission(time_s);
+        self.ended_s = flight.fly_on(decision, observer);
+        self.ownship = flight.plant.ownship();
+        if self.ended_s.is_none() {
+            self.look();
+        }
+        self.ended_s.is_none()
+    }
+
+    /// Least separations until now, in the order of the world's obstacles.
+    pub fn separations(&self) -> &[Separation] {
+        self.engine.separations()
+    }
+
+    /// What came of the flight until now.
+    pub fn outcome(&mut self) -> Outcome {
+        let time_s = self.time_s();
+        self.engine
+            .flight(&self.world, &mut self.state)
+            .outcome(time_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Sample;
+    use crate::policy::PolicyChoice;
+    use crate::run::{Plan, fly};
+    use std::path::Path;
+
+    struct Samples(Vec<Sample>);
+
+    impl Observer for Samples {
+        fn sample(&mut self, sample: &Sample) {
+            self.0.push(*sample);
+        }
+    }
+
+    #[test]
+    fn a_flight_step_by_step_is_the_flight_of_the_engine_to_the_bit() {
+        let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+        for name in ["first-flight.toml", "fig-16.toml", "sfo.toml"] {
+            let plan = Plan::read(&scenarios.join(name), None).unwrap();
+            let world = plan.world.clone();
+            let choice = PolicyChoice::default();
+            let mut pilot = choice.pilot(&world.settings, &world.vehicle).unwrap();
+            let log = fly(plan, &choice, &mut |_| ()).unwrap();
+            let mut flight = SteppedFlight::new(world);
+            let mut decisions = log.decisions.iter();
+            let mut samples = Samples(Vec::new());
+            while let Some(situation) = flight.situation() {
+                let decision = pilot.step(&situation);
+                assert_eq!(Some(&decision), decisions.next().map(|log| &log.decision));
+                flight.advance(&decision, &mut samples);
+                if let Some(vehicle) = flight.take_retuned() {
+                    pilot.retune(&vehicle);
+                }
+            }
+            assert_eq!(decisions.next(), None);
+            assert_eq!(samples.0, log.samples);
+            assert_eq!(flight.outcome(), log.outcome);
+        }
+    }
+}

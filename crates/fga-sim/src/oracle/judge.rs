@@ -1,0 +1,68 @@
+//! The oracle asked about encounters of a batch file.
+
+use fga::Vec3;
+use fga::situation::ProtectedVolume;
+use fga_formats::encounters::Encounter;
+
+use super::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
+use crate::batch::{crab, volume_of};
+use crate::vehicle_file::VehicleModel;
+
+/// Says of each encounter of a batch which margin could be kept.
+#[derive(Debug, Clone)]
+pub struct Judge {
+    vehicle: OracleVehicle,
+    start: OracleStart,
+    settings: OracleSettings,
+    protection: ProtectedVolume,
+    wind_mps: Vec3,
+}
+
+impl Judge {
+    /// For an aircraft that flies along +x; the margin counts over `horizon_s` seconds.
+    ///
+    /// # Errors
+    /// One sentence about a wind in which that line cannot be flown.
+    pub fn new(model: &VehicleModel, horizon_s: f64) -> Result<Self, String> {
+        let airspeed_mps = model.vehicle.airspeed_mps;
+        let (course_rad, climb_rad) =
+            crab(Vec3::X, airspeed_mps, model.wind_mps).ok_or_else(|| {
+                format!(
+                    "wind of {} m/s at an airspeed of {airspeed_mps} m/s, expected less: the line cannot be flown",
+                    model.wind_mps.length()
+                )
+            })?;
+        Ok(Self {
+            vehicle: OracleVehicle::from(&model.vehicle),
+            start: OracleStart {
+                course_rad,
+                climb_rad,
+                ..OracleStart::ORIGIN
+            },
+            settings: OracleSettings {
+                horizon_s,
+                ..OracleSettings::default()
+            },
+            protection: model.protection,
+            wind_mps: model.wind_mps,
+        })
+    }
+
+    /// The largest margin that was found, metres, with six decimals: what is written and what is
+    /// judged never disagree.
+    pub fn best_margin_m(&self, encounter: &Encounter) -> f64 {
+        let obstacles: Vec<OracleObstacle> = encounter
+            .obstacles
+            .iter()
+            .map(|obstacle| {
+                OracleObstacle {
+                    volume: volume_of(obstacle, &self.protection),
+                    ..OracleObstacle::from(obstacle)
+                }
+                .in_wind(self.wind_mps)
+            })
+            .collect();
+        let answer = best_margin(&self.start, &self.vehicle, &obstacles, &self.settings);
+        libm::rint(answer.best_margin_m * 1e6) / 1e6
+    }
+}

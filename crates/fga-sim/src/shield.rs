@@ -1,0 +1,212 @@
+//! Run-time assurance: any policy flies, as long as a certified way out remains.
+//!
+//! At each decision the shield predicts where the wish of the policy would take the aircraft until the next
+//! one, certifies that way, and asks an avoider of its own whether a certified manoeuvre exists from its end. Where
+//! either fails, it flies the avoider in place of the policy, from the state in which the last answer was yes, until the wish
+//! of the policy passes again. What is certified is what the avoider certifies: an aircraft that flies as
+//! its limits say, obstacles that move as they are expected to.
+
+use fga::avoider::{Avoider, Decision, Reason, Settings, SettingsError, Start, State};
+use fga::certificate::{Hazard, certify_all};
+use fga::maneuver::Maneuver;
+use fga::prediction::{FlightPath, Flyer, MotionState};
+use fga::situation::{Mission, Movement, Obstacle, Obstacles, Ownship, Situation};
+use fga::vehicle::Vehicle;
+
+/// What the shield lets through.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shielded {
+    /// What is flown.
+    pub decision: Decision,
+    /// Whether it is the shield's own, in place of the policy's.
+    pub engaged: bool,
+}
+
+/// Lets a policy fly as long as a certified way out remains.
+#[derive(Debug, Clone)]
+pub struct Shield {
+    settings: Settings,
+    flyer: Flyer,
+    path: Box<FlightPath>,
+    /// Asked whether there is a way out; remembers nothing.
+    probe: Box<Avoider>,
+    /// Flies the way out.
+    guard: Box<Avoider>,
+    engaged: bool,
+    /// The obstacles at the next decision.
+    ahead: Vec<Obstacle>,
+    /// The obstacles now, in the air mass.
+    hazards: Vec<Hazard>,
+}
+
+impl Shield {
+    /// A shield for a vehicle, with the settings of an avoider; their start does not matter.
+    ///
+    /// # Errors
+    /// A setting or a limit of the vehicle that is not finite or out of range.
+    pub fn new(settings: Settings, vehicle: Vehicle) -> Result<Self, SettingsError> {
+        let at_once = Settings {
+            start: Start::AtDetection,
+            ..settings
+        };
+        Ok(Self {
+            settings,
+            flyer: Flyer::new(&vehicle),
+            path: Box::new(FlightPath::new()),
+            probe: Box::new(Avoider::new(at_once, vehicle)?),
+            guard: Box::new(Avoider::new(at_once, vehicle)?),
+            engaged: false,
+            ahead: Vec::new(),
+            hazards: Vec::new(),
+        })
+    }
+
+    /// Forgets the last flight.
+    pub fn restart(&mut self) {
+        fga::pilot::Pilot::restart(self.guard.as_mut());
+        self.engaged = false;
+    }
+
+    /// Lets the wish of a policy through, or decides in its place.
+    pub fn step(&mut self, situation: &Situation<'_>, wish: &Maneuver) -> Shielded {
+        if self.leaves_a_way_out(situation, wish) {
+            self.engaged = false;
+            return Shielded {
+                decision: Decision::new(State::Cruise, wish, Reason::Clear),
+                engaged: false,
+            };
+        }
+        if !self.engaged {
+            fga::pilot::Pilot::restart(self.guard.as_mut());
+            self.engaged = true;
+        }
+        Shielded {
+            decision: self.guard.step(situation),
+            engaged: true,
+        }
+    }
+
+    /// Whether a certified manoeuvre, or none at all, is enough where the wish leads until the next
+    /// decision.
+    fn leaves_a_way_out(&mut self, situation: &Situation<'_>, wish: &Maneuver) -> bool {
+        let period_s = self.settings.decision_period_s;
+        let own = &situation.ownship;
+        let now = MotionState::of(own);
+        self.path.predict(&self.flyer, &now, wish, 2.0 * period_s);
+        let Some(next) = self.path.state_at(&self.flyer, period_s) else {
+            return false;
+        };
+        let sigmas = self.settings.confidence_sigmas;
+        self.hazards.clear();
+        let known = (0..).zip(situation.obstacles.iter());
+        self.hazards
+            .extend(known.map(|(index, obstacle)| {
+                Hazard::new(index, &obstacle, situation.wind_mps, sigmas)
+            }));
+        let margin_m = self.settings.margin_m;
+        // The way to the next decision is flown whatever is decided then.
+        if !certify_all(
+            &self.flyer,
+            &self.path,
+            &self.hazards,
+            period_s,
+            margin_m,
+            margin_m,
+        )
+        .holds(margin_m)
+        {
+            return false;
+        }
+        self.ahead.clear();
+        self.ahead
+            .extend(situation.obstacles.iter().map(|obstacle| {
+                let moved_s = if obstacle.movement == Movement::AtRest {
+                    0.0
+                } else {
+                    period_s
+                };
+                Obstacle {
+                    position_m: obstacle.position_after_m(moved_s),
+                    ..obstacle
+                }
+            }));
+        let ahead = Situation {
+            time_s: situation.time_s + period_s,
+            ownship: Ownship {
+                position_m: next.position_m + situation.wind_mps * period_s,
+                course_rad: next.course_rad,
+                climb_rad: next.climb_rad,
+                bank_rad: next.bank_rad,
+                ..*own
+            },
+            obstacles: Obstacles::Rows(&self.ahead),
+            // Course and altitude are held where nothing is in the way: the policy may wish anything.
+            mission: Mission::new(&[]),
+            wind_mps: situation.wind_mps,
+        };
+        fga::pilot::Pilot::restart(self.probe.as_mut());
+        let reason = self.probe.step(&ahead).record.reason;
+        !matches!(
+            reason,
+            Reason::BestAvailable | Reason::InsideVolume | Reason::InvalidInput
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::{empty_world, populate};
+    use crate::encounters::{EncounterSource, Random, Range};
+    use crate::engine::SteppedFlight;
+    use crate::policy::PolicyChoice;
+    use crate::vehicle_file::VehicleModel;
+
+    /// Flies drawn encounters by a policy that turns at random; how many entered a volume.
+    fn entered(count: u64, shielded: bool) -> usize {
+        let model = VehicleModel::built_in().unwrap();
+        let settings = crate::batch::BatchSettings {
+            model: model.clone(),
+            policy: PolicyChoice::default(),
+            horizon_s: 40.0,
+            seed: 0,
+            tracks: false,
+        };
+        let source = EncounterSource::parse("threats:2:300:5-20", 7).unwrap();
+        let empty = empty_world(&settings).unwrap();
+        let mut shield = Shield::new(empty.settings.avoider, model.vehicle).unwrap();
+        (0..count)
+            .filter(|number| {
+                let encounter = source.encounter(*number);
+                let mut world = empty.clone();
+                populate(&mut world, &encounter, &model.protection);
+                world.ending = crate::world::Ending::Horizon;
+                let mut flight = SteppedFlight::new(world);
+                let mut random = Random::new(99, *number);
+                let mut course_rad = 0.0;
+                let mut cycle = 0_u32;
+                shield.restart();
+                while let Some(situation) = flight.situation() {
+                    if cycle.is_multiple_of(20) {
+                        course_rad = random.within(Range(-1.5, 1.5));
+                    }
+                    cycle += 1;
+                    let wish = Maneuver::turn(0.0, course_rad, 0.0);
+                    let decision = if shielded {
+                        shield.step(&situation, &wish).decision
+                    } else {
+                        Decision::new(State::Cruise, &wish, Reason::Clear)
+                    };
+                    flight.advance(&decision, &mut ());
+                }
+                !flight.outcome().separated()
+            })
+            .count()
+    }
+
+    #[test]
+    fn a_random_policy_stays_clear_behind_the_shield_and_not_without() {
+        assert!(entered(40, false) >= 4, "the encounters ask for something");
+        assert_eq!(entered(40, true), 0);
+    }
+}

@@ -1,0 +1,81 @@
+"""Real-time 3D collision avoidance for fixed-wing aircraft.
+
+Decide step by step, with an aircraft of your own:
+
+>>> import fga
+>>> mission = fga.Mission([(0, 0, 100), (5000, 0, 100)])
+>>> ownship = fga.Ownship(position_m=(0, 0, 100), course_rad=0.0, airspeed_mps=15.0)
+>>> tower = fga.Obstacle(id=1, position_m=(120, 5, 100), radius_m=30, kind="still")
+>>> decision = fga.Avoider().step(fga.Situation(0.0, ownship, mission, [tower]))
+>>> decision.state, decision.threat.id
+('avoiding', 1)
+
+Frame: x east, y north, z up, metres; angles in radians, courses from +x towards +y (a left turn makes the
+course grow). Names carry their units. Wrong input raises ValueError (TypeError for a wrong type) with the
+sentence of the program; a place that cannot be written raises OSError.
+
+Nothing of the package keeps threads or locks from one call to the next, so processes may fork. Avoider,
+Pilot, Simulation and Run cannot be pickled; the values that they take can.
+"""
+
+from ._fga import (
+    Avoider,
+    Campaign,
+    Candidate,
+    Decision,
+    Mission,
+    Obstacle,
+    Obstacles,
+    Ownship,
+    Pilot,
+    Run,
+    Settings,
+    Shield,
+    Simulation,
+    Situation,
+    Stage,
+    Table,
+    Threat,
+    Vehicle,
+    VehicleModel,
+    Worlds,
+    batch,
+    oracle,
+    run,
+    versions,
+)
+from . import campaign
+from ._progress import progress_bar
+from ._replay import replay
+
+__version__ = versions["version"]
+
+__all__ = [
+    "Avoider",
+    "Campaign",
+    "Candidate",
+    "Decision",
+    "Mission",
+    "Obstacle",
+    "Obstacles",
+    "Ownship",
+    "Pilot",
+    "Run",
+    "Settings",
+    "Shield",
+    "Simulation",
+    "Situation",
+    "Stage",
+    "Table",
+    "Threat",
+    "Vehicle",
+    "VehicleModel",
+    "Worlds",
+    "batch",
+    "campaign",
+    "oracle",
+    "progress_bar",
+    "replay",
+    "run",
+    "versions",
+]

@@ -1,0 +1,247 @@
+"""Campaigns on a Ray cluster: as many machines as there are, the same bytes as one.
+
+A task flies one block and writes it into a folder that all machines share, or to a URL that fsspec knows.
+Blocks are seeded and named after their bytes, so a task that ran twice wrote the same file twice. The driver
+keeps a number of tasks in flight, hears (block, rows, name) from each, and puts the blocks together at the
+end. What is there already is not flown again: a driver that was killed is started again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import sys
+import time
+from typing import Any, Callable, Sequence
+
+from ._fga import Campaign
+from ._progress import progress_bar
+from ._store import RESULTS, store_of
+from .campaign import Flown
+
+_known: dict[str, Campaign] = {}
+
+
+def _ray() -> Any:
+    try:
+        import ray
+    except ImportError as error:
+        raise ValueError("the package ray is missing, expected it installed: pip install 'fga-daa[ray]'") from error
+    return ray
+
+
+def _fly(configuration: str, place: str, block: int) -> tuple[int, int, str]:
+    """Flies one block and writes it: what a task does."""
+    campaign = _known.get(configuration)
+    if campaign is None:
+        _known.clear()
+        campaign = _known[configuration] = Campaign.from_json(configuration)
+    name, rows, data = campaign.fly_block(block, threads=1)
+    store_of(place).put(name, data)
+    return block, rows, name
+
+
+def _empty(_configuration: str, _place: str, block: int) -> tuple[int, int, str]:
+    return block, 0, ""
+
+
+def _finished(campaign: Campaign, names: Sequence[str], place: str) -> dict[int, str]:
+    """The finished blocks by their numbers."""
+    finished: dict[int, str] = {}
+    for name in names:
+        block = campaign.block_of(name)
+        if block is None:
+            continue
+        other = finished.setdefault(block, name)
+        if other != name or block >= campaign.blocks:
+            raise ValueError(
+                f"{place}: holds {name}, which is no block of this campaign beside {other}; take it away"
+            )
+    return finished
+
+
+def _schedule(
+    ray: Any,
+    task: Callable[[str, str, int], tuple[int, int, str]],
+    arguments: tuple[str, str],
+    blocks: Sequence[int],
+    in_flight: int,
+    done: Callable[[int, int, str], None],
+) -> None:
+    """Runs a task for every block, never more than `in_flight` at once.
+
+    Nodes that are lost cost a task another try, without limit; what a task raises is raised here, and the
+    tasks that run are cancelled.
+    """
+    remote = ray.remote(num_cpus=1, max_retries=-1, retry_exceptions=False)(task)
+    waiting = iter(blocks)
+    running: list[Any] = []
+    try:
+        while True:
+            while len(running) < in_flight:
+                block = next(waiting, None)
+                if block is None:
+                    break
+                running.append(remote.remote(*arguments, block))
+            if not running:
+                return
+            # All that are ready, so that the driver's work does not grow with what is in flight.
+            ready, running = ray.wait(running, num_returns=len(running), timeout=0.0)
+            if not ready:
+                ready, running = ray.wait(running, num_returns=1, timeout=1.0)
+            for result in ray.get(ready):
+                done(*result)
+    except BaseException:
+        for reference in running:
+            ray.cancel(reference, force=False)
+        raise
+
+
+def _connected(ray: Any, address: str) -> None:
+    if not ray.is_initialized():
+        ray.init(address=address, include_dashboard=False, log_to_driver=False, logging_level="ERROR")
+
+
+def _in_flight(ray: Any, in_flight: int | None) -> int:
+    if in_flight is not None and in_flight < 1:
+        raise ValueError(f"in_flight is {in_flight}, expected at least 1")
+    return in_flight or max(4, 4 * int(ray.cluster_resources().get("CPU", 1)))
+
+
+def run(
+    file: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    *,
+    encounters: int | None = None,
+    policies: Sequence[str] = (),
+    vehicle: str | os.PathLike[str] | None = None,
+    oracle: bool = False,
+    csv: bool = False,
+    address: str = "auto",
+    in_flight: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Flown:
+    """Flies a campaign on a Ray cluster and puts it together.
+
+    `out` is a folder that every machine sees under the same path, or a URL that fsspec knows. `address` is
+    that of the cluster: `auto` for the one that runs, `local` for one on this machine. `in_flight` bounds the
+    tasks that wait or run, four for each processor without it. `progress(done, total)` counts encounters.
+
+    Raises ValueError for a wrong file or a place of another campaign, OSError for a place that cannot be
+    written; blocks that are finished stay, and the next call goes on with them.
+    """
+    campaign = Campaign(
+        file, encounters=encounters, policies=list(policies), vehicle=vehicle, oracle=oracle
+    )
+    store = store_of(out)
+    store.open(campaign)
+    if not store.results():
+        finished = _finished(campaign, store.names(), store.place)
+        missing = [block for block in range(campaign.blocks) if block not in finished]
+        flown = 0
+        for block in finished:
+            first, end = campaign.range_of(block)
+            flown += end - first
+
+        def done(block: int, _rows: int, _name: str) -> None:
+            nonlocal flown
+            first, end = campaign.range_of(block)
+            flown += end - first
+            if progress is not None:
+                progress(flown, campaign.encounters)
+
+        if missing:
+            ray = _ray()
+            _connected(ray, address)
+            limit = _in_flight(ray, in_flight)
+            _schedule(ray, _fly, (campaign.to_json(), store.place), missing, limit, done)
+        sha256 = store.merge(campaign, csv)
+    else:
+        sha256 = _sha256(store)
+    return Flown(campaign, store.place, sha256)
+
+
+def _sha256(store: Any) -> str:
+    import hashlib
+
+    digest = hashlib.sha256()
+    if hasattr(store, "_connect"):
+        fs, _ = store._connect()
+        opened = fs.open(store._path(RESULTS), "rb")
+    else:
+        opened = open(os.path.join(store.place, RESULTS), "rb")
+    with opened as file:
+        while chunk := file.read(1 << 20):
+            digest.update(chunk)
+    return digest.hexdigest()
+
+
+def dry_run(shards: int, *, address: str = "auto", in_flight: int | None = None) -> dict[str, float]:
+    """Schedules empty blocks: what the driver alone takes. Seconds, tasks a second, memory in MB."""
+    if shards < 1:
+        raise ValueError(f"shards is {shards}, expected at least 1")
+    ray = _ray()
+    _connected(ray, address)
+    heard = 0
+
+    def done(_block: int, _rows: int, _name: str) -> None:
+        nonlocal heard
+        heard += 1
+
+    before_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    begun = time.monotonic()
+    _schedule(ray, _empty, ("", ""), range(shards), _in_flight(ray, in_flight), done)
+    took_s = time.monotonic() - begun
+    after_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return {
+        "shards": heard,
+        "seconds": took_s,
+        "shards_per_s": heard / took_s,
+        "driver_mb": after_mb,
+        "driver_grew_mb": after_mb - before_mb,
+    }
+
+
+def _arguments() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m fga.campaign", description="Fly a campaign on a Ray cluster."
+    )
+    parser.add_argument("file", help="the campaign file (.toml)")
+    parser.add_argument("--encounters", type=int, help="encounters in all; without it as many as the file says")
+    parser.add_argument("--out", help="a folder that every machine sees, or a URL; out/<name of the file> without it")
+    parser.add_argument("--address", default="auto", help="auto for the cluster that runs, local for this machine")
+    parser.add_argument("--policy", action="append", default=[], help="a policy in place of the file's")
+    parser.add_argument("--vehicle", help="a vehicle file in place of the one that the file names")
+    parser.add_argument("--oracle", action="store_true", help="ask the oracle which encounters could be saved")
+    parser.add_argument("--csv", action="store_true", help="write results.csv too")
+    parser.add_argument("--in-flight", type=int, help="most tasks that wait or run")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """`python -m fga.campaign`."""
+    told = _arguments().parse_args(arguments)
+    name = os.path.splitext(os.path.basename(told.file))[0]
+    try:
+        flown = run(
+            told.file,
+            told.out or os.path.join("out", name),
+            encounters=told.encounters,
+            policies=told.policy,
+            vehicle=told.vehicle,
+            oracle=told.oracle,
+            csv=told.csv,
+            address=told.address,
+            in_flight=told.in_flight,
+            progress=progress_bar(),
+        )
+    except (ValueError, OSError) as error:
+        cause = getattr(error, "cause", None) or error
+        print(f"fga: {cause}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("fga: stopped; finished blocks are kept, the same command goes on", file=sys.stderr)
+        return 130
+    print(f"{flown.campaign.encounters} encounters; results in {flown.results}, SHA-256 {flown.sha256}")
+    return 0

@@ -1,0 +1,49 @@
+"""What the tests share: the repository, the program."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def absent(what: str):
+    """A thing that is missing: the test is skipped, in continuous integration it fails."""
+    if os.environ.get("CI") == "true":
+        pytest.fail(f"{what} is missing")
+    pytest.skip(f"{what} is missing")
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def program() -> Path:
+    """The program `fga`: FGA_PROGRAM, else what cargo built last."""
+    named = os.environ.get("FGA_PROGRAM")
+    places = [Path(named)] if named else [ROOT / "target" / kind / "fga" for kind in ("release", "debug")]
+    for place in places:
+        if place.exists():
+            return place
+    absent("the program fga")
+
+
+@pytest.fixture(scope="session")
+def fga_program(program):
+    """Runs the program and gives its standard output; its exit code must be one of `codes`."""
+
+    def call(*arguments, codes=(0,), cwd=None):
+        done = subprocess.run(
+            [str(program), *map(str, arguments)], capture_output=True, text=True, cwd=cwd, timeout=300
+        )
+        assert done.returncode in codes, done.stderr
+        return done
+
+    return call

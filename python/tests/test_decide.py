@@ -1,0 +1,198 @@
+"""Ring 1: decisions step by step."""
+
+import doctest
+import json
+import multiprocessing
+import pickle
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import fga
+
+SCENARIOS = ["first-flight.toml", "fig-16.toml", "sfo.toml"]
+
+
+def situation(time_s=0.0, obstacles=()):
+    mission = fga.Mission([(0, 0, 100), (5000, 0, 100)])
+    ownship = fga.Ownship((15 * time_s, 0, 100), 0.0, 15.0)
+    return fga.Situation(time_s, ownship, mission, list(obstacles))
+
+
+def test_the_examples_of_the_documentation():
+    assert doctest.testmod(fga).failed == 0
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_a_flight_step_by_step_is_that_of_the_program_to_the_bit(root, name, fga_program, tmp_path):
+    file = root / "scenarios" / name
+    told = json.loads(fga_program("run", file, "--json", "--out", tmp_path, codes=(0, 2)).stdout)
+    flight = fga.Simulation(file)
+    avoider = fga.Avoider(flight.model.settings, flight.model.vehicle)
+    decided = []
+    while (decision := flight.step(avoider)) is not None:
+        decided.append((decision.state, decision.reason))
+    outcome = flight.outcome()
+    for key in ("min_separation_m", "min_margin_m", "start_s", "clear_s", "extra_path_m", "end_s"):
+        assert outcome[key] == told[key], key
+    assert len(decided) == told["decisions"]
+    events = [json.loads(line) for line in (tmp_path / "events.jsonl").read_text().splitlines()]
+    changes = [(e["state"], e["reason"]) for e in events if e["event"] == "decision"]
+    assert [one for one in dict.fromkeys(changes)] == [
+        one for one in dict.fromkeys(d for d in decided if d in set(changes))
+    ]
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_situations_taken_apart_and_put_together_give_the_same_decisions(root, name):
+    """The way through Python's own classes: every number of every situation survives it."""
+    file = root / "scenarios" / name
+    logged = fga.run(file).decisions
+    flight = fga.Simulation(file)
+    avoider = fga.Avoider(flight.model.settings, flight.model.vehicle)
+    mission = flight.situation.mission
+    count = 0
+    while (seen := flight.situation) is not None:
+        own = seen.ownship
+        rebuilt = fga.Situation(
+            seen.time_s,
+            fga.Ownship(own.position_m, own.course_rad, own.airspeed_mps, own.climb_rad, own.bank_rad),
+            mission,
+            pickle.loads(pickle.dumps(seen)).obstacles,
+            seen.wind_mps,
+        )
+        decision = avoider.step(rebuilt)
+        assert decision == logged[count]
+        count += 1
+        flight.advance(decision)
+    assert count == len(logged)
+
+
+def test_columns_are_the_same_as_rows():
+    rng = np.random.default_rng(1)
+    count = 100
+    place = rng.uniform(-100, 100, (count, 3)) + [200, 0, 100]
+    speed = rng.uniform(-10, 10, (count, 3))
+    rows = [fga.Obstacle(i, tuple(place[i]), 10.0, tuple(speed[i])) for i in range(count)]
+    columns = fga.Obstacles(
+        id=np.arange(count, dtype=np.uint32),
+        x_m=place[:, 0], y_m=place[:, 1], z_m=place[:, 2],
+        vx_mps=speed[:, 0], vy_mps=speed[:, 1], vz_mps=speed[:, 2],
+        radius_m=np.full(count, 10.0),
+    )  # fmt: skip
+    base = situation()
+    by_rows = fga.Avoider().step(fga.Situation(0.0, base.ownship, base.mission, rows))
+    by_columns = fga.Avoider().step(fga.Situation(0.0, base.ownship, base.mission, columns))
+    assert by_rows == by_columns and by_rows.tracked > 50
+
+
+def test_values_read_well_and_come_back_from_their_repr():
+    values = [
+        fga.Ownship((1, 2, 3), 0.5, 15.0),
+        fga.Obstacle(1, (120, 5, 100), 30, half_height_m=20, kind="uas"),
+        fga.Settings(start="Cs=0.5", horizon_s=30.0),
+        fga.Vehicle(15.0, 30.0),
+        fga.Mission([(0, 0, 0), (1, 0, 0)], [1]),
+        fga.Stage(1.0),
+    ]
+    for value in values:
+        assert eval(repr(value), {**vars(fga), "inf": float("inf")}) == value
+        assert pickle.loads(pickle.dumps(value)) == value
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error", "sentence"),
+    [
+        (lambda: fga.Vehicle(float("nan"), 30), ValueError, "airspeed_mps is NaN, expected 1 to 1,000"),
+        (lambda: fga.Mission([(0, 0, 0)]), ValueError, "1 waypoint"),
+        (lambda: fga.Mission([(0, 0), (1, 0)]), TypeError, "three numbers"),
+        (lambda: fga.Obstacle(1, (0, 0, 0), -1.0), ValueError, "radius_m is -1"),
+        (lambda: fga.Obstacle(1, (0, 0, float("inf")), 1.0), ValueError, "position_m"),
+        (lambda: fga.Obstacle(1, (0, 0, 0), 1.0, kind="bird"), ValueError, "still, straight"),
+        (lambda: fga.Settings(work_limit=5), ValueError, "work_limit is 5"),
+        (lambda: fga.Settings(start="soon"), ValueError, "unknown start"),
+        (lambda: fga.Pilot("nobody"), ValueError, "unknown policy"),
+        (lambda: fga.VehicleModel.read("none.toml"), ValueError, "none.toml"),
+        (lambda: fga.Avoider().step(None), TypeError, "Situation"),
+        (lambda: fga.Decision([fga.Stage(0.0)] * 21), ValueError, "at most 20"),
+        (lambda: situation(float("nan")), ValueError, "NaN"),
+        (lambda: situation(obstacles=[3]), TypeError, "sequence of Obstacle"),
+        (lambda: pickle.dumps(fga.Avoider()), TypeError, "cannot be pickled"),
+    ],
+)
+def test_wrong_input_is_said_in_a_sentence(wrong, error, sentence):
+    with pytest.raises(error, match=sentence):
+        wrong()
+
+
+def columns(**changed):
+    names = ["id", "x_m", "y_m", "z_m", "vx_mps", "vy_mps", "vz_mps", "radius_m"]
+    return fga.Obstacles(**{name: np.zeros(3, dtype=np.uint32 if name == "id" else float) for name in names} | changed)
+
+
+@pytest.mark.parametrize(
+    ("changed", "error", "sentence"),
+    [
+        ({"x_m": np.zeros(2)}, ValueError, "column x_m has 2 values, expected 3"),
+        ({"x_m": np.zeros(3, dtype=complex)}, TypeError, "column x_m"),
+        ({"x_m": np.zeros((3, 1))}, TypeError, "2 dimensions"),
+        ({"x_m": np.array(["a", "b", "c"])}, TypeError, "column x_m"),
+        ({"y_m": np.array([0, np.nan, 0])}, ValueError, "column y_m holds NaN at 1"),
+        ({"radius_m": np.array([0, 0, -1.0])}, ValueError, "column radius_m holds -1 at 2"),
+        ({"id": np.array([0, 1, -1])}, TypeError, "column id"),
+        ({"half_height_m": np.zeros(4)}, ValueError, "half_height_m has 4"),
+    ],
+)
+def test_wrong_columns_are_said_in_a_sentence(changed, error, sentence):
+    with pytest.raises(error, match=sentence):
+        columns(**changed)
+
+
+def test_a_second_thread_on_one_avoider_gets_an_exception_or_waits_its_turn():
+    avoider = fga.Avoider()
+    near = [fga.Obstacle(i, (200.0, 3.0 * i, 100.0), 20.0) for i in range(60)]
+    errors, wrong = [], []
+
+    def step():
+        for number in range(150):
+            try:
+                avoider.step(situation(float(number), near))
+            except RuntimeError as error:
+                errors.append(str(error))
+            except BaseException as error:  # noqa: BLE001
+                wrong.append(error)
+
+    threads = [threading.Thread(target=step) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
+    assert all("another thread" in error for error in errors)
+    assert avoider.step(situation(1e4)).state == "cruise"
+
+
+def forked(avoider, queue):
+    queue.put((avoider.step(situation(1.0)).state, len(fga.batch(CSV, threads=2))))
+
+
+CSV = None
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no fork")
+def test_a_process_may_fork_between_calls(tmp_path):
+    global CSV
+    CSV = tmp_path / "e.csv"
+    CSV.write_text("encounter,obstacle,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,radius_m\n0,0,150,0,0,0,0,0,30\n")
+    avoider = fga.Avoider()
+    avoider.step(situation())
+    fga.batch(CSV, threads=2)
+    context = multiprocessing.get_context("fork")
+    queue = context.SimpleQueue()
+    child = context.Process(target=forked, args=(avoider, queue))
+    child.start()
+    child.join(60)
+    assert child.exitcode == 0 and queue.get() == ("cruise", 1)
+    assert avoider.step(situation(1.0)).state == "cruise"
