@@ -12,6 +12,20 @@ interface Row {
   link: string | null;
 }
 
+interface Estimate {
+  value: number;
+  low: number;
+  high: number;
+}
+
+interface Share {
+  policy: string;
+  runs: number;
+  separated: Estimate | null;
+  avoidable: number;
+  saved: Estimate | null;
+}
+
 /** Rows drawn at most; more are reached by filtering and sorting. */
 const SHOWN = 500;
 
@@ -26,6 +40,14 @@ interface Column {
 const metres = (value: number | null) => (value === null ? "" : value.toFixed(2).replace("-", "−"));
 
 const lost = (row: Row) => row.separated === false;
+
+/** The outcomes that can be asked for. */
+const OUTCOMES: [title: string, holds: (row: Row) => boolean][] = [
+  ["all", () => true],
+  ["lost", lost],
+  ["lost although avoidable", (row) => lost(row) && row.avoidable === true],
+  ["kept", (row) => row.separated === true],
+];
 
 const RUN: Column = { title: "Run", number: false, key: (r) => r.name, text: (r) => r.name };
 const OUTCOME: Column = {
@@ -72,6 +94,7 @@ const $ = <T extends HTMLElement>(id: string): T => document.getElementById(id) 
 const data = JSON.parse($("data").textContent ?? "") as {
   title: string;
   note: string;
+  shares: Share[];
   rows: Row[];
 };
 const columns = EVERY_COLUMN.filter((c) => c === RUN || data.rows.some((row) => c.text(row) !== ""));
@@ -88,18 +111,116 @@ function compare(a: Row, b: Row): number {
   return sign * (typeof x === "number" ? x - Number(y) : order.compare(x, String(y)));
 }
 
+/** What a column's filter asks: "< 5", ">= 2", "2..5" or "5" of numbers, else words. Null: not understood. */
+function asks(column: Column, text: string): ((row: Row) => boolean) | null {
+  const wanted = text.trim().toLowerCase().replaceAll("−", "-");
+  if (wanted === "") return () => true;
+  if (!column.number) return (row) => column.text(row).toLowerCase().includes(wanted);
+  const NUMBER = "(-?[0-9]+\\.?[0-9]*)";
+  const bound = new RegExp(`^(<=?|>=?|=?)\\s*${NUMBER}$`).exec(wanted);
+  const range = new RegExp(`^${NUMBER}\\s*\\.\\.\\s*${NUMBER}$`).exec(wanted);
+  const test = (holds: (value: number) => boolean) => (row: Row) => {
+    const value = column.key(row);
+    return typeof value === "number" && holds(value);
+  };
+  if (range) return test((value) => value >= Number(range[1]) && value <= Number(range[2]));
+  if (!bound) return null;
+  const limit = Number(bound[2]);
+  switch (bound[1]) {
+    case "<":
+      return test((value) => value < limit);
+    case "<=":
+      return test((value) => value <= limit);
+    case ">":
+      return test((value) => value > limit);
+    case ">=":
+      return test((value) => value >= limit);
+    default:
+      // As many digits as the table shows.
+      return test((value) => Math.abs(value - limit) < 0.005);
+  }
+}
+
+const filters = new Map<Column, HTMLInputElement>();
+
+/** The filter of each column; made once, so that what is typed stays. */
+function makeFilters(): void {
+  const line = document.querySelector("tr.filters")!;
+  for (const column of columns) {
+    const input = document.createElement("input");
+    input.type = "search";
+    input.placeholder = column.number ? "< 5, 2..5" : "contains";
+    input.setAttribute("aria-label", `Filter ${column.title}`);
+    input.addEventListener("input", draw);
+    filters.set(column, input);
+    const cell = document.createElement("th");
+    cell.append(input);
+    line.append(cell);
+  }
+}
+
+/** The filters of the columns as one question; what is not understood is marked and asks nothing. */
+function columnsHold(): (row: Row) => boolean {
+  const questions = [...filters].map(([column, input]) => {
+    const question = asks(column, input.value);
+    input.toggleAttribute("aria-invalid", question === null);
+    return question ?? (() => true);
+  });
+  return (row) => questions.every((holds) => holds(row));
+}
+
+const percent = (of: Estimate | null) =>
+  of === null
+    ? "–"
+    : `${(100 * of.value).toFixed(2)} % [${(100 * of.low).toFixed(2)}, ${(100 * of.high).toFixed(2)}]`;
+
+/** How often each policy kept every volume, over all runs. */
+function showShares(): void {
+  const table = $<HTMLTableElement>("shares");
+  const asked = data.shares.some((share) => share.avoidable > 0);
+  if (data.shares.length === 0) return table.remove();
+  const titles = ["Policy", "Runs", "Kept (95 % interval)"];
+  if (asked) titles.push("Avoidable", "Kept of avoidable (95 % interval)");
+  const line = (kind: "th" | "td", texts: string[]) => {
+    const row = document.createElement("tr");
+    row.append(
+      ...texts.map((text, column) => {
+        const cell = document.createElement(kind);
+        cell.textContent = text;
+        cell.className = column > 0 ? "number" : "";
+        return cell;
+      }),
+    );
+    return row;
+  };
+  table.tHead!.append(line("th", titles));
+  for (const share of data.shares) {
+    const texts = [share.policy, String(share.runs), percent(share.separated)];
+    if (asked) texts.push(String(share.avoidable), percent(share.saved));
+    table.tBodies[0]!.append(line("td", texts));
+  }
+}
+
+function offer(select: HTMLSelectElement, titles: string[]): void {
+  select.replaceChildren(...titles.map((title) => new Option(title, title)));
+  select.addEventListener("input", draw);
+}
+
 function draw(): void {
   const words = $<HTMLInputElement>("filter").value.toLowerCase().split(/\s+/).filter(Boolean);
-  const lostOnly = $<HTMLInputElement>("lost").checked;
+  const policy = $<HTMLSelectElement>("policy");
+  const outcome = OUTCOMES[$<HTMLSelectElement>("outcome").selectedIndex]?.[1] ?? (() => true);
   const linked = $<HTMLInputElement>("with").checked;
+  const hold = columnsHold();
   const rows = data.rows.filter((row) => {
-    if (lostOnly && !lost(row)) return false;
+    if (policy.selectedIndex > 0 && row.policy !== policy.value) return false;
+    if (!outcome(row) || !hold(row)) return false;
     if (linked && row.link === null) return false;
     const text = `${row.name} ${row.policy} ${row.source}`.toLowerCase();
     return words.every((word) => text.includes(word));
   });
   rows.sort((a, b) => compare(a, b) || (a.min_margin_m ?? 1e9) - (b.min_margin_m ?? 1e9));
-  const head = document.querySelector("thead tr")!;
+  const head = document.querySelector("#table thead tr")!;
   head.replaceChildren(
     ...columns.map((column) => {
       const { title, number } = column;
@@ -118,7 +239,7 @@ function draw(): void {
       return cell;
     }),
   );
-  document.querySelector("tbody")!.replaceChildren(
+  document.querySelector("#table tbody")!.replaceChildren(
     ...rows.slice(0, SHOWN).map((row) => {
       const line = document.createElement("tr");
       for (const column of columns) {
@@ -148,5 +269,14 @@ $("note").hidden = data.note === "";
 const dark = matchMedia("(prefers-color-scheme: dark)").matches;
 document.documentElement.classList.toggle("dark", dark);
 $("theme").addEventListener("click", () => document.documentElement.classList.toggle("dark"));
-for (const id of ["filter", "lost", "with"]) $(id).addEventListener("input", draw);
+for (const id of ["filter", "with"]) $(id).addEventListener("input", draw);
+const policies = [...new Set(data.rows.map((row) => row.policy))].filter(Boolean);
+offer($("policy"), ["all", ...policies]);
+$("by-policy").hidden = policies.length < 2;
+offer(
+  $("outcome"),
+  OUTCOMES.map(([title]) => title),
+);
+showShares();
+makeFilters();
 draw();

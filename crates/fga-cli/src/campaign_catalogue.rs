@@ -4,7 +4,7 @@ use std::io;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use fga_report::listing::{Listing, ListingRow};
+use fga_report::listing::{Listing, ListingRow, Tally};
 use fga_sim::campaign::{Campaign, CampaignError, Folder, Manifest, Row, RowFiles};
 use fga_sim::policy::PolicyChoice;
 use fga_view::Catalogue;
@@ -14,6 +14,9 @@ use crate::worst::Worst;
 
 /// Most rows listed, over all policies.
 const MOST_ROWS: usize = 5_000;
+
+/// Ranks what was lost although avoidable before every margin, metres.
+const FIRST_M: f64 = 1e9;
 
 /// Most flights on one page: as many as keys switch.
 const MOST_FLIGHTS: usize = 9;
@@ -65,12 +68,22 @@ impl CampaignCatalogue {
     fn list(&self, files: &RowFiles) -> Result<Listing, CampaignError> {
         let policies = &self.campaign.policies;
         let of_each = MOST_ROWS.div_ceil(policies.len().max(1));
+        // What was lost although avoidable is listed before all else.
         let mut worst: Vec<Worst<Row>> = policies.iter().map(|_| Worst::new(of_each)).collect();
+        let mut tallies = vec![Tally::default(); policies.len()];
         let mut flights = 0_u64;
         files.read(&self.campaign, |row| {
             flights += 1;
-            if let Some(worst) = worst.get_mut(row.policy as usize) {
-                worst.take(row.min_margin_m, *row);
+            let place = row.policy as usize;
+            if let (Some(worst), Some(tally)) = (worst.get_mut(place), tallies.get_mut(place)) {
+                let is_first = !row.separated && row.avoidable() == Some(true);
+                let rank_m = if is_first {
+                    row.min_margin_m - FIRST_M
+                } else {
+                    row.min_margin_m
+                };
+                worst.take(rank_m, *row);
+                tally.take(row.separated, row.avoidable());
             }
         })?;
         let rows: Vec<ListingRow> = worst
@@ -78,9 +91,16 @@ impl CampaignCatalogue {
             .flat_map(Worst::into_items)
             .map(|row| self.row(&row))
             .collect();
+        let names = &self.campaign.configuration.policies;
+        let shares = names
+            .iter()
+            .zip(tallies)
+            .map(|(name, tally)| tally.shares(name.clone()))
+            .collect();
         Ok(Listing {
             title: format!("Campaign {}", self.campaign.configuration.name),
             note: self.note(flights, rows.len() as u64, of_each),
+            shares,
             rows,
         })
     }
@@ -97,7 +117,7 @@ impl CampaignCatalogue {
         if listed < flights {
             sentences.push(format!(
                 "Of {flights} flights the {listed} with the least margin are listed, {of_each} of \
-                 each policy."
+                 each policy; those lost although avoidable come first."
             ));
         }
         sentences.push("An encounter is flown again when it is opened.".into());

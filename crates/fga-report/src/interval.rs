@@ -4,7 +4,7 @@
 const Z95: f64 = 1.959_963_984_540_054;
 
 /// A value between the ends of its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Estimate {
     /// The value itself.
     pub value: f64,

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::interval::Estimate;
 use crate::page;
 
 /// The built page; `npm run build` in `viewer/` writes it.
@@ -14,8 +15,78 @@ pub struct Listing {
     pub title: String,
     /// What is to be said of it, in a sentence or two; may be empty.
     pub note: String,
+    /// How often each policy kept every volume, over all runs, listed or not.
+    pub shares: Vec<ListingShare>,
     /// The runs, in any order.
     pub rows: Vec<ListingRow>,
+}
+
+/// How often a policy kept every protected volume.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ListingShare {
+    /// The policy.
+    pub policy: String,
+    /// Runs of which it is known whether they kept every volume.
+    pub runs: u64,
+    /// The share of them that did, with its 95 % interval.
+    pub separated: Option<Estimate>,
+    /// Runs that some maneuver could have kept, where it was asked.
+    pub avoidable: u64,
+    /// The share of those that were kept, with its 95 % interval.
+    pub saved: Option<Estimate>,
+}
+
+/// Counts for a [`ListingShare`].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Tally {
+    runs: u64,
+    separated: u64,
+    avoidable: u64,
+    saved: u64,
+}
+
+impl Tally {
+    /// Takes a run: whether it kept every volume, and whether some maneuver could have.
+    pub fn take(&mut self, separated: bool, avoidable: Option<bool>) {
+        let could = avoidable == Some(true);
+        self.runs += 1;
+        self.separated += u64::from(separated);
+        self.avoidable += u64::from(could);
+        self.saved += u64::from(could && separated);
+    }
+
+    /// The shares, with intervals by Wilson.
+    pub fn shares(self, policy: String) -> ListingShare {
+        ListingShare {
+            policy,
+            runs: self.runs,
+            separated: Estimate::wilson(self.separated, self.runs),
+            avoidable: self.avoidable,
+            saved: Estimate::wilson(self.saved, self.avoidable),
+        }
+    }
+}
+
+/// The shares of each policy over rows that are all there is, policies in the order of the rows.
+pub fn shares_of(rows: &[ListingRow]) -> Vec<ListingShare> {
+    let mut tallies: Vec<(&str, Tally)> = Vec::new();
+    for row in rows {
+        let Some(separated) = row.separated else {
+            continue;
+        };
+        let known = tallies.iter().position(|(policy, _)| *policy == row.policy);
+        let place = known.unwrap_or_else(|| {
+            tallies.push((&row.policy, Tally::default()));
+            tallies.len() - 1
+        });
+        if let Some((_, tally)) = tallies.get_mut(place) {
+            tally.take(separated, row.avoidable);
+        }
+    }
+    tallies
+        .into_iter()
+        .map(|(policy, tally)| tally.shares(policy.to_owned()))
+        .collect()
 }
 
 /// A run in the table. A column that no row has anything for is not shown.

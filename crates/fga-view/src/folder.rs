@@ -2,7 +2,7 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use fga_report::listing::{Listing, ListingRow};
+use fga_report::listing::{Listing, ListingRow, shares_of};
 use serde_json::Value;
 
 use crate::Catalogue;
@@ -188,6 +188,7 @@ impl Catalogue for Folder {
             } else {
                 String::new()
             },
+            shares: shares_of(&rows),
             rows,
         })
     }
