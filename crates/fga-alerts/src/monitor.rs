@@ -139,6 +139,41 @@ impl Monitor {
         ownship: &Aircraft,
         traffic: &[Aircraft],
     ) -> Result<(), StepError> {
+        self.find_levels(time_s, ownship, traffic)?;
+        self.find_conflicts(ownship);
+        self.watch_terminal();
+        let mut bands = core::mem::replace(&mut self.bands, Quantity::ALL.map(QuantityBands::new));
+        if let Some(picture) = self.picture() {
+            for quantity in &mut bands {
+                quantity.update(&picture);
+            }
+        }
+        self.bands = bands;
+        Ok(())
+    }
+
+    /// Takes the aircraft of one time for the alert levels alone; there are no bands afterwards.
+    ///
+    /// # Errors
+    /// As [`Monitor::step`].
+    pub fn step_levels(
+        &mut self,
+        time_s: f64,
+        ownship: &Aircraft,
+        traffic: &[Aircraft],
+    ) -> Result<(), StepError> {
+        self.find_levels(time_s, ownship, traffic)?;
+        self.bands = Quantity::ALL.map(QuantityBands::new);
+        Ok(())
+    }
+
+    /// Finds the levels of this time.
+    fn find_levels(
+        &mut self,
+        time_s: f64,
+        ownship: &Aircraft,
+        traffic: &[Aircraft],
+    ) -> Result<(), StepError> {
         check(time_s, ownship, traffic)?;
         let goes_on = self.ownship.is_some_and(|before| {
             before.id == ownship.id
@@ -155,15 +190,6 @@ impl Monitor {
         self.choose_alerters(ownship);
         self.slow(ownship);
         self.alert(ownship);
-        self.find_conflicts(ownship);
-        self.watch_terminal();
-        let mut bands = core::mem::replace(&mut self.bands, Quantity::ALL.map(QuantityBands::new));
-        if let Some(picture) = self.picture() {
-            for quantity in &mut bands {
-                quantity.update(&picture);
-            }
-        }
-        self.bands = bands;
         Ok(())
     }
 

@@ -8,7 +8,6 @@ use std::time::Instant;
 
 use clap::{Args, Subcommand};
 use fga_formats::atomic;
-use fga_formats::encounters;
 use fga_formats::error::read_text;
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{
@@ -18,6 +17,9 @@ use fga_sim::campaign::{
 use fga_sim::policy::PolicyChoice;
 use serde_json::{Value, json};
 
+use crate::campaign_draw::{self, DrawArgs};
+use crate::campaign_report::{self, ReportArgs};
+use crate::campaign_risk;
 use crate::campaign_summary::{document as summary_document, in_words, write_summary};
 use crate::common::{
     AnswerArgs, OutArgs, OverlayArgs, ThreadArgs, interrupted, watch_for_interrupt,
@@ -39,15 +41,18 @@ pub(crate) struct CampaignArgs {
 enum CampaignCommand {
     /// Fly a campaign, or go on with one.
     Run(RunArgs),
-    /// Write a campaign's encounters as a file for `fga batch`, without flying them.
+    /// Write a campaign's encounters for others to fly, without flying them.
     Draw(DrawArgs),
     /// Put the parts of a campaign together.
     Merge(MergeArgs),
     /// Fly one encounter of a campaign again and write what `fga run` writes.
     Show(ShowArgs),
+    /// Write the safety case of a campaign of aircraft as one page, report.html.
+    Report(ReportArgs),
 }
 
 #[derive(Args, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "one switch each")]
 struct RunArgs {
     /// The campaign file (.toml).
     file: PathBuf,
@@ -73,6 +78,11 @@ struct RunArgs {
     #[arg(long, value_name = "FILE")]
     vehicle: Option<PathBuf>,
     #[command(flatten)]
+    sources: SourceArgs,
+    /// Exit with 0 although recordings were damaged and left out.
+    #[arg(long)]
+    skip_damaged: bool,
+    #[command(flatten)]
     out: OutArgs,
     #[command(flatten)]
     threads: ThreadArgs,
@@ -80,17 +90,15 @@ struct RunArgs {
     answer: AnswerArgs,
 }
 
+/// Where encounters come from, besides the file.
 #[derive(Args, Debug)]
-struct DrawArgs {
-    /// The campaign file (.toml).
-    file: PathBuf,
-    /// Encounters in all, over all cells; without it as many as the file says.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    encounters: Option<u64>,
-    #[command(flatten)]
-    out: OutArgs,
-    #[command(flatten)]
-    answer: AnswerArgs,
+pub(crate) struct SourceArgs {
+    /// A folder of recordings, or one, besides those that the file names; may be given several times.
+    #[arg(long, value_name = "PATH")]
+    recordings: Vec<PathBuf>,
+    /// The file of every [[model]], in place of the one that the campaign file names.
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
@@ -143,9 +151,10 @@ impl From<CampaignError> for Failure {
 pub(crate) fn run(args: &CampaignArgs) -> Result<ExitCode, Failure> {
     match &args.command {
         CampaignCommand::Run(args) => run_campaign(args),
-        CampaignCommand::Draw(args) => draw(args),
+        CampaignCommand::Draw(args) => campaign_draw::run(args),
         CampaignCommand::Merge(args) => merge_parts(args),
         CampaignCommand::Show(args) => show(args),
+        CampaignCommand::Report(args) => campaign_report::run(args),
     }
 }
 
@@ -156,8 +165,12 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
         policies: args.policy.clone(),
         vehicle: args.vehicle.as_deref().map(read_text).transpose()?,
         oracle: args.oracle,
+        ..args.sources.overrides()
     };
     let configuration = file::read(&args.file, &overrides)?;
+    for damaged in &configuration.damaged {
+        eprintln!("fga: left out: {damaged}");
+    }
     let campaign = Campaign::new(configuration, &args.file)?;
     let task = Task {
         campaign: &campaign,
@@ -170,7 +183,8 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
     };
     let manifest = task.manifest();
     if args.resume && task.folder.file(RESULTS).exists() {
-        return finished(&task, &manifest, args.answer);
+        finished(&task, &manifest, args.answer)?;
+        return verdict(&campaign, args.skip_damaged);
     }
     watch_for_interrupt();
     let mut display = Display::new();
@@ -208,7 +222,7 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
             },
             &json!({ "name": name, "shard": format!("{}/{}", part.number, part.of), "complete": true }),
         )?;
-        return Ok(ExitCode::SUCCESS);
+        return verdict(&campaign, args.skip_damaged);
     }
     let blocks = task.folder.blocks()?;
     let assembled = assemble(&blocks, &campaign, &task.stamp, &task.folder, args.csv)?;
@@ -227,11 +241,11 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
         },
         &summary_document(&campaign, &summary),
     )?;
-    Ok(ExitCode::SUCCESS)
+    verdict(&campaign, args.skip_damaged)
 }
 
 /// The folder holds all results already.
-fn finished(task: &Task<'_>, manifest: &Manifest, answer: AnswerArgs) -> Result<ExitCode, Failure> {
+fn finished(task: &Task<'_>, manifest: &Manifest, answer: AnswerArgs) -> Result<(), Failure> {
     task.folder.open(manifest, true)?;
     let expected = std::fs::read(task.folder.file("run.json"))
         .ok()
@@ -243,7 +257,31 @@ fn finished(task: &Task<'_>, manifest: &Manifest, answer: AnswerArgs) -> Result<
         || in_words(task.campaign, &assembled.summary, task.folder.path()),
         &summary_document(task.campaign, &assembled.summary),
     )?;
-    Ok(ExitCode::SUCCESS)
+    Ok(())
+}
+
+/// Recordings that were left out are an error, unless that is wanted.
+fn verdict(campaign: &Campaign, skip_damaged: bool) -> Result<ExitCode, Failure> {
+    let configuration = &campaign.configuration;
+    let damaged = configuration.damaged.len();
+    if damaged == 0 || skip_damaged {
+        return Ok(ExitCode::SUCCESS);
+    }
+    Err(Failure::Input(format!(
+        "{damaged} of {} recordings cannot be used and were left out, the rest is flown; --skip-damaged takes that for success",
+        damaged + configuration.recordings.len()
+    )))
+}
+
+impl SourceArgs {
+    /// What takes the place of what the campaign file says.
+    pub(crate) fn overrides(&self) -> Overrides {
+        Overrides {
+            recordings: self.recordings.clone(),
+            model: self.model.clone(),
+            ..Overrides::default()
+        }
+    }
 }
 
 /// Writes everything about a complete campaign. What it says together.
@@ -257,6 +295,7 @@ pub(crate) fn finish(
 ) -> Result<Summary, CampaignError> {
     write_events(folder, campaign)?;
     write_summary(folder.path(), campaign, &assembled.summary)?;
+    campaign_risk::write(folder.path(), campaign, &assembled.summary.risks)?;
     if let Some(more) = more.as_object_mut() {
         more.insert("results_sha256".into(), json!(assembled.sha256));
     }
@@ -332,26 +371,6 @@ fn rate(times: &[DecisionTimes], fly_s: f64) -> Option<String> {
             encounters as f64 / fly_s
         )
     })
-}
-
-fn draw(args: &DrawArgs) -> Result<ExitCode, Failure> {
-    let overrides = Overrides {
-        encounters: args.encounters,
-        ..Overrides::default()
-    };
-    let configuration = file::read(&args.file, &overrides)?;
-    let campaign = Campaign::new(configuration, &args.file)?;
-    let path = args.out.prepare(&args.file)?.join("encounters.csv");
-    let count = campaign.configuration.encounters;
-    let drawn = (0..count)
-        .map(|number| Ok(campaign.draw(number)?.encounter))
-        .collect::<Result<Vec<_>, CampaignError>>()?;
-    encounters::write(&path, &drawn)?;
-    args.answer.print(
-        || format!("{count} encounters drawn: {}\n", path.display()),
-        &json!({ "encounters": count, "file": path.display().to_string() }),
-    )?;
-    Ok(ExitCode::SUCCESS)
 }
 
 fn merge_parts(args: &MergeArgs) -> Result<ExitCode, Failure> {

@@ -9,6 +9,8 @@ use fga_report::interval::Estimate;
 use fga_sim::campaign::{Campaign, Quantiles, Summary, Totals};
 use serde_json::{Map, Value, json};
 
+use crate::campaign_risk;
+
 /// Shares of the distributions that are written.
 const SHARES: [(&str, f64); 5] = [
     ("p01", 0.01),
@@ -112,6 +114,7 @@ pub(crate) fn document(campaign: &Campaign, summary: &Summary) -> Value {
         "name": campaign.configuration.name,
         "configuration_hash": campaign.hash,
         "rows": objects,
+        "risk": campaign_risk::document(campaign, &summary.risks),
     })
 }
 
@@ -198,6 +201,7 @@ pub(crate) fn in_words(campaign: &Campaign, summary: &Summary, folder: &Path) ->
         );
     }
     let _ = writeln!(text, "(95 % intervals by Wilson; margin, away: medians)");
+    campaign_risk::push_words(&mut text, campaign, &summary.risks);
     let _ = writeln!(text, "results in {}", folder.display());
     text
 }

@@ -62,7 +62,9 @@ fn with_unknown_key(kind: &str, table: &str) -> String {
     };
     match table {
         "top level" => format!("{UNKNOWN} = 1\n{whole}"),
-        "obstacle" | "grid" if kind != "vehicle" => format!("{whole}[[{table}]]\n{UNKNOWN} = 1\n"),
+        "obstacle" | "grid" | "model" if kind != "vehicle" => {
+            format!("{whole}[[{table}]]\n{UNKNOWN} = 1\n")
+        }
         _ => format!("{whole}[{table}]\n{UNKNOWN} = 1\n"),
     }
 }

@@ -224,6 +224,11 @@ fn candidates(method: &str) -> Result<Vec<(String, Factory)>, String> {
                 }
             }
         }
+        Some(Baseline::Operator(_)) => {
+            return Err(format!(
+                "{method} keeps the volumes of a standard: nothing is searched"
+            ));
+        }
         None => return Err(format!("unknown method {method}")),
     }
     Ok(list)

@@ -273,3 +273,140 @@ proptest! {
         }
     }
 }
+
+/// The counts of a network as its file has them: bins, parents, counts of each variable.
+struct Tables {
+    bins: Vec<usize>,
+    parents: Vec<Vec<usize>>,
+    counts: Vec<Vec<f64>>,
+}
+
+/// Reads the transition network with code apart from the reader; `now` variables have no counts.
+fn transition_counts(text: &str, now: usize) -> Tables {
+    let section = |name: &str| -> Vec<&str> {
+        let from = text.find(&format!("# {name}")).unwrap();
+        text[from..]
+            .lines()
+            .skip(1)
+            .take_while(|line| !line.starts_with('#'))
+            .flat_map(str::split_whitespace)
+            .collect()
+    };
+    let numbers =
+        |name: &str| -> Vec<f64> { section(name).iter().map(|n| n.parse().unwrap()).collect() };
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "small"
+    )]
+    let bins: Vec<usize> = numbers("r_transition")
+        .iter()
+        .map(|n| *n as usize)
+        .collect();
+    let (graph, mut all) = (numbers("G_transition"), numbers("N_transition").into_iter());
+    let count = bins.len();
+    let parents: Vec<Vec<usize>> = (0..count)
+        .map(|child| {
+            (0..count)
+                .filter(|p| graph[p * count + child] > 0.0)
+                .collect()
+        })
+        .collect();
+    let counts = (0..count)
+        .map(|child| {
+            let cases: usize = parents[child].iter().map(|p| bins[*p]).product();
+            let size = if child < now { 0 } else { bins[child] * cases };
+            all.by_ref().take(size).collect()
+        })
+        .collect();
+    assert_eq!(all.next(), None);
+    Tables {
+        bins,
+        parents,
+        counts,
+    }
+}
+
+/// χ² of drawn transitions against a model's own tables.
+#[test]
+fn transitions_are_distributed_like_the_tables_of_the_model() {
+    let small =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../fga-sim/tests/models/uncorrelated.txt");
+    let others = ["uncor_1200code_v2p1", "cor_v1"]
+        .iter()
+        .filter_map(|name| data(&format!("encounter-models/{name}.txt")));
+    for path in core::iter::once(small).chain(others) {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let model = encounter_model::read(&path).unwrap();
+        let now = model.variables().len();
+        let tables = transition_counts(&text, now);
+        let later: Vec<usize> = (now..tables.bins.len()).collect();
+        // The variable of now that each later one becomes is the parent-free one of the same label.
+        let labels: Vec<String> = text
+            .lines()
+            .skip_while(|line| !line.starts_with("# labels_transition"))
+            .nth(1)
+            .unwrap()
+            .split(',')
+            .map(|label| label.trim().trim_matches('"').to_owned())
+            .collect();
+        let becomes = |variable: usize| {
+            let base = labels[variable].strip_suffix("(t+1)").unwrap();
+            let this = format!("{base}(t)");
+            labels.iter().position(|l| *l == this || l == base).unwrap()
+        };
+        let mut found: Vec<Vec<f64>> = tables.counts.iter().map(|c| vec![0.0; c.len()]).collect();
+        let mut random = uniform(11);
+        for _ in 0..3_000 {
+            let mut state = model.start(&mut random);
+            for _ in 0..20 {
+                let mut bins = state.bins().to_vec();
+                model.step(&mut state, &mut random);
+                bins.extend(later.iter().map(|v| state.bins()[becomes(*v)]));
+                for &variable in &later {
+                    let (mut case, mut stride) = (0, 1);
+                    for &parent in &tables.parents[variable] {
+                        case += bins[parent] * stride;
+                        stride *= tables.bins[parent];
+                    }
+                    found[variable][case * tables.bins[variable] + bins[variable]] += 1.0;
+                }
+            }
+        }
+        for &variable in &later {
+            let bins = tables.bins[variable];
+            if bins == 1 {
+                continue;
+            }
+            let (mut chi2, mut freedom) = (0.0, 0.0);
+            for (expected, found) in tables.counts[variable]
+                .chunks(bins)
+                .zip(found[variable].chunks(bins))
+            {
+                let (of, all): (f64, f64) = (expected.iter().sum(), found.iter().sum());
+                if of <= 0.0 || all < 30.0 {
+                    continue;
+                }
+                let mut kept = 0.0;
+                for (expected, found) in expected.iter().zip(found) {
+                    let expected = expected / of * all;
+                    assert!(
+                        expected > 0.0 || *found == 0.0,
+                        "{variable}: never counted, yet drawn"
+                    );
+                    if expected >= 5.0 {
+                        chi2 += (found - expected).powi(2) / expected;
+                        kept += 1.0;
+                    }
+                }
+                freedom += (kept - 1.0_f64).max(0.0);
+            }
+            assert!(freedom > 3.0, "{variable}: {freedom}");
+            assert!(
+                (chi2 - freedom).abs() < 5.0 * (2.0 * freedom).sqrt() + 5.0,
+                "{}: variable {variable}: χ² {chi2} of {freedom}",
+                path.display()
+            );
+        }
+    }
+}

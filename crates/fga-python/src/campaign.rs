@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use fga_cli::files::{TARGET, finish_campaign};
 use fga_formats::error::read_text;
 use fga_sim::campaign::file::{self, Overrides};
+use fga_sim::campaign::metrics::{Access, FIELDS};
 use fga_sim::campaign::folder::{encode_block, number_of};
 use fga_sim::campaign::{
     Campaign as CoreCampaign, CampaignError, Configuration, Flyer, Folder, Manifest, RESULTS, Row,
@@ -81,6 +82,7 @@ impl Campaign {
                 .transpose()
                 .map_err(input)?,
             oracle,
+            ..Overrides::default()
         };
         py.detach(|| {
             let configuration = file::read(&file, &overrides)?;
@@ -347,7 +349,9 @@ impl Campaign {
             let named = |row| names.get(get(row) as usize).cloned().unwrap_or_default();
             (name, Column::Text(rows.iter().map(named).collect()))
         };
-        Table::of(vec![
+        let names = self.0.encounter_names();
+        let name_of = |row: &Row| names.get(row.name? as usize).cloned();
+        let mut columns = vec![
             whole("encounter", |row| row.encounter),
             whole("source_encounter", |row| row.source_encounter),
             whole("seed", |row| row.seed),
@@ -373,7 +377,21 @@ impl Campaign {
                 Column::MaybeFlag(rows.iter().map(Row::avoidable).collect()),
             ),
             maybe("oracle_margin_m", |row| row.oracle_margin_m),
-        ])
+            (
+                "name",
+                Column::MaybeText(rows.iter().map(name_of).collect()),
+            ),
+            real("weight", |row| row.weight),
+        ];
+        columns.extend(FIELDS.iter().map(|field| {
+            let values = rows.iter().map(|row| &row.metrics);
+            let column = match field.access {
+                Access::Real(get, _) => Column::MaybeReal(values.map(get).collect()),
+                Access::Flag(get, _) => Column::MaybeFlag(values.map(get).collect()),
+            };
+            (field.name, column)
+        }));
+        Table::of(columns)
     }
 }
 

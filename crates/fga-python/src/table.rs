@@ -23,6 +23,7 @@ pub(crate) enum Column {
     Real(Vec<f64>),
     MaybeReal(Vec<Option<f64>>),
     Text(Vec<String>),
+    MaybeText(Vec<Option<String>>),
 }
 
 impl Column {
@@ -33,6 +34,7 @@ impl Column {
             Self::MaybeFlag(values) => (Arc::new(BooleanArray::from(values)), true),
             Self::Real(values) => (Arc::new(Float64Array::from(values)), false),
             Self::MaybeReal(values) => (Arc::new(Float64Array::from(values)), true),
+            Self::MaybeText(values) => (Arc::new(StringArray::from(values)), true),
             Self::Text(values) => (Arc::new(StringArray::from(values)), false),
         }
     }

@@ -11,6 +11,7 @@
 //! | [`plot`] | what do many runs show together? |
 //! | [`interval`] | how sure is a share? |
 //! | [`report`] | how do figures, tables and their reading become one page? |
+//! | [`safety_case`] | what does a campaign of aircraft say to a regulator? |
 //! | [`listing`] | which of many runs is worth a look? |
 //! | [`replay`] | why did it turn there? |
 //!
@@ -23,6 +24,7 @@ pub mod overview;
 pub mod plot;
 pub mod replay;
 pub mod report;
+pub mod safety_case;
 
 mod label;
 mod page;

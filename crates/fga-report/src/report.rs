@@ -136,6 +136,13 @@ pub enum Cell {
     Share(Estimate),
     /// A value with its interval and so many decimals.
     Estimate(Estimate, usize),
+    /// Text that leads to a file beside the page.
+    Link {
+        /// What is read.
+        text: String,
+        /// Relative path.
+        href: String,
+    },
     /// Not measured.
     Empty,
 }
@@ -154,6 +161,9 @@ impl Cell {
                 1,
             ),
             Self::Estimate(estimate, decimals) => interval(estimate, *decimals),
+            Self::Link { text, href } => {
+                format!("<a href=\"{}\">{}</a>", escape(href), escape(text))
+            }
             Self::Empty => "–".to_owned(),
         }
     }

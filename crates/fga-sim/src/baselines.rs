@@ -15,9 +15,12 @@
 //! | [`Orca`] | half-spaces of velocities that stay clear, without reciprocity |
 //! | [`VoltagePotential`] | the predicted closest approach pushed out of the protected volume |
 //! | [`VelocityObstacles`] | the flyable direction nearest to the wanted one outside every cone |
+//! | [`Operator`] | the direction bands of a display, followed after a delay |
+//!
 //!
 //! All of them know spheres; a cylinder is taken as the sphere that holds it.
 
+mod operator;
 mod orca;
 mod pilot;
 mod potential;
@@ -26,6 +29,7 @@ mod view;
 mod voltage;
 mod waypoints;
 
+pub use operator::{Display, Operator};
 pub use orca::Orca;
 pub use pilot::{BaselinePilot, Steering};
 pub use potential::PotentialField;
@@ -59,10 +63,12 @@ pub enum Baseline {
     VoltagePotential,
     /// Three-dimensional velocity obstacles.
     VelocityObstacles,
+    /// An operator who follows direction bands.
+    Operator(Display),
 }
 
 impl Baseline {
-    /// All of them.
+    /// All that keep the vehicle file's volume.
     pub const ALL: [Self; 6] = [
         Self::PotentialField,
         Self::WaypointGreedy,
@@ -70,6 +76,12 @@ impl Baseline {
         Self::Orca,
         Self::VoltagePotential,
         Self::VelocityObstacles,
+    ];
+
+    /// Those that keep the volumes of a standard, not the vehicle file's.
+    pub const OPERATORS: [Self; 2] = [
+        Self::Operator(Display::F3442),
+        Self::Operator(Display::Do365),
     ];
 
     /// The name on the command line and in tables.
@@ -81,12 +93,17 @@ impl Baseline {
             Self::Orca => "orca",
             Self::VoltagePotential => "mvp",
             Self::VelocityObstacles => "velocity-obstacles",
+            Self::Operator(Display::F3442) => "operator-f3442",
+            Self::Operator(Display::Do365) => "operator-do365",
         }
     }
 
     /// The method of this name.
     pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|method| method.name() == name)
+        Self::ALL
+            .into_iter()
+            .chain(Self::OPERATORS)
+            .find(|method| method.name() == name)
     }
 
     /// A pilot that flies by this method with the settings found best.
@@ -105,6 +122,7 @@ impl Baseline {
             Self::Orca => boxed(Orca::default(), settings, vehicle),
             Self::VoltagePotential => boxed(VoltagePotential::default(), settings, vehicle),
             Self::VelocityObstacles => boxed(VelocityObstacles::default(), settings, vehicle),
+            Self::Operator(display) => boxed(Operator::new(display), settings, vehicle),
         }
     }
 }

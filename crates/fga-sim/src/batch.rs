@@ -226,7 +226,14 @@ pub fn fly_one(
     } else {
         engine.fly(world, pilot, &mut ())
     };
-    let elapsed_ns = engine.elapsed_ns();
+    BatchRow {
+        track_rows: rows.rows,
+        ..timed(encounter.id, outcome, engine.elapsed_ns())
+    }
+}
+
+/// What came of a flight with the times of its decisions, nanoseconds in any order.
+pub(crate) fn timed(encounter: u64, outcome: Outcome, elapsed_ns: &mut [u64]) -> BatchRow {
     let decisions = elapsed_ns.len();
     let decision_max_ns = elapsed_ns.iter().copied().max().unwrap_or(0);
     let decision_median_ns = match decisions {
@@ -234,12 +241,12 @@ pub fn fly_one(
         count => *elapsed_ns.select_nth_unstable(count / 2).1,
     };
     BatchRow {
-        encounter: encounter.id,
+        encounter,
         outcome,
         decision_median_ns,
         decision_max_ns,
         decisions,
-        track_rows: rows.rows,
+        track_rows: Vec::new(),
     }
 }
 

@@ -7,6 +7,7 @@
 //! on every machine.
 
 mod family;
+pub mod modeled;
 mod parse;
 mod random;
 

@@ -51,7 +51,7 @@ pub enum PolicyChoice {
 
 /// Names of the policies, for messages and help.
 pub const POLICY_NAMES: &str = "turn-aware, published, published-literal, circle, none, \
-     potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles";
+     potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles, operator-f3442, operator-do365";
 
 impl Default for PolicyChoice {
     fn default() -> Self {

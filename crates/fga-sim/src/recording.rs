@@ -38,12 +38,28 @@ pub fn read(path: &Path, model: VehicleModel, ownship: Option<&str>) -> Result<P
     if let Some(name) = ownship {
         make_ownship(&mut recording, name, path)?;
     }
-    let unusable = |message: &str| InputError::in_file(path, message);
+    let name = path
+        .file_stem()
+        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let description = format!("recording {}", path.display());
+    plan(&recording, name, description, model).map_err(|message| InputError::in_file(path, message))
+}
+
+/// A recording as a flight: the first aircraft is the ownship.
+///
+/// # Errors
+/// An ownship that does not move; one sentence.
+pub fn plan(
+    recording: &daa::Recording,
+    name: String,
+    description: String,
+    model: VehicleModel,
+) -> Result<Plan, String> {
     let ownship = recording
         .ownship()
         .filter(|track| track.samples.len() >= 2)
         .ok_or_else(|| {
-            unusable("the first aircraft has fewer than two rows, expected its flight")
+            "the first aircraft has fewer than two rows, expected its flight".to_owned()
         })?;
     let time_offset_s = ownship.samples[0].time_s;
     let points = |samples: &[TrackSample]| {
@@ -59,12 +75,10 @@ pub fn read(path: &Path, model: VehicleModel, ownship: Option<&str>) -> Result<P
     let end_s = own_points[own_points.len() - 1].time_s;
     let mission_m = simplified(&own_points);
     if mission_m.len() < 2 {
-        return Err(unusable(
-            "the first aircraft does not move, expected a flight",
-        ));
+        return Err("the first aircraft does not move, expected a flight".into());
     }
     let recorded = Track::through(own_points).ok_or_else(|| {
-        unusable("the first aircraft's times do not grow, expected growing times")
+        "the first aircraft's times do not grow, expected growing times".to_owned()
     })?;
     let (position_m, velocity_mps) = recorded.at(0.0).unwrap_or((mission_m[0], Vec3::X));
     let air_mps = velocity_mps - model.wind_mps;
@@ -89,12 +103,9 @@ pub fn read(path: &Path, model: VehicleModel, ownship: Option<&str>) -> Result<P
             ..WorldObstacle::new(id, track, model.protection)
         });
     }
-    let name = path
-        .file_stem()
-        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     Ok(Plan {
-        description: format!("recording {}", path.display()),
         name,
+        description,
         names,
         frame: recording.frame,
         time_offset_s,

@@ -17,6 +17,7 @@ use fga_report::interval::Estimate;
 use fga_report::plot::{Axis, BarChart, BarSeries};
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 use fga_sim::batch::{self, BatchSettings};
+use fga_sim::campaign::Scene;
 use fga_sim::campaign::parse_policy;
 use fga_sim::engine::Engine;
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
@@ -155,7 +156,11 @@ fn count(flights: &Flights, planar: bool) -> Result<Vec<Bound>, Failure> {
     for rows in &flights.rows {
         let Some(first) = rows.first() else { continue };
         let drawn = flights.campaign.draw(first.encounter)?;
-        let seen = Seen::of(&flights.campaign.model, &drawn.encounter.obstacles);
+        // Only cells were asked for.
+        let Scene::Rows(encounter) = drawn.scene else {
+            continue;
+        };
+        let seen = Seen::of(&flights.campaign.model, &encounter.obstacles);
         for ((_, holds), bound) in bounds.iter().zip(&mut counted) {
             let side = if holds(&seen, planar) { HOLDS } else { FAILS };
             let saved = &mut bound.sides[side];

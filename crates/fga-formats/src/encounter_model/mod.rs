@@ -3,8 +3,9 @@
 //! A model is two Bayesian networks over binned variables. The *initial* one gives the state at
 //! the start: airspace class, altitude layer, airspeed, accelerations, climb and turn rates. The
 //! *transition* one gives the rates a second later from those of now. [`EncounterModel::start`]
-//! draws a state, [`EncounterModel::step`] lets a second pass, [`EncounterModel::fly`] draws a
-//! whole flight of an uncorrelated model.
+//! draws a state, [`EncounterModel::step`] lets a second pass. [`EncounterModel::fly`] draws a
+//! whole flight of an uncorrelated model, [`EncounterModel::fly_pair`] the flights of both aircraft of
+//! a correlated one.
 //!
 //! A value is drawn uniformly within its bin; a bin that spans 0 gives exactly 0. A variable
 //! without boundaries is a category, counted from 1. When a bin changes, the value is drawn anew;
@@ -13,15 +14,13 @@
 //! Source: M. Kochenderfer and others, "Uncorrelated encounter model of the National Airspace
 //! System", ATC-345, and "Correlated encounter model", ATC-344, Lincoln Laboratory 2008.
 
+mod flight;
 mod network;
 mod read;
 
-use crate::geodesy::course_from_compass_rad;
-use crate::units::{DEGREE_RAD, Feet, FeetPerMinute, Knots};
-use core::f64::consts::PI;
-use glam::DVec3;
 use network::Network;
 
+pub use flight::{ModelPair, ModelRow};
 pub use read::{parse, read};
 
 /// A model, read by [`read`].
@@ -178,73 +177,4 @@ impl EncounterModel {
             *old = value;
         }
     }
-
-    /// Draws a flight of an uncorrelated model: a row each second from 0 to `duration_s`, from
-    /// the origin, first due north.
-    ///
-    /// Airspeed and altitude follow their rates and change the layer and speed bins as they go;
-    /// airspeed stays within the model's range. `None` if the model has no variables `L`, `v`,
-    /// `\dot v`, `\dot h`, `\dot \psi`, or no altitudes for `L`.
-    pub fn fly(&self, duration_s: u32, uniform: &mut impl FnMut() -> f64) -> Option<Vec<ModelRow>> {
-        let [layer, speed, acceleration, climb, turn] =
-            ["L", "v", "\\dot v", "\\dot h", "\\dot \\psi"].map(|label| self.index_of(label));
-        let (layer, speed, acceleration, climb, turn) =
-            (layer?, speed?, acceleration?, climb?, turn?);
-        let speeds = self.variables.get(speed)?.boundaries.as_deref()?;
-        let (slowest_kn, fastest_kn) = (*speeds.first()?, *speeds.last()?);
-        self.variables.get(layer)?.boundaries.as_deref()?;
-        let mut state = self.start(uniform);
-        let mut altitude_ft = *state.values.get(layer)?;
-        let mut compass_deg = 0.0;
-        let mut position_m = DVec3::new(0.0, 0.0, Feet(altitude_ft).to_m());
-        let mut rows = Vec::new();
-        for second in 0..=duration_s {
-            let value = |index: usize| state.values.get(index).copied().unwrap_or(0.0);
-            let speed_kn = value(speed);
-            let climb_fpm = value(climb);
-            // Airspeed is along the path: what climbs does not go forward.
-            let speed_mps = Knots(speed_kn).to_mps();
-            let climb_mps = FeetPerMinute(climb_fpm)
-                .to_mps()
-                .clamp(-speed_mps, speed_mps);
-            let level_mps = libm::sqrt((speed_mps * speed_mps - climb_mps * climb_mps).max(0.0));
-            let course_rad = course_from_compass_rad(compass_deg);
-            let (sin, cos) = libm::sincos(course_rad);
-            let velocity_mps = DVec3::new(level_mps * cos, level_mps * sin, climb_mps);
-            rows.push(ModelRow {
-                time_s: f64::from(second),
-                position_m,
-                velocity_mps,
-            });
-            // The second passes along an arc: its chord has half the turn and is shorter by the
-            // sine of it over it.
-            let turn_rad = value(turn) * DEGREE_RAD;
-            let half_rad = turn_rad / 2.0;
-            let chord = if half_rad.abs() > 1e-9 {
-                libm::sin(half_rad) / half_rad
-            } else {
-                1.0
-            };
-            let (sin, cos) = libm::sincos(course_rad - half_rad);
-            position_m += DVec3::new(level_mps * cos * chord, level_mps * sin * chord, climb_mps);
-            compass_deg = libm::fmod(compass_deg + turn_rad * 180.0 / PI, 360.0);
-            altitude_ft += climb_fpm / 60.0;
-            let next_kn = (speed_kn + value(acceleration)).clamp(slowest_kn, fastest_kn);
-            self.step(&mut state, uniform);
-            self.set(&mut state, speed, next_kn);
-            self.set(&mut state, layer, altitude_ft);
-        }
-        Some(rows)
-    }
-}
-
-/// An aircraft at one second of a drawn flight, in the local frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ModelRow {
-    /// Time, seconds.
-    pub time_s: f64,
-    /// Position, metres; z is the altitude above ground.
-    pub position_m: DVec3,
-    /// Velocity, metres per second.
-    pub velocity_mps: DVec3,
 }

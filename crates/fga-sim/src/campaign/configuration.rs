@@ -4,13 +4,16 @@ use std::path::{Path, PathBuf};
 
 use fga::Vec3;
 use fga::angle::direction;
+use fga_formats::daa::Recording;
 use fga_formats::encounters::{self, Encounter};
 use fga_formats::{InputError, error::shown};
 use serde::{Deserialize, Serialize};
 
+use super::sources::{self, ModelFile, RecordingSource, Recordings};
 use super::{CampaignError, fingerprint};
 use crate::batch::{self, BatchSettings};
 use crate::encounters::EncounterSource;
+use crate::encounters::modeled::ModelSource;
 use crate::oracle::{OracleSettings, OracleStart, OracleVehicle};
 use crate::policy::PolicyChoice;
 use crate::toml_input::TomlText;
@@ -57,6 +60,15 @@ pub struct Configuration {
     pub cells: Vec<String>,
     /// Files of encounters.
     pub files: Vec<FileSource>,
+    /// Files with recorded encounters.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recordings: Vec<RecordingSource>,
+    /// Encounter models.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub models: Vec<ModelFile>,
+    /// What is wrong with recordings that were left out, one sentence each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub damaged: Vec<String>,
     /// Text of the vehicle file; without it the built-in vehicle.
     pub vehicle: Option<String>,
     /// Fingerprint of the aircraft that was read from it.
@@ -70,11 +82,35 @@ impl Configuration {
     /// does not matter.
     pub fn hash(&self) -> String {
         let mut placeless = self.clone();
-        placeless.events.clear();
-        for file in &mut placeless.files {
-            file.path = PathBuf::new();
+        placeless.forget_extras();
+        for path in placeless.paths() {
+            *path = PathBuf::new();
         }
         fingerprint(placeless.to_json().as_bytes())
+    }
+
+    /// Forgets what results do not depend on, but for the places of files.
+    fn forget_extras(&mut self) {
+        self.events.clear();
+        self.damaged.clear();
+    }
+
+    /// The places of all files.
+    fn paths(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        let files = self.files.iter_mut().map(|file| &mut file.path);
+        let recordings = self.recordings.iter_mut().map(|file| &mut file.path);
+        let models = self.models.iter_mut().map(|file| &mut file.path);
+        files.chain(recordings).chain(models)
+    }
+
+    /// The configuration without what results do not depend on; of places the names of files.
+    pub(super) fn placeless(&self) -> Self {
+        let mut placeless = self.clone();
+        placeless.forget_extras();
+        for path in placeless.paths() {
+            *path = path.file_name().map(Into::into).unwrap_or_default();
+        }
+        placeless
     }
 
     /// As one line of JSON.
@@ -136,22 +172,37 @@ pub struct Campaign {
     /// The policies in their order.
     pub policies: Vec<PolicyChoice>,
     cells: Vec<EncounterSource>,
+    models: Vec<ModelSource>,
     files: Vec<Vec<Encounter>>,
-    /// Names of the sources: those of files, then the cells.
+    recordings: Recordings,
+    /// Names of the sources: those of files, then the cells, folders of recordings, models.
     names: Vec<String>,
+}
+
+/// What an encounter is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Scene {
+    /// Obstacles around a straight line; the identifier is the number in the campaign.
+    Rows(Encounter),
+    /// Aircraft with tracks, the first one the ownship.
+    Tracks(Recording),
 }
 
 /// An encounter of a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
-    /// The encounter; its identifier is its number in the campaign.
-    pub encounter: Encounter,
-    /// Its number in the file that it comes from, else its number in the campaign.
+    /// The encounter.
+    pub scene: Scene,
+    /// Its number in the file or folder that it comes from, else its number in the campaign.
     pub source_encounter: u64,
     /// Its master seed.
     pub seed: u64,
     /// Which source, an index into [`Campaign::source_names`].
     pub source: u32,
+    /// Its name, an index into [`Campaign::encounter_names`], where it has one.
+    pub name: Option<u32>,
+    /// For how many encounters of its source it stands.
+    pub weight: f64,
 }
 
 impl Campaign {
@@ -179,6 +230,14 @@ impl Campaign {
                 cells.push(source);
             }
         }
+        let mut models = Vec::new();
+        for &seed in &configuration.seeds {
+            for file in &configuration.models {
+                let airspeed_mps = model.vehicle.airspeed_mps;
+                models.push(sources::open_model(file, airspeed_mps, seed)?);
+            }
+        }
+        let recordings = Recordings::open(&configuration.recordings)?;
         let mut files = Vec::new();
         for source in &configuration.files {
             let bytes = std::fs::read(&source.path)
@@ -197,8 +256,15 @@ impl Campaign {
                 .file_name()
                 .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
         });
+        let model_names = configuration.models.iter().map(|file| {
+            file.path
+                .file_name()
+                .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+        });
         let names = file_names
             .chain(configuration.cells.iter().cloned())
+            .chain(recordings.folders())
+            .chain(model_names)
             .collect();
         let campaign = Self {
             hash: configuration.hash(),
@@ -206,7 +272,9 @@ impl Campaign {
             model,
             policies,
             cells,
+            models,
             files,
+            recordings,
             names,
         };
         campaign.check().map_err(|error| match error {
@@ -231,8 +299,17 @@ impl Campaign {
         if configuration.policies.is_empty() {
             return other("policies is empty, expected at least one");
         }
-        if configuration.cells.is_empty() && configuration.files.is_empty() {
-            return other("the grid is empty, expected at least one cell or file of encounters");
+        let drawn = configuration.cells.len() + configuration.models.len();
+        if drawn + configuration.files.len() + configuration.recordings.len() == 0 {
+            return other(
+                "the grid is empty, expected at least one cell, model, recording or file of encounters",
+            );
+        }
+        let tracks = configuration.recordings.len() + configuration.models.len();
+        if configuration.oracle && tracks > 0 {
+            return other(
+                "the oracle is asked for recordings or models, expected only cells and files of encounters: it knows straight movers only",
+            );
         }
         let last = configuration.encounters - 1;
         if let Some(number) = configuration.events.iter().find(|number| **number > last) {
@@ -241,9 +318,9 @@ impl Campaign {
             )));
         }
         let in_files = self.encounters_of_files();
-        if configuration.cells.is_empty() && configuration.encounters > in_files {
+        if drawn == 0 && configuration.encounters > in_files {
             return Err(CampaignError::Other(format!(
-                "encounters is {}, expected at most {in_files}, as many as its files hold",
+                "encounters is {}, expected at most {in_files}, as many as its files and recordings hold",
                 configuration.encounters
             )));
         }
@@ -263,7 +340,7 @@ impl Campaign {
     }
 
     fn encounters_of_files(&self) -> u64 {
-        let once: usize = self.files.iter().map(Vec::len).sum();
+        let once = self.files.iter().map(Vec::len).sum::<usize>() + self.recordings.len();
         once as u64 * self.configuration.seeds.len() as u64
     }
 
@@ -298,9 +375,14 @@ impl Campaign {
             + self.model.wind_mps
     }
 
-    /// Names of the sources: files, then cells.
+    /// Names of the sources: files, cells, folders of recordings, models.
     pub fn source_names(&self) -> &[String] {
         &self.names
+    }
+
+    /// Names of the encounters that have one.
+    pub fn encounter_names(&self) -> &[String] {
+        self.recordings.names()
     }
 
     /// The encounter of this number.
@@ -322,31 +404,76 @@ impl Campaign {
         if number < in_files {
             let once = in_files / configuration.seeds.len().max(1) as u64;
             let (turn, mut rest) = (index(number / once), index(number % once));
+            let seed = *configuration.seeds.get(turn).ok_or_else(past)?;
             for (source, file) in (0..).zip(&self.files) {
                 if let Some(encounter) = file.get(rest) {
                     return Ok(Drawn {
                         source_encounter: encounter.id,
-                        encounter: Encounter {
+                        scene: Scene::Rows(Encounter {
                             id: number,
                             obstacles: encounter.obstacles.clone(),
-                        },
-                        seed: *configuration.seeds.get(turn).ok_or_else(past)?,
+                        }),
+                        seed,
                         source,
+                        name: None,
+                        weight: 1.0,
                     });
                 }
                 rest -= file.len();
             }
-            return Err(past());
+            let (recording, folder) = self.recordings.get(rest)?.ok_or_else(past)?;
+            return Ok(Drawn {
+                scene: Scene::Tracks(recording),
+                source_encounter: rest as u64,
+                seed,
+                source: self.source_called(folder),
+                name: u32::try_from(rest).ok(),
+                weight: 1.0,
+            });
         }
-        let place = index((number - in_files) % (self.cells.len().max(1) as u64));
-        let source = self.cells.get(place).ok_or_else(past)?;
-        let cell = self.files.len() + place % configuration.cells.len().max(1);
+        let each = configuration.cells.len() + configuration.models.len();
+        let place =
+            index((number - in_files) % ((self.cells.len() + self.models.len()).max(1) as u64));
+        // All cells and models of the first seed, then those of the next one.
+        let (turn, kind) = (place / each.max(1), place % each.max(1));
+        if let Some(model) = kind.checked_sub(configuration.cells.len()) {
+            let source = self
+                .models
+                .get(turn * configuration.models.len() + model)
+                .ok_or_else(past)?;
+            let drawn = source.encounter(number).map_err(CampaignError::Other)?;
+            let first = self.names.len() - configuration.models.len();
+            return Ok(Drawn {
+                scene: Scene::Tracks(drawn.recording),
+                source_encounter: number,
+                seed: source.seed(),
+                source: u32::try_from(first + model).unwrap_or(u32::MAX),
+                name: None,
+                weight: drawn.weight,
+            });
+        }
+        let source = self
+            .cells
+            .get(turn * configuration.cells.len() + kind)
+            .ok_or_else(past)?;
         Ok(Drawn {
-            encounter: source.encounter(number),
+            scene: Scene::Rows(source.encounter(number)),
             source_encounter: number,
             seed: source.seed,
-            source: u32::try_from(cell).unwrap_or(u32::MAX),
+            source: u32::try_from(self.files.len() + kind).unwrap_or(u32::MAX),
+            name: None,
+            weight: 1.0,
         })
+    }
+
+    /// The index of a source.
+    fn source_called(&self, name: &str) -> u32 {
+        let folders = self.files.len() + self.configuration.cells.len();
+        (0..)
+            .zip(&self.names)
+            .skip(folders)
+            .find(|(_, known)| *known == name)
+            .map_or(u32::MAX, |(index, _)| index)
     }
 
     /// How the oracle searches: vehicle, start, settings.

@@ -9,6 +9,7 @@
 //! vehicle = "paper.toml"       # beside this file; Table 4's without it
 //! files = ["mine.csv"]         # encounters as for `fga batch`, beside this file
 //! cells = ["wall-gap,planar"]  # single cells by name
+//! recordings = ["flights"]     # folders of recordings, or single ones, beside this file
 //! events = [0, 17]             # encounters whose events are logged, by number
 //!
 //! [[grid]]                     # every combination is a cell
@@ -18,9 +19,12 @@
 //! speed_mps = [[15, 20], [0, 60]]
 //! planar = [false]
 //! bystanders = false
+//!
+//! [[model]]                    # an encounter model; see the module `modeled`
+//! file = "uncor.txt"
 //! ```
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use fga_formats::InputError;
 use fga_formats::encounters;
@@ -29,8 +33,10 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::configuration::{FileSource, block_size, parse_policy};
+use super::sources::{self, ModelFile};
 use super::{Configuration, fingerprint};
 use crate::encounters::EncounterSource;
+use crate::encounters::modeled::{OwnshipFlight, Pairing};
 use crate::toml_input::TomlText;
 use crate::vehicle_file::VehicleModel;
 
@@ -48,6 +54,10 @@ pub struct Overrides {
     pub vehicle: Option<String>,
     /// Whether the oracle is asked.
     pub oracle: bool,
+    /// Recordings or folders of them.
+    pub recordings: Vec<PathBuf>,
+    /// The file of every encounter model.
+    pub model: Option<PathBuf>,
 }
 
 #[derive(Deserialize)]
@@ -68,7 +78,43 @@ struct File {
     #[serde(default)]
     events: Vec<Spanned<u64>>,
     #[serde(default)]
+    recordings: Vec<Spanned<String>>,
+    #[serde(default)]
     grid: Vec<Spanned<Grid>>,
+    #[serde(default)]
+    model: Vec<Spanned<Model>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Model {
+    file: Option<String>,
+    ownship: Option<OwnshipFlight>,
+    cpa_s: Option<u32>,
+    duration_s: Option<u32>,
+    cylinder_m: Option<[f64; 2]>,
+    aimed_m: Option<[f64; 2]>,
+    aimed_share: Option<f64>,
+    altitude_m: Option<[f64; 2]>,
+    ownship_speed_mps: Option<[f64; 2]>,
+    intruder_speed_mps: Option<[f64; 2]>,
+}
+
+impl Model {
+    fn pairing(&self) -> Pairing {
+        let usual = Pairing::default();
+        Pairing {
+            ownship: self.ownship.unwrap_or(usual.ownship),
+            cpa_s: self.cpa_s.unwrap_or(usual.cpa_s),
+            duration_s: self.duration_s.unwrap_or(usual.duration_s),
+            cylinder_m: self.cylinder_m.unwrap_or(usual.cylinder_m),
+            aimed_m: self.aimed_m.unwrap_or(usual.aimed_m),
+            aimed_share: self.aimed_share.unwrap_or(usual.aimed_share),
+            altitude_m: self.altitude_m,
+            ownship_speed_mps: self.ownship_speed_mps,
+            intruder_speed_mps: self.intruder_speed_mps,
+        }
+    }
 }
 
 #[derive(Deserialize)]
@@ -111,36 +157,19 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
     let file: File = text.read()?;
     let beside = |name: &str| path.parent().unwrap_or(Path::new("")).join(name);
 
-    let mut cells = Vec::new();
-    for cell in &file.cells {
-        cells.push((cell.get_ref().clone(), cell.span()));
-    }
-    for grid in &file.grid {
-        let from = cells.len();
-        cells_of(grid.get_ref(), &mut cells, &grid.span());
-        if cells.len() == from {
-            return Err(text.error_at(
-                grid,
-                "the grid is empty, expected at least one count, first_seen_m, speed_mps and planar",
-            ));
-        }
-    }
-    for (cell, span) in &cells {
-        EncounterSource::parse(cell, 0)
-            .map_err(|message| text.error_at(&Spanned::new(span.clone(), ()), message))?;
-    }
-    let mut files = Vec::new();
-    for name in &file.files {
-        let path = beside(name.get_ref());
-        let bytes = std::fs::read(&path).map_err(|error| InputError::unreadable(&path, &error))?;
-        files.push(FileSource {
-            encounters: encounters::parse(bytes.as_slice(), &path)?.len() as u64,
-            sha256: fingerprint(&bytes),
-            path: std::path::absolute(&path).unwrap_or(path),
-        });
-    }
-    if cells.is_empty() && files.is_empty() {
-        return Err(text.error("the grid is empty, expected a [[grid]], cells or files"));
+    let cells = cells(&text, &file)?;
+    let files = encounter_files(&file.files, &beside)?;
+    let models = models(&text, &file.model, overrides, &beside)?;
+    let mut folders: Vec<PathBuf> = file
+        .recordings
+        .iter()
+        .map(|f| beside(f.get_ref()))
+        .collect();
+    folders.extend(overrides.recordings.iter().cloned());
+    if cells.is_empty() && files.is_empty() && folders.is_empty() && models.is_empty() {
+        return Err(text.error(
+            "the grid is empty, expected a [[grid]], cells, files, recordings (also --recordings) or a [[model]]",
+        ));
     }
 
     let seeds = match &file.seeds {
@@ -170,14 +199,17 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         None => 60.0,
         Some(horizon_s) => text.within("horizon_s", horizon_s, (1.0, 86_400.0))?,
     };
-    let in_files = files.iter().map(|f| f.encounters).sum::<u64>() * seeds.len() as u64;
+    let found = sources::find(&folders, &model)?;
+    let in_files = (files.iter().map(|f| f.encounters).sum::<u64>()
+        + found.sources.iter().map(|f| f.encounters).sum::<u64>())
+        * seeds.len() as u64;
     let encounters = match (overrides.encounters, &file.encounters) {
         (Some(count), _) => count,
         (None, Some(count)) if *count.get_ref() == 0 => {
             return Err(text.error_at(count, "encounters is 0, expected at least 1"));
         }
         (None, Some(count)) => *count.get_ref(),
-        (None, None) if cells.is_empty() => in_files,
+        (None, None) if cells.is_empty() && models.is_empty() => in_files,
         (None, None) => in_files + ENCOUNTERS,
     };
     if encounters == 0 {
@@ -197,10 +229,92 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         oracle: overrides.oracle,
         cells: cells.into_iter().map(|(cell, _)| cell).collect(),
         files,
+        recordings: found.sources,
+        models,
+        damaged: found.damaged,
         vehicle_sha256: model.sha256,
         vehicle,
         events: events(&text, &file.events, encounters)?,
     })
+}
+
+/// The cells and those of the grids, each with its place in the file.
+fn cells(
+    text: &TomlText<'_>,
+    file: &File,
+) -> Result<Vec<(String, core::ops::Range<usize>)>, InputError> {
+    let mut cells = Vec::new();
+    for cell in &file.cells {
+        cells.push((cell.get_ref().clone(), cell.span()));
+    }
+    for grid in &file.grid {
+        let from = cells.len();
+        cells_of(grid.get_ref(), &mut cells, &grid.span());
+        if cells.len() == from {
+            return Err(text.error_at(
+                grid,
+                "the grid is empty, expected at least one count, first_seen_m, speed_mps and planar",
+            ));
+        }
+    }
+    for (cell, span) in &cells {
+        EncounterSource::parse(cell, 0)
+            .map_err(|message| text.error_at(&Spanned::new(span.clone(), ()), message))?;
+    }
+    Ok(cells)
+}
+
+/// The files of encounters.
+fn encounter_files(
+    names: &[Spanned<String>],
+    beside: &impl Fn(&str) -> PathBuf,
+) -> Result<Vec<FileSource>, InputError> {
+    let mut files = Vec::new();
+    for name in names {
+        let path = beside(name.get_ref());
+        let bytes = std::fs::read(&path).map_err(|error| InputError::unreadable(&path, &error))?;
+        files.push(FileSource {
+            encounters: encounters::parse(bytes.as_slice(), &path)?.len() as u64,
+            sha256: fingerprint(&bytes),
+            path: std::path::absolute(&path).unwrap_or(path),
+        });
+    }
+    Ok(files)
+}
+
+/// The encounter models, each with its file.
+fn models(
+    text: &TomlText<'_>,
+    tables: &[Spanned<Model>],
+    overrides: &Overrides,
+    beside: &impl Fn(&str) -> PathBuf,
+) -> Result<Vec<ModelFile>, InputError> {
+    if let (Some(path), true) = (&overrides.model, tables.is_empty()) {
+        return Err(InputError::in_file(
+            path,
+            "is a model for a campaign without a [[model]], expected a campaign with one",
+        ));
+    }
+    tables
+        .iter()
+        .map(|table| {
+            let path = match (&overrides.model, &table.get_ref().file) {
+                (Some(path), _) => path.clone(),
+                (None, Some(name)) => beside(name),
+                (None, None) => {
+                    return Err(text.error_at(
+                        table,
+                        "the model has no file, expected the key file, or --model FILE",
+                    ));
+                }
+            };
+            let pairing = table.get_ref().pairing();
+            pairing
+                .check()
+                .map_err(|message| text.error_at(table, message))?;
+            sources::model_file(&path, pairing)
+        })
+        .collect()
 }
 
 /// Encounters whose events are logged.

@@ -4,13 +4,21 @@ use fga::Vec3;
 use fga::avoider::SettingsError;
 use fga::situation::ProtectedVolume;
 
+use fga_formats::daa::Recording;
+use fga_formats::encounters::Encounter;
+
+use super::configuration::{Drawn, Scene};
+use super::judge::{self, Judge};
+use super::metrics::Metrics;
+use super::sources::plan_of;
 use super::{Campaign, CampaignError};
-use crate::batch::{self, BatchSettings};
+use crate::batch::{self, BatchRow, BatchSettings};
 use crate::engine::Engine;
 use crate::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
 };
-use crate::policy::Pilot;
+use crate::policy::{Pilot, PolicyChoice};
+use crate::separation::Separation;
 use crate::world::World;
 
 /// What is known of one encounter flown by one policy. Lengths are kept to a micrometre.
@@ -52,6 +60,12 @@ pub struct Row {
     pub extra_path_m: f64,
     /// A margin that the oracle keeps, metres; it stops looking where that is enough.
     pub oracle_margin_m: Option<f64>,
+    /// Index of its name, where it has one.
+    pub name: Option<u32>,
+    /// For how many encounters of its source it stands.
+    pub weight: f64,
+    /// What the standards ask of it.
+    pub metrics: Metrics,
 }
 
 impl Row {
@@ -99,6 +113,8 @@ pub struct Flyer<'a> {
     policies: Vec<(BatchSettings, Box<dyn Pilot + Send>)>,
     line_velocity_mps: Vec3,
     oracle: Option<(OracleVehicle, OracleStart, OracleSettings)>,
+    judge: Judge,
+    flown: judge::Flown,
 }
 
 impl<'a> Flyer<'a> {
@@ -125,23 +141,82 @@ impl<'a> Flyer<'a> {
             engine: Engine::new(),
             world,
             campaign,
+            judge: Judge::new(),
+            flown: judge::Flown::default(),
         })
     }
 
     /// Draws and flies the encounter of this number with every policy.
     ///
     /// # Errors
-    /// A number past the last.
+    /// A number past the last, a recording that is not there any more.
     pub fn fly(&mut self, number: u64, take: &mut Vec<Flown>) -> Result<(), CampaignError> {
         let drawn = self.campaign.draw(number)?;
+        match &drawn.scene {
+            Scene::Rows(encounter) => {
+                self.fly_rows(number, &drawn, encounter, take);
+                Ok(())
+            }
+            Scene::Tracks(recording) => self.fly_tracks(number, &drawn, recording, take),
+        }
+    }
+
+    /// Flies aircraft with tracks, each policy with a pilot of its own for the recorded airspeed.
+    fn fly_tracks(
+        &mut self,
+        number: u64,
+        drawn: &Drawn,
+        recording: &Recording,
+        take: &mut Vec<Flown>,
+    ) -> Result<(), CampaignError> {
+        let campaign = self.campaign;
+        let mut world = plan_of(recording, "", &campaign.model)
+            .map_err(CampaignError::Other)?
+            .world;
+        world.seed = drawn.seed;
+        world.stream = number;
+        let nominal = self.judge.nominal(&world);
+        let mut mission = PolicyChoice::Mission.pilot(&world.settings, &world.vehicle)?;
+        self.engine.fly(&world, mission.as_mut(), &mut ());
+        let held: Vec<f64> = self
+            .engine
+            .separations()
+            .iter()
+            .map(|separation| kept(separation.margin().value_m))
+            .collect();
+        for (index, policy) in (0..).zip(&campaign.policies) {
+            let begun = std::time::Instant::now();
+            let mut pilot = policy.pilot(&world.settings, &world.vehicle)?;
+            self.flown.clear();
+            let outcome = self.engine.fly(&world, pilot.as_mut(), &mut self.flown);
+            let flown = batch::timed(number, outcome, self.engine.elapsed_ns());
+            let flight_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
+            let mut metrics = nominal;
+            self.judge.flown(&world, &self.flown, &mut metrics);
+            let made = Made {
+                number,
+                drawn,
+                policy: index,
+                oracle_margin_m: None,
+                metrics: metrics.rounded(),
+                flight_ns,
+            };
+            take.push(made.flown(&flown, &held, self.engine.separations()));
+        }
+        Ok(())
+    }
+
+    /// Flies obstacles around the line.
+    fn fly_rows(
+        &mut self,
+        number: u64,
+        drawn: &Drawn,
+        encounter: &Encounter,
+        take: &mut Vec<Flown>,
+    ) {
         self.world.seed = drawn.seed;
-        batch::populate(
-            &mut self.world,
-            &drawn.encounter,
-            &self.campaign.model.protection,
-        );
-        let held: Vec<f64> = drawn
-            .encounter
+        batch::populate(&mut self.world, encounter, &self.campaign.model.protection);
+        let held: Vec<f64> = encounter
             .obstacles
             .iter()
             .zip(&self.world.obstacles)
@@ -157,8 +232,7 @@ impl<'a> Flyer<'a> {
             })
             .collect();
         let oracle_margin_m = self.oracle.as_ref().map(|(vehicle, start, settings)| {
-            let obstacles: Vec<OracleObstacle> = drawn
-                .encounter
+            let obstacles: Vec<OracleObstacle> = encounter
                 .obstacles
                 .iter()
                 .zip(&self.world.obstacles)
@@ -179,50 +253,75 @@ impl<'a> Flyer<'a> {
                 &mut self.engine,
                 &mut self.world,
                 pilot.as_mut(),
-                &drawn.encounter,
+                encounter,
                 settings,
             );
             let flight_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
-            let outcome = &flown.outcome;
-            let caused = self
-                .engine
-                .separations()
-                .iter()
-                .zip(&held)
-                .any(|(separation, held)| kept(separation.margin().value_m) < 0.0 && *held >= 0.0);
-            take.push(Flown {
-                row: Row {
-                    encounter: number,
-                    source_encounter: drawn.source_encounter,
-                    seed: drawn.seed,
-                    source: drawn.source,
-                    policy,
-                    obstacles: u32::try_from(held.len()).unwrap_or(u32::MAX),
-                    held_margin_m: held.iter().copied().fold(f64::INFINITY, f64::min),
-                    separated: flown.separated(),
-                    caused,
-                    min_separation_m: kept(outcome.min_separation_m),
-                    min_margin_m: kept(outcome.min_margin_m),
-                    start_s: outcome.start_s.map(kept),
-                    clear_s: outcome.clear_s.map(kept),
-                    rejoined_s: outcome.rejoined_s.map(kept),
-                    end_s: kept(outcome.end_s),
-                    max_cross_track_m: kept(outcome.max_cross_track_m),
-                    extra_path_m: kept(outcome.extra_path_m),
-                    oracle_margin_m,
-                },
-                decision_median_ns: flown.decision_median_ns,
-                decision_max_ns: flown.decision_max_ns,
-                decisions: flown.decisions as u64,
+            let made = Made {
+                number,
+                drawn,
+                policy,
+                oracle_margin_m,
+                metrics: Metrics::default(),
                 flight_ns,
-            });
+            };
+            take.push(made.flown(&flown, &held, self.engine.separations()));
         }
-        Ok(())
+    }
+}
+
+/// What a row is made of, besides the flight.
+struct Made<'a> {
+    number: u64,
+    drawn: &'a Drawn,
+    policy: u32,
+    oracle_margin_m: Option<f64>,
+    metrics: Metrics,
+    flight_ns: u64,
+}
+
+impl Made<'_> {
+    /// The row of a flight; `held` has the margins of holding the course, obstacle by obstacle.
+    fn flown(&self, flown: &BatchRow, held: &[f64], separations: &[Separation]) -> Flown {
+        let outcome = &flown.outcome;
+        let caused = separations
+            .iter()
+            .zip(held)
+            .any(|(separation, held)| kept(separation.margin().value_m) < 0.0 && *held >= 0.0);
+        Flown {
+            row: Row {
+                encounter: self.number,
+                source_encounter: self.drawn.source_encounter,
+                seed: self.drawn.seed,
+                source: self.drawn.source,
+                policy: self.policy,
+                obstacles: u32::try_from(held.len()).unwrap_or(u32::MAX),
+                held_margin_m: held.iter().copied().fold(f64::INFINITY, f64::min),
+                separated: flown.separated(),
+                caused,
+                min_separation_m: kept(outcome.min_separation_m),
+                min_margin_m: kept(outcome.min_margin_m),
+                start_s: outcome.start_s.map(kept),
+                clear_s: outcome.clear_s.map(kept),
+                rejoined_s: outcome.rejoined_s.map(kept),
+                end_s: kept(outcome.end_s),
+                max_cross_track_m: kept(outcome.max_cross_track_m),
+                extra_path_m: kept(outcome.extra_path_m),
+                oracle_margin_m: self.oracle_margin_m,
+                name: self.drawn.name,
+                weight: self.drawn.weight,
+                metrics: self.metrics,
+            },
+            decision_median_ns: flown.decision_median_ns,
+            decision_max_ns: flown.decision_max_ns,
+            decisions: flown.decisions as u64,
+            flight_ns: self.flight_ns,
+        }
     }
 }
 
 /// A length or time as it is kept: six decimals, no negative zero.
-fn kept(value: f64) -> f64 {
+pub(super) fn kept(value: f64) -> f64 {
     libm::rint(value * 1e6) / 1e6 + 0.0
 }
 

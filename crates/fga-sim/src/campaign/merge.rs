@@ -11,7 +11,7 @@ use parquet::errors::ParquetError;
 use sha2::{Digest as _, Sha256};
 
 use super::folder::{Manifest, RESULTS, read_block};
-use super::table::{self, CSV_COLUMNS, TableWriter};
+use super::table::{self, TableWriter};
 use super::totals::Summary;
 use super::{Campaign, CampaignError, Folder, Shard, Stamp, hexadecimal};
 
@@ -132,7 +132,7 @@ pub fn assemble(
     let csv_failed = |error| OutputError::new(&csv_path, error);
     let mut csv = csv.then(|| AtomicFile::create(&csv_path)).transpose()?;
     if let Some(csv) = &mut csv {
-        writeln!(csv, "{CSV_COLUMNS}").map_err(csv_failed)?;
+        writeln!(csv, "{}", table::csv_columns()).map_err(csv_failed)?;
     }
     let mut summary = Summary::default();
     let mut line = Vec::new();

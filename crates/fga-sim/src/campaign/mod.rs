@@ -11,25 +11,30 @@
 //! |---|---|
 //! | what does a campaign file ask for? | [`mod@file`] |
 //! | what is one campaign exactly? | [`Configuration`], [`Campaign`] |
-//! | what is known of one encounter flown? | [`Row`] |
+//! | which recordings and models does it draw from? | [`sources`] |
+//! | what is known of one encounter flown? | [`Row`], [`metrics`] |
 //! | how are rows kept? | [`table`] |
 //! | what is in a folder of results? | [`folder`] |
 //! | which rows does a folder hold? | [`RowFiles`] |
 //! | who flies them? | [`run()`], [`merge()`] |
-//! | what do they say together? | [`Totals`] |
+//! | what do they say together? | [`Totals`], [`risk`] |
 
 pub mod configuration;
 pub mod file;
 pub mod flight;
 pub mod folder;
+mod judge;
 pub mod merge;
+pub mod metrics;
+pub mod risk;
 pub mod rows;
 pub mod run;
 mod show;
+pub mod sources;
 pub mod table;
 pub mod totals;
 
-pub use configuration::{Campaign, Configuration, parse_policy};
+pub use configuration::{Campaign, Configuration, Drawn, Scene, parse_policy};
 pub use flight::{Flown, Flyer, Row};
 pub use folder::{Folder, Manifest, RESULTS, Shard, Stamp};
 pub use merge::{Assembled, assemble, merge, reread};

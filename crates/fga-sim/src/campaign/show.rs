@@ -1,27 +1,45 @@
 //! One encounter of a campaign as a flight of its own, with everything logged.
 
+use super::configuration::Scene;
+use super::sources::plan_of;
 use super::{Campaign, CampaignError};
 use crate::batch;
 use crate::policy::PolicyChoice;
-use crate::run::{Plan, RunLog};
+use crate::run::{Plan, RunLog, fly};
 
 impl Campaign {
-    /// The encounter of this number as a plan for [`batch::show`].
+    /// The encounter of this number as a plan.
     ///
     /// # Errors
     /// A number past the last.
     pub fn plan(&self, number: u64) -> Result<Plan, CampaignError> {
         let drawn = self.draw(number)?;
-        let mut world = self.world()?;
-        world.seed = drawn.seed;
         let source = self
             .source_names()
             .get(drawn.source as usize)
             .map_or("", String::as_str);
-        let plan = batch::plan(world, &drawn.encounter, &self.model);
+        let description = format!("{source}, seed {}", drawn.seed);
+        let plan = match drawn.scene {
+            Scene::Rows(encounter) => {
+                let mut world = self.world()?;
+                world.seed = drawn.seed;
+                batch::plan(world, &encounter, &self.model)
+            }
+            Scene::Tracks(recording) => {
+                let name = drawn
+                    .name
+                    .and_then(|name| self.encounter_names().get(name as usize));
+                let name = name.map_or_else(|| format!("encounter {number}"), Clone::clone);
+                let mut plan =
+                    plan_of(&recording, &name, &self.model).map_err(CampaignError::Other)?;
+                plan.world.seed = drawn.seed;
+                plan.world.stream = number;
+                plan
+            }
+        };
         Ok(Plan {
             name: format!("{}, {}", self.configuration.name, plan.name),
-            description: format!("{source}, seed {}", drawn.seed),
+            description,
             ..plan
         })
     }
@@ -31,6 +49,11 @@ impl Campaign {
     /// # Errors
     /// A number past the last, or settings that the core refuses.
     pub fn show(&self, number: u64, policy: &PolicyChoice) -> Result<RunLog, CampaignError> {
-        Ok(batch::show(self.plan(number)?, policy)?)
+        let plan = self.plan(number)?;
+        Ok(if plan.world.recorded.is_some() {
+            fly(plan, policy, &mut |_| ())?
+        } else {
+            batch::show(plan, policy)?
+        })
     }
 }

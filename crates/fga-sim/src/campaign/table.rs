@@ -5,6 +5,7 @@
 //! stands in it.
 
 use alloc::sync::Arc;
+use core::fmt::Write as _;
 use std::io::Write;
 
 use fga_formats::number::push_fixed;
@@ -22,9 +23,10 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use parquet::schema::types::ColumnPath;
 
+use super::metrics::{Access, FIELDS, Metrics};
 use super::{Campaign, Row, Stamp};
 
-const SCHEMA: &str = "message campaign {
+const BASE: &str = "
     required int64 encounter (INTEGER(64,false));
     required int64 source_encounter (INTEGER(64,false));
     required int64 seed (INTEGER(64,false));
@@ -47,12 +49,105 @@ const SCHEMA: &str = "message campaign {
     required double extra_path_m;
     optional boolean avoidable;
     optional double oracle_margin_m;
-}";
+    optional binary name (STRING);
+    required double weight;
+";
 
-/// Columns of the CSV file: those of the Parquet file.
-pub const CSV_COLUMNS: &str = "encounter,source_encounter,seed,source,policy,obstacles,threatened,\
-held_margin_m,separated,caused,needless,min_separation_m,min_margin_m,start_s,clear_s,rejoined_s,\
-end_s,time_away_s,max_cross_track_m,extra_path_m,avoidable,oracle_margin_m";
+/// Columns before the metrics, with their meanings; the unit is in the name where there is one.
+const MEANINGS: &[(&str, &str)] = &[
+    ("encounter", "number in the campaign"),
+    (
+        "source_encounter",
+        "number in the file or folder that it comes from, else the same",
+    ),
+    ("seed", "master seed"),
+    ("source", "cell, file, folder or model"),
+    ("policy", "as on the command line"),
+    ("obstacles", "how many"),
+    (
+        "threatened",
+        "whether holding course and altitude, or the recorded flight, would have entered a volume",
+    ),
+    ("held_margin_m", "the margin of holding them, m"),
+    ("separated", "whether no volume was entered"),
+    (
+        "caused",
+        "whether a volume was entered that holding would not have entered",
+    ),
+    (
+        "needless",
+        "whether there was a maneuver although holding would have stayed clear",
+    ),
+    ("min_separation_m", "least distance to a centre, m"),
+    (
+        "min_margin_m",
+        "least signed distance to a protected volume, m",
+    ),
+    (
+        "start_s",
+        "when the first maneuver began, s; empty without one",
+    ),
+    ("clear_s", "when the last maneuver ended, s"),
+    (
+        "rejoined_s",
+        "when the aircraft was back on its mission for the last time, s",
+    ),
+    ("end_s", "when the flight ended, s"),
+    (
+        "time_away_s",
+        "from the first maneuver to being back, or to the end, s",
+    ),
+    ("max_cross_track_m", "largest distance from the mission, m"),
+    (
+        "extra_path_m",
+        "path flown less progress along the mission, m",
+    ),
+    (
+        "avoidable",
+        "with the oracle: whether any maneuver saves it",
+    ),
+    (
+        "oracle_margin_m",
+        "with the oracle: a margin that it keeps, m",
+    ),
+    ("name", "name of the recording"),
+    (
+        "weight",
+        "for how many encounters of its source it stands; 1 without importance sampling",
+    ),
+];
+
+/// How many columns come before the metrics.
+const BEFORE: usize = MEANINGS.len();
+
+/// Names and meanings of all columns, in their order.
+pub fn meanings() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let metrics = FIELDS.iter().map(|field| (field.name, field.meaning));
+    MEANINGS.iter().copied().chain(metrics)
+}
+
+/// Names of the columns as the first line of the CSV file.
+pub fn csv_columns() -> String {
+    meanings()
+        .map(|(name, _)| name)
+        .collect::<Vec<_>>()
+        .join(",")
+}
+
+/// The schema of the Parquet file.
+fn schema() -> String {
+    let mut schema = format!("message campaign {{{BASE}");
+    for field in FIELDS {
+        let kind = match field.access {
+            Access::Real(..) => "double",
+            Access::Flag(..) => "boolean",
+        };
+        // A text takes everything.
+        let _ = writeln!(schema, "    optional {kind} {};", field.name);
+    }
+    schema.push('}');
+    schema
+}
 
 /// One column of some rows.
 enum Column {
@@ -63,6 +158,7 @@ enum Column {
     MaybeFlag(Vec<Option<bool>>),
     MaybeReal(Vec<Option<f64>>),
     Text(Vec<ByteArray>),
+    MaybeText(Vec<Option<ByteArray>>),
 }
 
 /// The columns of some rows, in the order of the schema.
@@ -81,7 +177,9 @@ fn columns_of(rows: &[Row], campaign: &Campaign) -> Vec<Column> {
         let name_of = |row: &Row| names.get(get(row) as usize).cloned().unwrap_or_default();
         Column::Text(rows.iter().map(name_of).collect())
     };
-    vec![
+    let names = campaign.encounter_names();
+    let name_of = |row: &Row| Some(ByteArray::from(names.get(row.name? as usize)?.as_str()));
+    let mut columns = vec![
         long(|row| row.encounter),
         long(|row| row.source_encounter),
         long(|row| row.seed),
@@ -104,7 +202,20 @@ fn columns_of(rows: &[Row], campaign: &Campaign) -> Vec<Column> {
         real(|row| row.extra_path_m),
         Column::MaybeFlag(rows.iter().map(Row::avoidable).collect()),
         maybe(|row| row.oracle_margin_m),
-    ]
+        Column::MaybeText(rows.iter().map(name_of).collect()),
+        real(|row| row.weight),
+    ];
+    for field in FIELDS {
+        columns.push(match field.access {
+            Access::Real(get, _) => {
+                Column::MaybeReal(rows.iter().map(|row| get(&row.metrics)).collect())
+            }
+            Access::Flag(get, _) => {
+                Column::MaybeFlag(rows.iter().map(|row| get(&row.metrics)).collect())
+            }
+        });
+    }
+    columns
 }
 
 /// Writes rows, one row group a call.
@@ -123,7 +234,11 @@ impl<W: Write + Send> TableWriter<W> {
             ("fga.target", stamp.target.clone()),
             ("fga.configuration_hash", campaign.hash.clone()),
             ("fga.seeds", seeds.join(",")),
-            ("fga.configuration", placeless(campaign)),
+            (
+                "fga.configuration",
+                campaign.configuration.placeless().to_json(),
+            ),
+            ("fga.columns", columns_in_words()),
         ];
         let entries = entries.map(|(key, value)| KeyValue::new(key.to_owned(), value));
         let mut properties = WriterProperties::builder()
@@ -133,14 +248,14 @@ impl<W: Write + Send> TableWriter<W> {
             .set_statistics_enabled(EnabledStatistics::Chunk)
             .set_offset_index_disabled(true)
             .set_key_value_metadata(Some(entries.into()));
-        for name in ["seed", "source", "policy"] {
+        for name in ["seed", "source", "policy", "name"] {
             properties = properties.set_column_dictionary_enabled(ColumnPath::from(name), true);
         }
         for name in ["encounter", "source_encounter"] {
             properties = properties
                 .set_column_encoding(ColumnPath::from(name), Encoding::DELTA_BINARY_PACKED);
         }
-        let schema = Arc::new(parse_message_type(SCHEMA)?);
+        let schema = Arc::new(parse_message_type(&schema())?);
         SerializedFileWriter::new(output, schema, Arc::new(properties.build())).map(Self)
     }
 
@@ -162,6 +277,7 @@ impl<W: Write + Send> TableWriter<W> {
                 Column::Text(values) => put(writer.typed::<ByteArrayType>(), values)?,
                 Column::MaybeFlag(values) => put_maybe(writer.typed::<BoolType>(), values)?,
                 Column::MaybeReal(values) => put_maybe(writer.typed::<DoubleType>(), values)?,
+                Column::MaybeText(values) => put_maybe(writer.typed::<ByteArrayType>(), values)?,
             }
             writer.close()?;
         }
@@ -178,14 +294,12 @@ impl<W: Write + Send> TableWriter<W> {
     }
 }
 
-/// The configuration without the places of files and what is logged besides, which do not matter.
-fn placeless(campaign: &Campaign) -> String {
-    let mut configuration = campaign.configuration.clone();
-    configuration.events.clear();
-    for file in &mut configuration.files {
-        file.path = file.path.file_name().map(Into::into).unwrap_or_default();
-    }
-    configuration.to_json()
+/// What the columns mean, as JSON.
+fn columns_in_words() -> String {
+    let words: serde_json::Map<_, _> = meanings()
+        .map(|(name, meaning)| (name.to_owned(), meaning.into()))
+        .collect();
+    serde_json::Value::Object(words).to_string()
 }
 
 fn put<T: DataType>(
@@ -200,13 +314,13 @@ fn put_maybe<T: DataType>(
     values: &[Option<T::T>],
 ) -> Result<(), ParquetError>
 where
-    T::T: Copy,
+    T::T: Clone,
 {
     let levels: Vec<i16> = values
         .iter()
         .map(|value| i16::from(value.is_some()))
         .collect();
-    let present: Vec<T::T> = values.iter().flatten().copied().collect();
+    let present: Vec<T::T> = values.iter().flatten().cloned().collect();
     writer.write_batch(&present, Some(&levels), None).map(drop)
 }
 
@@ -220,7 +334,7 @@ pub fn read<R: ChunkReader + 'static, E: From<ParquetError>>(
     mut take: impl FnMut(Vec<Row>) -> Result<(), E>,
 ) -> Result<(), E> {
     let reader = SerializedFileReader::new(input)?;
-    let expected = parse_message_type(SCHEMA)?;
+    let expected = parse_message_type(&schema())?;
     if reader.metadata().file_metadata().schema() != &expected {
         return Err(ParquetError::General("has other columns than a campaign".into()).into());
     }
@@ -245,13 +359,34 @@ fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row
     let caused = all::<BoolType>(group, 9, count)?;
     let min_separation_m = all::<DoubleType>(group, 11, count)?;
     let min_margin_m = all::<DoubleType>(group, 12, count)?;
-    let start_s = maybe(group, 13, count)?;
-    let clear_s = maybe(group, 14, count)?;
-    let rejoined_s = maybe(group, 15, count)?;
+    let start_s = maybe::<DoubleType>(group, 13, count)?;
+    let clear_s = maybe::<DoubleType>(group, 14, count)?;
+    let rejoined_s = maybe::<DoubleType>(group, 15, count)?;
     let end_s = all::<DoubleType>(group, 16, count)?;
     let max_cross_track_m = all::<DoubleType>(group, 18, count)?;
     let extra_path_m = all::<DoubleType>(group, 19, count)?;
-    let oracle_margin_m = maybe(group, 21, count)?;
+    let oracle_margin_m = maybe::<DoubleType>(group, 21, count)?;
+    let name = maybe::<ByteArrayType>(group, 22, count)?
+        .into_iter()
+        .map(|name| {
+            name.map(|name| index_of(&name, campaign.encounter_names()))
+                .transpose()
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let weight = all::<DoubleType>(group, 23, count)?;
+    let mut metrics = vec![Metrics::default(); count];
+    for (column, field) in (BEFORE..).zip(FIELDS) {
+        match field.access {
+            Access::Real(_, set) => {
+                let values = maybe::<DoubleType>(group, column, count)?;
+                metrics.iter_mut().zip(values).for_each(|(m, v)| set(m, v));
+            }
+            Access::Flag(_, set) => {
+                let values = maybe::<BoolType>(group, column, count)?;
+                metrics.iter_mut().zip(values).for_each(|(m, v)| set(m, v));
+            }
+        }
+    }
     Ok((0..count)
         .map(|i| Row {
             encounter: encounter[i].cast_unsigned(),
@@ -272,6 +407,9 @@ fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row
             max_cross_track_m: max_cross_track_m[i],
             extra_path_m: extra_path_m[i],
             oracle_margin_m: oracle_margin_m[i],
+            name: name[i],
+            weight: weight[i],
+            metrics: metrics[i],
         })
         .collect())
 }
@@ -308,14 +446,14 @@ fn all<T: DataType>(
     }
 }
 
-fn maybe(
+fn maybe<T: DataType>(
     group: &dyn RowGroupReader,
     column: usize,
     count: usize,
-) -> Result<Vec<Option<f64>>, ParquetError> {
-    let (values, levels) = values::<DoubleType>(group, column, count)?;
+) -> Result<Vec<Option<T::T>>, ParquetError> {
+    let (values, levels) = values::<T>(group, column, count)?;
     let mut values = values.into_iter();
-    let rows: Vec<Option<f64>> = levels
+    let rows: Vec<Option<T::T>> = levels
         .into_iter()
         .map(|level| if level > 0 { values.next() } else { None })
         .collect();
@@ -338,14 +476,17 @@ fn indices(
 ) -> Result<Vec<u32>, ParquetError> {
     all::<ByteArrayType>(group, column, count)?
         .iter()
-        .map(|name| {
-            (0..)
-                .zip(names)
-                .find(|(_, known)| known.as_bytes() == name.data())
-                .map(|(index, _)| index)
-                .ok_or_else(|| ParquetError::General("holds a name of another campaign".into()))
-        })
+        .map(|name| index_of(name, names))
         .collect()
+}
+
+/// The index of a name.
+fn index_of(name: &ByteArray, names: &[String]) -> Result<u32, ParquetError> {
+    (0..)
+        .zip(names)
+        .find(|(_, known)| known.as_bytes() == name.data())
+        .map(|(index, _)| index)
+        .ok_or_else(|| ParquetError::General("holds a name of another campaign".into()))
 }
 
 /// Appends a row of the CSV file.
@@ -376,6 +517,12 @@ pub fn push_csv(line: &mut Vec<u8>, row: &Row, campaign: &Campaign) {
             }
             Column::Text(values) => {
                 if let Some(value) = values.first() {
+                    push_field(line, value.data());
+                }
+                None
+            }
+            Column::MaybeText(values) => {
+                if let Some(value) = values.iter().flatten().next() {
                     push_field(line, value.data());
                 }
                 None

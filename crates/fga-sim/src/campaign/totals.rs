@@ -3,6 +3,7 @@
 use alloc::collections::BTreeMap;
 
 use super::Row;
+use super::risk::Risks;
 
 /// Least difference told apart near zero, in the unit of the values.
 const FINEST: f64 = 1e-3;
@@ -121,8 +122,10 @@ impl Totals {
 }
 
 /// Totals by policy and source, and by policy over all sources.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Summary {
+    /// Risk ratios of encounters of aircraft.
+    pub risks: Risks,
     by_source: BTreeMap<(u32, u32), Totals>,
     by_policy: BTreeMap<u32, Totals>,
 }
@@ -130,6 +133,7 @@ pub struct Summary {
 impl Summary {
     /// Takes a row in.
     pub fn take(&mut self, row: &Row) {
+        self.risks.take(row);
         self.by_policy.entry(row.policy).or_default().take(row);
         self.by_source
             .entry((row.policy, row.source))

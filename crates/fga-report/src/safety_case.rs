@@ -1,0 +1,627 @@
+//! The safety case of a campaign: one page with the table that a regulator asks for.
+//!
+//! It says how often there is a near mid-air collision or a loss of well clear with the system and
+//! without it, against the thresholds that are quoted; what the system does without need; when it
+//! warns and acts; how it gets on with more encounters; the worst encounters; what was assumed.
+
+use core::fmt::Write as _;
+
+use crate::interval::Estimate;
+use crate::plot::{Axis, Cdf, Claim, Line, LineChart, LinePoint, SampleSeries};
+use crate::report::{Block, Cell, Column, Report, Section, Table};
+
+/// A threshold that is quoted for a loss.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Threshold {
+    /// Largest risk ratio.
+    pub ratio: f64,
+    /// For which intruders.
+    pub intruders: &'static str,
+}
+
+/// Thresholds quoted for NMAC, cooperative and non-cooperative.
+pub const NMAC_THRESHOLDS: [Threshold; 2] = [
+    Threshold {
+        ratio: 0.18,
+        intruders: "cooperative",
+    },
+    Threshold {
+        ratio: 0.30,
+        intruders: "non-cooperative",
+    },
+];
+
+/// Thresholds quoted for loss of well clear.
+pub const LOWC_THRESHOLDS: [Threshold; 2] = [
+    Threshold {
+        ratio: 0.40,
+        intruders: "cooperative",
+    },
+    Threshold {
+        ratio: 0.50,
+        intruders: "non-cooperative",
+    },
+];
+
+/// How often something is lost.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Lost {
+    /// Encounters that lose it without avoidance.
+    pub nominal: u64,
+    /// Encounters that lose it as flown.
+    pub flown: u64,
+    /// Encounters that lose it as flown only.
+    pub induced: u64,
+    /// Weighted share of all encounters without avoidance.
+    pub nominal_rate: f64,
+    /// Weighted share as flown.
+    pub rate: f64,
+    /// Risk ratio; `None` where nothing is lost without avoidance.
+    pub ratio: Option<Estimate>,
+    /// The ratio after growing numbers of encounters.
+    pub convergence: Vec<(u64, Estimate)>,
+}
+
+/// What one policy did.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PolicyCase {
+    /// Its name.
+    pub policy: String,
+    /// Near mid-air collisions.
+    pub nmac: Lost,
+    /// Losses of well clear of ASTM F3442.
+    pub lowc: Lost,
+    /// Losses of well clear of DO-365B en route.
+    pub do365: Lost,
+    /// Encounters in which it acted, and of those that stay well clear without it.
+    pub acted: u64,
+    /// Acted though nominally well clear.
+    pub needless: u64,
+    /// Nominally well clear.
+    pub clear: u64,
+    /// Changed into or out of avoiding more than four times.
+    pub restless: u64,
+    /// Acted, and was not back on its mission at the end.
+    pub not_back: u64,
+    /// Largest distances from the mission of those that acted, metres.
+    pub departures_m: Vec<f64>,
+    /// Times off the mission of those that acted, seconds.
+    pub away_s: Vec<f64>,
+    /// Leads of the first maneuver before the closest approach, seconds.
+    pub action_leads_s: Vec<f64>,
+    /// Severities of losses of well clear (DO-365B) as flown.
+    pub severities: Vec<f64>,
+    /// Least horizontal separations as flown, metres.
+    pub horizontal_m: Vec<f64>,
+}
+
+/// A risk ratio of a class of encounters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClassCase {
+    /// The policy.
+    pub policy: String,
+    /// The class.
+    pub class: String,
+    /// Encounters.
+    pub encounters: u64,
+    /// Near mid-air collisions.
+    pub nmac: Lost,
+    /// Losses of well clear.
+    pub lowc: Lost,
+}
+
+/// An encounter that is worth a look.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorstCase {
+    /// The policy.
+    pub policy: String,
+    /// Number and name of the encounter.
+    pub encounter: String,
+    /// What is wrong with it.
+    pub what: String,
+    /// Least horizontal separation and the vertical one then, metres: without avoidance, as flown.
+    pub separation_m: [Option<(f64, f64)>; 2],
+    /// Path of its replay page.
+    pub href: String,
+}
+
+/// Everything on the page.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SafetyCase {
+    /// Name of the campaign.
+    pub name: String,
+    /// What made the results.
+    pub facts: Vec<(String, String)>,
+    /// Encounters.
+    pub encounters: u64,
+    /// Effective number of encounters.
+    pub effective: f64,
+    /// The policies.
+    pub policies: Vec<PolicyCase>,
+    /// Classes of encounters.
+    pub classes: Vec<ClassCase>,
+    /// Least horizontal separations without avoidance, metres.
+    pub nominal_horizontal_m: Vec<f64>,
+    /// Leads of the corrective alert, of encounters that lose well clear (ASTM F3442) without avoidance, seconds.
+    pub corrective_leads_s: Vec<f64>,
+    /// Leads of the warning alert, of the same, seconds.
+    pub warning_leads_s: Vec<f64>,
+    /// The worst encounters.
+    pub worst: Vec<WorstCase>,
+    /// What was assumed: name, value.
+    pub assumed: Vec<(String, String)>,
+    /// Whether encounters come from models, from recordings, or both: what they stand for.
+    pub stands_for: Vec<String>,
+}
+
+/// Whether a ratio keeps a threshold.
+fn verdict(ratio: &Estimate, threshold: &Threshold) -> &'static str {
+    if ratio.high <= threshold.ratio {
+        "met"
+    } else if ratio.low > threshold.ratio {
+        "not met"
+    } else {
+        "not shown"
+    }
+}
+
+fn verdicts(lost: &Lost, thresholds: &[Threshold]) -> Vec<Cell> {
+    thresholds
+        .iter()
+        .map(|threshold| {
+            lost.ratio.map_or(Cell::Empty, |ratio| {
+                Cell::Text(verdict(&ratio, threshold).into())
+            })
+        })
+        .collect()
+}
+
+fn ratio(lost: &Lost) -> Cell {
+    lost.ratio
+        .map_or(Cell::Empty, |ratio| Cell::Estimate(ratio, 3))
+}
+
+fn count(count: u64) -> Cell {
+    Cell::Number(count as f64, 0)
+}
+
+/// The value below which a share of some values lies.
+fn quantile(values: &[f64], share: f64) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().checked_sub(1)?;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "an index within the list"
+    )]
+    let index = libm::floor(share * last as f64) as usize;
+    sorted.get(index).copied()
+}
+
+fn number(value: Option<f64>, decimals: usize) -> Cell {
+    value.map_or(Cell::Empty, |value| Cell::Number(value, decimals))
+}
+
+impl SafetyCase {
+    /// The page as one HTML file.
+    pub fn to_html(&self) -> String {
+        let mut report = Report::new(&format!("Safety case: {}", self.name));
+        report.summary = "How often there is a near mid-air collision (NMAC) or a loss of well clear (LoWC) with the system, \
+             over how often without it, in the same encounters."
+            .into();
+        report.facts.clone_from(&self.facts);
+        report.sections = vec![
+            self.evidence(),
+            self.table(),
+            self.effects(),
+            self.times(),
+            self.curves(),
+            self.by_class(),
+            self.worst(),
+            self.assumptions(),
+        ];
+        report.to_html()
+    }
+
+    fn evidence(&self) -> Section {
+        let mut blocks = vec![Block::Paragraph(format!(
+            "{} encounters (effective number {:.0}), each flown in closed loop by every policy in simulation.",
+            self.encounters, self.effective
+        ))];
+        blocks.extend(self.stands_for.iter().cloned().map(Block::Paragraph));
+        blocks.push(Block::Paragraph(
+            "This is no certification and no flight test. Intruders do not react. What the numbers hold for are \
+             the encounters, the vehicle and the sensor that are listed under “What was assumed”."
+                .into(),
+        ));
+        Section {
+            title: "What this is evidence of".into(),
+            blocks,
+        }
+    }
+
+    fn table(&self) -> Section {
+        let mut columns = vec![Column::text("policy")];
+        for (loss, thresholds) in [("NMAC", &NMAC_THRESHOLDS), ("LoWC", &LOWC_THRESHOLDS)] {
+            columns.push(Column::number(&format!("{loss} left of")));
+            columns.push(Column::number(&format!("{loss} risk ratio")));
+            for threshold in thresholds {
+                columns.push(Column::text(&format!(
+                    "≤ {:.2} {}",
+                    threshold.ratio, threshold.intruders
+                )));
+            }
+        }
+        let rows = self
+            .policies
+            .iter()
+            .map(|policy| {
+                let mut row = vec![Cell::Text(policy.policy.clone())];
+                for (lost, thresholds) in [
+                    (&policy.nmac, &NMAC_THRESHOLDS),
+                    (&policy.lowc, &LOWC_THRESHOLDS),
+                ] {
+                    row.push(Cell::Text(format!("{} of {}", lost.flown, lost.nominal)));
+                    row.push(ratio(lost));
+                    row.extend(verdicts(lost, thresholds));
+                }
+                row
+            })
+            .collect();
+        Section {
+            title: "Risk ratios against quoted thresholds".into(),
+            blocks: vec![
+                Block::Table(Table {
+                    caption: "NMAC: closer than 500 ft and 100 ft at once. LoWC: closer than 2,000 ft and 250 ft at once (ASTM F3442). \
+                        Ratio of weighted counts with and without avoidance, 95 % interval. \
+                        “Met”: the whole interval is below the threshold; “not shown”: the interval contains it."
+                        .into(),
+                    columns,
+                    rows,
+                }),
+                Block::Paragraph(
+                    "The thresholds are second-hand: numbers that are quoted for systems like those of ASTM F3442, \
+                     not copied from the standard. Check them against the edition that applies to you. \
+                     Intervals are by bootstrap over the encounters, and Wilson’s where fewer than ten losses are left."
+                        .into(),
+                ),
+                Block::Table(self.rates()),
+            ],
+        }
+    }
+
+    fn rates(&self) -> Table {
+        Table {
+            caption:
+                "Weighted shares of all encounters (%), and losses that the system makes itself."
+                    .into(),
+            columns: vec![
+                Column::text("policy"),
+                Column::number("NMAC without"),
+                Column::number("NMAC with"),
+                Column::number("induced"),
+                Column::number("LoWC without"),
+                Column::number("LoWC with"),
+                Column::number("induced"),
+                Column::number("DO-365B ratio"),
+            ],
+            rows: self
+                .policies
+                .iter()
+                .map(|policy| {
+                    let mut row = vec![Cell::Text(policy.policy.clone())];
+                    for lost in [&policy.nmac, &policy.lowc] {
+                        row.push(Cell::Number(100.0 * lost.nominal_rate, 3));
+                        row.push(Cell::Number(100.0 * lost.rate, 3));
+                        row.push(count(lost.induced));
+                    }
+                    row.push(ratio(&policy.do365));
+                    row
+                })
+                .collect(),
+        }
+    }
+
+    fn effects(&self) -> Section {
+        let columns = vec![
+            Column::text("policy"),
+            Column::number("acted"),
+            Column::number("needless of clear"),
+            Column::number("restless"),
+            Column::number("not back"),
+            Column::number("departure median (m)"),
+            Column::number("90 % (m)"),
+            Column::number("off mission median (s)"),
+        ];
+        let rows = self
+            .policies
+            .iter()
+            .map(|policy| {
+                vec![
+                    Cell::Text(policy.policy.clone()),
+                    count(policy.acted),
+                    Cell::Text(format!("{} of {}", policy.needless, policy.clear)),
+                    count(policy.restless),
+                    count(policy.not_back),
+                    number(quantile(&policy.departures_m, 0.5), 0),
+                    number(quantile(&policy.departures_m, 0.9), 0),
+                    number(quantile(&policy.away_s, 0.5), 0),
+                ]
+            })
+            .collect();
+        Section {
+            title: "What it costs".into(),
+            blocks: vec![Block::Table(Table {
+                caption: "Needless: acted though the encounter stays well clear (ASTM F3442) without it. \
+                    Restless: changed into or out of avoiding more than four times. \
+                    Not back: acted and was not back on its mission when the flight ended. \
+                    Departures and times are those of encounters in which it acted."
+                    .into(),
+                columns,
+                rows,
+            })],
+        }
+    }
+
+    fn times(&self) -> Section {
+        let spread = |name: &str, values: &[f64]| {
+            vec![
+                Cell::Text(name.into()),
+                count(values.len() as u64),
+                number(quantile(values, 0.1), 1),
+                number(quantile(values, 0.5), 1),
+                number(quantile(values, 0.9), 1),
+            ]
+        };
+        let mut rows = vec![
+            spread(
+                "corrective alert, DO-365B en route",
+                &self.corrective_leads_s,
+            ),
+            spread("warning alert, DO-365B en route", &self.warning_leads_s),
+        ];
+        for policy in &self.policies {
+            let name = format!("first maneuver, {}", policy.policy);
+            if !policy.action_leads_s.is_empty() {
+                rows.push(spread(&name, &policy.action_leads_s));
+            }
+        }
+        Section {
+            title: "When it warns and acts".into(),
+            blocks: vec![Block::Table(Table {
+                caption: "Seconds before the closest approach without avoidance: what 10, 50 and 90 % of the encounters have less of. \
+                    Encounters that lose well clear (ASTM F3442) without avoidance."
+                    .into(),
+                columns: vec![
+                    Column::text("what"),
+                    Column::number("encounters"),
+                    Column::number("10 %"),
+                    Column::number("median"),
+                    Column::number("90 %"),
+                ],
+                rows,
+            })],
+        }
+    }
+
+    fn curves(&self) -> Section {
+        let converging = |title: &str, thresholds: &[Threshold], of: fn(&PolicyCase) -> &Lost| {
+            let lines: Vec<Line> = self
+                .policies
+                .iter()
+                .filter(|policy| policy.policy != "none")
+                .map(|policy| Line {
+                    name: policy.policy.clone(),
+                    points: of(policy)
+                        .convergence
+                        .iter()
+                        .map(|(encounters, estimate)| LinePoint {
+                            x: *encounters as f64,
+                            y: *estimate,
+                        })
+                        .collect(),
+                })
+                .collect();
+            let first = lines.iter().filter_map(|line| line.points.first());
+            let from = first.map(|point| point.x).fold(f64::INFINITY, f64::min);
+            let chart = LineChart {
+                title: title.into(),
+                x: Axis::log("encounters"),
+                y: Axis::linear("risk ratio"),
+                claims: thresholds
+                    .iter()
+                    .filter(|_| from.is_finite())
+                    .map(|threshold| Claim {
+                        label: format!("{} {:.2}", threshold.intruders, threshold.ratio),
+                        from,
+                        to: self.encounters as f64,
+                        y: threshold.ratio,
+                    })
+                    .collect(),
+                lines,
+            };
+            chart.to_svg()
+        };
+        let series = |name: &str, values: &[f64]| SampleSeries {
+            name: name.into(),
+            values: values.to_vec(),
+        };
+        let mut separations = vec![series("without avoidance", &self.nominal_horizontal_m)];
+        let acting = self
+            .policies
+            .iter()
+            .filter(|policy| policy.policy != "none");
+        separations.extend(acting.map(|policy| series(&policy.policy, &policy.horizontal_m)));
+        let separations = Cdf {
+            title: "Least horizontal separation".into(),
+            x: Axis::linear("least horizontal separation (m)"),
+            series: separations,
+            limits: vec![(152.4, "500 ft".into()), (609.6, "2,000 ft".into())],
+        };
+        Section {
+            title: "Curves".into(),
+            blocks: vec![
+                Block::Figure {
+                    svg: converging("NMAC risk ratio", &NMAC_THRESHOLDS, |policy| &policy.nmac),
+                    caption: self.width_words("NMAC", |policy| &policy.nmac),
+                },
+                Block::Figure {
+                    svg: converging("LoWC risk ratio", &LOWC_THRESHOLDS, |policy| &policy.lowc),
+                    caption: self.width_words("LoWC", |policy| &policy.lowc),
+                },
+                Block::Figure {
+                    svg: separations.to_svg(),
+                    caption: "Cumulative share of encounters, each counted once. Altitude is not in this picture: \
+                        a small horizontal separation is no loss where the vertical one is kept."
+                        .into(),
+                },
+            ],
+        }
+    }
+
+    /// Whether the intervals are narrow enough, in words.
+    fn width_words(&self, loss: &str, of: fn(&PolicyCase) -> &Lost) -> String {
+        let mut text =
+            format!("Ratio of {loss} after growing numbers of encounters, with its 95 % interval.");
+        for policy in self
+            .policies
+            .iter()
+            .filter(|policy| policy.policy != "none")
+        {
+            if let Some(ratio) = of(policy).ratio {
+                let half = 0.5 * (ratio.high - ratio.low);
+                let enough = if half <= 0.05 {
+                    "narrow enough (0.05)"
+                } else {
+                    "more encounters are needed for 0.05"
+                };
+                let _ = write!(text, " {}: half width {half:.3}, {enough}.", policy.policy);
+            }
+        }
+        text
+    }
+
+    fn by_class(&self) -> Section {
+        let rows = self
+            .classes
+            .iter()
+            .map(|class| {
+                vec![
+                    Cell::Text(class.policy.clone()),
+                    Cell::Text(class.class.clone()),
+                    count(class.encounters),
+                    Cell::Text(format!("{} of {}", class.nmac.flown, class.nmac.nominal)),
+                    ratio(&class.nmac),
+                    Cell::Text(format!("{} of {}", class.lowc.flown, class.lowc.nominal)),
+                    ratio(&class.lowc),
+                ]
+            })
+            .collect();
+        Section {
+            title: "By class of encounter".into(),
+            blocks: vec![Block::Table(Table {
+                caption: "Head-on: directions at least 150° apart; overtaking: at most 30°. Speeds are those of the intruder over the ground \
+                    at the closest approach without avoidance."
+                    .into(),
+                columns: vec![
+                    Column::text("policy"),
+                    Column::text("class"),
+                    Column::number("encounters"),
+                    Column::number("NMAC left of"),
+                    Column::number("ratio"),
+                    Column::number("LoWC left of"),
+                    Column::number("ratio"),
+                ],
+                rows,
+            })],
+        }
+    }
+
+    fn worst(&self) -> Section {
+        let separation = |pair: Option<(f64, f64)>| {
+            pair.map_or(Cell::Empty, |(horizontal_m, vertical_m)| {
+                Cell::Text(format!("{horizontal_m:.0}, {vertical_m:.0}"))
+            })
+        };
+        let rows = self
+            .worst
+            .iter()
+            .map(|worst| {
+                vec![
+                    Cell::Link {
+                        text: worst.encounter.clone(),
+                        href: worst.href.clone(),
+                    },
+                    Cell::Text(worst.policy.clone()),
+                    Cell::Text(worst.what.clone()),
+                    separation(worst.separation_m[0]),
+                    separation(worst.separation_m[1]),
+                ]
+            })
+            .collect();
+        Section {
+            title: "The worst encounters".into(),
+            blocks: vec![Block::Table(Table {
+                caption: "Each leads to its replay. Separations: least horizontal, and vertical at that time, m.".into(),
+                columns: vec![
+                    Column::text("encounter"),
+                    Column::text("policy"),
+                    Column::text("what"),
+                    Column::number("without"),
+                    Column::number("as flown"),
+                ],
+                rows,
+            })],
+        }
+    }
+
+    fn assumptions(&self) -> Section {
+        Section {
+            title: "What was assumed".into(),
+            blocks: vec![Block::Table(Table {
+                caption: String::new(),
+                columns: vec![Column::text("what"), Column::text("value")],
+                rows: self
+                    .assumed
+                    .iter()
+                    .map(|(name, value)| vec![Cell::Text(name.clone()), Cell::Text(value.clone())])
+                    .collect(),
+            })],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn estimate(low: f64, high: f64) -> Estimate {
+        Estimate {
+            value: f64::midpoint(low, high),
+            low,
+            high,
+        }
+    }
+
+    #[test]
+    fn a_threshold_is_met_only_where_the_whole_interval_is_below() {
+        let [cooperative, _] = NMAC_THRESHOLDS;
+        assert_eq!(verdict(&estimate(0.0, 0.18), &cooperative), "met");
+        assert_eq!(verdict(&estimate(0.1, 0.2), &cooperative), "not shown");
+        assert_eq!(verdict(&estimate(0.19, 0.3), &cooperative), "not met");
+    }
+
+    #[test]
+    fn the_page_is_whole_without_any_encounter_and_escapes_names() {
+        let page = SafetyCase {
+            name: "<b>".into(),
+            ..SafetyCase::default()
+        }
+        .to_html();
+        assert!(page.contains("&lt;b&gt;") && !page.contains("<b>"));
+        assert!(page.ends_with("</html>\n"));
+        // Nothing is fetched.
+        assert!(!page.contains("http://") || !page.contains("src="));
+    }
+}

@@ -1,0 +1,357 @@
+//! Judges an encounter with the volumes of the standards, from the tracks alone.
+//!
+//! Both aircraft fly straight between the moments that are known of them: rows of a recording,
+//! seconds of a model, samples of the flown path at most 0.1 s apart. Only what happens while both
+//! were recorded counts: from the later first row to the earlier last one, also where the flown
+//! aircraft is on its way back for longer.
+
+use fga::Vec3;
+use fga::avoider::State as FlightState;
+use fga_alerts::encounter::{Outcome, Sample as PairSample, judge};
+use fga_alerts::volume::{Cylinder, Volume, WellClear};
+use fga_alerts::{Aircraft, AircraftId, Monitor, State, schemes};
+
+use super::metrics::Metrics;
+use crate::engine::{Observer, Sample};
+use crate::track::Track;
+use crate::world::World;
+
+/// Time between two looks at the alerts, seconds.
+const ALERT_STEP_S: f64 = 1.0;
+
+/// Levels of DO-365B.
+const CORRECTIVE: usize = 2;
+const WARNING: usize = 3;
+
+/// Follows the flown path.
+#[derive(Debug, Default)]
+pub(super) struct Flown {
+    path: Vec<(f64, Vec3)>,
+    /// When the aircraft left the recording, seconds.
+    left_s: Option<f64>,
+    changes: u32,
+    last: FlightState,
+}
+
+impl Flown {
+    /// Ready for another flight.
+    pub(super) fn clear(&mut self) {
+        self.path.clear();
+        self.left_s = None;
+        self.changes = 0;
+        self.last = FlightState::Cruise;
+    }
+}
+
+impl Observer for Flown {
+    fn sample(&mut self, sample: &Sample) {
+        if sample.state == FlightState::Avoiding && self.left_s.is_none() {
+            self.left_s = Some(sample.time_s);
+        }
+        let (was, is) = (
+            self.last == FlightState::Avoiding,
+            sample.state == FlightState::Avoiding,
+        );
+        self.changes += u32::from(was != is);
+        self.last = sample.state;
+        self.path.push((sample.time_s, sample.position_m));
+    }
+}
+
+/// What came of one intruder.
+#[derive(Debug, Clone, Copy, Default)]
+struct Losses {
+    f3442: Outcome,
+    do365: Outcome,
+}
+
+/// Judges recorded worlds.
+pub(super) struct Judge {
+    monitor: Monitor,
+    pairs: Vec<PairSample>,
+    recorded: Vec<(f64, Vec3)>,
+    intruder: Vec<(f64, Vec3)>,
+}
+
+impl Judge {
+    pub(super) fn new() -> Self {
+        Self {
+            monitor: Monitor::new(schemes::do_365b()),
+            pairs: Vec::new(),
+            recorded: Vec::new(),
+            intruder: Vec::new(),
+        }
+    }
+
+    /// What the encounter is without any avoidance.
+    pub(super) fn nominal(&mut self, world: &World) -> Metrics {
+        let Some(own) = &world.recorded else {
+            return Metrics::default();
+        };
+        let path = points_of(own);
+        let mut metrics = Metrics::default();
+        let Some((index, losses)) = self.worst(world, &path) else {
+            return metrics;
+        };
+        metrics.nominal_nmac = Some(losses.f3442.nmac_s.is_some());
+        metrics.nominal_lowc = Some(losses.f3442.loss_s.is_some());
+        metrics.nominal_do365 = Some(losses.do365.loss_s.is_some());
+        metrics.nominal_severity = losses.do365.severity;
+        metrics.nominal_horizontal_m = losses.f3442.horizontal.map(|least| least.value_m);
+        metrics.nominal_vertical_m = losses.f3442.vertical_then_m;
+        metrics.cpa_s = losses.f3442.slant.map(|least| least.time_s);
+        let (Some(cpa_s), Some(intruder)) = (metrics.cpa_s, world.obstacles.get(index)) else {
+            return metrics;
+        };
+        geometry(&mut metrics, own, &intruder.track, cpa_s);
+        let [corrective_s, warning_s] = self.alerts(world, own, cpa_s);
+        metrics.corrective_s = corrective_s.map(|time_s| cpa_s - time_s);
+        metrics.warning_s = warning_s.map(|time_s| cpa_s - time_s);
+        metrics
+    }
+
+    /// Adds what was flown.
+    pub(super) fn flown(&mut self, world: &World, flown: &Flown, metrics: &mut Metrics) {
+        let Some(own) = &world.recorded else {
+            return;
+        };
+        let mut path = core::mem::take(&mut self.recorded);
+        path.clear();
+        // While the recording is followed, its own rows say where the aircraft was.
+        let left_s = flown.left_s.unwrap_or(f64::INFINITY);
+        path.extend(points_of(own).iter().filter(|(time_s, _)| *time_s < left_s));
+        path.extend(flown.path.iter().filter(|(time_s, _)| *time_s >= left_s));
+        if let Some((_, losses)) = self.worst(world, &path) {
+            metrics.nmac = Some(losses.f3442.nmac_s.is_some());
+            metrics.lowc = Some(losses.f3442.loss_s.is_some());
+            metrics.do365 = Some(losses.do365.loss_s.is_some());
+            metrics.severity = losses.do365.severity;
+            metrics.horizontal_m = losses.f3442.horizontal.map(|least| least.value_m);
+            metrics.vertical_m = losses.f3442.vertical_then_m;
+        }
+        metrics.changes = Some(f64::from(flown.changes));
+        metrics.action_s = flown
+            .left_s
+            .and_then(|left_s| Some(metrics.cpa_s? - left_s));
+        self.recorded = path;
+    }
+
+    /// The nearest intruder of a path, and losses over all of them.
+    fn worst(&mut self, world: &World, path: &[(f64, Vec3)]) -> Option<(usize, Losses)> {
+        let until_s = world.recorded.as_ref()?.presence_s().1;
+        let mut worst: Option<(usize, Losses)> = None;
+        for (index, obstacle) in world.obstacles.iter().enumerate() {
+            let mut intruder = core::mem::take(&mut self.intruder);
+            intruder.clear();
+            intruder.extend(points_of(&obstacle.track));
+            together(path, &intruder, until_s, &mut self.pairs);
+            self.intruder = intruder;
+            let losses = Losses {
+                f3442: judge(&self.pairs, &Volume::Cylinder(Cylinder::F3442)),
+                do365: judge(&self.pairs, &Volume::WellClear(WellClear::EN_ROUTE)),
+            };
+            worst = Some(match worst {
+                None => (index, losses),
+                Some((nearest, before)) => {
+                    let slant_m =
+                        |of: &Losses| of.f3442.slant.map_or(f64::INFINITY, |least| least.value_m);
+                    let is_nearer = slant_m(&losses) < slant_m(&before);
+                    let mut both = if is_nearer { losses } else { before };
+                    let other = if is_nearer { &before } else { &losses };
+                    both.take(other);
+                    (if is_nearer { index } else { nearest }, both)
+                }
+            });
+        }
+        worst
+    }
+
+    /// When the corrective and the warning alert first came, before the closest approach.
+    fn alerts(&mut self, world: &World, own: &Track, cpa_s: f64) -> [Option<f64>; 2] {
+        let mut first = [None; 2];
+        let begin_s = own.presence_s().0;
+        let looks = libm::floor((cpa_s - begin_s) / ALERT_STEP_S);
+        let mut traffic = Vec::new();
+        let mut look = 0.0;
+        while look <= looks && first[1].is_none() {
+            let time_s = begin_s + look * ALERT_STEP_S;
+            look += 1.0;
+            let aircraft = |id: u64, track: &Track| {
+                let (position_m, velocity_mps) = track.at(time_s)?;
+                Some(Aircraft::new(
+                    AircraftId(id),
+                    State {
+                        position_m,
+                        velocity_mps: velocity_mps - world.wind_mps,
+                    },
+                ))
+            };
+            let Some(ownship) = aircraft(0, own) else {
+                continue;
+            };
+            traffic.clear();
+            traffic.extend(
+                (1..)
+                    .zip(&world.obstacles)
+                    .filter_map(|(id, obstacle)| aircraft(id, &obstacle.track)),
+            );
+            // Recordings were checked: a state that is refused has no alert.
+            if self
+                .monitor
+                .step_levels(time_s, &ownship, &traffic)
+                .is_err()
+            {
+                continue;
+            }
+            let level = self.monitor.highest_level();
+            for (first, least) in first.iter_mut().zip([CORRECTIVE, WARNING]) {
+                if level >= least && first.is_none() {
+                    *first = Some(time_s);
+                }
+            }
+        }
+        first
+    }
+}
+
+impl Losses {
+    /// Adds the losses against another intruder.
+    fn take(&mut self, other: &Self) {
+        for (mine, its) in [
+            (&mut self.f3442, &other.f3442),
+            (&mut self.do365, &other.do365),
+        ] {
+            mine.nmac_s = mine.nmac_s.or(its.nmac_s);
+            mine.loss_s = mine.loss_s.or(its.loss_s);
+            mine.severity = match (mine.severity, its.severity) {
+                (Some(a), Some(b)) => Some(a.max(b)),
+                (a, b) => a.or(b),
+            };
+        }
+    }
+}
+
+fn points_of(track: &Track) -> Vec<(f64, Vec3)> {
+    match track {
+        Track::Straight { .. } => Vec::new(),
+        Track::Points { points, .. } => points
+            .iter()
+            .map(|point| (point.time_s, point.position_m))
+            .collect(),
+    }
+}
+
+/// Where both are at all times at which either is known, while both are there.
+fn together(
+    own: &[(f64, Vec3)],
+    intruder: &[(f64, Vec3)],
+    until_s: f64,
+    pairs: &mut Vec<PairSample>,
+) {
+    pairs.clear();
+    let (Some(first), Some(last), Some(its_first), Some(its_last)) =
+        (own.first(), own.last(), intruder.first(), intruder.last())
+    else {
+        return;
+    };
+    let from_s = first.0.max(its_first.0);
+    let to_s = last.0.min(its_last.0).min(until_s);
+    let (mut a, mut b) = (0, 0);
+    let mut time_s = from_s;
+    while time_s <= to_s {
+        pairs.push(PairSample {
+            time_s,
+            ownship_m: at(own, time_s, &mut a),
+            intruder_m: at(intruder, time_s, &mut b),
+        });
+        if time_s >= to_s {
+            break;
+        }
+        let next = |points: &[(f64, Vec3)], from: usize| {
+            points
+                .get(from..)
+                .unwrap_or_default()
+                .iter()
+                .map(|point| point.0)
+                .find(|next_s| *next_s > time_s)
+                .unwrap_or(f64::INFINITY)
+        };
+        time_s = next(own, a).min(next(intruder, b)).min(to_s);
+    }
+}
+
+/// The place on a path at a time, straight between its points; `from` is the point before.
+fn at(points: &[(f64, Vec3)], time_s: f64, from: &mut usize) -> Vec3 {
+    while points.get(*from + 1).is_some_and(|next| next.0 <= time_s) {
+        *from += 1;
+    }
+    let (before, after) = (points.get(*from), points.get(*from + 1));
+    match (before, after) {
+        (Some(a), Some(b)) => a.1 + (b.1 - a.1) * ((time_s - a.0) / (b.0 - a.0)),
+        (Some(a), None) => a.1,
+        _ => Vec3::ZERO,
+    }
+}
+
+/// How the aircraft meet.
+fn geometry(metrics: &mut Metrics, own: &Track, intruder: &Track, cpa_s: f64) {
+    let (Some((own_m, own_mps)), Some((_, its_mps))) = (own.at(cpa_s), intruder.at(cpa_s)) else {
+        return;
+    };
+    let degrees_between = |a: Vec3, b: Vec3| {
+        let across = a.x * b.y - a.y * b.x;
+        let along = a.x * b.x + a.y * b.y;
+        libm::atan2(across, along).to_degrees().abs()
+    };
+    metrics.ownship_mps = Some(own_mps.length());
+    metrics.intruder_mps = Some(its_mps.length());
+    metrics.closing_mps = Some((its_mps - own_mps).length());
+    metrics.crossing_deg = Some(degrees_between(own_mps, its_mps));
+    metrics.intruder_climb_mps = Some(its_mps.z);
+    metrics.altitude_m = Some(own_m.z);
+    let mut turn_deg: f64 = 0.0;
+    let mut first = None;
+    // Seconds: rows of a recording are too short to tell a direction.
+    intruder.for_each_leg(f64::NEG_INFINITY, cpa_s, |leg| {
+        let (Some(a), Some(b)) = (
+            intruder.at(leg.from_s),
+            intruder.at((leg.from_s + 1.0).min(cpa_s)),
+        ) else {
+            return;
+        };
+        let moved = b.0 - a.0;
+        if libm::hypot(moved.x, moved.y) < 1.0 {
+            return;
+        }
+        let first = *first.get_or_insert(moved);
+        turn_deg = turn_deg.max(degrees_between(first, moved));
+    });
+    metrics.intruder_turn_deg = Some(turn_deg);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_paths_are_put_together_at_the_times_of_either() {
+        let line = |times: &[f64]| -> Vec<(f64, Vec3)> {
+            times.iter().map(|t| (*t, Vec3::X * *t)).collect()
+        };
+        let mut pairs = Vec::new();
+        together(
+            &line(&[0.0, 1.0, 2.0, 9.0]),
+            &line(&[0.5, 1.5, 4.0]),
+            3.0,
+            &mut pairs,
+        );
+        let times: Vec<f64> = pairs.iter().map(|pair| pair.time_s).collect();
+        assert_eq!(times, [0.5, 1.0, 1.5, 2.0, 3.0]);
+        for pair in &pairs {
+            assert!((pair.ownship_m.x - pair.time_s).abs() < 1e-12);
+            assert!((pair.intruder_m.x - pair.time_s).abs() < 1e-12);
+        }
+        together(&line(&[0.0, 1.0]), &line(&[2.0, 3.0]), 9.0, &mut pairs);
+        assert!(pairs.is_empty());
+    }
+}

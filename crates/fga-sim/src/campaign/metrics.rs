@@ -1,0 +1,126 @@
+//! What the field asks of an encounter: near mid-air collision, well clear, severity, alerts, and
+//! the geometry that it happened in.
+//!
+//! The list below is the table: names, units and meanings of the columns, the fields of
+//! [`Metrics`], and what a results file says about itself.
+
+use super::flight::kept;
+
+/// How a metric is kept.
+#[derive(Debug, Clone, Copy)]
+pub enum Access {
+    /// A number.
+    Real(fn(&Metrics) -> Option<f64>, fn(&mut Metrics, Option<f64>)),
+    /// Yes or no.
+    Flag(fn(&Metrics) -> Option<bool>, fn(&mut Metrics, Option<bool>)),
+}
+
+/// A metric as a column.
+#[derive(Debug, Clone, Copy)]
+pub struct Field {
+    /// Name of the column.
+    pub name: &'static str,
+    /// What it means, with the unit last.
+    pub meaning: &'static str,
+    /// How it is kept.
+    pub access: Access,
+}
+
+macro_rules! metrics {
+    (@type Real) => { Option<f64> };
+    (@type Flag) => { Option<bool> };
+    ($($name:ident: $kind:ident, $meaning:literal;)*) => {
+        /// Metrics of one encounter flown by one policy; all are `None` for obstacles of families
+        /// and encounter files, which are no recorded or modeled aircraft.
+        #[derive(Debug, Clone, Copy, PartialEq, Default)]
+        pub struct Metrics {
+            $(#[doc = $meaning] pub $name: metrics!(@type $kind),)*
+        }
+
+        /// The metrics in the order of their columns.
+        pub const FIELDS: &[Field] = &[
+            $(Field {
+                name: stringify!($name),
+                meaning: $meaning,
+                access: Access::$kind(|metrics| metrics.$name, |metrics, value| metrics.$name = value),
+            },)*
+        ];
+    };
+}
+
+metrics! {
+    nominal_nmac: Flag, "whether the encounter without any avoidance has a near mid-air collision (closer than 500 ft and 100 ft at once)";
+    nmac: Flag, "whether the flown encounter has one";
+    nominal_lowc: Flag, "whether the encounter without avoidance loses well clear of ASTM F3442 (closer than 2,000 ft and 250 ft at once)";
+    lowc: Flag, "whether the flown encounter loses it";
+    nominal_do365: Flag, "whether the encounter without avoidance loses well clear of DO-365B en route (0.66 nmi, 35 s, 450 ft)";
+    do365: Flag, "whether the flown encounter loses it";
+    nominal_severity: Real, "highest severity of that loss without avoidance (that of DO-365), 0 to 1; empty without a loss";
+    severity: Real, "highest severity of that loss as flown, 0 to 1; empty without a loss";
+    nominal_horizontal_m: Real, "least horizontal separation without avoidance, m";
+    nominal_vertical_m: Real, "vertical separation at that time, m";
+    horizontal_m: Real, "least horizontal separation as flown, m";
+    vertical_m: Real, "vertical separation at that time, m";
+    cpa_s: Real, "time of the closest approach in space without avoidance, s from the start";
+    corrective_s: Real, "first corrective alert of DO-365B en route before that time, without avoidance; the lead before it, s";
+    warning_s: Real, "first warning alert, in the same way; the lead, s";
+    action_s: Real, "first maneuver; the lead before the closest approach without avoidance, s (negative after it)";
+    changes: Real, "times that the aircraft changed into or out of avoiding";
+    ownship_mps: Real, "speed over the ground of the ownship at the closest approach without avoidance, m/s";
+    intruder_mps: Real, "speed over the ground of the intruder there, m/s";
+    closing_mps: Real, "relative speed there, m/s";
+    crossing_deg: Real, "difference of the horizontal directions there, 0 (same) to 180 (opposite), degrees";
+    intruder_turn_deg: Real, "largest change of the intruder's direction from its first one before the closest approach, degrees";
+    intruder_climb_mps: Real, "climb of the intruder there, m/s";
+    altitude_m: Real, "height of the ownship there in the frame of the recording or model, m";
+}
+
+/// A class of geometry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Geometry {
+    /// Directions at least 150° apart.
+    HeadOn,
+    /// In between.
+    Crossing,
+    /// Directions at most 30° apart.
+    Overtaking,
+}
+
+impl Geometry {
+    /// All classes.
+    pub const ALL: [Self; 3] = [Self::HeadOn, Self::Crossing, Self::Overtaking];
+
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::HeadOn => "head-on",
+            Self::Crossing => "crossing",
+            Self::Overtaking => "overtaking",
+        }
+    }
+}
+
+impl Metrics {
+    /// With numbers as they are kept: six decimals.
+    pub(super) fn rounded(mut self) -> Self {
+        for field in FIELDS {
+            if let Access::Real(get, set) = field.access {
+                let value = get(&self).filter(|value| value.is_finite()).map(kept);
+                set(&mut self, value);
+            }
+        }
+        self
+    }
+
+    /// The class of the geometry.
+    pub fn geometry(&self) -> Option<Geometry> {
+        let degrees = self.crossing_deg?;
+        Some(if degrees >= 150.0 {
+            Geometry::HeadOn
+        } else if degrees <= 30.0 {
+            Geometry::Overtaking
+        } else {
+            Geometry::Crossing
+        })
+    }
+}
