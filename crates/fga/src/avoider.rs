@@ -113,6 +113,10 @@ pub struct Avoider {
     cut: u32,
     /// The course at which the next look for a smaller departure begins.
     improved_to: u32,
+    /// How far ahead separation is certified now, seconds.
+    look_s: f64,
+    /// How far ahead a maneuver is certified where it can be, seconds.
+    far_s: f64,
 }
 
 impl Avoider {
@@ -139,6 +143,8 @@ impl Avoider {
             meter: Meter::unlimited(),
             cut: 0,
             improved_to: 0,
+            look_s: settings.horizon_s,
+            far_s: settings.horizon_s,
         })
     }
 
@@ -226,7 +232,7 @@ impl Avoider {
 
     /// Predicts a manoeuvre into the path.
     fn predict(&mut self, maneuver: &Maneuver, now: &MotionState) {
-        let horizon_s = self.settings.horizon_s;
+        let horizon_s = self.look_s;
         self.path.predict(&self.flyer, now, maneuver, horizon_s);
         self.meter.count(self.path.work(&self.flyer));
     }

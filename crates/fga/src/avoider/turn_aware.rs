@@ -1,6 +1,7 @@
 //! The turn-aware policy: look, plan, fly, return.
 
 mod aircraft;
+mod farther;
 mod holding;
 mod way_back;
 
@@ -29,9 +30,9 @@ const CLEARLY_BETTER_M: f64 = 0.5;
 /// Cycles between two searches while nothing is certified.
 const SEARCH_AGAIN: u32 = 10;
 
-/// For this long, while nothing is certified, the searches are over all manoeuvres, each over other
-/// grids, seconds; later only near the one that is flown.
-const SEARCH_ALL_S: f64 = 0.25;
+/// For this long, while nothing is certified, each step searches all maneuvers, each time over other
+/// grids, seconds; later only every [`SEARCH_AGAIN`]th step does.
+const SEARCH_ALL_S: f64 = 10.0;
 
 /// Cycles between two searches over all manoeuvres while nothing is certified and obstacles are
 /// known with an uncertainty, which moves from cycle to cycle.
@@ -66,6 +67,8 @@ impl Avoider {
             return decision;
         }
         self.load_tracks(situation);
+        self.look_s = self.settings.horizon_s;
+        self.far_s = self.far_horizon_s(now);
         match self.state {
             State::Cruise | State::Threatened => self.watch(situation, now, start),
             State::Avoiding if self.tracks.has_aircraft() => {
@@ -121,7 +124,7 @@ impl Avoider {
     /// The obstacle that would come too close first along a manoeuvre, and those that belong to
     /// the same encounter.
     fn first_threat(&mut self, nominal: &Maneuver, now: &MotionState) -> Option<(Threat, Against)> {
-        let horizon_s = self.settings.horizon_s;
+        let horizon_s = self.look_s;
         let target_m = self.settings.margin_m;
         self.predict(nominal, now);
         let reach = (horizon_s, target_m);
@@ -206,7 +209,7 @@ impl Avoider {
                 leg.climb_rad.limited(low, high),
             ),
             hazards: self.tracks.hazards(),
-            horizon_s: self.settings.horizon_s,
+            horizon_s: self.look_s,
             target_m: self.settings.margin_m,
             climb_limits_rad: (low, high),
             costs: (self.settings.heading_cost, self.settings.pitch_cost),
@@ -237,9 +240,21 @@ impl Avoider {
         let period_s = self.settings.decision_period_s;
         let entry_s = threat.entry_s;
         let cut = self.cut;
-        let (choice, candidates, limit_met) = self.search(nominal, now, |search| {
+        let (mut choice, mut candidates, mut limit_met) = self.search(nominal, now, |search| {
             choose(search, start, (entry_s, period_s), cut)
         });
+        if self.far_s > self.look_s && choice.is_certified() {
+            self.look_s = self.far_s;
+            let (farther, more, met) = self.search(nominal, now, |search| {
+                choose(search, start, (entry_s, period_s), cut)
+            });
+            self.look_s = self.settings.horizon_s;
+            candidates += more;
+            limit_met |= met;
+            if farther.is_certified() {
+                choice = farther;
+            }
+        }
         let decision = match choice.chosen {
             Some((found, maneuver, proof)) => {
                 let plan = Plan {
@@ -296,7 +311,7 @@ impl Avoider {
     ) -> f64 {
         self.predict(maneuver, now);
         let asked = Asked {
-            horizon_s: self.settings.horizon_s,
+            horizon_s: self.look_s,
             floor_m,
             enough_m,
         };
@@ -316,10 +331,14 @@ impl Avoider {
             self.state = State::Recovering;
             return self.report(&back, time_s, Reason::RejoinChosen);
         }
+        let flown = plan.remaining(time_s);
         if self.still_holds(&plan, situation, now) {
+            if let Some(farther) = self.farther(&plan, &flown, now, time_s) {
+                self.plan = Some(farther);
+                return self.report(&farther, time_s, Reason::ManeuverReplaced);
+            }
             return self.report(&plan, time_s, Reason::ManeuverKept);
         }
-        let flown = plan.remaining(time_s);
         let kept_m = self.margin_of(&flown, now, (f64::MIN, ENOUGH_M));
         let picture = self.tracks.picture();
         // The volume that it is inside of shrinks with its depth.
@@ -330,31 +349,26 @@ impl Avoider {
             || (self.tracks.uncertain && self.cycle.is_multiple_of(LOOK_AT_NOISE));
         let open_since_s = if is_news { time_s } else { plan.open_since_s };
         let look_again = self.cycle.is_multiple_of(SEARCH_AGAIN);
-        let effort = match plan.proof {
-            Proof::Hopeless if !(is_news || inside && look_again) => {
-                return self.report(&plan, time_s, Reason::BestAvailable);
-            }
-            Proof::Open if time_s - open_since_s >= SEARCH_ALL_S => {
-                if !look_again {
-                    return self.report(&plan, time_s, Reason::BestAvailable);
-                }
-                Effort::Quick
-            }
-            _ => Effort::Full,
+        let rests = match plan.proof {
+            Proof::Hopeless => !(is_news || inside && look_again),
+            Proof::Open => time_s - open_since_s >= SEARCH_ALL_S && !look_again,
+            Proof::Certified => false,
         };
+        if rests {
+            return self.report(&plan, time_s, Reason::BestAvailable);
+        }
         let hold = Maneuver::hold();
         let variety = self.cycle;
         let (found, candidates, limit_met) = self.search(&hold, now, |search| {
             let single = search.cheapest(0.0);
             let (found, proof) = single
                 .map(|found| (found, Proof::Certified))
-                .or_else(|| search.best(Some(&flown), effort, variety))?;
+                .or_else(|| search.best(Some(&flown), Effort::Full, variety))?;
             Some((found, search.maneuver(&found.turns, now), proof))
         });
         let proof = match found {
-            Some((_, _, Proof::Certified)) => Proof::Certified,
-            Some((_, _, proof)) if effort == Effort::Full => proof,
-            _ => plan.proof,
+            Some((_, _, proof)) => proof,
+            None => plan.proof,
         };
         let decision = match found {
             Some((found, maneuver, _))
@@ -462,6 +476,12 @@ struct Choice {
     latest_s: Option<f64>,
     /// The best one to the other side, where it was looked for.
     alternative: Option<Candidate>,
+}
+
+impl Choice {
+    fn is_certified(&self) -> bool {
+        matches!(self.chosen, Some((_, _, Proof::Certified)))
+    }
 }
 
 /// The manoeuvre and its start: certified if there is one, else the best available. After searches

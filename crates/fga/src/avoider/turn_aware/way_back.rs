@@ -59,9 +59,6 @@ const LONGEST_PASS_S: f64 = 20.0;
 /// again, seconds.
 const TRIED_S: f64 = 60.0;
 
-/// An obstacle that moves more slowly than this over the ground stands, metres per second.
-const STANDS_MPS: f64 = 1.0;
-
 /// Cycles between two looks for a way back, each at one intercept angle.
 const LOOK_BACK_EVERY: u32 = 2;
 
@@ -103,7 +100,7 @@ impl Avoider {
         let patient = situation.time_s - plan.start_s < SKIP_AFTER_S;
         let skipped = if patient { 0 } else { MAX_SKIPPED };
         let waits = situation.time_s - plan.start_s > DETOUR_AFTER_S;
-        let detour = (turn % 2 == 1 && waits && self.is_accompanied(situation, plan))
+        let detour = (turn % 2 == 1 && waits && self.is_accompanied(situation))
             .then(|| self.detour(now, turn / 2));
         let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
         let found = self
@@ -126,6 +123,7 @@ impl Avoider {
         self.progress
             .round_corners(mission, &self.flyer, horizon_s, &mut maneuver, bend);
         self.count_mission();
+        self.look_s = self.far_s;
         self.predict(&maneuver, now);
         let ahead = self.way_ahead(plan, joined.joined_s, situation);
         let back = Plan {
@@ -148,6 +146,7 @@ impl Avoider {
             }
             WayAhead::NextEncounter => self.way_back_and_on(&back, joined.joined_s, now),
         };
+        self.look_s = self.settings.horizon_s;
         if back.is_some() {
             self.returned = Some(Returned {
                 against: plan.against,
@@ -160,15 +159,14 @@ impl Avoider {
         back
     }
 
-    /// Whether an obstacle of the encounter flies alongside, so that it does not pass.
-    fn is_accompanied(&self, situation: &Situation<'_>, plan: &Plan) -> bool {
+    /// Whether an obstacle flies alongside, so that it does not pass.
+    fn is_accompanied(&self, situation: &Situation<'_>) -> bool {
         let own = situation.ownship;
         let velocity_mps = own.velocity_mps();
         let near_m = ALONGSIDE * own.airspeed_mps / self.flyer.course_rate_radps();
         self.tracks.hazards().rows().iter().any(|hazard| {
             let slow_mps = ALONGSIDE_SPEED * own.airspeed_mps;
-            plan.against.contains(hazard.id)
-                && (velocity_mps - hazard.velocity_mps).length_squared() < slow_mps * slow_mps
+            (velocity_mps - hazard.velocity_mps).length_squared() < slow_mps * slow_mps
                 && hazard.margin_m(own.position_m, 0.0) < near_m
         })
     }
@@ -206,7 +204,7 @@ impl Avoider {
     /// How clear the way back in the path is.
     fn way_ahead(&self, plan: &Plan, joined_s: f64, situation: &Situation<'_>) -> WayAhead {
         let target_m = self.settings.margin_m;
-        let horizon_s = self.settings.horizon_s;
+        let horizon_s = self.look_s;
         let own = situation.ownship;
         let velocity_mps = own.velocity_mps();
         let is_again = self.was_tried(plan, situation.time_s);
@@ -233,10 +231,7 @@ impl Avoider {
                 let relative = velocity_mps - hazard.velocity_mps;
                 let square = relative.length_squared().max(1e-9);
                 let passes_s = (offset.dot(relative) / square).limited(0.0, LONGEST_PASS_S);
-                // What stands still is met again until the aircraft is past it.
-                let ground_mps = hazard.velocity_mps + situation.wind_mps;
-                let stands = ground_mps.length_squared() < STANDS_MPS * STANDS_MPS;
-                if whole.at_s < passes_s + NEXT_ENCOUNTER_S || (is_again && stands) {
+                if is_again || whole.at_s < passes_s + NEXT_ENCOUNTER_S {
                     return WayAhead::Blocked;
                 }
             }

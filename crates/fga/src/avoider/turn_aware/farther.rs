@@ -1,0 +1,84 @@
+//! Looking farther ahead where obstacles move nearly as the aircraft does: a gap between them that is
+//! certified for a minute may close in the next.
+
+use crate::avoider::{Avoider, Plan};
+use crate::certificate::Hazard;
+use crate::maneuver::Maneuver;
+use crate::prediction::MotionState;
+use crate::search::{Effort, Proof};
+
+use super::SEARCH_AGAIN;
+use super::holding::KEEP_SHARE;
+
+/// An obstacle whose velocity differs from the aircraft's by less than this share of the airspeed may stay
+/// near for long.
+const SLOW: f64 = 0.4;
+
+/// A maneuver among such obstacles is certified up to here where it can be, seconds.
+const FAR_S: f64 = 240.0;
+
+impl Avoider {
+    /// How far ahead a maneuver is certified where it can be: what flies nearly as the aircraft does, or
+    /// as it would on the mission, takes long to pass.
+    pub(super) fn far_horizon_s(&self, now: &MotionState) -> f64 {
+        let horizon_s = self.settings.horizon_s;
+        let airspeed_mps = self.flyer.airspeed_mps();
+        let leg = self.progress.leg(now);
+        let on_mission = MotionState {
+            course_rad: now.course_rad + leg.turn_onto_rad(now),
+            ..*now
+        };
+        let ours_mps = [now, &on_mission].map(|state| self.flyer.velocity_mps(state));
+        let stays = |hazard: &Hazard| {
+            let relative_mps = ours_mps.map(|mps| (hazard.velocity_mps - mps).length());
+            relative_mps.iter().any(|mps| *mps < SLOW * airspeed_mps)
+        };
+        if self.tracks.hazards().rows().iter().any(stays) {
+            horizon_s.max(FAR_S)
+        } else {
+            horizon_s
+        }
+    }
+
+    /// A maneuver that is certified farther ahead than the one that is flown, where that one is not.
+    pub(super) fn farther(
+        &mut self,
+        plan: &Plan,
+        flown: &Maneuver,
+        now: &MotionState,
+        time_s: f64,
+    ) -> Option<Plan> {
+        if self.far_s <= self.settings.horizon_s || !self.cycle.is_multiple_of(SEARCH_AGAIN) {
+            return None;
+        }
+        let keep_m = KEEP_SHARE * self.settings.margin_m;
+        self.look_s = self.far_s;
+        let found = if self.margin_of(flown, now, (keep_m, keep_m)) >= keep_m {
+            None
+        } else {
+            let variety = self.cycle / SEARCH_AGAIN;
+            let (found, ..) = self.search(&Maneuver::hold(), now, |search| {
+                let single = search.cheapest(0.0);
+                let found = single.or_else(|| {
+                    let (found, proof) = search.best(Some(flown), Effort::Full, variety)?;
+                    (proof == Proof::Certified).then_some(found)
+                })?;
+                Some((found, search.maneuver(&found.turns, now)))
+            });
+            found
+        };
+        self.look_s = self.settings.horizon_s;
+        let (found, maneuver) = found?;
+        Some(Plan {
+            maneuver,
+            decided_s: time_s,
+            start_s: plan.start_s.min(time_s),
+            margin_m: found.margin_m,
+            cost: found.cost,
+            next_start_s: None,
+            basis: None,
+            against: self.also_against(flown, now, plan.against),
+            ..*plan
+        })
+    }
+}
