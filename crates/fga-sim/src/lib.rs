@@ -14,6 +14,7 @@
 //! | [`separation`] | how close did they really come? |
 //! | [`progress`] | how far along the mission, and how far beside it? |
 //! | [`policy`] | which policy is meant by a name? |
+//! | [`ahead`] | how is decided where a command takes effect only later? |
 //! | [`shield`] | may any policy fly, as long as a way out remains? |
 //! | [`worlds`] | what do many worlds show to policies that learn? |
 //! | [`engine`] | what comes of a flight? |
@@ -27,6 +28,7 @@
 
 extern crate alloc;
 
+pub mod ahead;
 pub mod baselines;
 pub mod batch;
 pub mod campaign;

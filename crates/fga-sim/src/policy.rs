@@ -6,6 +6,7 @@ pub use fga::pilot::Pilot;
 use fga::vehicle::Vehicle;
 use fga_paper::pilot::{GridSteps, PaperPilot, PaperSettings, Rule};
 
+use crate::ahead::Ahead;
 use crate::baselines::Baseline;
 
 /// What a vehicle file says about deciding; every policy takes what it uses.
@@ -126,7 +127,12 @@ impl PolicyChoice {
         match *self {
             Self::Avoider(start) => {
                 let settings = Settings { start, ..*avoider };
-                Ok(Box::new(Avoider::new(settings, *vehicle)?))
+                let avoider = Avoider::new(settings, *vehicle)?;
+                Ok(if vehicle.response.dead_time_s > 0.0 {
+                    Box::new(Ahead::new(avoider, vehicle))
+                } else {
+                    Box::new(avoider)
+                })
             }
             Self::Mission => {
                 avoider.check()?;

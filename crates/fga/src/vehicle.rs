@@ -15,7 +15,9 @@ pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
 /// How the vehicle follows a command: the difference between commanded and flown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
-    /// Dead time before a command has any effect, seconds.
+    /// Dead time before a command has any effect, seconds. An [`Avoider`](crate::avoider::Avoider)
+    /// is asked about the moment after it: whoever gives the situation predicts the commands under
+    /// way until then.
     pub dead_time_s: f64,
     /// Time constant of the first-order bank response, seconds; 0 for a bank that follows at once.
     pub bank_time_constant_s: f64,
