@@ -9,7 +9,7 @@ pub(crate) struct Worst<T> {
 }
 
 impl<T> Worst<T> {
-    /// Keeps at most so many.
+    /// Keeps at most `most` of them.
     pub(crate) const fn new(most: usize) -> Self {
         Self {
             most,

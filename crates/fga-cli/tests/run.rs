@@ -140,7 +140,7 @@ fn every_shipped_scenario_is_flown() {
     }
 }
 
-/// The rows of one aircraft of a recording, read anew: latitude, longitude in radians, altitude in
+/// The rows of one aircraft of a recording, read by the test: latitude, longitude in radians, altitude in
 /// metres, time in seconds.
 fn recorded(path: &Path, name: &str, time_column: usize) -> Vec<[f64; 4]> {
     fs::read_to_string(path)

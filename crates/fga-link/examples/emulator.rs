@@ -2,7 +2,7 @@
 //! `cargo run -p fga-link --example emulator -- tcpin:127.0.0.1:5760`.
 //!
 //! It flies a square mission of 3 km legs from its start, in AUTO, at 25 m/s. With a second argument
-//! it ends after so many seconds.
+//! it ends after that many seconds.
 
 use core::time::Duration;
 use std::sync::mpsc::sync_channel;

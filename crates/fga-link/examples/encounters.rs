@@ -2,7 +2,7 @@
 //! `cargo run --release -p fga-link --example encounters -- target/release/fga 500 2000 0 24
 //! tcp:127.0.0.1:5760 tcp:127.0.0.1:5762`.
 //!
-//! Arguments: the program; first shown at so many to so many metres; the first seed and how many;
+//! Arguments: the program; least and largest distance at which an intruder is first shown, metres; the first seed and how many;
 //! the vehicle's link for the ground station and the one for the program; then, where wanted, the
 //! configuration of the program and a folder for its logs. The vehicle stands on its runway and
 //! knows no mission; it takes off, flies north, and meets one encounter after the other on that

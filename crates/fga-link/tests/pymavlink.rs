@@ -1,4 +1,4 @@
-//! The codec against an independent one: pymavlink decodes what is sent here, encodes it anew, and the
+//! The codec against an independent one: pymavlink decodes what is sent here, encodes it again, and the
 //! result is decoded here.
 //!
 //! Needs Python with `pymavlink`; `FGA_PYTHON` names the interpreter. Without it the test is skipped,

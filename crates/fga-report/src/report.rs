@@ -130,11 +130,11 @@ impl Column {
 pub enum Cell {
     /// Text.
     Text(String),
-    /// A number with so many decimals.
+    /// A number with a fixed count of decimals.
     Number(f64, usize),
     /// A share of 0 to 1, shown in per cent with its interval.
     Share(Estimate),
-    /// A value with its interval and so many decimals.
+    /// A value with its interval, with a fixed count of decimals.
     Estimate(Estimate, usize),
     /// Text that leads to a file beside the page.
     Link {
@@ -288,7 +288,7 @@ impl Block {
 /// A table of more columns is set narrower.
 const WIDE: usize = 6;
 
-/// Text of so many characters is not broken into lines.
+/// Text up to this many characters stays on one line.
 const SHORT: usize = 30;
 
 impl Table {

@@ -2,8 +2,8 @@
 //!
 //! Position and velocity are measured at each look with the same σ on every axis, so that the
 //! three axes share one covariance. A small white acceleration keeps the filter open to change;
-//! an obstacle that turns shows in the looks, which then no longer fit the track: the track begins
-//! anew. What it reports is its own σ, which holds for obstacles that keep their velocity.
+//! the looks at an obstacle that turns no longer fit the track, and the track starts again. Its σ
+//! holds for obstacles that keep their velocity.
 
 use fga::Vec3;
 use fga::situation::Uncertainty;
@@ -15,7 +15,7 @@ const ACCELERATION_DENSITY: f64 = 1e-3;
 /// Share of the newest look in the running mean of the misfit.
 const MISFIT_SHARE: f64 = 0.2;
 
-/// The track begins anew above this mean misfit. A track that fits has mean 6 (three positions
+/// The track starts again above this mean misfit. A track that fits has mean 6 (three positions
 /// and three velocities, in σ²) and a standard deviation of 1.2.
 const MISFIT_LIMIT: f64 = 14.0;
 

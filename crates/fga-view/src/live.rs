@@ -11,13 +11,13 @@ use fga_report::replay::LiveMessage;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::broadcast::{self, Receiver};
 
-/// Messages that wait for a slow browser; one that is further behind is told the whole anew.
+/// Messages that wait for a slow browser; one further behind gets the whole run again.
 const WAITING: usize = 1024;
 /// Messages kept for browsers that come later; beyond it every second sample is forgotten.
 const REMEMBERED: usize = 40_000;
 /// A browser that takes no message for so long is gone.
 const GONE_AFTER: Duration = Duration::from_secs(15);
-/// A browser that fell behind is given so much time before it is told the whole anew.
+/// Time that a browser gets to catch up before it gets the whole run again.
 const PAUSE: Duration = Duration::from_millis(500);
 
 /// The sending end of a live run. Clones send to the same browsers.
@@ -56,7 +56,7 @@ impl Live {
     }
 
     /// Sends a message. It never waits for a browser: one that is slow misses messages and is
-    /// told the whole anew when it has caught up.
+    /// sent the whole run again when it has caught up.
     pub fn send(&self, message: &LiveMessage) {
         let text = Utf8Bytes::from(message.to_json());
         let spare = matches!(
@@ -149,7 +149,7 @@ impl Live {
     }
 }
 
-/// Told before the whole is told anew.
+/// Tells the page to clear itself before the whole run is sent again.
 const RESET: &str = "{\"type\":\"reset\"}";
 
 async fn send(socket: &mut WebSocket, text: Utf8Bytes) -> Option<()> {

@@ -126,7 +126,8 @@ impl ProtectedVolume {
     }
 }
 
-/// What an obstacle is; it sets the safety score `C_s` of §3.3.
+/// What an obstacle is; it sets the safety score `C_s` of §3.3, which the paper's rules follow. The
+/// avoider plans by [`Movement`] instead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ObstacleKind {
     /// Carries people: `C_s` = 0, the avoidance begins at once.

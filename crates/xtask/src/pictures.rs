@@ -14,11 +14,11 @@ struct Shot {
     name: &'static str,
     /// Page below the folder of the runs.
     page: &'static str,
-    /// What `viewer/pictures.mjs` is told besides.
+    /// More arguments of `viewer/pictures.mjs`.
     options: &'static [&'static str],
 }
 
-/// The runs: what `fga` is told, without `--out`, and the folder of the results.
+/// The runs: the arguments of `fga` without `--out`, and the folder of the results.
 const RUNS: [(&[&str], &str); 4] = [
     (&["run", "scenarios/first-flight.toml"], "first-flight"),
     (

@@ -251,7 +251,7 @@ impl Header<'_> {
 
 /// The fields of a line: separated by a comma or semicolon, or by blanks and tabs alone.
 ///
-/// With `expected`, a line that has so many fields by its commas alone is separated there only,
+/// With `expected`, a line that has this many fields by its commas alone is separated there only,
 /// so that a name may hold blanks. An empty field at the very end is none.
 pub(super) fn fields(line: &str, expected: Option<usize>) -> Vec<&str> {
     let is_comma = |c: char| c == ',' || c == ';';

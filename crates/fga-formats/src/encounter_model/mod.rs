@@ -8,8 +8,8 @@
 //! a correlated one.
 //!
 //! A value is drawn uniformly within its bin; a bin that spans 0 gives exactly 0. A variable
-//! without boundaries is a category, counted from 1. When a bin changes, the value is drawn anew;
-//! else it is drawn anew with the variable's resample rate each second.
+//! without boundaries is a category, counted from 1. When a bin changes, the sampler draws a
+//! new value; else it draws one with the variable's resample rate each second.
 //!
 //! Source: M. Kochenderfer and others, "Uncorrelated encounter model of the National Airspace
 //! System", ATC-345, and "Correlated encounter model", ATC-344, Lincoln Laboratory 2008.
@@ -42,7 +42,7 @@ pub struct Variable {
     pub bins: usize,
     /// The bins' edges, one more than bins; `None` for a category.
     pub boundaries: Option<Vec<f64>>,
-    /// Chance in a second that its value is drawn anew within the same bin.
+    /// Chance each second that the sampler draws a new value within the same bin.
     pub resample_per_s: f64,
 }
 

@@ -14,7 +14,7 @@ pub(super) struct Node {
     pub(super) bins: usize,
     /// Ascending.
     pub(super) parents: Vec<usize>,
-    /// Counts, the own bin fastest, then the parents' in ascending order; empty for a variable
+    /// Counts, its bin varies fastest, then the parents' in ascending order; empty for a variable
     /// that is given.
     pub(super) counts: Vec<f64>,
 }

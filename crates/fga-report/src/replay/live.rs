@@ -6,7 +6,7 @@ use super::{ReplayDecision, ReplayDecisionTime, ReplayEvent, ReplayObstacle, Rep
 use super::{ReplayRun, ReplaySample, encode};
 use crate::page::{self, json};
 
-/// A page that connects to a WebSocket on the host that served it and draws what it is told.
+/// A page that connects to a WebSocket on the host that served it and draws what arrives.
 ///
 /// `path` is the WebSocket's path, for example `/live`. Messages are [`LiveMessage`]s as JSON.
 #[must_use]
@@ -15,7 +15,7 @@ pub fn render_live(title: &str, path: &str) -> String {
     page::fill(encode::TEMPLATE, title, &data, "'self'")
 }
 
-/// What a page is told while a run goes on. Each message names its run by `run`, the place of
+/// The messages to a page while a run goes on. Each message names its run by `run`, the place of
 /// its [`LiveMessage::Run`] among those sent, counted from 0.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LiveMessage {

@@ -18,7 +18,7 @@ use super::{LOWERED, Steering};
 pub struct Orca {
     /// How far ahead collisions count, seconds.
     pub horizon_s: f64,
-    /// Protected radii are taken so many times as large.
+    /// Factor on the protected radii.
     pub inflation: f64,
 }
 

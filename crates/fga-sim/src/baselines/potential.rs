@@ -30,7 +30,7 @@ impl Default for PotentialField {
 
 impl Steering for PotentialField {
     fn steer(&mut self, view: &View<'_>) -> Option<Vec3> {
-        /// Closest distance to the surface that is told apart, in protected radii.
+        /// Distances to the surface below this count as this, in protected radii.
         const CLOSEST: f64 = 0.02;
         let wish = view.preferred_mps.normalize_or_zero();
         let mut repulsion = Vec3::ZERO;

@@ -20,7 +20,7 @@ use super::{LOWERED, Steering};
 pub struct VelocityObstacles {
     /// How far ahead collisions count, seconds.
     pub horizon_s: f64,
-    /// Protected radii are taken so many times as large.
+    /// Factor on the protected radii.
     pub inflation: f64,
     /// Courses tried to either side of the present one, up to half a turn.
     pub courses: u32,

@@ -17,7 +17,7 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// The same sphere with its radius so many times as large.
+    /// The same sphere with its radius multiplied by a factor.
     #[must_use]
     pub fn inflated(&self, times: f64) -> Self {
         Self {

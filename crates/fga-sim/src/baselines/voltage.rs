@@ -17,7 +17,7 @@ use super::{LOWERED, Steering};
 pub struct VoltagePotential {
     /// Conflicts that begin later are left alone, seconds.
     pub look_ahead_s: f64,
-    /// Protected radii are taken so many times as large.
+    /// Factor on the protected radii.
     pub inflation: f64,
 }
 

@@ -21,7 +21,7 @@ pub struct Cube {
     pub half_edge_m: f64,
     /// Points along an edge, at least 2; all points on the cube's surface are tested.
     pub points: u32,
-    /// Protected radii are taken so many times as large.
+    /// Factor on the protected radii.
     pub inflation: f64,
     /// The goal lies so far ahead on the mission, metres.
     pub goal_m: f64,

@@ -87,7 +87,7 @@ const TAKEN: u64 = 4;
 /// Flies every block that is not there yet, on the threads of the current pool.
 ///
 /// `go_on` is asked now and then; once it says no, running blocks are dropped and the finished ones
-/// stay. `show` is told of every finished block. Gives the decision times of each policy, of the
+/// stay. `show` gets every finished block. Gives the decision times of each policy, of the
 /// encounters that were flown now.
 ///
 /// # Errors
