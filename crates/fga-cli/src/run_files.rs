@@ -197,12 +197,7 @@ pub(crate) fn overview(log: &RunLog) -> Overview {
             .map(|sample| overview::Sample {
                 time_s: sample.time_s,
                 position_m: sample.position_m,
-                state: match sample.state {
-                    State::Cruise => overview::State::Cruise,
-                    State::Threatened => overview::State::Threatened,
-                    State::Avoiding => overview::State::Avoiding,
-                    State::Recovering => overview::State::Recovering,
-                },
+                state: sample.state,
             })
             .collect(),
         obstacles,

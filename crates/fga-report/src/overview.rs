@@ -11,11 +11,12 @@ mod panel;
 mod separation;
 mod top;
 
-pub use data::{Closest, Moment, MomentKind, Obstacle, Overview, Sample, State, TrackPoint};
+pub use data::{Closest, Moment, MomentKind, Obstacle, Overview, Sample, TrackPoint};
 
 use crate::palette::{BLACK, BLUE, GREEN, INK, MUTED, ORANGE, PURPLE, SKY, VERMILION};
 use crate::svg::{Anchor, Point, Rect, Svg, TextStyle, shorten, text_width};
 use data::Focus;
+use fga::avoider::State;
 
 const WIDTH: f64 = 1160.0;
 const MARGIN: f64 = 24.0;

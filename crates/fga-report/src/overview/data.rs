@@ -1,42 +1,10 @@
 //! What an overview is made of, and which obstacles it follows.
 
 use fga::Vec3;
+use fga::avoider::State;
 use fga::situation::ProtectedVolume;
 
 use super::Shape;
-
-/// What the aircraft is doing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum State {
-    /// Flying its mission, no threat.
-    Cruise,
-    /// A threat is known, the manoeuvre has not begun.
-    Threatened,
-    /// Manoeuvring.
-    Avoiding,
-    /// On the way back to the mission.
-    Recovering,
-}
-
-impl State {
-    /// All states in the order in which they occur.
-    pub const ALL: [Self; 4] = [
-        Self::Cruise,
-        Self::Threatened,
-        Self::Avoiding,
-        Self::Recovering,
-    ];
-
-    /// Lower-case English name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Cruise => "cruise",
-            Self::Threatened => "threatened",
-            Self::Avoiding => "avoiding",
-            Self::Recovering => "recovering",
-        }
-    }
-}
 
 /// Where the aircraft was.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -135,7 +103,8 @@ pub struct Moment {
 ///
 /// ```
 /// use fga::{Vec3, situation::ProtectedVolume};
-/// use fga_report::overview::{Obstacle, Overview, Sample, State, TrackPoint};
+/// use fga::avoider::State;
+/// use fga_report::overview::{Obstacle, Overview, Sample, TrackPoint};
 ///
 /// let overview = Overview {
 ///     title: "Past a mast".into(),

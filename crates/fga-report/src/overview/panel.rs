@@ -1,10 +1,11 @@
 //! A panel over time: its axes, the band of states, lines at the critical moments.
 
-use super::data::{Moment, Overview, Sample, State};
+use super::data::{Moment, Overview, Sample};
 use super::{GRID_LINE, axis_titles, state_colour};
 use crate::palette::MUTED;
 use crate::scale::{Scale, mark_text, marks, step, time_step};
 use crate::svg::{Anchor, Point, Rect, Svg, TextStyle};
+use fga::avoider::State;
 
 /// A panel over time with its scales.
 pub(super) struct Panel {

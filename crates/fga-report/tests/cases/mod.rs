@@ -1,8 +1,9 @@
 //! Runs to draw: the ordinary one and the extremes.
 
 use fga::Vec3;
+use fga::avoider::State;
 use fga::situation::ProtectedVolume;
-use fga_report::overview::{Moment, MomentKind, Obstacle, Overview, Sample, State, TrackPoint};
+use fga_report::overview::{Moment, MomentKind, Obstacle, Overview, Sample, TrackPoint};
 
 const SPHERE: ProtectedVolume = ProtectedVolume::Sphere { radius_m: 30.0 };
 

@@ -17,6 +17,14 @@ pub enum State {
 }
 
 impl State {
+    /// All states, in the order of an encounter.
+    pub const ALL: [Self; 4] = [
+        Self::Cruise,
+        Self::Threatened,
+        Self::Avoiding,
+        Self::Recovering,
+    ];
+
     /// The state's name in logs and files.
     pub const fn name(self) -> &'static str {
         match self {
