@@ -155,6 +155,19 @@ pub(crate) fn summary(log: &RunLog) -> Value {
             })
         })
         .collect();
+    let conflicts: Vec<Value> = log
+        .conflicts()
+        .iter()
+        .map(|conflict| {
+            json!({
+                "threat_s": conflict.threat_s,
+                "start_s": conflict.start_s,
+                "clear_s": conflict.clear_s,
+                "rejoined_s": conflict.rejoined_s,
+                "obstacles": conflict.obstacles,
+            })
+        })
+        .collect();
     json!({
         "name": log.plan.name,
         "policy": log.policy,
@@ -165,6 +178,7 @@ pub(crate) fn summary(log: &RunLog) -> Value {
         "start_s": outcome.start_s,
         "clear_s": outcome.clear_s,
         "rejoined_s": outcome.rejoined_s,
+        "conflicts": conflicts,
         "max_cross_track_m": outcome.max_cross_track_m,
         "extra_path_m": outcome.extra_path_m,
         "mission_flown": outcome.mission_flown,
@@ -238,6 +252,37 @@ fn describe_obstacles(text: &mut String, log: &RunLog) -> core::fmt::Result {
     Ok(())
 }
 
+/// One line for each conflict.
+fn describe_conflicts(text: &mut String, log: &RunLog) -> core::fmt::Result {
+    let at = |time_s: Option<f64>| time_s.map_or("never".into(), |t| format!("{t:.1} s"));
+    let conflicts = log.conflicts();
+    if conflicts.is_empty() {
+        return writeln!(text, "nothing threatened");
+    }
+    for conflict in conflicts {
+        let names: Vec<String> = conflict
+            .obstacles
+            .iter()
+            .map(|id| {
+                log.name_of(*id)
+                    .chars()
+                    .filter(|c| !c.is_control())
+                    .collect()
+            })
+            .collect();
+        writeln!(
+            text,
+            "threat seen {:.1} s ({}); manoeuvre began {}; clear {}; route rejoined {}",
+            conflict.threat_s,
+            names.join(", "),
+            at(conflict.start_s),
+            at(conflict.clear_s),
+            at(conflict.rejoined_s)
+        )?;
+    }
+    Ok(())
+}
+
 fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::Result {
     let outcome = &log.outcome;
     writeln!(
@@ -246,15 +291,7 @@ fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::
         log.plan.name, log.policy, log.plan.model.name, outcome.end_s
     )?;
     describe_obstacles(text, log)?;
-    let at = |time_s: Option<f64>| time_s.map_or("never".into(), |t| format!("{t:.1} s"));
-    writeln!(
-        text,
-        "threat seen {}; manoeuvre began {}; clear {}; route rejoined {}",
-        at(outcome.threat_s),
-        at(outcome.start_s),
-        at(outcome.clear_s),
-        at(outcome.rejoined_s)
-    )?;
+    describe_conflicts(text, log)?;
     writeln!(
         text,
         "largest distance from the route {:.1} m, extra path {} m{}",

@@ -326,7 +326,12 @@ fn of_a_large_campaign_the_worst_are_listed() {
     let listing = data(&get(&server.address, "/"));
     drop(server);
     let note = listing["note"].as_str().unwrap();
-    let told = "Of 5100 flights the 5000 with the least margin are listed, 5000 of each policy.";
+    let told = "Of 5100 flights the 5000 with the least margin are listed, 5000 of each policy; those \
+                lost although avoidable come first.";
+    assert_eq!(
+        listing["shares"][0]["runs"], 5_100,
+        "all flights, listed or not"
+    );
     assert!(note.contains(told), "{note}");
     let rows = listing["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 5_000);

@@ -53,6 +53,10 @@ fn a_scenario_is_flown_and_everything_is_written() {
     );
     let run: serde_json::Value =
         serde_json::from_slice(&fs::read(out.join("run.json")).unwrap()).unwrap();
+    let conflicts = summary["conflicts"].as_array().unwrap();
+    assert_eq!(conflicts.len(), 1, "one mast, one conflict");
+    assert_eq!(conflicts[0]["threat_s"], summary["threat_s"]);
+    assert_eq!(conflicts[0]["rejoined_s"], summary["rejoined_s"]);
     for key in ["version", "configuration_hash", "seed", "target", "wall_s"] {
         assert!(!run[key].is_null(), "{key}");
     }

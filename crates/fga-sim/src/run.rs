@@ -1,5 +1,9 @@
 //! One flight with everything logged: what `fga run` shows.
 
+mod conflict;
+
+pub use conflict::Conflict;
+
 use std::path::Path;
 
 use fga::avoider::{Decision, SettingsError, State};
@@ -243,6 +247,11 @@ pub fn fly(
 }
 
 impl RunLog {
+    /// The conflicts of the flight, in order of time.
+    pub fn conflicts(&self) -> Vec<Conflict> {
+        conflict::of(&self.decisions)
+    }
+
     /// Times of the decisions.
     pub fn decision_times(&self) -> DecisionTimes {
         let mut elapsed: Vec<u64> = self.decisions.iter().map(|d| d.elapsed_ns).collect();
