@@ -3,12 +3,14 @@
 //! | chore | what it does |
 //! |---|---|
 //! | `bytes` | prints the hash of every result that a change of shape must not change |
+//! | `evidence` | makes the counts of the pages again, whole or a small part |
 //! | `mutants` | changes what decides about the mode, bit by bit, and says what no test notices |
 //! | `pictures` | makes every picture of README and docs from real runs |
 
 extern crate alloc;
 
 mod bytes;
+mod evidence;
 mod mutants;
 mod pictures;
 
@@ -18,9 +20,10 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["bytes", ref options @ ..] => bytes::print(options),
+        ["evidence", ref options @ ..] => evidence::make(options),
         ["mutants"] => mutants::check(),
         ["pictures"] => pictures::make(),
-        _ => Err("expected cargo xtask bytes, mutants or pictures".to_owned()),
+        _ => Err("expected cargo xtask bytes, evidence, mutants or pictures".to_owned()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,0 +1,131 @@
+//! The evidence behind the pages' counts, made again: `cargo xtask evidence` runs every experiment in
+//! the size of the pages (hours), `cargo xtask evidence small` a part of each (a minute).
+//!
+//! Each output goes to `out/evidence/NAME.txt` below its command. An experiment whose count has an
+//! expectation fails the chore where it is not met.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+const OUT: &str = "out/evidence";
+
+/// One experiment of `fga-experiments`.
+struct Evidence {
+    name: &'static str,
+    /// Its arguments in the size of the pages.
+    full: &'static [&'static str],
+    /// Its arguments in the small size.
+    small: &'static [&'static str],
+    /// What its last line begins with, where that is known before.
+    expected: Option<&'static str>,
+}
+
+const EVIDENCE: [Evidence; 6] = [
+    Evidence {
+        name: "lost",
+        full: &["lost", "7", "1000"],
+        small: &["lost", "7", "3"],
+        expected: Some("all: 0 lost of "),
+    },
+    Evidence {
+        name: "lost-turning",
+        full: &["lost", "5", "100", "--turning"],
+        small: &["lost", "5", "1", "--turning"],
+        expected: None,
+    },
+    Evidence {
+        name: "lost-latest",
+        full: &["lost", "9", "200", "--policy", LATEST],
+        small: &["lost", "9", "1", "--policy", LATEST],
+        expected: None,
+    },
+    Evidence {
+        name: "needless",
+        full: &["departures", "needless", "1", "5000"],
+        small: &["departures", "needless", "1", "50"],
+        expected: None,
+    },
+    Evidence {
+        name: "departures",
+        full: &["departures", "compare", "1", "100"],
+        small: &["departures", "compare", "1", "1"],
+        expected: None,
+    },
+    Evidence {
+        name: "robustness",
+        full: &["robustness", "1", "10"],
+        small: &["robustness", "1", "1"],
+        expected: None,
+    },
+];
+
+const LATEST: &str = "turn-aware --start latest";
+
+/// Runs every experiment in one size.
+pub(crate) fn make(options: &[&str]) -> Result<(), String> {
+    let is_small = match options {
+        [] => false,
+        ["small"] => true,
+        _ => return Err("expected cargo xtask evidence [small]".into()),
+    };
+    let program = program(is_small)?;
+    fs::create_dir_all(OUT).map_err(|error| format!("{OUT}: {error}"))?;
+    let mut failed = Vec::new();
+    for evidence in &EVIDENCE {
+        let arguments = if is_small {
+            evidence.small
+        } else {
+            evidence.full
+        };
+        eprintln!("{}: fga-experiments {}", evidence.name, arguments.join(" "));
+        let output = Command::new(&program)
+            .args(arguments)
+            .output()
+            .map_err(|error| format!("{program}: {error}"))?;
+        let errors = String::from_utf8_lossy(&output.stderr);
+        if !output.status.success() {
+            return Err(format!("{}: {}", evidence.name, errors.trim()));
+        }
+        let text = String::from_utf8_lossy(&output.stdout);
+        let path = Path::new(OUT).join(format!("{}.txt", evidence.name));
+        let command = format!("fga-experiments {}\n", arguments.join(" "));
+        fs::write(&path, command + &text)
+            .map_err(|error| format!("{}: {error}", path.display()))?;
+        let last = text.lines().last().unwrap_or_default();
+        println!("{}: {last}", evidence.name);
+        if evidence
+            .expected
+            .is_some_and(|begin| !last.starts_with(begin))
+        {
+            failed.push(evidence.name);
+        }
+    }
+    if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(format!("not as expected: {}; see {OUT}", failed.join(", ")))
+    }
+}
+
+/// Builds the experiments: as the tests do for the small size, else for speed.
+fn program(is_small: bool) -> Result<String, String> {
+    let (arguments, program): (&[&str], _) = if is_small {
+        let as_tests = &["--workspace", "--features", "fga-cli/beast"];
+        (as_tests, "target/debug/fga-experiments")
+    } else {
+        let alone = &["--release", "--package", "fga-experiments"];
+        (alone, "target/release/fga-experiments")
+    };
+    let status = Command::new("cargo")
+        .arg("build")
+        .args(arguments)
+        .args(["--bin", "fga-experiments"])
+        .status()
+        .map_err(|error| format!("cargo does not start: {error}"))?;
+    if status.success() {
+        Ok(program.into())
+    } else {
+        Err(format!("cargo build ended with {status}"))
+    }
+}
