@@ -8,11 +8,12 @@
 use clap::Args;
 use fga::Vec3;
 use fga::avoider::{Reason, State};
-use fga_sim::batch::{BatchSettings, crab};
+use fga_sim::batch::BatchSettings;
 use fga_sim::campaign::parse_policy;
 use fga_sim::encounters::EncounterSource;
 use fga_sim::engine::{DecisionMoment, Observer, Outcome};
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
+use fga_sim::wind::crab;
 use rayon::prelude::*;
 
 use crate::common::{self, DrawArgs, model};

@@ -10,11 +10,12 @@ use std::process::ExitCode;
 use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::{Passing, ProtectedVolume};
-use fga_sim::batch::{BatchSettings, crab, empty_world};
+use fga_sim::batch::{BatchSettings, empty_world};
 use fga_sim::engine::{Engine, Observer, Outcome, Sample};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::track::Track;
 use fga_sim::vehicle_file::VehicleModel;
+use fga_sim::wind::crab;
 use fga_sim::world::{Ending, World, WorldObstacle};
 
 /// A survey line is flown where the track comes this near, metres.

@@ -41,7 +41,7 @@ pub use waypoints::{Cube, WaypointGreedy, WaypointOptimal};
 use fga::avoider::{Settings, SettingsError};
 use fga::vehicle::Vehicle;
 
-use crate::policy::Pilot;
+use fga::pilot::Pilot;
 
 /// How much lower the velocity methods see an obstacle at their own height, in protected radii.
 /// Any value from 0.01 to 0.1 gives the same shares within the error of the search; without it they

@@ -10,7 +10,6 @@
 //! stream of noise, and rows come out in the order of the file.
 
 use fga::Vec3;
-use fga::angle::{climb_of, course_of};
 use fga::avoider::SettingsError;
 use fga_formats::encounters::Encounter;
 use fga_formats::number::push_fixed;
@@ -23,6 +22,7 @@ use crate::policy::{Pilot, PolicyChoice, PolicySettings};
 use crate::run::{Plan, RunLog, fly};
 use crate::track::Track;
 use crate::vehicle_file::VehicleModel;
+use crate::wind::crab;
 use crate::world::{Ending, StartState, World, WorldObstacle};
 
 /// Encounters flown between two writings; it bounds the memory.
@@ -91,20 +91,6 @@ pub enum BatchError<E> {
     /// A row that could not be taken.
     #[error(transparent)]
     Sink(E),
-}
-
-/// Course and climb angle through the air that fly along a ground direction in a wind; `None`
-/// where the wind is too strong.
-pub fn crab(direction: Vec3, airspeed_mps: f64, wind_mps: Vec3) -> Option<(f64, f64)> {
-    let along_mps = wind_mps.dot(direction);
-    let across_mps = wind_mps - direction * along_mps;
-    let rest = airspeed_mps * airspeed_mps - across_mps.length_squared();
-    let forward_mps = libm::sqrt(rest.max(0.0));
-    if rest <= 0.0 || forward_mps + along_mps <= 0.0 {
-        return None;
-    }
-    let air_mps = direction * forward_mps - across_mps;
-    Some((course_of(air_mps), climb_of(air_mps)))
 }
 
 /// The world of a batch without its obstacles; `None` where the wind does not let the line be

@@ -9,12 +9,12 @@ use std::time::Instant;
 use fga::Vec3;
 use fga::angle::{climb_of, course_of, wrap_pi};
 use fga::avoider::{Decision, Reason, State};
+use fga::pilot::Pilot;
 use fga::situation::Ownship;
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 use crate::plant::{Arc, Plant, unwrap_near};
-use crate::policy::Pilot;
 use crate::progress::{MissedWaypoint, MissionProgress};
 use crate::sensor::Sensor;
 use crate::separation::Separation;

@@ -7,12 +7,16 @@
 //! |---|---|
 //! | [`scenario`], [`recording`] | which flight does a file describe? |
 //! | [`vehicle_file`] | which aircraft does a file describe? |
+//! | [`plan`] | what is to be flown, with the names of things? |
 //! | [`world`] | what is one flight made of? |
+//! | [`obstacle`] | what is in the way, and what is heard of it? |
+//! | [`wind`] | which way to fly a line in a wind? |
 //! | [`plant`] | how does the aircraft really fly? |
 //! | [`track`] | where is an obstacle really? |
 //! | [`sensor`] | what does the aircraft know of it? |
 //! | [`separation`] | how close did they really come? |
 //! | [`progress`] | how far along the mission, and how far beside it? |
+//! | [`settings`] | what does a vehicle file say about deciding? |
 //! | [`policy`] | which policy is meant by a name? |
 //! | [`ahead`] | how is decided where a command takes effect only later? |
 //! | [`shield`] | may any policy fly, as long as a way out remains? |
@@ -35,7 +39,10 @@ pub mod campaign;
 pub mod encounters;
 pub mod engine;
 pub mod fine;
+mod fingerprint;
+pub mod obstacle;
 pub mod oracle;
+pub mod plan;
 pub mod plant;
 pub mod policy;
 pub mod progress;
@@ -44,10 +51,12 @@ pub mod run;
 pub mod scenario;
 pub mod sensor;
 pub mod separation;
+pub mod settings;
 pub mod shield;
 pub mod toml_input;
 pub mod track;
 pub mod tracker;
 pub mod vehicle_file;
+pub mod wind;
 pub mod world;
 pub mod worlds;

@@ -17,8 +17,8 @@ use fga::situation::Movement;
 use fga_formats::InputError;
 use fga_formats::daa::{self, TrackSample};
 
+use crate::plan::Plan;
 use crate::plant::at_airspeed;
-use crate::run::Plan;
 use crate::track::{Track, TrackPoint};
 use crate::vehicle_file::VehicleModel;
 use crate::world::{Ending, StartState, TrackReport, World, WorldObstacle};

@@ -2,6 +2,7 @@
 
 mod conflict;
 
+pub use crate::plan::Plan;
 pub use conflict::Conflict;
 
 use std::path::Path;
@@ -9,34 +10,13 @@ use std::path::Path;
 use fga::avoider::{Decision, SettingsError, State};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
 use fga_formats::InputError;
-use fga_formats::geodesy::LocalFrame;
 
 use crate::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
 use crate::policy::PolicyChoice;
 use crate::progress::{MissedWaypoint, mission_line_m};
 use crate::separation::Least;
 use crate::vehicle_file::VehicleModel;
-use crate::world::World;
 use crate::{recording, scenario};
-
-/// A flight to be flown, with the names that people give to things.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
-    /// Its name.
-    pub name: String,
-    /// A sentence about it.
-    pub description: String,
-    /// Names of the obstacles, in the order of the world's.
-    pub names: Vec<String>,
-    /// Where the local frame lies on the earth, where it is known.
-    pub frame: Option<LocalFrame>,
-    /// Time of the source at the start of the run, seconds.
-    pub time_offset_s: f64,
-    /// The aircraft.
-    pub model: VehicleModel,
-    /// What is flown.
-    pub world: World,
-}
 
 impl Plan {
     /// Reads a scenario (`.toml`) or a recording (`.daa`). `vehicle` takes the place of the one

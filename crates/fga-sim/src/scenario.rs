@@ -40,11 +40,11 @@ use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::batch::crab;
-use crate::run::Plan;
+use crate::plan::Plan;
 use crate::toml_input::TomlText;
 use crate::track::{Track, TrackPoint};
 use crate::vehicle_file::{NoiseTable, SensorTable, VehicleModel, WindTable};
+use crate::wind::crab;
 use crate::world::{Ending, StartState, World, WorldObstacle};
 
 /// Longest flight, seconds.

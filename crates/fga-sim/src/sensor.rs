@@ -5,8 +5,8 @@ use fga::situation::{Obstacle, Uncertainty};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 
+use crate::obstacle::WorldObstacle;
 use crate::tracker::{LookNoise, TrackEstimate};
-use crate::world::WorldObstacle;
 
 /// How well and how often obstacles are seen.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -18,10 +18,10 @@ use fga_paper::pilot::GridSteps;
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::campaign::fingerprint;
+use crate::fingerprint::fingerprint;
 use crate::plant::Autopilot;
-use crate::policy::PolicySettings;
 use crate::sensor::SensorSettings;
+use crate::settings::PolicySettings;
 use crate::toml_input::TomlText;
 
 /// The built-in vehicle: Table 4 of the paper.

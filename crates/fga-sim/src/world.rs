@@ -1,86 +1,15 @@
 //! Everything that one flight is made of.
 
+pub use crate::obstacle::{TrackReport, WorldObstacle};
+
 use fga::Vec3;
-use fga::situation::{Movement, ObstacleKind, Passing, ProtectedVolume};
+use fga::situation::Passing;
 use fga::vehicle::Vehicle;
 
 use crate::plant::Autopilot;
-use crate::policy::PolicySettings;
 use crate::sensor::SensorSettings;
+use crate::settings::PolicySettings;
 use crate::track::Track;
-
-/// An obstacle as it really is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct WorldObstacle {
-    /// Identifier shown to the avoider, unique within the world.
-    pub id: u32,
-    /// Where it really is.
-    pub track: Track,
-    /// What must not be entered.
-    pub volume: ProtectedVolume,
-    /// What it is.
-    pub kind: ObstacleKind,
-    /// How the avoider expects it to move.
-    pub movement: Movement,
-    /// What is heard of it, times growing; empty where it is seen as it really is.
-    pub reports: Vec<TrackReport>,
-    /// It is not seen before this time, seconds.
-    pub appears_s: f64,
-    /// It is not seen before it first comes within this distance, metres; then it stays known.
-    pub first_seen_m: Option<f64>,
-}
-
-impl WorldObstacle {
-    /// An obstacle of no particular kind that keeps its velocity, known from the start.
-    pub const fn new(id: u32, track: Track, volume: ProtectedVolume) -> Self {
-        Self {
-            id,
-            track,
-            volume,
-            kind: ObstacleKind::Unknown,
-            movement: Movement::Straight,
-            reports: Vec::new(),
-            appears_s: 0.0,
-            first_seen_m: None,
-        }
-    }
-}
-
-/// A row of a recording, as whoever avoids hears it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrackReport {
-    /// Seconds since the start of the run.
-    pub time_s: f64,
-    /// Position then, metres.
-    pub position_m: Vec3,
-    /// Velocity over the ground then, metres per second.
-    pub velocity_mps: Vec3,
-}
-
-/// A report is carried on in a straight line for this long, seconds; then the obstacle is missing
-/// until it is heard again.
-const CARRIED_ON_S: f64 = 2.0;
-
-impl WorldObstacle {
-    /// Position and velocity as they are known at a time; `None` where nothing is.
-    ///
-    /// What is reported later plays no part; after the last report the obstacle is gone.
-    pub fn known_at(&self, time_s: f64) -> Option<(Vec3, Vec3)> {
-        if self.reports.is_empty() {
-            return self.track.at(time_s);
-        }
-        let heard = self.reports.partition_point(|r| r.time_s <= time_s + 1e-9);
-        let last = self.reports.get(heard.checked_sub(1)?)?;
-        let since_s = time_s - last.time_s;
-        let is_gone = heard == self.reports.len() && since_s > 1e-9;
-        (!is_gone && since_s <= CARRIED_ON_S).then(|| {
-            (
-                last.position_m + last.velocity_mps * since_s,
-                last.velocity_mps,
-            )
-        })
-    }
-}
 
 /// When a flight ends before its horizon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,11 +9,12 @@ use fga_formats::encounters::{self, Encounter};
 use fga_formats::{InputError, error::shown};
 use serde::{Deserialize, Serialize};
 
+use super::CampaignError;
 use super::sources::{self, ModelFile, RecordingSource, Recordings};
-use super::{CampaignError, fingerprint};
 use crate::batch::{self, BatchSettings};
 use crate::encounters::EncounterSource;
 use crate::encounters::modeled::ModelSource;
+use crate::fingerprint::fingerprint;
 use crate::oracle::{OracleSettings, OracleStart, OracleVehicle};
 use crate::policy::PolicyChoice;
 use crate::toml_input::TomlText;

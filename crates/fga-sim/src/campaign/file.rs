@@ -32,11 +32,12 @@ use fga_formats::error::{read_text, shown};
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::Configuration;
 use super::configuration::{FileSource, block_size, parse_policy};
 use super::sources::{self, ModelFile};
-use super::{Configuration, fingerprint};
 use crate::encounters::EncounterSource;
 use crate::encounters::modeled::{OwnshipFlight, Pairing};
+use crate::fingerprint::fingerprint;
 use crate::toml_input::TomlText;
 use crate::vehicle_file::VehicleModel;
 

@@ -16,7 +16,8 @@ use parquet::errors::ParquetError;
 use serde::{Deserialize, Serialize};
 
 use super::table::{self, TableWriter};
-use super::{Campaign, CampaignError, Configuration, Row, fingerprint};
+use super::{Campaign, CampaignError, Configuration, Row};
+use crate::fingerprint::fingerprint;
 
 /// Name of the manifest.
 pub const MANIFEST: &str = "campaign.json";

@@ -13,7 +13,8 @@ use sha2::{Digest as _, Sha256};
 use super::folder::{Manifest, RESULTS, read_block};
 use super::table::{self, TableWriter};
 use super::totals::Summary;
-use super::{Campaign, CampaignError, Folder, Shard, Stamp, hexadecimal};
+use super::{Campaign, CampaignError, Folder, Shard, Stamp};
+use crate::fingerprint::hexadecimal;
 
 /// What the finished table says.
 #[derive(Debug)]

@@ -7,8 +7,9 @@ use fga_formats::recordings::{self, Named};
 use fga_formats::{InputError, encounter_model};
 use serde::{Deserialize, Serialize};
 
-use super::{CampaignError, fingerprint};
+use super::CampaignError;
 use crate::encounters::modeled::{ModelSource, Pairing};
+use crate::fingerprint::fingerprint;
 use crate::recording;
 use crate::run::Plan;
 use crate::vehicle_file::VehicleModel;

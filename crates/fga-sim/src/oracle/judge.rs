@@ -5,8 +5,9 @@ use fga::situation::ProtectedVolume;
 use fga_formats::encounters::Encounter;
 
 use super::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
-use crate::batch::{crab, volume_of};
+use crate::batch::volume_of;
 use crate::vehicle_file::VehicleModel;
+use crate::wind::crab;
 
 /// Says of each encounter of a batch which margin could be kept.
 #[derive(Debug, Clone)]
