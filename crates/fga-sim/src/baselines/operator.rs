@@ -223,7 +223,8 @@ mod tests {
                 first.get_or_insert(second);
             }
         }
-        assert_eq!(first, Some(5));
+        // Two looks of four must agree: the alert stands from the second one on, 1 s, then come 5 s.
+        assert_eq!(first, Some(6));
         let velocity = operator.steer(&view(&head_on(2700.0), &vehicle)).unwrap();
         // The intruder passes on the right: the nearer edge is on the left.
         assert!(velocity.y > 0.0 && velocity.z == 0.0, "{velocity}");
