@@ -9,9 +9,7 @@ use arrow_array::{Array, RecordBatch};
 use arrow_schema::DataType;
 use fga::Vec3;
 use fga::situation::{Obstacle, ProtectedVolume};
-use fga_formats::encounters::{
-    self, COLUMNS, Encounter, KIND_COLUMN, movement_of,
-};
+use fga_formats::encounters::{self, COLUMNS, Encounter, KIND_COLUMN, movement_of};
 use fga_formats::number::push_fixed;
 use fga_sim::batch::{BatchError, BatchSettings, RESULT_COLUMNS, fly_all};
 use fga_sim::campaign::parse_policy;

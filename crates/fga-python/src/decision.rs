@@ -5,12 +5,13 @@ use fga::avoider::{
     Verdict,
 };
 use fga::maneuver::{Maneuver, Stage as CoreStage};
+use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga_formats::words::{decision_words, reason_key};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::value::{NewArguments, expect, shown};
+use crate::value::{NewArguments, Ownship, Vehicle, expect, shown};
 
 /// What is commanded from a moment on, until the next stage begins.
 ///
@@ -274,6 +275,43 @@ impl Decision {
     #[pyo3(signature = (after_s = 0.0))]
     fn stage_at(&self, after_s: f64) -> Option<Stage> {
         self.decision.command.stage_at(after_s).copied().map(Stage)
+    }
+
+    /// Where the command takes an aircraft of these limits from the state in which it was decided, if nothing
+    /// new is learned: its state some seconds later, in still air.
+    ///
+    /// Raises ValueError for a decision of your own, which knows no aircraft, or a time that is not from 0 to
+    /// 600.
+    fn predicted(&self, vehicle: &Bound<'_, Vehicle>, after_s: f64) -> PyResult<Ownship> {
+        expect(
+            (0.0..=600.0).contains(&after_s),
+            "after_s",
+            after_s,
+            "0 to 600",
+        )?;
+        let own = self.ownship.ok_or_else(|| {
+            PyValueError::new_err("the decision was made for no aircraft, expected one of a pilot")
+        })?;
+        let flyer = Flyer::new(&vehicle.get().0);
+        let mut path = Box::new(FlightPath::new());
+        path.predict(
+            &flyer,
+            &MotionState::of(&own),
+            &self.decision.command,
+            after_s + 1.0,
+        );
+        let state = path.state_at(&flyer, after_s).ok_or_else(|| {
+            PyValueError::new_err(format!(
+                "after_s is {after_s}, expected a time within the prediction"
+            ))
+        })?;
+        Ok(Ownship(fga::situation::Ownship {
+            position_m: state.position_m,
+            course_rad: state.course_rad,
+            climb_rad: state.climb_rad,
+            bank_rad: state.bank_rad,
+            ..own
+        }))
     }
 
     /// The most urgent threat.

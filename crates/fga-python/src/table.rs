@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use arrow_array::ffi_stream::{RecordBatchStreamReader, FFI_ArrowArrayStream};
+use arrow_array::ffi_stream::{FFI_ArrowArrayStream, RecordBatchStreamReader};
 use arrow_array::{
     Array as _, ArrayRef, BooleanArray, Float64Array, RecordBatch, RecordBatchIterator,
     RecordBatchReader, StringArray, UInt64Array,

@@ -6,7 +6,7 @@ use fga::maneuver::Maneuver;
 use fga_sim::encounters::EncounterSource;
 use fga_sim::shield::Shield as CoreShield;
 use fga_sim::vehicle_file::VehicleModel;
-use fga_sim::worlds::{Worlds as CoreWorlds, WorldsSettings};
+use fga_sim::worlds::{Stepped, Worlds as CoreWorlds, WorldsSettings};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -130,8 +130,15 @@ impl Worlds {
         PyArray1::from_vec(py, values).reshape([count, width])
     }
 
-    /// Flies one action in each world, an array of shape (worlds, 2), until the next decision.
-    fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<Steps<'py>> {
+    /// Flies one action in each world, an array of shape (worlds, 2), until the next decision; those that
+    /// `held` marks stand still.
+    #[pyo3(signature = (actions, held = None))]
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        actions: &Bound<'py, PyAny>,
+        held: Option<Vec<bool>>,
+    ) -> PyResult<Steps<'py>> {
         let mut guard = self.worlds()?;
         let worlds = &mut *guard;
         let (count, width) = (worlds.len(), worlds.observed());
@@ -150,18 +157,31 @@ impl Worlds {
             .into_iter()
             .map(|row| (row[0], row[1]))
             .collect();
+        let held = held.unwrap_or_else(|| vec![false; count]);
+        if held.len() != count {
+            return Err(PyValueError::new_err(format!(
+                "held has {} values, expected {count}",
+                held.len()
+            )));
+        }
         let (steps, values) = py.detach(|| {
             let steps: Vec<_> = actions
                 .into_iter()
+                .zip(held)
                 .enumerate()
-                .map(|(index, (turn, climb))| worlds.step(index, turn, climb))
+                .map(|(index, ((turn, climb), held))| {
+                    if held {
+                        Stepped::STILL
+                    } else {
+                        worlds.step(index, turn, climb)
+                    }
+                })
                 .collect();
             let values = observed(worlds);
             (steps, values)
         });
-        let flags = |get: fn(&fga_sim::worlds::Stepped) -> bool| {
-            PyArray1::from_vec(py, steps.iter().map(get).collect())
-        };
+        let flags =
+            |get: fn(&Stepped) -> bool| PyArray1::from_vec(py, steps.iter().map(get).collect());
         Ok((
             PyArray1::from_vec(py, values).reshape([count, width])?,
             PyArray1::from_vec(py, steps.iter().map(|step| step.reward).collect()),

@@ -75,6 +75,16 @@ pub struct Stepped {
     pub engaged: bool,
 }
 
+impl Stepped {
+    /// Nothing was flown.
+    pub const STILL: Self = Self {
+        reward: 0.0,
+        terminated: false,
+        truncated: false,
+        engaged: false,
+    };
+}
+
 /// One of the worlds.
 #[derive(Debug)]
 struct Place {
@@ -216,10 +226,8 @@ impl Worlds {
     /// Flies an action in a world until the next decision. A flight that has ended stands still.
     pub fn step(&mut self, index: usize, turn: f64, climb: f64) -> Stepped {
         let mut stepped = Stepped {
-            reward: 0.0,
-            terminated: false,
             truncated: true,
-            engaged: false,
+            ..Stepped::STILL
         };
         let vehicle = &self.settings.model.vehicle;
         let Some(place) = self.places.get_mut(index) else {

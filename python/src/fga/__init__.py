@@ -18,6 +18,8 @@ Nothing of the package keeps threads or locks from one call to the next, so proc
 Pilot, Simulation and Run cannot be pickled; the values that they take can.
 """
 
+import importlib
+
 from ._fga import (
     Avoider,
     Campaign,
@@ -44,11 +46,18 @@ from ._fga import (
     run,
     versions,
 )
-from . import campaign
 from ._progress import progress_bar
 from ._replay import replay
 
 __version__ = versions["version"]
+
+
+def __getattr__(name):
+    # Loaded when it is asked for, so that `python -m fga.campaign` finds it unloaded.
+    if name == "campaign":
+        return importlib.import_module(".campaign", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 __all__ = [
     "Avoider",

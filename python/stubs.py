@@ -1,0 +1,255 @@
+"""Writes the type stubs of the compiled part from the module itself: `python python/stubs.py > python/src/fga/_fga.pyi`.
+
+Names, parameters and defaults come from the module; types from the units in the names and from the tables
+below, in which every other name must stand. A test compares the file with what this gives.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import sys
+
+from fga import _fga
+
+HEAD = '''"""The compiled part of the package `fga`; written by python/stubs.py."""
+
+from os import PathLike
+from typing import Any, Callable, Literal, Sequence, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+_Path = str | PathLike[str]
+_Triple = tuple[float, float, float]
+_Progress = Callable[[int, int], None]
+
+versions: dict[str, str]
+'''
+
+STATE = 'Literal["cruise", "threatened", "avoiding", "recovering"]'
+KIND = 'Literal["straight", "still", "aircraft", "uas"]'
+
+# By "Class.name" first, then by name.
+TYPES = {
+    "position_m": "_Triple",
+    "velocity_mps": "_Triple",
+    "wind_mps": "_Triple",
+    "Obstacle.half_height_m": "float | None",
+    "VehicleModel.half_height_m": "float | None",
+    "Mission.waypoints_m": "list[_Triple]",
+    "Mission.__new__.waypoints_m": "Sequence[_Triple] | ArrayLike",
+    "fly_over": "Sequence[int]",
+    "Mission.fly_over": "list[int]",
+    "kind": KIND,
+    "Obstacle.__new__.kind": "str",
+    "id": "int",
+    "Settings.start": "str",
+    "objective": "str",
+    "work_limit": "int",
+    "heading_cost": "float",
+    "pitch_cost": "float",
+    "confidence_sigmas": "float",
+    "turn_rate_factor": "float",
+    "bank_max_rad": "float | None",
+    "ownship": "Ownship",
+    "Simulation.__new__.ownship": "str | None",
+    "run.ownship": "str | None",
+    "mission": "Mission",
+    "Situation.obstacles": "list[Obstacle]",
+    "Situation.__new__.obstacles": "Sequence[Obstacle] | Obstacles | None",
+    "stages": "list[Stage]",
+    "Decision.__new__.stages": "Sequence[Stage]",
+    "state": STATE,
+    "rate_share": "float",
+    "cost": "float",
+    "verdict": 'Literal["certified", "rejected", "chosen"]',
+    "reason": "str",
+    "text": "str",
+    "command": "list[Stage]",
+    "stage_at": "Stage | None",
+    "predicted": "Ownship",
+    "threat": "Threat | None",
+    "latest_start_s": "float | None",
+    "Decision.start_s": "float | None",
+    "chosen": "Candidate | None",
+    "alternative": "Candidate | None",
+    "resilience": "float | None",
+    "tracked": "int",
+    "threats": "int",
+    "candidates": "int",
+    "work": "int",
+    "limit_met": "bool",
+    "to_dict": "dict[str, Any]",
+    "vehicle": "VehicleModel | _Path | None",
+    "Avoider.vehicle": "Vehicle | None",
+    "Shield.vehicle": "Vehicle | None",
+    "VehicleModel.vehicle": "Vehicle",
+    "Campaign.__new__.vehicle": "_Path | None",
+    "retune.vehicle": "Vehicle",
+    "predicted.vehicle": "Vehicle",
+    "settings": "Settings | None",
+    "VehicleModel.settings": "Settings",
+    "name": "str",
+    "model": "VehicleModel | _Path | None",
+    "Simulation.model": "VehicleModel",
+    "read": "VehicleModel",
+    "Campaign.read": "Table",
+    "path": "_Path",
+    "policy": "str",
+    "decisions.policy": "str | None",
+    "policies": "Sequence[str]",
+    "Campaign.policies": "list[str]",
+    "Avoider.step": "Decision",
+    "Pilot.step": "Decision",
+    "Shield.step": "tuple[Decision, bool]",
+    "Worlds.step": "tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]",
+    "Simulation.step": "Decision | None",
+    "step.situation": "Situation",
+    "Simulation.situation": "Situation | None",
+    "step.wish": "Decision",
+    "step.pilot": "Avoider | Pilot",
+    "step.actions": "NDArray[np.float64]",
+    "step.held": "list[bool] | None",
+    "advance": "bool",
+    "advance.decision": "Decision",
+    "outcome": "dict[str, Any]",
+    "take_retuned": "Vehicle | None",
+    "retune": "None",
+    "restart": "None",
+    "names": "list[str]",
+    "file": "_Path",
+    "summary": "dict[str, Any]",
+    "separated": "bool",
+    "track": "Table",
+    "decisions": "list[Decision]",
+    "track_csv": "bytes",
+    "events_jsonl": "str",
+    "replay_html": "str",
+    "write": "None",
+    "folder": "_Path",
+    "column_names": "list[str]",
+    "to_csv": "bytes",
+    "__arrow_c_stream__": "object",
+    "requested_schema": "object | None",
+    "encounters": "object",
+    "Campaign.__new__.encounters": "int | None",
+    "Campaign.encounters": "int",
+    "oracle": "Table",
+    "Campaign.__new__.oracle": "bool",
+    "batch": "Table",
+    "run": "Run",
+    "Campaign.run": "str",
+    "merge": "str",
+    "open": "None",
+    "seed": "int",
+    "threads": "int | None",
+    "progress": "_Progress | None",
+    "overlay": "Sequence[str]",
+    "out": "_Path",
+    "resume": "bool",
+    "csv": "bool",
+    "hash": "str",
+    "blocks": "int",
+    "block": "int",
+    "block_of": "int | None",
+    "range_of": "tuple[int, int]",
+    "fly_block": "tuple[str, int, bytes]",
+    "from_json": "Campaign",
+    "to_json": "str",
+    "manifest_json": "str",
+    "encounter": "int",
+    "cell": "str",
+    "count": "int",
+    "seen": "int",
+    "shielded": "bool",
+    "observed": "int",
+    "observe": "NDArray[np.float32]",
+    "reset": "None",
+    "places": "list[int]",
+    "numbers": "list[int]",
+    "__len__": "int",
+    "__repr__": "str",
+    "__new__": "None",
+}
+UNIT = re.compile(r"_(m|s|mps|rad|radps|deg)$")
+SHOWN = ("__len__", "__arrow_c_stream__")
+
+
+def type_of(*keys: str) -> str:
+    """The type of the first key that is known."""
+    for key in keys:
+        if key in TYPES:
+            return TYPES[key]
+    if UNIT.search(keys[-1]):
+        return "float"
+    raise SystemExit(f"python/stubs.py: no type for {' or '.join(keys)}")
+
+
+def parameters(owner: str, name: str, value: object) -> list[str]:
+    """Parameters with their types and defaults."""
+    shown = []
+    for parameter in inspect.signature(value).parameters.values():
+        if parameter.name in ("self", "cls", "slf"):
+            continue
+        if parameter.kind is parameter.KEYWORD_ONLY and "*" not in shown:
+            shown.append("*")
+        keys = (f"{owner}.{name}.{parameter.name}", f"{name}.{parameter.name}")
+        if owner == "Obstacles":
+            kind = "ArrayLike"
+            if parameter.default is None:
+                kind += " | None"
+        else:
+            kind = type_of(*keys, *([f"{owner}.{parameter.name}"] if name == "__new__" else []), parameter.name)
+        default = ""
+        if parameter.default is not parameter.empty:
+            default = " = ..." if parameter.default is ... else f" = {parameter.default!r}"
+            if parameter.default is None and "None" not in kind and kind != "object":
+                kind += " | None"
+        shown.append(f"{parameter.name}: {kind}{default}")
+    return shown
+
+
+def stub_of(name: str, value: type) -> str:
+    """The stub of a class."""
+    lines = ["@final", f"class {name}:"]
+    body = []
+    try:
+        inspect.signature(value)
+        body.append(f"    def __new__(cls, {', '.join(parameters(name, '__new__', value))}) -> {name}: ...".replace("(cls, )", "(cls)"))
+    except ValueError:
+        pass
+    for member, told in vars(value).items():
+        if member.startswith("_") and member not in SHOWN:
+            continue
+        if inspect.isgetsetdescriptor(told):
+            body += ["    @property", f"    def {member}(self) -> {type_of(f'{name}.{member}', member)}: ..."]
+        elif isinstance(told, staticmethod):
+            told = getattr(value, member)
+            body += [
+                "    @staticmethod",
+                f"    def {member}({', '.join(parameters(name, member, told))}) -> {type_of(f'{name}.{member}', member)}: ...",
+            ]
+        elif callable(told):
+            try:
+                arguments = ["self", *parameters(name, member, told)]
+            except ValueError:
+                arguments = ["self"]
+            body.append(f"    def {member}({', '.join(arguments)}) -> {type_of(f'{name}.{member}', member)}: ...")
+    return "\n".join(lines + (body or ["    ..."])) + "\n"
+
+
+def stubs() -> str:
+    """The whole file."""
+    parts = [HEAD]
+    for name, value in sorted(vars(_fga).items()):
+        if inspect.isclass(value):
+            parts.append(stub_of(name, value))
+        elif inspect.isbuiltin(value):
+            arguments = ", ".join(parameters(name, name, value))
+            parts.append(f"def {name}({arguments}) -> {type_of(name)}: ...\n")
+    return "\n".join(parts)
+
+
+if __name__ == "__main__":
+    sys.stdout.write(stubs())

@@ -1,0 +1,154 @@
+"""A six-degree-of-freedom aircraft that is not of this project flies fga's commands.
+
+FGA_JSBSIM sets the number of encounters; the evidence is made with 200.
+"""
+
+import math
+import os
+
+import numpy as np
+import pytest
+
+import fga
+from fga import identify as identification
+
+pytest.importorskip("jsbsim")
+import jsbsim_loop  # noqa: E402
+
+ENCOUNTERS = int(os.environ.get("FGA_JSBSIM", "6"))
+RADIUS_M = 150.0
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    """The c172x as its own step responses say it is."""
+    log = jsbsim_loop.step_responses(jsbsim_loop.Aircraft(), 30.0)
+    found = identification.identify(log)
+    path = tmp_path_factory.mktemp("jsbsim") / "c172x.toml"
+    path.write_text("surveillance_radius_m = 6000.0\n" + found.to_toml("c172x", RADIUS_M))
+    print(path.read_text())
+    return fga.VehicleModel.read(path)
+
+
+def encounter(number, airspeed_mps):
+    """An intruder that meets the aircraft on its line after 40 to 60 s, from any side."""
+    rng = np.random.default_rng(number)
+    meet_s, course = rng.uniform(40, 60), rng.uniform(-math.pi, math.pi)
+    speed, climb = rng.uniform(25, 65), rng.uniform(-1.0, 1.0)
+    beside = rng.uniform(-0.8, 0.8) * RADIUS_M
+    vx, vy = speed * math.cos(course), speed * math.sin(course)
+    place = (airspeed_mps * meet_s - vx * meet_s, beside - vy * meet_s, -climb * meet_s)
+    return fga.Obstacle(1, place, RADIUS_M, (vx, vy, climb))
+
+
+def turned(obstacle, own):
+    """The encounter laid along the course of the aircraft."""
+    c, s = math.cos(own.course_rad), math.sin(own.course_rad)
+    x, y, z = obstacle.position_m
+    vx, vy, vz = obstacle.velocity_mps
+    own_x, own_y, own_z = own.position_m
+    return fga.Obstacle(
+        obstacle.id,
+        (own_x + c * x - s * y, own_y + s * x + c * y, own_z + z),
+        obstacle.radius_m,
+        (c * vx - s * vy, s * vx + c * vy, vz),
+    )
+
+
+def test_encounters_are_kept_and_paths_are_as_predicted(model):
+    errors = {5.0: [], 12.0: [], 30.0: []}
+    least, without = [], []
+    for number in range(ENCOUNTERS):
+        aircraft = jsbsim_loop.Aircraft(airspeed_mps=model.vehicle.airspeed_mps)
+        flight = jsbsim_loop.Flight(aircraft, model)
+        start = aircraft.ownship
+        intruder = turned(encounter(number, start.airspeed_mps), start)
+        wanted = []
+        held = []
+
+        def seen(decision, own, time_s, start=start, wanted=wanted, held=held, intruder=intruder):
+            # What was flown at the times for which something was predicted.
+            for due in [due for due in wanted if time_s >= due[0] - 1e-6]:
+                wanted.remove(due)
+                errors[due[1]].append(math.dist(due[2].position_m, own.position_m))
+            if decision.reason == "maneuver-chosen":
+                for after_s in errors:
+                    wanted.append((time_s + after_s, after_s, decision.predicted(model.vehicle, after_s)))
+            straight = [
+                p + v * time_s
+                for p, v in zip(
+                    start.position_m,
+                    (start.airspeed_mps * math.cos(start.course_rad), start.airspeed_mps * math.sin(start.course_rad), 0.0),
+                    strict=True,
+                )
+            ]
+            there = [p + v * time_s for p, v in zip(intruder.position_m, intruder.velocity_mps, strict=True)]
+            held.append(math.dist(straight, there) - RADIUS_M)
+
+        least.append(flight.fly([intruder], 100.0, seen))
+        without.append(min(held))
+    print("kept", sum(m >= 0 for m in least), "of", ENCOUNTERS, "entered without", sum(m < 0 for m in without))
+    print("least margins", np.round(np.percentile(least, [0, 5, 50]), 1))
+    for after_s, found in errors.items():
+        print(f"{after_s:.0f} s: {len(found)} predictions, median, 90 %, most:", np.round(np.percentile(found, [50, 90, 100]), 1))
+    assert sum(m < 0 for m in without) >= 0.9 * ENCOUNTERS, "they would meet"
+    assert sum(m >= 0 for m in least) >= 0.9 * ENCOUNTERS
+    assert np.median(errors[5.0]) < 25.0
+
+
+def test_identification_finds_a_known_vehicle():
+    """A plant of a few lines, with noise, and the figures that were put in."""
+    rng = np.random.default_rng(3)
+    period_s, dead_s, constant_s, factor, speed = 0.05, 0.3, 0.6, 0.9, 20.0
+    command = np.repeat(np.radians([0, 30, 0, -30, 0, 20, -20, 30, -30, 0]), 120)
+    bank, course = np.zeros(len(command)), np.zeros(len(command))
+    for k in range(1, len(command)):
+        late = command[max(0, k - 1 - round(dead_s / period_s))]
+        bank[k] = bank[k - 1] + (late - bank[k - 1]) * (1 - math.exp(-period_s / constant_s))
+        course[k] = course[k - 1] + factor * 9.80665 * math.tan(bank[k]) / speed * period_s
+    time_s = np.arange(len(command)) * period_s
+    log = {
+        "t_s": time_s,
+        "airspeed_mps": speed + rng.normal(0, 0.2, len(command)),
+        "bank_command_rad": command,
+        "bank_rad": bank + rng.normal(0, math.radians(0.3), len(command)),
+        "course_rad": course,
+        "climb_rad": np.radians(8) * np.sin(time_s / 10),
+    }
+    found = identification.identify(log)
+    for estimate, true, within in [
+        (found.airspeed_mps, speed, 0.1),
+        (found.max_bank_deg, 30.0, 0.5),
+        (found.dead_time_s, dead_s + period_s, 0.06),
+        (found.bank_time_constant_s, constant_s, 0.08),
+        (found.turn_rate_factor, factor, 0.02),
+        (found.climb_max_deg, 8.0, 0.2),
+        (found.climb_min_deg, -8.0, 0.2),
+    ]:
+        assert abs(estimate.value - true) < within, (estimate, true)
+        assert estimate.low <= estimate.value <= estimate.high
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", "is empty"),
+        ("t_s,airspeed_mps\n0,1\n", "line 1: column bank_command_rad is there 0 times"),
+        ("t_s,airspeed_mps,bank_command_rad,bank_rad,course_rad,climb_rad\n0,1,2,x,4,5\n", "line 2: column bank_rad holds 'x'"),
+        ("t_s,airspeed_mps,bank_command_rad,bank_rad,course_rad,climb_rad\n0,1,2,3,4,5\n", "1 rows, expected at least 50"),
+    ],
+)
+def test_a_wrong_log_is_said_in_a_sentence(tmp_path, text, sentence, capsys):
+    path = tmp_path / "log.csv"
+    path.write_text(text)
+    assert identification.main([str(path)]) == 1
+    assert sentence in capsys.readouterr().err
+
+
+def test_the_command_writes_a_vehicle_file_that_the_program_takes(tmp_path, fga_program, capsys):
+    test_log = jsbsim_loop.step_responses(jsbsim_loop.Aircraft(), 30.0)
+    path = tmp_path / "log.csv"
+    rows = np.column_stack([test_log[name] for name in identification.COLUMNS])
+    np.savetxt(path, rows, delimiter=",", header=",".join(identification.COLUMNS), comments="")
+    assert identification.main([str(path), "--out", str(tmp_path / "v.toml"), "--name", "c172x"]) == 0
+    fga_program("check", tmp_path / "v.toml")

@@ -1,0 +1,200 @@
+"""Campaigns on Ray: two raylets on this machine, one killed, the driver killed; the same bytes as one process."""
+
+import hashlib
+import os
+import signal
+import stat
+import subprocess
+import sys
+import time
+
+import pytest
+
+import fga
+
+ray = pytest.importorskip("ray")
+from fga import ray as fga_ray  # noqa: E402
+from fga._store import store_of  # noqa: E402
+
+CAMPAIGN = """name = "spread"
+seeds = [1]
+policies = ["turn-aware"]
+[[grid]]
+family = "threats"
+count = [1]
+first_seen_m = [300]
+speed_mps = [[5, 20]]
+"""
+ENCOUNTERS = int(os.environ.get("FGA_RAY_ENCOUNTERS", "6000"))
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "spread.toml"
+    path.write_text(CAMPAIGN)
+    return path
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    from ray.cluster_utils import Cluster
+
+    # Ray gives a raylet 30 s to start, which a busy machine may not have.
+    for attempt in range(4):
+        cluster = Cluster()
+        try:
+            # The head schedules nothing, so that its raylet is not the one that is killed.
+            cluster.add_node(num_cpus=0, include_dashboard=False)
+            nodes = [cluster.add_node(num_cpus=1) for _ in range(2)]
+            cluster.wait_for_nodes()
+            break
+        except Exception:
+            cluster.shutdown()
+            if attempt == 3:
+                raise
+    yield cluster, nodes
+    if ray.is_initialized():
+        ray.shutdown()
+    cluster.shutdown()
+
+
+DRIVER = """
+import sys
+from fga import ray
+ray.run(sys.argv[1], sys.argv[2], encounters=int(sys.argv[3]), address=sys.argv[4],
+        progress=lambda done, total: print(done, flush=True))
+"""
+
+
+def count_of(driver):
+    """The next count of encounters that the driver says; Ray says other things."""
+    for line in driver.stdout:
+        if line.strip().isdigit():
+            return int(line)
+        print("driver:", line.strip())
+    return 0
+
+
+def raylet_of(node):
+    kinds = node.all_processes
+    return next(info.process for kind, infos in kinds.items() if kind == "raylet" for info in infos)
+
+
+def test_a_lost_raylet_and_a_lost_driver_cost_no_byte(cluster, file, tmp_path):
+    spread, nodes = cluster
+    whole = fga.campaign(file, tmp_path / "whole", encounters=ENCOUNTERS)
+    out = tmp_path / "spread"
+    command = [sys.executable, "-c", DRIVER, str(file), str(out), str(ENCOUNTERS), spread.address]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as driver:
+        assert count_of(driver) > 0, "the first block"
+        os.kill(raylet_of(nodes[0]).pid, signal.SIGKILL)
+        assert count_of(driver) > 0, "a block after the raylet was lost"
+        driver.send_signal(signal.SIGKILL)
+    assert not (out / "results.parquet").exists()
+    kept = {name for name in os.listdir(out / "blocks") if name.endswith(".parquet")}
+    assert len(kept) >= 2
+    seen = []
+    flown = fga_ray.run(
+        file, out, encounters=ENCOUNTERS, address=spread.address, progress=lambda *p: seen.append(p)
+    )
+    assert flown.sha256 == whole.sha256
+    assert hashlib.sha256((out / "results.parquet").read_bytes()).hexdigest() == whole.sha256
+    assert seen[-1][0] == ENCOUNTERS and seen[0][0] > len(kept) * 200, "what was there is not flown again"
+    again = fga_ray.run(file, out, encounters=ENCOUNTERS, address=spread.address)
+    assert again.sha256 == whole.sha256
+
+
+def test_empty_blocks_take_little_of_the_driver(cluster):
+    spread, _ = cluster
+    if not ray.is_initialized():
+        ray.init(address=spread.address, include_dashboard=False, log_to_driver=False)
+    told = fga_ray.dry_run(int(os.environ.get("FGA_RAY_SHARDS", "500")))
+    print(told)
+    assert told["shards"] == int(os.environ.get("FGA_RAY_SHARDS", "500"))
+    assert told["driver_grew_mb"] < 200
+
+
+def test_a_folder_that_is_full_is_a_clear_error_and_loses_nothing(cluster, file, tmp_path, monkeypatch):
+    """A full disk: a small file system in memory."""
+    spread, _ = cluster
+    place = tmp_path / "small"
+    place.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(place)], capture_output=True).returncode:
+        pytest.skip("a file system cannot be mounted here")
+    try:
+        with pytest.raises(OSError, match="No space left"):
+            fga_ray.run(file, place, encounters=ENCOUNTERS, address=spread.address)
+        kept = [name for name in os.listdir(place / "blocks") if name.endswith(".parquet")]
+        assert kept and all(os.path.getsize(place / "blocks" / name) > 0 for name in kept)
+        subprocess.run(["mount", "-o", "remount,size=64m", str(place)], check=True)
+        whole = fga.campaign(file, tmp_path / "whole", encounters=ENCOUNTERS)
+        flown = fga_ray.run(file, place, encounters=ENCOUNTERS, address=spread.address)
+        assert flown.sha256 == whole.sha256
+    finally:
+        subprocess.run(["umount", "-l", str(place)], check=False)
+
+
+def test_a_place_that_cannot_be_written_is_an_error_before_anything_is_flown(file, tmp_path):
+    with pytest.raises(OSError):
+        fga_ray.run(file, "/proc/fga", encounters=300, address="nowhere")
+    folder = tmp_path / "closed"
+    folder.mkdir()
+    folder.chmod(stat.S_IRUSR | stat.S_IXUSR)
+    if os.geteuid() != 0:
+        with pytest.raises(OSError):
+            fga_ray.run(file, folder, encounters=300, address="nowhere")
+
+
+def test_a_place_of_another_campaign_is_refused(file, tmp_path):
+    fga.Campaign(file, encounters=300).open(tmp_path / "out")
+    with pytest.raises(ValueError, match="another configuration"):
+        fga_ray.run(file, tmp_path / "out", encounters=301, address="nowhere")
+
+
+def test_a_block_of_another_content_is_named(file, tmp_path):
+    campaign = fga.Campaign(file, encounters=300)
+    campaign.open(tmp_path / "out")
+    for digit in "ab":
+        (tmp_path / "out" / "blocks" / f"block-00000000-{digit * 32}.parquet").write_bytes(b"")
+    with pytest.raises(ValueError, match="no block of this campaign"):
+        fga_ray.run(file, tmp_path / "out", encounters=300, address="nowhere")
+
+
+def test_the_command_says_what_is_wrong_in_a_sentence(tmp_path):
+    told = subprocess.run(
+        [sys.executable, "-m", "fga.campaign", str(tmp_path / "none.toml")], capture_output=True, text=True
+    )
+    assert told.returncode == 1 and told.stderr.startswith("fga: ") and "Traceback" not in told.stderr
+
+
+def test_an_object_store_holds_the_same_bytes(file, tmp_path):
+    """A local S3 server."""
+    server = pytest.importorskip("moto.server")
+    pytest.importorskip("s3fs")
+    import fsspec
+
+    s3 = server.ThreadedMotoServer(port=0, verbose=False)
+    s3.start()
+    try:
+        host, port = s3.get_host_and_port()
+        keys = {"AWS_ACCESS_KEY_ID": "a", "AWS_SECRET_ACCESS_KEY": "b", "AWS_DEFAULT_REGION": "us-east-1"}
+        os.environ.update(keys, AWS_ENDPOINT_URL=f"http://{host}:{port}")
+        fs = fsspec.filesystem("s3")
+        fs.mkdir("bucket")
+        whole = fga.campaign(file, tmp_path / "whole", encounters=600)
+        url = "s3://bucket/spread"
+        campaign = fga.Campaign(file, encounters=600)
+        store = store_of(url)
+        store.open(campaign)
+        for block in range(campaign.blocks):
+            fga_ray._fly(campaign.to_json(), url, block)
+        assert len(store.names()) == campaign.blocks
+        told = fga_ray.run(file, url, encounters=600, address="nowhere")
+        assert told.sha256 == whole.sha256
+        assert hashlib.sha256(fs.cat_file("bucket/spread/results.parquet")).hexdigest() == whole.sha256
+        assert fga_ray.run(file, url, encounters=600, address="nowhere").sha256 == whole.sha256
+        with pytest.raises(ValueError, match="another configuration"):
+            fga_ray.run(file, url, encounters=601, address="nowhere")
+    finally:
+        s3.stop()
+        time.sleep(0.1)
