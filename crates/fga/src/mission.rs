@@ -10,6 +10,7 @@
 //! | which line is flown where nothing is in the way? | [`planned_line`] |
 
 pub mod corner;
+mod departure;
 pub mod join;
 pub mod leg;
 mod plan;

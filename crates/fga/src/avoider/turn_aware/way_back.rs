@@ -7,10 +7,10 @@ use crate::certificate::mark_close;
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::mission::Bend;
-use crate::mission::join::JoinLimits;
+use crate::mission::join::{Join, JoinLimits};
 use crate::prediction::MotionState;
 use crate::search::Proof;
-use crate::situation::Situation;
+use crate::situation::{Mission, Situation};
 
 use super::{ENOUGH_M, NEXT_ENCOUNTER_S};
 
@@ -26,9 +26,12 @@ const SHALLOW_RAD: f64 = 0.5;
 /// A way back that leaves out a leg is looked for this long after the avoidance began, seconds.
 const SKIP_AFTER_S: f64 = 4.0;
 
-/// After this long without a way back one is also looked for behind an obstacle that flies
-/// alongside, seconds.
-const DETOUR_AFTER_S: f64 = 8.0;
+/// Another intercept angle is taken where its way leads from the mission by this share less.
+const CLEARLY_NEARER: f64 = 0.9;
+
+/// After the time of this turn without a way back one is also looked for behind an obstacle that flies
+/// alongside, radians.
+const DETOUR_AFTER_RAD: f64 = 4.0;
 
 /// An obstacle within this distance flies alongside, turn radii, ...
 const ALONGSIDE: f64 = 2.0;
@@ -99,18 +102,26 @@ impl Avoider {
         // Leaving out a leg is for when this one cannot be joined at any angle.
         let patient = situation.time_s - plan.start_s < SKIP_AFTER_S;
         let skipped = if patient { 0 } else { MAX_SKIPPED };
-        let waits = situation.time_s - plan.start_s > DETOUR_AFTER_S;
+        let waited_s = situation.time_s - plan.start_s;
+        let waits = waited_s * self.flyer.course_rate_radps() > DETOUR_AFTER_RAD;
         let detour = (turn % 2 == 1 && waits && self.is_accompanied(situation))
             .then(|| self.detour(now, turn / 2));
         let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
-        let found = self
+        let way = self
             .progress
             .way_back(mission, &from, &self.flyer, &limits, skipped);
-        self.count_mission();
-        let (joined, index) = found?;
-        if intercept_rad < SHALLOW_RAD && joined.joined_s > SHALLOW_S {
-            return None;
-        }
+        let (joined, index) = if detour.is_none() && turn.is_multiple_of(2) {
+            let nearest = self.nearest_way_back(mission, &from, skipped, way);
+            self.count_mission();
+            nearest?
+        } else {
+            self.count_mission();
+            let way = way?;
+            if intercept_rad < SHALLOW_RAD && way.0.joined_s > SHALLOW_S {
+                return None;
+            }
+            way
+        };
         let mut maneuver = first;
         for stage in joined.maneuver.stages() {
             maneuver.push(*stage);
@@ -157,6 +168,40 @@ impl Avoider {
             self.count_mission();
         }
         back
+    }
+
+    /// Of the ways onto the mission at all intercept angles the one that leads least away from it; the
+    /// first, which is the preferred one, where no other is clearly nearer.
+    fn nearest_way_back(
+        &mut self,
+        mission: &Mission<'_>,
+        from: &MotionState,
+        skipped: usize,
+        preferred: Option<(Join, usize)>,
+    ) -> Option<(Join, usize)> {
+        let climb_limits_rad = self.climb_limits_rad();
+        let (progress, flyer) = (&mut self.progress, &self.flyer);
+        let mut best: Option<(f64, (Join, usize))> = None;
+        for (place, intercept_rad) in INTERCEPTS_RAD.into_iter().enumerate() {
+            let limits = JoinLimits {
+                intercept_rad,
+                climb_limits_rad,
+            };
+            if !progress.may_measure() {
+                return best.map_or(preferred, |(_, way)| Some(way));
+            }
+            let way = if place == 0 {
+                preferred
+            } else {
+                progress.way_back(mission, from, flyer, &limits, skipped)
+            };
+            let Some((joined, index)) = way else { continue };
+            let away_m = progress.departure_m(mission, from, flyer, (&joined, index));
+            if best.is_none_or(|(least_m, _)| away_m < CLEARLY_NEARER * least_m) {
+                best = Some((away_m, (joined, index)));
+            }
+        }
+        best.map(|(_, way)| way)
     }
 
     /// Whether an obstacle flies alongside, so that it does not pass.
@@ -269,7 +314,8 @@ impl Avoider {
                 self.state = State::Threatened;
                 return self.watch(situation, now, start);
             }
-            if time_s >= plan.joined_s {
+            // Beyond the mission's end there is nothing to come back to.
+            if time_s >= plan.joined_s || self.progress.is_complete() {
                 self.plan = None;
                 self.state = State::Cruise;
                 let mut decision = self.watch(situation, now, start);

@@ -1,0 +1,54 @@
+//! How far a way back leads from the mission.
+
+use super::join::Join;
+use super::{MOST_LEGS, Progress};
+use crate::limit::Limit as _;
+use crate::prediction::{Flyer, MotionState, flown};
+use crate::situation::Mission;
+
+/// Moments of a way back at which its distance from the mission is measured.
+const MOMENTS: u32 = 12;
+
+/// A step with less work left than this measures no further way back: those of 96 legs take no more.
+const LEAST_LEFT: u32 = 8_000;
+
+impl Progress {
+    /// Whether another way back may be measured in this step.
+    pub(crate) const fn may_measure(&self) -> bool {
+        self.work.0.saturating_sub(self.work.1) >= LEAST_LEFT
+    }
+
+    /// How far a way onto the leg that begins at waypoint `index` leads from the mission, metres.
+    pub fn departure_m(
+        &mut self,
+        mission: &Mission<'_>,
+        state: &MotionState,
+        flyer: &Flyer,
+        (joined, index): (&Join, usize),
+    ) -> f64 {
+        let legs = mission.waypoints_m.windows(2).skip(self.index);
+        let legs = legs.take(index.saturating_sub(self.index).min(MOST_LEGS) + 1);
+        let meter = self.meter();
+        let mut farthest_m: f64 = 0.0;
+        for moment in 1..=MOMENTS {
+            if meter.is_met() {
+                farthest_m = f64::INFINITY;
+                break;
+            }
+            let after_s = joined.joined_s * f64::from(moment) / f64::from(MOMENTS);
+            let there = flown(flyer, state, &joined.maneuver, after_s, &meter);
+            meter.count(legs.len() / 2);
+            let place_m = there.position_m + self.wind_mps * after_s;
+            let mut nearest_m = f64::INFINITY;
+            for leg in legs.clone() {
+                let [from_m, to_m] = leg else { continue };
+                let (along, offset) = (*to_m - *from_m, place_m - *from_m);
+                let share = offset.dot(along) / along.length_squared().max(1e-9);
+                nearest_m = nearest_m.min((offset - along * share.limited(0.0, 1.0)).length());
+            }
+            farthest_m = farthest_m.max(nearest_m);
+        }
+        self.note(&meter);
+        farthest_m
+    }
+}
