@@ -3,6 +3,8 @@
 //! `RUSTFLAGS="-C target-cpu=x86-64-v3" cargo bench -p fga-bench` measures all of it; results are kept,
 //! with the machine they were measured on, in `docs/benchmarks/`.
 
+pub mod cycles;
+
 mod crowd;
 mod flight;
 

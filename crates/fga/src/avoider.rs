@@ -33,7 +33,7 @@ use crate::situation::Situation;
 use crate::vehicle::Vehicle;
 
 /// Work that is kept for what is still done once the limit is met: what is in hand is finished.
-const LAST_WORK: u32 = 8_000;
+const LAST_WORK: u32 = 12_000;
 
 /// The mission's geometry may take one part in so many of a step's work.
 const MISSION_SHARE: u32 = 4;
@@ -111,6 +111,8 @@ pub struct Avoider {
     meter: Meter,
     /// Searches in a row that were cut: the next one goes on with other manoeuvres.
     cut: u32,
+    /// Work of the searches since there was news.
+    searched: u32,
     /// The course at which the next look for a smaller departure begins.
     improved_to: u32,
     /// How far ahead separation is certified now, seconds.
@@ -142,6 +144,7 @@ impl Avoider {
             cycle: 0,
             meter: Meter::unlimited(),
             cut: 0,
+            searched: 0,
             improved_to: 0,
             look_s: settings.horizon_s,
             far_s: settings.horizon_s,

@@ -9,10 +9,10 @@ use core::cell::Cell;
 pub(crate) const PIECE: usize = 3;
 
 /// A piece of a predicted flight with bank lag.
-pub(crate) const LAGGED_PIECE: usize = 16;
+pub(crate) const LAGGED_PIECE: usize = 12;
 
 /// A step along an arc with bank lag.
-pub(crate) const LAGGED_STEP: usize = 10;
+pub(crate) const LAGGED_STEP: usize = 8;
 
 /// A node of a path, where the course rate stands still.
 pub(crate) const NODE: usize = 1;

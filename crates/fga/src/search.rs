@@ -32,7 +32,7 @@ const ENOUGH_M: f64 = 1e3;
 const CLIMB_STEP_RAD: f64 = 0.03;
 
 /// One part in so many of a search's work is kept for the certificate of its answer.
-const ANSWER_SHARE: u32 = 8;
+const ANSWER_SHARE: u32 = 16;
 
 /// An obstacle that takes longer than this to pass is taken to have passed then, seconds.
 const LONGEST_PASS_S: f64 = 60.0;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `bytes` | prints the hash of every result that a change of shape must not change |
 //! | `evidence` | makes the counts of the pages again, whole or a small part |
+//! | `instructions` | counts the instructions of a step and compares them with a committed table |
 //! | `mutants` | changes what decides about the mode, bit by bit, and says what no test notices |
 //! | `pictures` | makes every picture of README and docs from real runs |
 
@@ -11,6 +12,7 @@ extern crate alloc;
 
 mod bytes;
 mod evidence;
+mod instructions;
 mod mutants;
 mod pictures;
 
@@ -21,9 +23,12 @@ fn main() -> ExitCode {
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["bytes", ref options @ ..] => bytes::print(options),
         ["evidence", ref options @ ..] => evidence::make(options),
+        ["instructions", ref options @ ..] => instructions::check(options),
         ["mutants"] => mutants::check(),
         ["pictures"] => pictures::make(),
-        _ => Err("expected cargo xtask bytes, evidence, mutants or pictures".to_owned()),
+        _ => Err(
+            "expected cargo xtask bytes, evidence, instructions, mutants or pictures".to_owned(),
+        ),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -71,18 +71,32 @@ const THERE_RAD: f64 = 1e-6;
 /// Less than this is not turned by rolling in, radians.
 const LITTLE_RAD: f64 = 1e-7;
 
-/// Halvings to the moment at which a roll-out begins.
-const HALVINGS: u32 = 44;
+/// Most steps to the moment at which a roll-out begins.
+const STEPS_TO_ROLL_OUT: u32 = 44;
+
+/// What is left beyond the roll-out when it begins, radians.
+const ROLL_OUT_BEGINS_RAD: f64 = 1e-14;
+
+/// A panel of Boole's rule is no wider than this, radians.
+const PANEL_RAD: f64 = 0.15;
+
+/// Most panels.
+const MOST_PANELS: f64 = 10.0;
 
 /// Course change while the bank decays from `bank_rad` to level, per second of time constant and
 /// per g/V: ∫₀^φ tan(u)/u du, by Boole's rule.
 fn roll_out_integral(bank_rad: f64) -> f64 {
-    const PANELS: u32 = 6;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "from 1 to the most panels"
+    )]
+    let panels = libm::ceil(bank_rad.abs() / PANEL_RAD).clamp(1.0, MOST_PANELS) as u32;
     let integrand = |u: f64| if u == 0.0 { 1.0 } else { libm::tan(u) / u };
-    let quarter = bank_rad / f64::from(4 * PANELS);
+    let quarter = bank_rad / f64::from(4 * panels);
     let mut sum = 0.0;
     let mut last = integrand(0.0);
-    for panel in 0..PANELS {
+    for panel in 0..panels {
         let at = |k: u32| integrand(quarter * f64::from(4 * panel + k));
         let end = at(4);
         sum += 7.0 * (last + end) + 32.0 * (at(1) + at(3)) + 12.0 * at(2);
@@ -140,20 +154,30 @@ impl Plant {
             }
             let mut step_s = longest_s.min(left_s).min(climb_s);
             let mut after = self.rolled(command, climb_rate, step_s);
-            if turns && self.beyond_at(&after) * beyond < 0.0 {
-                // The roll-out begins within this step.
-                let (mut early_s, mut late_s) = (0.0, step_s);
-                for _ in 0..HALVINGS {
-                    let middle_s = 0.5 * (early_s + late_s);
-                    let middle = self.rolled(command, climb_rate, middle_s);
-                    if self.beyond_at(&middle) * beyond < 0.0 {
-                        late_s = middle_s;
-                    } else {
-                        early_s = middle_s;
+            let left = if turns {
+                self.beyond_at(&after)
+            } else {
+                beyond
+            };
+            if left * beyond < 0.0 {
+                // The roll-out begins within this step (the Illinois method).
+                let (mut a_s, mut at_a) = (0.0, beyond);
+                let (mut b_s, mut at_b) = (step_s, left);
+                for _ in 0..STEPS_TO_ROLL_OUT {
+                    if at_b.abs() < ROLL_OUT_BEGINS_RAD || at_a == at_b {
+                        break;
                     }
+                    let c_s = b_s - at_b * (b_s - a_s) / (at_b - at_a);
+                    after = self.rolled(command, climb_rate, c_s);
+                    let at_c = self.beyond_at(&after);
+                    if at_c * at_b < 0.0 {
+                        (a_s, at_a) = (b_s, at_b);
+                    } else {
+                        at_a *= 0.5;
+                    }
+                    (b_s, at_b) = (c_s, at_c);
                 }
-                step_s = late_s;
-                after = self.rolled(command, climb_rate, step_s);
+                step_s = b_s;
             }
             let course_rate = (after.course_rad - self.course_rad) / step_s;
             let arc = self.arc(step_s, course_rate, climb_rate);

@@ -24,6 +24,10 @@ use crate::situation::Situation;
 /// encounter and has come near: what is begun then leads away from what later ones could find.
 const LATER_SHARE: u32 = 2;
 
+/// Where the bank lags, as many manoeuvres take this many times the work: searches that find nothing go on
+/// for so many times as many steps.
+const LAG_WORK: u32 = 3;
+
 /// Another uncertified manoeuvre must be better by this to be flown instead, metres.
 const CLEARLY_BETTER_M: f64 = 0.5;
 
@@ -195,9 +199,19 @@ impl Avoider {
         look: impl FnOnce(&mut Search<'_>) -> T,
     ) -> (T, u32, bool) {
         let limit = self.settings.work_limit;
-        let patience = limit / LATER_SHARE;
-        let most = if self.plan.is_none() { limit } else { patience };
+        let later = limit / LATER_SHARE;
+        let is_ideal = self.flyer.is_ideal();
+        let most = if self.plan.is_none() || !is_ideal {
+            limit
+        } else {
+            later
+        };
         let left = self.meter.left();
+        let patience = if is_ideal {
+            later.min(left)
+        } else {
+            (LAG_WORK * later).saturating_sub(self.searched)
+        };
         let leg = self.progress.leg(now);
         let (low, high) = self.climb_limits_rad();
         let scene = Scene {
@@ -215,10 +229,11 @@ impl Avoider {
             costs: (self.settings.heading_cost, self.settings.pitch_cost),
             objective: self.settings.objective,
         };
-        let mut search = Search::new(scene, &mut self.path, most.min(left), patience.min(left));
+        let mut search = Search::new(scene, &mut self.path, most.min(left), patience);
         let answer = look(&mut search);
         let (evaluated, limit_met, work) = (search.evaluated, search.limit_met(), search.work());
         self.meter.count(work as usize);
+        self.searched = self.searched.saturating_add(work);
         self.cut = if limit_met {
             self.cut.wrapping_add(1)
         } else {
@@ -240,6 +255,7 @@ impl Avoider {
         let period_s = self.settings.decision_period_s;
         let entry_s = threat.entry_s;
         let cut = self.cut;
+        self.searched = 0;
         let (mut choice, mut candidates, mut limit_met) = self.search(nominal, now, |search| {
             choose(search, start, (entry_s, period_s), cut)
         });
@@ -319,6 +335,12 @@ impl Avoider {
         certify_set(&self.flyer, &self.path, hazards, &asked, &self.meter).proven_m()
     }
 
+    /// Whether as many manoeuvres were looked at since there was news as are worth it.
+    fn has_searched(&self) -> bool {
+        let most = self.settings.work_limit.saturating_mul(2 * LAG_WORK);
+        self.flyer.is_ideal() || self.searched >= most
+    }
+
     /// Flying the manoeuvre: keep it, replace it, or go back.
     fn avoid(&mut self, situation: &Situation<'_>, now: &MotionState, start: Start) -> Decision {
         let time_s = situation.time_s;
@@ -348,10 +370,14 @@ impl Avoider {
             || picture.differs_from(&plan.picture)
             || (self.tracks.uncertain && self.cycle.is_multiple_of(LOOK_AT_NOISE));
         let open_since_s = if is_news { time_s } else { plan.open_since_s };
+        if is_news {
+            self.searched = 0;
+        }
+        let is_searched = time_s - open_since_s >= SEARCH_ALL_S && self.has_searched();
         let look_again = self.cycle.is_multiple_of(SEARCH_AGAIN);
         let rests = match plan.proof {
             Proof::Hopeless => !(is_news || inside && look_again),
-            Proof::Open => time_s - open_since_s >= SEARCH_ALL_S && !look_again,
+            Proof::Open => is_searched && !look_again,
             Proof::Certified => false,
         };
         if rests {

@@ -160,6 +160,15 @@ impl Rolls {
     }
 }
 
+/// Banks at which a [`Flyer`] knows where it is once it has rolled out, from level to the largest.
+const SETTLES: usize = 33;
+
+/// A roll-out is over after this long, time constants: what is left is thousandths of the bank.
+const SETTLED_AFTER: f64 = 6.0;
+
+/// Most pieces of a roll-out.
+const MOST_PIECES: usize = 64;
+
 /// The vehicle's motion under commands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flyer {
@@ -179,6 +188,9 @@ pub struct Flyer {
     pace: f64,
     rolling_in: Rolls,
     rolling_out: Rolls,
+    /// What rolling out from a bank moves the aircraft by, beyond straight flight on the course that it ends
+    /// on: forward and left of the course at its beginning, metres.
+    settles_m: [(f64, f64); SETTLES],
 }
 
 impl Flyer {
@@ -199,6 +211,7 @@ impl Flyer {
             pace: 1.0,
             rolling_in: Rolls::NONE,
             rolling_out: Rolls::NONE,
+            settles_m: [(0.0, 0.0); SETTLES],
         };
         if !flyer.is_ideal() {
             let full_rad = flyer.bank_rad(flyer.course_rate_radps);
@@ -210,8 +223,88 @@ impl Flyer {
             flyer.pace = libm::pow(USUAL_SCALE_M / scale_m, 0.2).limited(0.3, 1.0);
             flyer.rolling_in = Rolls::new(0.0, full_rad, flyer.pace);
             flyer.rolling_out = Rolls::new(full_rad, 0.0, flyer.pace);
+            let step_rad = full_rad / (SETTLES - 1) as f64;
+            let mut settles_m = [(0.0, 0.0); SETTLES];
+            for (place, settles) in settles_m.iter_mut().enumerate() {
+                *settles = flyer.settles_m(place as f64 * step_rad);
+            }
+            flyer.settles_m = settles_m;
         }
         flyer
+    }
+
+    /// What rolling out from a bank moves the aircraft by, as in the table, by its pieces.
+    fn settles_m(&self, bank_rad: f64) -> (f64, f64) {
+        let mut state = MotionState {
+            time_s: 0.0,
+            position_m: Vec3::ZERO,
+            course_rad: 0.0,
+            climb_rad: 0.0,
+            bank_rad,
+        };
+        let target = Target {
+            course_rad: self.rollout_rad(bank_rad),
+            climb_rad: 0.0,
+            rate_share: 1.0,
+        };
+        for _ in 0..MOST_PIECES {
+            let piece = self.next_piece(&state, &target);
+            if piece.duration_s == f64::INFINITY {
+                break;
+            }
+            state = self.advance(&state, &piece, piece.duration_s);
+        }
+        let straight_m = direction(target.course_rad, 0.0) * self.airspeed_mps * state.time_s;
+        let settles = state.position_m - straight_m;
+        (settles.x, settles.y)
+    }
+
+    /// About where the aircraft is, and how it flies, once it has rolled out from a state and taken up a
+    /// climb angle: to decimetres, for what is only to be passed over. `None` for banks beyond its largest.
+    pub(crate) fn settled(&self, state: &MotionState, climb_rad: f64) -> Option<MotionState> {
+        let place = state.bank_rad.abs() / self.full_bank_rad * (SETTLES - 1) as f64;
+        if self.is_ideal() || place.is_nan() || place > (SETTLES - 1) as f64 {
+            return None;
+        }
+        let above = super::whole(place, SETTLES - 1);
+        let below = above - 1;
+        let (low, high) = (self.settles_m.get(below)?, self.settles_m.get(above)?);
+        let share = place - below as f64;
+        let forward = low.0 + share * (high.0 - low.0);
+        let left = libm::copysign(1.0, state.bank_rad) * (low.1 + share * (high.1 - low.1));
+        let change_rad = climb_rad - state.climb_rad;
+        let climbs_s = if change_rad.abs() < REACHED_RAD {
+            0.0
+        } else {
+            change_rad.abs() / self.climb_rate_radps
+        };
+        let after_s = climbs_s.max(SETTLED_AFTER * self.bank_time_constant_s);
+        // The means of cos θ and sin θ while θ changes.
+        let (sin, cos) = libm::sincos(climb_rad);
+        let (mean_cos, mean_sin) = if climbs_s > 0.0 {
+            let (sin_now, cos_now) = libm::sincos(state.climb_rad);
+            ((sin - sin_now) / change_rad, (cos_now - cos) / change_rad)
+        } else {
+            (cos, sin)
+        };
+        let level_s = mean_cos * climbs_s + cos * (after_s - climbs_s);
+        let up_s = mean_sin * climbs_s + sin * (after_s - climbs_s);
+        let course_rad = state.course_rad + self.rollout_rad(state.bank_rad);
+        let (across, along) = libm::sincos(course_rad);
+        let (side, ahead) = libm::sincos(state.course_rad);
+        let aside = Vec3::new(
+            ahead * forward - side * left,
+            side * forward + ahead * left,
+            0.0,
+        );
+        let straight = Vec3::new(along * level_s, across * level_s, up_s);
+        Some(MotionState {
+            time_s: state.time_s + after_s,
+            position_m: state.position_m + aside * mean_cos + straight * self.airspeed_mps,
+            course_rad,
+            climb_rad,
+            bank_rad: 0.0,
+        })
     }
 
     /// Total airspeed, metres per second.
@@ -364,23 +457,37 @@ impl Flyer {
     }
 
     /// The part of a piece of a roll after which the roll-out begins: where what is left beyond it,
-    /// known at both ends, is zero (the Illinois method).
+    /// known at both ends, is zero.
+    ///
+    /// It falls at the rate c tan(φ)/φ, where c is the bank commanded: Newton's steps, kept between the ends.
     fn roll_to_roll_out(&self, roll: &Roll, turn_left: f64, ends: (f64, f64)) -> Roll {
-        let ((mut a, mut at_a), (mut b, mut at_b)) = ((0.0, ends.0), (roll.lasts, ends.1));
+        let ((mut a, at_a), (mut b, at_b)) = ((0.0, ends.0), (roll.lasts, ends.1));
+        let gain = self.gain_radps * self.bank_time_constant_s;
+        let mut at = b - at_b * (b - a) / (at_b - at_a);
         let mut part = *roll;
         for _ in 0..STEPS_TO_ROLL_OUT {
-            if at_b.abs() < 0.01 * ROLL_OUT_BEGINS_RAD || at_a == at_b {
+            part = Roll::part(roll.from_rad, roll.command_rad, at);
+            let left = self.beyond_after(&part, turn_left);
+            if left.abs() < 0.01 * ROLL_OUT_BEGINS_RAD {
                 break;
             }
-            let c = b - at_b * (b - a) / (at_b - at_a);
-            part = Roll::part(roll.from_rad, roll.command_rad, c);
-            let at_c = self.beyond_after(&part, turn_left);
-            if at_c * at_b < 0.0 {
-                (a, at_a) = (b, at_b);
+            if left * at_b < 0.0 {
+                a = at;
             } else {
-                at_a *= 0.5;
+                b = at;
             }
-            (b, at_b) = (c, at_c);
+            let bank = part.to_rad;
+            let share = if bank == 0.0 {
+                1.0
+            } else {
+                libm::tan(bank) / bank
+            };
+            let next = at + left / (gain * part.command_rad * share);
+            at = if next > a && next < b {
+                next
+            } else {
+                0.5 * (a + b)
+            };
         }
         part
     }

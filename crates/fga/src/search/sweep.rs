@@ -79,6 +79,18 @@ struct WalkPiece {
     after_s: f64,
 }
 
+/// The last step of a walk.
+#[derive(Clone, Copy)]
+struct LastStep {
+    /// The aircraft where the step begins, and where its piece does.
+    from: MotionState,
+    begin: MotionState,
+    piece: Piece,
+    /// When it begins, seconds from the beginning of the piece, and how long it lasts.
+    after_s: f64,
+    lasts_s: f64,
+}
+
 impl<'a> Walk<'a> {
     fn new(flyer: &'a Flyer, sweep: &Sweep) -> Self {
         let from = sweep.from;
@@ -144,6 +156,17 @@ impl<'a> Walk<'a> {
         }
     }
 
+    /// The last step, to be ended earlier.
+    fn last_step(&self) -> Option<LastStep> {
+        self.piece.map(|at| LastStep {
+            from: self.before,
+            begin: at.begin,
+            piece: at.piece,
+            after_s: at.after_s,
+            lasts_s: self.state.time_s - self.before.time_s,
+        })
+    }
+
     /// The node from which the last step began.
     fn last_node(&self) -> Option<Node> {
         self.piece
@@ -163,17 +186,17 @@ impl Search<'_> {
     pub(super) fn smallest(&mut self, sweep: &Sweep) -> Option<Leave> {
         let (leave, last) = self.sweep_to(sweep)?;
         Some(match last {
-            Some(node) => self.with_less_turn(&leave, &node, sweep),
+            Some(step) => self.with_less_turn(&leave, &step, sweep),
             None => self.with_less_climb(&leave, sweep),
         })
     }
 
-    /// The answer of [`Self::sweep`], and the node from which its last step begins.
+    /// The answer of [`Self::sweep`], and its last step.
     ///
     /// Where a turn fails, an obstacle comes too close at some moment. The longer that is ahead, the
     /// farther a small change of the turn has moved the aircraft by then; turns that cannot have moved
     /// it far enough are passed over, and the arc to them is looked at only once a turn does.
-    fn sweep_to(&mut self, sweep: &Sweep) -> Option<(Leave, Option<Node>)> {
+    fn sweep_to(&mut self, sweep: &Sweep) -> Option<(Leave, Option<LastStep>)> {
         let sign = sweep.side.sign();
         let mut walk = Walk::new(self.scene.flyer, sweep);
         let mut seen = walk;
@@ -201,10 +224,10 @@ impl Search<'_> {
                         before_m: worst.margin_m,
                     };
                     if margin_m >= sweep.enough_m {
-                        return Some((leave, walk.last_node()));
+                        return Some((leave, walk.last_step()));
                     }
                     if margin_m > floor_m {
-                        best = Some((leave, walk.last_node()));
+                        best = Some((leave, walk.last_step()));
                         (best_m, floor_m) = (margin_m, margin_m);
                     }
                 }
@@ -299,10 +322,21 @@ impl Search<'_> {
         let (low, high) = self.scene.climb_limits_rad;
         let climb_rad = sweep.climb_rad.limited(low, high);
         if self.is_settled(state, climb_rad) {
-            self.straight_on(state, velocity_mps, before, floor_m)
-        } else {
-            self.rolled_out(state, climb_rad, before, floor_m)
+            return self.straight_on(state, velocity_mps, before, floor_m);
         }
+        // The straight flight after a roll-out fails most often, and is one line.
+        let flyer = self.scene.flyer;
+        if floor_m > f64::MIN
+            && let Some(end) = flyer
+                .settled(state, climb_rad)
+                .filter(|end| end.time_s < self.scene.horizon_s)
+        {
+            let straight = self.straight_on(&end, flyer.velocity_mps(&end), before, floor_m);
+            if straight.margin_m < floor_m {
+                return straight;
+            }
+        }
+        self.rolled_out(state, climb_rad, before, floor_m)
     }
 
     fn is_settled(&self, state: &MotionState, climb_rad: f64) -> bool {
@@ -336,20 +370,32 @@ impl Search<'_> {
     }
 
     /// A turn of a sweep, ended earlier within its last step.
-    fn with_less_turn(&mut self, leave: &Leave, last: &Node, sweep: &Sweep) -> Leave {
+    fn with_less_turn(&mut self, leave: &Leave, last: &LastStep, sweep: &Sweep) -> Leave {
         let flyer = self.scene.flyer;
-        let piece = last.piece();
-        let step_s = leave.state.time_s - last.state.time_s;
-        self.halved(leave, |search, share| {
-            let state = flyer.advance(&last.state, &piece, (1.0 - share) * step_s);
-            let between_rad = leave.turn_rad - search.turn_at(&last.state, sweep);
+        let less = self.halved(leave, |search, share| {
+            let part_s = (1.0 - share) * last.lasts_s;
+            let (turn_rad, state) = if flyer.is_ideal() {
+                let between_rad = leave.turn_rad - search.turn_at(&last.from, sweep);
+                (
+                    leave.turn_rad - share * between_rad,
+                    flyer.advance(&last.from, &last.piece, part_s),
+                )
+            } else {
+                let state = flyer.advance(&last.begin, &last.piece, last.after_s + part_s);
+                (search.turn_at(&state, sweep), state)
+            };
             let left = Leave {
-                turn_rad: leave.turn_rad - share * between_rad,
+                turn_rad,
                 state,
                 ..*leave
             };
             search.evaluated_at(&left, sweep)
-        })
+        });
+        if flyer.is_ideal() || less == *leave {
+            return less;
+        }
+        // Once more as it will be flown.
+        self.certified(&less, sweep).unwrap_or(*leave)
     }
 
     /// A change of climb, ended earlier.
@@ -365,13 +411,15 @@ impl Search<'_> {
                 climb_rad,
                 ..*leave
             };
-            search.evaluated_at(
-                &left,
-                &Sweep {
-                    climb_rad,
-                    ..*sweep
-                },
-            )
+            let sweep = Sweep {
+                climb_rad,
+                ..*sweep
+            };
+            if search.scene.flyer.is_ideal() {
+                search.evaluated_at(&left, &sweep)
+            } else {
+                search.certified(&left, &sweep)
+            }
         })
     }
 
@@ -397,21 +445,25 @@ impl Search<'_> {
 
     /// A turn with its margin, if that is enough; `before_m` covers its arc.
     fn evaluated_at(&mut self, leave: &Leave, sweep: &Sweep) -> Option<Leave> {
-        let flyer = self.scene.flyer;
-        let margin_m = if flyer.is_ideal() {
-            let before = Certificate::clear(leave.before_m);
-            let velocity_mps = flyer.velocity_mps(&leave.state);
-            self.tail(&leave.state, velocity_mps, sweep, &before, sweep.enough_m)
-                .margin_m
-        } else {
-            let turns = Turns {
-                wait_s: sweep.from.time_s,
-                turn_rad: leave.turn_rad,
-                climb_rad: leave.climb_rad,
-                second: None,
-            };
-            self.certify(&turns, &sweep.from, sweep.enough_m).proven_m()
+        let before = Certificate::clear(leave.before_m);
+        let velocity_mps = self.scene.flyer.velocity_mps(&leave.state);
+        let tail = self.tail(&leave.state, velocity_mps, sweep, &before, sweep.enough_m);
+        let is_enough = tail.margin_m >= sweep.enough_m && !self.limit_met();
+        is_enough.then_some(Leave {
+            margin_m: tail.margin_m,
+            ..*leave
+        })
+    }
+
+    /// A turn with its margin as a whole manoeuvre, if that is enough.
+    fn certified(&mut self, leave: &Leave, sweep: &Sweep) -> Option<Leave> {
+        let turns = Turns {
+            wait_s: sweep.from.time_s,
+            turn_rad: leave.turn_rad,
+            climb_rad: leave.climb_rad,
+            second: None,
         };
+        let margin_m = self.certify(&turns, &sweep.from, sweep.enough_m).proven_m();
         (margin_m >= sweep.enough_m).then_some(Leave { margin_m, ..*leave })
     }
 

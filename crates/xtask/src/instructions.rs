@@ -1,0 +1,150 @@
+//! Instructions of a step, counted by valgrind and compared with a committed table.
+//!
+//! Counts do not depend on how busy a machine is: what a change makes dearer by more than [`TOLERANCE`] shows.
+
+use alloc::collections::BTreeMap;
+use core::fmt::Write as _;
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The table, from the root of the repository.
+const TABLE: &str = "docs/benchmarks/instructions.csv";
+
+/// How far a count may be from the table's, as a share.
+const TOLERANCE: f64 = 0.03;
+
+/// Repetitions of each step; the same with none is taken off.
+const TIMES: u32 = 5;
+
+/// Aircraft, obstacles and kinds of steps that are counted.
+const COUNTED: [(&str, u32, &str); 12] = [
+    ("ideal", 3, "quiet"),
+    ("ideal", 3, "kept"),
+    ("ideal", 1, "choosing"),
+    ("ideal", 3, "choosing"),
+    ("ideal", 10, "choosing"),
+    ("ideal", 30, "searching"),
+    ("lagged", 3, "kept"),
+    ("lagged", 1, "choosing"),
+    ("lagged", 3, "choosing"),
+    ("noisy", 3, "choosing"),
+    ("flown", 1, "choosing"),
+    ("flown", 3, "kept"),
+];
+
+/// Counts, and compares with the table, or writes it with `--write`.
+pub(crate) fn check(options: &[&str]) -> Result<(), String> {
+    let write = match options {
+        [] => false,
+        ["--write"] => true,
+        _ => return Err("expected cargo xtask instructions, with or without --write".to_owned()),
+    };
+    if Command::new("valgrind").arg("--version").output().is_err() {
+        let sentence = "valgrind is not installed (Debian: valgrind); instructions are not counted";
+        if env::var_os("CI").is_some() {
+            return Err(sentence.to_owned());
+        }
+        println!("{sentence}");
+        return Ok(());
+    }
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let program = build(&root)?;
+    let mut counts = BTreeMap::new();
+    for (aircraft, obstacles, kind) in COUNTED {
+        let counted = step(&program, aircraft, obstacles, kind)?;
+        println!("{aircraft}, {obstacles} obstacles, {kind}: {counted} instructions a step");
+        counts.insert(format!("{aircraft},{obstacles},{kind}"), counted);
+    }
+    let path = root.join(TABLE);
+    if write {
+        let mut text = "aircraft,obstacles,kind,instructions\n".to_owned();
+        for (name, count) in &counts {
+            let _ = writeln!(text, "{name},{count}");
+        }
+        return fs::write(&path, text).map_err(|error| format!("{TABLE}: {error}"));
+    }
+    compare(&path, &counts)
+}
+
+/// Builds the program that makes the steps.
+fn build(root: &Path) -> Result<PathBuf, String> {
+    let manifest = root.join("tests/instructions/Cargo.toml");
+    let target = root.join("target/instructions");
+    let status = Command::new(env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()))
+        .args(["build", "--release", "--quiet", "--manifest-path"])
+        .arg(manifest)
+        .arg("--target-dir")
+        .arg(&target)
+        // One set of instructions, whatever the machine.
+        .env("RUSTFLAGS", "-C target-cpu=x86-64")
+        .status()
+        .map_err(|error| format!("cargo: {error}"))?;
+    if !status.success() {
+        return Err("tests/instructions does not build".to_owned());
+    }
+    Ok(target.join("release/fga-instructions"))
+}
+
+/// Instructions of one step of a kind.
+fn step(program: &Path, aircraft: &str, obstacles: u32, kind: &str) -> Result<u64, String> {
+    let (with, steps) = run(program, aircraft, obstacles, kind, TIMES)?;
+    let (without, _) = run(program, aircraft, obstacles, kind, 0)?;
+    if steps == 0 {
+        return Err(format!("no step is {kind} with {aircraft} and {obstacles}"));
+    }
+    Ok(with.saturating_sub(without) / (steps * u64::from(TIMES)))
+}
+
+/// Instructions of the program, and how many steps it repeats.
+fn run(
+    program: &Path,
+    aircraft: &str,
+    obstacles: u32,
+    kind: &str,
+    times: u32,
+) -> Result<(u64, u64), String> {
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg(program)
+        .args([aircraft, &obstacles.to_string(), kind, &times.to_string()])
+        .output()
+        .map_err(|error| format!("valgrind: {error}"))?;
+    let told = String::from_utf8_lossy(&output.stderr);
+    let counted = told
+        .lines()
+        .find_map(|line| line.split_once("Collected :")?.1.trim().parse().ok());
+    let steps = String::from_utf8_lossy(&output.stdout).trim().parse().ok();
+    counted
+        .zip(steps)
+        .ok_or_else(|| format!("valgrind counted nothing: {told}"))
+}
+
+/// Says which counts are not those of the table.
+fn compare(path: &Path, counts: &BTreeMap<String, u64>) -> Result<(), String> {
+    let text = fs::read_to_string(path).map_err(|error| format!("{TABLE}: {error}"))?;
+    let table: BTreeMap<&str, u64> = text
+        .lines()
+        .skip(1)
+        .filter_map(|line| line.rsplit_once(','))
+        .filter_map(|(name, count)| Some((name, count.parse().ok()?)))
+        .collect();
+    let mut off = String::new();
+    for (name, count) in counts {
+        let known = table.get(name.as_str()).copied();
+        let share = known.map_or(f64::INFINITY, |known| *count as f64 / known as f64 - 1.0);
+        if share.abs() > TOLERANCE {
+            let known = known.map_or("nothing".to_owned(), |known| known.to_string());
+            let _ = write!(off, "\n  {name}: {count}, the table has {known}");
+        }
+    }
+    if off.is_empty() {
+        return Ok(());
+    }
+    Err(format!(
+        "instructions differ from {TABLE} by more than {} %:{off}\n\
+         where that is meant: cargo xtask instructions --write",
+        100.0 * TOLERANCE
+    ))
+}
