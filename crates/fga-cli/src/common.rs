@@ -17,8 +17,8 @@ use crate::failure::Failure;
 #[derive(Args, Debug, Clone)]
 pub(crate) struct PolicyArgs {
     /// What decides: turn-aware, published, published-literal, circle, none, or a baseline:
-    /// potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles. A start may
-    /// stand with it, as in "published --start t0".
+    /// potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles,
+    /// operator-f3442, operator-do365. A start may stand with it, as in "published --start t0".
     #[arg(long, value_name = "POLICY", default_value = "turn-aware")]
     pub(crate) policy: String,
     /// When a manoeuvre begins: t0, tc, latest, free or Cs=0.5.

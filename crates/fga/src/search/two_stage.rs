@@ -202,11 +202,12 @@ impl Search<'_> {
         if let Some(found) = flown.and_then(|flown| self.in_terms_of_search(flown)) {
             seeds.take(KINDS - 1, found);
         }
-        self.collect_single(&start, &mut seeds);
         let has_layers = self.scene.hazards.rows().iter().any(Hazard::is_cylinder);
         if effort == Effort::Full && has_layers {
+            // Few, and all that is left between layers: before the many, which may take all the work.
             self.collect_levelled(&start, &mut seeds);
         }
+        self.collect_single(&start, &mut seeds);
         self.climb(&mut seeds, KINDS_OF_ONE + 2, &SINGLE_ROUNDS, &mut best);
         let found = best?;
         if found.margin_m >= target_m {
