@@ -4,11 +4,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use fga::situation::ProtectedVolume;
+use fga::vehicle::Vehicle;
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
 use fga_report::safety_case::{ClassCase, Lost, PolicyCase, SafetyCase, WorstCase};
 use fga_sim::campaign::risk::{Class, LossCount, PolicyRisk, RiskRatio, Risks};
 use fga_sim::campaign::{Campaign, Folder, Manifest, Row, RowFiles};
+use fga_sim::sensor::SensorSettings;
 use serde_json::json;
 
 use crate::common::AnswerArgs;
@@ -31,8 +34,8 @@ pub(crate) struct ReportArgs {
 /// Folder of the replays beside the page.
 const REPLAYS: &str = "worst";
 
-/// Times into or out of avoiding that are more than one maneuver and one correction.
-const RESTLESS: f64 = 4.0;
+/// Changes into or out of avoiding: more are restless.
+const RESTLESS: f64 = 3.0;
 
 /// Writes `report.html` and the replays of the worst encounters.
 pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Failure> {
@@ -360,13 +363,23 @@ fn assumed(campaign: &Campaign) -> Vec<(String, String)> {
         "ownship",
         "flies as recorded or drawn until it acts, then at the airspeed of that moment with the vehicle’s limits".into(),
     );
-    add("vehicle", format!("{:?}", model.vehicle));
+    add("vehicle", vehicle_words(&model.vehicle));
     add(
         "protected volume that it avoids",
-        format!("{:?}", model.protection),
+        match model.protection {
+            ProtectedVolume::Sphere { radius_m } => format!("sphere of {radius_m} m"),
+            ProtectedVolume::Cylinder {
+                radius_m,
+                half_height_m,
+            } => format!("cylinder of {radius_m} m and ±{half_height_m} m"),
+        },
     );
-    add("wind", format!("{:?} m/s", model.wind_mps));
-    add("sensor", format!("{:?}", model.sensor));
+    let wind = model.wind_mps;
+    add(
+        "wind",
+        format!("{} m/s east, {} north, {} up", wind.x, wind.y, wind.z),
+    );
+    add("sensor", sensor_words(&model.sensor));
     add(
         "intruders",
         "do not react; the ownship hears their rows and carries them on for two seconds".into(),
@@ -374,4 +387,43 @@ fn assumed(campaign: &Campaign) -> Vec<(String, String)> {
     add("seeds", format!("{:?}", configuration.seeds));
     add("judged", "while both aircraft are recorded, along straight lines between rows, by code apart from the one that decides".into());
     assumed
+}
+
+/// A vehicle's limits in words.
+fn vehicle_words(vehicle: &Vehicle) -> String {
+    let response = &vehicle.response;
+    format!(
+        "airspeed {} m/s (recorded flights: as recorded), turn radius {:.0} m at that speed, climb angle {:.1}° to {:.1}° at {} rad/s, \
+         dead time {} s, bank lag {} s, turn-rate factor {}",
+        vehicle.airspeed_mps,
+        vehicle.turn_radius_m,
+        vehicle.climb_min_rad.to_degrees(),
+        vehicle.climb_max_rad.to_degrees(),
+        vehicle.climb_rate_radps,
+        response.dead_time_s,
+        response.bank_time_constant_s,
+        response.turn_rate_factor,
+    )
+}
+
+/// A sensor in words.
+fn sensor_words(sensor: &SensorSettings) -> String {
+    let range = if sensor.range_m.is_finite() {
+        format!("range {} m", sensor.range_m)
+    } else {
+        "unlimited range".into()
+    };
+    let rate = if sensor.update_period_s > 0.0 {
+        format!("a look each {} s", sensor.update_period_s)
+    } else {
+        "a look at each decision".into()
+    };
+    format!(
+        "{range}, {rate}, field of regard {:.0}°, detection probability {}, delay {} s, noise {} m and {} m/s",
+        sensor.field_of_regard_rad.to_degrees(),
+        sensor.detection_probability,
+        sensor.delay_s,
+        sensor.position_sigma_m,
+        sensor.velocity_sigma_mps,
+    )
 }

@@ -79,7 +79,7 @@ pub struct PolicyCase {
     pub needless: u64,
     /// Nominally well clear.
     pub clear: u64,
-    /// Changed into or out of avoiding more than four times.
+    /// Changed into or out of avoiding more than three times.
     pub restless: u64,
     /// Acted, and was not back on its mission at the end.
     pub not_back: u64,
@@ -242,48 +242,53 @@ impl SafetyCase {
     }
 
     fn table(&self) -> Section {
-        let mut columns = vec![Column::text("policy")];
-        for (loss, thresholds) in [("NMAC", &NMAC_THRESHOLDS), ("LoWC", &LOWC_THRESHOLDS)] {
-            columns.push(Column::number(&format!("{loss} left of")));
-            columns.push(Column::number(&format!("{loss} risk ratio")));
-            for threshold in thresholds {
-                columns.push(Column::text(&format!(
-                    "≤ {:.2} {}",
-                    threshold.ratio, threshold.intruders
-                )));
-            }
-        }
-        let rows = self
-            .policies
-            .iter()
-            .map(|policy| {
-                let mut row = vec![Cell::Text(policy.policy.clone())];
-                for (lost, thresholds) in [
-                    (&policy.nmac, &NMAC_THRESHOLDS),
-                    (&policy.lowc, &LOWC_THRESHOLDS),
-                ] {
-                    row.push(Cell::Text(format!("{} of {}", lost.flown, lost.nominal)));
-                    row.push(ratio(lost));
-                    row.extend(verdicts(lost, thresholds));
-                }
+        let against = |loss: &str, thresholds: &[Threshold], of: fn(&PolicyCase) -> &Lost| {
+            let mut columns = vec![
+                Column::text("policy"),
+                Column::number(&format!("{loss} left of")),
+                Column::number("risk ratio"),
+            ];
+            columns.extend(thresholds.iter().map(|threshold| {
+                Column::text(&format!("≤ {:.2} {}", threshold.ratio, threshold.intruders))
+            }));
+            columns.push(Column::number("induced"));
+            let rows = self.policies.iter().map(|policy| {
+                let lost = of(policy);
+                let mut row = vec![
+                    Cell::Text(policy.policy.clone()),
+                    Cell::Text(format!("{} of {}", lost.flown, lost.nominal)),
+                    ratio(lost),
+                ];
+                row.extend(verdicts(lost, thresholds));
+                row.push(count(lost.induced));
                 row
-            })
-            .collect();
+            });
+            (columns, rows.collect::<Vec<_>>())
+        };
+        let (nmac_columns, nmac_rows) = against("NMAC", &NMAC_THRESHOLDS, |policy| &policy.nmac);
+        let (lowc_columns, lowc_rows) = against("LoWC", &LOWC_THRESHOLDS, |policy| &policy.lowc);
         Section {
             title: "Risk ratios against quoted thresholds".into(),
             blocks: vec![
-                Block::Table(Table {
-                    caption: "NMAC: closer than 500 ft and 100 ft at once. LoWC: closer than 2,000 ft and 250 ft at once (ASTM F3442). \
-                        Ratio of weighted counts with and without avoidance, 95 % interval. \
-                        “Met”: the whole interval is below the threshold; “not shown”: the interval contains it."
+                Block::Paragraph(
+                    "Ratio of weighted counts with and without avoidance, 95 % interval. “Met”: the whole interval is \
+                     below the threshold; “not shown”: the interval contains it. Induced: lost with the system only."
                         .into(),
-                    columns,
-                    rows,
+                ),
+                Block::Table(Table {
+                    caption: "NMAC: closer than 500 ft and 100 ft at once.".into(),
+                    columns: nmac_columns,
+                    rows: nmac_rows,
+                }),
+                Block::Table(Table {
+                    caption: "LoWC: closer than 2,000 ft and 250 ft at once (ASTM F3442).".into(),
+                    columns: lowc_columns,
+                    rows: lowc_rows,
                 }),
                 Block::Paragraph(
                     "The thresholds are second-hand: numbers that are quoted for systems like those of ASTM F3442, \
                      not copied from the standard. Check them against the edition that applies to you. \
-                     Intervals are by bootstrap over the encounters, and Wilson’s where fewer than ten losses are left."
+                     Intervals are by bootstrap over the encounters, and Wilson’s where fewer than ten losses are left, or all."
                         .into(),
                 ),
                 Block::Table(self.rates()),
@@ -300,11 +305,9 @@ impl SafetyCase {
                 Column::text("policy"),
                 Column::number("NMAC without"),
                 Column::number("NMAC with"),
-                Column::number("induced"),
                 Column::number("LoWC without"),
                 Column::number("LoWC with"),
-                Column::number("induced"),
-                Column::number("DO-365B ratio"),
+                Column::number("risk ratio of DO-365B"),
             ],
             rows: self
                 .policies
@@ -314,7 +317,6 @@ impl SafetyCase {
                     for lost in [&policy.nmac, &policy.lowc] {
                         row.push(Cell::Number(100.0 * lost.nominal_rate, 3));
                         row.push(Cell::Number(100.0 * lost.rate, 3));
-                        row.push(count(lost.induced));
                     }
                     row.push(ratio(&policy.do365));
                     row
@@ -354,7 +356,7 @@ impl SafetyCase {
             title: "What it costs".into(),
             blocks: vec![Block::Table(Table {
                 caption: "Needless: acted though the encounter stays well clear (ASTM F3442) without it. \
-                    Restless: changed into or out of avoiding more than four times. \
+                    Restless: changed into or out of avoiding more than three times. \
                     Not back: acted and was not back on its mission when the flight ended. \
                     Departures and times are those of encounters in which it acted."
                     .into(),

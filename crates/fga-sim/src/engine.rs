@@ -338,8 +338,10 @@ impl<'a> Flight<'a> {
             retune(self.plant.vehicle());
             self.state.tuned_mps = airspeed_mps;
         }
-        let at_m = self.plant.ownship().position_m;
-        self.sensor.look(time_s, at_m, &self.world.obstacles);
+        let ownship = self.plant.ownship();
+        self.sensor.face(ownship.course_rad);
+        self.sensor
+            .look(time_s, ownship.position_m, &self.world.obstacles);
     }
 
     /// Takes over what was decided.

@@ -1,6 +1,7 @@
 //! What the aircraft knows of the obstacles: range, rate and noise, and the tracks made of it.
 
 use fga::Vec3;
+use fga::angle::{course_of, wrap_pi};
 use fga::situation::{Obstacle, Uncertainty};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
@@ -23,6 +24,13 @@ pub struct SensorSettings {
     /// Whether noisy looks become tracks by a Kalman filter; without it each look is passed on as
     /// it is.
     pub tracked: bool,
+    /// Horizontal angle that is seen, radians, half of it to either side of the course; a full turn
+    /// sees all around.
+    pub field_of_regard_rad: f64,
+    /// Probability that a look sees an obstacle that it could see.
+    pub detection_probability: f64,
+    /// Age of what a look shows, seconds: it is carried on from then in a straight line.
+    pub delay_s: f64,
 }
 
 impl Default for SensorSettings {
@@ -34,11 +42,20 @@ impl Default for SensorSettings {
             position_sigma_m: 0.0,
             velocity_sigma_mps: 0.0,
             tracked: true,
+            field_of_regard_rad: core::f64::consts::TAU,
+            detection_probability: 1.0,
+            delay_s: 0.0,
         }
     }
 }
 
 impl SensorSettings {
+    /// Whether an obstacle at this offset is within the field of regard.
+    fn regards(&self, offset_m: Vec3, course_rad: f64) -> bool {
+        self.field_of_regard_rad >= core::f64::consts::TAU
+            || wrap_pi(course_of(offset_m) - course_rad).abs() <= 0.5 * self.field_of_regard_rad
+    }
+
     fn look_noise(&self) -> LookNoise {
         LookNoise {
             position_m: self.position_sigma_m,
@@ -50,6 +67,9 @@ impl SensorSettings {
         self.position_sigma_m > 0.0 || self.velocity_sigma_mps > 0.0
     }
 }
+
+/// Changes the master seed for the stream of misses.
+const MISSES: u64 = 0x006D_6973_7365_6400;
 
 /// Gaussian noise from one counter-based stream (Box–Muller).
 #[derive(Debug, Clone)]
@@ -93,6 +113,10 @@ impl Noise {
 pub struct Sensor {
     settings: SensorSettings,
     noise: Option<Noise>,
+    /// Decides which looks miss; apart from the noise, so that each is the same without the other.
+    misses: Option<Noise>,
+    /// Course of the aircraft, radians.
+    course_rad: f64,
     /// When it looked last, and what it saw.
     last_look_s: f64,
     /// To when what was seen is carried on, seconds.
@@ -110,6 +134,8 @@ impl Sensor {
         Self {
             settings: SensorSettings::default(),
             noise: None,
+            misses: None,
+            course_rad: 0.0,
             last_look_s: f64::NEG_INFINITY,
             carried_to_s: 0.0,
             seen: Vec::new(),
@@ -122,6 +148,8 @@ impl Sensor {
     pub fn begin(&mut self, settings: SensorSettings, obstacles: usize, seed: u64, stream: u64) {
         self.settings = settings;
         self.noise = settings.is_noisy().then(|| Noise::new(seed, stream));
+        self.misses =
+            (settings.detection_probability < 1.0).then(|| Noise::new(seed ^ MISSES, stream));
         self.last_look_s = f64::NEG_INFINITY;
         self.seen.clear();
         self.first_seen_s.clear();
@@ -140,6 +168,11 @@ impl Sensor {
         &self.seen
     }
 
+    /// Turns the sensor with the aircraft; the field of regard is about this course, radians.
+    pub fn face(&mut self, course_rad: f64) {
+        self.course_rad = course_rad;
+    }
+
     /// What is known at `time_s`, with the sensor at `at_m`.
     pub fn look(&mut self, time_s: f64, at_m: Vec3, world: &[WorldObstacle]) -> &[Obstacle] {
         let due = time_s >= self.last_look_s + self.settings.update_period_s - 1e-9;
@@ -149,9 +182,23 @@ impl Sensor {
             for (obstacle, (first_seen_s, kept)) in world.iter().zip(looks) {
                 // A track ends with a look that does not see its obstacle.
                 let track = kept.take();
-                let Some((position_m, velocity_mps)) = obstacle.known_at(time_s) else {
+                // Every obstacle draws in every look, so that a miss of one moves no other.
+                let missed = self
+                    .misses
+                    .as_mut()
+                    .is_some_and(|misses| misses.unit() > self.settings.detection_probability);
+                let delay_s = self.settings.delay_s;
+                let Some((then_m, velocity_mps)) = obstacle.known_at(time_s - delay_s) else {
                     continue;
                 };
+                let position_m = if delay_s > 0.0 {
+                    then_m + velocity_mps * delay_s
+                } else {
+                    then_m
+                };
+                if missed || !self.settings.regards(then_m - at_m, self.course_rad) {
+                    continue;
+                }
                 if time_s < obstacle.appears_s {
                     continue;
                 }
@@ -248,6 +295,53 @@ mod tests {
         // Past the aircraft and beyond its first-seen distance it stays known.
         assert_eq!(sensor.look(7.5, Vec3::ZERO, &world).len(), 2);
         assert_eq!(sensor.first_seen_s(), [None, Some(2.0), Some(3.0)]);
+    }
+
+    #[test]
+    fn what_is_beside_the_field_of_regard_is_not_seen() {
+        let side = WorldObstacle::new(
+            8,
+            Track::straight(Vec3::new(0.0, 100.0, 0.0), Vec3::ZERO),
+            ProtectedVolume::Sphere { radius_m: 1.0 },
+        );
+        let world = [obstacle(100.0, 0.0), side];
+        let settings = SensorSettings {
+            field_of_regard_rad: core::f64::consts::FRAC_PI_2,
+            ..SensorSettings::default()
+        };
+        let mut sensor = Sensor::new();
+        sensor.begin(settings, world.len(), 0, 0);
+        let mut ids = |course_rad: f64| {
+            sensor.face(course_rad);
+            let seen = sensor.look(course_rad, Vec3::ZERO, &world);
+            seen.iter().map(|seen| seen.id).collect::<Vec<_>>()
+        };
+        assert_eq!(ids(0.0), [7]);
+        assert_eq!(ids(0.8), [8]);
+        assert_eq!(ids(3.0), [0; 0]);
+    }
+
+    #[test]
+    fn looks_miss_as_often_as_they_should_and_are_as_old_as_they_should() {
+        let world = [obstacle(1000.0, -10.0)];
+        let settings = SensorSettings {
+            detection_probability: 0.8,
+            delay_s: 2.0,
+            ..SensorSettings::default()
+        };
+        let mut sensor = Sensor::new();
+        sensor.begin(settings, 1, 3, 4);
+        let mut seen = 0;
+        for look in 0..2000 {
+            let time_s = f64::from(look) * 0.01;
+            if let [found] = sensor.look(time_s, Vec3::ZERO, &world) {
+                seen += 1;
+                // It keeps its velocity, so what is carried on is where it is.
+                assert!((found.position_m.x - (1000.0 - 10.0 * time_s)).abs() < 1e-9);
+            }
+        }
+        // 1,600 ± 18.
+        assert!((1530..=1670).contains(&seen), "{seen}");
     }
 
     #[test]

@@ -158,6 +158,9 @@ pub(crate) struct SensorTable {
     update_rate_hz: Option<Spanned<f64>>,
     /// Whether noisy looks become tracks by a Kalman filter.
     tracked: Option<bool>,
+    field_of_regard_deg: Option<Spanned<f64>>,
+    detection_probability: Option<Spanned<f64>>,
+    delay_s: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize, Default)]
@@ -470,6 +473,20 @@ impl SensorTable {
                 otherwise.velocity_sigma_mps,
             )?,
             tracked: self.tracked.unwrap_or(otherwise.tracked),
+            field_of_regard_rad: match &self.field_of_regard_deg {
+                None => otherwise.field_of_regard_rad,
+                Some(degrees) => text
+                    .within("field_of_regard_deg", degrees, (1.0, 360.0))?
+                    .to_radians(),
+            },
+            detection_probability: match &self.detection_probability {
+                None => otherwise.detection_probability,
+                Some(share) => text.within("detection_probability", share, (0.0, 1.0))?,
+            },
+            delay_s: match &self.delay_s {
+                None => otherwise.delay_s,
+                Some(seconds) => text.within("delay_s", seconds, (0.0, 10.0))?,
+            },
         })
     }
 }

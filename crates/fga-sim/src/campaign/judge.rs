@@ -115,10 +115,19 @@ impl Judge {
         let Some(own) = &world.recorded else {
             return;
         };
+        metrics.changes = Some(f64::from(flown.changes));
+        // While the recording is followed, its own rows say where the aircraft was.
+        let Some(left_s) = flown.left_s else {
+            metrics.nmac = metrics.nominal_nmac;
+            metrics.lowc = metrics.nominal_lowc;
+            metrics.do365 = metrics.nominal_do365;
+            metrics.severity = metrics.nominal_severity;
+            metrics.horizontal_m = metrics.nominal_horizontal_m;
+            metrics.vertical_m = metrics.nominal_vertical_m;
+            return;
+        };
         let mut path = core::mem::take(&mut self.recorded);
         path.clear();
-        // While the recording is followed, its own rows say where the aircraft was.
-        let left_s = flown.left_s.unwrap_or(f64::INFINITY);
         path.extend(points_of(own).iter().filter(|(time_s, _)| *time_s < left_s));
         path.extend(flown.path.iter().filter(|(time_s, _)| *time_s >= left_s));
         if let Some((_, losses)) = self.worst(world, &path) {
@@ -129,10 +138,7 @@ impl Judge {
             metrics.horizontal_m = losses.f3442.horizontal.map(|least| least.value_m);
             metrics.vertical_m = losses.f3442.vertical_then_m;
         }
-        metrics.changes = Some(f64::from(flown.changes));
-        metrics.action_s = flown
-            .left_s
-            .and_then(|left_s| Some(metrics.cpa_s? - left_s));
+        metrics.action_s = metrics.cpa_s.map(|cpa_s| cpa_s - left_s);
         self.recorded = path;
     }
 

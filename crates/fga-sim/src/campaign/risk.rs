@@ -153,10 +153,15 @@ pub struct RiskRatio {
 }
 
 impl RiskRatio {
-    /// The interval to be shown: the bootstrap's, and Wilson's where few losses are left.
+    /// The interval to be shown: the bootstrap's, and Wilson's where fewer than ten losses are left
+    /// or all of them, of which the bootstrap knows nothing.
     pub fn interval(&self) -> Interval {
         match self.bootstrap {
-            Some(bootstrap) if self.effective * self.ratio >= 10.0 => bootstrap,
+            Some(bootstrap)
+                if self.effective * self.ratio >= 10.0 && bootstrap.high > bootstrap.low =>
+            {
+                bootstrap
+            }
             _ => self.wilson,
         }
     }
