@@ -1,6 +1,7 @@
 //! The aircraft: a point mass whose roll has a rate, its limit and its lag, and whose climb angle a lag.
 
 use alloc::collections::VecDeque;
+use core::f64::consts::FRAC_PI_4;
 
 use crate::geometry::wrap;
 use crate::parameters::Parameters;
@@ -22,8 +23,11 @@ pub struct PlantSettings {
     /// Steps between a command and its first effect. All four as measured: of a step to 45°, 7°,
     /// 18°, 32° and 43° after 0.23, 0.37, 0.53 and 0.67 s, and 4° too far at 0.83 s.
     pub roll_delay_steps: usize,
-    /// Flown turn rate over g tan φ / V, as measured.
+    /// Flown turn rate over g tan φ / V, as measured up to 52°.
     pub turn_rate_factor: f64,
+    /// What is lost of that factor for each radian of bank beyond 45°. Not measured: a wing that is loaded
+    /// more slows down.
+    pub steep_loss: f64,
     /// The nose swings this much later than the course turns, seconds.
     pub nose_lag_s: f64,
     /// Time constant of the climb angle behind the pitch, seconds.
@@ -41,6 +45,7 @@ impl Default for PlantSettings {
             roll_rate_lag_s: 0.13,
             roll_delay_steps: 3,
             turn_rate_factor: 0.70,
+            steep_loss: 0.2,
             nose_lag_s: 0.3,
             climb_time_constant_s: 0.5,
             level_pitch_rad: 0.035,
@@ -212,8 +217,9 @@ impl Plant {
         };
         let climb_lag = 1.0 - libm::exp(-step_s / self.settings.climb_time_constant_s);
         self.climb_rad += (wanted.clamp(climb_min, climb_max) - self.climb_rad) * climb_lag;
-        self.turn_rate_radps =
-            self.settings.turn_rate_factor * GRAVITY_MPS2 * libm::tan(self.bank_rad) / speed;
+        let beyond_rad = (self.bank_rad.abs() - FRAC_PI_4).max(0.0);
+        let factor = self.settings.turn_rate_factor - self.settings.steep_loss * beyond_rad;
+        self.turn_rate_radps = factor * GRAVITY_MPS2 * libm::tan(self.bank_rad) / speed;
         let nose_lag = 1.0 - libm::exp(-step_s / self.settings.nose_lag_s);
         self.nose_rate_radps += (self.turn_rate_radps - self.nose_rate_radps) * nose_lag;
         // Half the turn before and half after the move: second order in the step.

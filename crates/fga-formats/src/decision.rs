@@ -38,6 +38,7 @@ pub fn to_json(
         "threat": threat,
         "latest_start_s": record.latest_start_s,
         "resilience": record.resilience,
+        "in_need": record.in_need,
         "start_s": record.start_s,
         "command": maneuver(&decision.command),
         "chosen": record.chosen.as_ref().map(candidate),

@@ -43,6 +43,9 @@ pub struct VehicleConfig {
     pub system_id: u8,
     /// Largest bank that is commanded, degrees; never more than the vehicle's own limit less 2°.
     pub max_bank_deg: f64,
+    /// Largest bank where nothing is certified with that one, degrees; never more than the vehicle's own
+    /// limit less 2°. As large as `max_bank_deg`, it is not used.
+    pub max_bank_in_need_deg: f64,
     /// Whether the altitude may be left to avoid.
     pub vertical: bool,
     /// Steepest climb and descent, degrees; never more than the vehicle's own climb rates allow.
@@ -56,6 +59,7 @@ impl Default for VehicleConfig {
         Self {
             system_id: 0,
             max_bank_deg: 45.0,
+            max_bank_in_need_deg: 70.0,
             vertical: false,
             max_climb_deg: 8.0,
             take_over: vec!["AUTO".to_owned(), "CRUISE".to_owned()],
@@ -310,6 +314,12 @@ impl Config {
             .within(
                 "vehicle.max_bank_deg",
                 self.vehicle.max_bank_deg,
+                10.0,
+                70.0,
+            )
+            .within(
+                "vehicle.max_bank_in_need_deg",
+                self.vehicle.max_bank_in_need_deg,
                 10.0,
                 70.0,
             )

@@ -37,6 +37,8 @@ const ANSWER_S: f64 = 0.3;
 const MOST_ROUNDS: u8 = 20;
 /// Kept below the vehicle's own bank limit, degrees.
 const BELOW_LIMIT_DEG: f64 = 2.0;
+/// A bank in need that is not steeper by this is not worth limits of its own, radians (2°).
+const CLEARLY_STEEPER_RAD: f64 = 0.035;
 /// The autopilot prevents a stall: it lets no bank need more lift than the wing has at the airspeed.
 /// It always lets this much, degrees.
 const ALWAYS_LET_DEG: f64 = 25.0;
@@ -150,9 +152,21 @@ impl VehicleParameters {
     /// The largest bank that is commanded at an airspeed, radians; `None` until the vehicle's limit
     /// is known.
     pub fn bank_limit_rad(&self, config: &Config, airspeed_mps: f64) -> Option<f64> {
+        self.bank_rad(config.vehicle.max_bank_deg, airspeed_mps)
+    }
+
+    /// The largest bank in need at an airspeed, radians; `None` where it is not clearly more than the
+    /// normal one.
+    pub fn bank_in_need_rad(&self, config: &Config, airspeed_mps: f64) -> Option<f64> {
+        let normal_rad = self.bank_limit_rad(config, airspeed_mps)?;
+        let most_rad = self.bank_rad(config.vehicle.max_bank_in_need_deg, airspeed_mps)?;
+        (most_rad >= normal_rad + CLEARLY_STEEPER_RAD).then_some(most_rad)
+    }
+
+    fn bank_rad(&self, most_deg: f64, airspeed_mps: f64) -> Option<f64> {
         let limit_deg = self.get("ROLL_LIMIT_DEG").filter(|limit| *limit > 10.0)?;
         let limit_deg = limit_deg.min(self.stall_limit_deg(airspeed_mps));
-        let deg = (limit_deg - BELOW_LIMIT_DEG).min(config.vehicle.max_bank_deg);
+        let deg = (limit_deg - BELOW_LIMIT_DEG).min(most_deg);
         Some(deg.clamp(5.0, 70.0).to_radians())
     }
 
@@ -163,10 +177,31 @@ impl VehicleParameters {
         airspeed_mps: f64,
         response: Response,
     ) -> Option<Vehicle> {
+        let bank_rad = self.bank_limit_rad(config, airspeed_mps)?;
+        self.vehicle_at(bank_rad, config, airspeed_mps, response)
+    }
+
+    /// The vehicle's limits in need, at an airspeed; `response` is that of the steep bank.
+    pub fn vehicle_in_need(
+        &self,
+        config: &Config,
+        airspeed_mps: f64,
+        response: Response,
+    ) -> Option<Vehicle> {
+        let bank_rad = self.bank_in_need_rad(config, airspeed_mps)?;
+        self.vehicle_at(bank_rad, config, airspeed_mps, response)
+    }
+
+    fn vehicle_at(
+        &self,
+        bank_rad: f64,
+        config: &Config,
+        airspeed_mps: f64,
+        response: Response,
+    ) -> Option<Vehicle> {
         if !(airspeed_mps.is_finite() && airspeed_mps > 1.0) {
             return None;
         }
-        let bank_rad = self.bank_limit_rad(config, airspeed_mps)?;
         let turn_radius_m =
             airspeed_mps * airspeed_mps / (STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad));
         let limit_rad = config.vehicle.max_climb_deg.to_radians();
@@ -254,6 +289,27 @@ mod tests {
         parameters.take(&value("AIRSPEED_STALL", 11.0));
         parameters.take(&value("STALL_PREVENTION", 0.0));
         assert!((limit_deg(&parameters, 11.5) - 45.0).abs() < 1e-9);
+    }
+
+    /// By the vehicle's limit, by its stall prevention, and not where there is nothing more.
+    #[test]
+    fn the_bank_in_need_is_what_the_vehicle_lets() {
+        let mut parameters = VehicleParameters::default();
+        parameters.take(&value("ROLL_LIMIT_DEG", 65.0));
+        parameters.take(&value("AIRSPEED_MIN", 12.0));
+        let mut config = Config::default();
+        let in_need_deg = |parameters: &VehicleParameters, config: &Config, airspeed_mps| {
+            let limit_rad = parameters.bank_in_need_rad(config, airspeed_mps)?;
+            Some(limit_rad.to_degrees().round())
+        };
+        assert_eq!(in_need_deg(&parameters, &config, 25.0), Some(63.0));
+        // (0.97 · 16 / 12)² = 1.673: arccos 0.598 = 53.3°, 2° in hand.
+        assert_eq!(in_need_deg(&parameters, &config, 16.0), Some(51.0));
+        assert_eq!(in_need_deg(&parameters, &config, 12.5), None);
+        config.vehicle.max_bank_in_need_deg = 45.0;
+        assert_eq!(in_need_deg(&parameters, &config, 25.0), None);
+        parameters.take(&value("ROLL_LIMIT_DEG", 47.0));
+        assert_eq!(in_need_deg(&parameters, &Config::default(), 25.0), None);
     }
 
     #[test]

@@ -18,6 +18,12 @@ const STEADY_RADPS: f64 = 0.08;
 const FACTOR_EVIDENCE_S: f64 = 4.0;
 /// Part of the estimated factor that is planned with.
 const IN_HAND: f64 = 0.97;
+/// Until a steep bank has been flown, it is expected to turn by this much of what the normal bank's factor
+/// says, and its lag to be longer by this, seconds: at 45° and less nothing tells either.
+const STEEP_SHARE: f64 = 0.9;
+const STEEP_LAG_S: f64 = 0.1;
+/// Part of the estimated factor of a steep bank that is planned with: it is flown for seconds only.
+const STEEP_IN_HAND: f64 = 0.95;
 const FACTOR_RANGE: (f64, f64) = (0.4, 1.05);
 const LAG_RANGE_S: (f64, f64) = (0.1, 2.5);
 /// Dead times that are tried, seconds.
@@ -42,15 +48,11 @@ pub struct ResponseEstimate {
     factor_sum_s: f64,
     /// For each dead time Σ e·φ̇ and Σ e² of φ̇ = e/τ.
     rolling: [(f64, f64); DEAD_TIMES_S.len()],
-    /// The same of the starting value.
-    rolling_start: (f64, f64),
 }
 
 impl ResponseEstimate {
     /// Starts from the configuration.
     pub fn new(config: &ResponseConfig) -> Self {
-        // As if the starting lag had been seen in a second of rolling at half a radian of error.
-        let weight = 0.25;
         Self {
             start: Response {
                 dead_time_s: config.dead_time_s,
@@ -62,7 +64,6 @@ impl ResponseEstimate {
             factor_weight_s: 0.0,
             factor_sum_s: 0.0,
             rolling: [(0.0, 0.0); DEAD_TIMES_S.len()],
-            rolling_start: (weight / config.bank_time_constant_s.max(0.1), weight),
         }
     }
 
@@ -150,21 +151,42 @@ impl ResponseEstimate {
 
     /// The response to plan with.
     pub fn response(&self) -> Response {
-        if !self.enabled {
-            return self.start;
+        self.response_from(self.start, IN_HAND)
+    }
+
+    /// The response of banks steeper than the normal one, of which this is the estimate; `normal` is the one
+    /// of banks up to that. What is not known is taken to be worse: a turn that is tighter than planned
+    /// passes farther off. The dead time is the same.
+    pub fn steep_response(&self, normal: Response) -> Response {
+        let start = Response {
+            turn_rate_factor: (STEEP_SHARE * normal.turn_rate_factor).max(FACTOR_RANGE.0),
+            bank_time_constant_s: normal.bank_time_constant_s + STEEP_LAG_S,
+            ..normal
+        };
+        Response {
+            dead_time_s: normal.dead_time_s,
+            ..self.response_from(start, STEEP_IN_HAND)
         }
-        let mut response = self.start;
+    }
+
+    fn response_from(&self, start: Response, in_hand: f64) -> Response {
+        if !self.enabled {
+            return start;
+        }
+        let mut response = start;
         if self.factor_weight_s > 0.5 {
-            let seen = IN_HAND * self.factor_sum_s / self.factor_weight_s;
+            let seen = in_hand * self.factor_sum_s / self.factor_weight_s;
             let trust = self.factor_weight_s / (self.factor_weight_s + FACTOR_EVIDENCE_S);
-            let factor = self.start.turn_rate_factor + trust * (seen - self.start.turn_rate_factor);
+            let factor = start.turn_rate_factor + trust * (seen - start.turn_rate_factor);
             response.turn_rate_factor = factor.clamp(FACTOR_RANGE.0, FACTOR_RANGE.1);
         }
         let (dead_time_s, rolling) = self.best_rolling();
         response.dead_time_s = dead_time_s;
-        let cross = rolling.0 + self.rolling_start.0;
+        // As if the starting lag had been seen in a second of rolling at half a radian of error.
+        let weight = 0.25;
+        let cross = rolling.0 + weight / start.bank_time_constant_s.max(0.1);
         if cross > 1e-3 {
-            let lag_s = (rolling.1 + self.rolling_start.1) / cross;
+            let lag_s = (rolling.1 + weight) / cross;
             response.bank_time_constant_s = lag_s.clamp(LAG_RANGE_S.0, LAG_RANGE_S.1);
         }
         response
@@ -206,6 +228,31 @@ mod tests {
             (response.bank_time_constant_s - 0.5).abs() < 0.05,
             "{response:?}"
         );
+    }
+
+    #[test]
+    fn a_steep_bank_is_taken_to_be_worse_until_it_was_flown() {
+        let normal = Response {
+            dead_time_s: 0.15,
+            bank_time_constant_s: 0.4,
+            turn_rate_factor: 0.7,
+        };
+        let mut steep = ResponseEstimate::new(&ResponseConfig::default());
+        let unknown = steep.steep_response(normal);
+        assert!((unknown.turn_rate_factor - 0.63).abs() < 1e-9);
+        assert!((unknown.bank_time_constant_s - 0.5).abs() < 1e-9);
+        // A minute at 60° with a factor of 0.66: nearly all of it, and a little in hand.
+        let rate = 0.66 * 9.806_65 * 60.0_f64.to_radians().tan() / 25.0;
+        for n in 0..1200_u32 {
+            let bank_rad = 60.0_f64.to_radians();
+            steep.observe(f64::from(n) * 0.05, bank_rad, rate, 25.0, |_| None);
+        }
+        let known = steep.steep_response(normal);
+        assert!(
+            (known.turn_rate_factor - 0.95 * 0.66).abs() < 0.005,
+            "{known:?}"
+        );
+        assert_eq!(known.dead_time_s, 0.15);
     }
 
     #[test]

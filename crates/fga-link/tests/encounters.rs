@@ -3,14 +3,14 @@
 
 mod common;
 
-use common::{BAD, Intruder, Random, World, mission, upload};
+use common::{BAD, GROUND, Intruder, Random, World, mission, upload};
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
 use fga_emulator::{Mode, PlantSettings};
 use fga_sim::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
 };
-use mavlink::dialects::ardupilotmega::MavMissionType;
+use mavlink::dialects::ardupilotmega::{MavMessage, MavMissionType, MavParamType, PARAM_SET_DATA};
 
 /// Speed of the aircraft and the time at which the paths meet, 30 s after the start.
 const OWN_MPS: f64 = 25.0;
@@ -18,12 +18,16 @@ const MEET_S: f64 = 70.0;
 const PROTECTED_M: f64 = 60.0;
 /// Back on the leg within this after the last intruder has passed, seconds: one intruder, and two, each of
 /// which may turn towards the way back.
-const BACK_S: [f64; 2] = [30.0, 60.0];
-/// The report to the companion and the first target to the vehicle: what no decision can gain. Taken as
-/// the network made them in the encounter, with the time from one decision to the next between them,
-/// and no less than this, seconds.
-const DEAD_TIME_S: f64 = 0.3;
+const BACK_S: [f64; 2] = [35.0, 60.0];
+/// What no decision can gain, seconds: the first report that reaches the companion comes when the network
+/// lets it (measured), the next decision is this long after it at most, …
 const DECISION_PERIOD_S: f64 = 0.1;
+/// … and the mode and a target take the network's longest delay, with a step at either end. That a heartbeat
+/// is waited for is the companion's own loss.
+const ONE_WAY_S: f64 = 0.24;
+/// Where the network lost a request for the mode, the next one comes this much later. More copies of it would
+/// be faster, and one of them would arrive after the pilot's change more often.
+const SENT_AGAIN_S: f64 = 0.4;
 /// The first-order lag that comes closest to the roll of the emulator.
 const BANK_TIME_CONSTANT_S: f64 = 0.4;
 
@@ -101,22 +105,22 @@ fn intruder(random: &mut Random, kind: Kind, icao: u32, shown_m: f64) -> Intrude
 type Scene = (OracleStart, OracleVehicle, Vec<OracleObstacle>);
 
 /// The aircraft with its real limits, and the intruders, now.
-fn scene(world: &World) -> Scene {
+fn scene(world: &World, bank_rad: f64) -> Scene {
     let plant = world.emulator.plant();
     let settings = PlantSettings::default();
-    // The vehicle's limit is 45°, of which 2° are never asked for.
-    let bank_rad = 43.0_f64.to_radians();
-    let rate = settings.turn_rate_factor * 9.806_65 * bank_rad.tan() / plant.airspeed_mps();
+    let beyond_rad = (bank_rad - core::f64::consts::FRAC_PI_4).max(0.0);
+    let factor = settings.turn_rate_factor - settings.steep_loss * beyond_rad;
+    let rate = factor * 9.806_65 * bank_rad.tan() / plant.airspeed_mps();
     let vehicle = OracleVehicle {
         airspeed_mps: plant.airspeed_mps(),
         course_rate_radps: rate,
         climb_min_rad: 0.0,
         climb_max_rad: 0.0,
         climb_rate_radps: 0.0,
-        dead_time_s: DEAD_TIME_S,
+        dead_time_s: DECISION_PERIOD_S + ONE_WAY_S,
         bank_time_constant_s: BANK_TIME_CONSTANT_S,
         bank_max_rad: bank_rad,
-        turn_rate_factor: settings.turn_rate_factor,
+        turn_rate_factor: factor,
     };
     let place = |p: [f64; 3]| Vec3::new(p[0], p[1], p[2]);
     let start = OracleStart {
@@ -153,12 +157,20 @@ struct Result {
     changes: usize,
     resumed: bool,
     flew: bool,
+    in_need: bool,
 }
 
-fn fly(seed: u32, kind: Kind, shown: (f64, f64)) -> Result {
+/// The vehicle's own limit, degrees: more than the bank that is normally commanded, or no more.
+const NORMAL_LIMIT_DEG: f32 = 45.0;
+const STEEP_LIMIT_DEG: f32 = 65.0;
+
+fn fly(seed: u32, kind: Kind, shown: (f64, f64), limit_deg: f32) -> Result {
     let mut random = Random::new(u64::from(seed) * 7919 + 13);
     let shown_m = random.uniform(shown.0, shown.1);
     let mut world = World::new("", BAD, u64::from(seed));
+    if limit_deg != NORMAL_LIMIT_DEG {
+        set_roll_limit(&mut world, limit_deg);
+    }
     world.add(intruder(&mut random, kind, 0x0010_0000 + seed, shown_m));
     if matches!(kind, Kind::Two) {
         let second = [Kind::HeadOn, Kind::Crossing, Kind::Static][(seed % 3) as usize];
@@ -166,15 +178,17 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64)) -> Result {
         world.add(intruder(&mut random, second, 0x0020_0000 + seed, shown_m));
     }
     let (mut largest_m, mut off_since_s, mut last_off_s) = (0.0_f64, 0.0, 0.0);
-    let (mut best_m, mut asked_s) = (None, None);
+    let (mut best_m, mut in_need) = (None, false);
     while world.time_s < 115.0 || (world.mode() != Mode::Auto && world.time_s < 300.0) {
         world.step();
         if best_m.is_none() && world.shown.iter().all(|shown| *shown) && shown.1 < 400.0 {
-            best_m = Some((world.time_s, scene(&world)));
+            best_m = Some((
+                world.time_s,
+                scene(&world, f64::from(limit_deg).to_radians()),
+            ));
         }
-        if asked_s.is_none() && world.companion.counts().maneuvers > 0 {
-            asked_s = Some(world.time_s);
-        }
+        in_need |= world.emulator.plant().bank_rad().abs()
+            > f64::from(NORMAL_LIMIT_DEG + 2.0).to_radians();
         let (across_m, angle_rad) = world.off_leg();
         largest_m = largest_m.max(across_m);
         if across_m > 20.0 || angle_rad > 5.0_f64.to_radians() {
@@ -206,14 +220,9 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64)) -> Result {
         best_m: best_m.filter(|_| straight && least_m < PROTECTED_M).map(
             |(scene_s, (start, mut vehicle, obstacles))| {
                 let settings = OracleSettings::default();
-                // The first report on its way, and the mode and the first target on theirs.
                 let heard_s = world.first_heard_s.iter().flatten().copied();
                 let reported_s = (heard_s.fold(scene_s, f64::max) - scene_s).max(0.0);
-                let taken_s = match asked_s.zip(world.first_target_s) {
-                    Some((asked_s, target_s)) if asked_s >= scene_s => target_s - asked_s,
-                    _ => 0.0,
-                };
-                vehicle.dead_time_s = (reported_s + DECISION_PERIOD_S + taken_s).max(DEAD_TIME_S);
+                vehicle.dead_time_s += reported_s + SENT_AGAIN_S * f64::from(world.lost_requests);
                 best_margin(&start, &vehicle, &obstacles, &settings).best_margin_m
             },
         ),
@@ -226,21 +235,33 @@ fn fly(seed: u32, kind: Kind, shown: (f64, f64)) -> Result {
         changes: world.emulator.mode_changes().len(),
         resumed: world.mode() == Mode::Auto && world.emulator.mission_item() == 2,
         flew: world.companion.counts().maneuvers > 0,
+        in_need,
     }
 }
 
-fn run(count: u32, shown: (f64, f64)) -> Vec<Result> {
+fn set_roll_limit(world: &mut World, limit_deg: f32) {
+    let set = MavMessage::PARAM_SET(PARAM_SET_DATA {
+        param_value: limit_deg,
+        target_system: 1,
+        target_component: 1,
+        param_id: "ROLL_LIMIT_DEG".into(),
+        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+    });
+    world.emulator.receive(&GROUND, &set);
+}
+
+fn run(count: u32, shown: (f64, f64), limit_deg: f32) -> Vec<Result> {
     let only = std::env::var("FGA_SEED")
         .ok()
         .and_then(|text| text.parse::<u32>().ok());
     (0..count)
         .filter(|seed| only.is_none_or(|only| only == *seed))
         .map(|seed| {
-            let result = fly(seed, KINDS[(seed % 6) as usize], shown);
+            let result = fly(seed, KINDS[(seed % 6) as usize], shown, limit_deg);
             eprintln!(
-                "{:3} {:10} shown {:4.0} m: least {:6.1} m, off the leg {:5.1} m, back after {:5.1} s, {} mode changes, resumed {}, flew {}",
+                "{:3} {:10} shown {:4.0} m: least {:6.1} m, off the leg {:5.1} m, back after {:5.1} s, {} mode changes, resumed {}, flew {}, in need {}",
                 result.seed, format!("{:?}", result.kind), result.shown_m, result.least_m,
-                result.largest_m, result.back_s, result.changes, result.resumed, result.flew
+                result.largest_m, result.back_s, result.changes, result.resumed, result.flew, result.in_need
             );
             result
         })
@@ -367,7 +388,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 #[test]
 fn fifty_encounters_shown_early_are_kept_apart_with_a_small_departure() {
-    let results = run(50, (500.0, 2000.0));
+    let results = run(50, (500.0, 2000.0), NORMAL_LIMIT_DEG);
     for result in &results {
         assert!(result.least_m >= PROTECTED_M, "{result:?}");
         assert!(result.resumed, "{result:?}");
@@ -390,7 +411,19 @@ fn fifty_encounters_shown_early_are_kept_apart_with_a_small_departure() {
 
 #[test]
 fn encounters_shown_late_are_saved_where_the_oracle_can() {
-    let results = run(50, (200.0, 300.0));
+    saved_where_the_oracle_can(NORMAL_LIMIT_DEG);
+}
+
+/// With a vehicle that may bank more, the bank in need saves more of them: all that an oracle with the
+/// vehicle's own limit saves.
+#[test]
+fn the_bank_in_need_saves_what_the_oracle_can_with_the_vehicles_own_limit() {
+    let kept = saved_where_the_oracle_can(STEEP_LIMIT_DEG);
+    assert!(kept.iter().any(|result| result.in_need));
+}
+
+fn saved_where_the_oracle_can(limit_deg: f32) -> Vec<Result> {
+    let results = run(50, (200.0, 300.0), limit_deg);
     for result in results.iter().filter(|result| result.least_m < PROTECTED_M) {
         eprintln!("lost: {result:?}");
     }
@@ -400,4 +433,5 @@ fn encounters_shown_late_are_saved_where_the_oracle_can() {
             assert!(best_m < AVOIDABLE_MARGIN_M, "{result:?}");
         }
     }
+    results
 }

@@ -97,6 +97,8 @@ pub struct Avoider {
     vehicle: Vehicle,
     /// The limits that it was made for.
     made_for: Vehicle,
+    /// The limits where nothing is certified with the normal ones.
+    in_need: Option<Vehicle>,
     flyer: Flyer,
     state: State,
     progress: Progress,
@@ -133,6 +135,7 @@ impl Avoider {
             settings,
             vehicle,
             made_for: vehicle,
+            in_need: None,
             flyer: Flyer::new(&vehicle),
             state: State::Cruise,
             progress: Progress::new(),
@@ -154,6 +157,7 @@ impl Avoider {
     /// Forgets everything but its settings and the limits that it was made for.
     pub(crate) fn forget_flight(&mut self) {
         self.vehicle = self.made_for;
+        self.in_need = None;
         self.flyer = Flyer::new(&self.vehicle);
         self.state = State::Cruise;
         self.progress = Progress::new();
@@ -194,6 +198,24 @@ impl Avoider {
         Ok(())
     }
 
+    /// The limits in need, if there are any.
+    pub const fn vehicle_in_need(&self) -> Option<&Vehicle> {
+        self.in_need.as_ref()
+    }
+
+    /// Sets limits that are planned with only where nothing is certified with the normal ones, for
+    /// instance those of a steeper bank with its own turn-rate factor and lag; `None` for no such limits.
+    ///
+    /// # Errors
+    /// A limit that is not finite or out of range; nothing is changed then.
+    pub fn set_vehicle_in_need(&mut self, vehicle: Option<Vehicle>) -> Result<(), SettingsError> {
+        if let Some(vehicle) = &vehicle {
+            vehicle.check()?;
+        }
+        self.in_need = vehicle;
+        Ok(())
+    }
+
     /// Decides what to fly until the next step.
     ///
     /// Steps are expected [`Settings::decision_period_s`] apart. The command holds stages in time
@@ -214,7 +236,10 @@ impl Avoider {
         let limit = self.settings.work_limit.saturating_sub(LAST_WORK);
         self.meter = Meter::new(limit);
         self.progress.allow_work(limit / MISSION_SHARE);
-        let mut decision = self.decide(situation);
+        let mut decision = match self.in_need {
+            Some(in_need) => self.decide_with(in_need, situation),
+            None => self.decide(situation),
+        };
         decision.record.work.work = self.meter.done();
         decision.record.work.limit_met |= self.meter.is_met();
         decision

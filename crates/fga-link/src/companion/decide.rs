@@ -5,6 +5,7 @@ use fga::avoider::{
 };
 use fga::maneuver::Maneuver;
 use fga::situation::{Mission, Obstacles, Situation};
+use fga::vehicle::{Response, Vehicle};
 use fga_paper::algorithm_4::Phase;
 use serde_json::json;
 
@@ -28,12 +29,32 @@ const MOST_REFUSALS: u32 = 3;
 impl Companion {
     /// The state at the moment at which a command sent now takes effect.
     pub(super) fn state_ahead(&mut self, now_s: f64) -> Option<State> {
-        let response = self.response.response();
+        let response = self.flown_response();
         self.ownship.state_at(
             now_s + response.dead_time_s,
             &self.commanded_lately,
             &response,
         )
+    }
+
+    /// Whether the last decision is flown with the bank in need.
+    pub(super) fn is_in_need(&self) -> bool {
+        self.decided
+            .is_some_and(|decided| decided.decision.record.in_need)
+    }
+
+    /// How the vehicle follows at banks steeper than the normal one.
+    fn steep_response(&self) -> Response {
+        self.steep_response.steep_response(self.response.response())
+    }
+
+    /// How the vehicle follows what is flown now.
+    pub(super) fn flown_response(&self) -> Response {
+        if self.is_in_need() {
+            self.steep_response()
+        } else {
+            self.response.response()
+        }
     }
 
     pub(super) fn decide(&mut self, now_s: f64) {
@@ -72,6 +93,12 @@ impl Companion {
             for_s: now_s + ahead_s,
             own: state,
         });
+        if decision.record.in_need
+            && self.keeper.commands()
+            && !core::mem::replace(&mut self.told.need, true)
+        {
+            self.tell(Severity::Warning, "fga: bank in need", now_s);
+        }
         self.log_decision(now_s);
         self.send_collision(now_s);
         self.act_on(&decision, &state, now_s);
@@ -159,6 +186,25 @@ impl Companion {
             .bank_limit_rad(&self.config, self.airspeed_mps()?)
     }
 
+    /// The largest bank that is commanded in need, radians; `None` where there is none of its own.
+    pub(super) fn bank_in_need_rad(&self) -> Option<f64> {
+        self.parameters
+            .bank_in_need_rad(&self.config, self.airspeed_mps()?)
+    }
+
+    /// The limits in need: only a bank that is commanded can be steeper.
+    fn vehicle_in_need(&self, airspeed_mps: f64) -> Option<Vehicle> {
+        if self.config.command.mode != CommandMode::Attitude {
+            return None;
+        }
+        let response = Response {
+            dead_time_s: 0.0,
+            ..self.steep_response()
+        };
+        self.parameters
+            .vehicle_in_need(&self.config, airspeed_mps, response)
+    }
+
     fn renew_avoider(&mut self, now_s: f64) -> Option<()> {
         let mut response = self.response.response();
         // The dead time is spent before the state that the avoider is given; the rest is planned.
@@ -171,7 +217,10 @@ impl Companion {
         let wanted = self
             .parameters
             .vehicle(&self.config, airspeed_mps, response)?;
+        let in_need = self.vehicle_in_need(airspeed_mps);
         if let Some(avoider) = &mut self.avoider {
+            // One that cannot be flown is none.
+            let _ = avoider.set_vehicle_in_need(in_need);
             let known = *avoider.vehicle();
             let off = |a: f64, b: f64| (a - b).abs() > LIMITS_CHANGE * b.abs();
             // Also the limits of a climb: the parameters for them may come later than the others.

@@ -7,7 +7,7 @@
 
 use fga::Vec3;
 use fga::angle::wrap_pi;
-use fga::avoider::{Decision, Reason};
+use fga::avoider::Decision;
 use mavlink::dialects::ardupilotmega::{MavMessage, TIMESYNC_DATA};
 
 use super::Companion;
@@ -116,10 +116,7 @@ impl Companion {
             let words = "fga: no telemetry, flies on as proven";
             self.tell(Severity::Warning, words, now_s);
         }
-        let proven = !matches!(
-            decision.record.reason,
-            Reason::BestAvailable | Reason::InsideVolume | Reason::InvalidInput
-        );
+        let proven = !decision.record.reason.is_unproven();
         if proven || age_s <= LEAST_BLIND_S {
             return;
         }

@@ -51,8 +51,6 @@ const FIRST_SYSTEM: u8 = 1;
 const KEPT_BEFORE_S: f64 = 2.0;
 /// Most lines of the log that wait to be taken.
 const MOST_LOG_LINES: usize = 4096;
-/// Without a decision for this long none can be made, seconds.
-const NO_DECISION_S: f64 = 0.5;
 
 /// The vehicle as its heartbeats tell it.
 #[derive(Debug, Clone, Copy)]
@@ -136,6 +134,8 @@ pub struct Companion {
     mission_total: Option<u16>,
     ownship: OwnshipEstimate,
     response: ResponseEstimate,
+    /// The same of banks steeper than the normal one.
+    steep_response: ResponseEstimate,
     tracks: TrackTable,
     virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
     keeper: Keeper,
@@ -219,6 +219,7 @@ impl Companion {
             mission_total: None,
             ownship: OwnshipEstimate::default(),
             response: ResponseEstimate::new(&config.response),
+            steep_response: ResponseEstimate::new(&config.response),
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
             virtual_reports: around::virtual_reports(&config),
             keeper: Keeper::new(target, config.safety.armed_at_start),
@@ -404,12 +405,6 @@ impl Companion {
         self.send_commands(now_s);
     }
 
-    /// Whether decisions are made.
-    fn can_decide(&self, now_s: f64) -> bool {
-        self.undecided_s
-            .is_none_or(|since_s| now_s - since_s <= NO_DECISION_S)
-    }
-
     fn watch_link(&mut self, now_s: f64) {
         let Some(heard) = self.heard else { return };
         // While it is asked to go back nothing is flown, and a restarted program has to wait: only the
@@ -483,6 +478,7 @@ impl Companion {
         self.begin_commanding(now_s);
         self.following_since_s = None;
         self.on_way_since_s = None;
+        self.told.need = false;
         self.last_heading_rad = None;
         self.due.command_s = f64::NEG_INFINITY;
     }

@@ -5,6 +5,8 @@ use crate::authority::{Authority, Severity};
 use crate::mode::Mode;
 use crate::ownship::State;
 
+/// Without a decision for this long none can be made, seconds.
+const NO_DECISION_S: f64 = 0.5;
 /// The companion reports what is missing after this long, s …
 const LOST_S: f64 = 1.0;
 /// … and where it never was ready, for this long, seconds.
@@ -53,7 +55,7 @@ impl Lacking {
     }
 }
 
-/// What was told about readiness.
+/// What was told about readiness and need.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Told {
     /// Missing now, and since when, seconds.
@@ -62,6 +64,8 @@ pub(super) struct Told {
     ready: bool,
     /// What was told last.
     last: Option<Lacking>,
+    /// That the bank in need is flown.
+    pub(super) need: bool,
 }
 
 impl Told {
@@ -69,10 +73,17 @@ impl Told {
         lacking: None,
         ready: false,
         last: None,
+        need: false,
     };
 }
 
 impl Companion {
+    /// Whether decisions are made.
+    pub(super) fn can_decide(&self, now_s: f64) -> bool {
+        self.undecided_s
+            .is_none_or(|since_s| now_s - since_s <= NO_DECISION_S)
+    }
+
     /// What is missing to take over, or to go on.
     pub(super) fn lacking(&self, now_s: f64, state: Option<&State>) -> Option<Lacking> {
         let Some(heard) = self.heard else {

@@ -25,6 +25,9 @@ const ENABLE: &str = "FGA_ENABLE";
 /// Interval between reports of contradicting heartbeats, s.
 const CONTRADICTION_AGAIN_S: f64 = 5.0;
 
+/// A bank that exceeds the normal limit by this is a steep one, radians (1°).
+const STEEPER_RAD: f64 = 0.017;
+
 /// The heartbeat of a fixed-wing autopilot; `None` for everybody else's.
 pub(crate) fn beat_of_plane(header: MavHeader, data: &HEARTBEAT_DATA) -> Option<Beat> {
     let is_plane = data.autopilot == MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA
@@ -288,7 +291,15 @@ impl Companion {
         };
         let bank_rad = -f64::from(data.roll);
         let measured_s = now_s - self.ownship.attitude_age_s(now_s).unwrap_or(0.0);
-        self.response.observe(
+        let normal_rad = self.bank_limit_rad().unwrap_or(f64::INFINITY);
+        let commanded_rad = self.commanded_lately.at(measured_s);
+        let is_steep = |bank_rad: f64| bank_rad.abs() > normal_rad + STEEPER_RAD;
+        let estimate = if is_steep(bank_rad) || commanded_rad.is_some_and(is_steep) {
+            &mut self.steep_response
+        } else {
+            &mut self.response
+        };
+        estimate.observe(
             f64::from(data.time_boot_ms) * 1e-3,
             bank_rad,
             -f64::from(data.yawspeed) / libm::cos(bank_rad).max(0.3),

@@ -206,12 +206,16 @@ impl Companion {
             return;
         };
         let Some(avoider) = &self.avoider else { return };
-        let Some(limit_rad) = self.bank_limit_rad() else {
+        let Some(normal_rad) = self.bank_limit_rad() else {
             return;
         };
+        let in_need = avoider
+            .vehicle_in_need()
+            .zip(self.bank_in_need_rad())
+            .filter(|_| decided.decision.record.in_need);
+        let (vehicle, limit_rad) = in_need.unwrap_or((avoider.vehicle(), normal_rad));
         let ahead_s = self.response.response().dead_time_s;
         let elapsed_s = (now_s + ahead_s - decided.for_s).max(0.0);
-        let vehicle = avoider.vehicle();
         self.commanded = attitude_for(
             &decided.decision.command,
             elapsed_s,

@@ -175,8 +175,8 @@ pub struct World {
     next_report_s: Vec<f64>,
     /// When the companion first heard of each intruder, seconds.
     pub first_heard_s: Vec<Option<f64>>,
-    /// When the vehicle took the first target in GUIDED, seconds.
-    pub first_target_s: Option<f64>,
+    /// Requests for GUIDED that the network lost.
+    pub lost_requests: u32,
     /// Least distance to each intruder, metres, and when.
     pub least_m: Vec<(f64, f64)>,
     /// Every message the companion sent, with its time.
@@ -305,7 +305,7 @@ impl World {
             sequences: [0; 4],
             next_report_s: Vec::new(),
             first_heard_s: Vec::new(),
-            first_target_s: None,
+            lost_requests: 0,
             least_m: Vec::new(),
             sent: Vec::new(),
             keep_sent: false,
@@ -346,6 +346,13 @@ impl World {
         };
         for _ in 0..copies {
             if fate.uniform(0.0, 1.0) < self.network.loss {
+                let is_request = |data: &COMMAND_LONG_DATA| {
+                    data.command == MavCmd::MAV_CMD_DO_SET_MODE
+                        && f64::from(data.param2) == f64::from(Mode::Guided.number())
+                };
+                if matches!(message, MavMessage::COMMAND_LONG(data) if is_request(data)) {
+                    self.lost_requests += 1;
+                }
                 continue;
             }
             let delay_s = self.network.delay_s + fate.uniform(0.0, self.network.jitter_s);
@@ -415,11 +422,6 @@ impl World {
             if packet.to_vehicle && self.frozen {
                 self.held.push((packet.header, packet.message));
             } else if packet.to_vehicle {
-                if matches!(packet.message, MavMessage::SET_ATTITUDE_TARGET(_))
-                    && self.emulator.mode() == Mode::Guided
-                {
-                    self.first_target_s.get_or_insert(time_s);
-                }
                 self.emulator.receive(&packet.header, &packet.message);
             } else if !self.killed {
                 if let MavMessage::ADSB_VEHICLE(data) = &packet.message

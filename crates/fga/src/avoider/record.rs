@@ -137,6 +137,8 @@ pub struct Record {
     /// do) to 1 (turns and changes of climb up to their bounds); `None` where none is flown or no
     /// obstacle is an aircraft.
     pub resilience: Option<f64>,
+    /// Whether the limits in need are flown: nothing was certified with the normal ones.
+    pub in_need: bool,
     /// How much was computed.
     pub work: Work,
 }
@@ -150,6 +152,16 @@ pub struct Decision {
     pub command: Maneuver,
     /// Why.
     pub record: Record,
+}
+
+impl Reason {
+    /// Whether nothing certifies what is flown.
+    pub const fn is_unproven(self) -> bool {
+        matches!(
+            self,
+            Self::BestAvailable | Self::InsideVolume | Self::InvalidInput
+        )
+    }
 }
 
 impl Decision {

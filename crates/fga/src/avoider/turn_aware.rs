@@ -3,6 +3,7 @@
 mod aircraft;
 mod farther;
 mod holding;
+mod need;
 mod way_back;
 
 pub(super) use holding::Basis;

@@ -2,6 +2,7 @@
 
 mod aircraft;
 mod flight;
+mod need;
 mod objectives;
 mod policies;
 mod properties;

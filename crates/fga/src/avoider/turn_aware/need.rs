@@ -1,0 +1,54 @@
+//! Limits in need: a steeper bank, say, where nothing is certified with the normal ones.
+
+use crate::avoider::intruders::Freedom;
+use crate::avoider::{Avoider, Decision, Start};
+use crate::prediction::{Flyer, MotionState};
+use crate::situation::Situation;
+use crate::vehicle::Vehicle;
+
+use super::ENOUGH_M;
+
+/// Uncertified, the limits in need are flown where they keep this much more, metres.
+const CLEARLY_MORE_M: f64 = 1.0;
+
+/// Parts of a step's work: one for the normal limits.
+const HALVES: u32 = 2;
+
+impl Avoider {
+    /// Decides with the normal limits and half of the step's work, and with those in need, at once, where
+    /// that certifies nothing. They are flown where they certify something, or keep clearly more.
+    pub(in crate::avoider) fn decide_with(
+        &mut self,
+        in_need: Vehicle,
+        situation: &Situation<'_>,
+    ) -> Decision {
+        let before = (self.plan, self.state, self.returned);
+        self.meter.reserve(HALVES);
+        let normal = self.decide(situation);
+        self.meter.extend(HALVES);
+        if !normal.record.reason.is_unproven() {
+            return normal;
+        }
+        let now = MotionState::of(&situation.ownship);
+        let normal_m = self.expected_m(&normal, &now);
+        let after = (self.plan, self.state, self.returned);
+        (self.plan, self.state, self.returned) = before;
+        let limits = (self.vehicle, self.flyer);
+        (self.vehicle, self.flyer) = (in_need, Flyer::new(&in_need));
+        let mut steep = self.step_turn_aware(situation, &now, Start::AtDetection);
+        let steep_m = self.expected_m(&steep, &now);
+        (self.vehicle, self.flyer) = limits;
+        if steep.record.reason.is_unproven() && steep_m <= normal_m + CLEARLY_MORE_M {
+            (self.plan, self.state, self.returned) = after;
+            return normal;
+        }
+        steep.record.in_need = true;
+        steep
+    }
+
+    /// What a decision keeps from the expected motion of the obstacles, metres.
+    fn expected_m(&mut self, decision: &Decision, now: &MotionState) -> f64 {
+        self.withstand(Freedom::Share(0.0), now.position_m, 0.0);
+        self.margin_of(&decision.command, now, (f64::MIN, ENOUGH_M))
+    }
+}
