@@ -134,3 +134,30 @@ fn another_fence_uploaded_on_another_link_is_read_again() {
         "{texts:?}"
     );
 }
+
+/// A circle that was moved: the same number of items, and no message tells it.
+#[test]
+fn a_fence_with_as_many_items_as_before_is_noticed_within_two_seconds() {
+    let mut world = World::new("", GOOD, 1);
+    let home = *world.emulator.home();
+    let circles = |east_m: f64| {
+        [[0.0, 3000.0], [east_m, 2000.0]].map(|[x, y]| Item {
+            command: MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
+            parameters: [100.0, 0.0, 0.0, 0.0],
+            ..Item::waypoint(&home, [x + 400.0, y, 0.0])
+        })
+    };
+    world.emulator.set_fence(circles(100.0).to_vec());
+    ready(&mut world);
+    world.run_until(10.5);
+    let told = |world: &World| {
+        let texts = world.emulator.texts();
+        texts
+            .iter()
+            .any(|text| text == "fga: the fence has changed")
+    };
+    assert!(!told(&world), "the same fence is no news");
+    let kind = MavMissionType::MAV_MISSION_TYPE_FENCE;
+    upload(&mut world, kind, &circles(160.0), None);
+    world.run_while(2.0, "the new fence", |w| !told(w));
+}

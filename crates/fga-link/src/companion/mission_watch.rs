@@ -25,6 +25,10 @@ const PROBE_S: f64 = 1.0;
 const HINTED_PROBE_S: f64 = 0.3;
 /// The number of the fence's items is asked for this often, seconds.
 const FENCE_COUNT_S: f64 = 2.0;
+/// The fence's items are asked for one after the other, all of them in this time, …
+const FENCE_SEEN_S: f64 = 1.2;
+/// … but no faster than one in this time, seconds.
+const FENCE_ITEM_S: f64 = 0.1;
 /// The vehicle's target belongs to its present mode from this long after a change of mode, s.
 const MODE_SETTLES_S: f64 = 0.7;
 /// A target older than this is not known, seconds.
@@ -58,6 +62,8 @@ pub(super) struct MissionWatch {
     probed_s: f64,
     probes: u16,
     fence_counted_s: f64,
+    fence_item_s: f64,
+    fence_items: u16,
     /// Numbers of the vehicle's lists, where it tells them.
     ids: [Option<u32>; 3],
 }
@@ -72,6 +78,8 @@ impl Default for MissionWatch {
             probed_s: f64::NEG_INFINITY,
             probes: 0,
             fence_counted_s: f64::NEG_INFINITY,
+            fence_item_s: f64::NEG_INFINITY,
+            fence_items: 0,
             ids: [None; 3],
         }
     }
@@ -230,6 +238,9 @@ impl Companion {
         if self.mission.contradicts_item(data) {
             self.read_mission_again();
         }
+        if self.fence_download.contradicts_item(data) {
+            self.read_fence_again();
+        }
     }
 
     pub(super) fn read_mission_again(&mut self) {
@@ -270,5 +281,24 @@ impl Companion {
             self.watch.fence_counted_s = now_s;
             self.outbox.send(self.fence_download.count_request(system));
         }
+        self.probe_fence_items(system, now_s);
+    }
+
+    /// Asks for the fence's items in turn: one that was moved changes no number of items.
+    fn probe_fence_items(&mut self, system: u8, now_s: f64) {
+        let count = self.fence_download.items().map_or(0, <[_]>::len);
+        let busy = self.fence_download.is_busy() || self.mission.is_busy();
+        let Ok(count) = u16::try_from(count) else {
+            return;
+        };
+        if busy || count == 0 || now_s < self.watch.fence_item_s || !self.config.safety.use_fence {
+            return;
+        }
+        self.watch.fence_item_s = now_s + (FENCE_SEEN_S / f64::from(count)).max(FENCE_ITEM_S);
+        self.watch.fence_items = self.watch.fence_items.wrapping_add(1) % count;
+        let request = self
+            .fence_download
+            .item_request(self.watch.fence_items, system);
+        self.outbox.send(request);
     }
 }

@@ -249,6 +249,16 @@ impl Search<'_> {
         best.map(|found| (found, Proof::Open))
     }
 
+    /// A certified climb or descent straight ahead that levels off again, where there is one.
+    pub fn levelled(&mut self) -> Option<Found> {
+        let start = self.scene.start;
+        let mut seeds = Seeds::new(WORTH * self.scene.turn_radius_m());
+        let mut best = None;
+        self.collect_levelled(&start, &mut seeds);
+        self.climb(&mut seeds, 2, &SINGLE_ROUNDS, &mut best);
+        best.filter(|found| found.margin_m >= self.scene.target_m)
+    }
+
     /// Whether one obstacle alone is more than no second turn could avoid.
     ///
     /// From a single obstacle the hardest turn and climb lead away farthest; a second turn adds

@@ -298,6 +298,9 @@ impl Avoider {
         self.withstand(Freedom::Share(0.0), now.position_m, 0.0);
         let variety = self.cycle;
         let (answer, looked_at, _) = self.search(&Maneuver::hold(), now, |search| {
+            if let Some(found) = search.levelled() {
+                return Some(Answer::new(search, found, Proof::Certified, 0.0));
+            }
             let (found, proof) = search.best(flown, Effort::Full, variety)?;
             (proof == Proof::Certified).then(|| Answer::new(search, found, proof, 0.0))
         });
@@ -354,7 +357,7 @@ impl Avoider {
     }
 
     /// Makes the hazards those of what aircraft may do, that much beyond their volumes, metres.
-    fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
+    pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
         self.tracks.withstand(freedom, own_m, beyond_m);
         let motions = self.tracks.hazards().rows().len();
         self.meter
