@@ -67,6 +67,21 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failur
     }
 }
 
+/// What a campaign holds that leaves its encounters to the command line; `None` where something else
+/// is wrong with it.
+fn outline(path: &Path) -> Option<String> {
+    let outline = Overrides {
+        outline: true,
+        encounters: Some(1),
+        ..Overrides::default()
+    };
+    let configuration = campaign_file::read(path, &outline).ok()?;
+    Some(format!(
+        "{} policies; its encounters come from the command line (--recordings, --model)",
+        configuration.policies.len()
+    ))
+}
+
 fn toml_file(path: &Path, kind: FileKind) -> Result<String, Failure> {
     match kind {
         FileKind::Scenario => {
@@ -86,7 +101,10 @@ fn toml_file(path: &Path, kind: FileKind) -> Result<String, Failure> {
             ))
         }
         FileKind::Campaign => {
-            let configuration = campaign_file::read(path, &Overrides::default())?;
+            let configuration = match campaign_file::read(path, &Overrides::default()) {
+                Ok(configuration) => configuration,
+                Err(error) => return outline(path).ok_or_else(|| error.into()),
+            };
             let campaign = Campaign::new(configuration, path)?;
             Ok(format!(
                 "{} encounters from {} sources, {} policies, vehicle {}",

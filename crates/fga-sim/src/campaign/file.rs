@@ -59,6 +59,8 @@ pub struct Overrides {
     pub recordings: Vec<PathBuf>,
     /// The file of every encounter model.
     pub model: Option<PathBuf>,
+    /// Whether a file is read that leaves its encounters to the command line.
+    pub outline: bool,
 }
 
 #[derive(Deserialize)]
@@ -167,7 +169,8 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         .map(|f| beside(f.get_ref()))
         .collect();
     folders.extend(overrides.recordings.iter().cloned());
-    if cells.is_empty() && files.is_empty() && folders.is_empty() && models.is_empty() {
+    let is_empty = cells.is_empty() && files.is_empty() && folders.is_empty() && models.is_empty();
+    if is_empty && !overrides.outline {
         return Err(text.error(
             "the grid is empty, expected a [[grid]], cells, files, recordings (also --recordings) or a [[model]]",
         ));
@@ -298,22 +301,23 @@ fn models(
     }
     tables
         .iter()
-        .map(|table| {
+        .filter_map(|table| {
+            let pairing = table.get_ref().pairing();
+            if let Err(message) = pairing.check() {
+                return Some(Err(text.error_at(table, message)));
+            }
             let path = match (&overrides.model, &table.get_ref().file) {
                 (Some(path), _) => path.clone(),
                 (None, Some(name)) => beside(name),
+                (None, None) if overrides.outline => return None,
                 (None, None) => {
-                    return Err(text.error_at(
+                    return Some(Err(text.error_at(
                         table,
                         "the model has no file, expected the key file, or --model FILE",
-                    ));
+                    )));
                 }
             };
-            let pairing = table.get_ref().pairing();
-            pairing
-                .check()
-                .map_err(|message| text.error_at(table, message))?;
-            sources::model_file(&path, pairing)
+            Some(sources::model_file(&path, pairing))
         })
         .collect()
 }
