@@ -111,7 +111,7 @@ impl Avoider {
             .progress
             .way_back(mission, &from, &self.flyer, &limits, skipped);
         let (joined, index) = if detour.is_none() && turn.is_multiple_of(2) {
-            let nearest = self.nearest_way_back(mission, &from, skipped, way);
+            let nearest = self.nearest_way_back(mission, &from, skipped, way.as_ref());
             self.count_mission();
             nearest?
         } else {
@@ -177,7 +177,7 @@ impl Avoider {
         mission: &Mission<'_>,
         from: &MotionState,
         skipped: usize,
-        preferred: Option<(Join, usize)>,
+        preferred: Option<&(Join, usize)>,
     ) -> Option<(Join, usize)> {
         let climb_limits_rad = self.climb_limits_rad();
         let (progress, flyer) = (&mut self.progress, &self.flyer);
@@ -188,10 +188,10 @@ impl Avoider {
                 climb_limits_rad,
             };
             if !progress.may_measure() {
-                return best.map_or(preferred, |(_, way)| Some(way));
+                return best.map_or(preferred.copied(), |(_, way)| Some(way));
             }
             let way = if place == 0 {
-                preferred
+                preferred.copied()
             } else {
                 progress.way_back(mission, from, flyer, &limits, skipped)
             };
