@@ -52,6 +52,10 @@ const LOOK_FOR_LESS: u32 = 10;
 /// A course that departs less by this is taken, radians (15°).
 const CLEARLY_LESS_RAD: f64 = 0.26;
 
+/// A maneuver is not given up for the way back within the time of this turn, unless the aircraft passes:
+/// a course that moves to and fro would begin and end it, radians.
+const BEGUN_RAD: f64 = 0.8;
+
 /// Part of a step's work for one search.
 const SEARCHES: u32 = 8;
 
@@ -169,7 +173,9 @@ impl Avoider {
             Freedom::Share(1.0)
         };
         self.withstand(freedom, own_m, 0.0);
-        if let Some(back) = self.way_back(situation, now, &plan) {
+        let turned_rad = (time_s - plan.start_s) * self.flyer.course_rate_radps();
+        let has_begun = passing || turned_rad >= BEGUN_RAD;
+        if has_begun && let Some(back) = self.way_back(situation, now, &plan) {
             self.plan = Some(back);
             self.state = State::Recovering;
             return self.report(&back, time_s, Reason::RejoinChosen);

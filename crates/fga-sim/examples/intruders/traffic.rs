@@ -1,0 +1,255 @@
+//! Intruders: what they do, drawn at random or chosen against the aircraft.
+
+use fga::Vec3;
+
+use crate::flight::{PERIOD_S, RADIUS_M, VEHICLE};
+
+/// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    fn gaussian(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
+        radius * (core::f64::consts::TAU * self.unit()).cos()
+    }
+
+    pub(crate) fn gaussian3(&mut self) -> Vec3 {
+        Vec3::new(self.gaussian(), self.gaussian(), self.gaussian())
+    }
+}
+
+/// Time between two rows of a track, seconds.
+const ROW_S: f64 = 0.05;
+
+/// Rows of a period.
+const ROWS: usize = 2;
+
+/// Time between two choices of an intruder that pursues, seconds.
+const CHOOSES_S: f64 = 0.5;
+
+/// A turn with a change of speed and of climb for some time.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Piece {
+    pub(crate) until_s: f64,
+    pub(crate) turn_radps: f64,
+    pub acceleration_mps2: f64,
+    pub climb_mps2: f64,
+}
+
+/// How an intruder flies.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    pub(crate) speed_mps: (f64, f64),
+    pub(crate) climb_mps: f64,
+}
+
+/// An intruder: where it is, row by row.
+#[derive(Debug, Clone)]
+pub(crate) struct Intruder {
+    rows: Vec<(Vec3, Vec3)>,
+    /// What it does; beyond the last piece it flies straight on.
+    pub(crate) pieces: Vec<Piece>,
+    limits: Limits,
+    /// The turn rate with which it pursues the aircraft, radians per second.
+    pursues_radps: Option<f64>,
+}
+
+impl Intruder {
+    pub(crate) fn new(
+        position_m: Vec3,
+        velocity_mps: Vec3,
+        limits: Limits,
+        pieces: Vec<Piece>,
+    ) -> Self {
+        Self {
+            rows: vec![(position_m, velocity_mps)],
+            pieces,
+            limits,
+            pursues_radps: None,
+        }
+    }
+
+    pub(crate) fn pursuing(self, turn_radps: f64) -> Self {
+        Self {
+            pursues_radps: Some(turn_radps),
+            ..self
+        }
+    }
+
+    fn moved(&self, row: (Vec3, Vec3), piece: Option<&Piece>) -> (Vec3, Vec3) {
+        let (position_m, v) = row;
+        let mut next = v;
+        if let Some(piece) = piece {
+            let speed_mps = v.x.hypot(v.y);
+            let (low, high) = self.limits.speed_mps;
+            let faster_mps = (speed_mps + piece.acceleration_mps2 * ROW_S).clamp(low, high);
+            let course_rad = v.y.atan2(v.x) + piece.turn_radps * ROW_S;
+            let most = self.limits.climb_mps;
+            let climb_mps = (v.z + piece.climb_mps2 * ROW_S).clamp(-most, most);
+            next = Vec3::new(
+                faster_mps * course_rad.cos(),
+                faster_mps * course_rad.sin(),
+                climb_mps,
+            );
+        }
+        (position_m + (v + next) * (0.5 * ROW_S), next)
+    }
+
+    /// Decides what it does in the next period, having seen the aircraft.
+    pub(crate) fn decide(&mut self, time_s: f64, own_m: Vec3, own_mps: Vec3) {
+        let choice = (time_s / CHOOSES_S).round() * CHOOSES_S;
+        if let Some(rate_radps) = self.pursues_radps
+            && (time_s - choice).abs() < 1e-6
+        {
+            let last = self.rows[self.rows.len() - 1];
+            let piece = |turn_radps: f64| Piece {
+                until_s: time_s + CHOOSES_S,
+                turn_radps,
+                acceleration_mps2: 0.0,
+                climb_mps2: 0.0,
+            };
+            let miss_m = |turn_radps: f64| {
+                let piece = piece(turn_radps);
+                let mut row = last;
+                for _ in 0..(CHOOSES_S / ROW_S).round() as u32 {
+                    row = self.moved(row, Some(&piece));
+                }
+                let offset = row.0 - own_m - own_mps * CHOOSES_S;
+                let relative = row.1 - own_mps;
+                let when_s = -offset.dot(relative) / relative.length_squared().max(1e-9);
+                (offset + relative * when_s.max(0.0)).length()
+            };
+            let turns = [0.0, -rate_radps, rate_radps];
+            let best = turns
+                .into_iter()
+                .min_by(|a, b| miss_m(*a).total_cmp(&miss_m(*b)));
+            self.pieces = vec![piece(best.unwrap_or(0.0))];
+        }
+        for row in 0..ROWS {
+            let at_s = time_s + row as f64 * ROW_S;
+            let next = self.moved(self.rows[self.rows.len() - 1], self.piece_at(at_s));
+            self.rows.push(next);
+        }
+    }
+
+    fn piece_at(&self, time_s: f64) -> Option<&Piece> {
+        self.pieces
+            .iter()
+            .find(|piece| time_s < piece.until_s - 1e-9)
+    }
+
+    /// Position and velocity at a time that it has flown already.
+    pub(crate) fn at(&self, time_s: f64) -> (Vec3, Vec3) {
+        let row = (time_s / ROW_S).max(0.0);
+        let place = (row as usize).min(self.rows.len() - 1);
+        let (position_m, velocity_mps) = self.rows[place];
+        (
+            position_m + velocity_mps * ((row - place as f64) * ROW_S),
+            velocity_mps,
+        )
+    }
+
+    /// The place and the velocity with which it began.
+    pub(crate) fn begins(&self) -> (Vec3, Vec3) {
+        self.rows[0]
+    }
+
+    /// When it begins something else.
+    pub(crate) fn changes_s(&self) -> impl Iterator<Item = f64> + '_ {
+        self.pieces.iter().map(|piece| piece.until_s)
+    }
+
+    /// Where it will be, row by row from a time on, if what it does then ends as it will and it flies straight
+    /// on after that.
+    pub(crate) fn expected_m(&self, from_s: f64, for_s: f64, every: usize) -> Vec<Vec3> {
+        let piece = self.piece_at(from_s).copied();
+        let mut row = self.at(from_s);
+        let count = (for_s / ROW_S).round() as usize;
+        let mut places_m = Vec::with_capacity(count / every + 1);
+        for k in 0..=count {
+            if k % every == 0 {
+                places_m.push(row.0);
+            }
+            let at_s = from_s + k as f64 * ROW_S;
+            row = self.moved(row, piece.as_ref().filter(|p| at_s < p.until_s - 1e-9));
+        }
+        places_m
+    }
+
+    /// Flies all its pieces at once, without looking.
+    pub(crate) fn fly_until(&mut self, until_s: f64) {
+        let mut time_s = 0.0;
+        while time_s < until_s {
+            self.decide(time_s, Vec3::ZERO, Vec3::ZERO);
+            time_s += PERIOD_S;
+        }
+    }
+}
+
+/// A place from which an intruder, flying as its pieces say, meets the aircraft on its mission within the
+/// sphere; it begins some way off.
+pub(crate) fn meeting(
+    random: &mut Random,
+    limits: Limits,
+    meets_s: (f64, f64),
+    pieces: &[Piece],
+) -> Intruder {
+    loop {
+        let when_s = (random.within(meets_s.0, meets_s.1) / PERIOD_S).round() * PERIOD_S;
+        let speed_mps = random.within(limits.speed_mps.0, limits.speed_mps.1);
+        let course_rad = random.within(-core::f64::consts::PI, core::f64::consts::PI);
+        let climb_mps = random.within(-1.0, 1.0);
+        let velocity = Vec3::new(
+            speed_mps * course_rad.cos(),
+            speed_mps * course_rad.sin(),
+            climb_mps,
+        );
+        let mut trial = Intruder::new(Vec3::ZERO, velocity, limits, pieces.to_vec());
+        trial.fly_until(when_s + 1.0);
+        let miss = random.gaussian3() * (0.3 * RADIUS_M);
+        let place = Vec3::X * (VEHICLE.airspeed_mps * when_s) + miss - trial.at(when_s).0;
+        if place.length() > 4.0 * RADIUS_M {
+            return Intruder::new(place, velocity, limits, pieces.to_vec());
+        }
+    }
+}
+
+/// Random pieces up to a time.
+pub(crate) fn pieces(random: &mut Random, until_s: f64) -> Vec<Piece> {
+    let mut pieces = Vec::new();
+    let mut time_s = random.within(0.0, 4.0);
+    pieces.push(Piece {
+        until_s: time_s,
+        turn_radps: 0.0,
+        acceleration_mps2: 0.0,
+        climb_mps2: 0.0,
+    });
+    while time_s < until_s {
+        time_s += random.within(2.0, 8.0);
+        let most_radps = 6.0_f64.to_radians();
+        let straight = random.unit() < 0.25;
+        pieces.push(Piece {
+            until_s: time_s,
+            turn_radps: if straight {
+                0.0
+            } else {
+                random.within(-most_radps, most_radps)
+            },
+            acceleration_mps2: random.within(-2.0, 2.0),
+            climb_mps2: random.within(-0.5, 0.5),
+        });
+    }
+    pieces
+}
