@@ -219,7 +219,8 @@ def stub_of(name: str, value: type) -> str:
         body.append(f"    def __new__(cls, {', '.join(parameters(name, '__new__', value))}) -> {name}: ...".replace("(cls, )", "(cls)"))
     except ValueError:
         pass
-    for member, told in vars(value).items():
+    # The order in which the module holds them differs from build to build.
+    for member, told in sorted(vars(value).items()):
         if member.startswith("_") and member not in SHOWN:
             continue
         if inspect.isgetsetdescriptor(told):

@@ -149,7 +149,7 @@ def test_ctrl_c_ends_a_campaign_and_it_goes_on(campaign_file, tmp_path):
         "import fga, sys\n"
         "def show(done, total):\n"
         "    if done > 0: print('going', flush=True)\n"
-        f"fga.campaign({str(campaign_file)!r}, {str(tmp_path / 'out')!r}, encounters=200_000, threads=2, progress=show)\n"
+        f"fga.campaign({str(campaign_file)!r}, {str(tmp_path / 'out')!r}, encounters=40_000, threads=2, progress=show)\n"
     )
     with subprocess.Popen(
         [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use fga_cli::files::{TARGET, finish_campaign};
 use fga_formats::error::read_text;
 use fga_sim::campaign::file::{self, Overrides};
-use fga_sim::campaign::metrics::{Access, FIELDS};
 use fga_sim::campaign::folder::{encode_block, number_of};
+use fga_sim::campaign::metrics::{Access, FIELDS};
 use fga_sim::campaign::{
     Campaign as CoreCampaign, CampaignError, Configuration, Flyer, Folder, Manifest, RESULTS, Row,
     Shard, Stamp, Task, assemble, run as fly, table,

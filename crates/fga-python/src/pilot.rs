@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-use fga::avoider::Avoider as CoreAvoider;
 use fga::vehicle::Vehicle as CoreVehicle;
 use fga_sim::campaign::parse_policy;
-use fga_sim::policy::Pilot as CorePilot;
+use fga_sim::policy::{Pilot as CorePilot, PolicyChoice, PolicySettings};
 use fga_sim::vehicle_file::VehicleModel as CoreModel;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -164,8 +163,14 @@ impl Avoider {
     ) -> PyResult<Self> {
         let settings = settings.map_or_else(Default::default, |settings| settings.get().0);
         let vehicle = vehicle.map_or_else(CoreVehicle::table_4, |vehicle| vehicle.get().0);
-        let avoider = CoreAvoider::new(settings, vehicle).map_err(refused)?;
-        Ok(Self(Mutex::new(Box::new(avoider))))
+        // As the program makes it: for a vehicle with a dead time it looks as far ahead.
+        let policy = PolicyChoice::Avoider(settings.start);
+        let settings = PolicySettings {
+            avoider: settings,
+            ..PolicySettings::default()
+        };
+        let avoider = policy.pilot(&settings, &vehicle).map_err(refused)?;
+        Ok(Self(Mutex::new(avoider)))
     }
 
     /// Decides what to fly until the next step.
