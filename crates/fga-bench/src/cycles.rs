@@ -229,11 +229,12 @@ impl Encounter {
         encounter
     }
 
-    /// Flies it and shows each cycle: the avoider before its step, what it is given, and what it decides.
+    /// Flies it and shows each cycle: the avoider before its step, what it is given, and what it decides;
+    /// ends where `look` says that it has seen enough.
     ///
     /// # Panics
     /// Where the vehicle is refused, which is a fault of the encounter.
-    pub fn fly(mut self, mut look: impl FnMut(&Avoider, &Situation<'_>, &Decision)) {
+    pub fn fly(mut self, mut look: impl FnMut(&Avoider, &Situation<'_>, &Decision) -> bool) {
         let mut avoider = Avoider::new(self.settings, self.vehicle).expect("drawn within limits");
         let flyer = Flyer::new(&self.vehicle);
         let mut path = FlightPath::new();
@@ -264,7 +265,9 @@ impl Encounter {
             };
             let before = avoider.clone();
             let decision = avoider.step(&situation);
-            look(&before, &situation, &decision);
+            if look(&before, &situation, &decision) {
+                return;
+            }
             path.predict(
                 &flyer,
                 &MotionState::of(&own),

@@ -1,8 +1,6 @@
-//! `fga-instructions AIRCRAFT COUNT KIND TIMES`: the first steps of a kind in drawn encounters, each made so many times.
-//!
-//! With KIND `none` it flies the same encounters and repeats nothing: what it takes is what the others take beside
-//! the steps.
+//! `fga-instructions AIRCRAFT COUNT KIND TIMES`: the first step of a kind in drawn encounters, made so many times.
 
+#[expect(dead_code, reason = "the benches use the rest of it")]
 #[path = "../../../crates/fga-bench/src/cycles.rs"]
 mod cycles;
 
@@ -11,11 +9,11 @@ use std::process::ExitCode;
 
 use cycles::{Aircraft, Encounter, Kind};
 
-/// Encounters that are flown.
-const ENCOUNTERS: u64 = 6;
+/// Most times that a step is made.
+const COPIES: u32 = 5;
 
-/// Steps of a kind that are repeated, one an encounter.
-const STEPS: u32 = 4;
+/// Most encounters that are flown to find one.
+const ENCOUNTERS: u64 = 6;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -32,17 +30,22 @@ fn main() -> ExitCode {
     };
     let mut steps = 0;
     for number in 0..ENCOUNTERS {
-        let mut is_taken = steps >= STEPS;
+        if steps > 0 {
+            break;
+        }
         Encounter::threats(aircraft, count, number).fly(|before, situation, decision| {
-            if is_taken || Some(Kind::of(decision)) != kind {
-                return;
+            if Some(Kind::of(decision)) != kind {
+                return false;
             }
-            is_taken = true;
             steps += 1;
-            for _ in 0..times {
-                let mut avoider = before.clone();
-                black_box(avoider.step(black_box(situation)));
+            // As many copies of the avoider whatever is made of them.
+            for copy in 0..COPIES {
+                let mut avoider = black_box(before.clone());
+                if copy < times {
+                    black_box(avoider.step(black_box(situation)));
+                }
             }
+            true
         });
     }
     println!("{steps}");

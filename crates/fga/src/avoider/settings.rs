@@ -53,12 +53,14 @@ pub struct Settings {
     /// What the cheapest manoeuvre is.
     pub objective: Objective,
     /// Work that one step may take, in tests of a line against four obstacles, some 12 to 25 ns each on a
-    /// desktop processor; everything else is counted in these. A step that meets it finishes the manoeuvre
-    /// in hand, certifies the best that it found and answers with that; the next one goes on with other manoeuvres.
+    /// desktop processor. Everything whose length depends on the input is counted in these, and no step takes more:
+    /// one that comes near it answers with the best that it found, and the next one goes on with other manoeuvres.
+    /// Only reading obstacles is never cut: beyond tens of thousands of them it may take more by itself.
     pub work_limit: u32,
 }
 
-/// Least [`Settings::work_limit`]: a look at the mission ahead among 128 obstacles and one short search.
+/// Least [`Settings::work_limit`]: a look at the mission ahead among 128 obstacles, what is kept to finish
+/// the step, and one short search.
 pub const LEAST_WORK: u32 = 40_000;
 
 impl Default for Settings {
