@@ -298,9 +298,7 @@ impl SafetyCase {
 
     fn rates(&self) -> Table {
         Table {
-            caption:
-                "Weighted shares of all encounters (%), and losses that the system makes itself."
-                    .into(),
+            caption: "Weighted shares of all encounters (%).".into(),
             columns: vec![
                 Column::text("policy"),
                 Column::number("NMAC without"),
