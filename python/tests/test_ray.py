@@ -124,7 +124,9 @@ def test_a_folder_that_is_full_is_a_clear_error_and_loses_nothing(cluster, file,
     spread, _ = cluster
     place = tmp_path / "small"
     place.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(place)], capture_output=True).returncode:
+    whole = fga.campaign(file, tmp_path / "whole", encounters=ENCOUNTERS)
+    half = f"size={os.path.getsize(whole.results) // 2}"
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", half, "tmpfs", str(place)], capture_output=True).returncode:
         pytest.skip("a file system cannot be mounted here")
     try:
         with pytest.raises(OSError, match="No space left"):
@@ -132,7 +134,6 @@ def test_a_folder_that_is_full_is_a_clear_error_and_loses_nothing(cluster, file,
         kept = [name for name in os.listdir(place / "blocks") if name.endswith(".parquet")]
         assert kept and all(os.path.getsize(place / "blocks" / name) > 0 for name in kept)
         subprocess.run(["mount", "-o", "remount,size=64m", str(place)], check=True)
-        whole = fga.campaign(file, tmp_path / "whole", encounters=ENCOUNTERS)
         flown = fga_ray.run(file, place, encounters=ENCOUNTERS, address=spread.address)
         assert flown.sha256 == whole.sha256
     finally:
