@@ -181,7 +181,7 @@ impl VehicleParameters {
         self.vehicle_at(bank_rad, config, airspeed_mps, response)
     }
 
-    /// The vehicle's limits in need, at an airspeed; `response` is that of the steep bank.
+    /// The vehicle's limits in need, at an airspeed; `response` describes the steep bank.
     pub fn vehicle_in_need(
         &self,
         config: &Config,

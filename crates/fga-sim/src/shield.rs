@@ -3,7 +3,7 @@
 //! At each decision the shield predicts where the wish of the policy would take the aircraft until the next
 //! one, certifies that way, and asks an avoider of its own whether a certified manoeuvre exists from its end. Where
 //! either fails, it flies the avoider in place of the policy, from the state in which the last answer was yes, until the wish
-//! of the policy passes again. What is certified is what the avoider certifies: an aircraft that flies as
+//! of the policy passes again. It certifies as the avoider does: an aircraft that flies as
 //! its limits say, obstacles that move as they are expected to.
 
 use fga::avoider::{Avoider, Decision, Reason, Settings, SettingsError, Start, State};

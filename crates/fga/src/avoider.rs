@@ -35,7 +35,7 @@ use crate::vehicle::Vehicle;
 /// Work that is kept for what is still done once the limit is met: what is in hand is finished.
 const LAST_WORK: u32 = 12_000;
 
-/// The mission's geometry may take one part in so many of a step's work.
+/// The mission's geometry may take one part in this many of a step's work.
 const MISSION_SHARE: u32 = 4;
 
 /// A manoeuvre under way or waited for.

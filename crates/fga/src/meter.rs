@@ -35,7 +35,7 @@ pub(crate) const WORD: usize = 12;
 /// What making the hazard of a motion takes.
 pub(crate) const MOTION: usize = 4;
 
-/// Counts work up to a limit. What is counted is done: whoever loops asks [`Self::is_met`] first.
+/// Counts work up to a limit. Count work that was done; loops ask [`Self::is_met`] first.
 #[derive(Debug, Clone)]
 pub(crate) struct Meter {
     done: Cell<u32>,
@@ -84,7 +84,7 @@ impl Meter {
         self.limit /= parts;
     }
 
-    /// Keeps one part in so many of the limit for [`Self::extend`].
+    /// Keeps one part in `parts` of the limit for [`Self::extend`].
     pub(crate) const fn reserve(&mut self, parts: u32) {
         self.limit -= self.limit / parts;
     }

@@ -337,7 +337,7 @@ impl Progress {
         let meter = self.meter();
         let found = self.way_onto(mission, state, (&self.air(flyer, &meter), limits), skipped);
         self.note(&meter);
-        // Where a cut look came no farther than the last one, the next begins again.
+        // Where a cut look got to the same place as the last one, the next begins again.
         self.looked_to = found.as_ref().err().copied().unwrap_or(0);
         found.ok().flatten()
     }

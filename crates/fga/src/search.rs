@@ -31,7 +31,7 @@ const ENOUGH_M: f64 = 1e3;
 /// Step of the climb targets that are searched, radians, as in Table 7.
 const CLIMB_STEP_RAD: f64 = 0.03;
 
-/// One part in so many of a search's work is kept for the certificate of its answer.
+/// A search keeps one part in this many of its work for the certificate of its answer.
 const ANSWER_SHARE: u32 = 16;
 
 /// An obstacle that takes longer than this to pass is taken to have passed then, seconds.

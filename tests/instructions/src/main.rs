@@ -1,4 +1,4 @@
-//! `fga-instructions AIRCRAFT COUNT KIND TIMES`: the first step of a kind in drawn encounters, made so many times.
+//! `fga-instructions AIRCRAFT COUNT KIND TIMES`: the first step of a kind in drawn encounters, repeated TIMES times.
 
 #[expect(dead_code, reason = "the benches use the rest of it")]
 #[path = "../../../crates/fga-bench/src/cycles.rs"]

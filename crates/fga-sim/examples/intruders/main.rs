@@ -5,7 +5,7 @@
 //! ±2 m/s², climbs; one to three intruders), `pursuit` (each half second the worst of three
 //! turns), `gusts` (σ 0.3, 0.7, 1.5 m/s), `noise` (σ 10 m, 0.5 s late, half of the reports missing),
 //! `missing` (20 and 50 % of the reports missing) and `calm` (passings 10 m and more outside of the sphere).
-//! With `straight` the decision is told that intruders go straight on.
+//! With `straight` the decision expects intruders to go straight on.
 //!
 //! The oracle is asked about turning intruders where a flight is lost. Gusty, noisy and missing cases are
 //! drawn until it keeps 16 m (missing: 1 m). It is not asked about pursuit and calm.

@@ -24,7 +24,7 @@ const STRAIGHT_RADPS: f64 = 0.009;
 /// Longest chord of a turn, radians (15°): at 60 m/s and 3°/s it bows by 10 m.
 const CHORD_RAD: f64 = 0.27;
 
-/// Kept beyond the volumes of an aircraft for what its track and the flight along the own one are
+/// Kept beyond the volumes of an aircraft for what its track and the flight along our own are
 /// off, metres.
 const TRACKING_M: f64 = 5.0;
 

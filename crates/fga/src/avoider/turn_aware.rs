@@ -21,12 +21,12 @@ use crate::search::Objective;
 use crate::search::{Effort, Found, Proof, Scene, Search};
 use crate::situation::Situation;
 
-/// The share of a step's work that a search may take, one in so many, unless it is the first of an
+/// The share of a step's work that a search may take, one part in this many, unless it is the first of an
 /// encounter and has come near: what is begun then leads away from what later ones could find.
 const LATER_SHARE: u32 = 2;
 
 /// Where the bank lags, as many manoeuvres take this many times the work: searches that find nothing go on
-/// for so many times as many steps.
+/// for this many times as many steps.
 const LAG_WORK: u32 = 3;
 
 /// Another uncertified manoeuvre must be better by this to be flown instead, metres.

@@ -163,7 +163,7 @@ impl Rolls {
 /// Banks at which a [`Flyer`] knows where it is once it has rolled out, from level to the largest.
 const SETTLES: usize = 33;
 
-/// A roll-out is over after this long, time constants: what is left is thousandths of the bank.
+/// A roll-out is over after this many time constants: thousandths of the bank are left.
 const SETTLED_AFTER: f64 = 6.0;
 
 /// Most pieces of a roll-out.
