@@ -7,12 +7,9 @@ use fga_formats::OutputError;
 use fga_formats::atomic;
 use fga_sim::campaign::Campaign;
 use fga_sim::campaign::risk::{Class, Loss, LossCount, PolicyRisk, Risks};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-/// Six decimals.
-fn rounded(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
-}
+use crate::named_rows::{csv, objects, rounded};
 
 /// One row of `risk.csv`.
 fn row_of(
@@ -70,15 +67,7 @@ pub(crate) fn document(campaign: &Campaign, risks: &Risks) -> Value {
     if risks.is_empty() {
         return Value::Null;
     }
-    rows(campaign, risks)
-        .into_iter()
-        .map(|row| {
-            let named = row
-                .into_iter()
-                .map(|(name, value)| (name.to_owned(), value));
-            Value::Object(named.collect::<Map<_, _>>())
-        })
-        .collect()
+    objects(rows(campaign, risks))
 }
 
 /// Writes `risk.csv`, and `convergence.csv` with the ratios after growing numbers of encounters,
@@ -88,18 +77,7 @@ pub(crate) fn write(folder: &Path, campaign: &Campaign, risks: &Risks) -> Result
         return Ok(());
     }
     let rows = rows(campaign, risks);
-    let mut csv = String::new();
-    if let Some(first) = rows.first() {
-        let names: Vec<&str> = first.iter().map(|(name, _)| *name).collect();
-        csv.push_str(&names.join(","));
-        csv.push('\n');
-    }
-    for row in &rows {
-        let fields: Vec<String> = row.iter().map(|(_, value)| field(value)).collect();
-        csv.push_str(&fields.join(","));
-        csv.push('\n');
-    }
-    atomic::write(&folder.join("risk.csv"), csv)?;
+    atomic::write(&folder.join("risk.csv"), csv(&rows))?;
     let mut curve = String::from("policy,loss,encounters,ratio,low,high,half_width\n");
     for (policy, class, risk) in risks.iter() {
         if *class != Class::All {
@@ -123,18 +101,6 @@ pub(crate) fn write(folder: &Path, campaign: &Campaign, risks: &Risks) -> Result
         }
     }
     atomic::write(&folder.join("convergence.csv"), curve)
-}
-
-/// A value as a CSV field.
-fn field(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(text) if text.contains([',', '"', '\n', '\r']) => {
-            format!("\"{}\"", text.replace('"', "\"\""))
-        }
-        Value::String(text) => text.clone(),
-        other => other.to_string(),
-    }
 }
 
 /// The ratios for people.

@@ -7,9 +7,10 @@ use fga_formats::OutputError;
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
 use fga_sim::campaign::{Campaign, Quantiles, Summary, Totals};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::campaign_risk;
+use crate::named_rows::{csv, objects, rounded};
 
 /// Shares of the distributions that are written.
 const SHARES: [(&str, f64); 5] = [
@@ -82,11 +83,6 @@ fn distributions(totals: &Totals) -> [(&'static str, &'static str, &Quantiles); 
     ]
 }
 
-/// Six decimals.
-fn rounded(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
-}
-
 fn rows(campaign: &Campaign, summary: &Summary) -> Vec<Vec<(String, Value)>> {
     let name =
         |names: &[String], index: u32| names.get(index as usize).cloned().unwrap_or_default();
@@ -106,14 +102,10 @@ fn rows(campaign: &Campaign, summary: &Summary) -> Vec<Vec<(String, Value)>> {
 
 /// What `summary.json` holds: one object for each policy over all sources, then for each source.
 pub(crate) fn document(campaign: &Campaign, summary: &Summary) -> Value {
-    let objects: Vec<Value> = rows(campaign, summary)
-        .into_iter()
-        .map(|row| Value::Object(row.into_iter().collect::<Map<_, _>>()))
-        .collect();
     json!({
         "name": campaign.configuration.name,
         "configuration_hash": campaign.hash,
-        "rows": objects,
+        "rows": objects(rows(campaign, summary)),
         "risk": campaign_risk::document(campaign, &summary.risks),
     })
 }
@@ -125,32 +117,9 @@ pub(crate) fn write_summary(
     summary: &Summary,
 ) -> Result<(), OutputError> {
     let rows = rows(campaign, summary);
-    let mut csv = String::new();
-    if let Some(first) = rows.first() {
-        let names: Vec<&str> = first.iter().map(|(name, _)| name.as_str()).collect();
-        csv.push_str(&names.join(","));
-        csv.push('\n');
-    }
-    for row in &rows {
-        let fields: Vec<String> = row.iter().map(|(_, value)| field(value)).collect();
-        csv.push_str(&fields.join(","));
-        csv.push('\n');
-    }
-    atomic::write(&folder.join("summary.csv"), csv)?;
+    atomic::write(&folder.join("summary.csv"), csv(&rows))?;
     let document = document(campaign, summary);
     atomic::write(&folder.join("summary.json"), format!("{document:#}\n"))
-}
-
-/// A value as a CSV field.
-fn field(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(text) if text.contains([',', '"', '\n', '\r']) => {
-            format!("\"{}\"", text.replace('"', "\"\""))
-        }
-        Value::String(text) => text.clone(),
-        other => other.to_string(),
-    }
 }
 
 /// The summary for people.

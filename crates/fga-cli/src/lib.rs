@@ -26,6 +26,7 @@ mod fly;
 mod fly_live;
 mod init;
 mod live;
+mod named_rows;
 mod oracle;
 mod provenance;
 #[cfg(feature = "fly")]
