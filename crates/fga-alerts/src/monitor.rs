@@ -26,7 +26,7 @@ impl core::fmt::Display for StepError {
         match self {
             Self::Time => write!(f, "the time is not finite"),
             Self::Aircraft(id) => write!(f, "aircraft {} has a number that is not finite", id.0),
-            Self::Twice(id) => write!(f, "aircraft {} is there twice", id.0),
+            Self::Twice(id) => write!(f, "aircraft {} appears twice", id.0),
         }
     }
 }
@@ -132,7 +132,7 @@ impl Monitor {
     /// ownship or a gap longer than the memory of the settings start again.
     ///
     /// # Errors
-    /// A number that is not finite, or an id that is there twice.
+    /// A number that is not finite, or an id that appears twice.
     pub fn step(
         &mut self,
         time_s: f64,

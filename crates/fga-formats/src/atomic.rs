@@ -1,8 +1,8 @@
-//! Files written whole or not at all.
+//! Writes files completely or not at all.
 //!
-//! What is written goes to a temporary file in the same folder, which takes the final name only
-//! when everything is on its way to the disk. If anything fails before, or the program ends, the
-//! file that was there before is untouched.
+//! The output goes to a temporary file in the same folder, which takes the final name only when
+//! all data is on its way to the disk. If anything fails earlier, or the program ends, the previous
+//! file is untouched.
 
 use crate::error::OutputError;
 use std::fs;
@@ -10,8 +10,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A file in the making: it has its name only after [`AtomicFile::commit`]; dropped before, it
-/// leaves nothing behind.
+/// A file under construction. It gets its name in [`AtomicFile::commit`]; dropped earlier, it leaves
+/// nothing behind.
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
@@ -22,7 +22,7 @@ impl AtomicFile {
     /// Begins the file `path`; its folder must exist.
     ///
     /// # Errors
-    /// A folder that is not there or cannot be written, or a path that is a folder itself.
+    /// A missing or unwritable folder, or a path that is itself a folder.
     pub fn create(path: &Path) -> Result<Self, OutputError> {
         let failed = |error| OutputError::new(path, error);
         let Some(name) = path.file_name() else {
@@ -39,7 +39,7 @@ impl AtomicFile {
         prefix.push(name);
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).suffix(".part");
-        // The usual rights of a new file (the umask still applies), not those of a private one.
+        // A new file gets the usual rights (the umask still applies), not the private ones of a temporary file.
         #[cfg(unix)]
         let rights = {
             use std::os::unix::fs::PermissionsExt as _;
@@ -56,10 +56,10 @@ impl AtomicFile {
         })
     }
 
-    /// Ends the file and gives it its name, in place of one that was there.
+    /// Finishes the file and gives it its name, replacing a previous file.
     ///
     /// # Errors
-    /// What was still to be written cannot be written; nothing has then changed under the name.
+    /// The rest of the data cannot be written; the previous file is then unchanged.
     pub fn commit(self) -> Result<(), OutputError> {
         let Self { path, writer } = self;
         let file = writer
@@ -86,10 +86,10 @@ impl Write for AtomicFile {
     }
 }
 
-/// Writes the file `path` with `write`, whole or not at all.
+/// Writes the file `path` with `write`, completely or not at all.
 ///
 /// # Errors
-/// A folder that is not there or cannot be written, or any error of `write`.
+/// A missing or unwritable folder, or any error of `write`.
 ///
 /// ```
 /// # fn main() -> Result<(), fga_formats::OutputError> {
@@ -110,7 +110,7 @@ pub fn write_with(
     file.commit()
 }
 
-/// Writes `contents` as the file `path`, whole or not at all.
+/// Writes `contents` as the file `path`, completely or not at all.
 ///
 /// # Errors
 /// As [`write_with`].
@@ -118,12 +118,12 @@ pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), OutputError>
     write_with(path, |file| file.write_all(contents.as_ref()))
 }
 
-/// Makes the folder `path` and those above it, and proves that a file can be made in it.
+/// Makes the folder `path` and its parents, and proves that it accepts a file.
 ///
-/// Called before a long computation, so that a folder that cannot be written is said at once.
+/// Call this before a long computation, so that an unwritable folder is reported at once.
 ///
 /// # Errors
-/// A folder that cannot be made or written.
+/// A folder that cannot be made or that is not writable.
 pub fn prepare_folder(path: &Path) -> Result<(), OutputError> {
     fs::create_dir_all(path).map_err(|error| {
         let error = match error.kind() {

@@ -1,13 +1,13 @@
 //! Configurations of alerts and bands in the `.conf` format of NASA's DAIDALUS.
 //!
-//! Lines are `key = value` or `key = value [unit]`; what follows a `#` is skipped. The key
+//! Lines are `key = value` or `key = value [unit]`; `#` begins a comment. The key
 //! `alerters` lists names; the keys of an alerter begin with its name and `_`:
 //!
 //! | key after the alerter's name | value |
 //! |---|---|
 //! | `alert_N_region` | `NONE`, `FAR`, `MID` or `NEAR`; N counts from 1 |
 //! | `alert_N_alerting_time`, `alert_N_early_alerting_time` | a time |
-//! | `alert_N_spread_hdir`, `_hs`, `_vs`, `_alt` | maneuvers of the ownship that are alerted too |
+//! | `alert_N_spread_hdir`, `_hs`, `_vs`, `_alt` | manoeuvres of the ownship that also raise the alert |
 //! | `alert_N_detector` | the name of a detector |
 //! | `load_core_detection_NAME` | the class of the detector NAME |
 //! | `NAME_KEY` | a value of the detector, see below |
@@ -19,9 +19,9 @@
 //! | `CDCylinder` | `D`, `H` |
 //! | `TCAS3D` | `TCAS_HMDFilter`, `TCAS_level_N`, `TCAS_TAU_N`, `TCAS_TCOA_N`, `TCAS_DMOD_N`, `TCAS_HMD_N`, `TCAS_ZTHR_N` |
 //!
-//! Files of DAIDALUS 1 name no alerters: their one alerter's keys have no prefix, and
-//! `conflict_level` names the corrective level. A key that nothing reads, a unit that is unknown
-//! or measures something else, and a value out of range are errors with file, line and key.
+//! Files of DAIDALUS 1 name no alerters: the keys of their single alerter have no prefix, and
+//! `conflict_level` names the corrective level. An unknown key, an unknown unit, a unit of another
+//! quantity, and a value out of range are errors with file, line and key.
 
 mod alerters;
 mod entries;
@@ -35,9 +35,9 @@ use std::path::Path;
 /// A unit in which tables show a quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShownUnit {
-    /// Its symbol, as the file writes it.
+    /// Its symbol in the file.
     pub symbol: String,
-    /// How many SI units one of it is.
+    /// SI units in one of it.
     pub factor: f64,
 }
 
@@ -49,13 +49,13 @@ impl ShownUnit {
         }
     }
 
-    /// A value in SI units in this unit.
+    /// Converts a value in SI units to this unit.
     pub fn of_si(&self, value: f64) -> f64 {
         value / self.factor
     }
 }
 
-/// In which units tables show quantities: those of the steps and of the recovery distances.
+/// The units in which tables show quantities, as the file gives steps and recovery distances.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShownUnits {
     /// Directions.
@@ -89,23 +89,23 @@ impl Default for ShownUnits {
 /// A configuration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
-    /// What it says.
+    /// The settings.
     pub settings: Settings,
-    /// In which units tables show it.
+    /// The units in which tables show it.
     pub units: ShownUnits,
 }
 
 /// Reads a configuration.
 ///
 /// # Errors
-/// A file that cannot be read or is empty; a line that is no `key = value`; a key that is there
-/// twice or that nothing reads; a unit that is unknown, missing or measures something else; a
-/// value out of range; an alerter or a detector that is named but not described.
+/// An unreadable or empty file; a line that is no `key = value`; a doubled or unknown key; a unit
+/// that is unknown, missing or of another quantity; a value out of range; an alerter or a detector
+/// with a name but no description.
 pub fn read(path: &Path) -> Result<Configuration, InputError> {
     parse(&read_text(path)?, path)
 }
 
-/// Reads a configuration from `text`; `path` is what errors call it. See [`read`].
+/// Reads a configuration from `text`; errors name it `path`. See [`read`].
 ///
 /// # Errors
 /// As [`read`].

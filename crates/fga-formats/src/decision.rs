@@ -8,8 +8,8 @@ use serde_json::{Map, Value, json};
 
 use crate::words::reason_key;
 
-/// A decision with its whole record and the aircraft that it was made for. Metres, seconds and
-/// radians; what is infinite or unknown is `null`. `name_of` gives the name of an obstacle.
+/// A decision with its whole record and the aircraft at that moment. Metres, seconds and radians;
+/// `null` is infinite or unknown. `name_of` gives the name of an obstacle.
 pub fn to_json(
     decision: &Decision,
     ownship: &Ownship,

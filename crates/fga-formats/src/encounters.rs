@@ -1,8 +1,8 @@
-//! Encounters that somebody made: the batch file and its writer.
+//! Encounters as CSV: the batch file and its writer.
 //!
 //! A comma-separated file with the columns `encounter`, `obstacle`, `x_m`, `y_m`, `z_m`,
-//! `vx_mps`, `vy_mps`, `vz_mps`, `radius_m`, found by their names in any order; other columns are
-//! ignored, but for the optional `kind`. Each row is one obstacle of one encounter: a sphere that
+//! `vx_mps`, `vy_mps`, `vz_mps`, `radius_m`, found by name in any order. Other columns are
+//! ignored, except the optional `kind`. Each row is one obstacle of one encounter: a sphere that
 //! flies straight. Positions and velocities are in the local frame, in which the aircraft starts at
 //! the origin along +x.
 //!
@@ -38,13 +38,13 @@ pub const COLUMNS: [&str; 9] = [
 /// The optional column that says how an obstacle may move.
 pub const KIND_COLUMN: &str = "kind";
 
-/// The largest position or radius taken for real, metres.
+/// The largest plausible position or radius, metres.
 const LARGEST_LENGTH_M: f64 = 1e8;
-/// The largest component of a velocity taken for real, metres per second.
+/// The largest plausible component of a velocity, metres per second.
 const LARGEST_SPEED_MPS: f64 = 1e5;
 
-/// One encounter: what is around the aircraft at the start. The aircraft is at the origin and flies
-/// along +x.
+/// One encounter: the obstacles around the aircraft at the start. The aircraft is at the origin and
+/// flies along +x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Encounter {
     /// Identifier, unique within the file or source.
@@ -57,14 +57,14 @@ pub struct Encounter {
 /// Reads a batch file; the encounters come in the order of their first rows.
 ///
 /// # Errors
-/// A file that cannot be read, a missing or doubled column, a field that is not a number,
+/// An unreadable file, a missing or doubled column, a field that is not a number,
 /// not finite or out of range, a negative radius, a doubled obstacle number, no encounter.
 pub fn read(path: &Path) -> Result<Vec<Encounter>, InputError> {
     let file = File::open(path).map_err(|error| InputError::unreadable(path, &error))?;
     parse(file, path)
 }
 
-/// Reads encounters from `input`; `path` is what errors call it. See [`read`].
+/// Reads encounters from `input`; errors name it `path`. See [`read`].
 ///
 /// # Errors
 /// As [`read`].
@@ -155,7 +155,7 @@ pub fn parse(input: impl Read, path: &Path) -> Result<Vec<Encounter>, InputError
     Ok(encounters)
 }
 
-/// Puts obstacles that did not come from a file together into encounters, in the order of their first
+/// Groups obstacles from another source than a file into encounters, in the order of their first
 /// rows. Each row is the number of its encounter and an obstacle.
 ///
 /// # Errors
@@ -216,8 +216,7 @@ pub fn from_rows(
     Ok(encounters)
 }
 
-/// How an obstacle may move by the word of the column [`KIND_COLUMN`]; `None` for one that is not
-/// known.
+/// The movement for a word of the column [`KIND_COLUMN`]; `None` for an unknown word.
 pub const fn movement_of(word: &[u8]) -> Option<Movement> {
     match word {
         b"" | b"straight" => Some(Movement::Straight),
@@ -228,7 +227,7 @@ pub const fn movement_of(word: &[u8]) -> Option<Movement> {
     }
 }
 
-/// Where each of [`COLUMNS`] stands in the file.
+/// The index of each of [`COLUMNS`] in the file.
 fn find_columns(
     header: &csv::ByteRecord,
     path: &Path,
@@ -254,14 +253,14 @@ fn find_columns(
             return Err(InputError::at_line(
                 path,
                 line,
-                format!("the column {name} is there twice, expected it once"),
+                format!("the column {name} appears twice, expected it once"),
             ));
         }
     }
     Ok(columns)
 }
 
-/// Where [`KIND_COLUMN`] stands in the file, if anywhere.
+/// The index of [`KIND_COLUMN`] in the file, if present.
 fn find_kind(
     header: &csv::ByteRecord,
     path: &Path,
@@ -278,16 +277,16 @@ fn find_kind(
         Some(_) => Err(InputError::at_line(
             path,
             line,
-            format!("the column {KIND_COLUMN} is there twice, expected it at most once"),
+            format!("the column {KIND_COLUMN} appears twice, expected it at most once"),
         )),
     }
 }
 
-/// One row with what its errors need.
+/// One row with the context for its errors.
 struct Row<'a> {
     record: &'a csv::ByteRecord,
     columns: &'a [usize; 9],
-    /// Where `kind` stands in the file, if anywhere.
+    /// The index of `kind` in the file, if present.
     kind_column: Option<usize>,
     path: &'a Path,
     line: u64,
@@ -364,7 +363,7 @@ impl Row<'_> {
     }
 }
 
-/// Writes encounters as they come; lengths and speeds with six decimals.
+/// Writes encounters one by one; lengths and speeds with six decimals.
 #[derive(Debug)]
 pub struct Writer<W> {
     out: W,
@@ -376,7 +375,7 @@ impl<W: Write> Writer<W> {
     /// Begins a file of obstacles that fly straight: writes the column names, without `kind`.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Errors of `out`.
     pub fn new(mut out: W) -> io::Result<Self> {
         writeln!(out, "{}", COLUMNS.join(","))?;
         Ok(Self {
@@ -386,10 +385,10 @@ impl<W: Write> Writer<W> {
         })
     }
 
-    /// Begins a file that says of every obstacle how it may move, in the column `kind`.
+    /// Begins a file with the column `kind`, the movement of every obstacle.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Errors of `out`.
     pub fn with_kinds(mut out: W) -> io::Result<Self> {
         writeln!(out, "{},{KIND_COLUMN}", COLUMNS.join(","))?;
         Ok(Self {
@@ -402,7 +401,7 @@ impl<W: Write> Writer<W> {
     /// Writes one encounter.
     ///
     /// # Errors
-    /// Those of the output.
+    /// Errors of the output.
     pub fn write(&mut self, encounter: &Encounter) -> io::Result<()> {
         for obstacle in &encounter.obstacles {
             self.row.clear();
@@ -426,13 +425,13 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    /// Gives back the output.
+    /// Returns the output.
     pub fn into_inner(self) -> W {
         self.out
     }
 }
 
-/// A movement as the column `kind` says it.
+/// The word of the column `kind` for a movement.
 fn kind_name(movement: Movement) -> io::Result<&'static str> {
     match movement {
         Movement::AtRest => Ok("still"),
@@ -446,7 +445,7 @@ fn kind_name(movement: Movement) -> io::Result<&'static str> {
     }
 }
 
-/// Writes a batch file, whole or not at all; with the column `kind` where an obstacle does not fly
+/// Writes a batch file, completely or not at all; with the column `kind` if any obstacle does not fly
 /// straight.
 ///
 /// # Errors

@@ -1,11 +1,11 @@
-//! What was wrong with an input or an output: one sentence with the file, the line, what was
-//! found and what was expected.
+//! Errors of inputs and outputs: one sentence with the file, the line, the found and the expected
+//! content.
 
 use core::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// An input that cannot be used, as one sentence.
+/// An unusable input, as one sentence.
 ///
 /// ```
 /// use fga_formats::InputError;
@@ -18,9 +18,9 @@ use std::path::{Path, PathBuf};
 pub struct InputError {
     /// The file, as the user named it.
     pub path: PathBuf,
-    /// The line, counted from one, where the trouble has one.
+    /// The line, counted from one, if the error has one.
     pub line: Option<u64>,
-    /// What was found and what was expected.
+    /// The found and the expected content.
     pub message: String,
 }
 
@@ -29,7 +29,7 @@ fn line_part(line: Option<u64>) -> String {
 }
 
 impl InputError {
-    /// Trouble with the file as a whole.
+    /// An error about the file as a whole.
     pub fn in_file(path: impl Into<PathBuf>, message: impl Into<String>) -> Self {
         Self {
             path: path.into(),
@@ -38,7 +38,7 @@ impl InputError {
         }
     }
 
-    /// Trouble on one line, counted from one.
+    /// An error on one line, counted from one.
     pub fn at_line(path: impl Into<PathBuf>, line: u64, message: impl Into<String>) -> Self {
         Self {
             path: path.into(),
@@ -47,25 +47,25 @@ impl InputError {
         }
     }
 
-    /// A file that cannot be read.
+    /// An unreadable file.
     pub fn unreadable(path: impl Into<PathBuf>, error: &io::Error) -> Self {
         Self::in_file(path, format!("cannot be read: {}", reason(error)))
     }
 }
 
-/// An output that cannot be written, as one sentence.
+/// A failed write, as one sentence.
 #[derive(Debug, thiserror::Error)]
 #[error("{} cannot be written: {}", path.display(), reason(source))]
 pub struct OutputError {
     /// The file or folder.
     pub path: PathBuf,
-    /// What the operating system said.
+    /// The error of the operating system.
     #[source]
     pub source: io::Error,
 }
 
 impl OutputError {
-    /// The error `source` while `path` was written.
+    /// The error `source` while writing `path`.
     pub fn new(path: impl Into<PathBuf>, source: io::Error) -> Self {
         Self {
             path: path.into(),
@@ -91,14 +91,14 @@ fn reason(error: &io::Error) -> String {
 /// mark is dropped.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// An unreadable file.
 pub fn read_text(path: &Path) -> Result<String, InputError> {
     let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
     Ok(String::from_utf8_lossy(bytes).into_owned())
 }
 
-/// A piece of input as it is shown in a message: quoted, control characters escaped, at most
+/// A piece of input for a message: quoted, control characters escaped, at most
 /// 40 characters.
 pub fn shown(text: &str) -> String {
     let mut out = String::from("\"");

@@ -1,7 +1,7 @@
-//! A finished flight, to be looked at in other programs.
+//! A finished flight for other programs.
 //!
 //! The simulator and the companion fill a [`Flight`]; the writers of [`crate::export`] turn it
-//! into files. It can itself be kept as a JSON file between two commands.
+//! into files. A JSON file keeps it between two commands.
 
 use crate::error::{InputError, OutputError, read_text, shown};
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
@@ -16,24 +16,24 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Flight {
-    /// What the flight is called.
+    /// The name of the flight.
     pub name: String,
     /// The policy that flew it.
     pub policy: String,
-    /// Where the local frame's origin is; without it exports to the globe use 0° N 0° E.
+    /// The origin of the local frame; without it exports to the globe use 0° N 0° E.
     pub origin: Option<Geodetic>,
-    /// On which figure of the earth the local frame stands.
+    /// The figure of the earth below the local frame.
     pub earth: Earth,
     /// Time 0 as seconds since 1970-01-01 00:00 UTC; without it exports use 2000-01-01 12:00 UTC.
     pub start_unix_s: Option<f64>,
-    /// What was flown, times strictly growing.
+    /// The flown samples, times strictly increasing.
     pub samples: Vec<FlightSample>,
     /// The mission's waypoints, metres.
     #[serde(with = "vectors")]
     pub mission: Vec<Vec3>,
     /// The obstacles.
     pub obstacles: Vec<FlightObstacle>,
-    /// What happened and was decided, in the order of time.
+    /// Events and decisions, in time order.
     pub events: Vec<FlightEvent>,
 }
 
@@ -55,15 +55,15 @@ pub struct FlightSample {
     pub state: Cow<'static, str>,
 }
 
-/// An obstacle with its protected volume and where it was.
+/// An obstacle with its protected volume and its track.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FlightObstacle {
     /// Its name.
     pub name: String,
-    /// The volume that must not be entered.
+    /// The protected volume.
     #[serde(with = "volume")]
     pub volume: ProtectedVolume,
-    /// Where it was, times strictly growing; one row alone is an obstacle that stands there
+    /// Its positions, times strictly increasing; a single row is an obstacle at rest there
     /// all the time.
     pub track: Vec<ObstacleSample>,
 }
@@ -78,12 +78,12 @@ pub struct ObstacleSample {
     pub position_m: Vec3,
 }
 
-/// Something that happened.
+/// An event.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FlightEvent {
     /// Time, seconds.
     pub time_s: f64,
-    /// What kind of event, one word.
+    /// The kind of event, one word.
     pub kind: String,
     /// The event in plain words.
     pub text: String,
@@ -114,7 +114,7 @@ impl Flight {
         (time(self.samples.first()), time(self.samples.last()))
     }
 
-    /// The aircraft's position at a time, straight between samples, held before the first and
+    /// The aircraft's position at a time, linear between samples, constant before the first and
     /// after the last; `None` without samples.
     pub fn position_at(&self, time_s: f64) -> Option<Vec3> {
         let after = self
@@ -132,7 +132,7 @@ impl Flight {
         })
     }
 
-    /// The samples at least `step_s` apart, besides the first, the last and every change of
+    /// Samples at least `step_s` apart, plus the first, the last and every change of
     /// state.
     pub fn thinned(&self, step_s: f64) -> Vec<&FlightSample> {
         let mut kept: Vec<&FlightSample> = Vec::new();
@@ -153,7 +153,7 @@ impl Flight {
     /// Reads a flight from its JSON file.
     ///
     /// # Errors
-    /// A file that cannot be read, is not a flight, or whose numbers make no flight.
+    /// An unreadable file, a file that is not a flight, or numbers that make no flight.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let flight: Self = serde_json::from_str(&read_text(path)?).map_err(|error| {
             let line = u64::try_from(error.line()).unwrap_or_default();
@@ -165,7 +165,7 @@ impl Flight {
         Ok(flight)
     }
 
-    /// Writes the flight as a JSON file, whole or not at all.
+    /// Writes the flight as a JSON file, completely or not at all.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -175,10 +175,10 @@ impl Flight {
         })
     }
 
-    /// Whether the numbers make a flight: at least one sample, everything finite, times growing.
+    /// Checks that the numbers make a flight: at least one sample, everything finite, times increasing.
     ///
     /// # Errors
-    /// What is wrong, as the end of a sentence about the flight.
+    /// The fault, as the end of a sentence about the flight.
     pub fn check(&self) -> Result<(), String> {
         if self.samples.is_empty() {
             return Err("holds no samples, expected at least one".into());
@@ -222,7 +222,7 @@ impl Flight {
     }
 }
 
-/// Refuses times that are not finite or do not grow.
+/// Refuses times that are not finite or do not increase.
 fn grows(what: &str, times_s: impl Iterator<Item = f64>) -> Result<(), String> {
     let mut last_s = f64::NEG_INFINITY;
     for time_s in times_s {
@@ -237,12 +237,12 @@ fn grows(what: &str, times_s: impl Iterator<Item = f64>) -> Result<(), String> {
 }
 
 impl FlightObstacle {
-    /// Whether the obstacle stands in one place all the time.
+    /// Whether the obstacle stays in one place all the time.
     pub const fn is_static(&self) -> bool {
         self.track.len() <= 1
     }
 
-    /// Where the obstacle is at a time, straight between rows; `None` while it is not there:
+    /// The obstacle's position at a time, linear between rows; `None` while it is absent:
     /// before the first and after the last row of a moving one.
     pub fn position_at(&self, time_s: f64) -> Option<Vec3> {
         let first = self.track.first()?;

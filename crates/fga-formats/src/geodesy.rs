@@ -1,21 +1,20 @@
 //! Latitude, longitude and altitude into the local frame and back.
 //!
-//! The core knows a plane with x east, y north and z up. A [`LocalFrame`] lays that plane on the
-//! earth at an origin. Both earth models use the same construction: the position is projected
-//! straight down onto the plane that touches the earth at the origin (orthographic projection),
-//! and z is the difference of altitudes, so that a flight at constant altitude stays at constant
-//! z and two aircraft at the same altitude have no vertical separation, however far they are
-//! from the origin.
+//! The core knows a plane with x east, y north and z up. A [`LocalFrame`] touches the earth with
+//! that plane at an origin. Both earth models use the same construction: an orthographic projection
+//! of the position onto the plane gives x and y, and z is the difference of altitudes. So a flight at
+//! constant altitude stays at constant z, and two aircraft at the same altitude have no vertical
+//! separation, however far they are from the origin.
 //!
 //! - [`Earth::Wgs84`] is the ellipsoid of GPS, for missions and for MAVLink.
 //! - [`Earth::Daidalus`] is the sphere on which one minute of arc is one nautical mile
-//!   (radius 1852 m × 60 × 180 / π ≈ 6 366 707 m). NASA's DAIDALUS computes separations on it,
-//!   so recordings in its format are read with it. It differs from the ellipsoid by at most
-//!   0.52 % of a distance (at the poles), at latitudes of 34° to 41° by less than 0.2 %
-//!   north–south and 0.33 % east–west.
+//! (radius 1852 m × 60 × 180 / π ≈ 6 366 707 m). NASA's DAIDALUS computes separations on it,
+//! so readers of its format use it. Its distances differ from those on the ellipsoid by at most
+//! 0.52 % (at the poles), and at latitudes of 34° to 41° by less than 0.2 % north–south and
+//! 0.33 % east–west.
 //!
-//! Accuracy: at distance d from the origin lengths along the radius shrink by the factor
-//! √(1 − d²/R²): by 0.013 % at 100 km.
+//! Accuracy: at distance d from the origin, lengths along the radius shrink by the factor
+//! √(1 − d²/R²), 0.013 % at 100 km.
 
 use crate::units::{DEGREE_RAD, NAUTICAL_MILE_M};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -28,11 +27,11 @@ pub struct Geodetic {
     pub latitude_deg: f64,
     /// Longitude, degrees, east positive.
     pub longitude_deg: f64,
-    /// Altitude, metres, above whatever the source counts from.
+    /// Altitude, metres, above the datum of the source.
     pub altitude_m: f64,
 }
 
-/// Altitudes that anything flies or lies at, metres; frames hold within them, and not at the earth's
+/// Range of plausible altitudes, metres; frames are valid within it, and not at the earth's
 /// centre.
 const ALTITUDES_M: core::ops::RangeInclusive<f64> = -20_000.0..=1_000_000.0;
 
@@ -53,7 +52,7 @@ impl Geodetic {
     }
 }
 
-/// Which figure of the earth a frame stands on.
+/// The figure of the earth below a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Earth {
@@ -149,7 +148,7 @@ fn axes(latitude_rad: f64, longitude_rad: f64) -> [DVec3; 3] {
 pub struct LocalFrame {
     origin: Geodetic,
     earth: Earth,
-    /// Height at which the horizontal projection is made, metres.
+    /// Height of the horizontal projection, metres.
     height_m: f64,
     centred: DVec3,
     axes: [DVec3; 3],
@@ -158,8 +157,8 @@ pub struct LocalFrame {
 impl LocalFrame {
     /// The frame that touches the earth at `origin`.
     ///
-    /// On [`Earth::Wgs84`] horizontal distances are those at the origin's altitude; on
-    /// [`Earth::Daidalus`] those at the surface, as DAIDALUS computes them.
+    /// On [`Earth::Wgs84`] horizontal distances hold at the origin's altitude; on
+    /// [`Earth::Daidalus`] at the surface, as DAIDALUS computes them.
     pub fn new(origin: Geodetic, earth: Earth) -> Self {
         let latitude_rad = origin.latitude_deg * DEGREE_RAD;
         let longitude_rad = origin.longitude_deg * DEGREE_RAD;
@@ -181,7 +180,7 @@ impl LocalFrame {
         self.origin
     }
 
-    /// The figure of the earth the frame stands on.
+    /// The figure of the earth below the frame.
     pub const fn earth(&self) -> Earth {
         self.earth
     }
@@ -205,8 +204,8 @@ impl LocalFrame {
     /// The place at a local position; the inverse of [`LocalFrame::to_local_m`] within a
     /// millimetre up to 500 km from the origin.
     ///
-    /// Farther from the origin than the earth's radius there is no such place: the position is
-    /// then drawn back to the rim.
+    /// Farther from the origin than the earth's radius there is no such place: the rim
+    /// replaces the position.
     pub fn to_geodetic(&self, local_m: DVec3) -> Geodetic {
         let [east, north, up] = self.axes;
         let radius_m = self.earth.semi_major_m() + self.height_m;
@@ -242,7 +241,7 @@ impl LocalFrame {
     }
 
     /// Local velocity of something that moves east, north and up at a place (metres per second):
-    /// its own east and north are turned against the frame's by the convergence of meridians.
+    /// the convergence of meridians turns its east and north against the frame's.
     pub fn velocity_mps(&self, place: Geodetic, east_north_up_mps: DVec3) -> DVec3 {
         let [east, north, _] = axes(
             place.latitude_deg * DEGREE_RAD,

@@ -1,8 +1,7 @@
 //! File formats and wires of the field, read and written at the edge of fga.
 //!
-//! Everything that enters is checked here once (finite, in range, consistent) and is a type in
-//! SI units and the core's local frame afterwards; everything that leaves is written whole or
-//! not at all.
+//! Each input is checked here once (finite, in range, consistent) and is a type in SI units and the
+//! core's local frame afterwards. Each output is complete or absent.
 //!
 //! | module | question |
 //! |---|---|
@@ -13,13 +12,13 @@
 //! | [`conf`] | how are alerts and bands configured? |
 //! | [`encounters`] | which encounters does a batch file hold? |
 //! | [`traffic`] | what do receivers of ADS-B say, as BaseStation lines or Beast frames? |
-//! | [`decision`] | what was decided, as JSON? |
-//! | [`words`] | what was decided, in words? |
-//! | [`flight`] | what is a finished flight, to be looked at elsewhere? |
+//! | [`decision`] | how does JSON hold a decision? |
+//! | [`words`] | how do words say a decision? |
+//! | [`flight`] | what does a finished flight hold, for other programs? |
 //! | [`export`] | how does Google Earth, Cesium, a map or Foxglove get it? |
 //! | [`encounter_model`] | how do aircraft fly that meet, statistically? |
-//! | [`atomic`] | how is a file written whole or not at all? |
-//! | [`number`] | how is a number written, the same way on every machine? |
+//! | [`atomic`] | how does a file become complete or stay absent? |
+//! | [`number`] | how does a number become the same text on every machine? |
 //! | [`error`] | what was wrong with an input, and where? |
 //!
 //! Local frame: x east, y north, z up, metres; times in seconds. See the crate `fga`.

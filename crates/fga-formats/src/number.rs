@@ -5,9 +5,9 @@ const POWERS: [f64; 10] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
 
 /// Appends `value` with exactly `decimals` decimals (at most nine), never as `-0`.
 ///
-/// The value times a power of ten is rounded to the nearest integer, ties to even: only
-/// arithmetic that every machine does alike. A value that is not finite becomes `NaN`, `inf` or
-/// `-inf`; too large a one for this way is written by the standard library.
+/// Rounds the value times a power of ten to the nearest integer, ties to even: every machine does
+/// this arithmetic alike. A value that is not finite becomes `NaN`, `inf` or `-inf`; the standard
+/// library writes a value too large for this method.
 ///
 /// ```
 /// let mut row = Vec::new();
@@ -60,8 +60,8 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     String::from_utf8_lossy(&out).into_owned()
 }
 
-/// `value` with at most `decimals` decimals and at least one, as tables of DAIDALUS have it: zeros
-/// at the end are left out, what rounds to nothing is 0, and infinity is `infty`.
+/// `value` with at most `decimals` decimals and at least one, as in tables of DAIDALUS: no zeros
+/// at the end, 0 for what rounds to nothing, and `infty` for infinity.
 ///
 /// ```
 /// use fga_formats::number::trimmed;
@@ -75,7 +75,7 @@ pub fn trimmed(value: f64, decimals: usize) -> String {
     if value.is_infinite() {
         return if value < 0.0 { "-infty" } else { "infty" }.into();
     }
-    // One decimal more decides whether a negative value is nothing.
+    // One decimal more decides whether a negative value rounds to nothing.
     let scale = POWERS.get(decimals + 1).copied().unwrap_or(1e9);
     let shown = if value < 0.0 && value * scale > -0.5 {
         0.0

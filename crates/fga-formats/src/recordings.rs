@@ -1,14 +1,13 @@
-//! Recorded encounters, whatever program wrote them.
+//! Recorded encounters from any program.
 //!
-//! | file | what it is known by | encounters |
+//! | file | recognized by | encounters |
 //! |---|---|---|
 //! | `.daa` of DAIDALUS; pairing files of MIT-LL (`NAME, east, north, alt, …`) | a line of column names | one |
 //! | DEGAS of MIT-LL | a first line `# xE1,xE2,…` | one |
 //! | BaseStation lines (SBS), with or without a recorder's nanoseconds before them | lines with `MSG,` | one for each close pair |
 //! | state vectors in JSON, a list of objects or an object of columns | `[` or `{` | one for each close pair |
 //!
-//! Files may be compressed (gzip). Two received tracks are a pair where they come close to each
-//! other; see [`pairs`].
+//! Files may be compressed (gzip). Two received tracks are a pair when they come close; see [`pairs`].
 
 mod degas;
 pub mod pairs;
@@ -19,10 +18,10 @@ use crate::error::InputError;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// Endings of files that are recordings, besides `.gz` after them.
+/// Endings of recordings, besides `.gz` after them.
 const ENDINGS: [&str; 6] = ["daa", "csv", "txt", "json", "sbs", "log"];
 
-/// The largest file that is read, bytes after decompression.
+/// The largest file, bytes after decompression.
 const LARGEST: u64 = 1 << 31;
 
 /// An encounter with its name.
@@ -34,10 +33,10 @@ pub struct Named {
     pub recording: Recording,
 }
 
-/// The recordings of a folder by their endings, sorted by name; a file is itself.
+/// The recordings of a folder by their endings, sorted by name; a file stands for itself.
 ///
 /// # Errors
-/// A path that cannot be read; a folder without recordings.
+/// An unreadable path; a folder without recordings.
 pub fn files_of(path: &Path) -> Result<Vec<PathBuf>, InputError> {
     let unreadable = |error| InputError::unreadable(path, &error);
     if !std::fs::metadata(path).map_err(unreadable)?.is_dir() {
@@ -78,13 +77,13 @@ fn has_known_ending(path: &Path) -> bool {
 /// Reads the encounters of a file.
 ///
 /// # Errors
-/// A file that cannot be read or is no recording; fewer than two aircraft; no two that come close.
+/// A file that is unreadable or no recording; fewer than two aircraft; no two that come close.
 pub fn read(path: &Path) -> Result<Vec<Named>, InputError> {
     let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
     parse(&bytes, path)
 }
 
-/// Reads the encounters in the bytes of a file; `path` is what errors call it. See [`read`].
+/// Reads the encounters in the bytes of a file; errors name it `path`. See [`read`].
 ///
 /// # Errors
 /// As [`read`].

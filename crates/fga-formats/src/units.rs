@@ -1,7 +1,7 @@
-//! Units at the edge: what a unit is called and how much of the SI unit it is.
+//! Units at the edge: their names and their SI factors.
 //!
-//! Inside fga there are metres, seconds, radians and metres per second only; every other unit
-//! becomes one of these here.
+//! Inside fga there are only metres, seconds, radians and metres per second; these convert every other
+//! unit.
 
 use core::f64::consts::PI;
 
@@ -18,7 +18,7 @@ pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
 /// One degree, radians.
 pub const DEGREE_RAD: f64 = PI / 180.0;
 
-/// What a unit measures.
+/// The quantity of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// An angle; the SI unit is the radian.
@@ -36,7 +36,7 @@ pub enum Dimension {
 }
 
 impl Dimension {
-    /// Units that a message names as examples.
+    /// Units that messages name as examples.
     pub const fn examples(self) -> &'static str {
         match self {
             Self::Angle => "deg or rad",
@@ -61,12 +61,12 @@ impl Dimension {
     }
 }
 
-/// A unit: what it measures and how much of the SI unit it is.
+/// A unit: its quantity and its SI factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// What it measures.
+    /// Its quantity.
     pub dimension: Dimension,
-    /// How many SI units one of it is.
+    /// SI units in one of it.
     pub factor: f64,
 }
 
@@ -135,7 +135,7 @@ impl Unit {
         Some(Self::new(dimension, factor))
     }
 
-    /// Whether a unit field says that the column has no unit of its own.
+    /// Whether a unit field says that the column has no unit.
     pub fn is_unspecified(name: &str) -> bool {
         matches!(
             bare_name(name).to_ascii_lowercase().as_str(),

@@ -1,4 +1,4 @@
-//! A decision in words: what threatens, what is flown, and why.
+//! A decision in words: the threat, the manoeuvre and the reason.
 
 use fga::angle::wrap_pi;
 use fga::avoider::{Candidate, Decision, Reason};
@@ -43,7 +43,7 @@ pub const fn reason_key(reason: Reason) -> &'static str {
     }
 }
 
-/// The first turn and climb of a manoeuvre: "turn left 38° and climb 5°".
+/// The first turn and climb of a manoeuvre, such as "turn left 38° and climb 5°".
 pub fn maneuver_words(maneuver: &Maneuver, ownship: &Ownship) -> String {
     let changed = |stage: &&fga::maneuver::Stage| {
         (stage.course_rad - ownship.course_rad).abs() > 1e-3
@@ -54,7 +54,7 @@ pub fn maneuver_words(maneuver: &Maneuver, ownship: &Ownship) -> String {
     };
     let turn_rad = stage.course_rad - ownship.course_rad;
     let turn = if turn_rad.abs() > 1e-3 {
-        // A turn of more than half a circle is said as it is flown.
+        // A turn of more than half a circle keeps its flown sense.
         let shown = if turn_rad.abs() <= core::f64::consts::TAU {
             turn_rad
         } else {
@@ -87,8 +87,8 @@ pub fn maneuver_words(maneuver: &Maneuver, ownship: &Ownship) -> String {
     }
 }
 
-/// A decision as one line: "threat: N2 in 4.1 s, 12.0 m inside; latest safe start in 1.6 s; turn
-/// left 38°, least margin 4.2 m".
+/// A decision as one line, such as "threat: N2 in 4.1 s, 12.0 m inside; latest safe start in 1.6 s;
+/// turn left 38°, least margin 4.2 m".
 pub fn decision_words(
     decision: &Decision,
     ownship: &Ownship,

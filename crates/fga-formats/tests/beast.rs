@@ -102,7 +102,7 @@ fn a_recorded_file_is_cut_into_its_frames() {
     });
     assert_eq!(lengths.iter().sum::<u32>(), 239);
     assert_eq!(again, recorded);
-    // Cut anywhere, the same.
+    // Any cuts give the same frames.
     let mut bytewise = Frames::new();
     let mut count = 0;
     for byte in &recorded {
@@ -166,7 +166,7 @@ fn memory_is_bounded_however_many_aircraft_there_are() {
         assert!(stream.aircraft() <= 32_768);
     }
     assert!(stream.aircraft() >= 16_384);
-    // A flood leaves room: the book's pair gives its place.
+    // Even after a flood the book's pair gives its position.
     let mut found = None;
     for message in [
         "8D40621D58C386435CC412692AD6",
@@ -179,8 +179,8 @@ fn memory_is_bounded_however_many_aircraft_there_are() {
     assert!(found.is_some());
 }
 
-/// The same file decoded by pyModeS 3.6.1: one aircraft that squitters, of which it gives two
-/// positions by pairs of messages.
+/// The same file decoded by pyModeS 3.6.1: one aircraft that squitters; pairs of messages give two
+/// positions.
 #[test]
 fn a_recorded_file_means_what_another_decoder_says() {
     let Some(path) = data("adsb/sample_dump1090.bin") else {
@@ -230,7 +230,7 @@ fn a_recorded_file_means_what_another_decoder_says() {
     assert_eq!(place_at(4.8451), None);
     for (_, report) in &found {
         if let Some(speed_mps) = report.ground_speed_mps {
-            // It gives whole knots.
+            // pyModeS gives whole knots.
             assert!((speed_mps * 3600.0 / 1852.0 - 395.0).abs() < 1.0);
             let compass_deg = 90.0 - report.course_rad.unwrap().to_degrees();
             assert!(
@@ -305,8 +305,8 @@ fn the_books_target_state_tells_its_quality() {
     assert_eq!(found[0].source_integrity, Some(3));
 }
 
-/// Kind 11 holds the position within 185.2 m, or with both supplements within 75 m; kind 18 bounds
-/// nothing.
+/// Kind 11 contains the position within 185.2 m, or with both supplements within 75 m; kind 18
+/// gives no bound.
 #[test]
 fn the_supplements_narrow_the_containment() {
     let place = [0x59, 0xC3, 0x86, 0x43, 0x5C, 0xC4, 0x12];

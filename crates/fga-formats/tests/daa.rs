@@ -39,12 +39,12 @@ fn separations_equal_those_of_daidalus_row_by_row() {
         let time_s: f64 = fields[0].parse().unwrap();
         let horizontal_nmi: f64 = fields[8].parse().unwrap();
         let vertical_ft: f64 = fields[9].parse().unwrap();
-        // The file has six decimals: half a unit of the last one, and the rounding of the input.
+        // The file has six decimals: half a unit of the last one, plus the rounding of the input.
         let found = recording.separation_at(1, time_s).unwrap();
         let difference = (found.horizontal_m / NAUTICAL_MILE_M - horizontal_nmi).abs();
         assert!(difference < 6e-7, "{time_s} s: {difference} nmi");
         assert!((found.vertical_m / FOOT_M - vertical_ft).abs() < 1e-6);
-        // The one fixed frame differs from it by less than 20 parts per million.
+        // The single fixed frame differs from it by less than 20 parts per million.
         let [own, other] = [0, 1].map(|i| recording.aircraft[i].sample_at(time_s).unwrap());
         let offset_m = other.position_m - own.position_m;
         let fixed_m = offset_m.x.hypot(offset_m.y);
@@ -202,7 +202,7 @@ fn cartesian_positions_stay_as_they_are() {
     let sample = recording.aircraft[0].samples[0];
     assert!((sample.position_m - DVec3::new(1852.0, 3704.0, 304.8)).length() < 1e-9);
     assert!((sample.velocity_mps - DVec3::new(0.0, 10.0 * KNOT_MPS, 0.0)).length() < 1e-9);
-    // B has a row at 5 s only, A none at that time: straight between its rows.
+    // B has a row only at 5 s, A none at that time: linear between its rows.
     assert!(recording.separation_at(1, 5.0).is_none());
     let (position_m, velocity_mps) = recording.aircraft[0].state_at(5.0).unwrap();
     assert!((position_m.y - 2.5 * 1852.0).abs() < 1e-9 && (velocity_mps.y - 185.2).abs() < 1e-9);
@@ -251,7 +251,7 @@ fn wrong_files_are_refused_with_file_line_and_reason() {
         ),
         (
             format!("{NAMES}{ROWS}").replace("name lat", "name lat lat"),
-            "a.daa, line 1: the column lat|latitude is there twice",
+            "a.daa, line 1: the column lat|latitude appears twice",
         ),
         (
             format!("{NAMES}[none] [deg] [deg] [furlong] [deg] [knot] [fpm] [s]\n{ROWS}"),

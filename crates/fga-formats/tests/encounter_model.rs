@@ -1,5 +1,5 @@
-//! The encounter models: drawn states against samples that another program drew, a network
-//! small enough to be worked out by hand, and every refusal.
+//! The encounter models: drawn states against samples from another program, a network small
+//! enough to work out by hand, and every refusal.
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,
@@ -88,7 +88,7 @@ fn drawn_states_are_distributed_like_those_of_another_program() {
             let deviation = (2.0 * p * (1.0 - p) / 10_000.0).sqrt();
             assert!((a - b).abs() <= 5.0 * deviation + 1e-12, "{label}: {a} {b}");
         }
-        // Exact zeros are as many.
+        // The numbers of exact zeros agree.
         let zeros =
             |rows: &[Vec<f64>]| column(rows, index).iter().filter(|v| **v == 0.0).count() as f64;
         assert!(
@@ -138,8 +138,8 @@ fn uncorrelated_models_fly_within_their_limits() {
     }
 }
 
-/// A variable `a` of two bins, counted 1 : 3, on which the rate `r` depends; the rate of the next
-/// second keeps its bin in 9 of 10 cases, is never counted for the third bin.
+/// A variable `a` of two bins, counted 1 : 3, on which the rate `r` depends. The rate of the next
+/// second keeps its bin in 9 of 10 cases; the third bin has no counts.
 const SMALL: &str = "# labels_initial\n\"a\", \"r\"\n# G_initial\n0 1\n0 0\n# r_initial\n2 3\n\
     # N_initial\n1 3 1 0 0 0 2 2\n\
     # labels_transition\n\"a\", \"r(t)\", \"r(t+1)\"\n# G_transition\n0 0 0\n0 0 1\n0 0 0\n# r_transition\n2 3 3\n\
@@ -167,7 +167,7 @@ fn a_small_model_is_as_worked_out_by_hand() {
         model.step(&mut state, &mut random);
         let after = (state.bins()[1], state.values()[1]);
         if before.0 == 2 {
-            // Never counted: the bin is held.
+            // No counts: the bin stays.
             assert_eq!(after.0, 2);
         } else if before.0 == 0 {
             steps += 1.0;
@@ -281,7 +281,7 @@ struct Tables {
     counts: Vec<Vec<f64>>,
 }
 
-/// Reads the transition network with code apart from the reader; `now` variables have no counts.
+/// Reads the transition network with separate code; the present variables have no counts.
 fn transition_counts(text: &str, now: usize) -> Tables {
     let section = |name: &str| -> Vec<&str> {
         let from = text.find(&format!("# {name}")).unwrap();
@@ -341,7 +341,7 @@ fn transitions_are_distributed_like_the_tables_of_the_model() {
         let now = model.variables().len();
         let tables = transition_counts(&text, now);
         let later: Vec<usize> = (now..tables.bins.len()).collect();
-        // The variable of now that each later one becomes is the parent-free one of the same label.
+        // Each later variable becomes the parent-free present one with the same label.
         let labels: Vec<String> = text
             .lines()
             .skip_while(|line| !line.starts_with("# labels_transition"))

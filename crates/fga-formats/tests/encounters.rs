@@ -1,4 +1,4 @@
-//! The batch file: what is read, what is refused and how the refusal reads.
+//! The batch file: content, refusals and their sentences.
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,
@@ -93,7 +93,7 @@ fn wrong_files_are_refused_with_file_line_and_reason() {
         ),
         (
             HEADER.replace("y_m,", "x_m,"),
-            "e.csv, line 1: the column x_m is there twice, expected it once",
+            "e.csv, line 1: the column x_m appears twice, expected it once",
         ),
         (
             format!("{HEADER}{good}{good}"),

@@ -1,4 +1,4 @@
-//! The exports, each read by a program or library other than the writer.
+//! The exports, each read by another program or library.
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,
@@ -21,8 +21,8 @@ use std::process::Command;
 /// One degree of longitude on the equator of the ellipsoid at 100 m: 2π (a + 100 m) / 360.
 const DEGREE_M: f64 = 111_321.235_7;
 
-/// Runs a Python script with arguments; `None` where Python or a module it needs is absent, which
-/// is a failure in CI.
+/// Runs a Python script with arguments; `None` without Python or a module that it needs, which is a
+/// failure in CI.
 fn python(module: &str, script: &str, arguments: &[&Path]) -> Option<String> {
     let interpreter = std::env::var("FGA_PYTHON").unwrap_or_else(|_| "python3".into());
     let there = Command::new(&interpreter)
@@ -45,7 +45,7 @@ fn python(module: &str, script: &str, arguments: &[&Path]) -> Option<String> {
     Some(String::from_utf8(output.stdout).unwrap())
 }
 
-/// The hostile name as XML can hold it: without the characters XML forbids.
+/// The hostile name in XML: without the characters that XML forbids.
 fn xml_name() -> String {
     HOSTILE.replace(['\u{1}', '\u{fffe}'], "")
 }
@@ -67,7 +67,7 @@ fn kml_is_read_by_a_strict_parser() {
     );
     assert!(named("img").is_empty() && named("script").is_empty());
 
-    // Two tracks with as many times as places; the aircraft's last place is 600 m to the east.
+    // Two tracks with equal numbers of times and positions; the aircraft's last place is 600 m to the east.
     let tracks = named("Track");
     assert_eq!(tracks.len(), 2);
     for track in &tracks {
@@ -117,7 +117,7 @@ fn kml_is_read_by_a_strict_parser() {
         .filter_map(|p| p.rsplit(',').next()?.parse::<f64>().ok())
         .fold(0.0, f64::max);
     assert!((top - 160.0).abs() < 1e-9);
-    // The moving volume is there for spans that touch each other from 5 s to 25 s.
+    // The moving volume has adjacent time spans from 5 s to 25 s.
     let begins: Vec<&str> = named("begin")
         .iter()
         .filter_map(roxmltree::Node::text)
@@ -249,7 +249,7 @@ fn geojson_is_read_by_its_library() {
     };
     assert_eq!(line(0).last(), line(1).first());
     assert_eq!(line(1).last(), line(2).first());
-    // Rings are closed and anticlockwise, as the format wants.
+    // Rings are closed and anticlockwise, as the format requires.
     let geojson::GeometryValue::Polygon { coordinates } =
         &collection.features[5].geometry.as_ref().unwrap().value
     else {

@@ -1,4 +1,4 @@
-//! Recorded encounters of every kind: what each file holds, and every refusal.
+//! Recorded encounters of every kind: the content of each file, and every refusal.
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,
@@ -68,7 +68,7 @@ fn a_degas_file_is_two_aircraft_side_by_side() {
     }
 }
 
-/// Two aircraft that meet head-on at the 60th second, one a second; `also` is a third one.
+/// Two aircraft that meet head-on at the 60th second, a row each second; `also` adds a third one.
 fn head_on(line: impl Fn(&str, i32, f64) -> String, also: &str) -> String {
     let mut text = String::new();
     for second in 0..120 {
@@ -92,7 +92,7 @@ fn received_tracks_are_paired_where_they_come_close() {
         },
         "CCCCCC",
     );
-    // A latitude of exactly 0 is one; only 0, 0 together is no position.
+    // A latitude of exactly 0 counts; only 0, 0 together is no position.
     let found = recordings::parse(sbs.as_bytes(), Path::new("r.sbs")).unwrap();
     let names: Vec<&str> = found.iter().map(|named| named.name.as_str()).collect();
     assert_eq!(names, ["r AAAAAA-BBBBBB"]);

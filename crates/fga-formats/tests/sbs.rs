@@ -1,4 +1,4 @@
-//! BaseStation lines: a recorded log, damaged lines, and there and back.
+//! BaseStation lines: a recorded log, damaged lines, and a round trip.
 #![allow(
     clippy::unwrap_used,
     clippy::indexing_slicing,
@@ -14,8 +14,8 @@ use proptest::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::io::{BufReader, Read};
 
-/// The log's own figures (216 aircraft, 44 with 2104 positions) were counted by splitting its
-/// lines at commas in another language.
+/// The figures of the log (216 aircraft, 44 with 2104 positions) come from splitting its lines at
+/// commas in another language.
 #[test]
 fn every_aircraft_of_a_recorded_log_is_found() {
     let Some(path) = data("adsb/stratux-es.log.gz") else {
@@ -30,7 +30,7 @@ fn every_aircraft_of_a_recorded_log_is_found() {
         assert!(recorded.time_s >= last_s, "{} {last_s}", recorded.time_s);
         last_s = recorded.time_s;
         lines += 1;
-        // Every line has the address, also those that say nothing else.
+        // Every line has the address, even without other content.
         let text = String::from_utf8(recorded.line.clone()).unwrap();
         addresses.insert(text.split(',').nth(4).unwrap().to_owned());
         stream.push(&recorded.line, |_| {});
@@ -47,7 +47,7 @@ fn every_aircraft_of_a_recorded_log_is_found() {
     // Where they were: around Lake Erie.
     let all = || places.values().flatten();
     assert!(all().all(|p| (41.49..43.26).contains(&p[0]) && (-85.55..-82.68).contains(&p[1])));
-    // One line was cut by a restart of the recorder.
+    // A restart of the recorder cut one line.
     assert_eq!(stream.counts().damaged, 1);
     // Four pieces, the longest three of 2673, 2451 and 2117 s.
     assert!((7200.0..7400.0).contains(&last_s), "{last_s}");

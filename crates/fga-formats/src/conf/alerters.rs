@@ -10,7 +10,7 @@ use fga_alerts::volume::{
 };
 use fga_alerts::{AlertLevel, Alerter, PerManeuver, Region, Settings};
 
-/// More levels than this no alerter has.
+/// The most levels of an alerter.
 const MOST_LEVELS: usize = 100;
 
 /// Reads the alerters.
@@ -86,7 +86,7 @@ fn alerter(
             "the alerter {name} has no levels, expected keys {prefix}alert_1_…"
         )));
     }
-    // Detectors that are loaded but that no level uses are read too, so that their keys are known.
+    // Detectors that no level uses are read too, so that their keys are known.
     for detector in entries.after(&format!("{prefix}load_core_detection_")) {
         volume(entries, prefix, &detector, factors)?;
     }
@@ -238,7 +238,7 @@ fn thresholds(entries: &mut Entries, prefix: &str) -> Result<WellClear, InputErr
     ))
 }
 
-/// The factors of a detector: its own where it has them, else those of the file.
+/// The factors of a detector: its own if the file has them, else those of the top level.
 fn own_factors(
     entries: &mut Entries,
     prefix: &str,

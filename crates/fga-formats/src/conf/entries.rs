@@ -5,7 +5,7 @@ use crate::units::{Dimension, Unit};
 use alloc::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A value that has not been read yet.
+/// A value that nothing has read yet.
 #[derive(Debug, Clone)]
 struct Entry {
     line: u64,
@@ -13,7 +13,7 @@ struct Entry {
     value: String,
 }
 
-/// The lines of a file; reading a key takes it away.
+/// The lines of a file; reading a key removes it.
 #[derive(Debug)]
 pub(super) struct Entries {
     path: PathBuf,
@@ -21,7 +21,7 @@ pub(super) struct Entries {
     left: BTreeMap<String, Entry>,
 }
 
-/// What a number measures.
+/// The quantity of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Measure {
     /// A quantity with a unit.
@@ -30,7 +30,7 @@ pub(super) enum Measure {
     Plain,
 }
 
-/// A number that was read.
+/// A parsed number.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Number {
     /// The value in SI units.
@@ -39,7 +39,7 @@ pub(super) struct Number {
     pub(super) unit: Option<(String, f64)>,
 }
 
-/// Which numbers are taken.
+/// The numbers that a key accepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Allowed {
     Any,
@@ -85,7 +85,7 @@ impl Entries {
             };
             if let Some(first) = left.insert(key.to_ascii_lowercase(), entry) {
                 let message = format!(
-                    "the key {key} is there twice, expected it once (first on line {})",
+                    "the key {key} appears twice, expected it once (first on line {})",
                     first.line
                 );
                 return Err(InputError::at_line(path, number, message));
@@ -107,7 +107,7 @@ impl Entries {
         self.left.contains_key(&key.to_ascii_lowercase())
     }
 
-    /// Keys that begin with a prefix, without it, in the order of the alphabet.
+    /// Keys that begin with a prefix, without the prefix, in alphabetical order.
     pub(super) fn after(&self, prefix: &str) -> Vec<String> {
         let prefix = prefix.to_ascii_lowercase();
         self.left
@@ -200,7 +200,7 @@ impl Entries {
         }))
     }
 
-    /// Takes a yes or no.
+    /// Takes a boolean.
     pub(super) fn boolean(&mut self, key: &str) -> Result<Option<bool>, InputError> {
         let Some((line, text)) = self.text(key) else {
             return Ok(None);
@@ -215,7 +215,7 @@ impl Entries {
         }
     }
 
-    /// Takes a whole number between two.
+    /// Takes a whole number in a range.
     pub(super) fn integer(
         &mut self,
         key: &str,
@@ -259,12 +259,12 @@ impl Entries {
         Err(self.error(line, message))
     }
 
-    /// An error about the value of a key that was taken.
+    /// An error about the value of a taken key.
     pub(super) fn refused(&self, line: u64, message: impl Into<String>) -> InputError {
         self.error(line, message.into())
     }
 
-    /// Refuses a file with keys that nothing has read.
+    /// Refuses a file with unread keys.
     pub(super) fn nothing_left(&self) -> Result<(), InputError> {
         match self.left.values().min_by_key(|entry| entry.line) {
             None => Ok(()),

@@ -33,13 +33,13 @@ const ALIASES: [(&str, &str); 15] = [
     ("persistence_preferred_alt", "max_delta_resolution_alt"),
 ];
 
-/// A reader of keys, under any of their names.
+/// Reads keys under any of their names.
 struct Reader<'a> {
     entries: &'a mut Entries,
 }
 
 impl Reader<'_> {
-    /// The name under which the file has a key.
+    /// The name of a key in the file.
     fn name(&self, key: &'static str) -> &'static str {
         let alias = ALIASES.iter().find(|(name, _)| *name == key);
         match alias {
@@ -75,7 +75,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A quantity in the unit of which tables are written.
+    /// A quantity in the unit in which tables show it.
     fn shown(
         &mut self,
         key: &'static str,
@@ -192,7 +192,7 @@ fn scales(reader: &mut Reader, configuration: &mut Configuration) -> Result<(), 
     Ok(())
 }
 
-/// More steps than this would only cost time.
+/// More steps only cost time.
 const MOST_STEPS: f64 = 20_000.0;
 
 fn dynamics(reader: &mut Reader, configuration: &mut Configuration) -> Result<(), InputError> {

@@ -1,23 +1,23 @@
-//! Which column of a `.daa` file is what, and in which unit.
+//! The columns of a `.daa` file and their units.
 
 use crate::error::shown;
 use crate::units::Unit;
 
-/// A column that every file has, one way or another.
+/// A column of every file, under one of several names.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Column {
-    /// Where it stands in a row.
+    /// Its index in a row.
     pub(super) place: usize,
-    /// What the file calls it.
+    /// Its name in the file.
     name: &'static str,
     /// Its unit.
     pub(super) unit: Unit,
 }
 
-/// Three columns that belong together.
+/// Three related columns.
 pub(super) type Triple = [Column; 3];
 
-/// How positions are given.
+/// The form of positions.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum PositionColumns {
     /// Latitude, longitude, altitude.
@@ -26,7 +26,7 @@ pub(super) enum PositionColumns {
     Cartesian(Triple),
 }
 
-/// How velocities are given.
+/// The form of velocities.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum VelocityColumns {
     /// True track, ground speed, vertical speed.
@@ -38,7 +38,7 @@ pub(super) enum VelocityColumns {
 /// The columns of a file.
 #[derive(Debug, Clone)]
 pub(super) struct Layout {
-    /// How many columns the header names.
+    /// Number of columns in the header.
     pub(super) width: usize,
     pub(super) name: usize,
     pub(super) position: PositionColumns,
@@ -59,7 +59,7 @@ const VERTICAL_SPEED: &[&str] = &["vs", "verticalspeed", "hdot"];
 const TIME: &[&str] = &["time", "tm", "st", "clock"];
 
 impl Layout {
-    /// The layout that a line of column names gives, with the units a file without units has.
+    /// The layout that a line of column names gives, with the default units.
     pub(super) fn from_header(header: &str) -> Result<Self, String> {
         let names: Vec<String> = fields(header, None)
             .into_iter()
@@ -105,7 +105,7 @@ impl Layout {
         })
     }
 
-    /// Every column that holds a quantity.
+    /// Every column with a quantity.
     fn quantities(&mut self) -> impl Iterator<Item = &mut Column> {
         let (PositionColumns::Geodetic(position) | PositionColumns::Cartesian(position)) =
             &mut self.position;
@@ -114,7 +114,7 @@ impl Layout {
         position.iter_mut().chain(velocity).chain([&mut self.time])
     }
 
-    /// Whether a line holds units: none of the quantities is a number or a clock time.
+    /// Whether a line holds units: no quantity in it is a number or a clock time.
     pub(super) fn is_unit_line(&self, line: &str) -> bool {
         let fields = fields(line, Some(self.width));
         self.clone().quantities().all(|column| {
@@ -163,7 +163,7 @@ impl Layout {
 }
 
 impl Column {
-    /// The column's number in a row, in SI units.
+    /// The number in this column of a row, in SI units.
     pub(super) fn value(&self, fields: &[&str]) -> Result<f64, String> {
         let text = fields.get(self.place).copied().unwrap_or_default();
         let name = self.name;
@@ -179,7 +179,7 @@ impl Column {
         Ok(self.unit.to_si(number))
     }
 
-    /// The column's time, seconds: a number, or `hours:minutes:seconds`, or `minutes:seconds`.
+    /// The time in this column, s: a number, or `hours:minutes:seconds`, or `minutes:seconds`.
     pub(super) fn clock_s(&self, fields: &[&str]) -> Result<f64, String> {
         let text = fields.get(self.place).copied().unwrap_or_default();
         if !text.contains(':') {
@@ -201,7 +201,7 @@ impl Column {
         }
     }
 
-    /// The name the file gives the column.
+    /// The column's name in the file.
     pub(super) const fn name(&self) -> &'static str {
         self.name
     }
@@ -217,7 +217,7 @@ impl Header<'_> {
         self.names.iter().any(|name| names.contains(&name.as_str()))
     }
 
-    /// Where the column with one of these names stands, and which name it is.
+    /// The index of the column with one of these names, and that name.
     fn find(&self, names: &[&'static str]) -> Result<(usize, &'static str), String> {
         let mut found = None;
         for (place, name) in self.names.iter().enumerate() {
@@ -225,7 +225,7 @@ impl Header<'_> {
                 && found.replace((place, *known)).is_some()
             {
                 return Err(format!(
-                    "the column {} is there twice, expected it once",
+                    "the column {} appears twice, expected it once",
                     names.join("|")
                 ));
             }
@@ -249,10 +249,10 @@ impl Header<'_> {
     }
 }
 
-/// The fields of a line: separated by a comma or semicolon, or by blanks and tabs alone.
+/// The fields of a line, separated by commas or semicolons, or by blanks and tabs alone.
 ///
-/// With `expected`, a line that has this many fields by its commas alone is separated there only,
-/// so that a name may hold blanks. An empty field at the very end is none.
+/// If commas alone give `expected` fields, only commas separate, so that a name may contain blanks.
+/// An empty field at the very end does not count.
 pub(super) fn fields(line: &str, expected: Option<usize>) -> Vec<&str> {
     let is_comma = |c: char| c == ',' || c == ';';
     let mut by_comma: Vec<&str> = line.split(is_comma).map(str::trim).collect();

@@ -1,6 +1,6 @@
-//! A recording time by time, with every column that alerts and bands look at.
+//! A recording time by time, with every column that alerts and bands need.
 //!
-//! Beside the columns of [`crate::daa`], in any order and any case:
+//! Besides the columns of [`crate::daa`], in any order and any case:
 //!
 //! | column | what | unit without a unit line |
 //! |---|---|---|
@@ -9,7 +9,7 @@
 //! | `s_EW_std`, `s_NS_std`, `s_EN_std`, `sz_std` | standard deviations of the position | none: a unit is required |
 //! | `v_EW_std`, `v_NS_std`, `v_EN_std`, `vz_std` | standard deviations of the velocity | none: a unit is required |
 //!
-//! A field that is empty or `-` is no value.
+//! An empty field or `-` is no value.
 
 use super::columns::{Layout, PositionColumns, VelocityColumns, fields};
 use super::rows::Rows;
@@ -19,7 +19,7 @@ use fga_alerts::Deviation;
 use glam::DVec3;
 use std::path::Path;
 
-/// Where an aircraft is.
+/// The position of an aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place {
     /// On the earth.
@@ -45,7 +45,7 @@ impl Place {
     }
 }
 
-/// A velocity with its direction and speed as they were given.
+/// A velocity with its direction and speed as given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
     /// Direction, radians clockwise from north.
@@ -78,20 +78,20 @@ impl Motion {
     }
 }
 
-/// What a row says about an aircraft.
+/// The content of a row about an aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Report {
-    /// Which aircraft: its place in [`Instants::names`].
+    /// The aircraft: its index in [`Instants::names`].
     pub aircraft: usize,
-    /// Where it is.
+    /// Its position.
     pub place: Place,
-    /// How it moves over the ground.
+    /// Its velocity over the ground.
     pub ground: Motion,
     /// Direction (radians clockwise from north) and speed (metres per second) through the air.
     pub air: Option<(f64, f64)>,
-    /// Which alerter judges it, counted from 1, 0 for none.
+    /// The alerter that judges it, counted from 1; 0 for none.
     pub alerter: Option<u32>,
-    /// How sure the state is.
+    /// The uncertainty of the state.
     pub deviation: Deviation,
 }
 
@@ -111,7 +111,7 @@ pub struct Instants {
     pub names: Vec<String>,
     /// Whether places are latitudes and longitudes.
     pub is_geodetic: bool,
-    /// The times, growing.
+    /// The times, increasing.
     pub instants: Vec<Instant>,
 }
 
@@ -127,7 +127,7 @@ const DEVIATIONS: [(&str, Dimension); 8] = [
     ("vz_std", Dimension::Speed),
 ];
 
-/// A column beside those that every file has.
+/// An optional column.
 #[derive(Debug, Clone, Copy)]
 struct Extra {
     place: usize,
@@ -201,7 +201,7 @@ impl Extra {
     }
 }
 
-/// The columns beside those that every file has.
+/// The optional columns.
 struct Extras {
     heading: Option<Extra>,
     airspeed: Option<Extra>,
@@ -301,12 +301,12 @@ impl Extras {
 ///
 /// # Errors
 /// As [`crate::daa::read`]; a unit of a deviation or of the air velocity that is missing, unknown
-/// or measures something else; a deviation or airspeed that is negative or no number.
+/// or of another quantity; a deviation or airspeed that is negative or no number.
 pub fn read(path: &Path) -> Result<Instants, InputError> {
     parse(&read_text(path)?, path)
 }
 
-/// Reads a recording from `text`; `path` is what errors call it. See [`read`].
+/// Reads a recording from `text`; errors name it `path`. See [`read`].
 ///
 /// # Errors
 /// As [`read`].
@@ -369,7 +369,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Instants, InputError> {
     })
 }
 
-/// The report of a row that was taken.
+/// The report of an accepted row.
 fn report(
     layout: &Layout,
     extras: &Extras,

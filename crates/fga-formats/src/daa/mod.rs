@@ -13,15 +13,15 @@
 //! | | or `vx`, `vy`, `vz`: east, north, up | kn, kn, fpm |
 //! | time | `time`, `tm`, `st`, or `clock` as `hours:minutes:seconds` | s |
 //!
-//! Other columns are ignored. A name `"` repeats the one above. The first aircraft of the file is
-//! the ownship; any aircraft may be missing at some times. Rows of one aircraft are in the order
-//! of time; rows of different aircraft may stand in any order.
+//! Other columns are ignored. A name `"` repeats the previous one. The first aircraft of the file is
+//! the ownship; any aircraft may be missing at some times. Rows of one aircraft are in time order;
+//! rows of different aircraft may come in any order.
 //!
-//! Latitudes and longitudes are laid on the local frame with [`Earth::Daidalus`], from the
-//! ownship's first position (altitude included), because that is how DAIDALUS measures
-//! separations; the frame is fixed, so separations between aircraft d metres from the origin are
-//! short by at most d²/2R² of themselves (13 parts per million at 33 km).
-//! [`Recording::separation_at`] measures at the ownship's own place instead, exactly as DAIDALUS.
+//! [`Earth::Daidalus`] maps latitudes and longitudes to the local frame, from the ownship's first
+//! position (altitude included), because DAIDALUS measures separations that way. The frame is fixed, so
+//! separations between aircraft d metres from the origin are too short by at most a share d²/2R²
+//! (13 parts per million at 33 km). [`Recording::separation_at`] measures at the ownship's position
+//! instead, exactly as DAIDALUS.
 
 mod columns;
 pub mod instants;
@@ -39,12 +39,12 @@ use std::path::Path;
 
 pub use write::write;
 
-/// What a recording holds: at least the ownship, with at least one sample each.
+/// The content of a recording: at least the ownship, at least one sample each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// The aircraft in the order of their first rows; the first is the ownship.
     pub aircraft: Vec<Track>,
-    /// The local frame, where the file has latitudes and longitudes.
+    /// The local frame, if the file has latitudes and longitudes.
     pub frame: Option<LocalFrame>,
     /// The `key = value` lines before the column names, keys in lower case.
     pub parameters: Vec<(String, String)>,
@@ -55,24 +55,24 @@ pub struct Recording {
 pub struct Track {
     /// The aircraft's name.
     pub name: String,
-    /// What was recorded, times strictly growing.
+    /// The samples, times strictly increasing.
     pub samples: Vec<TrackSample>,
 }
 
 /// One row of a recording in SI units and the local frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackSample {
-    /// Time, seconds, as the file counts it.
+    /// Time in the file's count, s.
     pub time_s: f64,
     /// Position, metres, local frame; for Cartesian files as in the file.
     pub position_m: DVec3,
     /// Velocity over ground, metres per second, local frame.
     pub velocity_mps: DVec3,
-    /// The place as the file gives it, where it has latitudes and longitudes.
+    /// The geodetic position in the file, if it has latitudes and longitudes.
     pub place: Option<Geodetic>,
 }
 
-/// How far two aircraft are apart.
+/// The separation of two aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Separation {
     /// Horizontal distance, metres.
@@ -125,9 +125,8 @@ impl Track {
             .filter(|sample| sample.time_s == time_s)
     }
 
-    /// Position and velocity at a time, straight between the rows; `None` before the first and
-    /// after the last. The velocity is that of the straight line; at a single row the recorded
-    /// one.
+    /// Position and velocity at a time, linear between the rows; `None` before the first and after the
+    /// last. The velocity is the slope of that line; at a single row it is the recorded one.
     pub fn state_at(&self, time_s: f64) -> Option<(DVec3, DVec3)> {
         let after = self
             .samples
@@ -152,9 +151,9 @@ impl Track {
 /// Reads a recording.
 ///
 /// # Errors
-/// A file that cannot be read; a missing or doubled column; an unknown unit or one that measures
-/// something else; a row cut short or too long; a field that is not a finite number or far out
-/// of range; a time that goes back or comes twice for one aircraft; no rows.
+/// An unreadable file; a missing or doubled column; an unknown unit or a unit of another quantity; a
+/// row with too few or too many fields; a field that is not a finite number or far out of range; a time
+/// that goes back or repeats for one aircraft; no rows.
 pub fn read(path: &Path) -> Result<Recording, InputError> {
     parse(&read_text(path)?, path)
 }
@@ -167,7 +166,7 @@ fn meaningful_lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
     })
 }
 
-/// Reads a recording from `text`; `path` is what errors call it. See [`read`].
+/// Reads a recording from `text`; errors name it `path`. See [`read`].
 ///
 /// # Errors
 /// As [`read`].

@@ -8,12 +8,12 @@ use crate::units::DEGREE_RAD;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// The highest altitude and the farthest Cartesian position taken for real, metres.
+/// The largest plausible altitude and Cartesian coordinate, metres.
 const LARGEST_ALTITUDE_M: f64 = 1e5;
 const LARGEST_POSITION_M: f64 = 1e7;
-/// The highest speed taken for real, metres per second.
+/// The largest plausible speed, metres per second.
 const LARGEST_SPEED_MPS: f64 = 5000.0;
-/// The latest time taken for real, seconds: some thousand years.
+/// The largest plausible time, seconds: some thousand years.
 const LARGEST_TIME_S: f64 = 1e11;
 
 /// The rows read so far.
@@ -77,7 +77,7 @@ impl<'a> Rows<'a> {
         Ok(())
     }
 
-    /// The aircraft of a row; `"` is the one of the row before.
+    /// The aircraft of a row; `"` repeats the previous row's.
     fn aircraft_index(&mut self, fields: &[&str]) -> Result<usize, String> {
         let name = fields.get(self.layout.name).copied().unwrap_or_default();
         let index = if name == "\"" {
@@ -104,7 +104,7 @@ impl<'a> Rows<'a> {
         Ok(index)
     }
 
-    /// Position in the local frame, and the place where the file has latitudes; the first row
+    /// Position in the local frame, and the geodetic position if the file has latitudes; the first row
     /// sets the frame.
     fn position(&mut self, fields: &[&str]) -> Result<(DVec3, Option<Geodetic>), String> {
         match &self.layout.position {
@@ -170,9 +170,9 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Refuses a value (SI units, or degrees) beyond what can be real.
+/// Refuses an implausible value (SI units, or degrees).
 fn limit(value: f64, largest: f64, column: &Column, unit: &str) -> Result<(), String> {
-    // Degrees pass through radians; the last bit must not cost the poles.
+    // Degrees pass through radians: rounding must not refuse the poles.
     if value.abs() <= largest * (1.0 + 1e-12) {
         return Ok(());
     }

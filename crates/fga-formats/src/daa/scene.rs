@@ -1,10 +1,10 @@
-//! One time of a recording as the ownship sees it: the plane that touches the earth under it,
+//! One time of a recording as the ownship sees it, in the plane that touches the earth below it, with
 //! velocities through the air.
 //!
-//! The earth is the sphere on which one minute of arc is one nautical mile, as DAIDALUS takes it.
-//! A place is projected straight down onto the plane that touches the sphere at the ownship's
-//! latitude and longitude; a velocity is the difference of the places 10 s apart on its great
-//! circle. The order of the operations is DAIDALUS's too: distances of some metres are differences
+//! The earth is the sphere on which one minute of arc is one nautical mile, as in DAIDALUS.
+//! A position is projected straight down onto the plane that touches the sphere at the ownship's
+//! latitude and longitude; a velocity is the difference of two positions 10 s apart on its great
+//! circle. The order of the operations also follows DAIDALUS: distances of some metres are differences
 //! of the earth's radius, and six printed decimals show the rounding.
 
 use super::instants::{Instant, Motion, Place, Report};
@@ -14,9 +14,9 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use fga_alerts::{Ahead, Aircraft, AircraftId, Deviation, State};
 use glam::{DVec2, DVec3};
 
-/// How far apart the two places are that give a velocity, seconds.
+/// Time between the two positions that give a velocity, seconds.
 const VELOCITY_STEP_S: f64 = 10.0;
-/// Closer to the poles' axis than this there is no east, metres.
+/// East is undefined closer to the poles' axis than this, metres.
 const POLE_M: f64 = 1e-7;
 
 /// The plane that touches the sphere at a place.
@@ -68,7 +68,7 @@ fn to_half_turn(angle_rad: f64) -> f64 {
     if rest > PI { rest - TAU } else { rest }
 }
 
-/// Where a great circle leads to after a time.
+/// The position on a great circle after a time.
 fn advanced(place: Place, motion: &Motion, after_s: f64) -> Place {
     if after_s == 0.0 || motion.velocity_mps == DVec3::ZERO {
         return place;
@@ -133,17 +133,17 @@ fn distance_m(a: Place, b: Place) -> f64 {
 /// An aircraft of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
-    /// Which aircraft: its place in the recording's names.
+    /// The aircraft: its index in the recording's names.
     pub aircraft: usize,
-    /// Where it is.
+    /// Its position.
     pub place: Place,
-    /// How it moves over the ground.
+    /// Its velocity over the ground.
     pub ground: Motion,
-    /// How it moves through the air.
+    /// Its velocity through the air.
     pub air: Motion,
-    /// Which alerter judges it, counted from 1, 0 for none.
+    /// The alerter that judges it, counted from 1; 0 for none.
     pub alerter: u32,
-    /// How sure its state is.
+    /// The uncertainty of its state.
     pub deviation: Deviation,
 }
 
@@ -160,7 +160,7 @@ pub struct Scene {
     terminal: Option<Place>,
 }
 
-/// The wind that the ownship's rows tell, kept from row to row.
+/// The wind from the ownship's rows, kept from row to row.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wind {
     /// The air's velocity over the ground, metres per second.
@@ -168,7 +168,7 @@ pub struct Wind {
 }
 
 impl Wind {
-    /// The motion through the air of an aircraft that moves over the ground.
+    /// The velocity through the air of an aircraft with this velocity over the ground.
     fn through_air(&self, ground: &Motion) -> Motion {
         Motion::from_velocity(ground.velocity_mps - self.velocity_mps)
     }
@@ -177,7 +177,7 @@ impl Wind {
 impl Scene {
     /// The scene of an instant; `None` where the ownship (aircraft 0) has no row.
     ///
-    /// The ownship's air velocity, where its row has one, is the wind for everyone from then on.
+    /// If the ownship's row has an air velocity, it sets the wind for all aircraft from then on.
     pub fn of(instant: &Instant, wind: &mut Wind, terminal: Option<Place>) -> Option<Self> {
         let own = instant.reports.iter().find(|report| report.aircraft == 0)?;
         let own_air = match own.air {

@@ -27,9 +27,9 @@ fn seconds(value_s: f64) -> String {
     format!("{} [s]", text(value_s))
 }
 
-/// Shows alerts and bands of every instant at which the ownship has a row.
+/// Writes alerts and bands of every instant at which the ownship has a row.
 ///
-/// `show` sees the monitor after each step and the scene it was about.
+/// `show` receives the monitor after each step and the scene of that step.
 ///
 /// # Errors
 /// A time or state that is not finite, as one sentence.
@@ -62,7 +62,7 @@ pub fn watch(
     Ok(())
 }
 
-/// What both tables are written from.
+/// The input of both tables.
 #[derive(Debug, Clone, Copy)]
 pub struct Tables<'a> {
     /// The recording.
@@ -88,7 +88,7 @@ impl Tables<'_> {
         format!("{{{}}}", names.join(", "))
     }
 
-    /// Distance of the well-clear volume whose modified tau the table shows: that of the first
+    /// Distance of the well-clear volume whose modified tau the table shows: the volume of the first
     /// alerter's corrective level.
     fn tau_distance_m(&self) -> Option<f64> {
         let settings = &self.configuration.settings;
@@ -134,7 +134,7 @@ impl Tables<'_> {
         format!("{names}\n{symbols}\n")
     }
 
-    /// Appends the rows of `alerts.csv` of a time: one for each aircraft that has an alerter.
+    /// Appends the rows of `alerts.csv` for a time: one for each aircraft with an alerter.
     pub fn alerts_rows(&self, monitor: &Monitor, scene: &Scene, out: &mut String) {
         for (index, (seen, alert)) in scene.traffic.iter().zip(monitor.alerts()).enumerate() {
             let Some(alerter) = alert.alerter else {
@@ -187,7 +187,7 @@ impl Tables<'_> {
         let _ = write!(out, ", {is_inside}, {guidance}, {distance}");
     }
 
-    /// How the aircraft approach each other.
+    /// The approach of two aircraft.
     fn approach_fields(&self, scene: &Scene, index: usize, out: &mut String) {
         use fga_alerts::Ahead as _;
         let pair = Pair {
@@ -284,7 +284,7 @@ impl Tables<'_> {
         }
     }
 
-    /// The unit of places in the plane and of their deviations.
+    /// The unit of positions in the plane and of their deviations.
     fn plane_unit(&self) -> ShownUnit {
         let symbol = &self.configuration.units.horizontal_speed.symbol;
         // The reference's table of compatible speeds lacks km/h.
@@ -471,7 +471,7 @@ impl Tables<'_> {
     }
 }
 
-/// What tables call a quantity and its sides.
+/// The names of a quantity and its sides in tables.
 struct Words {
     title: &'static str,
     high: &'static str,
@@ -488,7 +488,7 @@ const fn words(quantity: Quantity) -> Words {
     Words { title, high, low }
 }
 
-/// A level as tables show it: −1 without an alerter.
+/// A level in a table: −1 without an alerter.
 fn shown_level(level: Option<usize>) -> String {
     level.map_or_else(|| "-1".to_owned(), |level| level.to_string())
 }

@@ -17,10 +17,10 @@ pub struct ModelRow {
     pub velocity_mps: DVec3,
 }
 
-/// Two flights of a correlated model and how they pass each other.
+/// Two flights of a correlated model and how they pass.
 ///
-/// Both begin at the origin, due north, at the same altitude: whoever puts them together turns and
-/// moves the second one.
+/// Both begin at the origin, due north, at the same altitude: the caller rotates and moves the
+/// second one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelPair {
     /// The flights of the first and the second aircraft.
@@ -37,12 +37,12 @@ pub struct ModelPair {
     pub height_m: f64,
 }
 
-/// Altitudes of the layers of correlated models, feet: the model has their numbers only.
+/// Altitudes of the layers of correlated models, feet: the model itself has only their numbers.
 ///
 /// Source: ATC-344, altitude layers of the correlated encounter model.
 const CORRELATED_LAYERS_FT: [f64; 6] = [1000.0, 3000.0, 10_000.0, 18_000.0, 29_000.0, 41_000.0];
 
-/// Where the variables that fly one aircraft stand in a model.
+/// The indices of the variables that fly one aircraft.
 #[derive(Debug, Clone, Copy)]
 struct Variables {
     speed: usize,
@@ -53,7 +53,7 @@ struct Variables {
     fastest_kn: f64,
 }
 
-/// An aircraft under way.
+/// An aircraft in flight.
 #[derive(Debug, Clone, Copy)]
 struct Flying {
     variables: Variables,
@@ -70,12 +70,12 @@ impl Flying {
         }
     }
 
-    /// The row of now, and a second of flight; gives the speed afterwards, knots.
+    /// Returns the current row, flies for a second and returns the new speed, knots.
     fn second(&mut self, time_s: f64, state: &ModelState) -> (ModelRow, f64) {
         let value = |index: usize| state.values.get(index).copied().unwrap_or(0.0);
         let variables = self.variables;
         let speed_kn = value(variables.speed);
-        // Airspeed is along the path: what climbs does not go forward.
+        // Airspeed is along the path: climb takes from the forward part.
         let speed_mps = Knots(speed_kn).to_mps();
         let climb_mps = FeetPerMinute(value(variables.climb))
             .to_mps()
@@ -88,8 +88,8 @@ impl Flying {
             position_m: self.position_m,
             velocity_mps: DVec3::new(level_mps * cos, level_mps * sin, climb_mps),
         };
-        // The second passes along an arc: its chord has half the turn and is shorter by the
-        // sine of it over it.
+        // A second of flight is an arc: its chord has half the turn and is shorter by the sine of that
+        // half over the half.
         let turn_rad = value(variables.turn) * DEGREE_RAD;
         let half_rad = turn_rad / 2.0;
         let chord = if half_rad.abs() > 1e-9 {
@@ -155,8 +155,8 @@ impl EncounterModel {
     /// Draws a flight of an uncorrelated model: a row each second from 0 to `duration_s`, from
     /// the origin, first due north.
     ///
-    /// Airspeed and altitude follow their rates and change the layer and speed bins as they go;
-    /// airspeed stays within the model's range. `None` if the model has no variables `L`, `v`,
+    /// Airspeed and altitude follow their rates and change the layer and speed bins; airspeed
+    /// stays within the model's range. `None` if the model has no variables `L`, `v`,
     /// `\dot v`, `\dot h`, `\dot \psi`, or no altitudes for `L`.
     pub fn fly(&self, duration_s: u32, uniform: &mut impl FnMut() -> f64) -> Option<Vec<ModelRow>> {
         let variables = self.single()?;
@@ -177,11 +177,11 @@ impl EncounterModel {
     }
 
     /// Draws the flights of both aircraft of a correlated model, as [`EncounterModel::fly`] draws
-    /// one. The altitude layer holds for the whole encounter. `None` if the model has not the
-    /// variables of a correlated one.
+    /// one. The altitude layer holds for the whole encounter. `None` if the model lacks a
+    /// variable of a correlated one.
     ///
-    /// `keep` says whether the miss distances that were drawn, horizontal and vertical in metres,
-    /// are wanted; without them no flight is drawn.
+    /// `keep` decides from the drawn miss distances, horizontal and vertical in metres, whether to
+    /// draw the flights.
     pub fn fly_pair(
         &self,
         duration_s: u32,

@@ -1,11 +1,11 @@
 //! The Bayesian encounter models of MIT Lincoln Laboratory: how aircraft fly when they meet.
 //!
 //! A model is two Bayesian networks over binned variables. The *initial* one gives the state at
+//! A model is two Bayesian networks over binned variables. The *initial* one gives the state at
 //! the start: airspace class, altitude layer, airspeed, accelerations, climb and turn rates. The
-//! *transition* one gives the rates a second later from those of now. [`EncounterModel::start`]
-//! draws a state, [`EncounterModel::step`] lets a second pass. [`EncounterModel::fly`] draws a
-//! whole flight of an uncorrelated model, [`EncounterModel::fly_pair`] the flights of both aircraft of
-//! a correlated one.
+//! *transition* one gives the next second's rates from the present ones. [`EncounterModel::start`]
+//! draws a state, [`EncounterModel::step`] advances it by a second. [`EncounterModel::fly`] draws a
+//! whole flight of an uncorrelated model, [`EncounterModel::fly_pair`] both flights of
 //!
 //! A value is drawn uniformly within its bin; a bin that spans 0 gives exactly 0. A variable
 //! without boundaries is a category, counted from 1. When a bin changes, the sampler draws a
@@ -23,22 +23,22 @@ use network::Network;
 pub use flight::{ModelPair, ModelRow};
 pub use read::{parse, read};
 
-/// A model, read by [`read`].
+/// A model from [`read`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct EncounterModel {
     variables: Vec<Variable>,
     initial: Network,
     transition: Network,
-    /// For each variable of a second later: the variable of now that it becomes.
+    /// For each variable of the next second: the present variable that it becomes.
     becomes: Vec<usize>,
 }
 
 /// A variable of the initial network.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
-    /// The file's name of it, such as `\dot h`.
+    /// Its name in the file, such as `\dot h`.
     pub label: String,
-    /// How many bins it has.
+    /// Number of bins.
     pub bins: usize,
     /// The bins' edges, one more than bins; `None` for a category.
     pub boundaries: Option<Vec<f64>>,
@@ -77,7 +77,7 @@ impl Variable {
         }
     }
 
-    /// The bin that holds a value; values beyond the edges are in the outermost bins.
+    /// The bin of a value; values beyond the edges belong to the outermost bins.
     pub fn bin_of(&self, value: f64) -> usize {
         let inner = self
             .boundaries
@@ -112,7 +112,7 @@ impl EncounterModel {
         for variable in self.initial.order() {
             let drawn = self.initial.draw(*variable, &bins, uniform);
             if let Some(bin) = bins.get_mut(*variable) {
-                // A case that was never counted: any bin.
+                // A case without counts: any bin.
                 *bin = drawn.unwrap_or_else(|| {
                     let count = self.variables.get(*variable).map_or(1, |v| v.bins);
                     let place = uniform() * count as f64;
@@ -132,11 +132,11 @@ impl EncounterModel {
         ModelState { bins, values }
     }
 
-    /// Lets a second pass: draws the rates of the next second from the state of now.
+    /// Advances by a second: draws the rates of the next second from the present state.
     pub fn step(&self, state: &mut ModelState, uniform: &mut impl FnMut() -> f64) {
         let now = self.variables.len();
         let mut bins = state.bins.clone();
-        // A case that was never counted holds the bin of now.
+        // A case without counts keeps its bin.
         bins.extend(
             self.becomes
                 .iter()

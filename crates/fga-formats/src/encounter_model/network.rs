@@ -1,6 +1,6 @@
 //! A Bayesian network over binned variables, as counts.
 
-/// A network: who depends on whom, and how often each case was counted.
+/// A network: the dependencies and the count of each case.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Network {
     nodes: Vec<Node>,
@@ -14,8 +14,8 @@ pub(super) struct Node {
     pub(super) bins: usize,
     /// Ascending.
     pub(super) parents: Vec<usize>,
-    /// Counts, its bin varies fastest, then the parents' in ascending order; empty for a variable
-    /// that is given.
+    /// Counts; the variable's own bin varies fastest, then the parents' in ascending order; empty for a
+    /// given variable.
     pub(super) counts: Vec<f64>,
 }
 
@@ -36,8 +36,7 @@ impl Network {
         &self.order
     }
 
-    /// Draws the bin of a variable given its parents' bins; `None` if that case was never
-    /// counted.
+    /// Draws the bin of a variable given its parents' bins; `None` for a case without counts.
     pub(super) fn draw(
         &self,
         variable: usize,

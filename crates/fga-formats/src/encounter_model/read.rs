@@ -15,14 +15,14 @@ const MOST_COUNTS: usize = 100_000_000;
 /// Reads a model.
 ///
 /// # Errors
-/// A file that cannot be read; a missing section; a section of the wrong size or with something
-/// else than numbers; variables that depend on each other in a circle; boundaries that do not
-/// grow.
+/// An unreadable file; a missing section; a section of the wrong size or with anything but
+/// numbers; variables that depend on each other in a circle; boundaries that do not
+/// increase.
 pub fn read(path: &Path) -> Result<EncounterModel, InputError> {
     parse(&read_text(path)?, path)
 }
 
-/// Reads a model from `text`; `path` is what errors call it. See [`read`].
+/// Reads a model from `text`; errors name it `path`. See [`read`].
 ///
 /// # Errors
 /// As [`read`].

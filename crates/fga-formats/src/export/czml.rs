@@ -9,7 +9,7 @@ use fga::situation::ProtectedVolume;
 use glam::{DMat3, DQuat};
 use serde_json::{Value, json};
 
-/// Samples are at least so far apart, seconds.
+/// Least time between samples, seconds.
 const STEP_S: f64 = 0.1;
 
 /// The flight as a CZML document: an array of packets, the first of which is the document.
@@ -56,7 +56,7 @@ pub fn text(flight: &Flight) -> String {
     Value::Array(packets).to_string()
 }
 
-/// Cesium shows descriptions as HTML; the text must stay text.
+/// Cesium renders descriptions as HTML; escape them.
 fn html(text: &str) -> String {
     let escaped = text
         .replace('&', "&amp;")
@@ -101,7 +101,7 @@ fn polyline(
     })
 }
 
-/// The flown track once more as a line for each state.
+/// The flown track again, as one line for each state.
 fn state_lines(flight: &Flight) -> impl Iterator<Item = Value> {
     let frame = flight.frame();
     super::pieces(flight, STEP_S)

@@ -1,12 +1,12 @@
 //! FlightGear over UDP: the generic protocol, one line of text for each state.
 //!
-//! FlightGear is started with the protocol file of [`PROTOCOL_XML`] in its `Protocol` folder:
+//! Start FlightGear with [`PROTOCOL_XML`] in its `Protocol` folder:
 //!
 //! ```text
 //! fgfs --fdm=null --generic=socket,in,30,,5500,udp,fga
 //! ```
 //!
-//! Latitude, longitude and altitude as FlightGear wants them: degrees, degrees, feet above mean
+//! Units of FlightGear: latitude and longitude in degrees, altitude in feet above mean
 //! sea level; roll positive with the right wing down, pitch positive with the nose up, heading
 //! from true north.
 
@@ -54,7 +54,7 @@ impl Sender {
     /// A sender to `host:port`.
     ///
     /// # Errors
-    /// A host that has no address, or no socket to be had.
+    /// A host without an address, or no free socket.
     pub fn new(target: &str) -> io::Result<Self> {
         let target = target
             .to_socket_addrs()?
@@ -70,7 +70,7 @@ impl Sender {
         Ok(Self { socket, target })
     }
 
-    /// Sends one state. Nobody listening, or a full queue, is no error: the next state follows.
+    /// Sends one state. An absent listener or a full queue is no error: the next state follows.
     pub fn send(&self, frame: &LocalFrame, sample: &FlightSample, airspeed_mps: f64) {
         let line = line(frame, sample, airspeed_mps);
         let _ = self.socket.send_to(&line, self.target);

@@ -1,8 +1,8 @@
 //! GeoJSON for maps: the flown track in pieces of one state, the mission, the obstacles' tracks
 //! and footprints, the events.
 //!
-//! The property `kind` of a feature is `track`, `mission`, `obstacle`, `volume` or `event`. A
-//! moving obstacle's footprint is where it was when the aircraft's margin to it was least.
+//! The property `kind` of a feature is `track`, `mission`, `obstacle`, `volume` or `event`. The
+//! footprint of a moving obstacle is at its position of the least margin.
 
 use super::shapes::circle;
 use super::time::iso;
@@ -13,7 +13,7 @@ use ::geojson::{Feature, FeatureCollection, GeoJson, Geometry, GeometryValue};
 use fga::Vec3;
 use serde_json::{Map, Value, json};
 
-/// Samples are at least so far apart, seconds.
+/// Least time between samples, seconds.
 const STEP_S: f64 = 0.1;
 
 /// The flight as a GeoJSON feature collection.
@@ -128,7 +128,7 @@ fn place(frame: &LocalFrame, position_m: Vec3) -> [f64; 3] {
     ]
 }
 
-/// A line; a line of one point is given twice, for GeoJSON wants two.
+/// A line. GeoJSON needs two points, so a single point is doubled.
 fn line(frame: &LocalFrame, positions: impl Iterator<Item = Vec3>) -> GeometryValue {
     let mut places: Vec<[f64; 3]> = positions.map(|p| place(frame, p)).collect();
     if let [only] = places[..] {

@@ -1,8 +1,8 @@
 //! KML for Google Earth: the flight with time, the protected volumes, the events.
 //!
-//! The aircraft and moving obstacles are tracks with time (`gx:Track`), the flown track is drawn
-//! once more in the colours of the avoidance's states. A volume that stands is its surface; one
-//! that moves is shown by its surface at a row of times, each for its span.
+//! The aircraft and moving obstacles are tracks with time (`gx:Track`); a second copy of the flown
+//! track has the colours of the states. A volume at rest is one surface; a moving one is a series of
+//! surfaces, each with its time span.
 
 use super::shapes::surface;
 use super::time::iso;
@@ -13,9 +13,9 @@ use crate::number::push_fixed;
 use core::fmt::Write as _;
 use fga::Vec3;
 
-/// Samples of the tracks are at least so far apart, seconds.
+/// Least time between samples of the tracks, seconds.
 const STEP_S: f64 = 0.1;
-/// Volumes drawn of one moving obstacle, at most, and of all together.
+/// Most volumes of one moving obstacle, and of all together.
 const VOLUMES_EACH: usize = 60;
 const VOLUMES_ALL: usize = 600;
 
@@ -58,7 +58,7 @@ fn title(flight: &Flight) -> String {
     }
 }
 
-/// `text` with what XML reserves escaped and what it forbids left out.
+/// `text` with XML's reserved characters escaped and forbidden ones removed.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
@@ -172,7 +172,7 @@ impl Kml {
         self.text.push_str("</Folder>\n");
     }
 
-    /// A line; a line of one point is given twice, which readers take.
+    /// A line. Readers need two points, so a single point is doubled.
     fn line(&mut self, positions: impl IntoIterator<Item = Vec3>) {
         let mut positions: Vec<Vec3> = positions.into_iter().collect();
         if let [only] = positions[..] {
@@ -241,7 +241,7 @@ impl Kml {
             self.text.push_str("</gx:coord>");
         }
         self.text.push_str("</gx:Track></Placemark>\n");
-        // The volume at a row of times within the flight.
+        // The volume at a series of times within the flight.
         let (flown_from_s, flown_to_s) = flight.span_s();
         let (Some(first), Some(last)) = (obstacle.track.first(), obstacle.track.last()) else {
             self.text.push_str("</Folder>\n");
@@ -257,7 +257,7 @@ impl Kml {
                 let span = (flight.unix_s(begin_s), flight.unix_s(end_s));
                 self.volume(obstacle, position_m, Some(span));
             }
-            // A step that no longer moves the time ends the row.
+            // A step that no longer advances the time ends the series.
             begin_s = if end_s > begin_s { end_s } else { to_s };
         }
         self.text.push_str("</Folder>\n");

@@ -22,9 +22,9 @@ use glam::{DMat3, DQuat};
 use serde_json::{Value, json};
 use std::io::{self, Cursor};
 
-/// Samples are at least so far apart, seconds.
+/// Least time between samples, seconds.
 const STEP_S: f64 = 0.05;
-/// The scene is drawn again after at least this time, seconds.
+/// Least time between drawings of the scene, seconds.
 const SCENE_STEP_S: f64 = 0.1;
 /// The frame's name.
 const FRAME: &str = "local";
@@ -32,7 +32,7 @@ const FRAME: &str = "local";
 /// The flight as an MCAP file.
 ///
 /// # Errors
-/// None that a flight can cause; the library's own otherwise.
+/// No flight causes one; only errors of the library.
 pub fn bytes(flight: &Flight) -> io::Result<Vec<u8>> {
     log(flight).map_err(|error| io::Error::other(error.to_string()))
 }
@@ -223,7 +223,7 @@ fn rgba([red, green, blue]: [u8; 3], alpha: f64) -> Value {
     json!({ "r": part(red), "g": part(green), "b": part(blue), "a": alpha })
 }
 
-/// What is to be drawn: at first everything, then the aircraft and what moves.
+/// The entities to draw: everything at first, then the aircraft and moving obstacles.
 fn scene(flight: &Flight, sample: &FlightSample, first: bool, stamp: &Value) -> Value {
     let mut entities = vec![entity(
         "aircraft",
@@ -298,7 +298,7 @@ fn volume(obstacle: &FlightObstacle, position_m: Vec3) -> (&'static str, Value) 
     }
 }
 
-/// A scene entity with one kind of primitive; the others are there and empty.
+/// A scene entity with one kind of primitive; the other lists are empty.
 fn entity(id: &str, stamp: &Value, kind: &str, primitives: Value) -> Value {
     let mut entity = json!({
         "timestamp": stamp,
@@ -328,7 +328,7 @@ const EVENT: (&str, &str) = (
     "fga.Event",
     r#"{"title":"fga.Event","type":"object","properties":{"time_s":{"type":"number"},"kind":{"type":"string"},"text":{"type":"string"},"detail":{}}}"#,
 );
-// The programs know the schemas of this name; the definitions hold what is written here.
+// The programs know the schemas of this name; the definitions cover the fields written here.
 const POSE_IN_FRAME: (&str, &str) = (
     "foxglove.PoseInFrame",
     r#"{"title":"foxglove.PoseInFrame","type":"object","properties":{"timestamp":{"type":"object","title":"time","properties":{"sec":{"type":"integer","minimum":0},"nsec":{"type":"integer","minimum":0,"maximum":999999999}}},"frame_id":{"type":"string"},"pose":{"type":"object","title":"foxglove.Pose","properties":{"position":{"type":"object","title":"foxglove.Vector3","properties":{"x":{"type":"number"},"y":{"type":"number"},"z":{"type":"number"}}},"orientation":{"type":"object","title":"foxglove.Quaternion","properties":{"x":{"type":"number"},"y":{"type":"number"},"z":{"type":"number"},"w":{"type":"number"}}}}}}}"#,

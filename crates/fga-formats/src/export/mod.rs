@@ -8,8 +8,8 @@
 //! | [`mcap`] | log of timed JSON messages with schemas | Foxglove, PlotJuggler |
 //! | [`flightgear`] | the generic protocol over UDP | FlightGear |
 //!
-//! Altitudes are the origin's altitude plus z. Google Earth takes them above mean sea level,
-//! Cesium above the ellipsoid: the difference of the two is the origin's to make.
+//! Altitudes are the origin's altitude plus z. Google Earth counts them above mean sea level,
+//! Cesium above the ellipsoid: choose the origin's altitude to match.
 
 pub mod czml;
 pub mod flightgear;
@@ -25,7 +25,7 @@ use core::fmt;
 use core::str::FromStr;
 use std::path::Path;
 
-/// A format a flight can be exported to.
+/// A format for the export of a flight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// For Google Earth.
@@ -73,7 +73,7 @@ impl FromStr for Format {
     }
 }
 
-/// Writes the flight in a format, whole or not at all.
+/// Writes the flight in a format, completely or not at all.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -88,8 +88,8 @@ pub fn write(flight: &Flight, format: Format, path: &Path) -> Result<(), OutputE
     }
 }
 
-/// Red, green, blue of a state of the avoidance: the palette of Okabe and Ito, which people with
-/// any colour vision can tell apart.
+/// Red, green, blue of a state: the palette of Okabe and Ito, which people with any colour vision can
+/// distinguish.
 pub const fn state_color(state: &str) -> [u8; 3] {
     match state.as_bytes() {
         b"cruise" => [0x00, 0x72, 0xB2],
@@ -105,7 +105,7 @@ pub const OBSTACLE_COLOR: [u8; 3] = [0xCC, 0x79, 0xA7];
 /// Red, green, blue of the mission.
 pub const MISSION_COLOR: [u8; 3] = [0x56, 0xB4, 0xE9];
 
-/// The flown track in pieces of one state: each piece begins where the one before ends.
+/// The flown track in pieces of one state: each piece begins at the end of the previous one.
 fn pieces(flight: &Flight, step_s: f64) -> Vec<(&str, Vec<&crate::flight::FlightSample>)> {
     let mut pieces: Vec<(&str, Vec<&crate::flight::FlightSample>)> = Vec::new();
     for sample in flight.thinned(step_s) {

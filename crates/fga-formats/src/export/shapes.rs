@@ -8,7 +8,7 @@ use fga::situation::ProtectedVolume;
 pub(super) const CORNERS: u32 = 24;
 
 /// A horizontal circle about `centre`, closed (the first corner again at the end), anticlockwise
-/// seen from above. The corners lie so that the polygon holds the circle.
+/// from above. The polygon circumscribes the circle.
 pub(super) fn circle(centre: Vec3, radius_m: f64) -> Vec<Vec3> {
     ring(centre, radius_m / libm::cos(PI / f64::from(CORNERS)))
 }
@@ -23,8 +23,8 @@ fn ring(centre: Vec3, radius_m: f64) -> Vec<Vec3> {
         .collect()
 }
 
-/// The surface of a volume as closed polygons. A cylinder has a lid, a floor and a wall that
-/// hold it; a sphere has bands of `bands` circles, its corners on the surface.
+/// The surface of a volume as closed polygons. The lid, floor and wall of a cylinder enclose it; the
+/// bands of a sphere (`bands` circles) have their corners on the surface.
 pub(super) fn surface(centre: Vec3, volume: ProtectedVolume, bands: u32) -> Vec<Vec<Vec3>> {
     match volume {
         ProtectedVolume::Cylinder {
@@ -55,7 +55,7 @@ pub(super) fn surface(centre: Vec3, volume: ProtectedVolume, bands: u32) -> Vec<
     }
 }
 
-/// The quadrilaterals between two rings of as many corners.
+/// The quadrilaterals between two rings with equal numbers of corners.
 fn wall(lower: &[Vec3], upper: &[Vec3]) -> Vec<Vec<Vec3>> {
     let edges = lower.iter().zip(lower.iter().skip(1));
     let above = upper.iter().zip(upper.iter().skip(1));

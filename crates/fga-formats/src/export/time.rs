@@ -2,8 +2,8 @@
 
 use crate::number::fixed;
 
-/// `2000-01-01T12:00:00.000Z` for seconds since 1970-01-01 00:00 UTC; times outside the years
-/// 0000 to 9999 are held at their ends.
+/// `2000-01-01T12:00:00.000Z` for seconds since 1970-01-01 00:00 UTC, clamped to the years
+/// 0000 to 9999.
 pub(super) fn iso(unix_s: f64) -> String {
     // Whole milliseconds first, so that 59.9996 s does not become 60.000 s.
     let millis = libm::rint(unix_s * 1e3).clamp(-62_167_219_200_000.0, 253_402_300_799_999.0);

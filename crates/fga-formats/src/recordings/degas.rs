@@ -1,4 +1,4 @@
-//! Encounters as MIT-LL's DEGAS has them: a row each second with both aircraft side by side.
+//! Encounters of MIT-LL's DEGAS: a row each second with both aircraft side by side.
 //!
 //! The first line names the columns, with two numbers for two aircraft, and the units:
 //! `# xE1,xE2,xN1,xN2,h1,h2,vE1,vE2,vN1,vN2,hdot1,hdot2 [ft, ft/s], 1 Hz`.
@@ -14,10 +14,10 @@ const COLUMNS: [&str; 12] = [
     "xE1", "xE2", "xN1", "xN2", "h1", "h2", "vE1", "vE2", "vN1", "vN2", "hdot1", "hdot2",
 ];
 
-/// The farthest and fastest that is taken for real, metres and metres per second.
+/// The largest plausible distance and speed, metres and metres per second.
 const LARGEST: f64 = 1e7;
 
-/// Whether a text begins as such a file does.
+/// Whether a text begins like such a file.
 pub(super) fn is_degas(text: &str) -> bool {
     text.strip_prefix('#')
         .is_some_and(|rest| rest.trim_start().starts_with("xE1"))

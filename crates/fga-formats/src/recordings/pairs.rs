@@ -1,8 +1,8 @@
-//! Which of many received aircraft came close to each other?
+//! Finds the aircraft of a reception log that came close to each other.
 //!
-//! Two tracks are an encounter where at some time they are within [`CLOSE_M`] horizontally and
+//! Two tracks are an encounter when at some time they are within [`CLOSE_M`] horizontally and
 //! [`CLOSE_HEIGHT_M`] vertically. It reaches from [`BEFORE_S`] before their closest approach to
-//! [`AFTER_S`] after it, as far as both are heard without a gap longer than [`GAP_S`]. The first
+//! [`AFTER_S`] after it, as far as both report without a gap longer than [`GAP_S`]. The first
 //! of the two by name is the ownship. Between reports aircraft fly straight.
 
 use super::Named;
@@ -20,13 +20,13 @@ pub const CLOSE_HEIGHT_M: f64 = 300.0;
 pub const BEFORE_S: f64 = 120.0;
 /// An encounter ends this long after the closest approach, seconds.
 pub const AFTER_S: f64 = 60.0;
-/// A track that was silent for longer is another track afterwards, seconds.
+/// A longer silence ends a track, seconds.
 pub const GAP_S: f64 = 30.0;
-/// Shorter common times are no encounter, seconds.
+/// The least common time of an encounter, seconds.
 const SHORTEST_S: f64 = 20.0;
-/// Slower than this an aircraft stands on the ground, metres per second.
+/// Below this speed an aircraft stands on the ground, metres per second.
 const SLOWEST_MPS: f64 = 5.0;
-/// The longest step between two looks at a pair, seconds.
+/// The longest step between two checks of a pair, seconds.
 const LOOK_S: f64 = 1.0;
 
 /// The close pairs among some tracks, in the order of their names.
@@ -154,7 +154,7 @@ fn pair(first: &ReceivedTrack, second: &ReceivedTrack) -> Option<Recording> {
     })
 }
 
-/// A track in the local frame; a velocity that was not heard is that to the next report.
+/// A track in the local frame; the way to the next report gives a missing velocity.
 fn local(track: &ReceivedTrack, frame: &LocalFrame) -> Track {
     let positions: Vec<_> = track
         .heard

@@ -1,4 +1,4 @@
-//! Tracks of many aircraft as a receiver wrote them down.
+//! Tracks of many aircraft from the log of a receiver.
 
 use crate::error::{InputError, shown};
 use crate::geodesy::{Geodetic, course_from_compass_rad};
@@ -9,7 +9,7 @@ use glam::DVec3;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// One aircraft, times strictly growing.
+/// One aircraft, times strictly increasing.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ReceivedTrack {
     pub(super) name: String,
@@ -21,11 +21,11 @@ pub(super) struct ReceivedTrack {
 pub(super) struct Heard {
     pub(super) time_s: f64,
     pub(super) place: Geodetic,
-    /// East, north, up at that place, metres per second; `None` where it was not heard.
+    /// East, north, up at that place, metres per second; `None` if not received.
     pub(super) velocity_mps: Option<DVec3>,
 }
 
-/// Puts reports in the order of time; of several at one time the first stays.
+/// Sorts reports by time; of several at one time the first stays.
 fn tracks_of(reports: BTreeMap<String, Vec<Heard>>) -> Vec<ReceivedTrack> {
     reports
         .into_iter()
@@ -46,7 +46,7 @@ pub(super) fn is_message(line: &str) -> bool {
 }
 
 /// The tracks of a BaseStation log. Times are a recorder's nanoseconds where each line has them,
-/// else the message's own date and time. Aircraft on the ground and damaged lines are left out.
+/// else the message's own date and time. Skips aircraft on the ground and damaged lines.
 pub(super) fn from_sbs(text: &str) -> Vec<ReceivedTrack> {
     let mut reports: BTreeMap<String, Vec<Heard>> = BTreeMap::new();
     let mut latest: BTreeMap<u32, TrafficReport> = BTreeMap::new();
@@ -102,7 +102,7 @@ fn time_of(line: &str) -> Option<f64> {
     };
     let clock: Option<Vec<f64>> = time.split(':').map(|part| part.parse().ok()).collect();
     let [hours, minutes, seconds] = *<&[f64; 3]>::try_from(clock?.as_slice()).ok()?;
-    // Days since some day: a month never needs more than 31.
+    // Days from a fixed day: no month needs more than 31.
     let day = (year * 12.0 + month) * 31.0 + day;
     Some(day * 86_400.0 + hours * 3600.0 + minutes * 60.0 + seconds)
 }
@@ -140,7 +140,7 @@ pub(super) fn from_json(text: &str, path: &Path) -> Result<Vec<ReceivedTrack>, I
                 .filter(|v| v.is_finite())
         };
         let altitude = number("altitude").or_else(|| number("geoaltitude"));
-        // Receivers leave out what they did not hear.
+        // Receivers omit fields that they did not hear.
         let (Some(latitude), Some(longitude), Some(feet)) =
             (number("latitude"), number("longitude"), altitude)
         else {

@@ -1,13 +1,13 @@
 //! Beast binary frames, as receivers and `dump1090` send them on port 30005.
 //!
 //! A frame is `0x1A`, a type byte (`1` Mode A/C, `2` short and `3` long Mode S), six bytes of a
-//! 12 MHz clock, one byte of signal strength and 2, 7 or 14 bytes of the message; `0x1A` within
-//! is sent twice.
+//! 12 MHz clock, one byte of signal strength and 2, 7 or 14 bytes of the message; a `0x1A` inside
+//! is doubled.
 
 use super::surveillance::Surveillance;
 use super::{Counts, TrafficReport};
 
-/// What begins a frame, and is doubled within one.
+/// The first byte of a frame, doubled inside one.
 const ESCAPE: u8 = 0x1A;
 /// Clock and signal strength before the message, bytes.
 const HEAD: usize = 7;
@@ -30,14 +30,14 @@ pub struct Frame<'a> {
 pub struct Frames {
     body: [u8; LONGEST],
     filled: usize,
-    /// Bytes the frame has, zero outside of one.
+    /// Length of the frame, bytes; zero outside of one.
     expected: usize,
     escaped: bool,
     damaged: u64,
 }
 
 impl Frames {
-    /// At the beginning of a connection.
+    /// At the start of a connection.
     pub fn new() -> Self {
         Self::default()
     }
@@ -92,7 +92,7 @@ impl Frames {
             b'1' => HEAD + 2,
             b'2' => HEAD + 7,
             b'3' => HEAD + 14,
-            // Settings and kinds yet unknown.
+            // Settings and unknown types.
             _ => 0,
         };
     }
@@ -112,7 +112,7 @@ impl Stream {
         Self::default()
     }
 
-    /// Takes bytes that came at `time_s` and calls `report` for each report in them.
+    /// Takes bytes received at `time_s` and calls `report` for each report in them.
     ///
     /// Times need not grow, but positions need two messages within ten seconds.
     pub fn push(&mut self, bytes: &[u8], time_s: f64, mut report: impl FnMut(TrafficReport)) {
@@ -133,7 +133,7 @@ impl Stream {
         });
     }
 
-    /// What was taken and skipped so far.
+    /// Counts of accepted and skipped messages so far.
     pub const fn counts(&self) -> Counts {
         let mut counts = self.counts;
         counts.damaged += self.frames.damaged;
@@ -146,7 +146,7 @@ impl Stream {
     }
 }
 
-/// Appends a Mode S message of 7 or 14 bytes as a frame; one of another length is left out.
+/// Appends a Mode S message of 7 or 14 bytes as a frame; skips another length.
 pub fn push_frame(out: &mut Vec<u8>, ticks: u64, signal: u8, message: &[u8]) {
     let kind = match message.len() {
         7 => b'2',

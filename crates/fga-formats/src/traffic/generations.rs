@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
-/// What is remembered of each address, for a bounded number of them.
+/// A memory for a bounded number of addresses.
 ///
-/// Two generations: what is used goes to the young one; when that is full, it becomes the old one,
-/// and what was in the old one is forgotten. Each call is a few look-ups, however many addresses the
-/// network invents, and an address in use is forgotten only when half the bound of others came
+/// It has two generations: a used entry moves to the young one; when that is full it becomes the old
+/// one, and the previous old one is forgotten. Each call is a few look-ups, however many addresses the
+/// network invents. An address in use is forgotten only when as many others as half the bound come
 /// between two of its messages.
 #[derive(Debug, Clone, Default)]
 pub struct Generations<T> {
@@ -35,7 +35,7 @@ impl<T: Default> Generations<T> {
         self.young.is_empty() && self.old.is_empty()
     }
 
-    /// What is remembered of an address; the default where nothing is.
+    /// The entry of an address; the default for an unknown one.
     pub fn entry(&mut self, address: u32) -> &mut T {
         if !self.young.contains_key(&address) && self.young.len() >= self.half {
             self.old = core::mem::take(&mut self.young);

@@ -1,12 +1,12 @@
-//! What receivers of ADS-B say about other aircraft.
+//! Reports of receivers of ADS-B about other aircraft.
 //!
 //! | module | wire |
 //! |---|---|
 //! | [`sbs`] | BaseStation lines, usually TCP port 30003 |
 //! | `beast` (with the feature of this name) | Beast binary frames, usually TCP port 30005 |
 //!
-//! Both give [`TrafficReport`]s: what one message said, in SI units. Nothing here grows without
-//! bound, whatever the network sends, and what cannot be understood is counted and skipped.
+//! Both give [`TrafficReport`]s: the content of one message, in SI units. Memory stays bounded
+//! whatever the network sends; unintelligible messages are counted and skipped.
 
 #[cfg(feature = "beast")]
 pub mod beast;
@@ -19,7 +19,7 @@ pub use generations::Generations;
 
 use core::fmt;
 
-/// What one message said about one aircraft; fields that it did not hold are `None`.
+/// The content of one message about one aircraft; missing fields are `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TrafficReport {
     /// 24-bit address of the International Civil Aviation Organization.
@@ -38,22 +38,22 @@ pub struct TrafficReport {
     pub climb_mps: Option<f64>,
     /// Whether the aircraft says that it is on the ground.
     pub on_ground: Option<bool>,
-    /// Radius that holds the true position with near certainty, metres; infinite where the aircraft
-    /// says that it knows none.
+    /// Radius that contains the true position with near certainty, metres; infinite if the aircraft
+    /// reports that it knows none.
     pub containment_m: Option<f64>,
-    /// Radius that holds the true position in 95 of 100 cases, metres; infinite where the aircraft
-    /// says that it knows none.
+    /// Radius that contains the true position in 95 of 100 cases, metres; infinite if the aircraft
+    /// reports that it knows none.
     pub position_error_m: Option<f64>,
-    /// Source integrity level: 0 where nothing is known of how often the containment fails, 3 where
-    /// it fails once in 10⁷ hours.
+    /// Source integrity level: 0 if the failure rate of the containment is unknown, 3 if it fails
+    /// once in 10⁷ hours.
     pub source_integrity: Option<u8>,
-    /// Bound of the horizontal velocity's error in 95 of 100 cases, metres per second; infinite where
-    /// the aircraft says that it knows none.
+    /// Bound of the horizontal velocity error in 95 of 100 cases, metres per second; infinite if
+    /// the aircraft reports that it knows none.
     pub velocity_error_mps: Option<f64>,
 }
 
 impl TrafficReport {
-    /// Velocity over ground east and north, metres per second, where the report has it.
+    /// Velocity over ground east and north, metres per second, if the report has it.
     pub fn ground_velocity_mps(&self) -> Option<[f64; 2]> {
         let (sin, cos) = libm::sincos(self.course_rad?);
         let speed_mps = self.ground_speed_mps?;
@@ -61,7 +61,7 @@ impl TrafficReport {
     }
 }
 
-/// An altitude and what it is measured from.
+/// An altitude and its datum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Altitude {
     /// Pressure altitude in the standard atmosphere, metres.
@@ -71,7 +71,7 @@ pub enum Altitude {
 }
 
 impl Altitude {
-    /// The altitude in metres, whatever it is measured from.
+    /// The altitude in metres above its datum.
     pub const fn metres(self) -> f64 {
         match self {
             Self::Pressure(metres) | Self::Ellipsoid(metres) => metres,
@@ -122,13 +122,13 @@ impl fmt::Display for Callsign {
     }
 }
 
-/// How many messages were taken and how many skipped.
+/// Counts of accepted and skipped messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
     /// Messages that gave a report.
     pub reports: u64,
-    /// Messages of other kinds, or without anything of use.
+    /// Messages of other kinds, or without useful content.
     pub ignored: u64,
-    /// Messages that were damaged or too long.
+    /// Damaged or overlong messages.
     pub damaged: u64,
 }

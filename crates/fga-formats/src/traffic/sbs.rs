@@ -3,8 +3,8 @@
 //! One message is a line of 22 fields separated by commas:
 //! `MSG,type,session,aircraft,address,flight,date,time,date,time,callsign,altitude,ground speed,
 //! track,latitude,longitude,vertical rate,squawk,alert,emergency,identification,on ground`.
-//! Units: feet, knots, degrees from true north, degrees, feet per minute. A line with fewer
-//! fields was cut and is skipped whole, for its last number may be cut too.
+//! Units: feet, knots, degrees from true north, degrees, feet per minute. A line with fewer fields is
+//! cut and skipped, because its last number may be cut too.
 
 use super::{Altitude, Callsign, Counts, TrafficReport};
 use crate::error::InputError;
@@ -16,7 +16,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Write as _};
 use std::path::Path;
 
-/// Longest line that is taken, bytes.
+/// Longest accepted line, bytes.
 const LONGEST_LINE: usize = 512;
 /// Fields of a message.
 const FIELDS: usize = 22;
@@ -37,10 +37,10 @@ pub fn parse_line(line: &[u8]) -> Option<TrafficReport> {
     parse(line).ok().flatten()
 }
 
-/// A line that is no whole message.
+/// An incomplete message.
 struct Damaged;
 
-/// The report in a line, `None` if it is of another kind or says nothing of use.
+/// The report in a line; `None` for another kind or no useful content.
 fn parse(line: &[u8]) -> Result<Option<TrafficReport>, Damaged> {
     let line = from_utf8(line).map_err(|_| Damaged)?.trim();
     let mut fields = [""; FIELDS];
@@ -125,7 +125,7 @@ fn parse(line: &[u8]) -> Result<Option<TrafficReport>, Damaged> {
     Ok((report != nothing).then_some(report))
 }
 
-/// A number of at most `largest` either way; none in an empty field.
+/// A number within ±`largest`; none for an empty field.
 fn number(text: &str, largest: f64) -> Result<Option<f64>, Damaged> {
     if text.is_empty() {
         return Ok(None);
@@ -181,13 +181,13 @@ impl Stream {
         }
     }
 
-    /// What was taken and skipped so far.
+    /// Counts of accepted and skipped lines so far.
     pub const fn counts(&self) -> Counts {
         self.counts
     }
 }
 
-/// Appends a report as BaseStation lines: identification, position and velocity, as far as the
+/// Appends a report as BaseStation lines: identification, position and velocity, if the
 /// report has them.
 pub fn push_lines(out: &mut Vec<u8>, report: &TrafficReport) {
     let mut line = |kind: u8, fill: &dyn Fn(&mut [Vec<u8>; FIELDS])| {
@@ -237,7 +237,7 @@ pub fn push_lines(out: &mut Vec<u8>, report: &TrafficReport) {
     }
 }
 
-/// One line of a recording and when it is due.
+/// One line of a recording and its time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedLine {
     /// Time since the recording's first line, seconds; never goes back.
@@ -246,15 +246,15 @@ pub struct RecordedLine {
     pub line: Vec<u8>,
 }
 
-/// Reads a recording of BaseStation lines, each with a leading time in nanoseconds, as Stratux
-/// keeps them; compressed (gzip) or not.
+/// Reads a recording of BaseStation lines, each with a leading time in nanoseconds, as from Stratux;
+/// compressed (gzip) or not.
 ///
-/// Where the recorder restarted (a `START` line, or times that go back) the recording goes on
+/// After a restart of the recorder (a `START` line, or times that go back) the recording continues
 /// without a gap. Damaged lines are skipped.
 #[derive(Debug)]
 pub struct Recording<R> {
     input: R,
-    /// What is added to the file's own times, and the file's last time, nanoseconds.
+    /// Offset of the file's times, and the last time of the file, nanoseconds.
     shift_ns: u64,
     last_ns: Option<u64>,
     first_ns: Option<u64>,
@@ -292,7 +292,7 @@ impl<R: BufRead> Recording<R> {
         }
     }
 
-    /// The next line, cut at [`LONGEST_LINE`]; `None` at the end or where the input fails.
+    /// The next line, cut at [`LONGEST_LINE`]; `None` at the end or when the input fails.
     fn next_raw(&mut self) -> Option<Vec<u8>> {
         let mut line = Vec::new();
         loop {
@@ -304,7 +304,7 @@ impl<R: BufRead> Recording<R> {
             let part = buffer
                 .get(..end.unwrap_or(buffer.len()))
                 .unwrap_or_default();
-            // One more than is taken, so that a cut line shows as too long.
+            // One byte more than accepted, so that a cut line shows as too long.
             let room = (LONGEST_LINE + 1).saturating_sub(line.len());
             line.extend(part.iter().take(room));
             let used = part.len() + usize::from(end.is_some());
@@ -332,7 +332,7 @@ impl<R: BufRead> Iterator for Recording<R> {
             let Ok(time_ns) = time.parse::<u64>() else {
                 continue;
             };
-            // Some 30 years: no time of a recording, but one cut or run together.
+            // Some 30 years: a longer time is a cut line or two in one.
             if !line.starts_with("MSG,") || time_ns > 1_000_000_000_000_000_000 {
                 continue;
             }

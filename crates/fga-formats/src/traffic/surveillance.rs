@@ -1,5 +1,5 @@
-//! Mode S messages into reports: extended squitters (downlink formats 17 and 18) only, for they
-//! alone carry a checksum that proves them and the aircraft's own position.
+//! Turns Mode S messages into reports: only extended squitters (downlink formats 17 and 18), because
+//! only they carry a checksum that verifies them and the aircraft's position.
 
 use super::{Altitude, Callsign, Generations, TrafficReport};
 use crate::geodesy::course_from_compass_rad;
@@ -10,14 +10,14 @@ use rs1090::decode::bds::bds09::{AirborneVelocity, AirborneVelocitySubType};
 use rs1090::decode::cpr::{CPRFormat, airborne_position};
 use rs1090::decode::{ControlFieldType, DF, Message};
 
-/// Aircraft held at once.
+/// Most aircraft in memory.
 const MOST_AIRCRAFT: usize = 32_768;
-/// Two halves of a position must be so near in time, seconds (ICAO 9871, C.2.6.7).
+/// Largest time between the two halves of a position, seconds (ICAO 9871, C.2.6.7).
 const PAIR_AGE_S: f64 = 10.0;
-/// The fastest jump from one position to the next taken for real, metres per second.
+/// The fastest plausible jump between positions, metres per second.
 const FASTEST_MPS: f64 = 1000.0;
 
-/// What is remembered of the aircraft heard.
+/// The memory of an aircraft.
 #[derive(Debug, Clone)]
 pub(super) struct Surveillance {
     aircraft: Generations<Heard>,
@@ -31,7 +31,7 @@ impl Default for Surveillance {
     }
 }
 
-/// A message that is not whole.
+/// An incomplete message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Damaged;
 
@@ -48,7 +48,7 @@ impl Surveillance {
         self.aircraft.len()
     }
 
-    /// Takes one message that came at `time_s`.
+    /// Takes one message received at `time_s`.
     pub(super) fn take(
         &mut self,
         message: &[u8],
@@ -64,7 +64,7 @@ impl Surveillance {
         if checksum(bytes) != 0 {
             return Err(Damaged);
         }
-        // Kinds of no use here do not reach the decoder.
+        // Kinds without use here do not reach the decoder.
         let kind = bytes[4] >> 3;
         let report = match kind {
             29 => target_state(bytes),
@@ -78,7 +78,7 @@ impl Surveillance {
         let (address, content) = match decoded.df {
             DF::ExtendedSquitterADSB(squitter) => (squitter.icao24.0, squitter.message),
             DF::ExtendedSquitterTisB { cf, .. } => match cf.field_type {
-                // Formats that are made like those of a transponder, with a true address.
+                // Formats of a transponder with a true address.
                 ControlFieldType::ADSB_ES_NT | ControlFieldType::TISB_ADSB => (cf.aa.0, cf.me),
                 _ => return Ok(None),
             },
@@ -114,7 +114,7 @@ impl Surveillance {
     }
 
     /// Quality from an operational status of a transponder of version 1 or 2 (DO-260B, 2.2.3.2.7.2);
-    /// version 0 tells none.
+    /// version 0 gives none.
     fn operational_status(&mut self, message: &[u8; 14]) -> Option<TrafficReport> {
         let (address, content) = address_and_content(message)?;
         let [first, _, _, _, _, accuracy, integrity] = *content;
@@ -134,7 +134,7 @@ impl Surveillance {
         })
     }
 
-    /// Keeps a half of a position and gives the position if the other half is at hand.
+    /// Stores a half of a position and gives the position if the other half is at hand.
     fn place(&mut self, address: u32, half: AirbornePosition, time_s: f64) -> Option<[f64; 2]> {
         let heard = self.aircraft.entry(address);
         let other = match half.parity {
@@ -156,7 +156,7 @@ impl Surveillance {
         if place[0].abs() > 90.0 || place[1].abs() > 180.0 {
             return None;
         }
-        // A jump is a wrong pair, or the one before was; the next pair tells.
+        // A jump means a wrong pair now or before; the next pair decides.
         if let Some((last, last_s)) = heard.place.replace((place, time_s)) {
             let farthest_m = FASTEST_MPS * (time_s - last_s).abs() + 2000.0;
             if distance_m(last, place) > farthest_m {
@@ -177,7 +177,7 @@ fn distance_m(a: [f64; 2], b: [f64; 2]) -> f64 {
     2.0 * 6_371_000.0 * libm::asin(libm::sqrt(h.min(1.0)))
 }
 
-/// Checksum of a long message: zero if it is whole (ICAO Annex 10, volume IV, 3.1.2.3.3).
+/// Checksum of a long message: zero if it is intact (ICAO Annex 10, volume IV, 3.1.2.3.3).
 fn checksum(message: &[u8; 14]) -> u32 {
     const GENERATOR: u32 = 0xFF_F409;
     let mut remainder = 0_u32;
@@ -199,7 +199,7 @@ fn checksum(message: &[u8; 14]) -> u32 {
         })
 }
 
-/// What the operational status adds to the kind of a position message.
+/// The part of an operational status that qualifies the kind of a position message.
 #[derive(Debug, Clone, Copy, Default)]
 struct Supplement {
     /// Version of the standard that the transponder follows; 0 while unknown.
@@ -210,7 +210,7 @@ struct Supplement {
 
 /// Address and content of a squitter with an address of the ICAO.
 fn address_and_content(message: &[u8; 14]) -> Option<(u32, &[u8; 7])> {
-    // Others, of ground stations and with anonymous addresses, tell no quality here.
+    // Others, from ground stations and with anonymous addresses, give no quality here.
     let (head, rest) = message.split_first_chunk::<4>()?;
     let [format, a, b, c] = *head;
     let own = format >> 3 == 17 || format == 18 << 3;
@@ -259,9 +259,9 @@ fn altitude_field(message: &[u8; 14]) -> u16 {
 }
 
 /// Radius of containment of a kind of position message, metres (DO-260B, table 2-14; without the
-/// supplement that narrows it, the larger).
+/// supplement that narrows it, the larger radius).
 fn containment_m(kind: u8, message: &[u8; 14], supplement: Supplement) -> Option<f64> {
-    // Supplement B stands in the message itself from version 2 on.
+    // From version 2 on the message itself has supplement B.
     let b = supplement.version < 2 || message[4] & 1 != 0;
     let narrow = supplement.version >= 1 && supplement.a && b;
     Some(match kind {
@@ -297,7 +297,7 @@ fn velocity_of(message: &[u8; 14], velocity: &AirborneVelocity, report: &mut Tra
     let AirborneVelocitySubType::GroundSpeedDecoding(ground) = &velocity.velocity else {
         return;
     };
-    // A component of zero means that nothing is known (ICAO 9871, table A-2-9a).
+    // A component of zero means unknown (ICAO 9871, table A-2-9a).
     let [.., b5, b6, b7, b8] = *message.first_chunk::<9>().unwrap_or(&[0; 9]);
     let east_west = u16::from(b5 & 0x3) << 8 | u16::from(b6);
     let north_south = u16::from(b7 & 0x7F) << 3 | u16::from(b8 >> 5);

@@ -1,11 +1,11 @@
-//! A made flight for the exports.
+//! A synthetic flight for the exports.
 
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
 use fga_formats::flight::{Flight, FlightEvent, FlightObstacle, FlightSample, ObstacleSample};
 use fga_formats::geodesy::Geodetic;
 
-/// A name that must show as text everywhere.
+/// A name that every format must escape.
 pub(crate) const HOSTILE: &str = "</script><img src=x onerror=alert(1)>&\"']]> \u{1}\u{fffe}ü\n2";
 
 /// East along the equator at 20 m/s for 30 s with a left turn of the state in the middle, a mast,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// The path of a third-party input, or `None` (said on standard error) where it is absent.
+/// The path of a third-party input, or `None` (reported on standard error) if it is absent.
 ///
 /// # Panics
 /// If it is absent and `CI=true`.

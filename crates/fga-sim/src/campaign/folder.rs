@@ -236,7 +236,7 @@ impl Folder {
             if let Some(other) = blocks.insert(number, path.clone()) {
                 return Err(InputError::in_file(
                     path,
-                    format!("is there twice: {} holds the same block", other.display()),
+                    format!("appears twice: {} holds the same block", other.display()),
                 )
                 .into());
             }

@@ -199,7 +199,7 @@ pub struct Parts {
 /// Looks into the folders of the parts of a campaign.
 ///
 /// # Errors
-/// A folder that holds no campaign or another one, or a block that is there twice.
+/// A folder that holds no campaign or another one, or a block that appears twice.
 pub fn merge(folders: &[PathBuf]) -> Result<Parts, CampaignError> {
     let mut found: Option<(Manifest, &Path)> = None;
     let mut blocks: BTreeMap<u64, PathBuf> = BTreeMap::new();
@@ -249,7 +249,7 @@ pub fn merge(folders: &[PathBuf]) -> Result<Parts, CampaignError> {
             if let Some(other) = blocks.insert(block, file.clone()) {
                 return Err(InputError::in_file(
                     file,
-                    format!("is there twice: {} holds the same block", other.display()),
+                    format!("appears twice: {} holds the same block", other.display()),
                 )
                 .into());
             }
