@@ -1,4 +1,4 @@
-//! The earth near home, flat: good to a metre over the few kilometres of a test.
+//! A flat earth near home, accurate to a metre over the few kilometres of a test.
 
 /// Origin of the local frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,7 +11,7 @@ pub struct Home {
     pub altitude_m: f64,
 }
 
-/// A place as MAVLink gives it.
+/// A position in MAVLink's units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
     /// Latitude, 1e-7 degrees.

@@ -1,4 +1,4 @@
-//! What the modes want of the aircraft.
+//! The demands of the flight modes on the aircraft.
 
 use core::f64::consts::FRAC_1_SQRT_2;
 
@@ -12,23 +12,23 @@ use crate::plant::{Plant, Target, Vertical};
 const GRAVITY_MPS2: f64 = 9.806_65;
 /// Damping of the path following.
 const L1_DAMPING: f64 = 0.75;
-/// CRUISE locks its heading this long after the stick is centred.
+/// CRUISE locks its heading this long after the stick returns to the centre.
 const HEADING_LOCK_S: f64 = 0.5;
-/// Items without a place that are passed at a time: jumps that lead nowhere end.
+/// Most items without a place to pass at a time: jumps that lead nowhere end.
 const MOST_SKIPPED: u32 = 100;
 /// Climb rate of a full pitch stick, metres per second.
 const STICK_CLIMB_MPS: f64 = 2.0;
 
-/// Where AUTO, CRUISE and fly-by-wire stand.
+/// The state of AUTO, CRUISE and fly-by-wire.
 #[derive(Debug, Default)]
 pub(crate) struct Guidance {
     pub(crate) item: u16,
     pub(crate) previous_m: [f64; 3],
     pub(crate) done: bool,
     crosstrack: bool,
-    /// Since when the present item is circled, seconds.
+    /// Start of the circles at the present item, seconds.
     pub(crate) circling_since_s: Option<f64>,
-    /// The jumps that were made.
+    /// The jumps made.
     pub(crate) jumps: Vec<u16>,
     stick_altitude_m: f64,
     locked_heading_rad: Option<f64>,
@@ -37,7 +37,7 @@ pub(crate) struct Guidance {
 }
 
 impl Guidance {
-    /// Begins to fly to an item: along the leg, or from where the aircraft is.
+    /// Begins to fly to an item: along the leg, or from the aircraft's position.
     pub(crate) fn begin_item(&mut self, item: u16, plant: &Plant, along_leg: bool) {
         self.item = item;
         self.circling_since_s = None;
@@ -54,7 +54,7 @@ impl Guidance {
     }
 }
 
-/// Targets of GUIDED and when they came.
+/// Targets of GUIDED and their times.
 #[derive(Debug, Default)]
 pub(crate) struct Guided {
     pub(crate) point_m: [f64; 3],
@@ -82,7 +82,7 @@ impl Guided {
     }
 }
 
-/// `RC_CHANNELS_OVERRIDE`: value and when it came, by channel.
+/// `RC_CHANNELS_OVERRIDE`: value and time, by channel.
 #[derive(Debug, Default)]
 pub(crate) struct Overrides(pub(crate) [Option<(u16, f64)>; 8]);
 
@@ -93,7 +93,7 @@ impl Overrides {
     }
 }
 
-/// Bank that follows the line through two points (L1 guidance).
+/// Bank to follow the line through two points (L1 guidance).
 fn follow_line(plant: &Plant, period_s: f64, from_m: [f64; 3], to_m: [f64; 3]) -> f64 {
     let velocity = plant.velocity_mps();
     let speed = libm::hypot(velocity[0], velocity[1]).max(1.0);
@@ -120,7 +120,7 @@ fn follow_line(plant: &Plant, period_s: f64, from_m: [f64; 3], to_m: [f64; 3]) -
     libm::atan(acceleration / GRAVITY_MPS2)
 }
 
-/// Bank that circles a point clockwise.
+/// Bank to circle a point clockwise.
 fn circle(plant: &Plant, point_m: [f64; 3], radius_m: f64) -> f64 {
     let position = plant.position_m();
     let velocity = plant.velocity_mps();
@@ -174,7 +174,7 @@ impl Emulator {
         ((f64::from(value) - 1500.0) / 500.0).clamp(-1.0, 1.0)
     }
 
-    /// Where an item that is flown to leads, metres.
+    /// The target of a flown item, metres.
     pub(crate) fn item_place_m(&self, item: u16) -> Option<[f64; 3]> {
         let item = self.mission.get(usize::from(item))?;
         item.is_waypoint()
@@ -182,7 +182,7 @@ impl Emulator {
             .flatten()
     }
 
-    /// Goes on to the next item that is flown: jumps are made, what has no place is done at once.
+    /// Goes on to the next flown item: makes jumps, and does items without a place at once.
     fn skip_to_flown(&mut self) {
         for _ in 0..MOST_SKIPPED {
             let Some(item) = self.mission.get(usize::from(self.guidance.item)) else {
@@ -197,7 +197,7 @@ impl Emulator {
         }
     }
 
-    /// The item after one that is done.
+    /// The item after a finished one.
     fn after(&mut self, item: u16) -> u16 {
         let jump = self
             .mission
@@ -220,7 +220,7 @@ impl Emulator {
         item + 1
     }
 
-    /// How long an item is circled once it is reached, seconds; infinite for ever.
+    /// How long the aircraft circles an item, seconds; infinite for ever.
     fn circled_s(&self, item: u16) -> f64 {
         let Some(item) = self.mission.get(usize::from(item)) else {
             return 0.0;
@@ -291,7 +291,7 @@ impl Emulator {
         }
     }
 
-    /// The words that go with the beginning of an item.
+    /// The text at the beginning of an item.
     pub(crate) fn say_item(&mut self) {
         let words = format!("Mission: {} WP", self.guidance.item);
         self.send_text(&words);

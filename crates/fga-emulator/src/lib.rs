@@ -1,15 +1,15 @@
-//! An ArduPlane-like emulator: a stand-in for tests where no ArduPlane is installed.
+//! An ArduPlane-like emulator for tests without an ArduPlane.
 //!
-//! It is *not* ArduPlane and shares no code with it. It has those modes, parameters, time-outs,
-//! acknowledgements and gates that a companion computer meets, with the behaviour that was
-//! measured on ArduPlane 4.7-dev in software in the loop, on a point mass: roll by a
-//! limited rate, a turn rate of 0.70 of the ideal one, altitude by a climb angle with a lag.
+//! It is *not* ArduPlane and shares no code with it. It has the modes, parameters, time-outs,
+//! acknowledgements and gates that a companion computer meets, with behaviour measured on
+//! ArduPlane 4.7-dev in software in the loop, on a point mass: a limited roll rate, 0.70 of the
+//! ideal turn rate, altitude by a climb angle with a lag.
 //!
 //! The emulator reads no clock and no socket: [`Emulator::receive`] takes a message,
-//! [`Emulator::advance`] lets time pass, [`Emulator::drain`] gives what it sends. Tests run it in
-//! scaled time; the program `fga-emulator` puts it behind a socket in real time.
+//! [`Emulator::advance`] advances the time, [`Emulator::drain`] returns its messages. Tests run it in
+//! scaled time; the example `emulator` of `fga-link` puts it behind a socket in real time.
 //!
-//! Local frame: x east, y north, z up, metres. Headings and banks inside are those of the autopilot:
+//! Local frame: x east, y north, z up, metres. Internal headings and banks follow the autopilot:
 //! radians, heading clockwise from north, bank positive to the right.
 #![forbid(unsafe_code)]
 #![expect(
@@ -43,14 +43,14 @@ use telemetry::Streams;
 /// Length of a step of the plant, seconds (ArduPlane's main loop runs at 50 Hz).
 pub const STEP_S: f64 = 0.02;
 
-/// Where and how the emulation begins.
+/// The start of the emulation.
 #[derive(Debug, Clone)]
 pub struct Settings {
     /// The vehicle's system id.
     pub system_id: u8,
     /// Origin of the local frame and home.
     pub home: Home,
-    /// How the aircraft flies.
+    /// The aircraft.
     pub plant: PlantSettings,
     /// Position at the start, metres, local frame.
     pub position_m: [f64; 3],
@@ -58,21 +58,21 @@ pub struct Settings {
     pub heading_rad: f64,
     /// Mode at the start.
     pub mode: Mode,
-    /// Whether it is armed and flies.
+    /// Whether it is armed and in flight.
     pub armed: bool,
     /// Wind velocity east and north, metres per second.
     pub wind_mps: [f64; 2],
-    /// The receiver has its first fix at this time since boot, seconds; the emulation begins at 20.
+    /// Time since boot of the receiver's first fix, seconds; the emulation begins at 20.
     pub fix_s: f64,
-    /// Pressure at sea level, hectopascals; `None`: the pressure is not told.
+    /// Pressure at sea level, hectopascals; `None`: the vehicle does not send its pressure.
     pub sea_level_hpa: Option<f64>,
     /// Time since boot until which the autopilot initialises, seconds: it sends heartbeats in mode
-    /// INITIALISING and hears nothing.
+    /// INITIALISING and ignores messages.
     pub initialising_until_s: f64,
     /// Interval of every message before a companion asks for another one, seconds (ArduPlane's
-    /// `SRn` parameters); `None` sends heartbeats alone.
+    /// `SRn` parameters); `None` sends only heartbeats.
     pub default_interval_s: Option<f64>,
-    /// No message is sent more often than this, seconds: a slow telemetry radio.
+    /// Least interval of any message, seconds: a slow telemetry radio.
     pub fastest_interval_s: f64,
 }
 
@@ -103,11 +103,11 @@ impl Default for Settings {
 /// A change of mode and who asked for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeChange {
-    /// When, seconds since boot.
+    /// Time since boot, seconds.
     pub time_s: f64,
     /// The new mode.
     pub mode: Mode,
-    /// Component that asked; 0 for the pilot's switch.
+    /// The component that asked; 0 for the pilot's switch.
     pub component_id: u8,
 }
 
@@ -205,7 +205,7 @@ impl Emulator {
         self.fence = items;
     }
 
-    /// Lets time pass, in steps of the plant; what is left over waits for the next call.
+    /// Advances the time, in steps of the plant; a remainder waits for the next call.
     pub fn advance(&mut self, by_s: f64) {
         self.left_over_s += by_s;
         while self.left_over_s >= STEP_S - 1e-9 {
@@ -226,13 +226,13 @@ impl Emulator {
         self.send_telemetry();
     }
 
-    /// What was sent since the last call.
+    /// The messages since the last call.
     pub fn drain(&mut self) -> Vec<MavMessage> {
         core::mem::take(&mut self.outbox)
     }
 
-    /// Takes a message on the second link. What answers it goes back on that link alone; of what the
-    /// autopilot then does the first link hears nothing but its words.
+    /// Takes a message on the second link. The answer goes back only on that link; the first link
+    /// receives only the autopilot's texts about it.
     pub fn receive_on_second_link(&mut self, header: &MavHeader, message: &MavMessage) {
         let first = core::mem::take(&mut self.outbox);
         self.receive(header, message);
@@ -248,7 +248,7 @@ impl Emulator {
         }
     }
 
-    /// What was sent on the second link since the last call.
+    /// The messages on the second link since the last call.
     pub fn drain_second_link(&mut self) -> Vec<MavMessage> {
         core::mem::take(&mut self.second_outbox)
     }
@@ -263,7 +263,7 @@ impl Emulator {
         self.time_s
     }
 
-    /// Where the aircraft really is and how it flies.
+    /// The true state of the aircraft.
     pub const fn plant(&self) -> &Plant {
         &self.plant
     }
@@ -283,32 +283,32 @@ impl Emulator {
         &self.mode_changes
     }
 
-    /// The mission item that is flown to.
+    /// The present mission item.
     pub const fn mission_item(&self) -> u16 {
         self.guidance.item
     }
 
-    /// Whether the last item was reached.
+    /// Whether the aircraft reached the last item.
     pub const fn mission_done(&self) -> bool {
         self.guidance.done
     }
 
-    /// Texts that other components sent for the operator.
+    /// Texts of other components for the operator.
     pub fn texts(&self) -> &[String] {
         &self.texts
     }
 
-    /// Interval at which a message is sent now, seconds.
+    /// Present interval of a message, seconds.
     pub fn interval_s(&self, message_id: u32) -> Option<f64> {
         self.streams.interval_s(message_id)
     }
 
-    /// Whether the autopilot still initialises.
+    /// Whether the autopilot is initialising.
     pub(crate) fn is_initialising(&self) -> bool {
         self.time_s < self.settings.initialising_until_s
     }
 
-    /// Messages taken so far.
+    /// Number of messages received.
     pub const fn received(&self) -> u64 {
         self.received
     }
@@ -324,7 +324,7 @@ impl Emulator {
         self.send_heartbeat();
     }
 
-    /// For tests: every command is refused from now on.
+    /// For tests: the autopilot refuses every command from now on.
     pub fn refuse_commands(&mut self, refuse: bool) {
         self.refuse_commands = refuse;
     }
@@ -339,7 +339,7 @@ impl Emulator {
         self.plant.displace(by_m);
     }
 
-    /// For tests: the autopilot forgets which messages it was asked for.
+    /// For tests: the autopilot forgets the requested messages.
     pub fn forget_rates(&mut self) {
         self.streams = Streams::new(self.settings.default_interval_s);
     }
@@ -368,7 +368,7 @@ impl Emulator {
             component_id,
         });
         self.enter(mode);
-        // Tells the ground at once instead of at the next heartbeat.
+        // Informs the ground at once instead of at the next heartbeat.
         self.send_heartbeat();
     }
 

@@ -7,9 +7,9 @@ use crate::geometry::{Home, Place};
 /// An item of a mission or a fence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Item {
-    /// What to do.
+    /// The command.
     pub command: MavCmd,
-    /// How the altitude counts.
+    /// The frame of the altitude.
     pub frame: MavFrame,
     /// Parameters 1 to 4.
     pub parameters: [f32; 4],
@@ -17,12 +17,12 @@ pub struct Item {
     pub latitude_e7: i32,
     /// Longitude, 1e-7 degrees.
     pub longitude_e7: i32,
-    /// Altitude, metres, by the frame.
+    /// Altitude, metres, in the frame.
     pub altitude_m: f32,
 }
 
 impl Item {
-    /// A waypoint at a local position; its altitude counts from home.
+    /// A waypoint at a local position, with its altitude above home.
     #[expect(clippy::cast_possible_truncation, reason = "altitudes fit")]
     pub fn waypoint(home: &Home, position_m: [f64; 3]) -> Self {
         let place = home.to_place(position_m);
@@ -36,7 +36,7 @@ impl Item {
         }
     }
 
-    /// Where a navigation item leads, metres, local frame; `None` for one without a place.
+    /// The target of a navigation item, metres, local frame; `None` for one without a place.
     pub fn position_m(&self, home: &Home) -> Option<[f64; 3]> {
         if self.latitude_e7 == 0 && self.longitude_e7 == 0 {
             return None;
@@ -71,7 +71,7 @@ impl Item {
         )
     }
 
-    /// The message that carries it.
+    /// Its message.
     pub fn message(
         &self,
         sequence: u16,

@@ -1,4 +1,4 @@
-//! Parameters: the few that the emulation or a companion looks at, with ArduPlane's names.
+//! Parameters: the few that the emulation or a companion reads, with ArduPlane's names.
 
 /// Parameters by name, in a fixed order.
 #[derive(Debug, Clone)]
@@ -35,23 +35,23 @@ impl Default for Parameters {
 }
 
 impl Parameters {
-    /// The value of a parameter that exists.
+    /// The value of an existing parameter.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.0.iter().find(|row| row.0 == name).map(|row| row.1)
     }
 
-    /// The value, or 0 for one that does not exist.
+    /// The value, or 0 for an unknown one.
     pub fn value(&self, name: &str) -> f64 {
         self.get(name).unwrap_or(0.0)
     }
 
-    /// Sets one that exists; `false` for one that does not.
+    /// Sets an existing one; `false` for an unknown one.
     pub fn set(&mut self, name: &str, value: f64) -> bool {
         let row = self.0.iter_mut().find(|row| row.0 == name);
         row.map(|row| row.1 = value).is_some()
     }
 
-    /// Takes a parameter away: an older or newer firmware lacks it.
+    /// Removes a parameter: an older or newer firmware lacks it.
     pub fn remove(&mut self, name: &str) {
         self.0.retain(|row| row.0 != name);
     }

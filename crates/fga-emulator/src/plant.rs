@@ -1,4 +1,4 @@
-//! The aircraft: a point mass whose roll has a rate, its limit and its lag, and whose climb angle a lag.
+//! The aircraft: a point mass with a rate, a limit and a lag of roll, and a lag of the climb angle.
 
 use alloc::collections::VecDeque;
 use core::f64::consts::FRAC_PI_4;
@@ -8,27 +8,27 @@ use crate::parameters::Parameters;
 
 const GRAVITY_MPS2: f64 = 9.806_65;
 
-/// How the aircraft flies.
+/// Parameters of the aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlantSettings {
     /// Airspeed, metres per second.
     pub airspeed_mps: f64,
-    /// The roll rate that is wanted is the error of the bank over this, seconds (ArduPlane's
+    /// The wanted roll rate is the error of the bank divided by this, seconds (ArduPlane's
     /// `RLL2SRV_TCONST`) …
     pub roll_time_constant_s: f64,
-    /// … no more than this, radians per second …
+    /// … limited to this, radians per second …
     pub roll_rate_max_radps: f64,
-    /// … and comes with this lag, seconds.
+    /// … with this lag, seconds.
     pub roll_rate_lag_s: f64,
-    /// Steps between a command and its first effect. All four as measured: of a step to 45°, 7°,
-    /// 18°, 32° and 43° after 0.23, 0.37, 0.53 and 0.67 s, and 4° too far at 0.83 s.
+    /// Steps between a command and its first effect. Measured for all four: after a step to 45° the bank is
+    /// 7°, 18°, 32° and 43° after 0.23, 0.37, 0.53 and 0.67 s, and 4° too far at 0.83 s.
     pub roll_delay_steps: usize,
-    /// Flown turn rate over g tan φ / V, as measured up to 52°.
+    /// Flown turn rate over g tan φ / V, measured up to 52°.
     pub turn_rate_factor: f64,
-    /// What is lost of that factor for each radian of bank beyond 45°. Not measured: a wing that is loaded
-    /// more slows down.
+    /// Loss of that factor for each radian of bank beyond 45°. A guess, not measured: a loaded wing slows
+    /// down.
     pub steep_loss: f64,
-    /// The nose swings this much later than the course turns, seconds.
+    /// Delay of the nose behind the course, seconds.
     pub nose_lag_s: f64,
     /// Time constant of the climb angle behind the pitch, seconds.
     pub climb_time_constant_s: f64,
@@ -53,12 +53,12 @@ impl Default for PlantSettings {
     }
 }
 
-/// What the autopilot's loops want.
+/// The demands of the autopilot's loops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Target {
     /// Bank, radians, right positive.
     pub(crate) bank_rad: f64,
-    /// What the elevator is for.
+    /// The demand on the elevator.
     pub(crate) vertical: Vertical,
 }
 
@@ -78,7 +78,7 @@ pub struct Plant {
     heading_rad: f64,
     bank_rad: f64,
     commanded_bank_rad: f64,
-    /// Commands under way, oldest first.
+    /// Commands in transit, oldest first.
     to_come_rad: VecDeque<f64>,
     roll_rate_radps: f64,
     climb_rad: f64,
@@ -124,7 +124,7 @@ impl Plant {
         self.bank_rad
     }
 
-    /// Bank that the loops want, radians, right positive.
+    /// Bank demand of the loops, radians, right positive.
     pub const fn commanded_bank_rad(&self) -> f64 {
         self.commanded_bank_rad
     }
@@ -144,7 +144,7 @@ impl Plant {
         self.roll_rate_radps
     }
 
-    /// Rate at which the nose swings, radians per second, clockwise positive.
+    /// Yaw rate of the nose, radians per second, clockwise positive.
     pub const fn nose_rate_radps(&self) -> f64 {
         self.nose_rate_radps
     }
@@ -159,7 +159,7 @@ impl Plant {
         self.wind_mps
     }
 
-    /// Changes the wind.
+    /// Sets the wind.
     pub fn set_wind_mps(&mut self, wind_mps: [f64; 2]) {
         self.wind_mps = wind_mps;
     }
@@ -195,7 +195,7 @@ impl Plant {
     }
 
     pub(crate) fn step(&mut self, target: &Target, parameters: &Parameters, step_s: f64) {
-        // No bank that needs more lift than the wing has, but always 25°.
+        // The lift of the wing limits the bank, but never below 25°.
         let load = (self.settings.airspeed_mps / parameters.value("AIRSPEED_MIN").max(1.0)).powi(2);
         let stall_rad = libm::acos(1.0 / load.max(1.0)).max(25.0_f64.to_radians());
         let limit = parameters

@@ -1,4 +1,4 @@
-//! What the autopilot does with a message.
+//! The autopilot's reaction to a message.
 
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
@@ -415,7 +415,7 @@ impl Emulator {
         let roll = libm::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y));
         let pitch = libm::asin((2.0 * (w * y - z * x)).clamp(-1.0, 1.0));
         // A cleared bit of a body rate selects that axis of the attitude; the cleared bit of the
-        // attitude selects them all.
+        // attitude selects all axes.
         let ignores = |bit| data.type_mask.contains(bit);
         let all = !ignores(AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE);
         if all || !ignores(AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_ROLL_RATE_IGNORE) {

@@ -1,4 +1,4 @@
-//! What the autopilot sends by itself.
+//! The messages that the autopilot sends unasked.
 
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, GPS_RAW_INT_DATA, GpsFixType,
@@ -11,7 +11,7 @@ use mavlink::dialects::ardupilotmega::{
 use crate::geometry::{bearing, distance_m};
 use crate::{Emulator, Mode, Place};
 
-/// A message that is sent again and again.
+/// A periodic message.
 #[derive(Debug, Clone, Copy)]
 struct Stream {
     message_id: u32,
@@ -34,11 +34,11 @@ const ADSB_VEHICLE: u32 = 246;
 /// Mode number in heartbeats before the autopilot has started.
 const INITIALISING: u32 = 16;
 
-/// Which messages are sent, and how often.
+/// The periodic messages and their intervals.
 #[derive(Debug)]
 pub(crate) struct Streams(Vec<Stream>);
 
-/// Messages that can be asked for.
+/// Messages that a companion can request.
 const KNOWN: [u32; 12] = [
     HEARTBEAT,
     SYSTEM_TIME,
@@ -75,7 +75,7 @@ impl Streams {
             .map(|stream| stream.interval_s)
     }
 
-    /// Sets an interval, seconds; `false` for a message that is not known.
+    /// Sets an interval, seconds; `false` for an unknown message.
     pub(crate) fn set(&mut self, message_id: u32, interval_s: Option<f64>, now_s: f64) -> bool {
         if !KNOWN.contains(&message_id) {
             return false;
@@ -144,7 +144,7 @@ impl Emulator {
         ));
     }
 
-    /// Words for every ground station.
+    /// A text for every ground station.
     pub(crate) fn send_text(&mut self, words: &str) {
         self.outbox.push(MavMessage::STATUSTEXT(STATUSTEXT_DATA {
             severity: MavSeverity::MAV_SEVERITY_INFO,
@@ -153,7 +153,7 @@ impl Emulator {
         }));
     }
 
-    /// Where it flies to in its mode, metres, local frame.
+    /// The target of its mode, metres, local frame.
     fn target_m(&self) -> [f64; 3] {
         if self.mode != Mode::Auto {
             return self.guided.point_m;
@@ -198,8 +198,8 @@ impl Emulator {
         }
     }
 
-    /// Where the autopilot believes to be: without a fix near latitude and longitude 0, from where
-    /// it dead-reckons.
+    /// The position that the autopilot reports: without a fix it dead-reckons from latitude and
+    /// longitude 0.
     #[expect(clippy::cast_possible_truncation, reason = "small numbers")]
     fn place(&self) -> Place {
         if self.time_s < self.settings.fix_s {
@@ -220,7 +220,7 @@ impl Emulator {
         Some(self.settings.sea_level_hpa? * libm::pow(kelvin / 288.15, 5.255_88))
     }
 
-    /// The message that tells a part of the state.
+    /// The message for a part of the state.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -311,7 +311,7 @@ impl Emulator {
             WIND => {
                 let [east, north] = self.plant.wind_mps();
                 MavMessage::WIND(WIND_DATA {
-                    // Where the wind comes from.
+                    // The direction from which the wind blows.
                     direction: libm::atan2(-east, -north).to_degrees() as f32,
                     speed: libm::hypot(east, north) as f32,
                     speed_z: 0.0,

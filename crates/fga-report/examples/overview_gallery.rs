@@ -1,4 +1,4 @@
-//! Writes the overviews of the tests' runs into a folder, to look at them.
+//! Writes the overviews of the tests' runs into a folder.
 //!
 //! `cargo run -p fga-report --example overview_gallery -- FOLDER`
 

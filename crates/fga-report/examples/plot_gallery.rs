@@ -1,4 +1,4 @@
-//! Writes the charts and the report of the tests into a folder, to look at them.
+//! Writes the charts and the report of the tests into a folder.
 //!
 //! `cargo run -p fga-report --example plot_gallery -- FOLDER`
 

@@ -1,4 +1,4 @@
-//! Writes made-up replays for the viewer's browser tests: `cargo run -p fga-report --example
+//! Writes synthetic replays for the viewer's browser tests: `cargo run -p fga-report --example
 //! replay_fixture -- DIR`. The flights are scripted, not simulated: they exercise the page.
 
 use core::f64::consts::{FRAC_PI_4, PI, TAU};
@@ -174,7 +174,7 @@ fn obstacle(
     }
 }
 
-/// The scripted course at a time: away to `side` (its share of the full angle), past, back.
+/// The scripted course at a time: away to `side` (a share of the full angle), past, back.
 fn script(t_s: f64, side: f64) -> (ReplayState, f64) {
     let phase = t_s % PERIOD_S;
     let away = side * 0.9;

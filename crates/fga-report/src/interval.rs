@@ -3,7 +3,7 @@
 /// Normal quantile of a two-sided 95 % interval.
 const Z95: f64 = 1.959_963_984_540_054;
 
-/// A value between the ends of its 95 % interval.
+/// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Estimate {
     /// The value itself.
@@ -51,14 +51,14 @@ impl Estimate {
             Z95 / (1.0 + z2 / n) * libm::sqrt(share * (1.0 - share) / n + z2 / (4.0 * n * n));
         Some(Self {
             value: share,
-            // Rounding may not push an end past the value it holds.
+            // Rounding must not push an end past the value.
             low: (centre - half).clamp(0.0, share),
             high: (centre + half).clamp(share, 1.0),
         })
     }
 
-    /// The mean of some values with its 95 % interval by the normal approximation; `None` for
-    /// fewer than two values or one that is not finite.
+    /// The mean of the values with its 95 % interval by the normal approximation; `None` for
+    /// fewer than two values or a value that is not finite.
     ///
     /// # Examples
     ///
@@ -86,7 +86,7 @@ impl Estimate {
     }
 
     /// Σ a / Σ b over pairs (a, b) with its 95 % interval by the delta method; `None` for fewer
-    /// than two pairs, one that is not finite, or Σ b ≤ 0.
+    /// than two pairs, a pair that is not finite, or Σ b ≤ 0.
     ///
     /// W. G. Cochran, Sampling Techniques (1977), §6.4.
     pub fn ratio(pairs: &[(f64, f64)]) -> Option<Self> {

@@ -2,7 +2,7 @@
 
 use crate::svg::{Point, Rect, Svg, TextStyle, text_width};
 
-/// What labels must keep clear of, within one panel.
+/// The areas and lines of a panel that labels avoid.
 pub(crate) struct Labels {
     panel: Rect,
     taken: Vec<Rect>,
@@ -60,7 +60,7 @@ impl Labels {
         }
     }
 
-    /// Writes `text` near `at`, at least `gap` pixels away; `false` where there is no room.
+    /// Writes `text` near `at`, at least `gap` pixels away; `false` if there is no room.
     pub(crate) fn place(
         &mut self,
         svg: &mut Svg,

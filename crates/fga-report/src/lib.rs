@@ -1,4 +1,4 @@
-//! Pictures of what fga did: the overview of a run, plots of campaigns, a report page,
+//! Pictures of flights and campaigns: the overview of a run, plots of campaigns, a report page,
 //! and the replay page.
 //!
 //! Every plot is a self-contained SVG of vector shapes and real text, the same to the byte for
@@ -9,14 +9,14 @@
 //! |---|---|
 //! | [`overview`] | where did the aircraft fly, and how close did it come? |
 //! | [`plot`] | what do many runs show together? |
-//! | [`interval`] | how sure is a share? |
-//! | [`report`] | how do figures, tables and their reading become one page? |
-//! | [`safety_case`] | what does a campaign of aircraft say to a regulator? |
-//! | [`listing`] | which of many runs is worth a look? |
+//! | [`interval`] | how certain is a share? |
+//! | [`report`] | how do figures, tables and their interpretation become one page? |
+//! | [`safety_case`] | what does a campaign of aircraft show a regulator? |
+//! | [`listing`] | which of many runs deserve a look? |
 //! | [`replay`] | why did it turn there? |
 //!
-//! Colours are those of Okabe and Ito (<https://jfly.uni-koeln.de/color/>), which people with any
-//! common colour vision tell apart.
+//! Colours are from Okabe and Ito (<https://jfly.uni-koeln.de/color/>), which people with any
+//! common colour vision can distinguish.
 
 pub mod interval;
 pub mod listing;

@@ -1,4 +1,4 @@
-//! A table of many runs, sortable and filterable, from which each run's page is opened.
+//! A table of many runs, sortable and filterable, which opens each run's page.
 
 use serde::Serialize;
 
@@ -8,31 +8,31 @@ use crate::page;
 /// The built page; `npm run build` in `viewer/` writes it.
 const TEMPLATE: &str = include_str!("../assets/list.html");
 
-/// What a table shows.
+/// The content of a table.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Listing {
     /// Heading.
     pub title: String,
-    /// What is to be said of it, in a sentence or two; may be empty.
+    /// A sentence or two about the table; may be empty.
     pub note: String,
-    /// How often each policy kept every volume, over all runs, listed or not.
+    /// How often each policy kept every volume clear, over all runs, listed or not.
     pub shares: Vec<ListingShare>,
     /// The runs, in any order.
     pub rows: Vec<ListingRow>,
 }
 
-/// How often a policy kept every protected volume.
+/// How often a policy kept every protected volume clear.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ListingShare {
     /// The policy.
     pub policy: String,
-    /// Runs of which it is known whether they kept every volume.
+    /// Runs with a known result.
     pub runs: u64,
-    /// The share of them that did, with its 95 % interval.
+    /// The share of them with every volume clear, with its 95 % interval.
     pub separated: Option<Estimate>,
-    /// Runs that some maneuver could have kept, where it was asked.
+    /// Runs that some manoeuvre could save, if an oracle was asked.
     pub avoidable: u64,
-    /// The share of those that were kept, with its 95 % interval.
+    /// The share of these with every volume clear, with its 95 % interval.
     pub saved: Option<Estimate>,
 }
 
@@ -46,7 +46,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Takes a run: whether it kept every volume, and whether some maneuver could have.
+    /// Adds a run: whether it kept every volume clear, and whether some manoeuvre could.
     pub fn take(&mut self, separated: bool, avoidable: Option<bool>) {
         let could = avoidable == Some(true);
         self.runs += 1;
@@ -55,7 +55,7 @@ impl Tally {
         self.saved += u64::from(could && separated);
     }
 
-    /// The shares, with intervals by Wilson.
+    /// The shares, with Wilson intervals.
     pub fn shares(self, policy: String) -> ListingShare {
         ListingShare {
             policy,
@@ -67,7 +67,7 @@ impl Tally {
     }
 }
 
-/// The shares of each policy over rows that are all there is, policies in the order of the rows.
+/// The shares of each policy over a complete list of rows, policies in the order of the rows.
 pub fn shares_of(rows: &[ListingRow]) -> Vec<ListingShare> {
     let mut tallies: Vec<(&str, Tally)> = Vec::new();
     for row in rows {
@@ -89,26 +89,26 @@ pub fn shares_of(rows: &[ListingRow]) -> Vec<ListingShare> {
         .collect()
 }
 
-/// A run in the table. A column that no row has anything for is not shown.
+/// A run in the table. A column that is empty in every row does not show.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ListingRow {
-    /// What it is called: a file, an encounter's number.
+    /// Its name: a file, or an encounter's number.
     pub name: String,
-    /// What the encounter was drawn from; may be empty.
+    /// The source of the encounter; may be empty.
     pub source: String,
     /// The policy that flew it.
     pub policy: String,
-    /// Whether every protected volume was kept; `None` where it is not known.
+    /// Whether it kept every protected volume clear; `None` if unknown.
     pub separated: Option<bool>,
-    /// Whether any manoeuvre could have kept them; `None` where it was not asked.
+    /// Whether any manoeuvre could; `None` without an oracle.
     pub avoidable: Option<bool>,
     /// The least margin, metres; negative inside a volume.
     pub min_margin_m: Option<f64>,
     /// The largest departure from the mission, metres.
     pub max_cross_track_m: Option<f64>,
-    /// What the aircraft flew more than without a manoeuvre, metres.
+    /// Path flown less the path of the mission, metres.
     pub extra_path_m: Option<f64>,
-    /// Where its page is, relative to the table's; `None` where it has none.
+    /// The address of its page, relative to the table's; `None` without a page.
     pub link: Option<String>,
 }
 

@@ -1,8 +1,8 @@
 //! One run in one picture: top view, altitude profile, separation over time.
 //!
-//! [`Overview`] holds what is drawn, in the local frame (x east, y north, z up; metres, seconds);
-//! [`Overview::to_svg`] draws it. Samples that are not finite are left out, names are escaped, and
-//! a run of any size gives a picture: of many obstacles the closest are named and followed, the
+//! [`Overview`] holds the data, in the local frame (x east, y north, z up; metres, seconds);
+//! [`Overview::to_svg`] draws it. The picture omits samples that are not finite and escapes names.
+//! A run of any size gives a picture: the closest of many obstacles have a name and a curve, the
 //! others are faint.
 
 mod altitude;
@@ -20,11 +20,11 @@ use fga::avoider::State;
 
 const WIDTH: f64 = 1160.0;
 const MARGIN: f64 = 24.0;
-/// Room for an axis' numbers and title on the left of a panel.
+/// Space for an axis' numbers and title on the left of a panel.
 const AXIS: f64 = 58.0;
 
 impl Overview {
-    /// Draws the run as a self-contained SVG on a white background of its own.
+    /// Draws the run as a self-contained SVG with a white background.
     pub fn to_svg(&self) -> String {
         let focus = Focus::new(self);
         let extent = top::extent(self, &focus);
@@ -66,7 +66,7 @@ impl Overview {
         svg.finish()
     }
 
-    /// One sentence: was every protected volume kept clear, and by how much.
+    /// One sentence: whether every protected volume stayed clear, and by how much.
     fn verdict(&self, focus: &Focus) -> String {
         if self.samples.is_empty() {
             return "No samples.".to_owned();
@@ -120,7 +120,7 @@ impl Overview {
         }
     }
 
-    /// The legend, in as many rows as it takes; it names only what the picture shows.
+    /// The legend, in as many rows as it needs; it names only what the picture shows.
     fn legend(&self, focus: &Focus) -> Vec<Entry> {
         let mut entries: Vec<(Symbol, String)> = Vec::new();
         for state in State::ALL {
@@ -223,10 +223,10 @@ const fn state_colour(state: State) -> &'static str {
     }
 }
 
-/// Colours of the followed obstacles, closest first; the aircraft's states use the other ones.
+/// Colours of the followed obstacles, closest first; the aircraft's states use other colours.
 const OBSTACLE_COLOURS: [&str; 3] = [PURPLE, SKY, BLACK];
 
-/// The look of the line of a followed obstacle: after three colours comes a dash pattern.
+/// The look of a followed obstacle's line: after three colours comes a dash pattern.
 fn obstacle_line(rank: usize, width: &str) -> String {
     let colour = OBSTACLE_COLOURS[rank % OBSTACLE_COLOURS.len()];
     let dash = if rank < OBSTACLE_COLOURS.len() {
@@ -237,7 +237,7 @@ fn obstacle_line(rank: usize, width: &str) -> String {
     format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"{dash}")
 }
 
-/// Shapes of the marks, each its own so that colour is not needed.
+/// Shapes of the marks: each is different, so that colour is not needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Shape {
     Seen,

@@ -1,4 +1,4 @@
-//! Pages with their data inside: a built template, its marks replaced, everything escaped.
+//! Pages with their data inside: a built template with its marks replaced, everything escaped.
 
 use serde::Serialize;
 
@@ -6,8 +6,8 @@ const TITLE_MARK: &str = "<!--fga:title-->";
 const CONNECT_MARK: &str = "fga:connect";
 const DATA_MARK: &str = "<!--fga:data-->";
 
-/// The template with its title, what it may connect to, and its data. The marks are looked for
-/// in the template alone, never in what was put in.
+/// The template with its title, its allowed connections and its data. The function looks for the marks
+/// only in the template, never in the inserted text.
 pub(crate) fn fill(template: &str, title: &str, data: &str, connect: &str) -> String {
     let mut page = String::with_capacity(template.len() + data.len() + title.len());
     let mut rest = template;
@@ -26,14 +26,14 @@ pub(crate) fn fill(template: &str, title: &str, data: &str, connect: &str) -> St
     page
 }
 
-/// JSON that may stand inside a script element; numbers that are not finite become `null`.
+/// JSON that is safe inside a script element; numbers that are not finite become `null`.
 pub(crate) fn json(value: &impl Serialize) -> String {
-    // The types here are plain structures with text keys, which cannot fail to serialise.
+    // The types here are plain structures with text keys, so serialisation cannot fail.
     escape_json(&serde_json::to_string(value).unwrap_or_default())
 }
 
-/// Characters that could end the script element, or that scripts do not take, as `\\u` escapes.
-/// In JSON they occur inside strings only, where the escape means the same.
+/// Escapes characters that could end the script element, or that scripts reject, as `\\u`.
+/// In JSON they occur only inside strings, where the escape means the same.
 fn escape_json(json: &str) -> String {
     let mut escaped = String::with_capacity(json.len());
     for c in json.chars() {

@@ -12,5 +12,5 @@ pub(crate) const PURPLE: &str = "#cc79a7";
 pub(crate) const INK: &str = "#1f2328";
 /// Secondary text.
 pub(crate) const MUTED: &str = "#59636e";
-/// The picture's own background, so that it reads on a dark page too.
+/// The picture's background, so that it is readable on a dark page too.
 pub(crate) const PAPER: &str = "#ffffff";

@@ -1,8 +1,8 @@
 //! Plots of campaigns: lines with bands, grouped bars, distributions, decision times.
 //!
-//! Each chart is a plain struct with a `to_svg`; values that are not finite are left out, and a
-//! chart without data says so. Series differ by colour and by mark, so that print without colour
-//! is enough. Intervals are bands or whiskers, never left to the reader's guess.
+//! Each chart is a plain struct with a `to_svg`. It omits values that are not finite, and says so when
+//! it has no data. Series differ by colour and by mark, so that print without colour is enough.
+//! Intervals show as bands or whiskers.
 
 mod bars;
 mod boxes;
@@ -18,7 +18,7 @@ pub use lines::{Claim, Line, LineChart, LinePoint};
 /// One axis of a chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What it shows, with its unit: `"initial distance (m)"`.
+    /// Its quantity and unit, such as `"initial distance (m)"`.
     pub label: String,
     /// Equal steps, or equal ratios.
     pub spacing: Spacing,
@@ -26,15 +26,15 @@ pub struct Axis {
     pub range: Option<(f64, f64)>,
 }
 
-/// How an axis is divided.
+/// The scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Spacing {
     /// Equal lengths for equal differences.
     #[default]
     Linear,
-    /// Equal lengths for equal ratios; values that are not positive are left out.
+    /// Equal lengths for equal ratios; omits values that are not positive.
     Log,
-    /// Linear, of shares between 0 and 1 that are marked in per cent.
+    /// Linear for shares between 0 and 1, marked in per cent.
     Percent,
 }
 
@@ -65,7 +65,7 @@ impl Axis {
         }
     }
 
-    /// The same axis with given ends.
+    /// The same axis with fixed ends.
     #[must_use]
     pub fn with_range(self, low: f64, high: f64) -> Self {
         Self {

@@ -1,13 +1,13 @@
-//! The replay page: what was flown, what was decided and why, in one HTML file.
+//! The replay page: flight, decisions and reasons in one HTML file.
 //!
-//! [`render`] writes a page that needs nothing else: the viewer (built from `viewer/`, committed
+//! [`render`] writes a self-contained page: the viewer (built from `viewer/`, committed
 //! in `assets/`) and the data are inside. A browser opens it from the disk, without a network.
 //! The page holds one or several runs of the same encounter, for example under different
-//! policies, which it shows one over the other.
+//! policies, and shows them in one scene.
 //!
 //! All lengths are metres, times seconds from the start of the run, angles radians, in the local
 //! frame: x east, y north, z up; course ψ from +x towards +y; bank positive in a left turn.
-//! Texts (titles, names, lines) may hold anything: they are escaped here and shown as text.
+//! Texts (titles, names, lines) may contain anything: the page escapes them and shows them as text.
 //!
 //! ```
 //! use fga_report::replay::{Replay, ReplayRun, ReplaySample, ReplayState, render};
@@ -33,36 +33,36 @@ use crate::page;
 
 pub use live::{LiveMessage, render_live};
 
-/// What a page shows.
+/// The content of a page.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Replay {
     /// Heading of the page.
     pub title: String,
-    /// The runs, laid one over the other; the first one is in focus when the page opens.
+    /// The runs, in one scene; the first one is in focus when the page opens.
     pub runs: Vec<ReplayRun>,
 }
 
 /// One run of an encounter.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReplayRun {
-    /// What tells the runs apart, as a rule the policy.
+    /// The name of the run, usually its policy.
     pub name: String,
-    /// What was flown, in the order of time. Evenly spaced samples beyond 24,000 for the whole
-    /// page are left out; those where the state changes stay.
+    /// The flown samples, in time order. Beyond 24,000 samples for the whole page, evenly spaced
+    /// ones are dropped; those where the state changes stay.
     pub samples: Vec<ReplaySample>,
     /// The mission's waypoints, metres.
     pub mission_m: Vec<[f64; 3]>,
     /// The obstacles.
     pub obstacles: Vec<ReplayObstacle>,
-    /// The decision records, in the order of time; each holds until the next one. Records that
-    /// repeat the one before need not be given: the page drops them.
+    /// The decision records, in time order; each holds until the next one. The page drops records
+    /// that repeat the previous one.
     pub decisions: Vec<ReplayDecision>,
-    /// Wall-clock time of each decision. Give none where the page must be the same every time.
+    /// Wall-clock time of each decision. Leave it empty if the page must be the same every time.
     pub decision_times: Vec<ReplayDecisionTime>,
-    /// What happened, for the marks on the timeline.
+    /// Events, for the marks on the timeline.
     pub events: Vec<ReplayEvent>,
-    /// The least margin, as the simulator found it in continuous time. Without it the page takes
-    /// the least one at the samples.
+    /// The least margin from the simulator, in continuous time. Without it the page takes the
+    /// least one at the samples.
     pub outcome: Option<ReplayOutcome>,
 }
 
@@ -77,7 +77,7 @@ impl ReplayRun {
     }
 }
 
-/// Where the aircraft was, how it lay and what it was about.
+/// Position, attitude and state of the aircraft at a time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ReplaySample {
     /// Time, seconds.
@@ -90,14 +90,14 @@ pub struct ReplaySample {
     pub climb_rad: f64,
     /// Bank angle φ, radians, positive in a left turn.
     pub bank_rad: f64,
-    /// What the aircraft was about.
+    /// State of the aircraft.
     pub state: ReplayState,
 }
 
-/// What the aircraft is about; it colours the track.
+/// State of the aircraft; it colours the track.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum ReplayState {
-    /// On the mission, nothing threatens.
+    /// On the mission; nothing threatens.
     #[default]
     Cruise,
     /// A threat is known; the manoeuvre waits for its start.
@@ -140,24 +140,24 @@ pub struct ReplayObstacle {
     pub id: u32,
     /// Name on its label; empty for `#id`.
     pub name: String,
-    /// The volume that must not be entered.
+    /// The protected volume.
     pub volume: fga::situation::ProtectedVolume,
-    /// How it moves: straight pieces in the order of time. Each holds until the next one begins;
-    /// the first one also before its own start, the last one for ever.
+    /// Its motion: straight pieces in time order. Each holds until the next one begins;
+    /// the first one also before its start, the last one for ever.
     pub motion: Vec<ReplayPiece>,
-    /// When it is there, from and to, seconds; `None` for the whole run.
+    /// The times between which it exists, seconds; `None` for the whole run.
     pub present_s: Option<[f64; 2]>,
-    /// When the aircraft first knew of it, seconds; until then it is drawn faintly. `None` where
-    /// it was known from the start.
+    /// When the aircraft first knew of it, seconds; before that it is faint. `None` if the aircraft knew
+    /// it from the start.
     pub known_from_s: Option<f64>,
 }
 
-/// A straight, unaccelerated piece of an obstacle's way.
+/// A straight, unaccelerated piece of an obstacle's track.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReplayPiece {
     /// When it begins, seconds.
     pub start_s: f64,
-    /// Position of the volume's centre then, metres.
+    /// Position of the volume's centre at that time, metres.
     pub position_m: [f64; 3],
     /// Velocity over the ground, metres per second.
     pub velocity_mps: [f64; 3],
@@ -166,40 +166,40 @@ pub struct ReplayPiece {
 /// A decision record.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReplayDecision {
-    /// When it was made, seconds.
+    /// Time of the decision, seconds.
     pub t_s: f64,
-    /// The state it led to.
+    /// The new state.
     pub state: ReplayState,
-    /// The record in words, one thought a line; the first line is the headline.
+    /// The record in words, one thought per line; the first line is the headline.
     pub lines: Vec<String>,
     /// Identifier of the most urgent threat.
     pub threat: Option<u32>,
     /// Latest certified start, seconds from `t_s`.
     pub latest_start_s: Option<f64>,
-    /// The paths that were looked at, and the way back.
+    /// The examined paths, and the way back.
     pub paths: Vec<ReplayPath>,
 }
 
-/// A path that was looked at.
+/// An examined path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReplayPath {
-    /// What became of it.
+    /// Its result.
     pub kind: ReplayPathKind,
     /// Certified lower bound of the separation beyond every volume, metres.
     pub margin_m: Option<f64>,
-    /// Points on the path, metres, from the aircraft on. Dense ones cost nothing: the page keeps
-    /// those that matter, to a few decimetres.
+    /// Points on the path, metres, from the aircraft on. Dense points cost nothing: the page keeps
+    /// those that change its shape by more than a few decimetres.
     pub points_m: Vec<[f64; 3]>,
 }
 
-/// What became of a path.
+/// The result of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ReplayPathKind {
     /// Certified to stay clear.
     Certified,
     /// Comes too close.
     Rejected,
-    /// The one that is flown.
+    /// The flown one.
     Chosen,
     /// The way back to the mission.
     WayBack,
@@ -215,30 +215,30 @@ impl From<fga::avoider::Verdict> for ReplayPathKind {
     }
 }
 
-/// How long a decision took.
+/// The duration of a decision.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReplayDecisionTime {
-    /// When it was made, seconds.
+    /// Time of the decision, seconds.
     pub t_s: f64,
-    /// Wall-clock time it took, microseconds.
+    /// Wall-clock duration, microseconds.
     pub decision_us: f64,
 }
 
-/// Something that happened.
+/// An event.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReplayEvent {
-    /// When, seconds.
+    /// Time, seconds.
     pub t_s: f64,
-    /// What, in a few words.
+    /// A few words about it.
     pub text: String,
 }
 
 /// The least margin of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReplayOutcome {
-    /// Least distance beyond a protected volume, metres; negative where it was entered.
+    /// Least distance to the surface of a protected volume, metres; negative inside.
     pub min_margin_m: f64,
-    /// When, seconds.
+    /// Time, seconds.
     pub t_s: f64,
     /// Identifier of the obstacle.
     pub obstacle: u32,
@@ -247,8 +247,8 @@ pub struct ReplayOutcome {
 /// Writes the page.
 ///
 /// The same input gives the same bytes. A ten-minute flight sampled every 0.1 s among 50
-/// obstacles stays below 3 MB: where the records or samples of a page are more than it should
-/// hold, they are thinned evenly in time, never where the state or the threat changes.
+/// obstacles stays below 3 MB. Records or samples beyond the size limit are thinned evenly in
+/// time, but never where the state or the threat changes.
 #[must_use]
 pub fn render(replay: &Replay) -> String {
     let data = encode::replay_json(replay);

@@ -1,7 +1,7 @@
-//! A report as one HTML file: sections, tables with intervals, figures and their honest reading.
+//! A report as one HTML file: sections, tables with intervals, figures and their interpretation.
 //!
 //! The page opens without a network, has no script, prints, and follows the reader's choice of a
-//! light or dark page: figures are inline SVG whose neutral colours the page's style replaces.
+//! light or dark page: figures are inline SVG, and the page's style replaces their neutral colours.
 //!
 //! # Examples
 //!
@@ -35,11 +35,11 @@ use crate::svg::escape;
 pub struct Report {
     /// Heading of the page.
     pub title: String,
-    /// What the page is, in a sentence or two under the heading.
+    /// A sentence or two about the page, under the heading.
     pub summary: String,
-    /// What made the results: name, value (version, configuration, seed, target).
+    /// Origin of the results: name, value (version, configuration, seed, target).
     pub facts: Vec<(String, String)>,
-    /// The sections, which are also listed as contents.
+    /// The sections; the contents list them too.
     pub sections: Vec<Section>,
 }
 
@@ -48,11 +48,11 @@ pub struct Report {
 pub struct Section {
     /// Heading.
     pub title: String,
-    /// What it holds, in order.
+    /// Its blocks, in order.
     pub blocks: Vec<Block>,
 }
 
-/// A piece of a section.
+/// A block of a section.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Block {
     /// Plain text.
@@ -61,36 +61,36 @@ pub enum Block {
     Table(Table),
     /// A figure of this crate with its caption.
     Figure {
-        /// What a `to_svg` of this crate gave; it goes into the page as it is.
+        /// The output of a `to_svg` of this crate; the page contains it unchanged.
         svg: String,
-        /// One or two sentences under it.
+        /// One or two sentences below it.
         caption: String,
     },
-    /// What is claimed beside what is measured.
+    /// A claim beside its measurement.
     Reading(Reading),
-    /// Files beside the page: relative path, what it holds.
+    /// Files beside the page: relative path, content.
     Files(Vec<(String, String)>),
 }
 
-/// A claim of the paper beside what was measured, with one honest sentence.
+/// A claim of the paper beside its measurement, with one sentence of interpretation.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Reading {
-    /// What the paper states.
+    /// The claim of the paper.
     pub paper: String,
-    /// What the published algorithm gives.
+    /// The result of the published algorithm.
     pub published: String,
-    /// What the turn-aware policy gives.
+    /// The result of the turn-aware policy.
     pub turn_aware: String,
-    /// What the oracle allows.
+    /// The limit from the oracle.
     pub oracle: String,
-    /// The honest reading.
+    /// The interpretation.
     pub reading: String,
 }
 
 /// A table.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// What it shows.
+    /// Its caption.
     pub caption: String,
     /// Its columns.
     pub columns: Vec<Column>,
@@ -103,7 +103,7 @@ pub struct Table {
 pub struct Column {
     /// Name with unit.
     pub name: String,
-    /// Whether its cells are numbers, set to the right.
+    /// Whether its cells are numbers, aligned to the right.
     pub numeric: bool,
 }
 
@@ -130,15 +130,15 @@ impl Column {
 pub enum Cell {
     /// Text.
     Text(String),
-    /// A number with a fixed count of decimals.
+    /// A number with a fixed number of decimals.
     Number(f64, usize),
     /// A share of 0 to 1, shown in per cent with its interval.
     Share(Estimate),
-    /// A value with its interval, with a fixed count of decimals.
+    /// A value with its interval, with a fixed number of decimals.
     Estimate(Estimate, usize),
-    /// Text that leads to a file beside the page.
+    /// A link to a file beside the page.
     Link {
-        /// What is read.
+        /// The text of the link.
         text: String,
         /// Relative path.
         href: String,
@@ -285,7 +285,7 @@ impl Block {
     }
 }
 
-/// A table of more columns is set narrower.
+/// A table with more columns uses a narrower style.
 const WIDE: usize = 6;
 
 /// Text up to this many characters stays on one line.
@@ -293,7 +293,7 @@ const SHORT: usize = 30;
 
 impl Table {
     fn write(&self, page: &mut String) {
-        // Many numbers side by side: their intervals go below them.
+        // In tables with many numbers the intervals go below the numbers.
         let numbers = self.columns.iter().filter(|c| c.numeric).count();
         let class = if numbers > WIDE {
             "table wide"
@@ -359,8 +359,8 @@ impl Reading {
     }
 }
 
-/// The page's style. In the dark, the neutral colours of the figures are exchanged by their
-/// values; the colours of series stay.
+/// The page's style. In dark mode it exchanges the neutral colours of the figures by their values;
+/// the colours of series stay.
 const STYLE: &str = "\
 :root{color-scheme:light dark;--paper:#ffffff;--ink:#1f2328;--muted:#59636e;--line:#d1d9e0;--soft:#f6f8fa;--link:#0072b2}
 @media screen and (prefers-color-scheme:dark){:root{--paper:#14181d;--ink:#e6eaef;--muted:#9aa6b2;--line:#353d47;--soft:#1c2229;--link:#56b4e9}

@@ -1,8 +1,8 @@
-//! The safety case of a campaign: one page with the table that a regulator asks for.
+//! The safety case of a campaign: one page with the tables that a regulator asks for.
 //!
-//! It says how often there is a near mid-air collision or a loss of well clear with the system and
-//! without it, against the thresholds that are quoted; what the system does without need; when it
-//! warns and acts; how it gets on with more encounters; the worst encounters; what was assumed.
+//! It says how often a near mid-air collision or a loss of well clear happens with and without the
+//! system, against quoted thresholds; what the system does without need; when it warns and acts; how
+//! the ratios converge; the worst encounters; the assumptions.
 
 use core::fmt::Write as _;
 
@@ -10,16 +10,16 @@ use crate::interval::Estimate;
 use crate::plot::{Axis, Cdf, Claim, Line, LineChart, LinePoint, SampleSeries};
 use crate::report::{Block, Cell, Column, Report, Section, Table};
 
-/// A threshold that is quoted for a loss.
+/// A quoted threshold for a loss.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Threshold {
     /// Largest risk ratio.
     pub ratio: f64,
-    /// For which intruders.
+    /// The intruders that it applies to.
     pub intruders: &'static str,
 }
 
-/// Thresholds quoted for NMAC, cooperative and non-cooperative.
+/// Quoted thresholds for NMAC, cooperative and non-cooperative.
 pub const NMAC_THRESHOLDS: [Threshold; 2] = [
     Threshold {
         ratio: 0.18,
@@ -31,7 +31,7 @@ pub const NMAC_THRESHOLDS: [Threshold; 2] = [
     },
 ];
 
-/// Thresholds quoted for loss of well clear.
+/// Quoted thresholds for loss of well clear.
 pub const LOWC_THRESHOLDS: [Threshold; 2] = [
     Threshold {
         ratio: 0.40,
@@ -43,26 +43,26 @@ pub const LOWC_THRESHOLDS: [Threshold; 2] = [
     },
 ];
 
-/// How often something is lost.
+/// How often a loss happens.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Lost {
-    /// Encounters that lose it without avoidance.
+    /// Encounters with the loss without avoidance.
     pub nominal: u64,
-    /// Encounters that lose it as flown.
+    /// Encounters with the loss as flown.
     pub flown: u64,
-    /// Encounters that lose it as flown only.
+    /// Encounters with the loss only as flown.
     pub induced: u64,
     /// Weighted share of all encounters without avoidance.
     pub nominal_rate: f64,
     /// Weighted share as flown.
     pub rate: f64,
-    /// Risk ratio; `None` where nothing is lost without avoidance.
+    /// Risk ratio; `None` without any loss in the flights without avoidance.
     pub ratio: Option<Estimate>,
     /// The ratio after growing numbers of encounters.
     pub convergence: Vec<(u64, Estimate)>,
 }
 
-/// What one policy did.
+/// The results of one policy.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PolicyCase {
     /// Its name.
@@ -73,21 +73,21 @@ pub struct PolicyCase {
     pub lowc: Lost,
     /// Losses of well clear of DO-365B en route.
     pub do365: Lost,
-    /// Encounters in which it acted, and of those that stay well clear without it.
+    /// Encounters with a manoeuvre, and how many of them stay well clear without it.
     pub acted: u64,
-    /// Acted though nominally well clear.
+    /// Acted although nominally well clear.
     pub needless: u64,
     /// Nominally well clear.
     pub clear: u64,
     /// Changed into or out of avoiding more than three times.
     pub restless: u64,
-    /// Acted, and was not back on its mission at the end.
+    /// Acted, and not back on its mission at the end.
     pub not_back: u64,
-    /// Largest distances from the mission of those that acted, metres.
+    /// Largest distances from the mission in encounters with a manoeuvre, metres.
     pub departures_m: Vec<f64>,
-    /// Times off the mission of those that acted, seconds.
+    /// Times off the mission in encounters with a manoeuvre, seconds.
     pub away_s: Vec<f64>,
-    /// Leads of the first maneuver before the closest approach, seconds.
+    /// Leads of the first manoeuvre before the closest approach, seconds.
     pub action_leads_s: Vec<f64>,
     /// Severities of losses of well clear (DO-365B) as flown.
     pub severities: Vec<f64>,
@@ -110,16 +110,16 @@ pub struct ClassCase {
     pub lowc: Lost,
 }
 
-/// An encounter that is worth a look.
+/// An encounter to look at.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorstCase {
     /// The policy.
     pub policy: String,
     /// Number and name of the encounter.
     pub encounter: String,
-    /// What is wrong with it.
+    /// The fault.
     pub what: String,
-    /// Least horizontal separation and the vertical one then, metres: without avoidance, as flown.
+    /// Least horizontal separation and the vertical one at that time, metres: without avoidance, as flown.
     pub separation_m: [Option<(f64, f64)>; 2],
     /// Path of its replay page.
     pub href: String,
@@ -130,7 +130,7 @@ pub struct WorstCase {
 pub struct SafetyCase {
     /// Name of the campaign.
     pub name: String,
-    /// What made the results.
+    /// Origin of the results.
     pub facts: Vec<(String, String)>,
     /// Encounters.
     pub encounters: u64,
@@ -142,19 +142,19 @@ pub struct SafetyCase {
     pub classes: Vec<ClassCase>,
     /// Least horizontal separations without avoidance, metres.
     pub nominal_horizontal_m: Vec<f64>,
-    /// Leads of the corrective alert, of encounters that lose well clear (ASTM F3442) without avoidance, seconds.
+    /// Leads of the corrective alert in encounters that lose well clear (ASTM F3442) without avoidance, seconds.
     pub corrective_leads_s: Vec<f64>,
-    /// Leads of the warning alert, of the same, seconds.
+    /// Leads of the warning alert in the same encounters, seconds.
     pub warning_leads_s: Vec<f64>,
     /// The worst encounters.
     pub worst: Vec<WorstCase>,
-    /// What was assumed: name, value.
+    /// The assumptions: name, value.
     pub assumed: Vec<(String, String)>,
-    /// Whether encounters come from models, from recordings, or both: what they stand for.
+    /// Whether encounters come from models, from recordings, or both; the page says what they represent.
     pub stands_for: Vec<String>,
 }
 
-/// Whether a ratio keeps a threshold.
+/// Whether a ratio meets a threshold.
 fn verdict(ratio: &Estimate, threshold: &Threshold) -> &'static str {
     if ratio.high <= threshold.ratio {
         "met"
@@ -621,7 +621,7 @@ mod tests {
         .to_html();
         assert!(page.contains("&lt;b&gt;") && !page.contains("<b>"));
         assert!(page.ends_with("</html>\n"));
-        // Nothing is fetched.
+        // The page loads nothing.
         assert!(!page.contains("http://") || !page.contains("src="));
     }
 }

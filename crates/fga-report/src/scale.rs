@@ -10,7 +10,7 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    /// Maps `low..high` to the pixels `at_low..at_high`; an empty range is widened.
+    /// Maps `low..high` to the pixels `at_low..at_high`; widens an empty range.
     pub(crate) fn new(low: f64, high: f64, at_low: f64, at_high: f64) -> Self {
         let (low, high) = if high > low {
             (low, high)
@@ -38,7 +38,7 @@ impl Scale {
     }
 }
 
-/// The largest of 1, 2, 5 × 10ⁿ that is at most `length` (1 for what is not positive).
+/// The largest of 1, 2, 5 × 10ⁿ that is at most `length` (1 unless `length` is positive).
 pub(crate) fn round_down(length: f64) -> f64 {
     if !(length.is_finite() && length > 0.0) {
         return 1.0;
@@ -68,7 +68,7 @@ pub(crate) fn step(span: f64, most: f64) -> f64 {
     below * 10.0
 }
 
-/// A round step of time: like a clock's above ten seconds.
+/// A round step of time: above ten seconds a clock's.
 pub(crate) fn time_step(span_s: f64, most: f64) -> f64 {
     let least = span_s / most;
     [
@@ -94,7 +94,7 @@ pub(crate) fn marks(low: f64, high: f64, step: f64) -> Vec<f64> {
     values
 }
 
-/// A mark's text with as many decimals as the step needs and a true minus sign.
+/// The text of a mark, with as many decimals as the step needs and a true minus sign.
 pub(crate) fn mark_text(value: f64, step: f64) -> String {
     let decimals = if step >= 1.0 {
         0

@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use crate::palette::PAPER;
 
-/// Font stack of every text; the width estimate of [`text_width`] allows for the widest of it.
+/// Font stack of every text; [`text_width`] estimates by the widest of its fonts.
 const FONTS: &str = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif";
 
 /// A point of the picture, pixels from its top left corner.
@@ -65,7 +65,7 @@ impl Rect {
     }
 }
 
-/// Where a text stands relative to its point.
+/// The position of a text relative to its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,
@@ -83,14 +83,14 @@ impl Anchor {
     }
 }
 
-/// How a text looks.
+/// The look of a text.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TextStyle {
     pub(crate) size: f64,
     pub(crate) colour: &'static str,
     pub(crate) bold: bool,
     pub(crate) anchor: Anchor,
-    /// A rim in the paper's colour, for text that stands on lines.
+    /// A rim in the paper's colour, for text on lines.
     pub(crate) halo: bool,
 }
 
@@ -118,16 +118,16 @@ impl TextStyle {
     }
 }
 
-/// A picture that is being written.
+/// A picture under construction.
 ///
-/// Shapes take their look as presentation attributes (`fill="none" stroke="#000"`), which come
+/// The look of shapes is in presentation attributes (`fill="none" stroke="#000"`), which come
 /// from constants of this crate and never from input.
 pub(crate) struct Svg {
     body: String,
 }
 
 impl Svg {
-    /// Begins a picture of `width` × `height` pixels on its own background.
+    /// Begins a picture of `width` × `height` pixels with its background.
     pub(crate) fn new(width: f64, height: f64, title: &str, description: &str) -> Self {
         let (w, h) = (number(width), number(height));
         let mut body = String::with_capacity(1 << 14);
@@ -175,7 +175,7 @@ impl Svg {
         );
     }
 
-    /// An open line through `points`, thinned to what can be seen.
+    /// An open line through `points`, without invisible ones.
     pub(crate) fn polyline(&mut self, points: &[Point], look: &str) {
         let points = thin(points, 0.08);
         if points.len() > 1 {
@@ -201,7 +201,7 @@ impl Svg {
         self.turned_text(at, text, style, 0.0);
     }
 
-    /// Text turned by `degrees` clockwise about its point.
+    /// Text rotated by `degrees` clockwise about its point.
     pub(crate) fn turned_text(&mut self, at: Point, text: &str, style: TextStyle, degrees: f64) {
         let _ = write!(
             self.body,
@@ -235,7 +235,7 @@ impl Svg {
         let _ = writeln!(self.body, ">{}</text>", escape(text));
     }
 
-    /// Begins a panel that shows nothing outside `rect`; coordinates stay those of the picture.
+    /// Begins a panel that clips to `rect`; coordinates stay the picture's.
     pub(crate) fn begin_clip(&mut self, rect: &Rect) {
         let (x, y) = (number(rect.x), number(rect.y));
         let (w, h) = (number(rect.width), number(rect.height));
@@ -255,7 +255,7 @@ impl Svg {
     }
 }
 
-/// A coordinate to a hundredth, without a trailing zero or a negative zero; out of range is cut.
+/// A coordinate to a hundredth, without a trailing zero or a negative zero, clamped to the range.
 pub(crate) fn number(value: f64) -> String {
     let value = if value.is_nan() {
         0.0
@@ -291,7 +291,7 @@ pub(crate) fn escape(text: &str) -> String {
     escaped
 }
 
-/// At most `limit` characters of `text`, with an ellipsis where it was cut.
+/// At most `limit` characters of `text`, with an ellipsis at the cut.
 pub(crate) fn shorten(text: &str, limit: usize) -> String {
     if text.chars().count() <= limit {
         return text.to_owned();
@@ -318,8 +318,8 @@ pub(crate) fn text_width(text: &str, size: f64) -> f64 {
     ems * size
 }
 
-/// The points without those that lie within `tolerance` pixels of the line they interrupt
-/// (Ramer, Douglas and Peucker), after dropping repeats.
+/// The points without those within `tolerance` pixels of the line that they interrupt
+/// (Ramer, Douglas and Peucker), and without repeats.
 pub(crate) fn thin(points: &[Point], tolerance: f64) -> Vec<Point> {
     let mut distinct: Vec<Point> = Vec::with_capacity(points.len());
     for &point in points {
@@ -332,7 +332,7 @@ pub(crate) fn thin(points: &[Point], tolerance: f64) -> Vec<Point> {
             distinct.push(point);
         }
     }
-    // The very end counts, however close to the point before it.
+    // The very end counts, however close to the previous point.
     if let (Some(&end), Some(kept)) = (points.last(), distinct.last_mut())
         && end.0.is_finite()
         && end.1.is_finite()

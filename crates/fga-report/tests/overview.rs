@@ -1,4 +1,4 @@
-//! The overview: well formed, deterministic, honest about what happened, for runs of any size.
+//! The overview: well formed, deterministic, true to the flight, for runs of any size.
 
 mod cases;
 mod well_formed;

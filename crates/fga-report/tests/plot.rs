@@ -1,4 +1,4 @@
-//! The charts and the report: well formed, deterministic, nothing of the input gets out of place.
+//! The charts and the report: well formed, deterministic, safe against any input.
 
 mod charts;
 mod well_formed;
@@ -89,7 +89,7 @@ fn the_report_is_one_file_without_network_or_script() {
     for absent in ["<script", "http-equiv", "src=", "@import", "url("] {
         assert!(!page.contains(absent), "{absent}");
     }
-    // The one address in the page names the namespace of SVG.
+    // The only address in the page names the namespace of SVG.
     let addresses = page.matches("http").count();
     assert_eq!(
         addresses,

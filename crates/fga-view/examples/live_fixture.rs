@@ -1,6 +1,6 @@
-//! Streams a made-up flight for the viewer's browser test: `cargo run -p fga-view --example
-//! live_fixture [-- DIR]` prints the address of a live run; with a folder also that of its table.
-//! It ends when its standard input does.
+//! Streams a synthetic flight for the viewer's browser test: `cargo run -p fga-view --example
+//! live_fixture [-- DIR]` prints the address of a live run; with a folder also the address of its
+//! table. It ends when its standard input ends.
 
 use core::net::{Ipv4Addr, SocketAddr};
 use core::time::Duration;

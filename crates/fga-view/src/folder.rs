@@ -7,24 +7,24 @@ use serde_json::Value;
 
 use crate::Catalogue;
 
-/// Deepest folder looked into.
+/// Deepest folder searched.
 const MAX_DEPTH: usize = 6;
 /// Most rows listed.
 const MAX_ROWS: usize = 200_000;
 
 /// A folder of runs: each folder below it with a `run.json` is a run or a batch.
 ///
-/// The page of a run is its `replay.html`; of an encounter of a batch `replay/<encounter>.html`.
+/// The page of a run is its `replay.html`, of an encounter of a batch `replay/<encounter>.html`.
 #[derive(Debug, Clone)]
 pub struct Folder {
     root: PathBuf,
 }
 
 impl Folder {
-    /// Takes a folder.
+    /// Opens a folder.
     ///
     /// # Errors
-    /// If it is not a folder or cannot be read.
+    /// If it is not a folder or is unreadable.
     pub fn open(path: &Path) -> io::Result<Self> {
         let root = path.canonicalize()?;
         if !root.is_dir() {
@@ -36,7 +36,7 @@ impl Folder {
 
     fn collect(&self, folder: &Path, depth: usize, rows: &mut Vec<ListingRow>) -> io::Result<()> {
         if let Ok(text) = fs::read_to_string(folder.join("run.json")) {
-            // A folder of other people's files may hold anything: what does not parse is no run.
+            // The folder may hold any file: an entry that does not parse is no run.
             let document: Value = serde_json::from_str(&text).unwrap_or_default();
             if document.get("command").and_then(Value::as_str) == Some("campaign") {
                 rows.push(self.campaign(folder, &document));
@@ -51,7 +51,7 @@ impl Folder {
         }
         let mut below: Vec<PathBuf> = fs::read_dir(folder)?
             .filter_map(Result::ok)
-            // The type of the entry itself: a link is not followed.
+            // The type of the entry itself: links are not followed.
             .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()))
             .map(|entry| entry.path())
             .collect();
@@ -60,13 +60,13 @@ impl Folder {
             if rows.len() >= MAX_ROWS {
                 break;
             }
-            // One folder that may not be read does not hide the others.
+            // One unreadable folder must not hide the others.
             let _ = self.collect(&folder, depth + 1, rows);
         }
         Ok(())
     }
 
-    /// A campaign, whose encounters this does not know.
+    /// A campaign: only `Server` with a campaign catalogue can list its encounters.
     fn campaign(&self, folder: &Path, document: &Value) -> ListingRow {
         let name = document.pointer("/configuration/name");
         ListingRow {
@@ -103,7 +103,7 @@ impl Folder {
         }
     }
 
-    /// A row for each encounter of a batch; a line that does not parse is left out.
+    /// A row for each encounter of a batch; skips a line that does not parse.
     fn batch(&self, folder: &Path, document: &Value, rows: &mut Vec<ListingRow>) {
         let Ok(mut reader) = csv::Reader::from_path(folder.join("results.csv")) else {
             return;
@@ -153,13 +153,13 @@ impl Folder {
         parts.join("/")
     }
 
-    /// The key of a page, where it is one that [`Catalogue::page`] would give out.
+    /// The key of a page, if [`Catalogue::page`] serves it.
     fn link(&self, file: &Path) -> Option<String> {
         let key = self.relative(file);
         self.resolve(&key).map(|_| key)
     }
 
-    /// The file of a key: a replay page inside the folder, links followed and checked.
+    /// The file of a key: a replay page inside the folder, with links resolved and checked.
     fn resolve(&self, key: &str) -> Option<PathBuf> {
         let below = Path::new(key);
         let plain = below

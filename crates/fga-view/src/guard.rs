@@ -1,11 +1,11 @@
-//! Who is answered.
+//! Decides whose requests the server answers.
 
 use core::net::IpAddr;
 
 use axum::http::HeaderMap;
 use axum::http::header::{HOST, ORIGIN};
 
-/// Whether a request was made to an address and not to a foreign name that points here.
+/// Whether a request names an address of this server and not a foreign name that points here.
 pub(crate) fn host_allowed(headers: &HeaderMap) -> bool {
     let Some(host) = headers.get(HOST).and_then(|host| host.to_str().ok()) else {
         return false;
@@ -17,7 +17,7 @@ pub(crate) fn host_allowed(headers: &HeaderMap) -> bool {
     name.eq_ignore_ascii_case("localhost") || name.parse::<IpAddr>().is_ok()
 }
 
-/// Whether a WebSocket is asked for by a page of this server, or by no page at all.
+/// Whether a page of this server, or no page at all, asks for a WebSocket.
 pub(crate) fn origin_allowed(headers: &HeaderMap) -> bool {
     let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
     match (headers.contains_key(ORIGIN), text(ORIGIN), text(HOST)) {

@@ -1,4 +1,4 @@
-//! Hands the messages of a run that goes on to every browser that listens.
+//! Passes the messages of a running flight to every listening browser.
 
 use alloc::sync::Arc;
 use core::time::Duration;
@@ -11,13 +11,13 @@ use fga_report::replay::LiveMessage;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::broadcast::{self, Receiver};
 
-/// Messages that wait for a slow browser; one further behind gets the whole run again.
+/// Messages that wait for a slow browser; a browser further behind gets the whole run again.
 const WAITING: usize = 1024;
-/// Messages kept for browsers that come later; beyond it every second sample is forgotten.
+/// Messages kept for late browsers; beyond that every second sample is dropped.
 const REMEMBERED: usize = 40_000;
-/// A browser that takes no message for so long is gone.
+/// A browser that takes no message for this long is gone.
 const GONE_AFTER: Duration = Duration::from_secs(15);
-/// Time that a browser gets to catch up before it gets the whole run again.
+/// Time for a browser to catch up before it gets the whole run again.
 const PAUSE: Duration = Duration::from_millis(500);
 
 /// The sending end of a live run. Clones send to the same browsers.
@@ -35,9 +35,9 @@ struct Shared {
 #[derive(Debug)]
 struct Kept {
     text: Utf8Bytes,
-    /// Whether the picture is the same, if coarser, without it.
+    /// Whether the picture stays the same, if coarser, without it.
     spare: bool,
-    /// The run and obstacle that a later message of the kind replaces.
+    /// The run and obstacle that a later message of this kind replaces.
     obstacle: Option<(usize, u32)>,
 }
 
@@ -50,13 +50,13 @@ impl Live {
         }
     }
 
-    /// Nothing here can panic half-way, so that what a poisoned lock holds is whole.
+    /// Nothing here can panic half-way, so data behind a poisoned lock is complete.
     fn lock(&self) -> MutexGuard<'_, Shared> {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sends a message. It never waits for a browser: one that is slow misses messages and is
-    /// sent the whole run again when it has caught up.
+    /// Sends a message without waiting for any browser. A slow browser misses messages and gets the
+    /// whole run again when it has caught up.
     pub fn send(&self, message: &LiveMessage) {
         let text = Utf8Bytes::from(message.to_json());
         let spare = matches!(
@@ -82,24 +82,24 @@ impl Live {
         let _ = shared.sender.send(text);
     }
 
-    /// Waits until the browsers that keep up have taken everything, at most so long.
+    /// Waits until the browsers that keep up have taken everything, or until the time is over.
     pub fn drain(&self, at_most: Duration) {
         let since = Instant::now();
         while since.elapsed() < at_most && !self.lock().sender.is_empty() {
             std::thread::sleep(Duration::from_millis(10));
         }
         if self.listeners() > 0 {
-            // What was taken from the queue last is still on its way.
+            // The last message from the queue is still on its way.
             std::thread::sleep(Duration::from_millis(200));
         }
     }
 
-    /// How many browsers listen.
+    /// Number of listening browsers.
     pub fn listeners(&self) -> usize {
         self.lock().sender.receiver_count()
     }
 
-    /// What was sent so far, and what will be.
+    /// The messages sent so far, and a receiver of the following ones.
     fn join(&self) -> (Vec<Utf8Bytes>, Receiver<Utf8Bytes>) {
         let shared = self.lock();
         let told = shared
@@ -123,7 +123,7 @@ impl Live {
         }
     }
 
-    /// Tells the whole and what follows; `Some` when the browser fell behind, `None` when it went.
+    /// Sends the whole run and then each message; `Some` when the browser fell behind, `None` when it went.
     async fn tell(&self, socket: &mut WebSocket) -> Option<()> {
         let (told, mut news) = self.join();
         for text in told {
@@ -136,7 +136,7 @@ impl Live {
                     Err(RecvError::Lagged(_)) => return Some(()),
                     Err(RecvError::Closed) => return None,
                 },
-                // What a browser says is not listened to; that it went is.
+                // The server ignores what a browser sends, but not its end.
                 word = socket.recv() => match word {
                     Some(Ok(Message::Close(_)) | Err(_)) | None => return None,
                     Some(Ok(_)) => {}
@@ -163,7 +163,7 @@ async fn send_message(socket: &mut WebSocket, message: Message) -> Option<()> {
         .ok()
 }
 
-/// Leaves out every second sample, decision and time, and obstacles that were replaced.
+/// Drops every second sample, decision and duration, and replaced obstacles.
 fn forget(history: &mut Vec<Kept>) {
     let mut latest = std::collections::HashSet::new();
     let mut last: Vec<bool> = history
@@ -173,7 +173,7 @@ fn forget(history: &mut Vec<Kept>) {
         .collect();
     last.reverse();
     let mut place = 0;
-    // Counted down, so that the newest one stays.
+    // Counts down, so that the newest one stays.
     let mut spare = history.iter().filter(|kept| kept.spare).count();
     history.retain(|kept| {
         let stays = last[place] && !(kept.spare && spare.is_multiple_of(2));

@@ -20,7 +20,7 @@ use tokio::sync::oneshot;
 use crate::guard::{host_allowed, origin_allowed};
 use crate::{Catalogue, Live};
 
-/// A server on a thread of its own; it stops when it is dropped.
+/// A server with its own thread; dropping it stops it.
 #[derive(Debug)]
 pub struct Server {
     address: SocketAddr,
@@ -32,7 +32,7 @@ impl Server {
     /// Serves a table of runs and their pages. Port 0 takes a free one.
     ///
     /// # Errors
-    /// If the address cannot be listened on.
+    /// If the server cannot listen on the address.
     pub fn catalogue(address: SocketAddr, catalogue: impl Catalogue) -> io::Result<Self> {
         let router = Router::new()
             .route("/", get(table))
@@ -41,10 +41,10 @@ impl Server {
         Self::start(address, router)
     }
 
-    /// Serves a run while it goes on. Send what happens to the [`Live`] returned.
+    /// Serves a running flight. Send its events to the returned [`Live`].
     ///
     /// # Errors
-    /// If the address cannot be listened on.
+    /// If the server cannot listen on the address.
     pub fn live(address: SocketAddr, title: &str) -> io::Result<(Self, Live)> {
         let live = Live::new();
         let page = render_live(title, "/live");
@@ -92,7 +92,7 @@ impl Server {
         })
     }
 
-    /// Where it answers.
+    /// The address it listens on.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
@@ -174,7 +174,7 @@ async fn table(State(catalogue): Shown) -> Result<Response, Response> {
     })
 }
 
-/// The address of a key: what is not plain in a path as percent and hexadecimal.
+/// The address of a key: characters that are not plain in a path become percent codes.
 fn address_of(key: &str) -> String {
     use core::fmt::Write as _;
     let mut address = String::from("/replay/");

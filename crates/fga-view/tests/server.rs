@@ -12,7 +12,7 @@ use fga_view::{Folder, Server};
 
 const ANY_PORT: SocketAddr = SocketAddr::new(core::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 0);
 
-/// The whole answer to a request for a path, sent as it is.
+/// The whole answer to a raw request for a path.
 fn ask(address: SocketAddr, path: &str, host: &str) -> String {
     let mut stream = TcpStream::connect(address).expect("connect");
     write!(
@@ -134,13 +134,13 @@ fn a_browser_that_does_not_read_holds_nobody_up() {
         thread::sleep(Duration::from_millis(5));
     }
     live.send(&LiveMessage::Run(Box::new(ReplayRun::named("r"))));
-    // Far more than the channel and the socket's buffers hold: a sender that waited would not
-    // come back at all.
+    // Far more than the channel and the socket's buffers hold: a sender that waits would never
+    // return.
     for step in 0..200_000 {
         live.send(&sample(step));
     }
     drop(idle);
-    // A vanished browser is forgotten.
+    // The server forgets a vanished browser.
     let since = Instant::now();
     while live.listeners() > 0 && since.elapsed() < Duration::from_mins(1) {
         live.send(&sample(200_000));

@@ -25,7 +25,7 @@ pub(super) fn draw(overview: &Overview, focus: &Focus, rect: Rect, svg: &mut Svg
         .iter()
         .map(|f| (f, section(overview, f)))
         .collect();
-    // Volumes that the track passes over or under, as far as they do not make the climb flat.
+    // Volumes above or below the track, if they do not flatten the climb.
     let reach = (2.0 * flown).max(60.0);
     for (_, cut) in &sections {
         for (_, bottom, top) in cut {
@@ -98,7 +98,7 @@ pub(super) fn draw(overview: &Overview, focus: &Focus, rect: Rect, svg: &mut Svg
     svg.rect(&rect, FRAME);
 }
 
-/// Where a protected volume is cut by the aircraft's vertical curtain: time, lowest, highest.
+/// The section of a protected volume in the track's vertical curtain: time, lowest, highest.
 fn section(overview: &Overview, followed: &Followed) -> Vec<(f64, f64, f64)> {
     let obstacle = followed.obstacle;
     overview

@@ -1,4 +1,4 @@
-//! What an overview is made of, and which obstacles it follows.
+//! The data of an overview, and the choice of the obstacles that it follows.
 
 use fga::Vec3;
 use fga::avoider::State;
@@ -6,18 +6,18 @@ use fga::situation::ProtectedVolume;
 
 use super::Shape;
 
-/// Where the aircraft was.
+/// The aircraft's position at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// Seconds from the start of the run.
     pub time_s: f64,
     /// Position, metres, local frame.
     pub position_m: Vec3,
-    /// What it was doing from this sample to the next.
+    /// Its state from this sample to the next.
     pub state: State,
 }
 
-/// Where an obstacle was.
+/// An obstacle's position at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackPoint {
     /// Seconds from the start of the run.
@@ -37,26 +37,26 @@ pub struct Closest {
     pub margin_m: f64,
 }
 
-/// An obstacle and its way.
+/// An obstacle and its track.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Obstacle {
     /// Its number in the run; moments refer to it.
     pub id: u32,
-    /// What people call it; any text.
+    /// Its name for people; any text.
     pub name: String,
-    /// The volume around it that must not be entered.
+    /// The protected volume around it.
     pub volume: ProtectedVolume,
-    /// Its way, straight between points; one point for an obstacle that stands for the whole run.
-    /// Outside the times of a longer track it is not there.
+    /// Its track, linear between points; a single point is an obstacle at rest for the whole run.
+    /// Outside the times of a longer track the obstacle is absent.
     pub track: Vec<TrackPoint>,
-    /// The closest approach over continuous time, where known; else it is taken from the samples.
+    /// The closest approach over continuous time, if known; else the samples give it.
     pub closest: Option<Closest>,
 }
 
 /// A kind of critical moment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MomentKind {
-    /// An obstacle was recognised as a threat.
+    /// A threat was recognised.
     ThreatSeen,
     /// The avoiding manoeuvre began.
     ManeuverBegun,
@@ -91,13 +91,13 @@ impl MomentKind {
 pub struct Moment {
     /// Seconds from the start of the run.
     pub time_s: f64,
-    /// What happened.
+    /// The kind of moment.
     pub kind: MomentKind,
-    /// The obstacle it was about, by its number.
+    /// The obstacle concerned, by its number.
     pub obstacle: Option<u32>,
 }
 
-/// One run, as far as its picture needs it.
+/// The data of one run that its picture needs.
 ///
 /// # Examples
 ///
@@ -133,16 +133,16 @@ pub struct Overview {
     pub title: String,
     /// The mission's waypoints in order, metres, local frame.
     pub mission_m: Vec<Vec3>,
-    /// The flown track in order of time.
+    /// The flown track, in time order.
     pub samples: Vec<Sample>,
     /// The obstacles.
     pub obstacles: Vec<Obstacle>,
-    /// Critical moments; the closest approaches are drawn without being listed here.
+    /// Critical moments; the picture draws the closest approaches without an entry here.
     pub moments: Vec<Moment>,
 }
 
 impl Overview {
-    /// Where the aircraft was at a time: straight between samples, held at the ends.
+    /// The aircraft's position at a time: linear between samples, constant beyond the ends.
     pub(super) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
         if !time_s.is_finite() {
             return None;
@@ -171,7 +171,7 @@ impl Overview {
         (start, end)
     }
 
-    /// The samples without those that are not finite.
+    /// The finite samples.
     pub(super) fn finite_samples(&self) -> impl Iterator<Item = &Sample> {
         self.samples
             .iter()
@@ -180,7 +180,7 @@ impl Overview {
 }
 
 impl Obstacle {
-    /// Where it was at a time; `None` while it is not there.
+    /// Its position at a time; `None` while it is absent.
     pub(super) fn position_at_m(&self, time_s: f64) -> Option<Vec3> {
         if let [only] = self.track.as_slice() {
             return Some(only.position_m);
@@ -194,7 +194,7 @@ impl Obstacle {
         Some(before.position_m + (next.position_m - before.position_m) * share)
     }
 
-    /// Whether it is at different places at different times.
+    /// Whether it moves.
     pub(super) fn moves(&self) -> bool {
         self.track
             .windows(2)
@@ -202,7 +202,7 @@ impl Obstacle {
     }
 }
 
-/// How far the aircraft was from an obstacle at a moment.
+/// The distance of the aircraft from an obstacle at a moment.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CurvePoint {
     pub(super) time_s: f64,
@@ -221,30 +221,30 @@ impl CurvePoint {
     }
 }
 
-/// An obstacle that the picture names and follows.
+/// An obstacle with a name and a curve in the picture.
 pub(super) struct Followed<'a> {
     pub(super) obstacle: &'a Obstacle,
     pub(super) closest: Closest,
-    /// One point for each sample at which it was there.
+    /// One point for each sample at which it exists.
     pub(super) curve: Vec<CurvePoint>,
 }
 
-/// Which obstacles are followed, closest first, and what is left of the others.
+/// The followed obstacles, closest first, and a summary of the others.
 pub(super) struct Focus<'a> {
     pub(super) followed: Vec<Followed<'a>>,
-    /// The others with the time at which they were closest.
+    /// The others with the time of their closest approach.
     pub(super) others: Vec<(&'a Obstacle, f64)>,
     /// The least margin of the others at each sample.
     pub(super) least_other: Vec<CurvePoint>,
 }
 
-/// Most obstacles with a name and a curve of their own.
+/// Most obstacles with a name and a curve.
 const MOST_FOLLOWED: usize = 6;
 
 impl<'a> Focus<'a> {
     pub(super) fn new(overview: &'a Overview) -> Self {
         let samples: Vec<&Sample> = overview.finite_samples().collect();
-        // About two samples a pixel are enough for the curves and to rank.
+        // About two samples a pixel are enough for the curves and for the ranking.
         let stride = (samples.len() / 2400).max(1);
         let mut all: Vec<Followed> = Vec::new();
         let mut least: Vec<CurvePoint> = Vec::new();

@@ -17,7 +17,7 @@ pub(super) struct Panel {
 impl Panel {
     pub(super) fn new(overview: &Overview, rect: Rect, low: f64, high: f64) -> Self {
         let (start, end) = overview.times_s();
-        // A run of one moment is given a second to stand in.
+        // A run of one moment gets a second of width.
         let end = if end > start { end } else { start + 1.0 };
         Self {
             rect,
@@ -84,7 +84,7 @@ impl Panel {
     }
 }
 
-/// The flown track cut where the state changes; each piece reaches to the next one's start.
+/// The flown track cut where the state changes; each piece reaches the start of the next one.
 pub(super) fn pieces(overview: &Overview) -> Vec<(State, Vec<&Sample>)> {
     let mut pieces: Vec<(State, Vec<&Sample>)> = Vec::new();
     for sample in overview.finite_samples() {

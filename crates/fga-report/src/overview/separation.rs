@@ -10,8 +10,8 @@ use crate::palette::{INK, MUTED, VERMILION};
 use crate::svg::{Anchor, Point, Rect, Svg, TextStyle, shorten, text_width, thin};
 
 pub(super) fn draw(overview: &Overview, focus: &Focus, rect: Rect, svg: &mut Svg) {
-    // Spheres are compared with their radius; where a cylinder takes part the distance to the
-    // volume is the only measure that fits all.
+    // Spheres compare the separation with their radius; with a cylinder only the distance to the
+    // volume fits all.
     let by_margin = focus
         .followed
         .iter()
@@ -118,7 +118,7 @@ fn draw_closest(panel: &Panel, focus: &Focus, by_margin: bool, svg: &mut Svg, la
     }
 }
 
-/// What to show of the values: what is near, down to the deepest entry.
+/// The range of values to show: near ones, down to the deepest entry.
 fn range(focus: &Focus, by_margin: bool) -> (f64, f64) {
     let value = |point: &CurvePoint| point.shown(by_margin);
     let radius = focus
@@ -151,7 +151,7 @@ fn range(focus: &Focus, by_margin: bool) -> (f64, f64) {
     (low, high)
 }
 
-/// The protected radius of each followed obstacle, or the one boundary of all volumes.
+/// The protected radius of each followed obstacle, or the common boundary of all volumes.
 fn draw_limits(panel: &Panel, focus: &Focus, by_margin: bool, svg: &mut Svg, labels: &mut Labels) {
     let rect = &panel.rect;
     let mut radii: Vec<f64> = if focus.followed.is_empty() {
@@ -185,7 +185,7 @@ fn draw_limits(panel: &Panel, focus: &Focus, by_margin: bool, svg: &mut Svg, lab
         } else {
             format!("protected radius {radius:.0} m")
         };
-        // Below the line, where no curve runs that keeps clear, if there is room.
+        // Below the line, which a clear curve never crosses, if there is room.
         let base = if radii.len() == 1 && rect.bottom() - y > 16.0 {
             y + 12.0
         } else {

@@ -14,7 +14,7 @@ use crate::palette::{INK, MUTED, VERMILION};
 use crate::scale::{Scale, mark_text, marks, round_down, step, time_step};
 use crate::svg::{Anchor, Point, Rect, Svg, TextStyle, shorten, text_width, thin};
 
-/// The box that holds some points.
+/// The bounding box of some points.
 #[derive(Clone, Copy)]
 struct Bounds {
     low: Vec3,
@@ -47,7 +47,7 @@ impl Bounds {
     }
 }
 
-/// Part of the ground to show, metres: x, y are its south-west corner.
+/// The part of the ground to show, metres: x, y are its south-west corner.
 pub(super) fn extent(overview: &Overview, focus: &Focus) -> Rect {
     let mut bounds = Bounds::NONE;
     for sample in overview.finite_samples() {
@@ -55,7 +55,7 @@ pub(super) fn extent(overview: &Overview, focus: &Focus) -> Rect {
     }
     let flown = bounds.size();
     for followed in &focus.followed {
-        // What stays far away does not make the flight small.
+        // A distant obstacle must not make the flight small,
         let radius = followed.obstacle.volume.radius_m();
         let near = followed.closest.margin_m <= (0.25 * flown).max(6.0 * radius);
         if let Some(at) = followed.obstacle.position_at_m(followed.closest.time_s)
@@ -64,7 +64,7 @@ pub(super) fn extent(overview: &Overview, focus: &Focus) -> Rect {
             bounds.take(at, radius);
         }
     }
-    // Nor does a mission that reaches far beyond it.
+    // nor must a mission that reaches far beyond it.
     let seen = bounds;
     for &waypoint in &overview.mission_m {
         let off = (waypoint.max(seen.low).min(seen.high) - waypoint).length();
@@ -148,7 +148,7 @@ fn draw_grid(view: &View, svg: &mut Svg) {
     let panel = &view.panel;
     let spacing = step(view.x.high() - view.x.low(), panel.width / 90.0);
     let north_spacing = step(view.y.high() - view.y.low(), panel.height / 48.0).min(spacing);
-    // Far flights are marked in kilometres.
+    // Large areas have marks in kilometres.
     let far = spacing >= 1000.0;
     let (unit, per_unit) = if far { ("km", 1000.0) } else { ("m", 1.0) };
     let style = TextStyle::new(11.0, MUTED);
@@ -434,7 +434,7 @@ fn draw_marks(overview: &Overview, focus: &Focus, view: &View, svg: &mut Svg, la
         let at = view.at(at);
         marker(svg, at, moment.kind.shape());
         labels.block(Rect::new(at.0 - 6.0, at.1 - 6.0, 12.0, 12.0));
-        // A busy flight keeps to the times; the shapes in the legend tell the rest.
+        // A crowded picture keeps only the times; the legend explains the shapes.
         let text = if overview.moments.len() > 6 {
             format!("{:.1} s", moment.time_s)
         } else {

@@ -1,4 +1,4 @@
-//! Grouped bars with whiskers of their intervals.
+//! Grouped bars with whiskers for their intervals.
 
 use super::Axis;
 use super::frame::{Frame, HEIGHT, colour};
@@ -20,11 +20,11 @@ pub struct BarSeries {
 pub struct BarChart {
     /// Heading.
     pub title: String,
-    /// What the groups are, under the chart.
+    /// The kind of group, below the chart.
     pub groups_label: String,
     /// Name of each group.
     pub groups: Vec<String>,
-    /// What runs upwards; bars stand on its lower end.
+    /// The value axis; bars stand on its lower end.
     pub y: Axis,
     /// The series.
     pub series: Vec<BarSeries>,

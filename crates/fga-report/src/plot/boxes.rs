@@ -27,9 +27,9 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// The spread of `values`, which are sorted in place; `None` without finite values.
+    /// The spread of `values`, which it sorts in place; `None` without finite values.
     ///
-    /// Percentiles are those of the sorted sample with linear interpolation (type 7 of Hyndman
+    /// Percentiles interpolate linearly in the sorted sample (type 7 of Hyndman
     /// and Fan, the default of R and `NumPy`).
     ///
     /// # Examples
@@ -77,7 +77,7 @@ impl Spread {
 pub struct SpreadRow {
     /// Name on the left.
     pub name: String,
-    /// What is drawn: box = quartiles, whiskers = 1st and 99th percentile, dot = largest value.
+    /// The drawn statistics: box = quartiles, whiskers = 1st and 99th percentile, dot = largest value.
     pub spread: Spread,
 }
 
@@ -90,12 +90,12 @@ pub struct BoxChart {
     pub x: Axis,
     /// The rows, first on top.
     pub rows: Vec<SpreadRow>,
-    /// Single values of others to compare with: place, name.
+    /// Single values to compare with: value, name.
     pub limits: Vec<(f64, String)>,
 }
 
 impl BoxChart {
-    /// Draws the chart; it is as high as its rows need.
+    /// Draws the chart; its height follows from the number of rows.
     pub fn to_svg(&self) -> String {
         let row_height = 34.0;
         let height = 46.0 + 74.0 + row_height * self.rows.len().max(3) as f64;
@@ -183,7 +183,7 @@ impl BoxChart {
     }
 }
 
-/// Three significant digits without an exponent where that is short.
+/// Three significant digits, without an exponent if that is short.
 fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".to_owned();

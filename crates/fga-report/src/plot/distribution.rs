@@ -9,7 +9,7 @@ use crate::svg::{Point, Rect};
 pub struct SampleSeries {
     /// Name in the legend.
     pub name: String,
-    /// The values in any order; those that are not finite are left out.
+    /// The values in any order; those that are not finite do not count.
     pub values: Vec<f64>,
 }
 
@@ -26,7 +26,7 @@ impl SampleSeries {
     }
 }
 
-/// Cumulative shares: what part of each sample is at most x.
+/// Cumulative shares: the part of each sample that is at most x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cdf {
     /// Heading.
@@ -35,7 +35,7 @@ pub struct Cdf {
     pub x: Axis,
     /// The samples.
     pub series: Vec<SampleSeries>,
-    /// Places along x worth a line, with their names: `(30.0, "protected radius")`.
+    /// Vertical lines along x, with their names: `(30.0, "protected radius")`.
     pub limits: Vec<(f64, String)>,
 }
 
@@ -57,7 +57,7 @@ impl Cdf {
         draw_limits(&mut svg, &area, &x, &self.limits);
         svg.begin_clip(&area);
         for (series, values) in sorted.iter().enumerate() {
-            // The steps of more values than pixels cannot be seen one by one.
+            // Single steps of more values than pixels are invisible.
             let stride = (values.len() / 4000).max(1);
             let mut way: Vec<Point> = Vec::new();
             for (index, value) in values.iter().enumerate() {
@@ -93,18 +93,18 @@ impl Cdf {
 pub struct Histogram {
     /// Heading.
     pub title: String,
-    /// The measured quantity; its range, where given, bounds the bins.
+    /// The measured quantity; its range, if given, bounds the bins.
     pub x: Axis,
     /// Number of bins, at least 1.
     pub bins: usize,
     /// The samples.
     pub series: Vec<SampleSeries>,
-    /// Places along x worth a line, with their names.
+    /// Vertical lines along x, with their names.
     pub limits: Vec<(f64, String)>,
 }
 
 impl Histogram {
-    /// Draws the chart; values beyond the axis' range count for the share but fall in no bin.
+    /// Draws the chart; values beyond the axis' range count for the share but belong to no bin.
     pub fn to_svg(&self) -> String {
         let names: Vec<&str> = self.series.iter().map(|s| s.name.as_str()).collect();
         let (mut svg, frame) = Frame::begin(&self.title, &names, 74.0, HEIGHT);

@@ -1,4 +1,4 @@
-//! What all charts share: the frame with its axes, the legend, colours and marks of series.
+//! The common parts of all charts: the frame with its axes, the legend, colours and marks of series.
 
 use super::{Axis, Spacing};
 use crate::palette::{BLACK, BLUE, GREEN, INK, MUTED, ORANGE, PURPLE, SKY, VERMILION};
@@ -25,7 +25,7 @@ pub(super) fn line_look(series: usize) -> String {
     )
 }
 
-/// The mark of a series: its own shape beside its own colour.
+/// The mark of a series: a shape besides the colour.
 pub(super) fn draw_mark(svg: &mut Svg, (x, y): Point, series: usize) {
     let solid = format!(
         "fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"0.8\"",
@@ -51,7 +51,7 @@ pub(super) fn draw_mark(svg: &mut Svg, (x, y): Point, series: usize) {
     }
 }
 
-/// An axis laid along pixels.
+/// An axis along pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ruler {
     scale: Scale,
@@ -59,7 +59,7 @@ pub(super) struct Ruler {
 }
 
 impl Ruler {
-    /// Lays `axis` along `from..to`; `values` are the data that it must hold.
+    /// Maps `axis` to `from..to`; `values` are the data that it must contain.
     pub(super) fn new(axis: &Axis, values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
         let log = axis.spacing == Spacing::Log;
         let usable = |value: &f64| value.is_finite() && (!log || *value > 0.0);
@@ -84,7 +84,7 @@ impl Ruler {
             } else {
                 let span = if high > low { high - low } else { 1.0 };
                 let round = step(span, 8.0);
-                // An axis that nearly reaches zero begins there.
+                // An axis that nearly reaches zero begins at zero.
                 let low = if low >= 0.0 && low < 0.4 * high {
                     0.0
                 } else {
@@ -99,7 +99,7 @@ impl Ruler {
         }
     }
 
-    /// Where a value lies; `None` where it has no place on the axis.
+    /// The position of a value; `None` if it has no position on the axis.
     pub(super) fn at(&self, value: f64) -> Option<f64> {
         let value = if self.spacing == Spacing::Log {
             if value <= 0.0 {
@@ -185,7 +185,7 @@ fn decade_text(decade: f64) -> String {
     format!("10{raised}")
 }
 
-/// A number with no more decimals than it needs, at most six.
+/// A number with as few decimals as possible, at most six.
 fn plain(value: f64) -> String {
     let text = format!("{value:.6}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -272,7 +272,7 @@ impl Frame {
         );
     }
 
-    /// The frame's edge, the legend, and a word where there is nothing to see.
+    /// The frame's edge, the legend, and a word where there is no data.
     pub(super) fn finish(
         &self,
         mut svg: Svg,
@@ -302,7 +302,7 @@ impl Frame {
     }
 }
 
-/// Upright lines at places worth naming, each with its name at the top.
+/// Vertical lines with their names at the top.
 pub(super) fn draw_limits(svg: &mut Svg, area: &Rect, ruler: &Ruler, limits: &[(f64, String)]) {
     for (index, (value, name)) in limits.iter().enumerate() {
         let Some(x) = ruler
@@ -322,7 +322,7 @@ pub(super) fn draw_limits(svg: &mut Svg, area: &Rect, ruler: &Ruler, limits: &[(
         } else {
             (x + 5.0, Anchor::Start)
         };
-        // Neighbours stand one below the other.
+        // Names of neighbouring lines go one below the other.
         let y = area.y + 14.0 + 15.0 * (index % 4) as f64;
         svg.text(
             (at, y),

@@ -1,4 +1,4 @@
-//! Lines with bands of intervals, and the claims that they are compared with.
+//! Lines with bands of intervals, and claims to compare them with.
 
 use super::Axis;
 use super::frame::{Frame, HEIGHT, colour, draw_mark, line_look};
@@ -10,9 +10,9 @@ use crate::svg::{Point, Svg, TextStyle};
 /// A value of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinePoint {
-    /// Place along the x axis.
+    /// Position along the x axis.
     pub x: f64,
-    /// Value with its interval, which is drawn as a band.
+    /// Value with its interval, drawn as a band.
     pub y: Estimate,
 }
 
@@ -21,20 +21,20 @@ pub struct LinePoint {
 pub struct Line {
     /// Name in the legend.
     pub name: String,
-    /// Its values in order of x.
+    /// Its values, in order of x.
     pub points: Vec<LinePoint>,
 }
 
-/// A value that somebody states, drawn as a bar of text to compare with.
+/// A claimed value, drawn as a labelled bar to compare with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
-    /// What is said, short: `"paper: about 95 %"`.
+    /// The claim, short: `"paper: about 95 %"`.
     pub label: String,
-    /// Part of the x axis for which it is stated.
+    /// Start of its part of the x axis.
     pub from: f64,
     /// End of that part.
     pub to: f64,
-    /// The stated value.
+    /// The claimed value.
     pub y: f64,
 }
 
@@ -43,13 +43,13 @@ pub struct Claim {
 pub struct LineChart {
     /// Heading.
     pub title: String,
-    /// What runs along the bottom.
+    /// The axis along the bottom.
     pub x: Axis,
-    /// What runs upwards.
+    /// The vertical axis.
     pub y: Axis,
     /// The series.
     pub lines: Vec<Line>,
-    /// Stated values.
+    /// Claimed values.
     pub claims: Vec<Claim>,
 }
 
@@ -67,7 +67,7 @@ impl LineChart {
         frame.draw_y(&mut svg, &self.y, &y);
         let at = |px: f64, py: f64| -> Option<Point> { Some((x.at(px)?, y.at(py)?)) };
         let mut labels = Labels::new(frame.area.grown(-3.0));
-        // Marks on the edge of the area are whole.
+        // Marks on the edge of the area stay whole.
         svg.begin_clip(&frame.area.grown(7.0));
         for (series, line) in self.lines.iter().enumerate() {
             let edge = |pick: fn(&Estimate) -> f64| {
@@ -85,7 +85,7 @@ impl LineChart {
         }
         for claim in &self.claims {
             if let (Some(from), Some(to)) = (at(claim.from, claim.y), at(claim.to, claim.y)) {
-                // A claim about one place is still seen.
+                // A claim about a single value stays visible.
                 let wide = if to.0 - from.0 < 12.0 { 8.0 } else { 0.0 };
                 svg.line(
                     (from.0 - wide, from.1),

@@ -1,6 +1,6 @@
 //! From a replay to the data of its page: JSON with base64 arrays.
 //!
-//! What the viewer reads is described beside the code that reads it, `viewer/src/data.ts`.
+//! The code that reads this data describes it: `viewer/src/data.ts`.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -57,7 +57,7 @@ pub(super) struct Obstacle<'a> {
     h: Option<f64>,
     present: Option<[f64; 2]>,
     known: Option<f64>,
-    /// How many pieces of the motion are its own.
+    /// Number of pieces of its motion.
     pieces: usize,
 }
 
@@ -68,9 +68,9 @@ pub(super) struct Decision<'a> {
     lines: &'a [String],
     threat: Option<u32>,
     latest: Option<f64>,
-    /// Where its points are measured from, metres.
+    /// Origin of its points, metres.
     origin: [f64; 3],
-    /// Metres of one step of its points.
+    /// Length of one step of its points, metres.
     step: f64,
     paths: Vec<Path>,
 }
@@ -79,7 +79,7 @@ pub(super) struct Decision<'a> {
 struct Path {
     kind: u8,
     margin: Option<f64>,
-    /// How many of the points are its own.
+    /// Number of its points.
     n: usize,
 }
 
@@ -185,7 +185,7 @@ pub(super) fn obstacle<'a>(obstacle: &'a ReplayObstacle, pool: &mut Vec<f64>) ->
     }
 }
 
-/// A record without its points, which go to the pool in steps that just reach the farthest one.
+/// A record without its points, which go to the pool in steps just large enough for the farthest.
 pub(super) fn decision<'a>(decision: &'a ReplayDecision, pool: &mut Vec<u8>) -> Decision<'a> {
     let lines: Vec<Vec<[f64; 3]>> = decision
         .paths

@@ -1,4 +1,4 @@
-//! The same page while a run goes on: it listens to messages instead of holding the data.
+//! The same page for a running flight: it receives messages instead of holding the data.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use super::{ReplayDecision, ReplayDecisionTime, ReplayEvent, ReplayObstacle, Rep
 use super::{ReplayRun, ReplaySample, encode};
 use crate::page::{self, json};
 
-/// A page that connects to a WebSocket on the host that served it and draws what arrives.
+/// A page that connects to a WebSocket on the host that served it and draws each message.
 ///
 /// `path` is the WebSocket's path, for example `/live`. Messages are [`LiveMessage`]s as JSON.
 #[must_use]
@@ -15,65 +15,65 @@ pub fn render_live(title: &str, path: &str) -> String {
     page::fill(encode::TEMPLATE, title, &data, "'self'")
 }
 
-/// The messages to a page while a run goes on. Each message names its run by `run`, the place of
-/// its [`LiveMessage::Run`] among those sent, counted from 0.
+/// The messages to a page during a run. Each message names its run by `run`, the index of
+/// its [`LiveMessage::Run`] among those sent, from 0.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LiveMessage {
-    /// A run begins; what it already holds is shown.
+    /// A run begins; the page shows the data in it.
     Run(Box<ReplayRun>),
-    /// The aircraft is here.
+    /// A new sample of the aircraft.
     Sample {
-        /// Which run.
+        /// The run.
         run: usize,
-        /// Where it is.
+        /// The sample.
         sample: ReplaySample,
     },
-    /// The mission is another one now.
+    /// The mission changed.
     Mission {
-        /// Which run.
+        /// The run.
         run: usize,
         /// Its waypoints, metres.
         mission_m: Vec<[f64; 3]>,
     },
-    /// An obstacle appears or, where its identifier is known, is known better.
+    /// A new obstacle, or an update of the obstacle with this identifier.
     Obstacle {
-        /// Which run.
+        /// The run.
         run: usize,
-        /// The obstacle with all of its motion so far.
+        /// The obstacle with its whole motion so far.
         obstacle: ReplayObstacle,
     },
-    /// A decision was made.
+    /// A decision.
     Decision {
-        /// Which run.
+        /// The run.
         run: usize,
         /// The record.
         decision: ReplayDecision,
     },
-    /// How long a decision took.
+    /// The duration of a decision.
     DecisionTime {
-        /// Which run.
+        /// The run.
         run: usize,
-        /// How long.
+        /// The duration.
         time: ReplayDecisionTime,
     },
-    /// Something happened.
+    /// An event.
     Event {
-        /// Which run.
+        /// The run.
         run: usize,
-        /// What.
+        /// The event.
         event: ReplayEvent,
     },
-    /// The run is over.
+    /// The end of the run.
     End {
-        /// Which run.
+        /// The run.
         run: usize,
-        /// Its least margin, where it is known.
+        /// Its least margin, if known.
         outcome: Option<ReplayOutcome>,
     },
 }
 
 impl LiveMessage {
-    /// The message as the page reads it: a JSON object with a `type`.
+    /// The message in the page's form: a JSON object with a `type`.
     #[must_use]
     pub fn to_json(&self) -> String {
         json(&match self {

@@ -1,12 +1,12 @@
-//! Keeps a page small: which samples, records and points are worth their bytes.
+//! Keeps a page small: selects samples, records and points.
 
 use super::{ReplayDecision, ReplayPiece, ReplaySample};
 
-/// Samples of all runs of a page together.
+/// Most samples of all runs of a page together.
 const MAX_SAMPLES: usize = 24_000;
-/// Bytes that the records of one page may take, roughly.
+/// Most bytes of the records of one page, roughly.
 const MAX_RECORD_BYTES: usize = 1_000_000;
-/// Points of a path may be left out where it bends less than this, metres.
+/// A path may lose points where it bends less than this, metres.
 const PATH_TOLERANCE_M: f64 = 0.25;
 
 /// The samples to write: every `stride`-th one, the last, and both sides of each change of state.
@@ -29,9 +29,9 @@ pub(super) fn samples(samples: &[ReplaySample], runs: usize) -> Vec<&ReplaySampl
         .collect()
 }
 
-/// The records to write: not those that only repeat the one before, and, where all would take
-/// more than the page should hold, only as many a second as fit. The second value is the
-/// interval that was kept, seconds; 0 where nothing was left out.
+/// The records to write: none that only repeats the previous one and, if all exceed the size limit
+/// of the page, only as many per second as fit. The second value is the interval between kept
+/// records, seconds; 0 if none is missing.
 pub(super) fn decisions(decisions: &[ReplayDecision], runs: usize) -> (Vec<&ReplayDecision>, f64) {
     let mut distinct: Vec<&ReplayDecision> = Vec::new();
     for decision in decisions {
@@ -74,7 +74,7 @@ fn differs(a: &ReplayDecision, b: &ReplayDecision) -> bool {
         || a.paths != b.paths
 }
 
-/// About what a record takes in the page: text, and six bytes a point in base64.
+/// Approximate size of a record in the page: text, and six bytes a point in base64.
 fn cost_bytes(decision: &ReplayDecision) -> usize {
     let text: usize = decision.lines.iter().map(|line| line.len() + 3).sum();
     let paths: usize = decision
@@ -85,8 +85,8 @@ fn cost_bytes(decision: &ReplayDecision) -> usize {
     60 + text + paths
 }
 
-/// The points of a polyline that carry its shape (Ramer–Douglas–Peucker); points that are not
-/// finite are left out.
+/// The points of a polyline that carry its shape (Ramer–Douglas–Peucker), without points that are
+/// not finite.
 pub(super) fn polyline(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let points: Vec<[f64; 3]> = points
         .iter()
@@ -115,7 +115,7 @@ pub(super) fn polyline(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     kept.map(|(point, _)| *point).collect()
 }
 
-/// Distance of a point from the piece of line between two others, metres.
+/// Distance of a point from the segment between two others, metres.
 fn off_chord_m(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
     let point = fga::Vec3::from_array(point);
     let from = fga::Vec3::from_array(from);
@@ -124,7 +124,7 @@ fn off_chord_m(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
     point.distance(from + chord * along.clamp(0.0, 1.0))
 }
 
-/// The pieces of a motion without those that only continue the one before.
+/// The pieces of a motion without those that only continue the previous one.
 pub(super) fn motion(pieces: &[ReplayPiece]) -> Vec<ReplayPiece> {
     let mut kept: Vec<ReplayPiece> = Vec::new();
     for piece in pieces {

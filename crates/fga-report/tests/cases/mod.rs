@@ -1,4 +1,4 @@
-//! Runs to draw: the ordinary one and the extremes.
+//! Runs to draw: an ordinary one and extremes.
 
 use fga::Vec3;
 use fga::avoider::State;
@@ -7,7 +7,7 @@ use fga_report::overview::{Moment, MomentKind, Obstacle, Overview, Sample, Track
 
 const SPHERE: ProtectedVolume = ProtectedVolume::Sphere { radius_m: 30.0 };
 
-/// Flies `waypoints` at 15 m/s; `state` tells what it does when.
+/// Flies `waypoints` at 15 m/s; `state` gives the state at a time.
 fn fly(waypoints: &[Vec3], rate_hz: f64, state: impl Fn(f64) -> State) -> Vec<Sample> {
     let mut samples = Vec::new();
     let mut time_s = 0.0;
@@ -92,7 +92,7 @@ fn phases(time_s: f64, seen: f64, begun: f64, clear: f64, back: f64) -> State {
     }
 }
 
-/// Every case with a name fit for a file.
+/// Every case with a name that suits a file.
 pub(crate) fn all() -> Vec<(&'static str, Overview)> {
     vec![
         ("encounter", encounter(55.0)),

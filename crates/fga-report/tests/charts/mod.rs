@@ -1,4 +1,4 @@
-//! Charts and a report to draw, with numbers of the kind that campaigns give.
+//! Charts and a report to draw, with plausible numbers of campaigns.
 
 use fga_report::interval::Estimate;
 use fga_report::plot::{

@@ -1,6 +1,6 @@
 //! Markup that any reader accepts.
 
-/// Checks that every tag that opens is closed in order and that every number is one.
+/// Checks that every open tag closes in order and that every number is one.
 pub(crate) fn assert_well_formed(name: &str, markup: &str) {
     let mut open: Vec<&str> = Vec::new();
     let body = markup
@@ -9,7 +9,7 @@ pub(crate) fn assert_well_formed(name: &str, markup: &str) {
     for piece in body.split('<').skip(1) {
         let (tag, _) = piece.split_once('>').expect("a tag ends");
         if let Some(closing) = tag.strip_prefix('/') {
-            // What stands before the style of a page is not looked at.
+            // The check skips everything before the style of a page.
             if matches!(closing, "head" | "html") && open.is_empty() {
                 continue;
             }
