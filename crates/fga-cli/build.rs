@@ -1,4 +1,4 @@
-//! Hands the target's name to the program, which writes it into `run.json`.
+//! Passes the target's name to the program, which writes it into `run.json`.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -20,7 +20,7 @@ pub(crate) struct AlertsArgs {
     pub(crate) input: DetectArgs,
 }
 
-/// A recording and what is configured.
+/// A recording and a configuration.
 #[derive(Args, Debug)]
 pub(crate) struct DetectArgs {
     /// Recording in the `.daa` format; its first aircraft is the ownship.
@@ -48,7 +48,7 @@ impl DetectArgs {
         Ok((recording, configuration))
     }
 
-    /// A state that cannot be judged, with the file.
+    /// A state that the monitor refuses, with the file.
     pub(crate) fn refused(&self, message: &str) -> Failure {
         Failure::Input(format!("{}: {message}", self.recording.display()))
     }

@@ -1,4 +1,4 @@
-//! `fga bands`: which maneuvers meet a conflict, as the standards see it?
+//! `fga bands`: which manoeuvres lead into a conflict, as the standards see it?
 
 use std::process::ExitCode;
 
@@ -26,7 +26,7 @@ pub(crate) fn run(args: &BandsArgs) -> Result<ExitCode, Failure> {
         recording: &recording,
         configuration: &configuration,
     };
-    // The file as it was named, so that outputs of the same command compare.
+    // The name as the user gave it, so that outputs of the same command compare.
     let mut text = Tables::bands_head(&input.recording.display().to_string());
     let mut times = 0;
     watch(&recording, &configuration, |monitor, scene| {

@@ -1,4 +1,4 @@
-//! `fga batch`: encounters that somebody else made.
+//! `fga batch`: flies encounters from a file.
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -39,13 +39,13 @@ pub(crate) struct BatchArgs {
     /// Longest time flown in an encounter, seconds.
     #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive_seconds, allow_negative_numbers = true)]
     horizon: f64,
-    /// Write tracks.csv too: where the aircraft was, at most 0.1 s apart.
+    /// Also write tracks.csv: the aircraft's track, at most 0.1 s between rows.
     #[arg(long)]
     tracks: bool,
     /// Write replay pages of the N worst encounters: replay/<encounter>.html.
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     replay: usize,
-    /// Master seed of the sensor noise of the vehicle file.
+    /// Master seed for the sensor noise of the vehicle file.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     #[command(flatten)]
@@ -60,7 +60,7 @@ pub(crate) fn positive_seconds(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected a positive number of seconds, at most 86400".into())
 }
 
-/// Files of a batch in the making.
+/// Files of a batch under construction.
 struct Files {
     results: AtomicFile,
     timing: AtomicFile,
@@ -162,7 +162,7 @@ impl Totals {
         (median_ns as f64 / 1000.0, self.max_ns as f64 / 1000.0)
     }
 
-    /// What came of them, a line each.
+    /// The results, a line each.
     fn in_words(&mut self, settings: &BatchSettings) -> Vec<String> {
         let (median_us, max_us) = self.decision_us();
         let mut lines = vec![

@@ -19,7 +19,7 @@ use crate::replay_page;
 /// Folder of the pages within the results.
 const FOLDER: &str = "replay";
 
-/// Flies these encounters again and writes a page of each, on the threads of the current pool.
+/// Flies these encounters again and writes a page for each, on the threads of the current pool.
 pub(crate) fn write(
     results: &Path,
     encounters: &[&Encounter],
@@ -49,7 +49,7 @@ fn file_of(encounter: &Encounter) -> String {
     format!("{}.html", encounter.id)
 }
 
-/// Takes away the pages of an earlier batch, whose results are no longer there.
+/// Removes the pages of an earlier batch, whose results are gone.
 pub(crate) fn remove_others(results: &Path, written: &[&Encounter]) -> Result<(), OutputError> {
     let Ok(entries) = fs::read_dir(results.join(FOLDER)) else {
         return Ok(());

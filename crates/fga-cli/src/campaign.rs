@@ -1,4 +1,4 @@
-//! `fga campaign`: drawn encounters by the million, each flown by every policy.
+//! `fga campaign`: draws encounters by the million and flies each under every policy.
 
 use core::time::Duration;
 use std::io::{IsTerminal as _, Write as _};
@@ -39,11 +39,11 @@ pub(crate) struct CampaignArgs {
 
 #[derive(Subcommand, Debug)]
 enum CampaignCommand {
-    /// Fly a campaign, or go on with one.
+    /// Fly a campaign, or continue one.
     Run(RunArgs),
-    /// Write a campaign's encounters for others to fly, without flying them.
+    /// Write a campaign's encounters as files, without flying them.
     Draw(DrawArgs),
-    /// Put the parts of a campaign together.
+    /// Merge the parts of a campaign.
     Merge(MergeArgs),
     /// Fly one encounter of a campaign again and write what `fga run` writes.
     Show(ShowArgs),
@@ -56,30 +56,30 @@ enum CampaignCommand {
 struct RunArgs {
     /// The campaign file (.toml).
     file: PathBuf,
-    /// Encounters in all, over all cells; without it as many as the file says.
+    /// Number of encounters over all cells; without it the file's number.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     encounters: Option<u64>,
-    /// Go on with what is in the folder; an empty folder starts.
+    /// Continue with the results in the folder; an empty folder starts.
     #[arg(long)]
     resume: bool,
-    /// Fly only part K of N, counted from 1; `fga campaign merge` puts them together.
+    /// Fly only part K of N, counted from 1; `fga campaign merge` merges the parts.
     #[arg(long, value_name = "K/N", value_parser = Shard::parse)]
     shard: Option<Shard>,
-    /// Ask the oracle which encounters could be saved.
+    /// Ask the oracle which encounters any manoeuvre can save.
     #[arg(long)]
     oracle: bool,
-    /// Write results.csv too.
+    /// Also write results.csv.
     #[arg(long)]
     csv: bool,
-    /// A policy in place of the file's, as in "published --start t0"; may be given several times.
+    /// A policy instead of the file's, as in "published --start t0"; may be given several times.
     #[arg(long, value_name = "POLICY")]
     policy: Vec<String>,
-    /// A vehicle file in place of the one that the file names.
+    /// A vehicle file instead of the one in the campaign file.
     #[arg(long, value_name = "FILE")]
     vehicle: Option<PathBuf>,
     #[command(flatten)]
     sources: SourceArgs,
-    /// Exit with 0 although recordings were damaged and left out.
+    /// Exit with 0 although damaged recordings were left out.
     #[arg(long)]
     skip_damaged: bool,
     #[command(flatten)]
@@ -90,13 +90,13 @@ struct RunArgs {
     answer: AnswerArgs,
 }
 
-/// Where encounters come from, besides the file.
+/// Sources of encounters, besides the file.
 #[derive(Args, Debug)]
 pub(crate) struct SourceArgs {
-    /// A folder of recordings, or one, besides those that the file names; may be given several times.
+    /// A recording or a folder of recordings, besides those in the campaign file; may be given several times.
     #[arg(long, value_name = "PATH")]
     recordings: Vec<PathBuf>,
-    /// The file of every [[model]], in place of the one that the campaign file names.
+    /// The file of every [[model]], instead of the one in the campaign file.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
 }
@@ -109,7 +109,7 @@ struct MergeArgs {
     /// Folder for the whole campaign.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Write results.csv too.
+    /// Also write results.csv.
     #[arg(long)]
     csv: bool,
     #[command(flatten)]
@@ -123,7 +123,7 @@ struct ShowArgs {
     /// Number of the encounter, from 0.
     #[arg(long, value_name = "N")]
     encounter: u64,
-    /// What decides; without it the campaign's first policy.
+    /// The policy; without it the campaign's first one.
     #[arg(long, value_name = "POLICY")]
     policy: Option<String>,
     /// When a manoeuvre begins: t0, tc, latest, free or Cs=0.5.
@@ -147,7 +147,7 @@ impl From<CampaignError> for Failure {
     }
 }
 
-/// Does what the subcommand says.
+/// Runs the subcommand.
 pub(crate) fn run(args: &CampaignArgs) -> Result<ExitCode, Failure> {
     match &args.command {
         CampaignCommand::Run(args) => run_campaign(args),
@@ -244,7 +244,7 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
     verdict(&campaign, args.skip_damaged)
 }
 
-/// The folder holds all results already.
+/// The folder already holds all results.
 fn finished(task: &Task<'_>, manifest: &Manifest, answer: AnswerArgs) -> Result<(), Failure> {
     task.folder.open(manifest, true)?;
     let expected = std::fs::read(task.folder.file("run.json"))
@@ -260,7 +260,7 @@ fn finished(task: &Task<'_>, manifest: &Manifest, answer: AnswerArgs) -> Result<
     Ok(())
 }
 
-/// Recordings that were left out are an error, unless that is wanted.
+/// Left-out recordings are an error unless `--skip-damaged` accepts them.
 fn verdict(campaign: &Campaign, skip_damaged: bool) -> Result<ExitCode, Failure> {
     let configuration = &campaign.configuration;
     let damaged = configuration.damaged.len();
@@ -268,13 +268,13 @@ fn verdict(campaign: &Campaign, skip_damaged: bool) -> Result<ExitCode, Failure>
         return Ok(ExitCode::SUCCESS);
     }
     Err(Failure::Input(format!(
-        "{damaged} of {} recordings cannot be used and were left out, the rest is flown; --skip-damaged takes that for success",
+        "{damaged} of {} recordings cannot be used and were left out, the rest is flown; with --skip-damaged that is a success",
         damaged + configuration.recordings.len()
     )))
 }
 
 impl SourceArgs {
-    /// What takes the place of what the campaign file says.
+    /// Options that override the campaign file.
     pub(crate) fn overrides(&self) -> Overrides {
         Overrides {
             recordings: self.recordings.clone(),
@@ -284,7 +284,7 @@ impl SourceArgs {
     }
 }
 
-/// Writes everything about a complete campaign. What it says together.
+/// Writes everything about a complete campaign; returns its summary.
 pub(crate) fn finish(
     folder: &Folder,
     campaign: &Campaign,
@@ -306,7 +306,7 @@ pub(crate) fn finish(
     Ok(assembled.summary)
 }
 
-/// Writes the events of the encounters that the campaign names, each flown again by every policy.
+/// Writes the events of the encounters in the key `events`, flown again under every policy.
 fn write_events(folder: &Folder, campaign: &Campaign) -> Result<(), CampaignError> {
     let configuration = &campaign.configuration;
     if configuration.events.is_empty() {
@@ -454,7 +454,7 @@ fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Progress on standard error: one line that is written over on a terminal, else one now and then.
+/// Progress on standard error: on a terminal a line that overwrites itself, else a line now and then.
 struct Display {
     terminal: bool,
     shown: Option<Instant>,

@@ -1,4 +1,4 @@
-//! A campaign in the browser: its worst encounters, each flown again when it is opened.
+//! A campaign in the browser: its worst encounters; a click flies one again.
 
 use std::io;
 use std::path::Path;
@@ -15,25 +15,25 @@ use crate::worst::Worst;
 /// Most rows listed, over all policies.
 const MOST_ROWS: usize = 5_000;
 
-/// Ranks what was lost although avoidable before every margin, metres.
+/// Offset that ranks lost but avoidable flights before every margin, metres.
 const FIRST_M: f64 = 1e9;
 
-/// Most flights on one page: as many as keys switch.
+/// Most flights on one page: as many as keys can switch.
 const MOST_FLIGHTS: usize = 9;
 
-/// A campaign whose encounters are flown again when they are opened, by what `fga campaign show`
-/// flies them with.
+/// A campaign for the browser, which flies an encounter again on request, with the code of
+/// `fga campaign show`.
 pub(crate) struct CampaignCatalogue {
     folder: Folder,
     campaign: Campaign,
-    /// What was listed last, and the files that it was read from.
+    /// The last listing, and the files that it came from.
     listed: Mutex<Option<(RowFiles, Listing)>>,
-    /// One encounter is flown at a time, however many are asked for.
+    /// Flies one encounter at a time, however many requests come.
     flying: Mutex<()>,
 }
 
 impl CampaignCatalogue {
-    /// The campaign of a folder; `None` where there is none.
+    /// The campaign of a folder; `None` if the folder holds none.
     pub(crate) fn open(path: &Path) -> Result<Option<Self>, CampaignError> {
         let folder = Folder::at(path);
         let Some(Manifest { configuration, .. }) = folder.manifest()? else {
@@ -45,14 +45,14 @@ impl CampaignCatalogue {
             listed: Mutex::default(),
             flying: Mutex::default(),
         };
-        // A damaged table is said at once, not in the browser.
+        // Reports a damaged table at once, not in the browser.
         catalogue.read()?;
         Ok(Some(catalogue))
     }
 
-    /// The listing, read again only where the files are others.
+    /// The listing, read again only when the files change.
     fn read(&self) -> Result<Listing, CampaignError> {
-        // What a poisoned lock holds is whole: it is replaced at once.
+        // The data behind a poisoned lock is complete: it is replaced in one step.
         let mut listed = self.listed.lock().unwrap_or_else(PoisonError::into_inner);
         let files = RowFiles::of(&self.folder)?;
         if let Some((known, listing)) = &*listed
@@ -68,7 +68,7 @@ impl CampaignCatalogue {
     fn list(&self, files: &RowFiles) -> Result<Listing, CampaignError> {
         let policies = &self.campaign.policies;
         let of_each = MOST_ROWS.div_ceil(policies.len().max(1));
-        // What was lost although avoidable is listed before all else.
+        // Lost but avoidable flights come first.
         let mut worst: Vec<Worst<Row>> = policies.iter().map(|_| Worst::new(of_each)).collect();
         let mut tallies = vec![Tally::default(); policies.len()];
         let mut flights = 0_u64;
@@ -147,7 +147,7 @@ impl CampaignCatalogue {
         }
     }
 
-    /// The encounter and the policies of a key, the one asked for first.
+    /// The encounter and the policies of a key, the requested one first.
     fn asked(&self, key: &str) -> Option<(u64, Vec<PolicyChoice>)> {
         let (encounter, first) = key.split_once('/')?;
         let encounter = encounter.parse().ok()?;

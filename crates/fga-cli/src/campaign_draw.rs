@@ -1,4 +1,4 @@
-//! `fga campaign draw`: a campaign's encounters as files for others to fly.
+//! `fga campaign draw`: writes a campaign's encounters as files for other programs.
 
 use core::fmt::Write as _;
 use std::path::PathBuf;
@@ -19,7 +19,7 @@ use crate::failure::Failure;
 pub(crate) struct DrawArgs {
     /// The campaign file (.toml).
     file: PathBuf,
-    /// Encounters in all, over all cells; without it as many as the file says.
+    /// Number of encounters over all cells; without it the file's number.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     encounters: Option<u64>,
     #[command(flatten)]

@@ -24,7 +24,7 @@ use crate::worst::Worst;
 pub(crate) struct ReportArgs {
     /// Folder of a campaign.
     folder: PathBuf,
-    /// Worst encounters of each policy that are flown again for their replay.
+    /// Number of worst encounters of each policy with a replay.
     #[arg(long, value_name = "N", default_value_t = 5)]
     worst: usize,
     #[command(flatten)]
@@ -34,7 +34,7 @@ pub(crate) struct ReportArgs {
 /// Folder of the replays beside the page.
 const REPLAYS: &str = "worst";
 
-/// Changes into or out of avoiding: more are restless.
+/// Most changes into or out of avoiding in a calm flight.
 const RESTLESS: f64 = 3.0;
 
 /// Writes `report.html` and the replays of the worst encounters.
@@ -72,7 +72,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// What the rows say.
+/// The content of the rows.
 struct Gathered {
     risks: Risks,
     policies: Vec<PolicyCase>,
@@ -242,7 +242,7 @@ impl Gathered {
 }
 
 /// How bad an encounter is, the worst least: a near mid-air collision, induced first, then a loss of
-/// well clear, by what is left of the separations; `None` where nothing was done and nothing lost.
+/// well clear, by the remaining separations; `None` without a manoeuvre and without a loss.
 fn badness(row: &Row) -> Option<f64> {
     let metrics = &row.metrics;
     let (horizontal_m, vertical_m) = (metrics.horizontal_m?, metrics.vertical_m?);
@@ -301,7 +301,7 @@ fn lost(count: &LossCount, risk: &PolicyRisk, with_curve: bool) -> Lost {
     }
 }
 
-/// What the encounters stand for.
+/// What the encounters represent.
 fn stands_for(campaign: &Campaign) -> Vec<String> {
     let configuration = &campaign.configuration;
     let mut lines = Vec::new();
@@ -322,7 +322,7 @@ fn stands_for(campaign: &Campaign) -> Vec<String> {
     lines
 }
 
-/// What was assumed.
+/// The assumptions.
 fn assumed(campaign: &Campaign) -> Vec<(String, String)> {
     let configuration = &campaign.configuration;
     let model = &campaign.model;

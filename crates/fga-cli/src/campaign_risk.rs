@@ -70,8 +70,8 @@ pub(crate) fn document(campaign: &Campaign, risks: &Risks) -> Value {
     objects(rows(campaign, risks))
 }
 
-/// Writes `risk.csv`, and `convergence.csv` with the ratios after growing numbers of encounters,
-/// of campaigns of aircraft.
+/// For campaigns of aircraft: writes `risk.csv`, and `convergence.csv` with the ratios after growing
+/// numbers of encounters.
 pub(crate) fn write(folder: &Path, campaign: &Campaign, risks: &Risks) -> Result<(), OutputError> {
     if risks.is_empty() {
         return Ok(());
@@ -103,7 +103,7 @@ pub(crate) fn write(folder: &Path, campaign: &Campaign, risks: &Risks) -> Result
     atomic::write(&folder.join("convergence.csv"), curve)
 }
 
-/// The ratios for people.
+/// The ratios in words.
 pub(crate) fn push_words(text: &mut String, campaign: &Campaign, risks: &Risks) {
     if risks.is_empty() {
         return;

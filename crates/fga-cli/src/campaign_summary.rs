@@ -1,4 +1,4 @@
-//! What a campaign says together: `summary.csv`, `summary.json`, and the printed table.
+//! The summary of a campaign: `summary.csv`, `summary.json`, and the printed table.
 
 use core::fmt::Write as _;
 use std::path::Path;
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use crate::campaign_risk;
 use crate::named_rows::{csv, objects, rounded};
 
-/// Shares of the distributions that are written.
+/// The written quantiles of the distributions.
 const SHARES: [(&str, f64); 5] = [
     ("p01", 0.01),
     ("p05", 0.05),
@@ -21,7 +21,7 @@ const SHARES: [(&str, f64); 5] = [
     ("p99", 0.99),
 ];
 
-/// The source that stands for all of them.
+/// The source that stands for all sources.
 const ALL: &str = "all";
 
 /// One row: names and values in order.
@@ -100,7 +100,7 @@ fn rows(campaign: &Campaign, summary: &Summary) -> Vec<Vec<(String, Value)>> {
     all.chain(each).collect()
 }
 
-/// What `summary.json` holds: one object for each policy over all sources, then for each source.
+/// The content of `summary.json`: one object for each policy over all sources, then for each source.
 pub(crate) fn document(campaign: &Campaign, summary: &Summary) -> Value {
     json!({
         "name": campaign.configuration.name,
@@ -122,7 +122,7 @@ pub(crate) fn write_summary(
     atomic::write(&folder.join("summary.json"), format!("{document:#}\n"))
 }
 
-/// The summary for people.
+/// The summary in words.
 pub(crate) fn in_words(campaign: &Campaign, summary: &Summary, folder: &Path) -> String {
     let configuration = &campaign.configuration;
     let mut text = format!(

@@ -1,4 +1,4 @@
-//! `fga check`: whether a file can be used, without flying it.
+//! `fga check`: checks a file without flying it.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -22,14 +22,14 @@ use crate::file_kind::FileKind;
 pub(crate) struct CheckArgs {
     /// A scenario, vehicle, campaign or link file (.toml), a recording (.daa) or encounters (.csv).
     file: PathBuf,
-    /// Kind of a .toml file; without it the file's keys tell.
+    /// Kind of a .toml file; without it the file's keys decide.
     #[arg(long)]
     kind: Option<FileKind>,
     #[command(flatten)]
     answer: AnswerArgs,
 }
 
-/// Reads the file as its command would, and says what it holds.
+/// Reads the file as its command does, and describes it.
 pub(crate) fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     let (kind, holds) = check(&args.file, args.kind)?;
     let shown = args.file.display();
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The kind of a file and what it holds, in words.
+/// The kind of a file and its content, in words.
 fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failure> {
     let extension = path.extension().and_then(|extension| extension.to_str());
     match (extension, kind) {
@@ -67,8 +67,8 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failur
     }
 }
 
-/// What a campaign holds that leaves its encounters to the command line; `None` where something else
-/// is wrong with it.
+/// Describes a campaign whose encounters come from the command line; `None` if something else is wrong
+/// with it.
 fn outline(path: &Path) -> Option<String> {
     let outline = Overrides {
         outline: true,

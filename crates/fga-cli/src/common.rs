@@ -1,4 +1,4 @@
-//! What several commands share: options, output folder, threads, Ctrl-C, printing.
+//! Common parts of the commands: options, output folder, threads, Ctrl-C, printing.
 
 use core::num::NonZeroUsize;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -13,12 +13,12 @@ use fga_sim::vehicle_file::VehicleModel;
 
 use crate::failure::Failure;
 
-/// What decides.
+/// The policy.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct PolicyArgs {
-    /// What decides: turn-aware, published, published-literal, circle, none, or a baseline:
+    /// The policy: turn-aware, published, published-literal, circle, none, or a baseline:
     /// potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles,
-    /// operator-f3442, operator-do365. A start may stand with it, as in "published --start t0".
+    /// operator-f3442, operator-do365. It may include a start, as in "published --start t0".
     #[arg(long, value_name = "POLICY", default_value = "turn-aware")]
     pub(crate) policy: String,
     /// When a manoeuvre begins: t0, tc, latest, free or Cs=0.5.
@@ -27,7 +27,7 @@ pub(crate) struct PolicyArgs {
 }
 
 impl PolicyArgs {
-    /// The policy meant.
+    /// The policy of these options.
     pub(crate) fn choice(&self) -> Result<PolicyChoice, Failure> {
         match (&self.start, self.policy.split_once(" --start ")) {
             (None, _) => parse_policy(&self.policy),
@@ -41,7 +41,7 @@ impl PolicyArgs {
     }
 }
 
-/// How a command answers on standard output.
+/// The form of a command's answer on standard output.
 #[derive(Args, Debug, Clone, Copy)]
 pub(crate) struct AnswerArgs {
     /// Print the answer as JSON.
@@ -50,7 +50,7 @@ pub(crate) struct AnswerArgs {
 }
 
 impl AnswerArgs {
-    /// Prints the answer: in words, which end with a line break, or as JSON.
+    /// Prints the answer: in words that end with a line break, or as JSON.
     pub(crate) fn print(
         self,
         in_words: impl FnOnce() -> String,
@@ -64,16 +64,16 @@ impl AnswerArgs {
     }
 }
 
-/// What else the replay page shows.
+/// More flights for the replay page.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct OverlayArgs {
-    /// Policies to fly too, laid over the replay page, as in "none,published --start t0".
+    /// More policies for the replay page, as in "none,published --start t0".
     #[arg(long, value_name = "POLICIES", value_delimiter = ',')]
     overlay: Vec<String>,
 }
 
 impl OverlayArgs {
-    /// The policies to lay over that of `flown`.
+    /// The policies to show beside `flown`.
     pub(crate) fn choices(&self, flown: &PolicyChoice) -> Result<Vec<PolicyChoice>, Failure> {
         let mut names = vec![flown.name()];
         let mut choices = Vec::new();
@@ -92,28 +92,28 @@ impl OverlayArgs {
     }
 }
 
-/// Which aircraft.
+/// The aircraft.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct VehicleArgs {
-    /// Vehicle file; without it the scenario's own, for recordings the light aircraft of
+    /// Vehicle file; without it the scenario's vehicle, for recordings the light aircraft of
     /// vehicles/general-aviation.toml, else the aircraft of the paper's Table 4.
     #[arg(long, value_name = "FILE")]
     pub(crate) vehicle: Option<PathBuf>,
 }
 
 impl VehicleArgs {
-    /// The vehicle file given, if one is.
+    /// The vehicle file, if given.
     pub(crate) fn given(&self) -> Result<Option<VehicleModel>, InputError> {
         self.vehicle.as_deref().map(VehicleModel::read).transpose()
     }
 
-    /// The vehicle file given, else the built-in one.
+    /// The vehicle file, else the built-in vehicle.
     pub(crate) fn model(&self) -> Result<VehicleModel, InputError> {
         self.given()?.map_or_else(VehicleModel::built_in, Ok)
     }
 }
 
-/// Where results go.
+/// The folder of the results.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct OutArgs {
     /// Folder for the results; without it out/<name of the input>.
@@ -122,7 +122,7 @@ pub(crate) struct OutArgs {
 }
 
 impl OutArgs {
-    /// The folder, made and proved to be writable.
+    /// The folder, created and proved writable.
     pub(crate) fn prepare(&self, input: &Path) -> Result<PathBuf, Failure> {
         let folder = self
             .out
@@ -133,7 +133,7 @@ impl OutArgs {
     }
 }
 
-/// How many threads.
+/// The number of threads.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct ThreadArgs {
     /// Threads to use; without it one for each core.
@@ -154,10 +154,10 @@ impl ThreadArgs {
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// From now on Ctrl-C is remembered, so that unfinished files can be taken away; a second one ends
-/// the program at once.
+/// From now on Ctrl-C sets a flag, so that the program can remove unfinished files; a second Ctrl-C
+/// ends it at once.
 pub(crate) fn watch_for_interrupt() {
-    // Without a handler Ctrl-C ends the program at once, which is safe too.
+    // Without a handler Ctrl-C ends the program at once, which is also safe.
     let _ = ctrlc::set_handler(|| {
         if INTERRUPTED.swap(true, Ordering::SeqCst) {
             std::process::exit(130);

@@ -1,4 +1,4 @@
-//! `fga export`: a run for other programs.
+//! `fga export`: converts a run for other programs.
 
 use core::time::Duration;
 use std::path::PathBuf;
@@ -28,11 +28,11 @@ pub(crate) struct ExportArgs {
     /// File to write; without it flight.<format> beside the run.
     #[arg(long, value_name = "FILE", requires = "format")]
     out: Option<PathBuf>,
-    /// Play the flight to a FlightGear at this address; its protocol file fga.xml is written beside
+    /// Play the flight to a FlightGear at this address, and write its protocol file fga.xml beside
     /// the run.
     #[arg(long, value_name = "HOST:PORT")]
     flightgear: Option<String>,
-    /// How many times faster than it was flown it is played.
+    /// Playing speed as a multiple of real time.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor, requires = "flightgear")]
     speed: f64,
     #[command(flatten)]
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Sends the flight at its pace; Ctrl-C ends it.
+/// Sends the flight at the chosen speed; Ctrl-C ends it.
 fn play(flight: &Flight, target: &str, speed: f64) -> Result<(), Failure> {
     let sender = Sender::new(target).map_err(|error| {
         let message = format!("cannot be sent to: {error}, expected HOST:PORT of a FlightGear");

@@ -1,4 +1,4 @@
-//! Why a command did not do what was asked.
+//! The failure of a command.
 
 use std::io;
 
@@ -6,14 +6,14 @@ use fga::avoider::SettingsError;
 use fga_formats::{InputError, OutputError};
 use fga_sim::batch::BatchError;
 
-/// Why a command did not do what was asked; shown as one sentence.
+/// The failure of a command, shown as one sentence.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// The input or the usage was wrong.
     Input(String),
-    /// An output could not be written.
+    /// An output was not writable.
     Output(OutputError),
-    /// Standard output was closed by whoever read it, which is not an error.
+    /// The reader closed standard output, which is not an error.
     BrokenPipe,
     /// Ctrl-C.
     Interrupted,
@@ -60,7 +60,7 @@ impl From<BatchError<Self>> for Failure {
 }
 
 impl Failure {
-    /// What an error of standard output means.
+    /// The meaning of an error of standard output.
     pub(crate) fn of_stdout(error: io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
             Self::BrokenPipe

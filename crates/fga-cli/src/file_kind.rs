@@ -26,7 +26,7 @@ impl FileKind {
         }
     }
 
-    /// What to do with a file of this kind.
+    /// The next step with a file of this kind.
     pub(crate) fn next_step(self, file: &str) -> String {
         match self {
             Self::Scenario => format!("fly it with: fga run {file}"),
@@ -36,7 +36,7 @@ impl FileKind {
         }
     }
 
-    /// The kind of a file, told by the keys that only this kind has.
+    /// The kind of a file, by the keys that only this kind has.
     pub(crate) fn of(table: &toml::Table) -> Option<Self> {
         const LINK: [&str; 8] = [
             "vehicle",

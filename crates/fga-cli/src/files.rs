@@ -1,4 +1,4 @@
-//! What the program writes about a flight or a campaign, to the byte, for whoever flies without it.
+//! The program's output files about a flight or a campaign, for callers without a process.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::provenance::Provenance;
 use crate::{campaign, replay_page, run, run_files};
 
-/// What this build was made for; it stands in `run.json` and in the table of a campaign.
+/// The target of this build, for `run.json` and the table of a campaign.
 pub const TARGET: &str = env!("FGA_TARGET");
 
 /// The summary of a flight: what `fga run --json` prints.
@@ -28,15 +28,15 @@ pub fn events_jsonl(log: &RunLog) -> String {
     run_files::events_jsonl(&run_files::events(log))
 }
 
-/// The replay page of a flight, with others laid over it.
+/// The replay page of a flight, with further flights in the same scene.
 pub fn replay_page(log: &RunLog, overlaid: &[RunLog]) -> String {
     replay_page::page(core::iter::once(log).chain(overlaid))
 }
 
-/// Writes what `fga run` writes about a flight of `input`, whose fingerprint is `input_sha256`.
+/// Writes the files of `fga run` for a flight of `input`, whose fingerprint is `input_sha256`.
 ///
 /// # Errors
-/// A folder that cannot be written.
+/// An unwritable folder.
 pub fn write_run(
     folder: &Path,
     (input, input_sha256): (&Path, &str),
@@ -48,11 +48,11 @@ pub fn write_run(
     run_files::write(folder, log, overlaid, &document)
 }
 
-/// Writes everything about a campaign whose blocks were put together, and gives its table its name;
-/// the blocks in the folder are taken away then. What it says together.
+/// Writes everything about a campaign from its merged blocks, gives the table its name and removes the
+/// blocks. Returns the summary.
 ///
 /// # Errors
-/// A folder that cannot be written, or settings that the core refuses.
+/// An unwritable folder, or settings that the core refuses.
 pub fn finish_campaign(
     folder: &Folder,
     campaign: &Campaign,

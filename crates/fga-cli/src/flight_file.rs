@@ -1,4 +1,4 @@
-//! The flight as other programs get it: `flight.json`, which `fga export` reads.
+//! The flight for other programs: `flight.json`, which `fga export` reads.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use serde_json::Value;
 /// The file's name within the folder of a run.
 pub(crate) const NAME: &str = "flight.json";
 
-/// An obstacle seen at one moment only is shown for so long, seconds.
+/// Duration of an obstacle with a single sample, seconds.
 const MOMENT_S: f64 = 0.1;
 
 /// Writes the flight into `folder`.
@@ -87,7 +87,7 @@ fn word(event: &Value, key: &str) -> Option<String> {
     event.get(key)?.as_str().map(str::to_owned)
 }
 
-/// The track while the flight lasts; one row for an obstacle that stands.
+/// The track during the flight; one row for an obstacle at rest.
 fn rows(track: &Track, end_s: f64) -> Vec<ObstacleSample> {
     let row = |time_s, position_m| ObstacleSample { time_s, position_m };
     match track {

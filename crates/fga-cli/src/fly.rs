@@ -1,4 +1,4 @@
-//! `fga fly`: the companion on a vehicle, or its decisions again from a recording.
+//! `fga fly`: the companion on a vehicle, or its decisions repeated from a recording.
 
 use alloc::sync::Arc;
 use core::net::SocketAddr;
@@ -21,7 +21,7 @@ use crate::fly_live::FlyLive;
 /// Flies avoiding manoeuvres on an ArduPlane vehicle over MAVLink.
 #[derive(Args)]
 pub(crate) struct FlyArgs {
-    /// Where the vehicle is: udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or serial:PATH[:BAUD].
+    /// Endpoint of the vehicle: udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or serial:PATH[:BAUD].
     #[arg(long, value_name = "ENDPOINT", required_unless_present = "replay")]
     connect: Option<Endpoint>,
     /// The configuration (TOML); without it every key has its default.
@@ -30,10 +30,10 @@ pub(crate) struct FlyArgs {
     /// A receiver of traffic: sbs:HOST:PORT or beast:HOST:PORT; may be given several times.
     #[arg(long, value_name = "RECEIVER")]
     traffic: Vec<ReceiverEndpoint>,
-    /// Report only: command nothing.
+    /// Report only: send no commands.
     #[arg(long)]
     dry_run: bool,
-    /// Decide again from a telemetry log instead of flying; the decisions go to standard output.
+    /// Repeat the decisions from a telemetry log instead of flying; print them on standard output.
     #[arg(long, value_name = "LOG", conflicts_with_all = ["connect", "traffic"])]
     replay: Option<PathBuf>,
     /// Folder for the telemetry log and the decision log.
@@ -42,7 +42,7 @@ pub(crate) struct FlyArgs {
     /// Show the flight in the browser.
     #[arg(long, conflicts_with = "replay")]
     live: bool,
-    /// With --live: address to answer on; port 0 takes a free one.
+    /// With --live: address to listen on; port 0 takes a free one.
     #[arg(
         long,
         value_name = "ADDRESS:PORT",
@@ -88,16 +88,16 @@ pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
 fn begin_live(address: SocketAddr) -> Result<FlyLive, Failure> {
     let live = FlyLive::begin(address)
         .map_err(|error| Failure::Input(format!("cannot answer on {address}: {error}")))?;
-    // Nobody need listen.
+    // It works without a reader too.
     let _ = writeln!(io::stderr(), "live at http://{}/", live.address());
     Ok(live)
 }
 
-/// A flag that SIGINT, SIGTERM and SIGHUP set: Ctrl-C, the end of the service, the end of the terminal.
+/// A flag that SIGINT, SIGTERM and SIGHUP set: Ctrl-C, the end of the service or of the terminal.
 pub(crate) fn stop_on_interrupt() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
-    // A second handler cannot be set; the first one serves then.
+    // A second handler is refused; then the first one serves.
     let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
     stop
 }

@@ -1,7 +1,7 @@
 //! `fga fly --live`: the flight in the browser.
 //!
-//! The flight hands pictures over and never waits: what a thread of its own cannot draw in time is
-//! left out.
+//! The flight hands pictures over and never waits: a separate thread draws them, and drops those that
+//! it cannot draw in time.
 
 use core::net::SocketAddr;
 use core::time::Duration;
@@ -26,23 +26,23 @@ use fga_view::{Live, Server};
 
 use crate::replay_page::{Drawer, due};
 
-/// Pictures are at least so far apart, seconds.
+/// Least time between pictures, seconds.
 const PICTURE_EVERY_S: f64 = 0.1;
-/// Pictures that wait to be drawn.
+/// Most pictures in the queue.
 const WAITING: usize = 32;
-/// How long browsers have to take what was sent last.
+/// Time for browsers to take the last messages.
 const LAST_WORDS: Duration = Duration::from_secs(2);
-/// The page hears of an obstacle again when it is this far from what the page expects, metres and metres a second,
-/// and at most so often, seconds.
+/// The page gets an update when an obstacle is this far from where the page expects it, metres and metres per
+/// second, at most once in this time, seconds.
 const OFF_M: f64 = 3.0;
 const OFF_MPS: f64 = 1.0;
 const TOLD_EVERY_S: f64 = 1.0;
-/// An obstacle is gone when it was not seen for so long, seconds.
+/// An unseen obstacle is gone after this time, seconds.
 const GONE_AFTER_S: f64 = 5.0;
-/// Most straight pieces of an obstacle's way; the oldest ones are forgotten.
+/// Most straight pieces of an obstacle's track; the oldest ones are dropped.
 const MOST_PIECES: usize = 500;
 
-/// Shows a flight as it goes on.
+/// Shows a flight in progress.
 pub(crate) struct FlyLive {
     server: Server,
     live: Live,
@@ -70,12 +70,12 @@ impl FlyLive {
         })
     }
 
-    /// Where to look.
+    /// The address of the page.
     pub(crate) fn address(&self) -> SocketAddr {
         self.server.address()
     }
 
-    /// Shows the last decision, unless it was shown or the painter is behind.
+    /// Shows the last decision, unless the page has it or the painter is behind.
     pub(crate) fn show(&mut self, companion: &Companion) {
         let due_s = self.shown_s + PICTURE_EVERY_S - 1e-6;
         if companion
@@ -88,7 +88,7 @@ impl FlyLive {
         }
     }
 
-    /// Tells the end, and gives the browsers time to take it.
+    /// Sends the end, and gives the browsers time to take it.
     pub(crate) fn end(self) {
         drop(self.pictures);
         // A panic there has printed its own message.
@@ -111,7 +111,7 @@ struct Told {
 }
 
 impl Told {
-    /// What is seen now; whether the browsers must be told.
+    /// Records a sight; returns whether the browsers need an update.
     fn see(&mut self, obstacle: &Obstacle, name: &str, time_s: f64) -> bool {
         self.seen_s = time_s;
         let piece = piece(obstacle, time_s);
@@ -138,7 +138,7 @@ impl Told {
         true
     }
 
-    /// Whether it is gone since the last look.
+    /// Whether it has gone since the last look.
     fn miss(&mut self, time_s: f64) -> bool {
         let gone = !self.gone && time_s - self.seen_s > GONE_AFTER_S;
         if gone {
@@ -157,12 +157,12 @@ fn piece(obstacle: &Obstacle, time_s: f64) -> ReplayPiece {
     }
 }
 
-/// Makes messages of pictures.
+/// Turns pictures into messages.
 struct Painter {
     live: Live,
     mission_m: Vec<[f64; 3]>,
     obstacles: HashMap<u32, Told>,
-    /// State, reason and threat of the decision shown last.
+    /// State, reason and threat of the last shown decision.
     last: Option<(State, Reason, Option<u32>)>,
     authority: &'static str,
     record_s: Option<f64>,

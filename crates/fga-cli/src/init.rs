@@ -1,4 +1,4 @@
-//! `fga init`: a commented file of each kind to begin with.
+//! `fga init`: writes a commented file of each kind.
 
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write as _};
@@ -18,14 +18,14 @@ use crate::file_kind::FileKind;
 pub(crate) struct InitArgs {
     /// Which kind of file.
     kind: FileKind,
-    /// Where to write it; without it KIND.toml in this folder.
+    /// The file to write; without it KIND.toml in this folder.
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     #[command(flatten)]
     answer: AnswerArgs,
 }
 
-/// Writes the file; one that is there already is left alone.
+/// Writes the file; never overwrites one.
 pub(crate) fn run(args: &InitArgs) -> Result<ExitCode, Failure> {
     let path = args
         .file
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &InitArgs) -> Result<ExitCode, Failure> {
             _ => Failure::Output(OutputError::new(&path, error)),
         })?;
     if let Err(error) = file.write_all(args.kind.template().as_bytes()) {
-        // Nothing half written stays behind.
+        // No half-written file stays.
         let _ = std::fs::remove_file(&path);
         return Err(Failure::Output(OutputError::new(&path, error)));
     }

@@ -1,7 +1,7 @@
 //! The command line of fga: one file per command, each an adapter from files to the libraries.
 //!
-//! The program `fga` is [`main`] and nothing else. [`files`] holds what it writes about a flight or a
-//! campaign, for whoever wants the same without a process.
+//! The program `fga` only calls [`main`]. [`files`] writes the output files of a flight or a campaign,
+//! for callers without a process.
 
 mod alerts;
 mod bands;
@@ -60,19 +60,19 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Fly one scenario or recording, closed loop, and show what happened.
+    /// Fly one scenario or recording in closed loop and show the result.
     Run(run::RunArgs),
-    /// Fly many encounters that somebody else made.
+    /// Fly the encounters of a file.
     Batch(batch::BatchArgs),
     /// Say for each encounter whether any manoeuvre could save it.
     Oracle(oracle::OracleArgs),
-    /// Say which alert levels a DAIDALUS configuration gives a recording.
+    /// Show the alert levels that a DAIDALUS configuration gives a recording.
     Alerts(alerts::AlertsArgs),
-    /// Say which maneuvers meet a conflict in a recording, as bands.
+    /// Show which manoeuvres lead into a conflict in a recording, as bands.
     Bands(bands::BandsArgs),
-    /// Fly drawn encounters by the million, policy by policy, with results that can be resumed.
+    /// Fly drawn encounters by the million under each policy, with results that can be resumed.
     Campaign(campaign::CampaignArgs),
-    /// Fly the paper's evaluation again and write it as one report.
+    /// Fly the paper's evaluation again and write one report.
     Reproduce(reproduce::ReproduceArgs),
     /// Write a run as a file for Google Earth, Cesium, maps or Foxglove, or play it to FlightGear.
     Export(export::ExportArgs),
@@ -87,22 +87,22 @@ enum Command {
     /// Fly by keyboard, for tests on the bench.
     #[cfg(feature = "fly")]
     Rc(rc::RcArgs),
-    /// Write a commented scenario, vehicle, campaign or link file to begin with.
+    /// Write a commented scenario, vehicle, campaign or link file.
     Init(init::InitArgs),
-    /// Say whether a file can be used, without flying it.
+    /// Say whether fga can use a file, without flying it.
     Check(check::CheckArgs),
-    /// Print the completion script of a shell.
+    /// Print the completion script for a shell.
     Completions(shell::CompletionsArgs),
     /// Write a manual page for each command.
     Man(shell::ManArgs),
 }
 
-/// The program: does what the arguments of the process say.
+/// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
     main_with(std::env::args_os())
 }
 
-/// Does what these arguments say, the first of which is the name of the program.
+/// Runs the program with these arguments, the first of which is its name.
 pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
@@ -115,7 +115,7 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
                 eprintln!("fga: {}", one_sentence(&error.to_string()));
                 return ExitCode::FAILURE;
             }
-            // A pipe that closed while help was printed is not an error.
+            // A pipe closed while printing help is not an error.
             let _ = error.print();
             return ExitCode::SUCCESS;
         }

@@ -1,4 +1,4 @@
-//! `fga run --live`: a flight in the browser while it is flown.
+//! `fga run --live`: a flight in the browser in real time.
 
 use core::net::{Ipv4Addr, SocketAddr};
 use core::time::Duration;
@@ -14,10 +14,10 @@ use fga_view::{Live, Server};
 
 use crate::replay_page::{Drawer, due, event_words, planned_obstacles};
 
-/// How long browsers have to take what was sent last.
+/// Time for browsers to take the last messages.
 const LAST_WORDS: Duration = Duration::from_secs(5);
 
-/// Shows a flight as it goes on, at a multiple of real time.
+/// Shows a flight in progress, at a multiple of real time.
 pub(crate) struct LiveView {
     server: Server,
     live: Live,
@@ -48,7 +48,7 @@ impl LiveView {
         })
     }
 
-    /// Where to look.
+    /// The address of the page.
     pub(crate) fn address(&self) -> SocketAddr {
         self.server.address()
     }
@@ -57,7 +57,7 @@ impl LiveView {
     pub(crate) fn show(&mut self, moment: &DecisionLog) {
         let t_s = moment.time_s;
         let state = moment.decision.state.into();
-        // Over the ground: what the air moves comes on top.
+        // Over the ground, plus the motion of the air.
         let own = &moment.ownship;
         let over_ground = own.velocity_mps() + self.plan.world.wind_mps;
         self.live.send(&LiveMessage::Sample {
@@ -89,13 +89,13 @@ impl LiveView {
             self.live.send(&LiveMessage::Event { run: 0, event });
         }
         let due_s = t_s / self.speed - self.begun.elapsed().as_secs_f64();
-        // Beyond a day nobody watches; less than nothing means the flight is behind its time.
+        // Nobody watches beyond a day; a negative time means that the flight is late.
         if (0.0..86_400.0).contains(&due_s) {
             std::thread::sleep(Duration::from_secs_f64(due_s));
         }
     }
 
-    /// Tells the end, and gives the browsers time to take it.
+    /// Sends the end, and gives the browsers time to take it.
     pub(crate) fn end(self, log: &RunLog) {
         let least = log
             .obstacles

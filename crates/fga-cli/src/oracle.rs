@@ -19,7 +19,7 @@ use crate::common::{
 };
 use crate::failure::Failure;
 
-/// Encounters searched between two writings.
+/// Encounters searched between two writes.
 const BLOCK: usize = 64;
 
 /// Options of `fga oracle`.

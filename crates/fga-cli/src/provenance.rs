@@ -1,4 +1,4 @@
-//! What made the results: `run.json`.
+//! The origin of results: `run.json`.
 
 use std::path::Path;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -7,7 +7,7 @@ use fga_formats::InputError;
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 
-/// Begins when the command does.
+/// Starts with the command.
 #[derive(Debug)]
 pub(crate) struct Provenance {
     begun: Instant,
@@ -15,7 +15,7 @@ pub(crate) struct Provenance {
 }
 
 impl Provenance {
-    /// The command begins now.
+    /// Marks the start of the command.
     pub(crate) fn begin() -> Self {
         Self {
             begun: Instant::now(),
@@ -30,7 +30,7 @@ impl Provenance {
         self.begun.elapsed().as_secs_f64()
     }
 
-    /// What made the results; `more` adds the command's own figures.
+    /// The origin of results; `more` adds the command's figures.
     pub(crate) fn to_json(&self, command: &str, configuration: &Value, more: Value) -> Value {
         let mut document = json!({
             "command": command,

@@ -16,19 +16,19 @@ use fga_link::wire::{Framer, encode};
 
 use crate::failure::Failure;
 
-/// Flies by keyboard: arrows are roll and pitch, +/- throttle, c centres, 1 FBWA, 2 FBWB,
-/// 3 CRUISE, 4 AUTO, 5 RTL, x gives the channels back, q ends.
+/// Fly by keyboard: arrows are roll and pitch, +/- throttle, c centres, 1 FBWA, 2 FBWB,
+/// 3 CRUISE, 4 AUTO, 5 RTL, x releases the channels, q ends.
 #[derive(Args)]
 pub(crate) struct RcArgs {
-    /// Where the vehicle is.
+    /// Endpoint of the vehicle.
     #[arg(long, value_name = "ENDPOINT")]
     connect: Endpoint,
-    /// System id to send under: the vehicle takes overrides only from its ground station's.
+    /// System id of the sender: the vehicle takes overrides only from its ground station's id.
     #[arg(long, default_value_t = 255)]
     system: u8,
 }
 
-/// Overrides are sent this often; the vehicle drops them after three seconds.
+/// Interval of overrides; the vehicle drops them after three seconds.
 const PERIOD: Duration = Duration::from_millis(100);
 
 /// The terminal without line buffering and echo, until dropped.
@@ -43,7 +43,7 @@ impl RawTerminal {
 
 impl Drop for RawTerminal {
     fn drop(&mut self) {
-        // Nothing can be done about a terminal that is gone.
+        // A missing terminal cannot be restored.
         let _ = stty(&["sane"]);
     }
 }

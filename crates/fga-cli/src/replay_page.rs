@@ -1,4 +1,4 @@
-//! From the log of a flight to what the replay page shows.
+//! From the log of a flight to its replay page.
 
 use fga::Vec3;
 use fga::avoider::{Decision, Reason, State};
@@ -17,22 +17,22 @@ use fga_sim::track::Track;
 
 use crate::run_files::missed_words;
 
-/// What the records of a flight without a policy say.
+/// The text of the records of a flight without a policy.
 const NO_POLICY: &str = "no policy decides, the mission is flown";
-/// Records that say nothing new are kept so far apart, seconds.
+/// Least time between kept records without news, seconds.
 const RECORD_EVERY_S: f64 = 0.5;
-/// How far ahead paths are drawn, seconds.
+/// Length of the drawn paths, seconds.
 const DRAWN_S: f64 = 15.0;
-/// Longest way back that is drawn, seconds.
+/// Longest drawn way back, seconds.
 const WAY_BACK_S: f64 = 60.0;
 /// Time between the points of a drawn path, seconds.
 const POINT_EVERY_S: f64 = 0.25;
-/// Turns drawn beside what was decided, degrees to the left: what else could be flown.
+/// Turns drawn as alternatives, degrees to the left.
 const FAN_DEG: [f64; 11] = [
     120.0, 90.0, 60.0, 40.0, 20.0, 0.0, -20.0, -40.0, -60.0, -90.0, -120.0,
 ];
 
-/// The page of an encounter: its flights, one over the other; the first one is in focus.
+/// The page of an encounter: its flights in one scene; the first one is in focus.
 pub(crate) fn page<'a>(logs: impl IntoIterator<Item = &'a RunLog>) -> String {
     let mut logs = logs.into_iter().peekable();
     render(&Replay {
@@ -43,8 +43,8 @@ pub(crate) fn page<'a>(logs: impl IntoIterator<Item = &'a RunLog>) -> String {
     })
 }
 
-/// The flight as the page shows it, named after its policy. How long the decisions took stands in
-/// `run.json`: the page is the same every time, and live pages show it.
+/// The flight for the page, named after its policy. `run.json` has the durations of the decisions: so
+/// the page is the same every time; live pages show the durations.
 fn replay_run(log: &RunLog) -> ReplayRun {
     let mut drawer = Drawer::new(&log.plan);
     let least = log
@@ -72,7 +72,7 @@ fn replay_run(log: &RunLog) -> ReplayRun {
     run
 }
 
-/// Decisions that say something new and missed waypoints, in order of time.
+/// Decisions with news, and missed waypoints, in time order.
 fn replay_events(log: &RunLog) -> Vec<ReplayEvent> {
     let decisions = log.decisions.iter().filter(|moment| moment.changed);
     let mut events: Vec<ReplayEvent> = decisions
@@ -89,7 +89,7 @@ fn replay_events(log: &RunLog) -> Vec<ReplayEvent> {
     events
 }
 
-/// Without a policy nobody looks: that nothing comes too close is not what its records mean.
+/// Without a policy nobody looks, so "nothing comes too close" would be false.
 fn say_no_policy(run: &mut ReplayRun) {
     let clear = reason_words(Reason::Clear);
     for event in run.events.iter_mut().filter(|event| event.text == clear) {
@@ -117,7 +117,7 @@ fn sample(sample: &fga_sim::engine::Sample) -> ReplaySample {
     }
 }
 
-/// What a decision says, in a few words.
+/// A decision in a few words.
 pub(crate) fn event_words(plan: &Plan, moment: &DecisionLog) -> String {
     let record = &moment.decision.record;
     let reason = reason_words(record.reason);
@@ -139,7 +139,7 @@ fn obstacles(log: &RunLog) -> Vec<ReplayObstacle> {
     obstacles
 }
 
-/// The obstacles of a plan, known from when they appear on.
+/// The obstacles of a plan, known from their appearance on.
 pub(crate) fn planned_obstacles(plan: &Plan) -> Vec<ReplayObstacle> {
     let named = plan.world.obstacles.iter().zip(&plan.names);
     named
@@ -181,7 +181,7 @@ fn motion(track: &Track) -> Vec<ReplayPiece> {
     pieces
 }
 
-/// Draws what was decided, and what else could have been flown.
+/// Draws the decision and its alternatives.
 pub(crate) struct Drawer {
     flyer: Flyer,
     path: Box<FlightPath>,
@@ -203,7 +203,7 @@ impl Drawer {
         )
     }
 
-    /// For an aircraft in a wind that certifies so far ahead and keeps so much.
+    /// For an aircraft in a wind, with the horizon and the margin of its certificates.
     pub(crate) fn of(vehicle: &Vehicle, wind_mps: Vec3, horizon_s: f64, margin_m: f64) -> Self {
         Self {
             flyer: Flyer::new(vehicle),
@@ -225,7 +225,7 @@ impl Drawer {
         kept
     }
 
-    /// A record; where asked for, with turns to compare with.
+    /// A record; on request with alternative turns.
     pub(crate) fn decision(
         &mut self,
         plan: &Plan,
@@ -243,7 +243,7 @@ impl Drawer {
         self.record(*time_s, decision, ownship, name, hazards.as_deref())
     }
 
-    /// A record; with what is known of the obstacles, also turns to compare with.
+    /// A record; if the obstacles are known, also with alternative turns.
     pub(crate) fn record(
         &mut self,
         time_s: f64,
@@ -302,7 +302,7 @@ impl Drawer {
         }
     }
 
-    /// A manoeuvre that the page compares with: certified against what was known then.
+    /// An alternative manoeuvre, certified against the obstacles known at that moment.
     fn compared(&mut self, own: &Ownship, maneuver: &Maneuver, hazards: &[Hazard]) -> ReplayPath {
         let start = MotionState::of(own);
         self.path
@@ -355,7 +355,7 @@ const fn threatened(state: State) -> bool {
     matches!(state, State::Threatened | State::Avoiding)
 }
 
-/// The obstacles as the decision knew them, with their uncertainty, each on its straight way from there.
+/// The obstacles that the decision knew, with their uncertainty, each on a straight line from there.
 fn known_hazards(plan: &Plan, moment: &DecisionLog) -> Vec<Hazard> {
     let world = &plan.world;
     let sigmas = world.settings.avoider.confidence_sigmas;
@@ -365,7 +365,7 @@ fn known_hazards(plan: &Plan, moment: &DecisionLog) -> Vec<Hazard> {
         .collect()
 }
 
-/// Whether a decision, changed or not, is worth a record of its own after the one made at `last_s`.
+/// Whether a decision, with or without news, deserves a record after the one at `last_s`.
 pub(crate) fn due(last_s: Option<f64>, time_s: f64, changed: bool) -> bool {
     changed || last_s.is_none_or(|last_s| time_s - last_s >= RECORD_EVERY_S - 1e-6)
 }
@@ -374,7 +374,7 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// A phrase as a sentence of its own.
+/// A phrase as a sentence.
 fn sentence(phrase: &str) -> String {
     let mut letters = phrase.chars();
     let first = letters.next().map(|c| c.to_uppercase().to_string());

@@ -1,4 +1,4 @@
-//! `fga run`: one scenario or recording, flown and shown.
+//! `fga run`: flies one scenario or recording and shows the result.
 
 use core::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use crate::live::LiveView;
 use crate::provenance::{Provenance, file_fingerprint};
 use crate::run_files;
 
-/// Exit code of a run in which a protected volume was entered.
+/// Exit code of a run in which the aircraft entered a protected volume.
 const ENTERED: u8 = 2;
 
 /// Options of `fga run`.
@@ -25,7 +25,7 @@ const ENTERED: u8 = 2;
 pub(crate) struct RunArgs {
     /// A scenario (.toml) or a recording (.daa).
     file: PathBuf,
-    /// The aircraft of a recording that is the ownship; without it the first one of the file.
+    /// The aircraft of a recording that is the ownship; without it the file's first one.
     #[arg(long, value_name = "NAME")]
     ownship: Option<String>,
     #[command(flatten)]
@@ -40,10 +40,10 @@ pub(crate) struct RunArgs {
     _threads: ThreadArgs,
     #[command(flatten)]
     answer: AnswerArgs,
-    /// Show the flight in the browser while it is flown, in real time.
+    /// Show the flight in the browser in real time.
     #[arg(long)]
     live: bool,
-    /// With --live: how many times faster than real time.
+    /// With --live: speed as a multiple of real time.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, requires = "live", value_parser = factor)]
     speed: f64,
 }
@@ -55,7 +55,7 @@ fn factor(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Flies the file and writes what `fga run` writes.
+/// Flies the file and writes the output.
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let provenance = Provenance::begin();
     let policy = args.policy.choice()?;
@@ -99,7 +99,7 @@ fn begin_live(plan: &Plan, policy: &PolicyChoice, speed: f64) -> Result<LiveView
     Ok(live)
 }
 
-/// `run.json`: what made the results, and the summary.
+/// `run.json`: the origin of the results, and the summary.
 pub(crate) fn document(
     provenance: &Provenance,
     (input, input_sha256): (&Path, &str),
@@ -129,7 +129,7 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// The summary as JSON, keys as the columns of the files.
+/// The summary as JSON; the keys match the columns of the files.
 pub(crate) fn summary(log: &RunLog) -> Value {
     let outcome = &log.outcome;
     let times = log.decision_times();
@@ -192,7 +192,7 @@ pub(crate) fn summary(log: &RunLog) -> Value {
     })
 }
 
-/// The summary in words, with a line for each flight laid over it.
+/// The summary in words, with a line for each further flight.
 pub(crate) fn in_words(log: &RunLog, overlaid: &[RunLog], folder: &Path) -> String {
     let mut text = String::new();
     // Writing to a string does not fail.
@@ -296,7 +296,7 @@ fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::
         text,
         "largest distance from the route {:.1} m, extra path {} m{}",
         outcome.max_cross_track_m,
-        // Never as -0.0.
+        // Never -0.0.
         fixed(outcome.extra_path_m, 1),
         if outcome.mission_flown {
             ", mission flown to its end"

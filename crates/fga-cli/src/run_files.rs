@@ -58,7 +58,7 @@ pub(crate) fn track_csv(log: &RunLog) -> Vec<u8> {
     text
 }
 
-/// The decisions that say something new and the closest approaches, in order of time.
+/// Decisions with news, and the closest approaches, in time order.
 pub(crate) fn events(log: &RunLog) -> Vec<(f64, Value)> {
     let mut events: Vec<(f64, Value)> = log
         .decisions
@@ -105,7 +105,7 @@ pub(crate) fn events(log: &RunLog) -> Vec<(f64, Value)> {
     events
 }
 
-/// A waypoint that was missed, in words; waypoints count from 1.
+/// A missed waypoint, in words; waypoints count from 1.
 pub(crate) fn missed_words(missed: &MissedWaypoint) -> String {
     format!(
         "waypoint {} missed by {:.1} m",
@@ -135,7 +135,7 @@ fn decision_event(log: &RunLog, moment: &DecisionLog) -> Value {
     Value::Object(event)
 }
 
-/// The critical moments: where the avoider's state says that one was met.
+/// The critical moments, as the avoider's state shows them.
 fn moments(log: &RunLog) -> Vec<Moment> {
     let mut moments = Vec::new();
     let mut before = State::Cruise;
@@ -167,7 +167,7 @@ fn moments(log: &RunLog) -> Vec<Moment> {
     moments
 }
 
-/// The picture's data.
+/// The data of the picture.
 pub(crate) fn overview(log: &RunLog) -> Overview {
     let end_s = log.outcome.end_s;
     let obstacles = log

@@ -1,4 +1,4 @@
-//! `fga completions` and `fga man`: what a shell and a manual reader want to know.
+//! `fga completions` and `fga man`: completion scripts and manual pages.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -14,7 +14,7 @@ use crate::failure::Failure;
 /// Options of `fga completions`.
 #[derive(Args, Debug)]
 pub(crate) struct CompletionsArgs {
-    /// For which shell.
+    /// The shell.
     shell: Shell,
 }
 

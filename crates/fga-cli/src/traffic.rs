@@ -13,28 +13,28 @@ use fga_link::player::{Line, Played, from_recording, read_sbs_log, read_tracks};
 use crate::failure::Failure;
 use crate::fly::stop_on_interrupt;
 
-/// Plays intruders as `ADSB_VEHICLE` messages and as BaseStation lines.
+/// Play intruders as `ADSB_VEHICLE` messages and as BaseStation lines.
 #[derive(Args)]
 pub(crate) struct TrafficArgs {
-    /// What to play: a .daa recording, a .json of state vectors or a BaseStation log (also .gz).
+    /// The source: a .daa recording, a .json of state vectors or a BaseStation log (also .gz).
     #[arg(value_name = "FILE", required_unless_present = "line")]
     file: Option<PathBuf>,
     /// A straight line: `ICAO,LATITUDE,LONGITUDE,ALTITUDE_M,TRACK_DEG,SPEED_MPS[,CLIMB_MPS[,AT_S]]`.
     #[arg(long, conflicts_with = "file", allow_hyphen_values = true)]
     line: Vec<Line>,
-    /// Sends `ADSB_VEHICLE` there: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT.
+    /// Send `ADSB_VEHICLE` to this endpoint: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT.
     #[arg(long, value_name = "ENDPOINT")]
     to: Option<Endpoint>,
-    /// Serves BaseStation lines on this address, such as 127.0.0.1:30003.
+    /// Serve BaseStation lines on this address, such as 127.0.0.1:30003.
     #[arg(long, value_name = "HOST:PORT", required_unless_present = "to")]
     serve_sbs: Option<String>,
-    /// Times faster than recorded.
+    /// Speed as a multiple of the recorded time.
     #[arg(long, default_value_t = 1.0)]
     speed: f64,
-    /// Reports of each aircraft a second.
+    /// Reports of each aircraft per second.
     #[arg(long, default_value_t = 2.0)]
     rate: f64,
-    /// Begins again at the end.
+    /// Start again at the end.
     #[arg(long)]
     again: bool,
 }

@@ -16,12 +16,12 @@ use crate::failure::Failure;
 pub(crate) struct ViewArgs {
     /// A folder of runs, of batches, of a single run, or of a campaign.
     path: PathBuf,
-    /// Address to answer on; port 0 takes a free one.
+    /// Address to listen on; port 0 takes a free one.
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8787")]
     listen: SocketAddr,
 }
 
-/// Serves the folder until the program is ended.
+/// Serves the folder until the program ends.
 pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode, Failure> {
     let unusable = |error| Failure::Input(format!("{}: {error}", args.path.display()));
     let folder = Folder::open(&args.path).map_err(unusable)?;

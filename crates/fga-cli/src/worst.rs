@@ -1,6 +1,6 @@
-//! The worst of many results: those with the least margin, the first of equals first.
+//! The worst of many results: those with the least margin, in order of arrival if equal.
 
-/// Keeps the few with the least margin of any number, in the memory of the few.
+/// Keeps the few with the least margin, in memory only for these few.
 #[derive(Debug)]
 pub(crate) struct Worst<T> {
     most: usize,
@@ -9,7 +9,7 @@ pub(crate) struct Worst<T> {
 }
 
 impl<T> Worst<T> {
-    /// Keeps at most `most` of them.
+    /// Keeps at most `most`.
     pub(crate) const fn new(most: usize) -> Self {
         Self {
             most,
@@ -18,7 +18,7 @@ impl<T> Worst<T> {
         }
     }
 
-    /// Takes one more.
+    /// Adds one.
     pub(crate) fn take(&mut self, margin_m: f64, item: T) {
         self.kept.push((margin_m, self.seen, item));
         self.seen += 1;
@@ -27,7 +27,7 @@ impl<T> Worst<T> {
         }
     }
 
-    /// Those kept, the worst one first.
+    /// The kept ones, the worst one first.
     pub(crate) fn into_items(mut self) -> impl Iterator<Item = T> {
         self.cut();
         self.kept.into_iter().map(|(_, _, item)| item)

@@ -1,5 +1,5 @@
-//! `fga campaign` with aircraft: recordings and encounter models as sources, what is counted, the
-//! safety case, and what it says about what it cannot use.
+//! `fga campaign` with aircraft: recordings and encounter models as sources, the counts, the
+//! safety case, and the messages about unusable sources.
 
 mod support;
 
@@ -16,7 +16,7 @@ const CAMPAIGN: &str =
 
 const VEHICLE: &str = include_str!("../../../vehicles/general-aviation.toml");
 
-/// Two aircraft that meet head-on after 60 s at 50 m/s each, so far aside and above.
+/// Two aircraft that meet head-on after 60 s at 50 m/s each, with these miss distances.
 fn head_on(aside_m: f64, above_m: f64) -> String {
     let mut text = String::from(
         "NAME, sx, sy, sz, vx, vy, vz, time\n[none], [m], [m], [m], [m/s], [m/s], [m/s], [s]\n",
@@ -149,7 +149,7 @@ fn recordings_are_judged_as_worked_out_by_hand() {
     // DO-365B alerts once straight lines lose well clear (0.66 nmi, τ 35 s) within 55 s: about 90 s
     // before the closest approach, so at once here.
     assert!(number(&rows[0], "corrective_s") > 55.0);
-    // What avoids the NMAC volume of the vehicle file avoids the NMAC.
+    // A flight that avoids the NMAC volume of the vehicle file has no NMAC.
     assert_eq!(rows[1]["nmac"], "false");
     assert!(number(&rows[1], "action_s") > 0.0 && number(&rows[1], "changes") >= 1.0);
     let risk = columns(&at.join("out/risk.csv"));
@@ -184,7 +184,7 @@ fn the_same_bytes_on_one_and_two_threads_in_parts_and_resumed() {
             .map(|kind| fs::read(at.join(out(kind)).join("risk.csv")).unwrap());
         assert_eq!(risks[0], risks[1]);
         assert_eq!(risks[0], risks[2]);
-        // A folder that is complete is gone on with.
+        // A complete folder can be resumed.
         run(at, command, &["--out", &out("one"), "--resume"]);
         assert_eq!(one, bytes(at, &out("one")));
     }
@@ -389,9 +389,9 @@ fn recorded(path: &Path) -> [Rows; 2] {
     rows
 }
 
-/// Least horizontal separation and the vertical one then, and whether 500 ft and 100 ft, 2,000 ft and
-/// 250 ft are undercut at once; in the plane that touches the sphere of 1' = 1 nmi at the first
-/// place, straight between rows, a hundred looks between two times.
+/// Least horizontal separation and the vertical one at that time, and whether it is below 500 ft and
+/// 100 ft, or 2,000 ft and 250 ft, at once; in the plane that touches the sphere of 1' = 1 nmi at the
+/// first place, linear between rows, a hundred samples between two times.
 fn measured(rows: &[Rows; 2]) -> (f64, f64, bool, bool) {
     const RADIUS_M: f64 = 60.0 * 180.0 / core::f64::consts::PI * 1852.0;
     let origin = rows[0][0];
@@ -495,8 +495,8 @@ fn the_check_case_of_degas_loses_well_clear_as_it_should() {
     assert!((number("nominal_vertical_m") - 500.0 * 0.3048).abs() < 3.0);
     assert!((number("cpa_s") - 100.0).abs() < 0.5, "{}", number("cpa_s"));
     assert!((number("closing_mps") - 843.0 * 0.3048).abs() < 1.0);
-    // Well clear of DO-365B is 0.66 nmi = 4,010 ft, 35 s and 450 ft: the vertical 450 ft are
-    // undercut from the 62nd to the 98th second, when τ is within 35 s and the miss 2,500 ft.
+    // Well clear of DO-365B is 0.66 nmi = 4,010 ft, 35 s and 450 ft: the vertical separation is below
+    // 450 ft from the 62nd to the 98th second, when τ is within 35 s and the miss 2,500 ft.
     assert_eq!(
         (row["nominal_do365"].as_str(), row["nominal_nmac"].as_str()),
         ("true", "false")

@@ -41,7 +41,7 @@ fn tables_of_h1_equal_the_reference_by_diff() {
     ) else {
         return;
     };
-    // The first line of the bands holds the file's name as it was given.
+    // The first line of the bands holds the file's name as given.
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path().join("C++");
     fs::create_dir(&here).unwrap();

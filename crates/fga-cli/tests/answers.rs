@@ -1,4 +1,4 @@
-//! `--json`: every command that answers on standard output answers as one JSON value.
+//! `--json`: every command with an answer on standard output prints one JSON value.
 
 mod support;
 

@@ -31,7 +31,7 @@ fn by_encounter(path: &Path) -> Rows {
     rows
 }
 
-/// Least distance of two points that both move straight over one interval, from their offsets at
+/// Least distance of two points with straight motions over one interval, from their offsets at
 /// its ends.
 fn least_distance(from: [f64; 3], to: [f64; 3]) -> f64 {
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -61,7 +61,7 @@ fn recomputed(track: &[Vec<f64>], obstacles: &[Vec<f64>]) -> f64 {
     least
 }
 
-/// Encounters flown in this test; more by `FGA_ENCOUNTERS`.
+/// Number of encounters in this test; more by `FGA_ENCOUNTERS`.
 fn count() -> u32 {
     std::env::var("FGA_ENCOUNTERS")
         .ok()

@@ -1,5 +1,5 @@
-//! `fga campaign`: the same bytes on any number of threads, in parts, and after being killed; and
-//! what it says about what it cannot do.
+//! `fga campaign`: the same bytes on any number of threads, in parts, and after a kill; and its
+//! messages about unusable input.
 
 mod support;
 
@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 
 use support::{errors, fga_in};
 
-/// Two policies that are quick; 600 encounters are three blocks.
+/// Two quick policies; 600 encounters are three blocks.
 const CAMPAIGN: &str = r#"
 name = "small"
 encounters = 600
@@ -31,7 +31,7 @@ fn written() -> tempfile::TempDir {
     folder
 }
 
-/// Runs the campaign and expects it to be done.
+/// Runs the campaign and expects success.
 fn campaign(folder: &Path, arguments: &[&str]) {
     let output = fga_in(
         folder,
@@ -75,7 +75,7 @@ fn the_same_bytes_on_one_and_two_threads_and_in_four_parts() {
     }
     let csv = fs::read_to_string(at.join("one/results.csv")).unwrap();
     assert_eq!(csv.lines().count(), 1 + 2 * 600);
-    // A part that is left out, and one that is named twice.
+    // A missing part, and a part named twice.
     let output = fga_in(
         at,
         &["campaign", "merge", "part1", "part3", "--out", "less"],
@@ -93,7 +93,7 @@ fn the_same_bytes_on_one_and_two_threads_and_in_four_parts() {
     );
     assert_eq!(output.status.code(), Some(1));
     assert!(errors(&output).contains("twice"), "{}", errors(&output));
-    // Asked again, it says the same.
+    // A second merge gives the same.
     campaign(at, &["--out", "one", "--resume"]);
 }
 
@@ -174,14 +174,14 @@ fn events_of_chosen_encounters_are_logged_whole_and_in_parts() {
         text("all/events/401-published-t0.jsonl"),
         text("alone/events.jsonl")
     );
-    // The results do not depend on what is logged besides.
+    // Logging does not change the results.
     fs::write(at.join("small.toml"), CAMPAIGN).unwrap();
     campaign(at, &["--out", "without"]);
     assert!(results(at, "all") == results(at, "without"));
 }
 
-/// Runs the program with `arguments`, files being no larger than `blocks` times 512 bytes: to it
-/// that is what a full disk is, a write that fails.
+/// Runs the program with `arguments` and files of at most `blocks` times 512 bytes: to the program that
+/// is a full disk, a write that fails.
 #[cfg(unix)]
 fn with_small_files(at: &Path, blocks: u32, arguments: &[&str]) -> std::process::Output {
     Command::new("sh")
@@ -203,7 +203,7 @@ fn a_full_disk_loses_nothing_that_was_finished() {
     let at = folder.path();
     campaign(at, &["--out", "once"]);
     let run = ["campaign", "run", "small.toml", "--out", "full", "--resume"];
-    // Room for the blocks one by one and not for the table of all of them.
+    // Room for the single blocks but not for the table of all.
     let room = u32::try_from(results(at, "once").len() / 512 * 3 / 4).unwrap();
     let output = with_small_files(at, room, &run);
     assert_eq!(output.status.code(), Some(1), "{}", errors(&output));
@@ -215,7 +215,7 @@ fn a_full_disk_loses_nothing_that_was_finished() {
     let there = blocks(&at.join("full"));
     assert_eq!(there.len(), 3, "{error}");
     assert!(!at.join("full/results.parquet").exists());
-    // Room for no block at all: those that are there stay.
+    // Room for no block: the existing ones stay.
     fs::remove_file(&there[1]).unwrap();
     let output = with_small_files(at, 8, &run);
     assert_eq!(output.status.code(), Some(1), "{}", errors(&output));
@@ -238,8 +238,8 @@ fn blocks(folder: &Path) -> Vec<PathBuf> {
     )
 }
 
-/// Starts the campaign in `out` and kills it once it has more than `finished` blocks; whether it
-/// was still running then.
+/// Starts the campaign in `out` and kills it once it has more than `finished` blocks; returns whether
+/// it was still running.
 fn kill_after(at: &Path, out: &str, finished: usize) -> bool {
     let mut running = Command::new(env!("CARGO_BIN_EXE_fga"))
         .current_dir(at)
@@ -282,7 +282,7 @@ fn killed_and_resumed_it_ends_with_the_same_bytes() {
         assert!(blocks(&at.join("killed")).len() > there || unfinished.exists());
     }
     assert!(kills > 0, "it was done before it could be killed");
-    // What a program that was killed leaves behind goes away.
+    // The leftovers of a killed program go away.
     if at.join("killed/blocks").exists() {
         fs::write(at.join("killed/blocks/.block-left.part"), "half").unwrap();
     }
@@ -424,7 +424,7 @@ fn the_shipped_campaigns_can_be_flown() {
         let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
         let all = &summary["rows"][0];
         assert_eq!(all["encounters"], 48);
-        // Every encounter of these cells is threatened, and nobody saves what the oracle loses.
+        // Every encounter of these cells is threatened, and nobody saves one that the oracle loses.
         assert_eq!(all["threatened"], 48);
         assert_eq!(all["saved_of_lost"], 0);
     }
@@ -459,7 +459,7 @@ fn files_of_encounters_are_a_source_too() {
     assert_eq!(flown, batch["min_margin_m"]);
 }
 
-/// What `fga campaign draw` writes is what the campaign flies: flown as a file it gives the same
+/// `fga campaign draw` writes what the campaign flies: flown as a file, it gives the same
 /// margins.
 #[test]
 fn drawn_encounters_are_those_that_are_flown() {

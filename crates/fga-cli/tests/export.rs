@@ -1,4 +1,4 @@
-//! `fga export`: every format from a real run, and what it refuses.
+//! `fga export`: every format from a real run, and its refusals.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use core::time::Duration;
@@ -49,7 +49,7 @@ fn a_run_is_written_in_every_format() {
             String::from_utf8_lossy(&bytes[..64]).starts_with(begins),
             "{format}"
         );
-        // The same bytes again, in a place of one's own choice.
+        // The same bytes again, at another path.
         let other = folder.path().join("other");
         let output = fga(&[
             "export",

@@ -1,6 +1,6 @@
 //! `fga fly` as a program in real time, with the ArduPlane-like emulator: signals, a full disk, a held
-//! terminal, a frozen browser, a sudden end. Each test is named after the way in which the vehicle or
-//! its mode was once lost.
+//! terminal, a frozen browser, a sudden end. Each test is named after a way in which an earlier version
+//! lost the vehicle or its mode.
 #![cfg(all(feature = "fly", target_os = "linux"))]
 #![allow(clippy::pedantic, reason = "a bench in real time")]
 
@@ -74,8 +74,8 @@ fn start(live: &Live, folder: &Path) -> Program {
     Program(child.expect("the program starts"))
 }
 
-/// The disc is passed without touching it, on one command of a mode out and at most one back. Where the way
-/// back leads is the matter of other tests.
+/// The aircraft passes the disc without touching it, with one command of a mode out and at most one
+/// back. Other tests check the way back.
 fn avoids(live: &Live) {
     passes(live);
     assert!(live.commands().len() <= 2, "{:?}", live.commands());
@@ -191,7 +191,7 @@ fn disk_full_in_a_manoeuvre_and_a_restart_on_the_full_disk() {
     let shell = "trap '' XFSZ; ulimit -f 96; exec \"$@\"";
     let child = command(shell, &growing, &folder, &["--quiet"]).spawn();
     let mut program = Program(child.expect("the program starts"));
-    // And a disk without any room: all that is written there is refused with ENOSPC.
+    // And a disk without any room: every write there fails with ENOSPC.
     let full = Live::udp(None, None);
     let folder = live::folder("disk-full");
     fs::create_dir_all(folder.join("out")).expect("a folder");
@@ -238,7 +238,7 @@ fn free_address() -> SocketAddr {
     listener.local_addr().expect("an address")
 }
 
-/// A browser that asks for the flight and then takes nothing.
+/// A browser that asks for the flight and then reads nothing.
 fn frozen_browser(address: SocketAddr) -> TcpStream {
     let since = Instant::now();
     let mut stream = loop {

@@ -1,4 +1,4 @@
-//! The reference pages list the keys that the program reads, and no others.
+//! The reference pages list exactly the keys that the program reads.
 
 extern crate alloc;
 
@@ -12,7 +12,7 @@ use fga_sim::vehicle_file::VehicleModel;
 
 const PAGE: &str = include_str!("../../../docs/reference-files.md");
 
-/// A key that no table has; the error about it lists those that it has.
+/// A key of no table; the error about it lists the known ones.
 const UNKNOWN: &str = "no_such_key";
 
 /// Keys of the page, by kind and table.
@@ -69,7 +69,7 @@ fn with_unknown_key(kind: &str, table: &str) -> String {
     }
 }
 
-/// What the program says against a file, if anything.
+/// The program's error about a file, if any.
 fn error_of(kind: &str, text: &str) -> Option<String> {
     let path = Path::new("file.toml");
     match kind {

@@ -77,7 +77,7 @@ fn the_page_of_a_run_says_what_was_decided() {
     assert_eq!(back["paths"][0]["kind"], 3, "the way back");
 }
 
-/// Names of the runs of a page, and how much each one flew.
+/// Names of the runs of a page, and the number of samples of each.
 fn runs(page: &str) -> Vec<(String, usize)> {
     let data = data(page);
     let runs = data["runs"].as_array().unwrap().iter();
@@ -170,7 +170,7 @@ fn a_batch_shows_its_worst_encounters() {
         assert!(output.status.success(), "{}", errors(&output));
     };
     batch(&["--tracks", "--replay", "2"]);
-    // Encounter 12 is entered by 25 m, encounter 10 by 5 m.
+    // The aircraft enters by 25 m in encounter 12, by 5 m in encounter 10.
     assert_eq!(pages(&at.join("runs/b/replay")), ["10.html", "12.html"]);
     let page = fs::read_to_string(at.join("runs/b/replay/12.html")).unwrap();
     assert_eq!(data(&page)["title"], "encounter 12");
@@ -185,7 +185,7 @@ fn a_batch_shows_its_worst_encounters() {
     let written: f64 = row.split(',').nth(3).unwrap().parse().unwrap();
     assert!((margin_m - written).abs() < 1e-6 && (margin_m + 25.0).abs() < 1e-6);
     let before = fs::read(at.join("runs/b/replay/12.html")).unwrap();
-    // Pages of results that are no longer there do not stay.
+    // Pages of removed results do not stay.
     batch(&["--replay", "1", "--threads", "1"]);
     assert_eq!(pages(&at.join("runs/b/replay")), ["12.html"]);
     assert!(fs::read(at.join("runs/b/replay/12.html")).unwrap() == before);
@@ -337,7 +337,7 @@ fn of_a_large_campaign_the_worst_are_listed() {
     assert_eq!(rows.len(), 5_000);
     let margins = |index: usize| rows[index]["min_margin_m"].as_f64().unwrap();
     assert!((1..rows.len()).all(|index| margins(index - 1) <= margins(index)));
-    // Not complete: what is flown is listed.
+    // Incomplete: the table lists the finished part.
     fs::remove_file(at.join("runs/large/results.parquet")).unwrap();
     let server = serve(at, "runs/large");
     let listing = data(&get(&server.address, "/"));

@@ -53,7 +53,7 @@ fn the_report_is_whole_and_opens_offline() {
     ] {
         assert!(folder.path().join("r/data").join(file).exists(), "{file}");
     }
-    // The flights of a figure are one page, which the report links to.
+    // The flights of a figure share one page, which the report links to.
     assert!(page.contains("href=\"data/fig-17-replay.html\""));
     let replay = fs::read_to_string(folder.path().join("r/data/fig-17-replay.html")).unwrap();
     for policy in ["published --start t0", "published --start tc", "turn-aware"] {

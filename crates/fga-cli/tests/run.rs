@@ -164,7 +164,7 @@ fn recorded(path: &Path, name: &str, time_column: usize) -> Vec<[f64; 4]> {
         .collect()
 }
 
-/// The least separation of two recorded aircraft, straight between rows, on the sphere on which a
+/// The least separation of two recorded aircraft, linear between rows, on the sphere on which a
 /// minute of arc is a nautical mile, by the haversine's chord.
 fn least_separation(own: &[[f64; 4]], other: &[[f64; 4]]) -> f64 {
     let radius = 1852.0 * 60.0 * 180.0 / core::f64::consts::PI;

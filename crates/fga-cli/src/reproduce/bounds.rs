@@ -1,5 +1,5 @@
-//! Bounds 1 to 3 (Eq. 26–53): who is saved where a bound holds, and where it does not; and bound 1
-//! against the least distance from which a static obstacle is really avoided.
+//! Bounds 1 to 3 (Eq. 26–53): the share saved where a bound holds and where it does not; and bound 1
+//! against the least distance from which an aircraft really avoids a static obstacle.
 
 use core::fmt::Write as _;
 
@@ -32,10 +32,10 @@ use crate::failure::Failure;
 /// The policies in their order.
 const POLICIES: [&str; 3] = ["published --start tc", "published --start t0", "turn-aware"];
 
-/// The policies and the oracle as the tables name them.
+/// The names of the policies and the oracle in the tables.
 const NAMES: [&str; 4] = ["published, t_c", "published, t_0", "turn-aware", "oracle"];
 
-/// Directions counted over the sphere for bound 3 in space.
+/// Number of directions over the sphere for bound 3 in space.
 const DIRECTIONS: u32 = 4000;
 
 /// Both sections.
@@ -46,7 +46,7 @@ pub(super) fn sections(
     Ok(vec![distances(setting, model)?, shares(setting)?])
 }
 
-/// An encounter at the start of a flight along +x, as the bounds see it.
+/// An encounter at the start of a flight along +x, as input of the bounds.
 struct Seen {
     ownship: Ownship,
     climb_rad: (f64, f64),
@@ -76,7 +76,7 @@ impl Seen {
         }
     }
 
-    /// Bound 1 as corrected: each threat leaves time for the turn.
+    /// Bound 1, corrected: each threat leaves time for the turn.
     fn distance(&self) -> bool {
         let geometries = self.obstacles.iter().filter_map(|obstacle| {
             Geometry::of(&Relative::of(&self.ownship, obstacle)?, &obstacle.volume)
@@ -98,7 +98,7 @@ impl Seen {
         }
     }
 
-    /// Bound 3: one direction is clear of all of them, within the climb angles.
+    /// Bound 3: one direction is clear of all obstacles, within the climb angles.
     fn direction(&self, planar: bool) -> bool {
         if planar {
             return !HeadingSet::of_all(&self.ownship, &self.obstacles).is_empty();
@@ -110,7 +110,7 @@ impl Seen {
     }
 }
 
-/// Who is saved of some encounters.
+/// The saved ones of some encounters.
 #[derive(Clone, Copy, Default)]
 struct Saved {
     encounters: u64,
@@ -124,7 +124,7 @@ impl Saved {
     }
 }
 
-/// A bound in the plane or in space: who is saved where it holds, and where it does not.
+/// A bound in the plane or in space: the share saved where it holds and where it does not.
 struct Bound {
     name: String,
     /// Encounters within it, and outside.
@@ -136,7 +136,7 @@ const FAILS: usize = 1;
 const ORACLE: usize = NAMES.len() - 1;
 const TURN_AWARE: usize = ORACLE - 1;
 
-/// A bound and how it is decided.
+/// A bound and its test.
 type Decider = fn(&Seen, bool) -> bool;
 
 fn count(flights: &Flights, planar: bool) -> Result<Vec<Bound>, Failure> {
@@ -156,7 +156,7 @@ fn count(flights: &Flights, planar: bool) -> Result<Vec<Bound>, Failure> {
     for rows in &flights.rows {
         let Some(first) = rows.first() else { continue };
         let drawn = flights.campaign.draw(first.encounter)?;
-        // Only cells were asked for.
+        // The setting has only cells.
         let Scene::Rows(encounter) = drawn.scene else {
             continue;
         };
@@ -344,7 +344,7 @@ const STATIC: [[f64; 3]; 6] = [
 /// Resolution of a distance, m.
 const FINEST_M: f64 = 0.1;
 
-/// A static obstacle ahead, as far as it is from the aircraft; `None` where it is beside it.
+/// A static obstacle ahead, at its distance along the course; `None` if it is abeam.
 fn ahead(distance_m: f64, radius_m: f64, across_m: f64) -> Option<Obstacle> {
     let along = distance_m * distance_m - across_m * across_m;
     (along > 0.0 && distance_m > radius_m).then(|| {
@@ -358,7 +358,7 @@ fn ahead(distance_m: f64, radius_m: f64, across_m: f64) -> Option<Obstacle> {
 }
 
 /// The least distance from which `saved` holds for all larger ones, in steps of [`FINEST_M`]:
-/// from far away nearer in ever finer steps.
+/// the search comes nearer in ever finer steps.
 fn least_distance(farthest_m: f64, nearest_m: f64, saved: impl Fn(f64) -> bool) -> Option<f64> {
     if !saved(farthest_m) {
         return None;
@@ -401,7 +401,7 @@ fn distances(setting: &Setting<'_>, model: &VehicleModel) -> Result<Section, Fai
         let _ = writeln!(csv, "{}", told.join(","));
     }
     atomic::write(&setting.data.join("bound-1.csv"), csv)?;
-    // How far a column lies from the corrected bound, over all rows.
+    // Distance of a column from the corrected bound, over all rows.
     let beyond = |column: usize| {
         rows.iter()
             .filter_map(|row| Some(row[column]? - row[4]?))

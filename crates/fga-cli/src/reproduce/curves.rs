@@ -15,18 +15,18 @@ use crate::failure::Failure;
 /// The policies in their order.
 const POLICIES: [&str; 3] = ["published --start tc", "published --start t0", "turn-aware"];
 
-/// What is drawn: the policies and the oracle.
+/// The drawn series: the policies and the oracle.
 const NAMES: [&str; 4] = ["published, t_c", "published, t_0", "turn-aware", "oracle"];
 
 /// Index of the turn-aware policy and of the oracle.
 const TURN_AWARE: usize = 2;
 const ORACLE: usize = 3;
 
-/// What a curve runs over.
+/// The variable of a curve.
 struct Curve {
     title: String,
     x_label: &'static str,
-    /// Place on the x axis, name in the table, cell.
+    /// Position on the x axis, name in the table, cell.
     points: Vec<(f64, String, String)>,
     claims: Vec<Claim>,
 }
@@ -47,7 +47,7 @@ fn value(flights: &Flights, series: usize, cell: usize) -> Option<Estimate> {
     }
 }
 
-/// A cell whose threats are first seen at `seen` and as fast as `speed`.
+/// A cell whose threats are first seen at `seen` and fly at `speed`.
 fn cell(count: u32, seen: &str, speed: &str) -> String {
     format!("threats:{count}:{seen}:{speed}")
 }
@@ -224,7 +224,7 @@ fn chart(curve: &Curve, flights: &Flights) -> LineChart {
     }
 }
 
-/// What all cells of a figure say.
+/// The result over all cells of a figure.
 #[derive(Default)]
 struct Comparison {
     cells: usize,
@@ -234,14 +234,14 @@ struct Comparison {
     encounters: u64,
     avoidable: u64,
     saved: [u64; 3],
-    /// Encounters in which turn-aware keeps more than the oracle found, by more than its fineness.
+    /// Encounters in which turn-aware keeps more than the oracle found, by more than its resolution.
     beyond: u64,
     worst: Option<(f64, String)>,
-    /// What the paper states, and whether turn-aware is at least as good at each of its points.
+    /// The claims of the paper, and whether turn-aware is at least as good at each.
     claims: Vec<(String, bool)>,
 }
 
-/// The oracle's fineness, metres.
+/// The oracle's resolution, metres.
 const FINENESS_M: f64 = 0.05;
 
 impl Comparison {

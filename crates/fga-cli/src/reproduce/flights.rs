@@ -1,4 +1,4 @@
-//! Encounters of some cells flown by some policies, in memory.
+//! Flies encounters of some cells under some policies, in memory.
 
 use std::path::Path;
 
@@ -10,13 +10,13 @@ use super::Setting;
 use crate::common::interrupted;
 use crate::failure::Failure;
 
-/// How the name of a cell ends whose obstacles all stay at the aircraft's altitude.
+/// The end of the name of a cell whose obstacles all stay at the aircraft's altitude.
 pub(super) const PLANAR: &str = ",planar";
 
-/// Table 4's aircraft forbidden to climb.
+/// Table 4's aircraft without climb.
 const PLANAR_VEHICLE: &str = include_str!("../../vehicles/paper-planar.toml");
 
-/// What came of them.
+/// The results.
 pub(super) struct Flights {
     /// The encounters.
     pub(super) campaign: Campaign,
@@ -28,7 +28,7 @@ pub(super) struct Flights {
     pub(super) times: Vec<Times>,
 }
 
-/// How long the flights of one policy took, means over the flights.
+/// The duration of the flights of one policy, means over the flights.
 #[expect(
     clippy::struct_field_names,
     reason = "the unit, as everywhere in this project"
@@ -43,8 +43,8 @@ pub(super) struct Times {
     pub(super) longest_s: f64,
 }
 
-/// Flies `setting.encounters` encounters of each cell by each policy, and asks the oracle. Cells
-/// end in `,planar` all or none: then the aircraft is forbidden to climb.
+/// Flies `setting.encounters` encounters of each cell under each policy, and asks the oracle. Either
+/// all cells end in `,planar` or none; if all, the aircraft may not climb.
 pub(super) fn fly(
     setting: &Setting<'_>,
     cells: &[String],

@@ -12,7 +12,7 @@ use super::flights::{Flights, PLANAR, fly};
 use super::{Setting, next, shorter, times};
 use crate::failure::Failure;
 
-/// Every method; the first shows the cost of plant and measuring alone.
+/// Every method; the first one measures the cost of plant and measurement alone.
 pub(super) const METHODS: [&str; 10] = [
     "none",
     "published --start tc",
@@ -26,7 +26,7 @@ pub(super) const METHODS: [&str; 10] = [
     "velocity-obstacles",
 ];
 
-/// The methods but for the first, as a chart names them.
+/// The methods except the first, with their names in a chart.
 const SHORT: [&str; METHODS.len() - 1] = [
     "publ. t_c",
     "publ. t_0",
@@ -44,7 +44,7 @@ pub(super) fn method(name: &str) -> usize {
     METHODS.iter().position(|m| *m == name).unwrap_or(0)
 }
 
-/// Speeds of §2.3 and standing obstacles, metres per second.
+/// Speeds of §2.3 and obstacles at rest, metres per second.
 const SPEEDS: [&str; 5] = ["0", "15-20", "35-40", "55-60", "0-60"];
 
 /// Tables 5 and 6, the "67 % shorter" claim, and all methods side by side.
@@ -84,7 +84,7 @@ pub(super) fn sections(setting: &Setting<'_>) -> Result<Vec<Section>, Failure> {
     ])
 }
 
-/// Share saved of what the oracle saves.
+/// Share saved of the encounters that the oracle saves.
 fn saved(totals: &Totals) -> Option<Estimate> {
     Estimate::wilson(totals.saved_of_avoidable, totals.avoidable)
 }
@@ -187,7 +187,7 @@ fn chart(groups: &[Group<'_>]) -> BarChart {
     }
 }
 
-/// How the turn-aware policy stands among the others.
+/// The rank of the turn-aware policy.
 #[derive(Default)]
 struct Standing {
     cells: usize,

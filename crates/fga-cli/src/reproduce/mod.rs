@@ -1,4 +1,4 @@
-//! `fga reproduce`: the paper's evaluation flown again, with what it states beside what comes out.
+//! `fga reproduce`: flies the paper's evaluation again and shows its claims beside the results.
 //!
 //! | section | file |
 //! |---|---|
@@ -37,7 +37,7 @@ use crate::provenance::Provenance;
 /// Options of `fga reproduce`.
 #[derive(Args, Debug)]
 pub(crate) struct ReproduceArgs {
-    /// Encounters for each point of a curve.
+    /// Number of encounters for each point of a curve.
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..))]
     encounters: u64,
     /// Master seed.
@@ -52,9 +52,9 @@ pub(crate) struct ReproduceArgs {
     answer: AnswerArgs,
 }
 
-/// What the sections are made with.
+/// The input of the sections.
 struct Setting<'a> {
-    /// Encounters for each point.
+    /// Number of encounters for each point.
     encounters: u64,
     /// Master seed.
     seed: u64,
@@ -62,7 +62,7 @@ struct Setting<'a> {
     data: &'a Path,
 }
 
-/// Says on standard error what comes next; stops after Ctrl-C.
+/// Announces the next section on standard error; stops after Ctrl-C.
 fn next(what: &str) -> Result<(), Failure> {
     if interrupted() {
         return Err(Failure::Interrupted);

@@ -12,7 +12,7 @@ use super::flights::{Flights, PLANAR, fly};
 use super::{Setting, next};
 use crate::failure::Failure;
 
-/// Started early and late.
+/// Early and late starts.
 const POLICIES: [&str; 4] = [
     "published --start t0",
     "published --start tc",
@@ -27,7 +27,7 @@ const NAMES: [&str; 4] = [
     "turn-aware, latest",
 ];
 
-/// Initial distances flown, metres.
+/// Initial distances of the flights, metres.
 const SEEN_M: [u32; 6] = [100, 150, 200, 300, 400, 500];
 
 /// Protected radius of the sweep, metres.
@@ -51,7 +51,7 @@ struct Compared {
 }
 
 impl Compared {
-    /// `None` where the turn cannot begin late enough to be compared: nearer than the critical
+    /// `None` where the turn cannot begin late enough for a comparison: nearer than the critical
     /// distance of `t_L`.
     fn of(distance_m: f64, turn_m: f64) -> Option<Self> {
         let sum_m = turn_m + RADIUS_M;
@@ -298,7 +298,7 @@ fn csv(flown: &[[Flown; 2]]) -> String {
 }
 
 fn reading(flown: &[[Flown; 2]]) -> Reading {
-    // Cells in which the early start is dearer, and cheaper, by more than the interval.
+    // Cells in which the early start costs more, or less, by more than the interval.
     let dearer = |measure: usize, kind: usize| {
         let all = || {
             flown

@@ -28,7 +28,7 @@ struct Case {
     paper: &'static str,
 }
 
-/// Started at once and as late as can be; and as the policy likes.
+/// Started at once, as late as possible, and as the policy chooses.
 const STARTS: [&str; 5] = [
     "published --start t0",
     "published --start tc",
@@ -131,7 +131,7 @@ fn section(case: &Case, setting: &Setting<'_>, paper: &VehicleModel) -> Result<S
         "the flights one over the other, to look at in a browser".into(),
     )];
     for (name, log) in &flown {
-        // Only a flight that has a place on the globe.
+        // Only flights with an origin on the globe.
         if log.plan.frame.is_some() {
             let file = file_name(case, name, "kml");
             let flight = flight_file::flight(log, &run_files::events(log));
@@ -147,10 +147,10 @@ fn section(case: &Case, setting: &Setting<'_>, paper: &VehicleModel) -> Result<S
     })
 }
 
-/// A waypoint counts as reached within this distance, metres: corners are cut.
+/// A waypoint counts as reached within this distance, metres: the aircraft cuts corners.
 const REACHED_M: f64 = 150.0;
 
-/// Waypoints that the flight came near.
+/// Waypoints within that distance of the flight.
 fn reached(log: &RunLog) -> usize {
     let near = |waypoint_m: &&Vec3| {
         log.samples
@@ -176,8 +176,8 @@ fn file_name(case: &Case, policy: &str, ending: &str) -> String {
     )
 }
 
-/// The margin that the oracle keeps from the state in which the flight begins, up to the first
-/// minute, metres; obstacles straight on at their first velocity.
+/// The margin that the oracle keeps from the first state of the flight, over the first minute, metres;
+/// obstacles fly straight at their first velocity.
 fn allowed_m(log: &RunLog) -> f64 {
     let world = &log.plan.world;
     let start = OracleStart {

@@ -12,16 +12,16 @@ use super::flights::Flights;
 use super::methods::method;
 use crate::failure::Failure;
 
-/// What the paper claims to be shorter.
+/// The methods that the paper claims to be shorter.
 const OWN: [&str; 3] = ["published --start tc", "published --start t0", "turn-aware"];
 
-/// Than what.
+/// The methods that they are compared with.
 const PLANNERS: [&str; 2] = ["waypoint-greedy", "waypoint-optimal"];
 
 /// A length of a flight and its name.
 type Measure = (&'static str, fn(&Row) -> Option<f64>);
 
-/// What may be meant by the length of the changed path.
+/// Possible meanings of the length of the changed path.
 const MEASURES: [Measure; 3] = [
     ("extra path", |row| Some(row.extra_path_m)),
     ("time away from the route", Row::time_away_s),
@@ -166,7 +166,7 @@ fn reading(compared: &[Compared]) -> Reading {
             .collect();
         told.join(", ")
     };
-    // Of all comparisons and measures, those that reach the claim.
+    // Comparisons and measures that reach the claim.
     let all = || compared.iter().flat_map(|row| row.shorter.iter().flatten());
     let reached = all().filter(|e| e.high >= 0.67).count();
     let longer = all().filter(|e| e.high < 0.0).count();

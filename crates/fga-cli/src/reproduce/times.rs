@@ -11,7 +11,7 @@ use super::flights::{Flights, Times};
 use super::methods::{METHODS, method};
 use crate::failure::Failure;
 
-/// Seconds a case that the paper states: for FGA on static and moving obstacles, and in Table 6.
+/// Seconds per case that the paper states: for FGA with static and moving obstacles, and in Table 6.
 fn stated(method: &str) -> [Option<f64>; 2] {
     match method {
         "published --start tc" => [Some(0.028), Some(0.030)],

@@ -1,4 +1,4 @@
-//! What the tests of the commands share: running the program, reading its files.
+//! Common parts of the command tests: running the program, reading its files.
 #![allow(dead_code, reason = "each test file uses its own part")]
 #![allow(unreachable_pub, reason = "a module shared by several test programs")]
 
@@ -26,7 +26,7 @@ pub fn errors(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The folder of third-party data, or `None` where it is not there: then the test is skipped,
+/// The folder of third-party data, or `None` without it: then the test skips,
 /// except in continuous integration, where it fails.
 pub fn data(relative: &str) -> Option<PathBuf> {
     let folder = std::env::var_os("FGA_DATA")
@@ -45,8 +45,8 @@ pub fn data(relative: &str) -> Option<PathBuf> {
 }
 
 /// Checks every decision of a log against the published schema with an independent validator, and
-/// returns how many there are. The check is skipped where Python or its `jsonschema` is not there,
-/// except in continuous integration, where that is a failure.
+/// returns their number. Without Python or its `jsonschema` the check skips, except in continuous
+/// integration, where that is a failure.
 pub fn decisions_follow_their_schema(log: &Path) -> usize {
     const SCRIPT: &str = "
 import json, sys
