@@ -10,7 +10,7 @@
 //! | [`rates`] | how often is its telemetry sent, and how often does it arrive? |
 //! | [`response`] | how does it follow? |
 //! | [`restart`] | what does a program that is started again owe? |
-//! | [`attitude`], [`commanded`], [`paper`], [`commands`] | how is it commanded? |
+//! | [`hand`], [`commanded`], [`commands`] | how is it commanded? |
 //! | [`telling`] | what does the operator hear? |
 //! | [`wire`], [`signing`], [`endpoint`], [`outgoing`], [`tlog`] | how do messages become bytes and go their way? |
 //! | [`fly`], [`replay`] | what drives the companion: sockets and a clock, or a recording? |
@@ -41,7 +41,6 @@
 
 extern crate alloc;
 
-pub mod attitude;
 pub mod authority;
 pub mod clock;
 pub mod commanded;
@@ -50,12 +49,12 @@ pub mod companion;
 pub mod config;
 pub mod endpoint;
 pub mod fly;
+pub mod hand;
 pub mod mission;
 pub mod mode;
 mod number;
 pub mod outgoing;
 pub mod ownship;
-pub mod paper;
 pub mod parameters;
 pub mod play;
 pub mod player;

@@ -12,10 +12,10 @@
 
 use mavlink::dialects::ardupilotmega::{COMMAND_LONG_DATA, MavCmd, MavMessage};
 
+use crate::hand::sticks::override_message;
 use crate::mode::Mode;
 use crate::number::single;
 use crate::outgoing::AUTOPILOT;
-use crate::paper::override_message;
 
 /// A step of a stick, microseconds.
 const STEP_US: u16 = 50;

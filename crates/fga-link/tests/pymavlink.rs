@@ -7,9 +7,9 @@
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 
-use fga_link::attitude::attitude_message;
 use fga_link::authority::Severity;
-use fga_link::paper::override_message;
+use fga_link::hand::attitude::attitude_message;
+use fga_link::hand::sticks::override_message;
 use fga_link::player::{Line, adsb_message};
 use fga_link::telling;
 use fga_link::wire::{Framer, Signing, encode};

@@ -365,6 +365,22 @@ fn algorithm_4_flies_round_a_static_obstacle() {
     }
 }
 
+/// The dead time is learned in the first turns: 0.25 s are expected, and the vehicle answers sooner. What was
+/// planned for a later moment than the next decision would be forgotten.
+#[test]
+fn the_moment_that_is_decided_for_never_goes_back() {
+    let mut world = paper_world(GOOD);
+    let mut last_s = f64::NEG_INFINITY;
+    while world.time_s < 110.0 {
+        world.step();
+        if let Some(for_s) = world.companion.decided_for_s() {
+            assert!(for_s >= last_s, "{for_s} after {last_s}");
+            last_s = for_s;
+        }
+    }
+    assert!(world.companion.response().dead_time_s < 0.25);
+}
+
 #[test]
 fn heading_commands_avoid_too() {
     let mut world = head_on("[command]\nmode = \"heading\"", BAD, 4);

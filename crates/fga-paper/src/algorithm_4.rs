@@ -35,6 +35,8 @@ pub struct Plan {
     pub side: Side,
     /// `θ_i`, the course before, radians.
     pub initial_course_rad: f64,
+    /// `d_m`, the protected radius, metres.
+    pub radius_m: f64,
     /// ρ, the turn radius at the largest bank angle, metres.
     pub turn_radius_m: f64,
     /// The three arcs; the first one's angle is α.
@@ -88,6 +90,7 @@ impl Plan {
         Some(Self {
             side,
             initial_course_rad: ownship.course_rad,
+            radius_m,
             turn_radius_m,
             round,
             critical_along_m: round.before_m,

@@ -75,6 +75,8 @@ pub struct PaperPilot {
     tracks: Tracks,
     path: FlightPath,
     plan: Option<Plan>,
+    /// The way round a static obstacle, of the rule [`Rule::Circle`].
+    round: Option<circle::Round>,
     last_time_s: f64,
 }
 
@@ -97,8 +99,24 @@ impl PaperPilot {
             tracks: Tracks::new(),
             path: FlightPath::new(),
             plan: None,
+            round: None,
             last_time_s: f64::NEG_INFINITY,
         })
+    }
+
+    /// The limits that it plans with.
+    pub const fn vehicle(&self) -> &Vehicle {
+        &self.vehicle
+    }
+
+    /// Where it stands.
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// Index of the waypoint at the start of the leg that is flown.
+    pub const fn leg_index(&self) -> usize {
+        self.progress.index()
     }
 
     fn load_tracks(&mut self, situation: &Situation<'_>) {
@@ -165,6 +183,7 @@ impl Pilot for PaperPilot {
         if situation.time_s < self.last_time_s {
             // The clock jumped back: what was planned in its time means nothing now.
             self.plan = None;
+            self.round = None;
             self.state = State::Cruise;
         }
         self.last_time_s = situation.time_s;
@@ -212,6 +231,7 @@ impl Pilot for PaperPilot {
         self.around.clear();
         self.tracks.forget();
         self.plan = None;
+        self.round = None;
         self.last_time_s = f64::NEG_INFINITY;
     }
 }

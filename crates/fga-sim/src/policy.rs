@@ -112,8 +112,15 @@ impl PolicyChoice {
                 Ok(Box::new(MissionPilot::new(avoider.horizon_s, *vehicle)?))
             }
             Self::Paper(rule) => {
-                let settings = settings.of_paper(rule);
-                Ok(Box::new(PaperPilot::new(settings, *vehicle)?))
+                let paper = PaperPilot::new(settings.of_paper(rule), *vehicle)?;
+                // The other rules begin their turns earlier by the dead time.
+                Ok(
+                    if rule == Rule::Circle && vehicle.response.dead_time_s > 0.0 {
+                        Box::new(Ahead::new(paper, vehicle))
+                    } else {
+                        Box::new(paper)
+                    },
+                )
             }
             Self::Baseline(baseline) => baseline.pilot(avoider, vehicle),
         }

@@ -27,6 +27,7 @@ impl PolicySettings {
             heading_cost: avoider.heading_cost,
             pitch_cost: avoider.pitch_cost,
             grid: self.grid,
+            ..PaperSettings::new(rule)
         }
     }
 }

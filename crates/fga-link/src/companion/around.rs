@@ -74,7 +74,7 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
 impl Companion {
     pub(super) fn gather_obstacles(&mut self, state: &State, now_s: f64) {
         self.obstacles.clear();
-        let at_s = now_s + self.response.response().dead_time_s;
+        let at_s = now_s + self.ahead_s;
         let own_m = state.ownship.position_m;
         let within_m = self.config.protection.surveillance_m;
         if let Some(frame) = self.ownship.frame() {
@@ -103,12 +103,9 @@ impl Companion {
                 radius_m: protection.radius_m,
             },
         };
-        self.tracks.set_ahead(Ahead::new(
-            at_s,
-            own_m,
-            state.ground_velocity_mps,
-            &self.way.waypoints_m,
-        ));
+        let (met_m, left_m) = self.way_left(own_m);
+        let own = (own_m, state.ground_velocity_mps);
+        self.tracks.set_ahead(Ahead::new(at_s, own, met_m, left_m));
         let wanted = Wanted {
             at_s,
             own_m,
@@ -129,9 +126,9 @@ impl Companion {
             self.fence.obstacles(own_m, &mut self.obstacles);
         }
         let climbs = self
-            .avoider
+            .decider
             .as_ref()
-            .is_some_and(|avoider| avoider.vehicle().can_climb());
+            .is_some_and(|decider| decider.vehicle().can_climb());
         if climbs {
             let home_z = own_m.z - state.above_home_m;
             let floor_z = home_z + self.config.safety.floor_m;

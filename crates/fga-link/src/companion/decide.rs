@@ -1,17 +1,13 @@
 //! From telemetry and tracks to a decision, and from the decision to who flies.
 
-use fga::avoider::{
-    Avoider, Decision, Reason, Record, Settings, Start, State as AvoiderState, Threat,
-};
-use fga::maneuver::Maneuver;
+use fga::avoider::{Decision, State as AvoiderState};
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::vehicle::{Response, Vehicle};
-use fga_paper::algorithm_4::Phase;
 use serde_json::json;
 
+use super::decider::Decider;
 use super::{Companion, Decided};
 use crate::authority::{Authority, Fault, Severity};
-use crate::config::CommandMode;
 use crate::ownship::State;
 use crate::telling;
 
@@ -21,6 +17,9 @@ const ON_LEG_FOR_S: f64 = 0.4;
 const PREPARE_S: f64 = 0.6;
 /// A difference of airspeed or response that makes new limits worth while, as a share.
 const LIMITS_CHANGE: f64 = 0.02;
+/// How fast the moment that decisions are made for follows the estimated dead time, as a share of the
+/// clock's pace.
+const AHEAD_PACE: f64 = 0.5;
 /// Telemetry is stale after this many of its measured intervals, where these are long.
 const STALE_INTERVALS: f64 = 2.5;
 /// After this many refusals in a row the operator has to arm it again.
@@ -30,11 +29,8 @@ impl Companion {
     /// The state at the moment at which a command sent now takes effect.
     pub(super) fn state_ahead(&mut self, now_s: f64) -> Option<State> {
         let response = self.flown_response();
-        self.ownship.state_at(
-            now_s + response.dead_time_s,
-            &self.commanded_lately,
-            &response,
-        )
+        self.ownship
+            .state_at(now_s + self.ahead_s, &self.commanded_lately, &response)
     }
 
     /// Whether the last decision is flown with the bank in need.
@@ -57,7 +53,17 @@ impl Companion {
         }
     }
 
+    /// Follows the dead time as it is estimated, slower than the clock: the moment that decisions are made
+    /// for never goes back, or what is planned would be forgotten.
+    fn follow_dead_time(&mut self, now_s: f64) {
+        let most_s = AHEAD_PACE * (now_s - self.ahead_at_s).max(0.0);
+        let off_s = self.response.response().dead_time_s - self.ahead_s;
+        self.ahead_s += off_s.clamp(-most_s, most_s);
+        self.ahead_at_s = now_s;
+    }
+
     pub(super) fn decide(&mut self, now_s: f64) {
+        self.follow_dead_time(now_s);
         self.due.decision_s = now_s + self.config.command.decision_period_s;
         let fresh = !self.is_blind(now_s);
         let state = if fresh || self.flies_blind(now_s) {
@@ -79,7 +85,7 @@ impl Companion {
             self.fault(Fault::BelowFloor, now_s);
         }
         if !self.keeper.commands() {
-            self.pitch.observe(state.pitch_rad, state.ownship.climb_rad);
+            self.hand.watch(&state);
         }
         let Some(decision) = self.decision_for(&state, now_s) else {
             self.undecided_s.get_or_insert(now_s);
@@ -87,10 +93,9 @@ impl Companion {
         };
         self.counts.decisions += 1;
         self.undecided_s = None;
-        let ahead_s = self.response.response().dead_time_s;
         self.decided = Some(Decided {
             decision,
-            for_s: now_s + ahead_s,
+            for_s: now_s + self.ahead_s,
             own: state,
         });
         if decision.record.in_need
@@ -115,63 +120,17 @@ impl Companion {
 
     fn decision_for(&mut self, state: &State, now_s: f64) -> Option<Decision> {
         self.renew_way(state, now_s);
-        self.renew_avoider(now_s)?;
+        self.renew_decider(now_s)?;
         self.gather_obstacles(state, now_s);
         self.grow_obstacles(now_s);
-        if self.config.command.mode == CommandMode::Paper {
-            return self.paper_decision(state, now_s);
-        }
         let situation = Situation {
-            time_s: now_s + self.response.response().dead_time_s,
+            time_s: now_s + self.ahead_s,
             ownship: state.ownship,
             obstacles: Obstacles::Rows(&self.obstacles),
             mission: Mission::new(&self.way.waypoints_m),
             wind_mps: state.wind_mps,
         };
-        Some(self.avoider.as_mut()?.step(&situation))
-    }
-
-    fn paper_decision(&mut self, state: &State, now_s: f64) -> Option<Decision> {
-        let limit_rad = self.bank_limit_rad()?;
-        let full_rad = self.parameters.get("ROLL_LIMIT_DEG")?.to_radians();
-        let response = self.response.response();
-        let sticks = self.paper.step(
-            now_s + response.dead_time_s,
-            (&state.ownship, state.wind_mps),
-            &self.obstacles,
-            self.config.protection.margin_m,
-            &response,
-            (limit_rad, full_rad),
-        );
-        let threat = self.paper.obstacle().map(|obstacle| {
-            let offset = obstacle.position_m - state.ownship.position_m;
-            let margin_m = obstacle.volume.margin_m(offset);
-            let entry_s = margin_m / state.ownship.airspeed_mps;
-            Threat {
-                id: obstacle.id,
-                entry_s,
-                closest_s: entry_s,
-                margin_m,
-            }
-        });
-        let (avoider_state, reason) = match sticks.map(|sticks| sticks.phase) {
-            None | Some(Phase::Done) => (AvoiderState::Cruise, Reason::Clear),
-            Some(Phase::Waiting) => (AvoiderState::Threatened, Reason::WaitingForStart),
-            Some(Phase::TurningBack) => (AvoiderState::Recovering, Reason::RejoinKept),
-            Some(_) => (AvoiderState::Avoiding, Reason::ManeuverKept),
-        };
-        self.paper_roll_us = sticks.map_or(1500, |sticks| sticks.roll_us);
-        self.commanded.bank_rad = sticks.map_or(0.0, |sticks| sticks.bank_rad);
-        let record = Record {
-            reason,
-            threat,
-            ..Record::default()
-        };
-        Some(Decision {
-            state: avoider_state,
-            command: Maneuver::hold(),
-            record,
-        })
+        Some(self.decider.as_mut()?.step(&situation))
     }
 
     /// Airspeed as measured, or the one of cruise, metres per second.
@@ -194,7 +153,7 @@ impl Companion {
 
     /// The limits in need: only a bank that is commanded can be steeper.
     fn vehicle_in_need(&self, airspeed_mps: f64) -> Option<Vehicle> {
-        if self.config.command.mode != CommandMode::Attitude {
+        if !self.hand.commands_bank() {
             return None;
         }
         let response = Response {
@@ -205,56 +164,31 @@ impl Companion {
             .vehicle_in_need(&self.config, airspeed_mps, response)
     }
 
-    fn renew_avoider(&mut self, now_s: f64) -> Option<()> {
+    /// Makes the decider, or gives it the vehicle's limits as they are known now.
+    fn renew_decider(&mut self, now_s: f64) -> Option<()> {
         let mut response = self.response.response();
-        // The dead time is spent before the state that the avoider is given; the rest is planned.
+        // The dead time is spent before the state that the decider is given; the rest is planned.
         response.dead_time_s = 0.0;
-        if self.config.command.mode == CommandMode::Heading {
-            // Heading commands are followed with a slow tail.
-            response.bank_time_constant_s += 0.6;
-        }
+        response.bank_time_constant_s += self.hand.lag_s();
         let airspeed_mps = self.airspeed_mps()?;
         let wanted = self
             .parameters
             .vehicle(&self.config, airspeed_mps, response)?;
         let in_need = self.vehicle_in_need(airspeed_mps);
-        if let Some(avoider) = &mut self.avoider {
-            // One that cannot be flown is none.
-            let _ = avoider.set_vehicle_in_need(in_need);
-            let known = *avoider.vehicle();
-            let off = |a: f64, b: f64| (a - b).abs() > LIMITS_CHANGE * b.abs();
-            // Also the limits of a climb: the parameters for them may come later than the others.
-            let changed = off(wanted.airspeed_mps, known.airspeed_mps)
-                || off(wanted.climb_max_rad, known.climb_max_rad)
-                || off(wanted.climb_min_rad, known.climb_min_rad)
-                || off(wanted.course_rate_radps(), known.course_rate_radps())
-                || off(
-                    wanted.response.bank_time_constant_s,
-                    known.response.bank_time_constant_s,
-                );
+        if let Some(decider) = &mut self.decider {
+            decider.set_vehicle_in_need(in_need);
+            let known = decider.vehicle();
             // Limits that get worse count at once; better ones only between manoeuvres.
             let worse = wanted.course_rate_radps() < known.course_rate_radps();
-            if changed && (worse || avoider.state() == AvoiderState::Cruise) {
-                // Checked by the same rules when the avoider was made.
-                let _ = avoider.set_vehicle(wanted);
+            let idle = decider.state() == AvoiderState::Cruise;
+            if differs(&wanted, known) && (worse || idle) {
+                decider.retune(&wanted);
             }
             return Some(());
         }
-        let protection = &self.config.protection;
-        let start = protection.safety_score.map_or(Start::Free, Start::Score);
-        let settings = Settings {
-            start,
-            decision_period_s: self.config.command.decision_period_s,
-            // What is too far away is left out before.
-            surveillance_radius_m: f64::INFINITY,
-            horizon_s: protection.horizon_s,
-            margin_m: protection.margin_m,
-            confidence_sigmas: protection.confidence_sigmas,
-            ..Settings::default()
-        };
-        match Avoider::new(settings, wanted) {
-            Ok(avoider) => {
-                self.avoider = Some(Box::new(avoider));
+        match Decider::new(&self.config, wanted) {
+            Ok(decider) => {
+                self.decider = Some(decider);
                 Some(())
             }
             Err(error) => {
@@ -268,13 +202,10 @@ impl Companion {
     fn act_on(&mut self, decision: &Decision, state: &State, now_s: f64) {
         let wants = match decision.state {
             AvoiderState::Avoiding => true,
-            AvoiderState::Threatened => {
-                decision
-                    .record
-                    .start_s
-                    .is_some_and(|start_s| start_s < PREPARE_S)
-                    && self.config.command.mode != CommandMode::Paper
-            }
+            AvoiderState::Threatened => decision
+                .record
+                .start_s
+                .is_some_and(|start_s| start_s < PREPARE_S),
             AvoiderState::Cruise | AvoiderState::Recovering => false,
         };
         if self.keeper.state() == Authority::Ready && wants && now_s >= self.pause_until_s {
@@ -302,15 +233,8 @@ impl Companion {
         if !self.keeper.commands() {
             return;
         }
-        let done = match self.config.command.mode {
-            CommandMode::Paper => !self.paper.is_turning(),
-            _ => self.is_back(decision, state, now_s),
-        };
-        if done {
-            if self.config.command.mode == CommandMode::Paper {
-                // The stick is centred before CRUISE sees it.
-                self.send_override(Some(1500));
-            }
+        if self.is_back(decision, state, now_s) {
+            self.fly_straight(now_s);
             self.resume_item(now_s);
             let actions = self.keeper.hand_back(now_s);
             self.perform(&actions, now_s);
@@ -367,4 +291,18 @@ impl Companion {
         );
         self.push_log(line);
     }
+}
+
+/// Whether limits differ by so much that they are worth planning with.
+fn differs(wanted: &Vehicle, known: &Vehicle) -> bool {
+    let off = |a: f64, b: f64| (a - b).abs() > LIMITS_CHANGE * b.abs();
+    // Also the limits of a climb: the parameters for them may come later than the others.
+    off(wanted.airspeed_mps, known.airspeed_mps)
+        || off(wanted.climb_max_rad, known.climb_max_rad)
+        || off(wanted.climb_min_rad, known.climb_min_rad)
+        || off(wanted.course_rate_radps(), known.course_rate_radps())
+        || off(
+            wanted.response.bank_time_constant_s,
+            known.response.bank_time_constant_s,
+        )
 }

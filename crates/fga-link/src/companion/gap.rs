@@ -11,8 +11,8 @@ use fga::avoider::Decision;
 use mavlink::dialects::ardupilotmega::{MavMessage, TIMESYNC_DATA};
 
 use super::Companion;
+use super::decider::Decider;
 use crate::authority::{Fault, Severity};
-use crate::config::CommandMode;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::State;
 
@@ -74,7 +74,7 @@ impl Companion {
     /// Whether the manoeuvre is flown on though no telemetry comes.
     pub(super) fn flies_blind(&self, now_s: f64) -> bool {
         self.keeper.commands()
-            && self.config.command.mode != CommandMode::Paper
+            && self.decider.as_ref().is_some_and(Decider::certifies)
             && self.decided.is_some()
             && self.is_blind(now_s)
             && self.telemetry_age_s(now_s) <= MOST_BLIND_S
@@ -148,11 +148,11 @@ impl Companion {
     /// Whether the vehicle is known to enter a volume when it is given back now: it turns to its next
     /// waypoint and flies there.
     fn given_back_collides(&self, state: &State, now_s: f64) -> bool {
-        let Some(avoider) = &self.avoider else {
+        let Some(decider) = &self.decider else {
             return false;
         };
-        let rate_radps = avoider.vehicle().course_rate_radps();
-        let to_m = self.way.waypoints_m.get(avoider.leg_index() + 1).copied();
+        let rate_radps = decider.vehicle().course_rate_radps();
+        let to_m = self.way.waypoints_m.get(decider.leg_index() + 1).copied();
         let grown_m = self.growth_m(now_s);
         let (mut at_m, mut course_rad) = (state.ownship.position_m, state.ownship.course_rad);
         let mut after_s = 0.0;

@@ -7,6 +7,7 @@
 
 mod around;
 mod decide;
+mod decider;
 mod gap;
 mod mission_watch;
 mod picture;
@@ -18,22 +19,21 @@ mod way;
 
 pub(crate) use receive::beat_of_plane;
 
-use fga::avoider::{Avoider, Decision};
+use fga::avoider::Decision;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga::vehicle::Vehicle;
 use mavlink::dialects::ardupilotmega::MavMissionType;
 use serde_json::{Value, json};
 
-use crate::attitude::{AttitudeCommand, PitchKeeper};
 use crate::authority::{Action, Authority, Fault, Hearing, Keeper, Owed, Severity};
 use crate::commanded::Commanded;
 use crate::commands::Commands;
-use crate::config::{CommandMode, Config, ConfigError};
+use crate::config::{Config, ConfigError};
+use crate::hand::{self, Hand};
 use crate::mission::{Download, Way};
 use crate::mode::Mode;
 use crate::outgoing::{Outbox, Outgoing};
 use crate::ownship::{OwnshipEstimate, State};
-use crate::paper::PaperPilot;
 use crate::parameters::VehicleParameters;
 use crate::rates::Rates;
 use crate::response::ResponseEstimate;
@@ -71,7 +71,6 @@ struct Due {
     tidy_s: f64,
     values_s: f64,
     collision_s: f64,
-    heading_s: f64,
     fence_s: f64,
     contradiction_s: f64,
     round_trip_s: f64,
@@ -139,7 +138,8 @@ pub struct Companion {
     tracks: TrackTable,
     virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
     keeper: Keeper,
-    avoider: Option<Box<Avoider>>,
+    decider: Option<decider::Decider>,
+    hand: Box<dyn Hand>,
     way: Way,
     way_mode: Option<Mode>,
     /// The vehicle's mission item when the way was laid.
@@ -149,16 +149,16 @@ pub struct Companion {
     way_mission: Option<u32>,
     obstacles: Vec<Obstacle>,
     decided: Option<Decided>,
-    commanded: AttitudeCommand,
+    /// The bank that was commanded last, radians.
+    commanded_rad: f64,
     commanded_lately: Commanded,
+    /// How far ahead of the clock decisions are made, seconds, and when that was set.
+    ahead_s: f64,
+    ahead_at_s: f64,
     following_since_s: Option<f64>,
     on_way_since_s: Option<f64>,
     refusals: u32,
     pause_until_s: f64,
-    last_heading_rad: Option<f64>,
-    pitch: PitchKeeper,
-    paper: PaperPilot,
-    paper_roll_us: u16,
     boot_ms: u32,
     due: Due,
     last_logged: Option<(fga::avoider::State, fga::avoider::Reason, f64)>,
@@ -172,14 +172,12 @@ impl Companion {
     /// A configuration that cannot be used.
     pub fn new(config: Config, dry_run: bool) -> Result<Self, ConfigError> {
         config.check()?;
-        let take_over = match config.command.mode {
-            CommandMode::Paper => vec![Mode::CRUISE],
-            _ => config.take_over()?,
+        let hand = hand::of(config.command.mode);
+        let take_over = match hand.takes_over_from() {
+            Some(mode) => vec![mode],
+            None => config.take_over()?,
         };
-        let target = match config.command.mode {
-            CommandMode::Paper => Mode::FBWB,
-            CommandMode::Attitude | CommandMode::Heading => Mode::GUIDED,
-        };
+        let target = hand.mode();
         if take_over.contains(&target) {
             return Err(ConfigError(format!(
                 "vehicle.take_over: {} is the mode that manoeuvres are flown in",
@@ -223,26 +221,22 @@ impl Companion {
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
             virtual_reports: around::virtual_reports(&config),
             keeper: Keeper::new(target, config.safety.armed_at_start),
-            avoider: None,
+            decider: None,
+            hand,
             way: Way::default(),
             way_mode: None,
             way_item: None,
             way_mission: None,
             obstacles: Vec::new(),
             decided: None,
-            commanded: AttitudeCommand {
-                bank_rad: 0.0,
-                climb_rad: None,
-            },
+            commanded_rad: 0.0,
             commanded_lately: Commanded::default(),
+            ahead_s: config.response.dead_time_s,
+            ahead_at_s: 0.0,
             following_since_s: None,
             on_way_since_s: None,
             refusals: 0,
             pause_until_s: never,
-            last_heading_rad: None,
-            pitch: PitchKeeper::default(),
-            paper: PaperPilot::default(),
-            paper_roll_us: 1500,
             boot_ms: 0,
             due: Due {
                 heartbeat_s: never,
@@ -251,7 +245,6 @@ impl Companion {
                 tidy_s: never,
                 values_s: never,
                 collision_s: never,
-                heading_s: never,
                 fence_s: never,
                 contradiction_s: never,
                 round_trip_s: never,
@@ -295,7 +288,7 @@ impl Companion {
 
     /// The vehicle's limits as they are planned with.
     pub fn vehicle(&self) -> Option<&Vehicle> {
-        self.avoider.as_ref().map(|avoider| avoider.vehicle())
+        self.decider.as_ref().map(decider::Decider::vehicle)
     }
 
     /// How the vehicle follows, as estimated so far.
@@ -452,21 +445,18 @@ impl Companion {
                 }
                 Action::Returned => {
                     self.refusals = 0;
-                    // Held for seconds otherwise, and CRUISE would turn on.
-                    self.stop_overrides();
+                    self.let_go(now_s);
                     self.tell(Severity::Info, "fga: clear, mode restored", now_s);
                     self.forget_plan();
                 }
                 Action::Ended(fault) => {
                     self.note(now_s, "released", json!({ "fault": format!("{fault:?}") }));
-                    self.commands.cancel(MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING);
-                    self.commands.cancel(MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE);
                     self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
                     if fault == Fault::TakeOverRefused {
                         self.refusals += 1;
                         self.pause_until_s = now_s + 5.0;
                     }
-                    self.stop_overrides();
+                    self.let_go(now_s);
                     self.forget_plan();
                 }
             }
@@ -474,12 +464,11 @@ impl Companion {
     }
 
     fn start_commanding(&mut self, now_s: f64) {
-        self.pitch.begin();
+        self.hand.begin();
         self.begin_commanding(now_s);
         self.following_since_s = None;
         self.on_way_since_s = None;
         self.told.need = false;
-        self.last_heading_rad = None;
         self.due.command_s = f64::NEG_INFINITY;
     }
 
@@ -491,13 +480,12 @@ impl Companion {
         }
     }
 
-    /// The next decision makes a new avoider and a new way.
+    /// The next decision makes a new plan and a new way.
     fn forget_plan(&mut self) {
-        self.avoider = None;
+        self.decider = None;
         self.decided = None;
         self.resumed = false;
         self.commanded_lately.clear();
-        self.paper = PaperPilot::default();
     }
 
     fn tell(&mut self, severity: Severity, words: &str, now_s: f64) {

@@ -13,7 +13,6 @@ use serde_json::json;
 use super::{Companion, Heard};
 use crate::authority::{Beat, Fault, Severity, Verdict, reaction};
 use crate::commands::{Command, Outcome};
-use crate::config::CommandMode;
 use crate::mode::Mode;
 use crate::number::single;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
@@ -261,9 +260,9 @@ impl Companion {
     /// whatever is known in the old one is learnt again.
     fn renew_frame(&mut self, now_s: f64) {
         let busy = self
-            .avoider
+            .decider
             .as_ref()
-            .is_some_and(|avoider| avoider.state() != AvoiderState::Cruise);
+            .is_some_and(|decider| decider.state() != AvoiderState::Cruise);
         if self.keeper.is_engaged() || busy || !self.ownship.lay_frame_anew() {
             return;
         }
@@ -521,11 +520,5 @@ impl Companion {
         }
         self.commands.send(Command::set_mode(to, from), true);
         self.send_commands(now_s);
-    }
-
-    pub(super) fn stop_overrides(&mut self) {
-        if self.config.command.mode == CommandMode::Paper {
-            self.send_override(None);
-        }
     }
 }

@@ -1,36 +1,20 @@
 //! What is sent: heartbeat, requests, targets, values.
 
-use core::f64::consts::{FRAC_PI_2, PI};
-
-use fga::angle::wrap_pi;
 use fga::situation::Obstacle;
-use fga::vehicle::STANDARD_GRAVITY_MPS2;
 use mavlink::dialects::ardupilotmega::{
-    HEARTBEAT_DATA, MavAutopilot, MavCmd, MavFrame, MavMessage, MavModeFlag, MavState, MavType,
+    HEARTBEAT_DATA, MavAutopilot, MavMessage, MavModeFlag, MavState, MavType,
 };
 
 use super::Companion;
-use crate::attitude::{AttitudeCommand, attitude_for, attitude_message};
 use crate::authority::{Authority, Fault};
-use crate::commands::Command;
-use crate::config::CommandMode;
-use crate::number::single;
+use crate::hand::{Hand, Reach, Target};
 use crate::ownship::State;
-use crate::paper::{override_message, throttle_us};
 use crate::telling;
 
 /// The fence is downloaded again this long after the last time, seconds.
 const FENCE_AGAIN_S: f64 = 10.0;
-/// A heading target is sent again when it changes by this, or after this time.
-const HEADING_STEP_RAD: f64 = 0.035;
-const HEADING_AGAIN_S: f64 = 1.0;
-/// Farthest ahead of the present heading that a heading target may lie: less than half a turn, so
-/// that the autopilot turns to the side that is meant.
-const FARTHEST_HEADING_RAD: f64 = 2.6;
 /// Time between targets until the vehicle has confirmed the mode, seconds.
 const TAKING_PERIOD_S: f64 = 0.02;
-/// A climb is commanded as an altitude this far ahead, seconds.
-const CLIMB_AHEAD_S: f64 = 4.0;
 
 impl Companion {
     pub(super) fn send_regular(&mut self, now_s: f64) {
@@ -167,27 +151,78 @@ impl Companion {
     /// Sends targets that follow the last decision, where it has the authority to.
     pub(super) fn command(&mut self, now_s: f64) {
         self.due.command_s = now_s + self.command_period_s();
-        let returning = matches!(self.keeper.state(), Authority::Returning { .. });
-        if returning && self.config.command.mode == CommandMode::Paper {
-            // CRUISE locks its heading once the stick is centred.
-            self.send_override(Some(1500));
+        if matches!(self.keeper.state(), Authority::Returning { .. }) {
+            self.fly_straight(now_s);
             return;
         }
-        if !self.keeper.commands() || self.dry_run {
+        if !self.keeper.commands() {
             return;
         }
         let Some(state) = self.state_ahead(now_s) else {
             return;
         };
-        match self.config.command.mode {
-            CommandMode::Attitude => self.command_attitude(now_s, &state),
-            // Refused outside GUIDED: the confirmation is waited for.
-            CommandMode::Heading if matches!(self.keeper.state(), Authority::Taking { .. }) => {}
-            CommandMode::Heading => self.command_heading(now_s, &state),
-            CommandMode::Paper => self.command_sticks(),
+        if let Some(bank_rad) = self.fly(&state, now_s) {
+            self.commanded_rad = bank_rad;
         }
-        self.commanded_lately.push(now_s, self.commanded.bank_rad);
+        self.commanded_lately.push(now_s, self.commanded_rad);
+        self.send_commands(now_s);
         self.watch_following(now_s);
+    }
+
+    /// Commands what was decided; returns the bank that the vehicle should take up, radians.
+    fn fly(&mut self, state: &State, now_s: f64) -> Option<f64> {
+        let decided = self.decided?;
+        let normal_rad = self.bank_limit_rad()?;
+        let decider = self.decider.as_ref()?;
+        let in_need = decider
+            .vehicle_in_need()
+            .zip(self.bank_in_need_rad())
+            .filter(|_| decided.decision.record.in_need);
+        let (vehicle, bank_limit_rad) = in_need.unwrap_or((decider.vehicle(), normal_rad));
+        let vehicle = *vehicle;
+        let elapsed_s = (now_s + self.ahead_s - decided.for_s).max(0.0);
+        let is_confirmed = matches!(self.keeper.state(), Authority::InCommand { .. });
+        self.with_hand(now_s, |hand, reach| {
+            let target = Target {
+                maneuver: &decided.decision.command,
+                elapsed_s,
+                own: state,
+                vehicle: &vehicle,
+                bank_limit_rad,
+                is_confirmed,
+            };
+            hand.fly(&target, reach)
+        })?
+    }
+
+    /// Flies straight on while the mode is given back.
+    pub(super) fn fly_straight(&mut self, now_s: f64) {
+        self.with_hand(now_s, |hand, reach| hand.fly_straight(reach));
+    }
+
+    /// Takes back what the vehicle would go on following.
+    pub(super) fn let_go(&mut self, now_s: f64) {
+        self.with_hand(now_s, |hand, reach| hand.let_go(reach));
+    }
+
+    /// Lets the hand do something, once a vehicle is heard; never in a dry run.
+    fn with_hand<T>(
+        &mut self,
+        now_s: f64,
+        act: impl FnOnce(&mut dyn Hand, &mut Reach<'_>) -> T,
+    ) -> Option<T> {
+        let system = self.vehicle_system().filter(|_| !self.dry_run)?;
+        let mut reach = Reach {
+            outbox: &mut self.outbox,
+            commands: &mut self.commands,
+            parameters: &self.parameters,
+            frame: self.ownship.frame(),
+            system,
+            boot_ms: self.boot_ms,
+            airspeed_mps: self.ownship.airspeed_mps().unwrap_or(0.0),
+            now_s,
+        };
+        Some(act(self.hand.as_mut(), &mut reach))
     }
 
     /// Time from one target to the next, seconds: short until the mode is confirmed. Targets that reach
@@ -201,135 +236,6 @@ impl Companion {
         }
     }
 
-    fn command_attitude(&mut self, now_s: f64, state: &State) {
-        let (Some(decided), Some(system)) = (self.decided, self.vehicle_system()) else {
-            return;
-        };
-        let Some(avoider) = &self.avoider else { return };
-        let Some(normal_rad) = self.bank_limit_rad() else {
-            return;
-        };
-        let in_need = avoider
-            .vehicle_in_need()
-            .zip(self.bank_in_need_rad())
-            .filter(|_| decided.decision.record.in_need);
-        let (vehicle, limit_rad) = in_need.unwrap_or((avoider.vehicle(), normal_rad));
-        let ahead_s = self.response.response().dead_time_s;
-        let elapsed_s = (now_s + ahead_s - decided.for_s).max(0.0);
-        self.commanded = attitude_for(
-            &decided.decision.command,
-            elapsed_s,
-            &state.ownship,
-            vehicle,
-            limit_rad,
-        );
-        let climb_rad = self.commanded.climb_rad.filter(|_| vehicle.can_climb());
-        let pitch_rad = self.pitch.pitch_rad(climb_rad, state.ownship.position_m.z);
-        let message = attitude_message(self.commanded.bank_rad, pitch_rad, self.boot_ms, system);
-        self.outbox.send(message);
-    }
-
-    fn command_heading(&mut self, now_s: f64, state: &State) {
-        let Some(decided) = self.decided else { return };
-        let Some(limit_rad) = self.bank_limit_rad() else {
-            return;
-        };
-        let elapsed_s = (now_s - decided.for_s).max(0.0);
-        let Some(stage) = decided.decision.command.stage_at(elapsed_s).copied() else {
-            return;
-        };
-        let turn_rad = stage.course_rad - state.ownship.course_rad;
-        let target_rad =
-            state.ownship.course_rad + turn_rad.clamp(-FARTHEST_HEADING_RAD, FARTHEST_HEADING_RAD);
-        // For the check whether it follows, and for the estimate of the response.
-        self.commanded = AttitudeCommand {
-            bank_rad: state.ownship.bank_rad,
-            climb_rad: None,
-        };
-        let changed = self
-            .last_heading_rad
-            .is_none_or(|last| wrap_pi(target_rad - last).abs() > HEADING_STEP_RAD);
-        if !changed && now_s < self.due.heading_s {
-            return;
-        }
-        let busy = self
-            .commands
-            .is_waiting(MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING);
-        if busy && !changed {
-            return;
-        }
-        self.due.heading_s = now_s + HEADING_AGAIN_S;
-        self.last_heading_rad = Some(target_rad);
-        let compass_deg = (FRAC_PI_2 - target_rad).rem_euclid(2.0 * PI).to_degrees();
-        let acceleration = STANDARD_GRAVITY_MPS2 * libm::tan(limit_rad);
-        // The heading of the nose (1), not the course over the ground: the plan is in the air mass.
-        let parameters = [
-            1.0,
-            single(compass_deg),
-            single(acceleration),
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-        ];
-        self.commands.send(
-            Command {
-                command: MavCmd::MAV_CMD_GUIDED_CHANGE_HEADING,
-                parameters,
-                frame: Some(MavFrame::MAV_FRAME_GLOBAL),
-                change: None,
-            },
-            true,
-        );
-        let climbs = self
-            .avoider
-            .as_ref()
-            .is_some_and(|avoider| avoider.vehicle().can_climb());
-        if climbs
-            && stage.climb_rad.abs() > 0.01
-            && let Some(frame) = self.ownship.frame()
-        {
-            let climb_m = state.ownship.airspeed_mps * libm::sin(stage.climb_rad) * CLIMB_AHEAD_S;
-            let altitude_m = frame.origin().altitude_m + state.ownship.position_m.z + climb_m;
-            self.commands.send(
-                Command {
-                    command: MavCmd::MAV_CMD_GUIDED_CHANGE_ALTITUDE,
-                    parameters: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, single(altitude_m)],
-                    frame: Some(MavFrame::MAV_FRAME_GLOBAL),
-                    change: None,
-                },
-                true,
-            );
-        }
-        self.send_commands(now_s);
-    }
-
-    fn command_sticks(&mut self) {
-        self.send_override(Some(self.paper_roll_us));
-    }
-
-    pub(super) fn send_override(&mut self, roll_us: Option<u16>) {
-        let Some(system) = self.vehicle_system() else {
-            return;
-        };
-        if self.dry_run {
-            return;
-        }
-        let named = |name: &str, other: f64| self.parameters.get(name).unwrap_or(other);
-        let airspeed_mps = self.ownship.airspeed_mps().unwrap_or(0.0);
-        let throttle = throttle_us(
-            airspeed_mps,
-            named("AIRSPEED_MIN", 0.0),
-            named("AIRSPEED_MAX", 0.0),
-        );
-        let sticks = roll_us.map(|roll| [roll, 1500, throttle]);
-        // Overrides count only from the ground station's system id.
-        let ground =
-            u8::try_from(crate::number::to_u16(named("MAV_GCS_SYSID", 255.0))).unwrap_or(u8::MAX);
-        self.outbox
-            .send_as(ground, override_message(sticks, system));
-    }
-
     fn watch_following(&mut self, now_s: f64) {
         let commands = matches!(self.keeper.state(), Authority::InCommand { .. });
         if self.recorded || !commands || self.is_blind(now_s) {
@@ -340,7 +246,7 @@ impl Companion {
         let Some(bank_rad) = self.ownship.bank_rad() else {
             return;
         };
-        if (self.commanded.bank_rad - bank_rad).abs() <= tolerance_rad {
+        if (self.commanded_rad - bank_rad).abs() <= tolerance_rad {
             self.following_since_s = None;
             return;
         }

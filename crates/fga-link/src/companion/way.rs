@@ -7,6 +7,7 @@ use mavlink::dialects::ardupilotmega::MavCmd;
 use serde_json::json;
 
 use super::Companion;
+use super::decider::Decider;
 use crate::commands::Command;
 use crate::mission::{Way, item_position_m, way_ahead};
 use crate::mode::Mode;
@@ -30,7 +31,7 @@ impl Companion {
     /// for another mission.
     pub(super) fn renew_way(&mut self, state: &State, now_s: f64) {
         let Some(heard) = self.heard else { return };
-        let engaged = self.keeper.is_engaged() && self.avoider.is_some();
+        let engaged = self.keeper.is_engaged() && self.decider.is_some();
         // In a manoeuvre the way is the one of the mode that was left.
         let left = self.keeper.owed().filter(|_| self.keeper.is_engaged());
         let mode = left.unwrap_or(heard.mode);
@@ -40,7 +41,7 @@ impl Companion {
         let own_m = state.ownship.position_m;
         let track_rad = course_of(state.ground_velocity_mps);
         let busy = self
-            .avoider
+            .decider
             .as_ref()
             .is_some_and(|a| a.state() != AvoiderState::Cruise);
         match mode {
@@ -90,7 +91,7 @@ impl Companion {
         }
         self.way_mode = Some(mode);
         self.way_item = self.mission_item;
-        self.avoider = None;
+        self.decider = None;
         self.note(
             now_s,
             "way",
@@ -126,7 +127,7 @@ impl Companion {
             return true;
         }
         let same_mission = self.way_mission == Some(self.mission_laid);
-        // The avoider and the vehicle pass a waypoint at somewhat different moments.
+        // The decider and the vehicle pass a waypoint at somewhat different moments.
         let same_item =
             self.way_item == self.mission_item || self.current_leg_item() == self.mission_item;
         let goes_on = same_item || engaged || (busy && self.item_is_ahead());
@@ -155,14 +156,30 @@ impl Companion {
         Some(home_m)
     }
 
-    /// The mission item at the end of the leg that the avoider is on.
+    /// The mission item at the end of the leg that the decider is on.
     fn current_leg_item(&self) -> Option<u16> {
         let leg = self
-            .avoider
+            .decider
             .as_ref()
-            .map_or(0, |avoider| avoider.leg_index());
+            .map_or(0, Decider::leg_index);
         let last = self.way.items.len().saturating_sub(1);
         self.way.items.get((leg + 1).min(last)).copied().flatten()
+    }
+
+    /// What is left of the way: its point nearest to the aircraft on the leg of now, and the waypoints after it.
+    pub(super) fn way_left(&self, own_m: Vec3) -> (Vec3, &[Vec3]) {
+        let leg = self.decider.as_ref().map_or(0, Decider::leg_index);
+        let Some((from_m, left_m)) = self
+            .way
+            .waypoints_m
+            .get(leg..)
+            .and_then(<[Vec3]>::split_first)
+        else {
+            return (own_m, &[]);
+        };
+        let along_m = left_m.first().map_or(Vec3::ZERO, |to_m| *to_m - *from_m);
+        let share = (own_m - *from_m).dot(along_m) / along_m.length_squared().max(1.0);
+        (*from_m + along_m * share.clamp(0.0, 1.0), left_m)
     }
 
     /// Whether the vehicle's item is one of the way's.
@@ -172,9 +189,9 @@ impl Companion {
 
     pub(super) fn is_on_leg(&self, state: &State) -> bool {
         let leg = self
-            .avoider
+            .decider
             .as_ref()
-            .map_or(0, |avoider| avoider.leg_index());
+            .map_or(0, Decider::leg_index);
         let ends = self
             .way
             .waypoints_m
@@ -190,9 +207,9 @@ impl Companion {
         let height_m = from.z + ahead.z * (along / length_m).min(1.0);
         let angle_rad = wrap_pi(course_of(state.ground_velocity_mps) - course_of(level));
         let climbs = self
-            .avoider
+            .decider
             .as_ref()
-            .is_some_and(|avoider| avoider.vehicle().can_climb());
+            .is_some_and(|decider| decider.vehicle().can_climb());
         across_m < ON_LEG_M
             && angle_rad.abs() < ON_LEG_RAD
             && (!climbs || (state.ownship.position_m.z - height_m).abs() < ON_LEG_HEIGHT_M)

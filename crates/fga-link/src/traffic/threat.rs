@@ -61,8 +61,14 @@ pub struct Reach {
 }
 
 impl Ahead {
-    /// From a state at `at_s`: straight on, and along the waypoints.
-    pub fn new(at_s: f64, own_m: Vec3, velocity_mps: Vec3, waypoints_m: &[Vec3]) -> Self {
+    /// From a position and velocity at `at_s`: straight on, and from `met_m`, a point of the way, along the
+    /// waypoints. In a manoeuvre that point lies beside the aircraft: what was avoided stays urgent.
+    pub fn new(
+        at_s: f64,
+        (own_m, velocity_mps): (Vec3, Vec3),
+        met_m: Vec3,
+        waypoints_m: &[Vec3],
+    ) -> Self {
         let mut legs = vec![Leg {
             from_m: own_m,
             velocity_mps,
@@ -70,7 +76,7 @@ impl Ahead {
             ends_s: HORIZON_S,
         }];
         let speed_mps = velocity_mps.length();
-        let (mut from_m, mut begins_s) = (own_m, 0.0);
+        let (mut from_m, mut begins_s) = (met_m, 0.0);
         for waypoint_m in waypoints_m {
             let way_m = *waypoint_m - from_m;
             let length_m = way_m.length();
@@ -190,15 +196,27 @@ mod tests {
     };
 
     fn north() -> Ahead {
+        let own_m = Vec3::new(0.0, 0.0, 100.0);
         Ahead::new(
             10.0,
-            Vec3::new(0.0, 0.0, 100.0),
-            Vec3::new(0.0, 25.0, 0.0),
+            (own_m, Vec3::new(0.0, 25.0, 0.0)),
+            own_m,
             &[
                 Vec3::new(0.0, 500.0, 100.0),
                 Vec3::new(1000.0, 500.0, 100.0),
             ],
         )
+    }
+
+    /// Turned away from it, the aircraft has no conflict on its course any more, but on its way.
+    #[test]
+    fn what_is_avoided_stays_urgent() {
+        let on_leg_m = Vec3::new(0.0, 100.0, 100.0);
+        let own = (on_leg_m + Vec3::X * 120.0, Vec3::new(25.0, 0.0, 0.0));
+        let ahead = Ahead::new(10.0, own, on_leg_m, &[Vec3::new(0.0, 2000.0, 100.0)]);
+        let (at_m, velocity_mps) = (Vec3::new(0.0, 800.0, 100.0), Vec3::new(0.0, -25.0, 0.0));
+        let urgency = ahead.urgency(at_m, velocity_mps, 10.0, REACH);
+        assert!(urgency.conflict_s < 14.0, "{urgency:?}");
     }
 
     #[test]

@@ -49,6 +49,9 @@ pub struct PaperSettings {
     pub margin_m: f64,
     /// How many standard deviations of an obstacle's uncertainty the way back keeps clear of.
     pub confidence_sigmas: f64,
+    /// How much faster than planned the vehicle may turn, as a factor, 1 where its turn rate is known. A turn
+    /// that must be tight is planned slow; the circle round an obstacle would then be too tight.
+    pub turn_rate_excess: f64,
     /// Cost of a change of course `η_ψ`, per radian (Table 4).
     pub heading_cost: f64,
     /// Cost of a change of climb angle `η_θ`, per radian (Table 4).
@@ -68,6 +71,7 @@ impl PaperSettings {
             horizon_s: core.horizon_s,
             margin_m: core.margin_m,
             confidence_sigmas: core.confidence_sigmas,
+            turn_rate_excess: 1.0,
             heading_cost: core.heading_cost,
             pitch_cost: core.pitch_cost,
             grid: GridSteps::default(),
@@ -84,6 +88,7 @@ impl PaperSettings {
         let above_zero = [
             ("decision_period_s", self.decision_period_s),
             ("horizon_s", self.horizon_s),
+            ("turn_rate_excess", self.turn_rate_excess),
             ("grid_heading_range_rad", grid.heading_range_rad),
             ("grid_heading_step_rad", grid.heading_step_rad),
             ("grid_pitch_step_rad", grid.pitch_step_rad),

@@ -4,10 +4,12 @@ use core::f64::consts::FRAC_PI_4;
 
 use fga::Vec3;
 use fga::avoider::State;
-use fga_paper::pilot::Rule;
+use fga::prediction::Flyer;
+use fga::vehicle::{Response, Vehicle};
+use fga_paper::pilot::{PaperPilot, PaperSettings, Rule};
 use proptest::prelude::*;
 
-use crate::flight::{Flies as _, PERIOD_S, planar, sphere};
+use crate::flight::{Flies as _, Flight, PERIOD_S, planar, sphere};
 
 /// In the air mass a building moves against the wind: above 0.1 m/s of wind it was taken for a mover,
 /// and never avoided.
@@ -28,6 +30,60 @@ fn a_building_is_avoided_in_wind_from_any_side() {
             assert!(
                 least_m > 30.0 - 0.02,
                 "{speed_mps} m/s of wind, direction {from}: {least_m} m"
+            );
+        }
+    }
+}
+
+/// The bank follows with a lag, and the vehicle turns up to 7 % faster than planned: what a link flies.
+#[test]
+fn a_disc_is_flown_round_with_lag_and_a_turn_rate_that_is_not_known() {
+    for (radius_m, aside_m) in [(30.0, 5.0), (30.0, -20.0), (150.0, 0.0), (150.0, 100.0)] {
+        for faster in [1.0, 1.07] {
+            let response = Response {
+                bank_time_constant_s: 0.6,
+                turn_rate_factor: 0.74,
+                ..Response::default()
+            };
+            let planned = Vehicle {
+                response,
+                turn_radius_m: 60.0,
+                airspeed_mps: 22.0,
+                ..planar()
+            };
+            let mut settings = PaperSettings::new(Rule::Circle);
+            settings.margin_m = 5.0;
+            settings.turn_rate_excess = 1.07;
+            let mut flight = Flight::of(PaperPilot::new(settings, planned).unwrap(), planned);
+            flight.flyer = Flyer::new(&Vehicle {
+                turn_radius_m: planned.turn_radius_m / faster,
+                response: Response {
+                    turn_rate_factor: response.turn_rate_factor * faster,
+                    ..response
+                },
+                ..planned
+            });
+            let disc = sphere(1, Vec3::new(700.0, aside_m, 0.0), Vec3::ZERO, radius_m);
+            let mut states = vec![State::Cruise];
+            let (mut least_m, mut widest_m) = (f64::INFINITY, 0.0_f64);
+            for _ in 0..900 {
+                let state = flight.cycle(&mut [disc]).state;
+                if states.last() != Some(&state) {
+                    states.push(state);
+                }
+                least_m = least_m.min(flight.own.position_m.distance(disc.position_m));
+                widest_m = widest_m.max(flight.own.position_m.y.abs());
+            }
+            let case =
+                format!("{radius_m} m, {aside_m} m aside, {faster}: {least_m} m, {widest_m} m");
+            assert!(least_m > radius_m, "{case}");
+            assert!(widest_m < radius_m + 40.0, "{case}");
+            assert!(flight.own.position_m.y.abs() < 1.0, "not back: {case}");
+            use State::{Avoiding, Cruise, Recovering, Threatened};
+            assert_eq!(
+                states,
+                [Cruise, Threatened, Avoiding, Recovering, Cruise],
+                "{case}"
             );
         }
     }

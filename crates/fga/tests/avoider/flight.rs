@@ -90,6 +90,7 @@ impl Flight {
         self.own.position_m = next.position_m + self.wind_mps * PERIOD_S;
         self.own.course_rad = next.course_rad;
         self.own.climb_rad = next.climb_rad;
+        self.own.bank_rad = next.bank_rad;
         self.time_s += PERIOD_S;
         for obstacle in obstacles {
             obstacle.position_m = obstacle.position_after_m(PERIOD_S);

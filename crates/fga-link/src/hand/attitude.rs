@@ -1,4 +1,4 @@
-//! From the manoeuvre to bank and pitch: the law that follows it, and its messages.
+//! Roll and pitch in GUIDED: the law that follows the manoeuvre, and its messages.
 
 use fga::maneuver::Maneuver;
 use fga::prediction::Flyer;
@@ -8,8 +8,11 @@ use mavlink::dialects::ardupilotmega::{
     AttitudeTargetTypemask, MavMessage, SET_ATTITUDE_TARGET_DATA,
 };
 
+use super::{Hand, Reach, Target};
+use crate::mode::Mode;
 use crate::number::single;
 use crate::outgoing::AUTOPILOT;
+use crate::ownship::State;
 
 /// The rest of a turn is rolled out over this many bank time constants.
 const ROLL_OUT_LAGS: f64 = 1.0;
@@ -105,6 +108,44 @@ impl PitchKeeper {
         let correction = PITCH_PER_METRE * (held - altitude_m);
         Some(level + correction.clamp(-MOST_PITCH_CORRECTION_RAD, MOST_PITCH_CORRECTION_RAD))
     }
+}
+
+/// Flies by `SET_ATTITUDE_TARGET`.
+#[derive(Debug, Default)]
+pub struct AttitudeHand {
+    pitch: PitchKeeper,
+}
+
+impl Hand for AttitudeHand {
+    fn mode(&self) -> Mode {
+        Mode::GUIDED
+    }
+
+    fn commands_bank(&self) -> bool {
+        true
+    }
+
+    fn watch(&mut self, own: &State) {
+        self.pitch.observe(own.pitch_rad, own.ownship.climb_rad);
+    }
+
+    fn begin(&mut self) {
+        self.pitch.begin();
+    }
+
+    fn fly(&mut self, target: &Target<'_>, reach: &mut Reach<'_>) -> Option<f64> {
+        let own = &target.own.ownship;
+        let (elapsed_s, limit_rad) = (target.elapsed_s, target.bank_limit_rad);
+        let wanted = attitude_for(target.maneuver, elapsed_s, own, target.vehicle, limit_rad);
+        let climb_rad = wanted.climb_rad.filter(|_| target.vehicle.can_climb());
+        let pitch_rad = self.pitch.pitch_rad(climb_rad, own.position_m.z);
+        let message = attitude_message(wanted.bank_rad, pitch_rad, reach.boot_ms, reach.system);
+        reach.outbox.send(message);
+        Some(wanted.bank_rad)
+    }
+
+    /// Attitude targets time out by themselves.
+    fn let_go(&mut self, _reach: &mut Reach<'_>) {}
 }
 
 /// The message that commands a bank, and a pitch where given.

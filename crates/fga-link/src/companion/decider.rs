@@ -1,0 +1,110 @@
+//! Who decides: our own policy, or the paper's Algorithm 4.
+
+use fga::avoider::{Avoider, Decision, Settings, Start, State};
+use fga::limit::SettingsError;
+use fga::pilot::Pilot as _;
+use fga::situation::Situation;
+use fga::vehicle::Vehicle;
+use fga_paper::pilot::{PaperPilot, PaperSettings, Rule};
+
+use crate::config::{CommandMode, Config};
+
+/// How much faster than estimated a vehicle may turn: the estimate of the turn-rate factor is a little low.
+const TURN_RATE_EXCESS: f64 = 1.07;
+
+/// The pilot of a companion.
+#[derive(Debug)]
+pub(super) enum Decider {
+    Avoider(Box<Avoider>),
+    Paper(Box<PaperPilot>),
+}
+
+impl Decider {
+    pub(super) fn new(config: &Config, vehicle: Vehicle) -> Result<Self, SettingsError> {
+        let protection = &config.protection;
+        let decision_period_s = config.command.decision_period_s;
+        // What is too far away is left out before.
+        let surveillance_radius_m = f64::INFINITY;
+        if config.command.mode == CommandMode::Paper {
+            let settings = PaperSettings {
+                decision_period_s,
+                surveillance_radius_m,
+                horizon_s: protection.horizon_s,
+                margin_m: protection.margin_m,
+                confidence_sigmas: protection.confidence_sigmas,
+                turn_rate_excess: TURN_RATE_EXCESS,
+                ..PaperSettings::new(Rule::Circle)
+            };
+            return Ok(Self::Paper(Box::new(PaperPilot::new(settings, vehicle)?)));
+        }
+        let settings = Settings {
+            start: protection.safety_score.map_or(Start::Free, Start::Score),
+            decision_period_s,
+            surveillance_radius_m,
+            horizon_s: protection.horizon_s,
+            margin_m: protection.margin_m,
+            confidence_sigmas: protection.confidence_sigmas,
+            ..Settings::default()
+        };
+        Ok(Self::Avoider(Box::new(Avoider::new(settings, vehicle)?)))
+    }
+
+    pub(super) fn step(&mut self, situation: &Situation<'_>) -> Decision {
+        match self {
+            Self::Avoider(avoider) => avoider.step(situation),
+            Self::Paper(pilot) => pilot.step(situation),
+        }
+    }
+
+    /// The limits that are planned with.
+    pub(super) fn vehicle(&self) -> &Vehicle {
+        match self {
+            Self::Avoider(avoider) => avoider.vehicle(),
+            Self::Paper(pilot) => pilot.vehicle(),
+        }
+    }
+
+    /// The limits that are planned with in need; `None` where there are no others.
+    pub(super) fn vehicle_in_need(&self) -> Option<&Vehicle> {
+        match self {
+            Self::Avoider(avoider) => avoider.vehicle_in_need(),
+            Self::Paper(_) => None,
+        }
+    }
+
+    pub(super) const fn state(&self) -> State {
+        match self {
+            Self::Avoider(avoider) => avoider.state(),
+            Self::Paper(pilot) => pilot.state(),
+        }
+    }
+
+    /// Index of the waypoint at the start of the leg that is flown.
+    pub(super) fn leg_index(&self) -> usize {
+        match self {
+            Self::Avoider(avoider) => avoider.leg_index(),
+            Self::Paper(pilot) => pilot.leg_index(),
+        }
+    }
+
+    /// Whether its manoeuvres are certified, so that they may be flown on without telemetry.
+    pub(super) const fn certifies(&self) -> bool {
+        matches!(self, Self::Avoider(_))
+    }
+
+    /// Takes over other limits. Limits that cannot be flown change nothing.
+    pub(super) fn retune(&mut self, vehicle: &Vehicle) {
+        match self {
+            Self::Avoider(avoider) => avoider.retune(vehicle),
+            Self::Paper(pilot) => pilot.retune(vehicle),
+        }
+    }
+
+    /// Takes over other limits in need; those that cannot be flown change nothing.
+    pub(super) fn set_vehicle_in_need(&mut self, vehicle: Option<Vehicle>) {
+        if let Self::Avoider(avoider) = self {
+            // Limits that cannot be flown change nothing.
+            let _ = avoider.set_vehicle_in_need(vehicle);
+        }
+    }
+}
