@@ -8,10 +8,10 @@
 //!
 //! - [`Earth::Wgs84`] is the ellipsoid of GPS, for missions and for MAVLink.
 //! - [`Earth::Daidalus`] is the sphere on which one minute of arc is one nautical mile
-//! (radius 1852 m × 60 × 180 / π ≈ 6 366 707 m). NASA's DAIDALUS computes separations on it,
-//! so readers of its format use it. Its distances differ from those on the ellipsoid by at most
-//! 0.52 % (at the poles), and at latitudes of 34° to 41° by less than 0.2 % north–south and
-//! 0.33 % east–west.
+//!   (radius 1852 m × 60 × 180 / π ≈ 6 366 707 m). NASA's DAIDALUS computes separations on it,
+//!   so readers of its format use it. Its distances differ from those on the ellipsoid by at most
+//!   0.52 % (at the poles), and at latitudes of 34° to 41° by less than 0.2 % north–south and
+//!   0.33 % east–west.
 //!
 //! Accuracy: at distance d from the origin, lengths along the radius shrink by the factor
 //! √(1 − d²/R²), 0.013 % at 100 km.

@@ -158,10 +158,7 @@ impl Companion {
 
     /// The mission item at the end of the leg that the decider is on.
     fn current_leg_item(&self) -> Option<u16> {
-        let leg = self
-            .decider
-            .as_ref()
-            .map_or(0, Decider::leg_index);
+        let leg = self.decider.as_ref().map_or(0, Decider::leg_index);
         let last = self.way.items.len().saturating_sub(1);
         self.way.items.get((leg + 1).min(last)).copied().flatten()
     }
@@ -188,10 +185,7 @@ impl Companion {
     }
 
     pub(super) fn is_on_leg(&self, state: &State) -> bool {
-        let leg = self
-            .decider
-            .as_ref()
-            .map_or(0, Decider::leg_index);
+        let leg = self.decider.as_ref().map_or(0, Decider::leg_index);
         let ends = self
             .way
             .waypoints_m

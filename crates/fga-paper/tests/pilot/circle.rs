@@ -38,6 +38,7 @@ fn a_building_is_avoided_in_wind_from_any_side() {
 /// The bank follows with a lag, and the vehicle turns up to 7 % faster than planned: what a link flies.
 #[test]
 fn a_disc_is_flown_round_with_lag_and_a_turn_rate_that_is_not_known() {
+    use State::{Avoiding, Cruise, Recovering, Threatened};
     for (radius_m, aside_m) in [(30.0, 5.0), (30.0, -20.0), (150.0, 0.0), (150.0, 100.0)] {
         for faster in [1.0, 1.07] {
             let response = Response {
@@ -79,7 +80,6 @@ fn a_disc_is_flown_round_with_lag_and_a_turn_rate_that_is_not_known() {
             assert!(least_m > radius_m, "{case}");
             assert!(widest_m < radius_m + 40.0, "{case}");
             assert!(flight.own.position_m.y.abs() < 1.0, "not back: {case}");
-            use State::{Avoiding, Cruise, Recovering, Threatened};
             assert_eq!(
                 states,
                 [Cruise, Threatened, Avoiding, Recovering, Cruise],
