@@ -1,8 +1,8 @@
 //! Time of one decision of every method on the same situations, in one run (the paper's Table 6).
 //!
 //! `quiet`: three obstacles, none of them a threat, on the line. `first`: three threats at first
-//! sight. `engaged`: two seconds into the avoidance, off the line, where the way back is part of
-//! every decision. All numbers include the guidance along the mission, which all methods share.
+//! sight. `engaged`: two seconds into the avoidance, off the line, where every decision also looks for
+//! the way back. All times include the guidance along the mission, which all methods share.
 
 use core::hint::black_box;
 use core::time::Duration;
@@ -29,7 +29,7 @@ const POLICIES: [(&str, Option<&str>); 9] = [
 
 const MISSION_M: [Vec3; 2] = [Vec3::ZERO, Vec3::new(1e5, 0.0, 0.0)];
 
-/// Three that meet the aircraft 12 to 16 s from now, or the same moved aside.
+/// Three that meet the aircraft in 12 to 16 s, or the same moved aside.
 fn obstacles(aside_m: f64) -> [Obstacle; 3] {
     let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
     let meeting = |id, meet_s: f64, velocity: Vec3| {
@@ -53,7 +53,7 @@ fn situation(time_s: f64, ownship: Ownship, obstacles: &[Obstacle]) -> Situation
     }
 }
 
-/// Flies `pilot` for two seconds; what it is asked then.
+/// Flies `pilot` for two seconds; returns the next situation.
 fn engage(pilot: &mut dyn Pilot, model: &VehicleModel) -> (f64, Ownship, [Obstacle; 3]) {
     let mut plant = Plant::new(model.vehicle, Autopilot::default(), Vec3::ZERO);
     plant.place(0.0, Vec3::ZERO, 0.0, 0.0);
@@ -122,7 +122,7 @@ fn decision_times(criterion: &mut Criterion) {
 
 criterion_group! {
     name = benches;
-    // Fresh pilots are made one at a time, into memory that the last one has warmed.
+    // Makes fresh pilots one at a time, in memory that the last one has warmed.
     config = Criterion::default()
         .sample_size(20)
         .warm_up_time(Duration::from_millis(200))

@@ -1,11 +1,11 @@
-//! Flies a folder of recordings of two aircraft and counts what was lost, needless and restless.
+//! Flies a folder of recordings of two aircraft and counts losses, needless manoeuvres and changes.
 //!
 //! `flown FOLDER VEHICLE.toml [--volume nmac|wellclear] [--policy P] [--start S]
 //! [--only odd|even] [--rows]`
 //!
-//! Separations are measured here, on the recorded intruder and the flown samples, and count only
-//! while the intruder was recorded. NMAC: 500 ft and 100 ft at once. `LoWC`: 2,000 ft and 250 ft at once
-//! (ASTM F3442).
+//! The example itself measures separations, on the recorded intruder and the flown samples, only
+//! while the intruder was recorded. NMAC: 500 ft and 100 ft at once. `LoWC`: 2,000 ft and 250 ft at
+//! once (ASTM F3442).
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -218,7 +218,7 @@ fn fly_one(path: &Path, model: VehicleModel, policy: &PolicyChoice) -> Result<Ro
     })
 }
 
-/// How often the bank goes from one side to the other while the aircraft avoids.
+/// How often the bank changes its side while the aircraft avoids.
 fn reversals(log: &RunLog) -> usize {
     let mut last = 0.0;
     let mut count = 0;

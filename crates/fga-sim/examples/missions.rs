@@ -1,8 +1,8 @@
-//! Families of missions: how much of each survey line is flown, which waypoints are missed, whether
+//! Families of missions: the share of each survey line that is flown, the missed waypoints, and whether
 //! the aircraft comes back in wind and past slow traffic.
 //!
 //! `missions FAMILY [VEHICLE.toml]` with `survey`, `corners`, `curves`, `wind`, `slow` or
-//! `formation`. Counts are made from the flown positions alone, with code of this file.
+//! `formation`. The counts come from the flown positions alone, with code of this file.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -18,7 +18,7 @@ use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::wind::crab;
 use fga_sim::world::{Ending, World, WorldObstacle};
 
-/// A survey line is flown where the track comes this near, metres.
+/// The track must come this near for a line to count as flown, metres.
 const FLOWN_WITHIN_M: f64 = 5.0;
 
 const PROTECTED: ProtectedVolume = ProtectedVolume::Sphere { radius_m: 30.0 };
@@ -48,7 +48,7 @@ impl Flown {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Share of the points of a line, 1 m apart, that were flown, per cent.
+    /// Share of the points of a line, 1 m apart, that the aircraft passed, per cent.
     fn flown_percent(&self, from_m: Vec3, to_m: Vec3) -> f64 {
         let length_m = from_m.distance(to_m);
         let places: Vec<f64> = (0..100_000)
@@ -109,7 +109,7 @@ fn fly(world: &World) -> (Flown, Outcome) {
     (flown, outcome)
 }
 
-/// Lines of `length_m`, `apart_m` apart, flown to and fro.
+/// Lines of `length_m`, `apart_m` apart, flown back and forth.
 fn survey_m(apart_m: f64, length_m: f64, lines: u32) -> Vec<Vec3> {
     (0..lines)
         .flat_map(|line| {
@@ -187,7 +187,7 @@ fn corners(model: &VehicleModel) {
     }
 }
 
-/// An arc of a mission in short legs, with an obstacle on it and one that crosses.
+/// An arc of a mission in short legs, with an obstacle on it and one that crosses it.
 fn curve_m(radius_m: f64, leg_m: f64, turn_rad: f64) -> Vec<Vec3> {
     let mut mission_m = vec![Vec3::new(-300.0, 0.0, 100.0)];
     let count = (radius_m * turn_rad / leg_m).round();

@@ -1,7 +1,7 @@
 //! A pilot of your own in the simulator, beside the default one.
 //!
 //! This one knows a single rule of the air: when an obstacle ahead comes close, turn 30 degrees to the right until it has passed.
-//! It flies the shipped scenario, and so does the default policy; the simulator measures both alike.
+//! It flies the shipped scenario, and so does the default policy; the simulator measures both the same way.
 //!
 //! `cargo run --release -p fga-sim --example own_pilot`
 
@@ -16,10 +16,10 @@ use fga_sim::engine::{Engine, Outcome};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::Plan;
 
-/// Obstacles nearer than this are turned away from, seconds of the aircraft's own flight.
+/// It turns away from obstacles nearer than this, seconds of its own flight.
 const LOOK_AHEAD_S: f64 = 12.0;
 
-/// Turns to the right of what is close and ahead; otherwise flies the mission.
+/// Turns to the right of close obstacles ahead; otherwise flies the mission.
 struct GiveWay {
     mission: MissionPilot,
 }
@@ -38,7 +38,7 @@ impl Pilot for GiveWay {
         if !is_in_the_way {
             return mission;
         }
-        // A right turn makes the course smaller.
+        // A right turn decreases the course.
         let course_rad = own.course_rad - 30_f64.to_radians();
         Decision {
             state: State::Avoiding,

@@ -1,4 +1,4 @@
-//! Deciding with a dead time: a command takes effect only later, so the pilot is asked about then.
+//! Decisions with a dead time: a command takes effect later, so the pilot decides about that later moment.
 
 use alloc::collections::VecDeque;
 
@@ -11,13 +11,13 @@ use fga::vehicle::Vehicle;
 
 /// Asks a pilot about the moment at which its command takes effect: the aircraft has flown the
 /// commands under way, the obstacles have kept their velocity. Times in the decision count from that
-/// moment, as the vehicle takes them.
+/// moment, as the vehicle applies them.
 #[derive(Debug)]
 pub struct Ahead<P> {
     pilot: P,
     flyer: Flyer,
     dead_time_s: f64,
-    /// Commands whose effect is not over, with the times of their decisions, seconds.
+    /// Commands still in effect, with the times of their decisions, seconds.
     under_way: VecDeque<(f64, Maneuver)>,
     path: FlightPath,
     obstacles: Vec<Obstacle>,
@@ -36,7 +36,7 @@ impl<P: Pilot> Ahead<P> {
         }
     }
 
-    /// The aircraft after it has followed a command for some seconds.
+    /// The aircraft after following a command for some seconds.
     fn flown(&mut self, own: &MotionState, command: &Maneuver, for_s: f64) -> MotionState {
         let stage = command.stage_at(for_s).copied().unwrap_or(Stage {
             start_s: 0.0,
@@ -61,7 +61,7 @@ impl<P: Pilot> Ahead<P> {
         self.path.state_at(&self.flyer, for_s).unwrap_or(start)
     }
 
-    /// The aircraft in its air mass when a command of now takes effect.
+    /// The aircraft in its air mass when the present command takes effect.
     fn ownship_then(&mut self, now_s: f64, ownship: &Ownship) -> Ownship {
         let then_s = now_s + self.dead_time_s;
         let mut own = MotionState::of(ownship);
@@ -96,7 +96,7 @@ impl<P: Pilot> Pilot for Ahead<P> {
         if !situation.is_usable() {
             return self.pilot.step(situation);
         }
-        // A command's effect ends where that of the next one begins.
+        // The effect of a command ends where the next one's begins.
         while self
             .under_way
             .get(1)

@@ -1,12 +1,10 @@
-//! What people would use instead: the paper's baselines and the peers of the field.
+//! Alternatives to fga: the paper's baselines and the peers of the field.
 //!
 //! Each method turns a situation into a velocity that it would like to fly; [`BaselinePilot`]
-//! brings it under the vehicle's limits in the same way for all: the aircraft flies at its own
-//! airspeed into the direction of that velocity, turning and climbing no faster and no steeper
-//! than the vehicle can, and where the method sees no danger it follows the mission by the very
-//! guidance of the core. `docs/baselines.md` says what was assumed and which settings were found
-//! best.
-//!
+//! applies the vehicle's limits in the same way for all: the aircraft flies at its airspeed into the
+//! direction of that velocity, within its turn and climb limits, and where the method sees no danger
+//! it follows the mission by the guidance of the core. `docs/baselines.md` has the assumptions and the
+//! best settings.
 //! | method | idea |
 //! |---|---|
 //! | [`PotentialField`] | the mission attracts, obstacles near by repel |
@@ -18,7 +16,7 @@
 //! | [`Operator`] | the direction bands of a display, followed after a delay |
 //!
 //!
-//! All of them know spheres; a cylinder is taken as the sphere that holds it.
+//! All of them know spheres; a sphere that contains it replaces a cylinder.
 
 mod operator;
 mod orca;
@@ -43,7 +41,7 @@ use fga::vehicle::Vehicle;
 
 use fga::pilot::Pilot;
 
-/// How much lower the velocity methods see an obstacle at their own height, in protected radii.
+/// Offset by which the velocity methods see an obstacle at their own height lower, in protected radii.
 /// Any value from 0.01 to 0.1 gives the same shares within the error of the search; without it they
 /// keep fewer separated (`docs/baselines.md`).
 const LOWERED: f64 = 0.05;
@@ -68,7 +66,7 @@ pub enum Baseline {
 }
 
 impl Baseline {
-    /// All that keep the vehicle file's volume.
+    /// All that use the vehicle file's volume.
     pub const ALL: [Self; 6] = [
         Self::PotentialField,
         Self::WaypointGreedy,
@@ -78,7 +76,7 @@ impl Baseline {
         Self::VelocityObstacles,
     ];
 
-    /// Those that keep the volumes of a standard, not the vehicle file's.
+    /// Those that use the volumes of a standard instead of the vehicle file's.
     pub const OPERATORS: [Self; 2] = [
         Self::Operator(Display::F3442),
         Self::Operator(Display::Do365),
@@ -106,7 +104,7 @@ impl Baseline {
             .find(|method| method.name() == name)
     }
 
-    /// A pilot that flies by this method with the settings found best.
+    /// A pilot of this method with the best settings.
     ///
     /// # Errors
     /// Settings or limits that the core's guidance refuses.

@@ -1,4 +1,4 @@
-//! Many encounters that somebody else made, each flown closed loop.
+//! Encounters from a file, each flown in closed loop.
 //!
 //! The aircraft starts at the origin on the line along +x, which is its mission; obstacles fly
 //! straight and are known from the start, whatever the surveillance radius. Each obstacle's volume
@@ -6,8 +6,8 @@
 //! the row's radius and the file's half height. A flight ends at the horizon, or earlier once the
 //! aircraft is back on the line (within 1 m and 1°) in cruise and every obstacle has passed.
 //!
-//! Results do not depend on the number of threads: each encounter is flown alone, with its own
-//! stream of noise, and rows come out in the order of the file.
+//! Results do not depend on the number of threads: each encounter flies alone, with its own stream of
+//! noise, and rows come out in the order of the file.
 
 use fga::Vec3;
 use fga::avoider::SettingsError;
@@ -25,10 +25,10 @@ use crate::vehicle_file::VehicleModel;
 use crate::wind::crab;
 use crate::world::{Ending, StartState, World, WorldObstacle};
 
-/// Encounters flown between two writings; it bounds the memory.
+/// Encounters between two writes; it bounds the memory.
 const BLOCK: usize = 512;
 
-/// Length of the mission along +x, metres: longer than anything flown.
+/// Length of the mission along +x, metres: longer than any flight.
 const MISSION_LENGTH_M: f64 = 1e6;
 
 /// Columns of `results.csv`.
@@ -40,39 +40,39 @@ pub const TIMING_COLUMNS: &str = "encounter,decision_median_us,decision_max_us";
 /// Columns of `tracks.csv`.
 pub const TRACK_COLUMNS: &str = "encounter,t_s,x_m,y_m,z_m,course_rad,climb_rad,bank_rad";
 
-/// How a batch is flown.
+/// The settings of a batch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BatchSettings {
     /// The aircraft.
     pub model: VehicleModel,
-    /// What decides.
+    /// The policy.
     pub policy: PolicyChoice,
     /// Longest time flown, seconds.
     pub horizon_s: f64,
     /// Master seed of the sensor's noise.
     pub seed: u64,
-    /// Whether the rows of `tracks.csv` are made.
+    /// Whether to make the rows of `tracks.csv`.
     pub tracks: bool,
 }
 
-/// One encounter flown.
+/// One flown encounter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BatchRow {
     /// The encounter's number.
     pub encounter: u64,
-    /// What came of it.
+    /// The result of the flight.
     pub outcome: Outcome,
     /// Median time of a decision, nanoseconds.
     pub decision_median_ns: u64,
     /// Longest time of a decision, nanoseconds.
     pub decision_max_ns: u64,
-    /// Decisions made.
+    /// Number of decisions.
     pub decisions: usize,
-    /// Its rows of `tracks.csv`; empty unless asked for.
+    /// Its rows of `tracks.csv`; empty without `tracks`.
     pub track_rows: Vec<u8>,
 }
 
-/// Why a batch cannot be flown.
+/// Reasons why a batch cannot fly.
 #[derive(Debug, thiserror::Error)]
 pub enum BatchError<E> {
     /// Settings or limits that the core refuses.
@@ -88,12 +88,12 @@ pub enum BatchError<E> {
         /// The vehicle's airspeed, metres per second.
         airspeed_mps: f64,
     },
-    /// A row that could not be taken.
+    /// `take` refused a row.
     #[error(transparent)]
     Sink(E),
 }
 
-/// The world of a batch without its obstacles; `None` where the wind does not let the line be
+/// The world of a batch without its obstacles; `None` if the wind is too strong for the line.
 /// flown.
 pub fn empty_world(settings: &BatchSettings) -> Option<World> {
     let model = &settings.model;
@@ -129,8 +129,8 @@ pub fn empty_world(settings: &BatchSettings) -> Option<World> {
     })
 }
 
-/// The volume that protects an obstacle of an encounter: its own sphere, or a cylinder of the same
-/// radius where the vehicle file protects a cylinder.
+/// The volume of an obstacle of an encounter: its own sphere, or a cylinder of the same
+/// radius if the vehicle file protects a cylinder.
 pub fn volume_of(obstacle: &Obstacle, protection: &ProtectedVolume) -> ProtectedVolume {
     let radius_m = obstacle.volume.radius_m();
     match *protection {
@@ -142,7 +142,7 @@ pub fn volume_of(obstacle: &Obstacle, protection: &ProtectedVolume) -> Protected
     }
 }
 
-/// Puts an encounter's obstacles into a world, in place of those that were there.
+/// Replaces the obstacles of a world by an encounter's.
 pub fn populate(world: &mut World, encounter: &Encounter, protection: &ProtectedVolume) {
     world.stream = encounter.id;
     world.obstacles.clear();
@@ -158,7 +158,7 @@ pub fn populate(world: &mut World, encounter: &Encounter, protection: &Protected
         }));
 }
 
-/// Flies every encounter on the threads of the current pool and hands the rows over in the order
+/// Flies every encounter on the threads of the current pool and passes the rows to `take` in the order
 /// of the encounters.
 ///
 /// # Errors
@@ -172,7 +172,7 @@ pub fn fly_all<E>(
         wind_mps: settings.model.wind_mps.length(),
         airspeed_mps: settings.model.vehicle.airspeed_mps,
     })?;
-    // Settings are checked once here; the same ones fly every encounter.
+    // Checks the settings once; the same ones fly every encounter.
     let pilot = || settings.policy.pilot(&world.settings, &world.vehicle);
     pilot()?;
     for block in encounters.chunks(BLOCK) {
@@ -218,7 +218,7 @@ pub fn fly_one(
     }
 }
 
-/// What came of a flight with the times of its decisions, nanoseconds in any order.
+/// The result of a flight with the durations of its decisions, nanoseconds in any order.
 pub(crate) fn timed(encounter: u64, outcome: Outcome, elapsed_ns: &mut [u64]) -> BatchRow {
     let decisions = elapsed_ns.len();
     let decision_max_ns = elapsed_ns.iter().copied().max().unwrap_or(0);
@@ -236,7 +236,7 @@ pub(crate) fn timed(encounter: u64, outcome: Outcome, elapsed_ns: &mut [u64]) ->
     }
 }
 
-/// An encounter as a plan for [`show`], in the world that [`empty_world`] gave.
+/// An encounter as a plan for [`show`], in the world of [`empty_world`].
 pub fn plan(mut world: World, encounter: &Encounter, model: &VehicleModel) -> Plan {
     populate(&mut world, encounter, &model.protection);
     Plan {
@@ -260,7 +260,7 @@ pub fn plan(mut world: World, encounter: &Encounter, model: &VehicleModel) -> Pl
 /// Settings or limits that the core refuses.
 pub fn show(plan: Plan, policy: &PolicyChoice) -> Result<RunLog, SettingsError> {
     let mut log = fly(plan, policy, &mut |_| ())?;
-    // The line goes on for ever; shown is what was flown of it and a little more.
+    // The line has no end; show the flown part and a little more.
     let farthest_m = log
         .samples
         .iter()
@@ -301,13 +301,13 @@ pub fn push_sample(row: &mut Vec<u8>, sample: &Sample) {
     }
 }
 
-/// The least margin as it is written: whether it is negative is decided on the written number.
+/// The least margin as written: the written number decides whether it is negative.
 fn written(value_m: f64) -> f64 {
     libm::rint(value_m * 1e6) / 1e6
 }
 
 impl BatchRow {
-    /// Whether no volume was entered, as `results.csv` says it.
+    /// Whether the flight entered no volume, by the rule of `results.csv`.
     pub fn separated(&self) -> bool {
         written(self.outcome.min_margin_m) >= 0.0
     }

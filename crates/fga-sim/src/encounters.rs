@@ -1,10 +1,10 @@
 //! Encounters drawn at random: the cells of Table 4 and families that are hard.
 //!
-//! The aircraft starts at the origin, level, along +x. An obstacle is a *threat* if both, held to
-//! their courses, would come closer than its protected radius. Every encounter has a random stream
-//! of its own (`ChaCha8`, stream = its number), so it can be drawn alone and does not depend on
-//! those before it; numbers become floats by plain IEEE operations and `libm`, so it is the same
-//! on every machine.
+//! The aircraft starts at the origin, level, along +x. An obstacle is a *threat* if it and the
+//! aircraft, both on constant courses, come closer than its protected radius. Every encounter has its
+//! own random stream (`ChaCha8`, stream = its number), so it can be drawn alone and does not depend on
+//! the previous ones. Numbers become floats by plain IEEE operations and `libm`, so an encounter is the
+//! same on every machine.
 
 mod family;
 pub mod modeled;
@@ -23,17 +23,17 @@ use crate::oracle::{
     best_margin,
 };
 
-/// Objects that are no threat, among which the threats are hidden (§2.3 (5)).
+/// Objects that are no threat, among which the threats hide (§2.3 (5)).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bystanders {
-    /// How many there are, both ends included.
+    /// Their number, both ends included.
     pub count: (u32, u32),
-    /// Where they are at the start, metres from the aircraft.
+    /// Their distances from the aircraft at the start, metres.
     pub distance_m: Range,
 }
 
 impl Bystanders {
-    /// As many as make `threats` 20–30 % of all objects.
+    /// The number that makes `threats` 20–30 % of all objects.
     pub fn of_section_2_3(threats: u32) -> Self {
         Self {
             count: ((threats * 7).div_ceil(3), threats * 4),
@@ -42,10 +42,10 @@ impl Bystanders {
     }
 }
 
-/// A cell or family with everything that it takes to draw its encounters.
+/// A cell or family with all parameters of its encounters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EncounterSource {
-    /// What is drawn.
+    /// The family.
     pub family: Family,
     /// Whether everything happens at the aircraft's altitude.
     pub planar: bool,
@@ -60,7 +60,7 @@ pub struct EncounterSource {
 }
 
 impl EncounterSource {
-    /// With Table 4's aircraft: 15 m/s, `d_m` 30 m, no bystanders.
+    /// A cell for Table 4's aircraft: 15 m/s, `d_m` 30 m, no bystanders.
     pub const fn table_4(family: Family, planar: bool, seed: u64) -> Self {
         Self {
             family,
@@ -72,7 +72,7 @@ impl EncounterSource {
         }
     }
 
-    /// The encounter of this number.
+    /// The encounter with this number.
     pub fn encounter(&self, number: u64) -> Encounter {
         let mut random = Random::new(self.seed, number);
         let mut obstacles = loop {
@@ -100,7 +100,7 @@ impl EncounterSource {
         }
     }
 
-    /// Whether a body and the aircraft, both held to their courses, come closer than `d_m`.
+    /// Whether a body and the aircraft, both on constant courses, come closer than `d_m`.
     pub fn is_threat(&self, body: &Body) -> bool {
         let relative = body.velocity_mps - Vec3::X * self.airspeed_mps;
         let closing = -body.position_m.dot(relative);
@@ -118,7 +118,7 @@ impl EncounterSource {
             .all(|body| body.position_m.dot(body.position_m) > self.radius_m * self.radius_m)
     }
 
-    /// Whether the draw is what the family is about; only pincers ask for more than their shape.
+    /// Whether the draw suits the family; only pincers require more than their shape.
     fn suits(&self, bodies: &[Body]) -> bool {
         let Family::Pincer { .. } = self.family else {
             return true;

@@ -24,7 +24,7 @@ use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD, Ending, World, WorldObstacle}
 /// Samples are at most this far apart, seconds.
 const LONGEST_SAMPLE_S: f64 = 0.1;
 
-/// The flown state at a moment, as it is logged.
+/// The flown state at a moment, for the log.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// Seconds since the start.
@@ -37,69 +37,69 @@ pub struct Sample {
     pub climb_rad: f64,
     /// Bank angle, radians, positive in a left turn.
     pub bank_rad: f64,
-    /// What the aircraft was doing.
+    /// The avoider's state.
     pub state: State,
 }
 
-/// A decision as it is logged.
+/// A decision, for the log.
 #[derive(Debug, Clone, Copy)]
 pub struct DecisionMoment<'a> {
     /// Seconds since the start.
     pub time_s: f64,
-    /// What was known.
+    /// The situation.
     pub situation: &'a Situation<'a>,
-    /// What was decided.
+    /// The decision.
     pub decision: &'a Decision,
-    /// How long the step took, nanoseconds.
+    /// Duration of the step, nanoseconds.
     pub elapsed_ns: u64,
 }
 
-/// Follows a flight.
+/// Observes a flight.
 pub trait Observer {
-    /// The state at a moment, at the start, at most 0.1 s apart, and at the end.
+    /// The state at the start, at most 0.1 s apart, and at the end.
     fn sample(&mut self, _sample: &Sample) {}
     /// A decision, before it is flown.
     fn decision(&mut self, _moment: &DecisionMoment<'_>) {}
 }
 
-/// Follows nothing.
+/// Observes nothing.
 impl Observer for () {}
 
-/// What came of a flight.
+/// The result of a flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// Least distance to the centre of any obstacle, metres; infinite without obstacles.
     pub min_separation_m: f64,
     /// Least signed distance to any protected volume, metres; infinite without obstacles.
     pub min_margin_m: f64,
-    /// When a threat was first known, seconds.
+    /// First time with a known threat, seconds.
     pub threat_s: Option<f64>,
-    /// When the first manoeuvre began, seconds.
+    /// Start of the first manoeuvre, seconds.
     pub start_s: Option<f64>,
-    /// When the last manoeuvre ended, free to return, seconds.
+    /// End of the last manoeuvre, seconds.
     pub clear_s: Option<f64>,
-    /// When the aircraft was back on its mission for the last time, seconds.
+    /// Time at which the aircraft was back on its mission for the last time, seconds.
     pub rejoined_s: Option<f64>,
     /// Largest distance from the mission, horizontal and vertical together, metres.
     pub max_cross_track_m: f64,
     /// Path flown less progress along the mission, metres.
     pub extra_path_m: f64,
-    /// When the flight ended, seconds.
+    /// End of the flight, seconds.
     pub end_s: f64,
-    /// Whether the mission was flown to its end and no waypoint was missed.
+    /// Whether the aircraft flew the mission to its end and missed no waypoint.
     pub mission_flown: bool,
-    /// How many of the waypoints that lie behind were not passed as near as planned.
+    /// Number of passed waypoints that it passed farther away than planned.
     pub waypoints_missed: usize,
 }
 
 impl Outcome {
-    /// Whether no protected volume was entered.
+    /// Whether the flight entered no protected volume.
     pub fn separated(&self) -> bool {
         self.min_margin_m >= 0.0
     }
 }
 
-/// Flies worlds; its buffers are kept from one to the next.
+/// Flies worlds; it keeps its buffers from one to the next.
 #[derive(Debug)]
 pub struct Engine {
     plant: Option<Plant>,
@@ -115,7 +115,7 @@ impl Default for Engine {
     }
 }
 
-/// When things happened.
+/// Times of events.
 #[derive(Debug, Clone, Copy, Default)]
 struct Milestones {
     threat_s: Option<f64>,
@@ -161,7 +161,7 @@ impl Engine {
         }
     }
 
-    /// Waypoints that the last flight missed, in their order.
+    /// Waypoints that the last flight missed, in order.
     pub fn missed(&self) -> &[MissedWaypoint] {
         &self.missed
     }
@@ -171,12 +171,12 @@ impl Engine {
         &self.separations
     }
 
-    /// When each obstacle was first seen in the last flight, in the order of the world's.
+    /// First sight of each obstacle in the last flight, in the order of the world's.
     pub fn first_seen_s(&self) -> &[Option<f64>] {
         self.sensor.first_seen_s()
     }
 
-    /// Time of each decision of the last flight, nanoseconds, in any order.
+    /// Duration of each decision of the last flight, nanoseconds, in any order.
     pub fn elapsed_ns(&mut self) -> &mut [u64] {
         &mut self.elapsed_ns
     }
@@ -226,7 +226,7 @@ impl Engine {
         }
     }
 
-    /// The flight that [`Engine::begin`] began.
+    /// Continues the flight that [`Engine::begin`] began.
     fn flight<'a>(&'a mut self, world: &'a World, state: &'a mut FlightState) -> Flight<'a> {
         let plant = self
             .plant
@@ -243,22 +243,22 @@ impl Engine {
     }
 }
 
-/// What changes in a flight besides the aircraft, the sensor and what is measured.
+/// The state of a flight besides the aircraft, the sensor and the measurements.
 #[derive(Debug, Clone)]
 struct FlightState {
     milestones: Milestones,
     progress: MissionProgress,
-    /// Whether the recording is followed still.
+    /// Whether the aircraft still follows the recording.
     replaying: bool,
-    /// Airspeed for which the pilot is set up, metres per second.
+    /// Airspeed of the pilot's present limits, metres per second.
     tuned_mps: f64,
     /// Path over the ground, metres.
     flown_m: f64,
-    /// Decisions flown.
+    /// Number of decisions flown.
     cycle: u32,
 }
 
-/// A flight under way.
+/// A flight in progress.
 struct Flight<'a> {
     world: &'a World,
     plant: &'a mut Plant,
@@ -281,22 +281,22 @@ impl<'a> Flight<'a> {
         self.outcome(end_s)
     }
 
-    /// Time of the decision that is due, seconds.
+    /// Time of the next decision, seconds.
     fn time_s(&self) -> f64 {
         f64::from(self.state.cycle) * self.world.settings.avoider.decision_period_s
     }
 
-    /// The recording, until it is left.
+    /// The recording, until the aircraft leaves it.
     fn replaying(&self) -> Option<&'a Track> {
         let world = self.world;
         world.recorded.as_ref().filter(|_| self.state.replaying)
     }
 
-    /// Flies until the next decision; gives the time of the end once it is reached.
+    /// Flies until the next decision; returns the time of the end once it is reached.
     fn fly_on(&mut self, decision: &Decision, observer: &mut impl Observer) -> Option<f64> {
         let period_s = self.world.settings.avoider.decision_period_s;
         let time_s = self.time_s();
-        // A recording that was not left ends where it ends.
+        // A recording without a manoeuvre ends where it ends.
         let horizon_s = self.world.horizon_s;
         let limit_s = self
             .replaying()
@@ -305,7 +305,7 @@ impl<'a> Flight<'a> {
         if left_s <= 1e-9 || self.ended(time_s) {
             return Some(time_s);
         }
-        // The end need not fall on a decision.
+        // The end need not coincide with a decision.
         let last = left_s < period_s + 1e-9;
         let step_s = if last { left_s } else { period_s };
         self.advance(decision, time_s, step_s, observer);
@@ -319,7 +319,7 @@ impl<'a> Flight<'a> {
         None
     }
 
-    /// Takes the aircraft's place on its mission into account.
+    /// Updates the progress along the mission.
     fn follow_mission(&mut self, time_s: f64) {
         let plant = &self.plant;
         let position_m = plant.ownship().position_m;
@@ -328,8 +328,7 @@ impl<'a> Flight<'a> {
             .follow(time_s, position_m, || plant.ground_velocity_mps());
     }
 
-    /// Puts the aircraft where it is now, looks, and sets a pilot up that was set up for another
-    /// airspeed.
+    /// Updates the aircraft's state, looks, and retunes a pilot with limits of another airspeed.
     fn look(&mut self, time_s: f64, mut retune: impl FnMut(&Vehicle)) {
         self.follow_recording(time_s);
         let airspeed_mps = self.plant.vehicle().airspeed_mps;
@@ -344,7 +343,7 @@ impl<'a> Flight<'a> {
             .look(time_s, ownship.position_m, &self.world.obstacles);
     }
 
-    /// Takes over what was decided.
+    /// Applies a decision.
     fn take(&mut self, time_s: f64, decision: &Decision) {
         self.state.milestones.note(time_s, decision);
         if decision.state == State::Avoiding {
@@ -418,7 +417,7 @@ impl<'a> Flight<'a> {
         }
     }
 
-    /// Puts the aircraft where the recording has it, while it is followed.
+    /// Places the aircraft on the recording while it follows it.
     fn follow_recording(&mut self, time_s: f64) {
         let Some(recorded) = self.replaying() else {
             return;
@@ -433,7 +432,7 @@ impl<'a> Flight<'a> {
         }
     }
 
-    /// Whether the flight is over before its horizon.
+    /// Whether the flight ends before its horizon.
     fn ended(&self, time_s: f64) -> bool {
         let (world, milestones) = (self.world, &self.state.milestones);
         match world.ending {
@@ -486,7 +485,7 @@ impl<'a> Flight<'a> {
     }
 }
 
-/// What is known at a time, after a look.
+/// The known obstacles at a time, after a look.
 fn situation<'a>(
     world: &'a World,
     ownship: Ownship,
@@ -505,15 +504,14 @@ fn situation<'a>(
     }
 }
 
-/// A change of rate that is worth a sample, radians per second.
+/// A larger change of rate gets a sample, radians per second.
 const CORNER_RADPS: f64 = 0.02;
 
-/// Corners nearer than this to a sample are not sampled, seconds.
+/// Corners nearer than this to a sample get no sample, seconds.
 const CORNER_APART_S: f64 = 1e-3;
 
-/// Flies one cycle; samples within it where it is long, and where a turn or a change of climb
-/// begins or ends, so that between two samples the rates stand still. The path flown over the
-/// ground, metres.
+/// Flies one cycle. It samples long cycles, and the begin and end of turns and changes of climb, so
+/// that rates are constant between two samples. Returns the path flown over the ground, metres.
 fn fly_step(
     plant: &mut Plant,
     step_s: f64,
@@ -568,7 +566,7 @@ fn fly_step(
     path_m
 }
 
-/// The logged state: angles over the ground, which are those through the air in still air.
+/// The logged state: angles over the ground, which equal the angles through still air.
 fn sample_of(ownship: &Ownship, wind_mps: Vec3, time_s: f64, state: State) -> Sample {
     let (course_rad, climb_rad) = if wind_mps == Vec3::ZERO {
         (wrap_pi(ownship.course_rad), ownship.climb_rad)

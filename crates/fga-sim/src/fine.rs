@@ -1,10 +1,10 @@
-//! What a manoeuvre really leads to: integrated in millisecond steps, measured against the obstacles.
+//! The real result of a manoeuvre: integrated in millisecond steps, measured against the obstacles.
 //!
-//! It judges certificates and shares no code with what makes them: its own equations of motion (the
-//! classical Runge–Kutta rule), its own lag, wind, growth and distances. Left is positive.
+//! It judges certificates and shares no code with them: it has its own equations of motion (the
+//! classical Runge–Kutta rule), lag, wind, growth and distances. Left is positive.
 //!
 //! The bank follows its command exponentially. The command is the bank of the largest course rate
-//! until what is left to turn is what rolling out to level turns, then level.
+//! until the remaining turn equals the turn made while rolling out to level, then level.
 
 use fga::Vec3;
 use fga::maneuver::{Maneuver, Stage};
@@ -17,7 +17,7 @@ const STEP_S: f64 = 1e-3;
 /// A bank below this is level, radians.
 const LEVEL_RAD: f64 = 1e-9;
 
-/// A course or climb angle this close to its target is there, radians.
+/// A course or climb angle this close to its target has reached it, radians.
 const THERE_RAD: f64 = 1e-12;
 
 /// Abscissas and weights of Gauss's rule with eight points on [−1, 1], one half of each.
@@ -37,7 +37,7 @@ pub struct Body {
     pub velocity_mps: Vec3,
     /// The volume at the beginning.
     pub volume: ProtectedVolume,
-    /// How fast its surface moves outwards, metres per second.
+    /// Outward speed of its surface, metres per second.
     pub growth_mps: f64,
 }
 
@@ -88,12 +88,12 @@ pub struct FineFlight<'a> {
     wind_mps: Vec3,
     maneuver: &'a Maneuver,
     next: usize,
-    /// What is flown; before its first stage a manoeuvre holds course and climb angle.
+    /// The manoeuvre; before its first stage it holds course and climb angle.
     stage: Stage,
     state: FineState,
 }
 
-/// Rates that stand still during a step, or the bank that is commanded.
+/// Constant rates during a step, or the commanded bank.
 #[derive(Clone, Copy)]
 struct Drive {
     course_radps: f64,
@@ -135,7 +135,7 @@ impl<'a> FineFlight<'a> {
         &self.state
     }
 
-    /// Flies until `until_s`, shows both ends of every piece, and says of each whether it was straight.
+    /// Flies until `until_s`, shows both ends of every piece and whether it was straight.
     pub fn fly(&mut self, until_s: f64, mut flown: impl FnMut(&FineState, &FineState, bool)) {
         while self.state.time_s < until_s {
             let stages = self.maneuver.stages();
@@ -181,7 +181,7 @@ impl<'a> FineFlight<'a> {
         }
     }
 
-    /// What is commanded now, and for how long at most it moves at its rates.
+    /// The present command, and the longest time that it keeps its rates.
     fn drive(&self) -> (Drive, f64) {
         let stage = self.stage;
         let target = stage
@@ -226,7 +226,7 @@ impl<'a> FineFlight<'a> {
         self.vehicle.response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / self.vehicle.airspeed_mps
     }
 
-    /// What is left to turn beyond what rolling out to level turns, radians.
+    /// The remaining turn beyond the turn made while rolling out to level, radians.
     fn left_rad(&self, state: &FineState) -> f64 {
         // ∫ tan φ dt with φ falling as e^(−t/τ) is τ ∫ tan(u)/u du from 0 to φ.
         let half = 0.5 * state.bank_rad;
@@ -316,7 +316,7 @@ impl<'a> FineFlight<'a> {
     }
 }
 
-/// The rate that closes a difference, and for how long.
+/// The rate that closes a difference, and its duration.
 fn moving(left_rad: f64, limit_radps: f64) -> (f64, f64) {
     if left_rad.abs() < THERE_RAD || limit_radps <= 0.0 {
         return (0.0, f64::INFINITY);

@@ -1,34 +1,34 @@
 //! The simulated world around [`fga`]: plant, sensor, separation, scenarios, recordings, batches.
 //!
 //! Frame: x east, y north, z up; course from +x towards +y; left is positive. With wind, the
-//! plant's angles are those through the air; logged samples have those over the ground.
+//! plant's angles are through the air and logged samples have angles over the ground.
 //!
 //! | module | question |
 //! |---|---|
 //! | [`scenario`], [`recording`] | which flight does a file describe? |
 //! | [`vehicle_file`] | which aircraft does a file describe? |
-//! | [`plan`] | what is to be flown, with the names of things? |
-//! | [`world`] | what is one flight made of? |
-//! | [`obstacle`] | what is in the way, and what is heard of it? |
+//! | [`plan`] | which flight, with the names of things? |
+//! | [`world`] | which parts make one flight? |
+//! | [`obstacle`] | what is in the way, and what do reports say about it? |
 //! | [`wind`] | which way to fly a line in a wind? |
 //! | [`plant`] | how does the aircraft really fly? |
 //! | [`track`] | where is an obstacle really? |
 //! | [`sensor`] | what does the aircraft know of it? |
 //! | [`separation`] | how close did they really come? |
 //! | [`progress`] | how far along the mission, and how far beside it? |
-//! | [`settings`] | what does a vehicle file say about deciding? |
-//! | [`policy`] | which policy is meant by a name? |
-//! | [`ahead`] | how is decided where a command takes effect only later? |
+//! | [`settings`] | which settings for decisions does a vehicle file give? |
+//! | [`policy`] | which policy has this name? |
+//! | [`ahead`] | how does a pilot decide when a command takes effect later? |
 //! | [`shield`] | may any policy fly, as long as a way out remains? |
 //! | [`worlds`] | what do many worlds show to policies that learn? |
-//! | [`engine`] | what comes of a flight? |
+//! | [`engine`] | what is the result of a flight? |
 //! | [`run`] | what happened in one flight, with everything logged? |
-//! | [`batch`] | what comes of many encounters? |
+//! | [`batch`] | what is the result of many encounters? |
 //! | [`baselines`] | what would others fly? |
-//! | [`campaign`] | what comes of millions of drawn encounters, policy by policy? |
+//! | [`campaign`] | what is the result of millions of drawn encounters, policy by policy? |
 //! | [`encounters`] | which encounters does a generator make? |
-//! | [`fine`] | what does a manoeuvre really lead to? |
-//! | [`oracle`] | can an encounter be saved at all? |
+//! | [`fine`] | what is the real result of a manoeuvre? |
+//! | [`oracle`] | can any manoeuvre save an encounter? |
 
 extern crate alloc;
 

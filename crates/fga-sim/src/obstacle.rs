@@ -1,4 +1,4 @@
-//! Obstacles as they really are, and what is heard of them.
+//! Obstacles as they really are, and the reports about them.
 
 use fga::Vec3;
 use fga::situation::{Movement, ObstacleKind, ProtectedVolume};
@@ -8,21 +8,21 @@ use crate::track::Track;
 /// An obstacle as it really is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldObstacle {
-    /// Identifier shown to the avoider, unique within the world.
+    /// Identifier for the avoider, unique within the world.
     pub id: u32,
-    /// Where it really is.
+    /// Its true motion.
     pub track: Track,
-    /// What must not be entered.
+    /// The protected volume.
     pub volume: ProtectedVolume,
-    /// What it is.
+    /// Its nature.
     pub kind: ObstacleKind,
-    /// How the avoider expects it to move.
+    /// The avoider's expectation of its motion.
     pub movement: Movement,
-    /// What is heard of it, times growing; empty where it is seen as it really is.
+    /// The reports about it, times increasing; empty if the aircraft sees its true motion.
     pub reports: Vec<TrackReport>,
-    /// It is not seen before this time, seconds.
+    /// The aircraft does not see it before this time, seconds.
     pub appears_s: f64,
-    /// It is not seen before it first comes within this distance, metres; then it stays known.
+    /// The aircraft does not see it before it first comes within this distance, metres; then it stays known.
     pub first_seen_m: Option<f64>,
 }
 
@@ -42,7 +42,7 @@ impl WorldObstacle {
     }
 }
 
-/// A row of a recording, as whoever avoids hears it.
+/// A row of a recording, as a report.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackReport {
     /// Seconds since the start of the run.
@@ -53,14 +53,14 @@ pub struct TrackReport {
     pub velocity_mps: Vec3,
 }
 
-/// A report is carried on in a straight line for this long, seconds; then the obstacle is missing
-/// until it is heard again.
+/// A report is extrapolated in a straight line for this long, seconds; then the obstacle is missing
+/// until its next report.
 const CARRIED_ON_S: f64 = 2.0;
 
 impl WorldObstacle {
-    /// Position and velocity as they are known at a time; `None` where nothing is.
+    /// Known position and velocity at a time; `None` if unknown.
     ///
-    /// What is reported later plays no part; after the last report the obstacle is gone.
+    /// Later reports do not count; after the last report the obstacle is gone.
     pub fn known_at(&self, time_s: f64) -> Option<(Vec3, Vec3)> {
         if self.reports.is_empty() {
             return self.track.at(time_s);

@@ -1,11 +1,11 @@
-//! A flight to be flown.
+//! A flight plan.
 
 use fga_formats::geodesy::LocalFrame;
 
 use crate::vehicle_file::VehicleModel;
 use crate::world::World;
 
-/// A flight to be flown, with the names that people give to things.
+/// A flight plan, with names for people.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// Its name.
@@ -14,12 +14,12 @@ pub struct Plan {
     pub description: String,
     /// Names of the obstacles, in the order of the world's.
     pub names: Vec<String>,
-    /// Where the local frame lies on the earth, where it is known.
+    /// The place of the local frame on the earth, if known.
     pub frame: Option<LocalFrame>,
     /// Time of the source at the start of the run, seconds.
     pub time_offset_s: f64,
     /// The aircraft.
     pub model: VehicleModel,
-    /// What is flown.
+    /// The world to fly.
     pub world: World,
 }

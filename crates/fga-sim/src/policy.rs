@@ -10,7 +10,7 @@ use crate::ahead::Ahead;
 use crate::baselines::Baseline;
 pub use crate::settings::PolicySettings;
 
-/// A policy as it is named on the command line.
+/// A policy by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PolicyChoice {
     /// The core's avoider.
@@ -37,8 +37,7 @@ impl PolicyChoice {
     /// The policy called `name` with the start `start` (`t0`, `tc`, `latest`, `free`, `Cs=0.5`).
     ///
     /// # Errors
-    /// A name or a start that is not known, or a start that the policy does not have; one
-    /// sentence.
+    /// An unknown name or start, or a start that the policy does not have; one sentence.
     pub fn parse(name: &str, start: Option<&str>) -> Result<Self, String> {
         let chosen = start.map(parse_start).transpose()?;
         let without_start = |policy| match start {
@@ -68,7 +67,7 @@ impl PolicyChoice {
         }
     }
 
-    /// The policy's name as it is written on the command line.
+    /// The policy's name on the command line.
     pub fn name(&self) -> String {
         let start_name = |start: Start| match start {
             Start::Free => String::new(),
@@ -90,7 +89,7 @@ impl PolicyChoice {
     /// A pilot that flies by this policy.
     ///
     /// # Errors
-    /// Settings or limits that are not usable.
+    /// Unusable settings or limits.
     pub fn pilot(
         &self,
         settings: &PolicySettings,

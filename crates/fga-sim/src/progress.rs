@@ -1,8 +1,8 @@
 //! How far along its mission the aircraft is, how far beside it, and which waypoints it missed.
 //!
-//! The line that counts is the one that is flown where nothing is in the way: corners are rounded
-//! and turned as the aircraft plans them. A mission of one leg is that leg, and the mission of a
-//! recording is the recorded track.
+//! The reference line is the path of the same mission without obstacles: the aircraft rounds and turns
+//! corners as it plans them. A mission of one leg is that leg, and the mission of a recording is the
+//! recorded track.
 
 use fga::Vec3;
 use fga::mission::planned_line;
@@ -10,62 +10,62 @@ use fga::situation::{Mission, Ownship};
 
 use crate::world::World;
 
-/// Places of the planned line are this far apart, metres.
+/// Distance between points of the planned line, metres.
 const SPACING_M: f64 = 3.0;
 
 /// Longest time of a planned line, as a multiple of the time along the legs.
 const LONGEST_SHARE: f64 = 20.0;
 
-/// A waypoint is missed when the aircraft passed it this much farther away than planned, metres.
+/// A waypoint is missed when the aircraft passes it this much farther away than planned, metres.
 const MISSED_BY_M: f64 = 5.0;
 
-/// A place on the line that lies this far ahead may be where the aircraft has come back, turn radii.
+/// The aircraft may rejoin the line at a point this far ahead, turn radii.
 const AHEAD_RADII: f64 = 20.0;
 
-/// It has come back when it is this near, metres, and flies along the line.
+/// It has rejoined when it is this near, metres, and flies along the line.
 const BACK_WITHIN_M: f64 = 10.0;
 
-/// A waypoint that was not passed.
+/// A missed waypoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MissedWaypoint {
     /// Its index in the mission.
     pub index: usize,
-    /// Where it is, metres.
+    /// Its position, metres.
     pub position_m: Vec3,
-    /// How far from it the aircraft passed, metres.
+    /// Least distance of the aircraft from it, metres.
     pub distance_m: f64,
-    /// When it was nearest, seconds.
+    /// The time of that distance, seconds.
     pub time_s: f64,
 }
 
-/// How a waypoint was passed.
+/// The passage of a waypoint.
 #[derive(Debug, Clone, Copy)]
 struct Passed {
     position_m: Vec3,
-    /// Where on the line it is passed, metres, and how near it is there.
+    /// The point on the line nearest to it, metres, and their distance.
     at_m: f64,
     planned_m: f64,
-    /// How near it was passed, metres, and when.
+    /// Least distance of the aircraft and its time.
     flown_m: f64,
     time_s: f64,
 }
 
 /// Follows an aircraft along the line of its mission.
 ///
-/// The piece of the line in question moves on to the next when the aircraft is nearer to that one
-/// and has passed the first half of its own; one piece may be left out when the aircraft already
-/// flies along the one after. Pieces that lie behind do not come back, so that neighbouring
-/// parallel legs are not mistaken for one another. The first and the last piece go on for ever.
+/// The present piece of the line advances to the next when the aircraft is nearer to that one
+/// and has passed the first half of its own; it may skip one piece when the aircraft already
+/// flies along the one after. Earlier pieces do not come back, so that neighbouring parallel legs are
+/// not confused. The first and the last piece have no end.
 #[derive(Debug, Clone)]
 pub struct MissionProgress {
     line_m: Vec<Vec3>,
     waypoints: Vec<Passed>,
-    /// How far ahead the aircraft may have come back to the line, metres; 0 on a line of legs.
+    /// Largest distance ahead at which the aircraft may rejoin the line, metres; 0 on a line of legs.
     ahead_m: f64,
-    /// Index of the leg that is followed.
+    /// Index of the present leg.
     leg: usize,
     line: Option<Leg>,
-    /// Length of the legs before, metres.
+    /// Length of the earlier legs, metres.
     before_m: f64,
     along_m: f64,
     start_along_m: f64,
@@ -74,7 +74,7 @@ pub struct MissionProgress {
     last_m: Vec3,
 }
 
-/// A leg that leads somewhere.
+/// A leg of positive length.
 #[derive(Debug, Clone, Copy)]
 struct Leg {
     from_m: Vec3,
@@ -111,7 +111,7 @@ impl Leg {
     }
 }
 
-/// The line of a world's mission, and where on it each waypoint is passed.
+/// The line of a world's mission, and the point on it of each waypoint.
 fn line_of(world: &World) -> (Vec<Vec3>, f64) {
     let mission_m = &world.mission_m;
     if mission_m.len() <= 2 || world.recorded.is_some() {
@@ -155,12 +155,12 @@ fn line_of(world: &World) -> (Vec<Vec3>, f64) {
     (line_m, AHEAD_RADII * radius_m)
 }
 
-/// The line of a world's mission as it is flown where nothing is in the way.
+/// The path of a world's mission without obstacles.
 pub fn mission_line_m(world: &World) -> Vec<Vec3> {
     line_of(world).0
 }
 
-/// Where each waypoint is passed on a line, in their order.
+/// The point on a line of each waypoint, in order.
 fn waypoints_on(line_m: &[Vec3], mission_m: &[Vec3]) -> Vec<Passed> {
     let mut along_m = 0.0;
     let mut places = Vec::with_capacity(line_m.len());
@@ -180,7 +180,7 @@ fn waypoints_on(line_m: &[Vec3], mission_m: &[Vec3]) -> Vec<Passed> {
     };
     let mut passed: Vec<Passed> = mission_m.iter().map(|place| row(*place)).collect();
     for waypoint in &mut passed {
-        // The first place from which the line leads away from it again.
+        // The first point from which the line leads away from it again.
         let mut best = (f64::INFINITY, from);
         for (index, pair) in places.windows(2).enumerate().skip(from) {
             let (a, b) = (pair[0].1, pair[1].1);
@@ -203,7 +203,7 @@ fn waypoints_on(line_m: &[Vec3], mission_m: &[Vec3]) -> Vec<Passed> {
 }
 
 impl MissionProgress {
-    /// An aircraft at the beginning of a world's mission.
+    /// An aircraft at the start of a world's mission.
     pub fn of(world: &World) -> Self {
         let (line_m, ahead_m) = line_of(world);
         let waypoints = waypoints_on(&line_m, &world.mission_m);
@@ -236,7 +236,7 @@ impl MissionProgress {
         progress
     }
 
-    /// Takes the aircraft's position and velocity over the ground into account.
+    /// Updates with the aircraft's position and velocity over the ground.
     pub fn follow(&mut self, time_s: f64, position_m: Vec3, velocity_mps: impl Fn() -> Vec3) {
         let before_m = self.along_m;
         while let Some(line) = self.line {
@@ -272,7 +272,7 @@ impl MissionProgress {
         self.pass(before_m, time_s, position_m);
     }
 
-    /// Goes on to a place of the line ahead on which the aircraft flies already.
+    /// Advances to a point of the line ahead along which the aircraft already flies.
     fn look_ahead(&mut self, position_m: Vec3, velocity_mps: Vec3) {
         let mut before_m = self.before_m;
         for index in self.leg.. {
@@ -296,7 +296,7 @@ impl MissionProgress {
         }
     }
 
-    /// Notes how near the waypoints are passed that lie about here on the line.
+    /// Records the distances of the waypoints near here on the line.
     fn pass(&mut self, before_m: f64, time_s: f64, position_m: Vec3) {
         let from_m = self.last_m;
         let step = position_m - from_m;
@@ -326,7 +326,7 @@ impl MissionProgress {
         }
     }
 
-    /// The waypoints that lie behind on the line and were not passed as near as planned.
+    /// The passed waypoints that the aircraft passed farther away than planned.
     pub fn missed(&self) -> Vec<MissedWaypoint> {
         self.waypoints
             .iter()
@@ -349,7 +349,7 @@ impl MissionProgress {
         Leg::of(&self.line_m, leg).map_or(0.0, |leg| leg.length_m)
     }
 
-    /// Distance from the mission now, metres.
+    /// Present distance from the mission, metres.
     pub fn cross_track_m(&self) -> f64 {
         self.cross_track_m
     }

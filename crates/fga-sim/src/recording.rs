@@ -1,13 +1,13 @@
-//! A `.daa` recording flown again: one aircraft is the ownship, the others fly as recorded.
+//! Flies a `.daa` recording again: one aircraft is the ownship, the others fly as recorded.
 //!
-//! Until it manoeuvres the ownship is where the recording puts it, straight between rows. It
+//! Until it manoeuvres the ownship follows the recording, linear between rows. It
 //! manoeuvres at the airspeed recorded at that time, with the bank of the vehicle file. Its mission
 //! is its recorded track, without the rows that lie within half a metre of straight legs, and the
-//! protected volume is the vehicle file's. Times count from the ownship's first row.
+//! protected volume comes from the vehicle file. Times count from the ownship's first row.
 //!
-//! An aircraft is there from its first to its last row; separations are measured along the straight
-//! lines between its rows. Whoever avoids knows of it what was recorded so far: the last row, carried on
-//! with the velocity recorded there for at most two seconds.
+//! An aircraft exists from its first to its last row; separations hold along the straight lines between
+//! its rows. The avoider knows only the record so far: the last row, extrapolated with its recorded
+//! velocity for at most two seconds.
 
 use std::path::Path;
 
@@ -29,10 +29,10 @@ const STRAIGHT_WITHIN_M: f64 = 0.5;
 /// Time for the way back after the recording's end, seconds.
 const WAY_BACK_S: f64 = 300.0;
 
-/// Reads a recording; `ownship` names the aircraft that is the ownship, without it the first one is.
+/// Reads a recording; `ownship` names the ownship, without it the first aircraft is the ownship.
 ///
 /// # Errors
-/// A file that is not a recording, an ownship that does not move, a wind that does not let it fly.
+/// A file that is not a recording, an ownship that does not move, a wind that is too strong.
 pub fn read(path: &Path, model: VehicleModel, ownship: Option<&str>) -> Result<Plan, InputError> {
     let mut recording = daa::read(path)?;
     if let Some(name) = ownship {
@@ -133,7 +133,7 @@ pub fn plan(
     })
 }
 
-/// Puts the aircraft of a name first. Positions stay in the frame of the file's first aircraft.
+/// Moves the aircraft with this name to the front. Positions stay in the frame of the file's first aircraft.
 fn make_ownship(recording: &mut daa::Recording, name: &str, path: &Path) -> Result<(), InputError> {
     let place = recording.aircraft.iter().position(|a| a.name == name);
     let Some(place) = place else {

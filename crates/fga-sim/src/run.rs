@@ -1,4 +1,4 @@
-//! One flight with everything logged: what `fga run` shows.
+//! One flight with everything logged, for `fga run`.
 
 mod conflict;
 
@@ -19,19 +19,19 @@ use crate::vehicle_file::VehicleModel;
 use crate::{recording, scenario};
 
 impl Plan {
-    /// Reads a scenario (`.toml`) or a recording (`.daa`). `vehicle` takes the place of the one
-    /// that a scenario names, and of the light aircraft that flies recordings.
+    /// Reads a scenario (`.toml`) or a recording (`.daa`). `vehicle` replaces the vehicle of a scenario,
+    /// and the light aircraft that flies recordings.
     ///
     /// # Errors
-    /// A file that is neither, or that cannot be used.
+    /// A file of neither kind, or an unusable one.
     pub fn read(path: &Path, vehicle: Option<VehicleModel>) -> Result<Self, InputError> {
         Self::read_as(path, vehicle, None)
     }
 
-    /// The same, with the aircraft of a recording that is the ownship; without it the first one is.
+    /// The same, with the name of a recording's ownship; without it the first aircraft is the ownship.
     ///
     /// # Errors
-    /// As [`Plan::read`]; an ownship that the recording does not hold, or with a scenario.
+    /// As [`Plan::read`]; an ownship that is not in the recording, or an ownship for a scenario.
     pub fn read_as(
         path: &Path,
         vehicle: Option<VehicleModel>,
@@ -59,25 +59,25 @@ impl Plan {
     }
 }
 
-/// A decision as it was made.
+/// A logged decision.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecisionLog {
     /// Seconds since the start.
     pub time_s: f64,
-    /// The aircraft then; angles through the air.
+    /// The aircraft at that time; angles through the air.
     pub ownship: Ownship,
-    /// What was decided.
+    /// The decision.
     pub decision: Decision,
-    /// How long it took, nanoseconds.
+    /// Its duration, nanoseconds.
     pub elapsed_ns: u64,
-    /// Whether it differs from the one before in more than its numbers.
+    /// Whether it differs from the previous one in more than its numbers.
     pub changed: bool,
-    /// The obstacles within the surveillance radius as they were known, over the ground; kept only
+    /// The known obstacles within the surveillance radius, over the ground; kept only
     /// while something threatens.
     pub known: Vec<Obstacle>,
 }
 
-/// What came of one obstacle.
+/// The result for one obstacle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObstacleOutcome {
     /// Its number.
@@ -90,37 +90,37 @@ pub struct ObstacleOutcome {
     pub separation: Least,
     /// Least signed distance to its volume.
     pub margin: Least,
-    /// When it was first seen, seconds.
+    /// First sight, seconds.
     pub first_seen_s: Option<f64>,
 }
 
 /// Everything about one flight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunLog {
-    /// What was flown.
+    /// The plan.
     pub plan: Plan,
-    /// What decided, as named on the command line.
+    /// The policy's name on the command line.
     pub policy: String,
     /// The flown states, at most 0.1 s apart.
     pub samples: Vec<Sample>,
     /// Every decision.
     pub decisions: Vec<DecisionLog>,
-    /// What came of each obstacle, in the order of the world's.
+    /// The result for each obstacle, in the order of the world's.
     pub obstacles: Vec<ObstacleOutcome>,
-    /// What came of the flight.
+    /// The result of the flight.
     pub outcome: Outcome,
-    /// Waypoints that were missed.
+    /// Missed waypoints.
     pub missed: Vec<MissedWaypoint>,
 }
 
-/// Times of the decisions of a run, microseconds.
+/// Durations of the decisions of a run, microseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DecisionTimes {
-    /// Half of them took less.
+    /// Median.
     pub median_us: f64,
-    /// 99 % of them took less.
+    /// 99th percentile.
     pub p99_us: f64,
-    /// The longest.
+    /// Largest.
     pub max_us: f64,
 }
 
@@ -156,7 +156,7 @@ impl Observer for Logger<'_> {
 }
 
 impl Logger<'_> {
-    /// What a decision against a threat was made from.
+    /// The situation of a decision against a threat.
     fn known(&self, moment: &DecisionMoment<'_>) -> Vec<Obstacle> {
         if !matches!(moment.decision.state, State::Threatened | State::Avoiding) {
             return Vec::new();
@@ -171,7 +171,7 @@ impl Logger<'_> {
     }
 }
 
-/// Whether a decision says something else than the one before: state, reason or threat.
+/// Whether a decision has another state, reason or threat than the previous one.
 fn differs(before: &Decision, now: &Decision) -> bool {
     let threat = |decision: &Decision| decision.record.threat.map(|threat| threat.id);
     before.state != now.state
@@ -179,7 +179,7 @@ fn differs(before: &Decision, now: &Decision) -> bool {
         || threat(before) != threat(now)
 }
 
-/// Flies a plan; `watch` is shown every decision as it is made.
+/// Flies a plan; `watch` sees every decision.
 ///
 /// # Errors
 /// Settings or limits that the core refuses.
@@ -227,12 +227,12 @@ pub fn fly(
 }
 
 impl RunLog {
-    /// The conflicts of the flight, in order of time.
+    /// The conflicts of the flight, in time order.
     pub fn conflicts(&self) -> Vec<Conflict> {
         conflict::of(&self.decisions)
     }
 
-    /// Times of the decisions.
+    /// Durations of the decisions.
     pub fn decision_times(&self) -> DecisionTimes {
         let mut elapsed: Vec<u64> = self.decisions.iter().map(|d| d.elapsed_ns).collect();
         elapsed.sort_unstable();
@@ -253,7 +253,7 @@ impl RunLog {
         }
     }
 
-    /// The line of the mission as it is flown where nothing is in the way, metres.
+    /// The path of the mission without obstacles, metres.
     pub fn mission_line_m(&self) -> Vec<fga::Vec3> {
         mission_line_m(&self.plan.world)
     }

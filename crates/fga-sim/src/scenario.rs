@@ -25,8 +25,9 @@
 //! ```
 //! Local frame: x east, y north, z up, metres. With `[origin] latitude_deg, longitude_deg,
 //! altitude_m` places may be geodetic: `waypoints_deg = [[latitude, longitude, altitude_m], …]` and
-//! `position_deg`. A moving obstacle has `velocity_mps`, or a `track_m = [[t, x, y, z], …]` outside
-//! whose times it is not there. Optional: `seed`, `[start]`, `[wind]`, `[noise]`, `[sensor]`, with
+//! `position_deg`. A moving obstacle has `velocity_mps`, or a `track_m = [[t, x, y, z], …]`, which
+//! also bounds its existence. Optional: `seed`, `[start]`, `[wind]`, `[noise]`, `[sensor]`, with
+//! the keys of vehicle files. An unknown key is an error.
 //! the keys of vehicle files. A key that is not known is an error.
 
 use std::path::{Path, PathBuf};
@@ -171,10 +172,10 @@ impl From<KindName> for ObstacleKind {
     }
 }
 
-/// Reads a scenario; `vehicle` takes the place of the one that the file names.
+/// Reads a scenario; `vehicle` replaces the vehicle in the file.
 ///
 /// # Errors
-/// A file that cannot be read, an unknown or missing key, a value out of range, a mission of fewer
+/// An unreadable file, an unknown or missing key, a value out of range, a mission of fewer
 /// than two waypoints, a doubled obstacle number, an obstacle on top of the aircraft at the start.
 pub fn read(path: &Path, vehicle: Option<VehicleModel>) -> Result<Plan, InputError> {
     let text = read_text(path)?;
@@ -320,7 +321,7 @@ impl Places<'_> {
             })
     }
 
-    /// The one of two keys that is given.
+    /// The given one of two keys.
     fn either(
         &self,
         local: Option<&Spanned<[f64; 3]>>,
@@ -339,7 +340,7 @@ impl Places<'_> {
 }
 
 impl MissionTable {
-    /// How each waypoint is passed; empty where the file does not say.
+    /// How the aircraft passes each waypoint; empty if the file does not say.
     fn passing(&self, text: &TomlText<'_>, waypoints: usize) -> Result<Vec<Passing>, InputError> {
         let Some(list) = &self.passing else {
             return Ok(Vec::new());

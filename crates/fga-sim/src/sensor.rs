@@ -1,4 +1,4 @@
-//! What the aircraft knows of the obstacles: range, rate and noise, and the tracks made of it.
+//! The aircraft's knowledge of the obstacles: range, rate and noise, and the resulting tracks.
 
 use fga::Vec3;
 use fga::angle::{course_of, wrap_pi};
@@ -9,27 +9,27 @@ use rand_core::{Rng, SeedableRng};
 use crate::obstacle::WorldObstacle;
 use crate::tracker::{LookNoise, TrackEstimate};
 
-/// How well and how often obstacles are seen.
+/// Quality and rate of sight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensorSettings {
-    /// Obstacles farther away are not seen, metres; infinity allowed.
+    /// Range, metres; infinity allowed.
     pub range_m: f64,
-    /// Time between two looks, seconds; 0 looks at every decision. In between, what was seen is
-    /// carried on in a straight line.
+    /// Time between two looks, seconds; 0 looks at every decision. Between looks the sensor extrapolates
+    /// in a straight line.
     pub update_period_s: f64,
     /// σ of the noise on each component of the position, metres.
     pub position_sigma_m: f64,
     /// σ of the noise on each component of the velocity, metres per second.
     pub velocity_sigma_mps: f64,
-    /// Whether noisy looks become tracks by a Kalman filter; without it each look is passed on as
-    /// it is.
+    /// Whether noisy looks become tracks by a Kalman filter; without it each look passes
+    /// unchanged.
     pub tracked: bool,
-    /// Horizontal angle that is seen, radians, half of it to either side of the course; a full turn
+    /// Horizontal field of view, radians, half of it to either side of the course; a full turn
     /// sees all around.
     pub field_of_regard_rad: f64,
-    /// Probability that a look sees an obstacle that it could see.
+    /// Probability that a look sees a visible obstacle.
     pub detection_probability: f64,
-    /// Age of what a look shows, seconds: it is carried on from then in a straight line.
+    /// Age of a look, seconds; the sensor extrapolates it in a straight line.
     pub delay_s: f64,
 }
 
@@ -68,7 +68,7 @@ impl SensorSettings {
     }
 }
 
-/// Changes the master seed for the stream of misses.
+/// Modifies the master seed for the stream of misses.
 const MISSES: u64 = 0x006D_6973_7365_6400;
 
 /// Gaussian noise from one counter-based stream (Box–Muller).
@@ -113,18 +113,18 @@ impl Noise {
 pub struct Sensor {
     settings: SensorSettings,
     noise: Option<Noise>,
-    /// Decides which looks miss; apart from the noise, so that each is the same without the other.
+    /// Decides which looks miss; separate from the noise, so that each stays the same without the other.
     misses: Option<Noise>,
     /// Course of the aircraft, radians.
     course_rad: f64,
-    /// When it looked last, and what it saw.
+    /// The last look: its time and result.
     last_look_s: f64,
-    /// To when what was seen is carried on, seconds.
+    /// Time of the extrapolated result, seconds.
     carried_to_s: f64,
     seen: Vec<Obstacle>,
-    /// The track of each obstacle of the world that is in sight, where looks are noisy.
+    /// The track of each visible obstacle of the world, where looks are noisy.
     tracks: Vec<Option<TrackEstimate>>,
-    /// When each obstacle of the world was first seen, seconds.
+    /// First sight of each obstacle of the world, seconds.
     first_seen_s: Vec<Option<f64>>,
 }
 
@@ -158,12 +158,12 @@ impl Sensor {
         self.tracks.resize(obstacles, None);
     }
 
-    /// When each obstacle was first seen, in the order of the world's.
+    /// First sight of each obstacle, in the order of the world's.
     pub fn first_seen_s(&self) -> &[Option<f64>] {
         &self.first_seen_s
     }
 
-    /// What the last look saw, carried on to its time.
+    /// The result of the last look, extrapolated to its time.
     pub fn known(&self) -> &[Obstacle] {
         &self.seen
     }
@@ -173,16 +173,16 @@ impl Sensor {
         self.course_rad = course_rad;
     }
 
-    /// What is known at `time_s`, with the sensor at `at_m`.
+    /// The known obstacles at `time_s`, with the sensor at `at_m`.
     pub fn look(&mut self, time_s: f64, at_m: Vec3, world: &[WorldObstacle]) -> &[Obstacle] {
         let due = time_s >= self.last_look_s + self.settings.update_period_s - 1e-9;
         if due {
             self.seen.clear();
             let looks = self.first_seen_s.iter_mut().zip(&mut self.tracks);
             for (obstacle, (first_seen_s, kept)) in world.iter().zip(looks) {
-                // A track ends with a look that does not see its obstacle.
+                // A track ends with a look that misses its obstacle.
                 let track = kept.take();
-                // Every obstacle draws in every look, so that a miss of one moves no other.
+                // Every obstacle draws in every look, so that a miss of one does not change another.
                 let missed = self
                     .misses
                     .as_mut()
@@ -336,7 +336,7 @@ mod tests {
             let time_s = f64::from(look) * 0.01;
             if let [found] = sensor.look(time_s, Vec3::ZERO, &world) {
                 seen += 1;
-                // It keeps its velocity, so what is carried on is where it is.
+                // It keeps its velocity, so the extrapolation is exact.
                 assert!((found.position_m.x - (1000.0 - 10.0 * time_s)).abs() < 1e-9);
             }
         }
@@ -391,7 +391,7 @@ mod tests {
     }
 
     /// Over 400 tracks the squared error in units of the reported variance is 1 on average, at the
-    /// first look as after ten seconds, while the reported σ has shrunk to a fraction.
+    /// first look as well as after ten seconds, while the reported σ shrinks to a fraction.
     #[test]
     fn a_track_is_as_good_as_it_says() {
         let world = [obstacle(0.0, 5.0)];
@@ -420,7 +420,7 @@ mod tests {
                     / (sigma.velocity_mps * sigma.velocity_mps);
             }
             // Four standard errors of the mean of 1,200 squares: 4·√(2/1200). The filter allows for
-            // an acceleration that is not there, so it may say more than it errs.
+            // an acceleration that is absent, so it may report more than its error.
             assert!(position / 400.0 < 1.17, "{looks}: {}", position / 400.0);
             assert!(velocity / 400.0 < 1.17, "{looks}: {}", velocity / 400.0);
             assert!(position / 400.0 > 0.6 && velocity / 400.0 > 0.4);
@@ -433,7 +433,7 @@ mod tests {
         }
     }
 
-    /// An obstacle that turns off its line by 90° is followed again within two seconds.
+    /// The tracker follows an obstacle that turns off its line by 90° again within two seconds.
     #[test]
     fn a_track_follows_an_obstacle_that_turns() {
         let noise = LookNoise {

@@ -1,8 +1,8 @@
-//! How close the aircraft really came, over continuous time.
+//! The true distance of the aircraft from the obstacles, over continuous time.
 //!
 //! The least signed distance between flown [`Arc`]s and an obstacle's protected volume, to better
-//! than a millimetre, found without looking at every moment: between two moments the path departs
-//! from its chord by at most a·h²/8, and far from an obstacle nothing can change for the time that
+//! than a millimetre, without sampling every moment: between two moments the path departs
+//! from its chord by at most a·h²/8, and a distant obstacle needs no check for the time that
 //! closing the distance takes. This measures flights; nothing that decides uses it.
 
 use fga::Vec3;
@@ -11,10 +11,10 @@ use fga::situation::ProtectedVolume;
 use crate::plant::Arc;
 use crate::track::Track;
 
-/// Departure from the chord below which a piece counts as straight, metres.
+/// Below this departure from the chord a piece counts as straight, metres.
 const STRAIGHT_M: f64 = 1e-4;
 
-/// What is measured.
+/// The measured quantity.
 #[derive(Debug, Clone, Copy)]
 enum Measure {
     /// Distance between the centres.
@@ -31,8 +31,8 @@ impl Measure {
         }
     }
 
-    /// Least value along the straight line from `from_m` to `to_m`, and at which share of it.
-    /// Not searched for (infinite) where it cannot be below `below_m`.
+    /// Least value along the straight line from `from_m` to `to_m`, and its share of the line.
+    /// Skipped (infinite) if it cannot be below `below_m`.
     fn least_on_chord(&self, from_m: Vec3, to_m: Vec3, below_m: f64) -> (f64, f64) {
         let along = to_m - from_m;
         let square = along.length_squared();
@@ -64,7 +64,7 @@ impl Measure {
                         break;
                     }
                 }
-                // The ends are tested too: the search stays inside.
+                // Tests the ends too: the search stays inside.
                 [0.0, 0.5 * (low + high), 1.0]
                     .map(|share| (value(share), share))
                     .into_iter()
@@ -76,7 +76,7 @@ impl Measure {
     }
 }
 
-/// A least value and when it was met.
+/// A least value and its time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Least {
     /// The value, metres; infinite before anything was measured.
@@ -129,13 +129,13 @@ impl Separation {
         self.distance
     }
 
-    /// Takes a single moment into account.
+    /// Measures a single moment.
     pub fn observe_moment(&mut self, time_s: f64, offset_m: Vec3) {
         note(&mut self.distance, Measure::Distance.of(offset_m), time_s);
         note(&mut self.margin, self.volume.margin_m(offset_m), time_s);
     }
 
-    /// Takes a flown arc into account that ends at `end_m`.
+    /// Measures a flown arc that ends at `end_m`.
     #[inline]
     pub fn observe(&mut self, arc: &Arc, end_m: Vec3, track: &Track) {
         if arc.start_s + arc.duration_s <= self.skip_until_s {
@@ -194,7 +194,7 @@ fn note(least: &mut Least, value_m: f64, time_s: f64) {
     }
 }
 
-/// Relative motion during which the obstacle flies straight.
+/// Relative motion while the obstacle flies straight.
 struct Piece<'a, F: Fn(f64) -> Vec3> {
     offset_at: &'a F,
     acceleration_mps2: f64,

@@ -1,13 +1,12 @@
-//! What a vehicle file says about deciding.
+//! The decision settings of a vehicle file.
 
 use fga::avoider::Settings;
 use fga_paper::pilot::{GridSteps, PaperSettings, Rule};
 
-/// What a vehicle file says about deciding; every policy takes what it uses.
+/// The decision settings of a vehicle file; every policy takes its part.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PolicySettings {
-    /// Settings of the avoider, and of what the others have in common with it; the start is the
-    /// policy's.
+    /// Settings of the avoider, also used by the other policies; the policy sets the start.
     pub avoider: Settings,
     /// The grid of the paper's Algorithm 2.
     pub grid: GridSteps,

@@ -1,10 +1,10 @@
-//! Run-time assurance: any policy flies, as long as a certified way out remains.
+//! Run-time assurance: any policy may fly as long as a certified way out remains.
 //!
-//! At each decision the shield predicts where the wish of the policy would take the aircraft until the next
-//! one, certifies that way, and asks an avoider of its own whether a certified manoeuvre exists from its end. Where
-//! either fails, it flies the avoider in place of the policy, from the state in which the last answer was yes, until the wish
-//! of the policy passes again. It certifies as the avoider does: an aircraft that flies as
-//! its limits say, obstacles that move as they are expected to.
+//! At each decision the shield predicts the path of the policy's wish until the next decision, certifies it,
+//! and asks its own avoider whether a certified manoeuvre exists from its end. If either fails, the avoider
+//! flies instead of the policy, from the last state with a certified way out, until a wish of the policy passes
+//! again. The certificate has the avoider's assumptions: the aircraft flies as its limits say, and obstacles
+//! move as expected.
 
 use fga::avoider::{Avoider, Decision, Reason, Settings, SettingsError, Start, State};
 use fga::certificate::{Hazard, certify_all};
@@ -13,12 +13,12 @@ use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Mission, Movement, Obstacle, Obstacles, Ownship, Situation};
 use fga::vehicle::Vehicle;
 
-/// What the shield lets through.
+/// The result of the shield.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shielded {
-    /// What is flown.
+    /// The command to fly.
     pub decision: Decision,
-    /// Whether it is the shield's own, in place of the policy's.
+    /// Whether the command comes from the shield instead of the policy.
     pub engaged: bool,
 }
 
@@ -28,7 +28,7 @@ pub struct Shield {
     settings: Settings,
     flyer: Flyer,
     path: Box<FlightPath>,
-    /// Asked whether there is a way out; remembers nothing.
+    /// Looks for a way out; has no memory.
     probe: Box<Avoider>,
     /// Flies the way out.
     guard: Box<Avoider>,
@@ -67,7 +67,7 @@ impl Shield {
         self.engaged = false;
     }
 
-    /// Lets the wish of a policy through, or decides in its place.
+    /// Passes the wish of a policy, or decides instead.
     pub fn step(&mut self, situation: &Situation<'_>, wish: &Maneuver) -> Shielded {
         if self.leaves_a_way_out(situation, wish) {
             self.engaged = false;
@@ -86,7 +86,7 @@ impl Shield {
         }
     }
 
-    /// Whether a certified manoeuvre, or none at all, is enough where the wish leads until the next
+    /// Whether a certified manoeuvre, or no manoeuvre, is enough at the end of the wish's path to the next
     /// decision.
     fn leaves_a_way_out(&mut self, situation: &Situation<'_>, wish: &Maneuver) -> bool {
         let period_s = self.settings.decision_period_s;
@@ -104,7 +104,7 @@ impl Shield {
                 Hazard::new(index, &obstacle, situation.wind_mps, sigmas)
             }));
         let margin_m = self.settings.margin_m;
-        // The way to the next decision is flown whatever is decided then.
+        // The aircraft flies to the next decision whatever follows then.
         if !certify_all(
             &self.flyer,
             &self.path,
@@ -140,7 +140,7 @@ impl Shield {
                 ..*own
             },
             obstacles: Obstacles::Rows(&self.ahead),
-            // Course and altitude are held where nothing is in the way: the policy may wish anything.
+            // Without a threat the aircraft holds course and altitude: the policy may wish anything.
             mission: Mission::new(&[]),
             wind_mps: situation.wind_mps,
         };
@@ -162,7 +162,7 @@ mod tests {
     use crate::policy::PolicyChoice;
     use crate::vehicle_file::VehicleModel;
 
-    /// Flies drawn encounters by a policy that turns at random; how many entered a volume.
+    /// Flies drawn encounters with a policy that turns at random; returns how many entered a volume.
     fn entered(count: u64, shielded: bool) -> usize {
         let model = VehicleModel::built_in().unwrap();
         let settings = crate::batch::BatchSettings {

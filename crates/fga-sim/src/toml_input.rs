@@ -1,4 +1,4 @@
-//! TOML read with errors that name the file and the line.
+//! Reads TOML with errors that name the file and the line.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use fga_formats::InputError;
 use serde::de::DeserializeOwned;
 use toml::Spanned;
 
-/// A TOML file in reading: its name and text, for messages.
+/// A TOML file with its name and text for messages.
 #[derive(Debug, Clone, Copy)]
 pub struct TomlText<'a> {
     path: &'a Path,
@@ -24,15 +24,15 @@ impl<'a> TomlText<'a> {
         self.text
     }
 
-    /// The file as it is named in messages.
+    /// The file's name in messages.
     pub const fn path(&self) -> &'a Path {
         self.path
     }
 
-    /// Reads the text as `T`; keys that `T` does not know are errors where it says so.
+    /// Reads the text as `T`; unknown keys are errors if `T` says so.
     ///
     /// # Errors
-    /// What is not TOML or not a `T`, with its line.
+    /// Text that is not TOML or not a `T`, with its line.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T, InputError> {
         toml::from_str(self.text).map_err(|error| {
             let message = error.message().trim().replace('\n', "; ");
@@ -61,7 +61,7 @@ impl<'a> TomlText<'a> {
     /// The value, if it is finite.
     ///
     /// # Errors
-    /// One that is not.
+    /// A value that is not.
     pub fn finite(&self, key: &str, value: &Spanned<f64>) -> Result<f64, InputError> {
         self.checked(key, value, "a finite number", f64::is_finite)
     }
@@ -69,7 +69,7 @@ impl<'a> TomlText<'a> {
     /// The value, if it is finite and greater than zero.
     ///
     /// # Errors
-    /// One that is not.
+    /// A value that is not.
     pub fn positive(&self, key: &str, value: &Spanned<f64>) -> Result<f64, InputError> {
         self.checked(key, value, "a positive number", |v| {
             v.is_finite() && v > 0.0
@@ -79,7 +79,7 @@ impl<'a> TomlText<'a> {
     /// The value, if it is finite and not negative.
     ///
     /// # Errors
-    /// One that is not.
+    /// A value that is not.
     pub fn not_negative(&self, key: &str, value: &Spanned<f64>) -> Result<f64, InputError> {
         self.checked(key, value, "a number that is not negative", |v| {
             v.is_finite() && v >= 0.0
@@ -89,7 +89,7 @@ impl<'a> TomlText<'a> {
     /// The value, if it is within the limits.
     ///
     /// # Errors
-    /// One that is not.
+    /// A value that is not.
     pub fn within(
         &self,
         key: &str,

@@ -1,4 +1,4 @@
-//! Where an obstacle really is: on a straight line for ever, or on a recorded track.
+//! The true position of an obstacle: on a straight line for ever, or on a recorded track.
 
 use fga::Vec3;
 
@@ -21,9 +21,9 @@ pub enum Track {
         /// Velocity, metres per second.
         velocity_mps: Vec3,
     },
-    /// Straight from point to point; absent before the first and after the last.
+    /// Linear from point to point; absent before the first and after the last.
     Points {
-        /// At least one point, times strictly growing.
+        /// At least one point, times strictly increasing.
         points: Vec<TrackPoint>,
         /// Largest speed between points, metres per second.
         speed_bound_mps: f64,
@@ -33,9 +33,9 @@ pub enum Track {
 /// A straight part of a track.
 #[derive(Debug, Clone, Copy)]
 pub struct Leg {
-    /// Its beginning within the interval asked for, seconds.
+    /// Its start within the requested interval, seconds.
     pub from_s: f64,
-    /// Its end within the interval asked for, seconds.
+    /// Its end within the requested interval, seconds.
     pub to_s: f64,
     anchor_s: f64,
     anchor_m: Vec3,
@@ -58,7 +58,7 @@ impl Track {
         }
     }
 
-    /// A recorded track; `None` without points or where a time does not grow.
+    /// A recorded track; `None` without points or if a time does not increase.
     pub fn through(points: Vec<TrackPoint>) -> Option<Self> {
         if points.is_empty() || !points.is_sorted_by(|a, b| a.time_s < b.time_s) {
             return None;
@@ -73,7 +73,7 @@ impl Track {
         })
     }
 
-    /// Largest speed while nothing else begins or ends; `None` while the obstacle may appear
+    /// Largest speed unless the obstacle appears or disappears; `None` if it may appear
     /// anywhere.
     pub fn speed_bound_mps(&self) -> Option<f64> {
         match self {
@@ -108,7 +108,7 @@ impl Track {
                     return None;
                 }
                 let next = points.partition_point(|p| p.time_s <= time_s);
-                // At the last point its velocity is that of the last leg.
+                // At the last point the velocity of the last leg holds.
                 let next = next.min(points.len() - 1);
                 let Some(before) = next.checked_sub(1) else {
                     return Some((points[0].position_m, Vec3::ZERO));

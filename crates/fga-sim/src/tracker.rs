@@ -1,15 +1,14 @@
-//! Tracks from noisy looks: one constant-velocity Kalman filter an obstacle.
+//! Tracks from noisy looks: one constant-velocity Kalman filter for each obstacle.
 //!
-//! Position and velocity are measured at each look with the same σ on every axis, so that the
-//! three axes share one covariance. A small white acceleration keeps the filter open to change;
-//! the looks at an obstacle that turns no longer fit the track, and the track starts again. Its σ
-//! holds for obstacles that keep their velocity.
+//! Each look measures position and velocity with the same σ on every axis, so the three axes share one
+//! covariance. A small white acceleration keeps the filter open to change. When an obstacle turns, its
+//! looks no longer fit the track, and the track starts again. Its σ holds for obstacles that keep their
+//! velocity.
 
 use fga::Vec3;
 use fga::situation::Uncertainty;
 
-/// Density of the acceleration by which an obstacle is taken to depart from a straight line,
-/// m²/s³: after ten seconds 0.1 m/s.
+/// Density of the assumed acceleration of an obstacle, m²/s³: 0.1 m/s after ten seconds.
 const ACCELERATION_DENSITY: f64 = 1e-3;
 
 /// Share of the newest look in the running mean of the misfit.
@@ -28,7 +27,7 @@ pub struct LookNoise {
     pub velocity_mps: f64,
 }
 
-/// What is believed of one obstacle.
+/// The estimate of one obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackEstimate {
     /// Position, metres.
@@ -67,7 +66,7 @@ impl TrackEstimate {
         }
     }
 
-    /// Carries the track on to a later time.
+    /// Extrapolates the track to a later time.
     pub fn predict(&mut self, time_s: f64) {
         let dt = time_s - self.time_s;
         if dt <= 0.0 {
@@ -82,7 +81,7 @@ impl TrackEstimate {
         self.time_s = time_s;
     }
 
-    /// Takes a look into account.
+    /// Updates the track with a look.
     pub fn look(&mut self, time_s: f64, position_m: Vec3, velocity_mps: Vec3, noise: &LookNoise) {
         self.predict(time_s);
         let misfit = self.take_position(position_m, noise.position_m * noise.position_m)

@@ -2,8 +2,7 @@
 //!
 //! Units are in the keys. Required: `name`, `airspeed_mps`, one of `turn_radius_m` and
 //! `max_bank_deg`, and `[protection] radius_m`. Everything else has the default of
-//! `vehicles/paper.toml` (no response lag, no wind, perfect sight); a key that is not known is an
-//! error.
+//! `vehicles/paper.toml` (no response lag, no wind, perfect sight); an unknown key is an error.
 
 use std::path::Path;
 
@@ -27,25 +26,25 @@ use crate::toml_input::TomlText;
 /// The built-in vehicle: Table 4 of the paper.
 const BUILT_IN: &str = include_str!("../vehicles/paper.toml");
 
-/// The vehicle of recordings that name none: a light aircraft.
+/// The vehicle of recordings without one: a light aircraft.
 const RECORDED: &str = include_str!("../vehicles/general-aviation.toml");
 
 /// An aircraft as its file describes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleModel {
-    /// What people call it.
+    /// Its name for people.
     pub name: String,
     /// SHA-256 of its file's text, in hexadecimal.
     pub sha256: String,
     /// Its limits.
     pub vehicle: Vehicle,
-    /// What it says about deciding; the policy is chosen elsewhere.
+    /// The decision settings; the policy is chosen elsewhere.
     pub settings: PolicySettings,
-    /// The volume about each obstacle that must not be entered.
+    /// The protected volume about each obstacle.
     pub protection: ProtectedVolume,
     /// Velocity of the air over the ground, metres per second.
     pub wind_mps: Vec3,
-    /// How obstacles are seen.
+    /// The sensor.
     pub sensor: SensorSettings,
     /// How commands become bank and climb.
     pub autopilot: Autopilot,
@@ -189,7 +188,7 @@ impl VehicleModel {
         Self::parse(TomlText::new(Path::new("vehicles/paper.toml"), BUILT_IN))
     }
 
-    /// The light aircraft that flies recordings where no vehicle is given.
+    /// The light aircraft that flies recordings without a given vehicle.
     ///
     /// # Errors
     /// None in practice: the file is part of the program.
@@ -201,7 +200,7 @@ impl VehicleModel {
     /// Reads a vehicle file.
     ///
     /// # Errors
-    /// A file that cannot be read, an unknown or missing key, a value out of range.
+    /// An unreadable file, an unknown or missing key, a value out of range.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::parse(TomlText::new(path, &read_text(path)?))
     }

@@ -4,7 +4,7 @@ use fga::Vec3;
 use fga::angle::{climb_of, course_of};
 
 /// Course and climb angle through the air that fly along a ground direction in a wind; `None`
-/// where the wind is too strong.
+/// if the wind is too strong.
 pub fn crab(direction: Vec3, airspeed_mps: f64, wind_mps: Vec3) -> Option<(f64, f64)> {
     let along_mps = wind_mps.dot(direction);
     let across_mps = wind_mps - direction * along_mps;

@@ -1,4 +1,4 @@
-//! Everything that one flight is made of.
+//! The parts of one flight.
 
 pub use crate::obstacle::{TrackReport, WorldObstacle};
 
@@ -11,21 +11,21 @@ use crate::sensor::SensorSettings;
 use crate::settings::PolicySettings;
 use crate::track::Track;
 
-/// When a flight ends before its horizon.
+/// The end of a flight before its horizon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
-    /// Not before.
+    /// No earlier end.
     Horizon,
     /// Back on the mission's line with every obstacle passed (its distance no longer shrinks).
     BackAndPassed,
-    /// The last waypoint was passed.
+    /// The aircraft has passed the last waypoint.
     MissionFlown,
 }
 
-/// How close to the line counts as back on it, metres.
+/// Largest distance from the line that counts as back on it, metres.
 pub const BACK_WITHIN_M: f64 = 1.0;
 
-/// How close to the line's direction counts as back on it, radians (1°).
+/// Largest difference from the line's direction that counts as back on it, radians (1°).
 pub const BACK_WITHIN_RAD: f64 = 1.0 * core::f64::consts::PI / 180.0;
 
 /// The aircraft at the start.
@@ -39,12 +39,12 @@ pub struct StartState {
     pub climb_rad: f64,
 }
 
-/// One flight to be flown: aircraft, mission, obstacles, sensor, wind, end.
+/// One flight: aircraft, mission, obstacles, sensor, wind, end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct World {
     /// Waypoints of the mission, metres, local frame; at least two.
     pub mission_m: Vec<Vec3>,
-    /// How each waypoint is passed; those beyond the end of this list are flown by.
+    /// How the aircraft passes each waypoint; fly-by beyond the end of this list.
     pub passing: Vec<Passing>,
     /// The aircraft at the start.
     pub start: StartState,
@@ -52,13 +52,13 @@ pub struct World {
     pub vehicle: Vehicle,
     /// How commands become bank and climb.
     pub autopilot: Autopilot,
-    /// What is said about deciding; the policy is chosen with the pilot.
+    /// The decision settings; the policy is chosen with the pilot.
     pub settings: PolicySettings,
     /// Velocity of the air over the ground, metres per second.
     pub wind_mps: Vec3,
     /// The obstacles.
     pub obstacles: Vec<WorldObstacle>,
-    /// How they are seen.
+    /// The sensor.
     pub sensor: SensorSettings,
     /// Master seed of the sensor's noise.
     pub seed: u64,
@@ -66,7 +66,7 @@ pub struct World {
     pub stream: u64,
     /// Longest time flown, seconds.
     pub horizon_s: f64,
-    /// When the flight ends before.
+    /// End of the flight before that.
     pub ending: Ending,
     /// Recorded flight of the aircraft until it first manoeuvres.
     pub recorded: Option<Track>,

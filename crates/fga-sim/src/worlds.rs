@@ -1,8 +1,8 @@
 //! Many worlds side by side for policies that learn: numbers in, numbers out, one decision period a step.
 //!
 //! Each world is a drawn encounter: the aircraft on its line along +x, obstacles around it. An observation
-//! holds [`OWN`] numbers of the aircraft and [`EACH`] for each of the nearest obstacles that are known, in
-//! the frame of its course: x forward, y left, z up.
+//! holds [`OWN`] numbers of the aircraft and [`EACH`] for each of the nearest known obstacles, in the frame of
+//! its course: x forward, y left, z up.
 //!
 //! | place | number | unit |
 //! |---|---|---|
@@ -10,16 +10,16 @@
 //! | 2, 3 | sine and cosine of the course from the line | |
 //! | 4, 5 | climb angle, bank angle | rad |
 //! | 6 | airspeed | m/s |
-//! | then, for each obstacle, 0 | 1 where there is one, else everything is 0 | |
-//! | 1–3 | its place from the aircraft | m |
+//! | then, for each obstacle, 0 | 1 if there is one, else all its numbers are 0 | |
+//! | 1–3 | its position from the aircraft | m |
 //! | 4–6 | its velocity over the ground less the aircraft's | m/s |
 //! | 7, 8 | radius and half height of its volume | m |
 //!
-//! An action is two numbers from −1 to 1: the turn from the course now, as a share of 90° to the left, and the
-//! climb angle, as a share of the limit up or down. A number that is not finite holds what is flown.
+//! An action is two numbers from −1 to 1: the turn from the present course, as a share of 90° to the left, and
+//! the climb angle, as a share of the limit up or down. A number that is not finite holds the present value.
 //!
-//! The reward of a step is minus the share of 500 m that the aircraft is off its line, times the period in
-//! seconds; entering a volume takes [`ENTERED_REWARD`] and ends the flight.
+//! The reward of a step is minus the distance from the line, as a share of 500 m, times the period in
+//! seconds; entering a volume costs [`ENTERED_REWARD`] and ends the flight.
 
 use fga::Vec3;
 use fga::angle::direction;
@@ -44,13 +44,13 @@ pub const EACH: usize = 9;
 /// Reward of entering a protected volume.
 pub const ENTERED_REWARD: f64 = -100.0;
 
-/// The distance from the line that costs 1 a second, metres.
+/// The distance from the line with a reward of −1 per second, metres.
 const FAR_M: f64 = 500.0;
 
-/// What is flown.
+/// The settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldsSettings {
-    /// What is drawn; its airspeed and radius are those of the aircraft.
+    /// The encounters; their airspeed and radius belong to the aircraft.
     pub source: EncounterSource,
     /// The aircraft.
     pub model: VehicleModel,
@@ -58,25 +58,25 @@ pub struct WorldsSettings {
     pub horizon_s: f64,
     /// Obstacles in an observation.
     pub seen: usize,
-    /// Whether a shield lets the actions through.
+    /// Whether a shield filters the actions.
     pub shielded: bool,
 }
 
-/// What a step led to, for one world.
+/// The result of a step for one world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stepped {
     /// The reward.
     pub reward: f64,
-    /// Whether a protected volume was entered.
+    /// Whether the aircraft entered a protected volume.
     pub terminated: bool,
     /// Whether the flight ended otherwise: back on the line with everything passed, or at its longest.
     pub truncated: bool,
-    /// Whether the shield flew in place of the action.
+    /// Whether the shield flew instead of the action.
     pub engaged: bool,
 }
 
 impl Stepped {
-    /// Nothing was flown.
+    /// No flight.
     pub const STILL: Self = Self {
         reward: 0.0,
         terminated: false,
@@ -101,7 +101,7 @@ pub struct Worlds {
     nearest: Vec<(f64, Obstacle)>,
 }
 
-/// Why worlds cannot be made.
+/// Reasons why worlds cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum WorldsError {
     /// Settings or limits that the core refuses.
@@ -113,10 +113,10 @@ pub enum WorldsError {
 }
 
 impl Worlds {
-    /// `count` worlds, which show encounters 0 to `count` − 1 until they are reset.
+    /// `count` worlds, which show encounters 0 to `count` − 1 until a reset.
     ///
     /// # Errors
-    /// Settings that the core refuses, or a wind in which the line cannot be flown.
+    /// Settings that the core refuses, or a wind that is too strong for the line.
     pub fn new(mut settings: WorldsSettings, count: usize) -> Result<Self, WorldsError> {
         let model = &settings.model;
         settings.source.airspeed_mps = model.vehicle.airspeed_mps;
@@ -151,7 +151,7 @@ impl Worlds {
         Ok(worlds)
     }
 
-    /// How many there are.
+    /// Number of worlds.
     pub fn len(&self) -> usize {
         self.places.len()
     }
@@ -173,7 +173,7 @@ impl Worlds {
         world
     }
 
-    /// Puts the encounter of this number into a world; nothing happens where there is no such world.
+    /// Loads the encounter with this number into a world; ignores an unknown world.
     pub fn reset(&mut self, index: usize, number: u64) {
         let world = self.drawn(number);
         if let Some(place) = self.places.get_mut(index) {
@@ -184,7 +184,7 @@ impl Worlds {
         }
     }
 
-    /// Writes what a world shows into `into`, which has [`Worlds::observed`] places.
+    /// Writes the observation of a world into `into`, which has [`Worlds::observed`] places.
     pub fn observe(&mut self, index: usize, into: &mut [f32]) {
         into.fill(0.0);
         let Some(place) = self.places.get(index) else {
@@ -223,7 +223,7 @@ impl Worlds {
         }
     }
 
-    /// Flies an action in a world until the next decision. A flight that has ended stands still.
+    /// Flies an action in a world until the next decision. An ended flight stays at its end.
     pub fn step(&mut self, index: usize, turn: f64, climb: f64) -> Stepped {
         let mut stepped = Stepped {
             truncated: true,

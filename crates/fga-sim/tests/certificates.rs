@@ -1,4 +1,4 @@
-//! Certificates against flights that another program integrates: [`fga_sim::fine`].
+//! Certificates against flights from a separate integration: [`fga_sim::fine`].
 //!
 //! `FGA_CERTIFICATE_FLIGHTS` sets the number of random manoeuvres.
 #![expect(clippy::cast_possible_truncation, reason = "small counts")]
@@ -18,10 +18,10 @@ use fga_sim::run;
 use fga_sim::scenario;
 use fga_sim::vehicle_file::VehicleModel;
 
-/// What may be claimed beyond what is flown, metres.
+/// Accepted excess of the certified margin over the flown one, metres.
 const ROUNDING_M: f64 = 1e-3;
 
-/// A folder of third-party data; `None` where it is missing, which continuous integration refuses.
+/// A folder of third-party data; `None` if it is missing, which continuous integration refuses.
 fn data(relative: &str) -> Option<PathBuf> {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let folder = std::env::var_os("FGA_DATA")
@@ -164,7 +164,7 @@ impl Case {
         }
     }
 
-    /// How far the certified margin lies below what is flown, and the prediction from the flight, metres.
+    /// The certified margin's distance below the flown one, and the prediction's distance from the flight, metres.
     fn check(&self, number: u64, path: &mut FlightPath) -> (f64, f64) {
         let flyer = Flyer::new(&self.vehicle);
         let body = &self.body;
@@ -240,7 +240,7 @@ fn a_certified_margin_is_never_above_what_another_program_flies() {
     assert!(largest.0 < 0.1, "{} m given away", largest.0);
 }
 
-/// The first decision of an avoider: what it certified and what its manoeuvre flies to, metres.
+/// The first decision of an avoider: the certified and the flown margin of its manoeuvre, metres.
 fn first_decision(
     settings: Settings,
     vehicle: &Vehicle,
@@ -275,7 +275,7 @@ fn first_decision(
     Some((chosen.margin_m, flown_m))
 }
 
-/// Nine stages were put into eight places: the avoiding turn was dropped and the margin kept.
+/// An earlier version put nine stages into eight places: it dropped the avoiding turn and kept the margin.
 #[test]
 fn the_first_decisions_of_the_trial_missions_keep_what_they_certify() {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -328,7 +328,7 @@ fn the_first_decisions_of_the_trial_missions_keep_what_they_certify() {
     assert!(decided > 0, "nothing was decided");
 }
 
-/// The same for drawn missions of legs from one to three turn radii.
+/// The same for random missions of legs from one to three turn radii.
 #[test]
 fn missions_of_short_legs_keep_what_they_certify() {
     let vehicle = Vehicle::table_4().with_climb(0.0, 0.0, 0.0);

@@ -1,5 +1,5 @@
-//! A command that takes effect only later: the encounters that the same limits allow to be saved are
-//! saved, with a dead time as without.
+//! A command that takes effect later: the policy saves the avoidable encounters with a dead time as
+//! without.
 
 use fga::avoider::Start;
 use fga_sim::batch::{BatchSettings, empty_world, populate};

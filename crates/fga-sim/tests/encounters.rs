@@ -1,4 +1,4 @@
-//! Encounters are what their cell says, and the same every time.
+//! Encounters match their cell, and are the same every time.
 
 use fga::Vec3;
 use fga_sim::encounters::{EncounterSource, Family, Range};

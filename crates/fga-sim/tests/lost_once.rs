@@ -1,5 +1,5 @@
-//! Encounters that were lost once, each of which the oracle saves: none is lost again, and the
-//! aircraft comes back after each.
+//! Encounters that an earlier version lost although the oracle saves them: the policy saves each, and
+//! the aircraft comes back after each.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Every leg of a mission is flown: survey lines, corners up to a turn back, curves of short legs.
+//! Missions are flown completely: survey lines, corners up to a turn back, curves of short legs.
 
 use fga::Vec3;
 use fga::avoider::State;
@@ -33,7 +33,7 @@ impl Flown {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Share of a line's points, 2 m apart, that were passed within 5 m.
+    /// Share of a line's points, 2 m apart, that the aircraft passed within 5 m.
     fn flown_share(&self, line: &[Vec3]) -> f64 {
         let length_m = line[0].distance(line[1]);
         let places: Vec<f64> = (0..5000)
@@ -72,7 +72,7 @@ fn fly(world: &World) -> (Flown, Outcome) {
     (flown, outcome)
 }
 
-/// Lines of 400 m, flown to and fro.
+/// Lines of 400 m, flown back and forth.
 fn survey(apart_m: f64) -> Vec<[f64; 2]> {
     (0..6)
         .flat_map(|line| {
@@ -87,7 +87,7 @@ fn survey(apart_m: f64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Guidance left out up to four legs: 25 to 74 % of the lines' points were flown.
+/// An earlier guidance left out up to four legs: it flew 25 to 74 % of the lines' points.
 #[test]
 fn survey_lines_from_10_to_100_m_apart_are_flown_whole() {
     for apart_m in [10.0, 20.0, 40.0, 55.0, 70.0, 100.0] {
@@ -111,7 +111,7 @@ fn survey_lines_from_10_to_100_m_apart_are_flown_whole() {
     }
 }
 
-/// Corners of 156° were missed by up to 405 m.
+/// An earlier version missed corners of 156° by up to 405 m.
 #[test]
 fn sharp_corners_are_flown() {
     let zigzag = [
@@ -133,7 +133,7 @@ fn sharp_corners_are_flown() {
     }
 }
 
-/// A mast on a waypoint: it is passed outside its volume, and the summary says which one was missed.
+/// A mast on a waypoint: the aircraft passes outside its volume, and the summary names the missed waypoint.
 #[test]
 fn a_waypoint_that_cannot_be_flown_is_told() {
     let mut world = world(
@@ -154,7 +154,7 @@ fn a_waypoint_that_cannot_be_flown_is_told() {
     assert!(!outcome.mission_flown);
 }
 
-/// Legs of 40 and 60 m between corners of 120°: waypoints were left out.
+/// Legs of 40 and 60 m between corners of 120°: an earlier version left waypoints out.
 #[test]
 fn waypoints_between_short_legs_are_passed() {
     for leg_m in [40.0, 60.0, 100.0] {
@@ -181,7 +181,8 @@ fn waypoints_between_short_legs_are_passed() {
     }
 }
 
-/// A half circle of 900 m in legs of 60 m and an obstacle on it: 4.9 km off and 11 km longer.
+/// A half circle of 900 m in legs of 60 m with an obstacle on it: an earlier version was 4.9 km off and 11 km
+/// longer.
 #[test]
 fn a_curve_of_short_legs_is_joined_again_behind_an_obstacle() {
     let mut mission = vec![[-300.0, 0.0]];
@@ -211,7 +212,7 @@ fn a_curve_of_short_legs_is_joined_again_behind_an_obstacle() {
     }
 }
 
-/// A headwind of 70 % and a sphere ahead: each way back led to it again, for 600 s.
+/// A headwind of 70 % and a sphere ahead: in an earlier version each way back led to it again, for 600 s.
 #[test]
 fn a_sphere_is_passed_in_a_strong_headwind() {
     let text = "name = \"headwind\"\nduration_s = 400.0\n[wind]\neast_mps = -6.356\n\

@@ -8,7 +8,7 @@ use fga_formats::daa::Recording;
 use fga_formats::encounter_model::{self, EncounterModel};
 use fga_sim::encounters::modeled::{ModelSource, OwnshipFlight, Pairing};
 
-/// An uncorrelated model without dependencies but of rates on themselves.
+/// An uncorrelated model without dependencies except of rates on themselves.
 const UNCORRELATED: &str = include_str!("models/uncorrelated.txt");
 
 /// A correlated model without dependencies.

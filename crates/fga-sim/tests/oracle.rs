@@ -29,8 +29,8 @@ fn cell(name: &str, number: u64) -> Vec<OracleObstacle> {
         .collect()
 }
 
-/// The margin of a manoeuvre by small Euler-midpoint steps of Eq. 10–12 with the response written
-/// down from its definition, and the volumes' distance from theirs.
+/// The margin of a manoeuvre by small Euler-midpoint steps of Eq. 10–12, with the response from its
+/// definition and its own distances to the volumes.
 fn sampled_margin(
     start: &OracleStart,
     vehicle: &OracleVehicle,
@@ -66,7 +66,7 @@ fn sampled_margin(
             };
             least = least.min(margin);
         }
-        // The share of the step for which a turn is on.
+        // The share of the step with the turn on.
         let on = |from: f64, to: f64| ((t + h).min(to) - t.max(from)).max(0.0) / h;
         let command = on(t1, t2) * sign(maneuver.turn1_rad) + on(t3, t4) * sign(maneuver.turn2_rad);
         let rate = if vehicle.bank_time_constant_s > 0.0 {
@@ -257,7 +257,7 @@ fn a_quick_response_is_nearly_the_ideal_vehicle_and_a_slow_one_is_worse() {
         let obstacles = cell("threats:2:100-300:45-60", number);
         let margin = |vehicle| search(&vehicle, &obstacles, Stages::One).best_margin_m;
         let best = margin(ideal);
-        // A bank that follows within 0.02 s costs at most that time at the speed of closing.
+        // A bank that follows within 0.02 s costs at most that time at the closing speed.
         assert!((margin(with(0.02, 0.0)) - best).abs() < 0.02 * 75.0);
         assert!(margin(with(0.6, 0.0)) < best + 0.01);
         assert!(margin(with(0.6, 0.5)) < margin(with(0.6, 0.0)) + 0.01);
@@ -266,7 +266,7 @@ fn a_quick_response_is_nearly_the_ideal_vehicle_and_a_slow_one_is_worse() {
 
 #[test]
 fn wind_is_obstacles_that_move_the_other_way() {
-    // Still air and a sphere coming at 10 m/s, or 10 m/s of headwind and one that stands.
+    // Still air and a sphere coming at 10 m/s, or 10 m/s of headwind and a sphere at rest.
     let vehicle = OracleVehicle::table_4();
     let coming = OracleObstacle::sphere(
         Vec3::new(250.0, 10.0, 0.0),
@@ -303,8 +303,8 @@ fn enough_stops_early_with_a_true_lower_bound() {
 
 #[test]
 fn the_least_departure_from_a_head_on_sphere_is_its_radius() {
-    // A static sphere of radius 30 m on the line, far ahead, in the plane: passing it at a margin
-    // of 0.1 m leads 30.1 m off the line at the moment of passing, and no less will do.
+    // A static sphere of radius 30 m on the line, far ahead, in the plane: a pass at a margin of 0.1 m leads
+    // 30.1 m off the line at the moment of passing, and no pass leads less.
     let vehicle = OracleVehicle::table_4().planar();
     let sphere = OracleObstacle::sphere(Vec3::X * 200.0, Vec3::ZERO, 30.0);
     let answer = least_departure(

@@ -35,7 +35,7 @@ fn two_stages(first: (f64, f64, f64), gap_s: f64, second: (f64, f64)) -> Maneuve
     maneuver
 }
 
-/// Flies a manoeuvre decided once and shows the state after each tenth of a second.
+/// Flies one manoeuvre and shows the state after each tenth of a second.
 fn fly(vehicle: Vehicle, maneuver: &Maneuver, seconds: u32, mut show: impl FnMut(f64, &Plant)) {
     let mut plant = Plant::new(vehicle, Autopilot::Direct, Vec3::ZERO);
     plant.place(0.0, Vec3::ZERO, 0.0, 0.0);

@@ -1,8 +1,8 @@
-//! Waiting is never too long: after any wait that the policy grants a certified manoeuvre exists.
+//! Waiting is never too long: after any wait of the policy a certified manoeuvre exists.
 //!
-//! Random encounters are flown closed loop with the latest start and with a share of it. At every
-//! cycle that waits, the plan is certified again, here and for the whole horizon; an encounter that
-//! was certified once stays so until it is over and ends without an entry.
+//! Random encounters fly in closed loop with the latest start and with a share of it. Every waiting
+//! cycle certifies the plan again, here and for the whole horizon; an encounter that was certified once
+//! stays so until it is over and ends without an entry.
 
 use fga::Vec3;
 use fga::avoider::{Reason, Start, State, Verdict};
@@ -21,15 +21,15 @@ use fga_sim::world::WorldObstacle;
 /// Longest prediction, seconds: the policy's own horizon.
 const HORIZON_S: f64 = 60.0;
 
-/// Certifies again what is waited for.
+/// Certifies the waiting manoeuvre again.
 struct Watch {
     flyer: Flyer,
     path: FlightPath,
     what: String,
-    /// Whether a certified manoeuvre was held before anything was lost.
+    /// Whether a certified manoeuvre existed before any loss.
     certified: bool,
     waits: u32,
-    /// When it was first said that nothing is certified.
+    /// First time without a certified manoeuvre.
     lost_s: Option<f64>,
 }
 

@@ -1,5 +1,5 @@
-//! Cases that were lost once although an exhaustive search saves each of them: none is lost again,
-//! and the aircraft comes back after each.
+//! Cases that an earlier version lost although an exhaustive search saves them: the policy saves each, and
+//! the aircraft comes back after each.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use fga_sim::run;
 use fga_sim::scenario;
 use fga_sim::vehicle_file::VehicleModel;
 
-/// A file of the trials, or `None` where the data is not on this machine.
+/// A file of the trials, or `None` without the data on this machine.
 fn trial(name: &str) -> Option<PathBuf> {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let folder = std::env::var_os("FGA_DATA")
@@ -63,13 +63,13 @@ fn fly(file: &str, numbers: &[u64], model: VehicleModel, horizon_s: f64) {
     assert!(wrong.is_empty(), "{file}: {wrong:?}");
 }
 
-/// The full search stopped a quarter of a second after it first failed.
+/// An earlier version stopped the full search a quarter of a second after its first failure.
 #[test]
 fn a_search_goes_on_while_nothing_is_certified() {
     fly("pincer4.csv", &[35], vehicle("paper.toml"), 60.0);
 }
 
-/// The same; and certificates were given up for ever smaller margins.
+/// The same; an earlier version also gave up certificates for ever smaller margins.
 #[test]
 fn a_gap_between_many_is_found_and_kept() {
     let numbers = [278, 288, 461, 589, 698, 703];
@@ -92,7 +92,7 @@ fn encounters_found_by_climbing_to_the_worst_are_saved() {
     );
 }
 
-/// The manoeuvre that saves them waits for 10 s first.
+/// The saving manoeuvre first waits for 10 s.
 #[test]
 fn a_formation_is_left_behind_in_bounded_time() {
     let numbers = [49, 58, 94, 200, 218, 222, 414, 440, 534, 567];
@@ -114,8 +114,8 @@ fn a_wind_of_70_percent_of_the_airspeed_from_any_side_leaves_a_way() {
     }
 }
 
-/// Avoiding one sphere in a headwind of 70 % of the airspeed, nothing was remembered of what was
-/// tried: it was not past it after 600 s.
+/// In a headwind of 70 % of the airspeed an earlier version remembered no tried manoeuvre and was not past
+/// the sphere after 600 s.
 #[test]
 fn a_sphere_ahead_in_a_strong_headwind_is_passed() {
     let Some(path) = trial("wind70-livelock-4.toml") else {

@@ -1,5 +1,5 @@
-//! One flight among intruders that do as they like. The aircraft, what it hears and the separation are
-//! this folder's own code; only the decision is the program's.
+//! One flight among manoeuvring intruders. The aircraft, the reports and the separation are separate
+//! code of this folder; only the decision comes from the program.
 
 use fga::Vec3;
 use fga::avoider::{Avoider, Settings, State};
@@ -92,7 +92,7 @@ impl Own {
         }
     }
 
-    /// Flies a command for one period; `visit` sees the time within it and the place every 50 ms.
+    /// Flies a command for one period; `visit` sees the time within it and the position every 50 ms.
     fn fly_command(
         &mut self,
         command: &Maneuver,
@@ -116,7 +116,7 @@ impl Own {
     }
 }
 
-/// What is not ideal.
+/// Imperfections of sight and air.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Conditions {
     pub(crate) movement: Movement,
@@ -124,7 +124,7 @@ pub(crate) struct Conditions {
     pub(crate) gust_mps: f64,
     /// Standard deviation of each component of a reported position, metres.
     pub(crate) noise_m: f64,
-    /// Age of a report when it is heard, seconds.
+    /// Age of a report on arrival, seconds.
     pub(crate) latency_s: f64,
     /// Share of the reports that are missing.
     pub(crate) missing: f64,
@@ -142,7 +142,7 @@ impl Conditions {
     };
 }
 
-/// What came of a flight.
+/// The result of a flight.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Flown {
     pub(crate) margin_m: f64,
@@ -153,10 +153,10 @@ pub(crate) struct Flown {
     pub(crate) most_work: u32,
 }
 
-/// Gusts remember themselves for this long, seconds.
+/// Correlation time of the gusts, seconds.
 const GUST_S: f64 = 3.0;
 
-/// What is heard of one intruder: position and velocity, smoothed by fixed gains where reports are noisy.
+/// The report of one intruder: position and velocity, smoothed by fixed gains where reports are noisy.
 #[derive(Default)]
 struct Heard {
     track: Option<(Vec3, Vec3, f64)>,
@@ -226,7 +226,7 @@ pub(crate) fn fly(
                 let noisy_mps = velocity_mps + random.gaussian3() * velocity_sigma_mps;
                 heard.report(noisy_m, noisy_mps, at_s, conditions.noise_m);
             } else if conditions.noise_m == 0.0 {
-                // Missing means missing: the core has to remember it.
+                // No report: the core must remember the obstacle.
                 continue;
             }
             let Some((position_m, velocity_mps, heard_s)) = heard.track else {
@@ -239,7 +239,7 @@ pub(crate) fn fly(
                 volume,
             );
             obstacle.movement = conditions.movement;
-            // Of the smoothed track: some 40 % of one report's.
+            // σ of the smoothed track: some 40 % of a single report's.
             obstacle.uncertainty = Uncertainty {
                 position_m: 0.4 * conditions.noise_m,
                 velocity_mps: 0.35 * velocity_sigma_mps,

@@ -1,14 +1,14 @@
-//! Families of intruders that do not keep their velocity, and of sight and air that are not ideal: how
-//! many are saved of those that can be.
+//! Families of intruders that do not keep their velocity, with imperfect sight and air: how many of the
+//! avoidable encounters are saved?
 //!
 //! `intruders FAMILY COUNT [SEED] [straight]` with FAMILY one of `turning` (random turns up to 6 °/s,
 //! ±2 m/s², climbs; one to three intruders), `pursuit` (each half second the worst of three
 //! turns), `gusts` (σ 0.3, 0.7, 1.5 m/s), `noise` (σ 10 m, 0.5 s late, half of the reports missing),
 //! `missing` (20 and 50 % of the reports missing) and `calm` (passings 10 m and more outside of the sphere).
-//! With `straight` the decision expects intruders to go straight on.
+//! With `straight` the situation says that intruders fly straight.
 //!
-//! The oracle is asked about turning intruders where a flight is lost. Gusty, noisy and missing cases are
-//! drawn until it keeps 16 m (missing: 1 m). It is not asked about pursuit and calm.
+//! For turning intruders the oracle judges lost flights. Gusty, noisy and missing cases are redrawn until
+//! it keeps 16 m (missing: 1 m). Pursuit and calm have no oracle.
 
 #![expect(
     clippy::cast_possible_truncation,
@@ -65,7 +65,7 @@ fn stream(seed: u64, number: u64) -> Random {
     Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ number.wrapping_mul(0x9e37_79b9))
 }
 
-/// A flight and what the oracle makes of it; it is asked only where the flight is lost.
+/// A flight and the oracle's answer; only a lost flight asks it.
 struct Judged {
     number: u64,
     flown: Flown,
@@ -308,7 +308,7 @@ mod tests {
         }
     }
 
-    /// Told that it goes straight on, the decision loses one in ten of these.
+    /// If the situation says that it flies straight, the decision loses one in ten of these.
     #[test]
     fn the_worst_of_three_turns_each_half_second_does_not_enter() {
         let judged = pursuit(50, 1, &Conditions::IDEAL, 6.0_f64.to_radians());

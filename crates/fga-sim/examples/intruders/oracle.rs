@@ -1,21 +1,21 @@
-//! The yardstick: an aircraft with the same limits that learns of each turn when it begins, and of how
-//! it will end, and flies what then keeps the largest margin.
+//! The yardstick: an aircraft with the same limits that learns each turn and its end when the turn begins,
+//! and flies the manoeuvre with the largest margin.
 
 use fga::Vec3;
 
 use crate::flight::{Own, RADIUS_M, VEHICLE};
 use crate::traffic::Intruder;
 
-/// How far ahead it looks, seconds.
+/// Horizon, seconds.
 const AHEAD_S: f64 = 40.0;
 
-/// Rows of 50 ms between two looks at the distance along a maneuver.
+/// Rows of 50 ms between two checks of the distance along a manoeuvre.
 const EVERY: usize = 4;
 
-/// A margin beyond this is as good as any larger one, metres.
+/// A larger margin is no better than this, metres.
 const ENOUGH_M: f64 = 60.0;
 
-/// Turn, fly on, turn again; climb angles of both.
+/// Turn, fly straight, turn again; climb angles of both turns.
 #[derive(Debug, Clone, Copy)]
 struct Way {
     first: (f64, f64),
@@ -24,7 +24,7 @@ struct Way {
 }
 
 impl Way {
-    /// Margin of the rest of it from a state, with the places of the intruders.
+    /// Margin of the rest of the manoeuvre from a state, with the positions of the intruders.
     fn margin_m(&self, own: &Own, places_m: &[Vec<Vec3>], enough_m: f64) -> f64 {
         let step_s = EVERY as f64 * 0.05;
         let mut state = *own;
@@ -78,12 +78,12 @@ impl Way {
     }
 }
 
-/// The margin that it keeps from intruders whose whole flight is known to the judge.
+/// The margin that it keeps from intruders whose whole flight the judge knows.
 pub(crate) fn margin_m(intruders: &[Intruder], horizon_s: f64) -> f64 {
     let mut news_s: Vec<f64> = intruders.iter().flat_map(Intruder::changes_s).collect();
     news_s.push(0.0);
     if intruders.iter().any(|intruder| !intruder.pieces.is_empty()) {
-        // It looks again each second too.
+        // It also decides again each second.
         news_s.extend((1..horizon_s as u32).map(f64::from));
     }
     news_s.retain(|time_s| *time_s < horizon_s);

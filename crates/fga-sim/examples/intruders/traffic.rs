@@ -1,4 +1,4 @@
-//! Intruders: what they do, drawn at random or chosen against the aircraft.
+//! Intruders with random motions, or with motions chosen against the aircraft.
 
 use fga::Vec3;
 
@@ -36,7 +36,7 @@ const ROW_S: f64 = 0.05;
 /// Rows of a period.
 const ROWS: usize = 2;
 
-/// Time between two choices of an intruder that pursues, seconds.
+/// Time between two choices of a pursuing intruder, seconds.
 const CHOOSES_S: f64 = 0.5;
 
 /// A turn with a change of speed and of climb for some time.
@@ -48,21 +48,21 @@ pub(crate) struct Piece {
     pub climb_mps2: f64,
 }
 
-/// How an intruder flies.
+/// The motion of an intruder.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
     pub(crate) speed_mps: (f64, f64),
     pub(crate) climb_mps: f64,
 }
 
-/// An intruder: where it is, row by row.
+/// An intruder: its track, row by row.
 #[derive(Debug, Clone)]
 pub(crate) struct Intruder {
     rows: Vec<(Vec3, Vec3)>,
-    /// What it does; beyond the last piece it flies straight on.
+    /// Its pieces; after the last one it flies straight.
     pub(crate) pieces: Vec<Piece>,
     limits: Limits,
-    /// The turn rate with which it pursues the aircraft, radians per second.
+    /// Turn rate of the pursuit, radians per second.
     pursues_radps: Option<f64>,
 }
 
@@ -107,7 +107,7 @@ impl Intruder {
         (position_m + (v + next) * (0.5 * ROW_S), next)
     }
 
-    /// Decides what it does in the next period, having seen the aircraft.
+    /// Decides its motion in the next period from the aircraft's state.
     pub(crate) fn decide(&mut self, time_s: f64, own_m: Vec3, own_mps: Vec3) {
         let choice = (time_s / CHOOSES_S).round() * CHOOSES_S;
         if let Some(rate_radps) = self.pursues_radps
@@ -150,7 +150,7 @@ impl Intruder {
             .find(|piece| time_s < piece.until_s - 1e-9)
     }
 
-    /// Position and velocity at a time that it has flown already.
+    /// Position and velocity at a time that it has already flown.
     pub(crate) fn at(&self, time_s: f64) -> (Vec3, Vec3) {
         let row = (time_s / ROW_S).max(0.0);
         let place = (row as usize).min(self.rows.len() - 1);
@@ -161,18 +161,18 @@ impl Intruder {
         )
     }
 
-    /// The place and the velocity with which it began.
+    /// Its first position and velocity.
     pub(crate) fn begins(&self) -> (Vec3, Vec3) {
         self.rows[0]
     }
 
-    /// When it begins something else.
+    /// Start times of its pieces.
     pub(crate) fn changes_s(&self) -> impl Iterator<Item = f64> + '_ {
         self.pieces.iter().map(|piece| piece.until_s)
     }
 
-    /// Where it will be, row by row from a time on, if what it does then ends as it will and it flies straight
-    /// on after that.
+    /// Its future track, row by row from a time on, if its present piece ends as planned and it then flies
+    /// straight.
     pub(crate) fn expected_m(&self, from_s: f64, for_s: f64, every: usize) -> Vec<Vec3> {
         let piece = self.piece_at(from_s).copied();
         let mut row = self.at(from_s);
@@ -188,7 +188,7 @@ impl Intruder {
         places_m
     }
 
-    /// Flies all its pieces at once, without looking.
+    /// Flies all its pieces at once.
     pub(crate) fn fly_until(&mut self, until_s: f64) {
         let mut time_s = 0.0;
         while time_s < until_s {
@@ -198,8 +198,8 @@ impl Intruder {
     }
 }
 
-/// A place from which an intruder, flying as its pieces say, meets the aircraft on its mission within the
-/// sphere; it begins some way off.
+/// A start from which an intruder with these pieces meets the aircraft on its mission within the sphere,
+/// and begins some way off.
 pub(crate) fn meeting(
     random: &mut Random,
     limits: Limits,

@@ -1,11 +1,11 @@
 //! A trained operator who follows the direction bands of a detect-and-avoid display.
 //!
-//! Once a second the operator looks at alerts and bands. With a corrective alert that has lasted for
-//! the response delay, the aircraft turns to the edge of the band on the preferred side and a buffer
-//! beyond it, level, at the vehicle's bank. The direction is kept until bands cover it; it is left
-//! when the alert is over and the way along the mission is free of bands. The volumes are those of
-//! the standard, whatever the vehicle file protects; directions alone are flown, because that is what
-//! a remote pilot is usually cleared for.
+//! Once a second the operator looks at alerts and bands. When a corrective alert has lasted for the
+//! response delay, the aircraft turns to the edge of the band on the preferred side and a buffer
+//! beyond it, level, at the vehicle's bank. It keeps the direction until bands cover it, and leaves it
+//! when the alert is over and the mission's direction is free of bands. The volumes come from the
+//! standard, whatever the vehicle file protects. The operator changes only the direction, because that
+//! is what a remote pilot usually has clearance for.
 
 use core::f64::consts::{PI, TAU};
 
@@ -17,7 +17,7 @@ use fga_alerts::{
 
 use super::{Steering, View};
 
-/// From the corrective alert to the first turn, seconds: what trials with operators take who
+/// From the corrective alert to the first turn, seconds: the delay in trials with operators who
 /// coordinate nothing (DO-365 assumes 5 s for a warning).
 const RESPONSE_S: f64 = 5.0;
 
@@ -30,9 +30,9 @@ const LOOK_S: f64 = 1.0;
 /// The volumes and times of the display.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Display {
-    /// Those of ASTM F3442, four levels.
+    /// ASTM F3442, four levels.
     F3442,
-    /// Those of DO-365B, en route.
+    /// DO-365B, en route.
     Do365,
 }
 
@@ -56,14 +56,14 @@ pub struct Operator {
     monitor: Option<Monitor>,
     time_s: f64,
     next_look_s: f64,
-    /// Since when a corrective alert lasts, seconds.
+    /// Start of the corrective alert, seconds.
     alerted_s: Option<f64>,
     /// The direction flown, radians clockwise from north.
     target_rad: Option<f64>,
 }
 
 impl Operator {
-    /// One who has seen nothing yet.
+    /// An operator who has seen nothing yet.
     pub const fn new(display: Display) -> Self {
         Self {
             display,
@@ -102,7 +102,7 @@ impl Operator {
                 )
             })
             .collect();
-        // Obstacles were checked: a state that is refused is no alert.
+        // Obstacles were checked: a refused state means no alert.
         if monitor.step(time_s, &ownship, &traffic).is_err() {
             return;
         }
@@ -133,7 +133,7 @@ impl Operator {
                 Way::Low => Way::High,
                 Way::High => Way::Low,
             };
-            // Without a way out on either side the direction is kept.
+            // Without a way out on either side the operator keeps the direction.
             self.target_rad = turned(preferred, bands.resolution(preferred))
                 .or_else(|| turned(other, bands.resolution(other)))
                 .or(self.target_rad);

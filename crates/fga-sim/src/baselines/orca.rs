@@ -1,9 +1,9 @@
 //! Optimal reciprocal collision avoidance in three dimensions, without reciprocity.
 //!
 //! J. van den Berg, S. Guy, M. Lin, D. Manocha, Reciprocal n-body collision avoidance (2011), by
-//! the crate `dodgy_3d`, a port of RVO2-3D. The obstacles take no part in the avoidance: all
-//! responsibility lies with the aircraft. The method may choose a slower velocity; the aircraft
-//! cannot, and flies into its direction at its own airspeed.
+//! the crate `dodgy_3d`, a port of RVO2-3D. The obstacles do not avoid: all responsibility lies with
+//! the aircraft. The method may choose a slower velocity; the aircraft cannot, and flies into its
+//! direction at its airspeed.
 
 use alloc::borrow::Cow;
 
@@ -62,7 +62,7 @@ impl Orca {
         let neighbours: Vec<Cow<'_, Agent>> = spheres
             .map(|sphere| {
                 // Straight at the centre the method has no side, and inside a volume it draws one
-                // by chance where the velocities match: a centimetre to the left decides.
+                // at random where the velocities match: a centimetre to the left decides.
                 let nudge = if sphere.closest(velocity).1.length() < 0.01 {
                     Vec3::new(-velocity.y, velocity.x, 0.0).normalize_or_zero() * 0.01
                 } else {
@@ -103,7 +103,7 @@ impl Steering for Orca {
         if view.can_climb_along(chosen) {
             return Some(chosen);
         }
-        // Too steep: what turning alone can do, and as much climb as can be.
+        // Too steep: turning alone, with the steepest climb.
         let (preferred, velocity) = (levelled(view.preferred_mps), levelled(view.velocity_mps));
         let turned = self.solve(view, flattened(view.spheres), preferred, velocity);
         Some(turned + Vec3::Z * chosen.z.signum() * turned.length())

@@ -13,16 +13,16 @@ use super::view::{Route, Sphere, View, flattened};
 use crate::wind::crab;
 use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD};
 
-/// A change of direction below this is none, radians (a tenth of a degree).
+/// A smaller change of direction is none, radians (a tenth of a degree).
 const SAME_DIRECTION_RAD: f64 = 1.745e-3;
 
-/// Within this two are at one height, metres.
+/// Two heights this close are the same, metres.
 const SAME_HEIGHT_M: f64 = 1.0;
 
-/// The wish points at the route this long ahead, seconds of flight.
+/// The wish points at the route this far ahead, seconds of flight.
 const WISH_AHEAD_S: f64 = 10.0;
 
-/// A method: the velocity it would like to fly, or `None` where the mission may be flown.
+/// A method: the velocity that it would like to fly, or `None` where the aircraft may fly the mission.
 pub trait Steering {
     /// Forgets the last flight.
     fn restart(&mut self) {}
@@ -30,9 +30,9 @@ pub trait Steering {
     /// Decides; only the direction of the velocity through the air counts.
     fn steer(&mut self, view: &View<'_>) -> Option<Vec3>;
 
-    /// Where everything happens at one height a method that works with normals and displacements
-    /// sees no way up: an obstacle at the aircraft's own height is shown to it so many protected
-    /// radii lower, where the vehicle can climb.
+    /// Where everything happens at one height, a method that works with normals and displacements
+    /// sees no way up: the pilot shows it an obstacle at the aircraft's height this many protected
+    /// radii lower, if the vehicle can climb.
     fn lowered(&self) -> f64 {
         0.0
     }
@@ -44,7 +44,7 @@ pub struct BaselinePilot<S> {
     method: S,
     settings: Settings,
     vehicle: Vehicle,
-    /// The limits that it was made for.
+    /// The limits of its vehicle.
     made_for: Vehicle,
     /// The core's own guidance along the mission.
     guide: MissionPilot,
@@ -96,7 +96,7 @@ impl<S: Steering> BaselinePilot<S> {
         }
     }
 
-    /// The leg that is flown, relative to the aircraft.
+    /// The present leg, relative to the aircraft.
     fn route(&self, situation: &Situation<'_>) -> Route {
         let own_m = situation.ownship.position_m;
         let waypoints = situation.mission.waypoints_m;
@@ -128,7 +128,7 @@ impl<S: Steering> BaselinePilot<S> {
         Some(direction(course_rad, climb_rad.clamp(least, most)) * airspeed_mps)
     }
 
-    /// Whether something is met on the guidance's straight way back to the route.
+    /// Whether the guidance's straight way back to the route meets an obstacle.
     fn is_blocked(&self, route: &Route, guided_mps: Vec3) -> bool {
         /// The guidance comes back at 45°, after a turn of a few seconds.
         const TURN_S: f64 = 3.0;
@@ -141,9 +141,9 @@ impl<S: Steering> BaselinePilot<S> {
         })
     }
 
-    /// Turns the shorter way into a direction, as steep as can be.
+    /// Turns the shorter way into a direction, as steeply as necessary and possible.
     fn turn_to(&self, velocity: Vec3, course_rad: f64) -> Maneuver {
-        // A vertical velocity has no course of its own.
+        // A vertical velocity has no course.
         let level = Vec3::new(velocity.x, velocity.y, 0.0).length();
         let turn_rad = if level > 1e-6 * velocity.length() {
             wrap_pi(course_of(velocity) - course_rad)
@@ -253,7 +253,7 @@ impl<S: Steering> Pilot for BaselinePilot<S> {
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {
-        // Limits that the guidance refuses leave it with those that it has.
+        // If the guidance refuses the limits, it keeps its present ones.
         if self.guide.set_vehicle(*vehicle).is_ok() {
             self.vehicle = *vehicle;
         }

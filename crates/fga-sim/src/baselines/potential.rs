@@ -13,7 +13,7 @@ use super::view::View;
 /// The field's settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PotentialField {
-    /// Repulsion η where attraction is 1 and lengths are counted in protected radii.
+    /// Repulsion η, with an attraction of 1 and lengths in protected radii.
     pub gain: f64,
     /// Reach ρ₀ of the repulsion from the protected surface, in protected radii.
     pub reach: f64,
@@ -30,7 +30,7 @@ impl Default for PotentialField {
 
 impl Steering for PotentialField {
     fn steer(&mut self, view: &View<'_>) -> Option<Vec3> {
-        /// Distances to the surface below this count as this, in protected radii.
+        /// Smaller distances to the surface count as this, in protected radii.
         const CLOSEST: f64 = 0.02;
         let wish = view.preferred_mps.normalize_or_zero();
         let mut repulsion = Vec3::ZERO;
@@ -48,7 +48,7 @@ impl Steering for PotentialField {
         if repulsion == Vec3::ZERO {
             return None;
         }
-        // Straight against the wish the field has no side: it is pushed to the right.
+        // Straight against the wish the field has no side: push it to the right.
         let across = repulsion - wish * repulsion.dot(wish);
         if across.length() < 1e-3 * repulsion.length() {
             let right = Vec3::new(wish.y, -wish.x, 0.0).normalize_or_zero();

@@ -1,4 +1,4 @@
-//! Each method against encounters whose answer is known, and what all of them must keep.
+//! Each method against encounters with a known answer, and the properties of all.
 
 use fga::Vec3;
 use fga::avoider::{Settings, State};
@@ -133,7 +133,7 @@ fn nobody_manoeuvres_for_what_flies_away() {
             .pilot(&world.settings.avoider, &world.vehicle)
             .unwrap();
         let outcome = Engine::new().fly(&world, pilot.as_mut(), &mut ());
-        // The potential field knows places only: it may be pushed by what is near.
+        // The potential field knows only positions: a near obstacle may push it.
         if baseline != Baseline::PotentialField {
             assert_eq!(outcome.start_s, None, "{}", baseline.name());
         }
@@ -263,7 +263,7 @@ fn velocity_methods_aim_along_the_tangent() {
         inflation: 1.0,
     };
     let chosen = { orca }.steer(&view).unwrap();
-    // The half-space touches the cone where the wish is nearest: the projected velocity is slower
+    // The half-space touches the cone where it is nearest to the wish: the projected velocity is slower
     // than the wish, but lies on the tangent.
     assert!((fga::angle::course_of(chosen) - right(1.0)).abs() < 1e-3);
     let voltage = VoltagePotential {

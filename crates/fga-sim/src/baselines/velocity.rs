@@ -1,11 +1,11 @@
 //! Three-dimensional velocity obstacles.
 //!
 //! P. Fiorini, Z. Shiller, Motion planning in dynamic environments using velocity obstacles,
-//! International Journal of Robotics Research 17 (1998), carried to three dimensions for aircraft
+//! International Journal of Robotics Research 17 (1998), extended to three dimensions for aircraft
 //! by Y. Jenie, E. van Kampen, C. de Visser, J. Ellerbroek, J. Hoekstra, Three-dimensional
-//! velocity obstacle method (2015): of the velocities that the aircraft can fly the one nearest to
-//! the wanted one outside every obstacle's cone, where a cone counts up to a time horizon. Where
-//! every one is taken, a collision costs the more the sooner it comes.
+//! velocity obstacle method (2015): the flyable velocity that is nearest to the wanted one outside
+//! every obstacle's cone, where a cone counts up to a time horizon. Where none is free, a collision
+//! costs more the sooner it comes.
 
 use core::f64::consts::PI;
 
@@ -43,7 +43,7 @@ impl Default for VelocityObstacles {
 }
 
 impl VelocityObstacles {
-    /// Difference from the wish, and the price of the soonest collision within the horizon.
+    /// Difference from the wish, plus the price of the soonest collision within the horizon.
     fn cost(&self, spheres: &[Sphere], velocity: Vec3, preferred: Vec3) -> f64 {
         let mut soonest = f64::INFINITY;
         for sphere in spheres {

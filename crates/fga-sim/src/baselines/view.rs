@@ -1,9 +1,9 @@
-//! What a method sees: the aircraft, its wish, and spheres that move straight.
+//! The view of a method: the aircraft, its wish, and spheres that move straight.
 
 use fga::Vec3;
 use fga::vehicle::Vehicle;
 
-/// An obstacle as the methods know it: a sphere on a straight line, relative to the aircraft.
+/// An obstacle for the methods: a sphere on a straight line, relative to the aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
     /// Its identifier.
@@ -12,7 +12,7 @@ pub struct Sphere {
     pub offset_m: Vec3,
     /// Its velocity through the air, metres per second.
     pub velocity_mps: Vec3,
-    /// Its protected radius with the margin kept, metres.
+    /// Its protected radius plus the margin, metres.
     pub radius_m: f64,
 }
 
@@ -26,7 +26,7 @@ impl Sphere {
         }
     }
 
-    /// When the aircraft enters it flying `velocity_mps`, seconds; 0 inside, `None` for never.
+    /// When the aircraft enters it at `velocity_mps`, seconds; 0 inside, `None` for never.
     pub fn entry_s(&self, velocity_mps: Vec3) -> Option<f64> {
         let closing = velocity_mps - self.velocity_mps;
         let c = self.offset_m.length_squared() - self.radius_m * self.radius_m;
@@ -40,8 +40,8 @@ impl Sphere {
         (half_b > 0.0 && discriminant > 0.0).then(|| c / (half_b + libm::sqrt(discriminant)))
     }
 
-    /// Time of the closest approach flying `velocity_mps`, seconds (negative: it is past), and
-    /// the offset of the centre then, metres.
+    /// Time of the closest approach at `velocity_mps`, seconds (negative: in the past), and
+    /// the offset of the centre at that time, metres.
     pub fn closest(&self, velocity_mps: Vec3) -> (f64, Vec3) {
         let relative = self.velocity_mps - velocity_mps;
         let square = relative.length_squared();
@@ -71,21 +71,21 @@ impl Sphere {
     }
 }
 
-/// Where the mission runs, relative to the aircraft, over the ground.
+/// The mission relative to the aircraft, over the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Route {
-    /// From the aircraft to the nearest point of the leg flown, metres.
+    /// From the aircraft to the nearest point of the present leg, metres.
     pub foot_m: Vec3,
     /// Unit vector along the leg.
     pub along: Vec3,
 }
 
-/// What a method decides from. Velocities are through the air.
+/// The input of a method. Velocities are through the air.
 #[derive(Debug, Clone)]
 pub struct View<'a> {
     /// The aircraft's velocity, metres per second.
     pub velocity_mps: Vec3,
-    /// The velocity that the mission asks for, at the airspeed.
+    /// The velocity along the mission, at the airspeed.
     pub preferred_mps: Vec3,
     /// The mission.
     pub route: Route,
@@ -110,13 +110,13 @@ impl View<'_> {
     }
 }
 
-/// A vector without its height, as long as before.
+/// A horizontal vector of the same length.
 pub(super) fn levelled(vector: Vec3) -> Vec3 {
     Vec3::new(vector.x, vector.y, 0.0).normalize_or_zero() * vector.length()
 }
 
-/// The spheres as a method sees them that may only turn: those that will be met at this height,
-/// cut at it where they keep theirs, without height and without climb.
+/// The spheres for a method that may only turn: those that come to this height, cut at it if they
+/// keep theirs, without height and without climb.
 pub(super) fn flattened(spheres: &[Sphere]) -> impl Iterator<Item = Sphere> + '_ {
     spheres.iter().filter_map(|sphere| {
         let Sphere {

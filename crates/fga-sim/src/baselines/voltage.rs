@@ -3,9 +3,9 @@
 //! M. Eby, A self-organizational approach for resolving air traffic conflicts, Lincoln Laboratory
 //! Journal 7 (1994), in the form of J. Hoekstra, R. van Gent, R. Ruigrok, Designing for safety:
 //! the free flight air traffic management concept, Reliability Engineering and System Safety 75
-//! (2002): the predicted point of closest approach is displaced to the edge of the protected
+//! (2002): the method displaces the predicted point of closest approach to the edge of the protected
 //! volume, along the line from the intruder to it, in the time that is left; the displacements of
-//! all conflicts add up. Here in three dimensions, all of it left to the aircraft.
+//! all conflicts add up. Here in three dimensions, and the aircraft does all of it.
 
 use fga::Vec3;
 
@@ -15,7 +15,7 @@ use super::{LOWERED, Steering};
 /// The method's settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VoltagePotential {
-    /// Conflicts that begin later are left alone, seconds.
+    /// Later conflicts do not count, seconds.
     pub look_ahead_s: f64,
     /// Factor on the protected radii.
     pub inflation: f64,
@@ -61,8 +61,8 @@ impl VoltagePotential {
                 miss = Vec3::new(-ahead.y, ahead.x, 0.0).normalize_or_zero() * COLLINEAR_M;
             }
             let missed = miss.length();
-            // Aimed along the tangent of the volume, not at its edge abeam of the point of closest
-            // approach: the resolved path would still cut the volume before it.
+            // Aims along the tangent of the volume, not at its edge abeam of the point of closest approach:
+            // that path would still cut the volume before it.
             let aim = if entry_s > 0.0 && missed < distance {
                 let opening = libm::asin((radius / distance).min(1.0));
                 radius / libm::cos(opening - libm::asin(missed / distance))
@@ -80,7 +80,7 @@ impl Steering for VoltagePotential {
     fn steer(&mut self, view: &View<'_>) -> Option<Vec3> {
         let Some(change) = self.displacement(view.spheres.iter().copied(), view.velocity_mps)
         else {
-            // Resolved: the resolution is kept until the mission is free.
+            // Resolved: keep the resolution until the mission is free.
             let threatened = view.spheres.iter().any(|sphere| {
                 let sphere = sphere.inflated(self.inflation);
                 self.conflict_s(&sphere, view.preferred_mps).is_some()
@@ -91,7 +91,7 @@ impl Steering for VoltagePotential {
         if view.can_climb_along(chosen) {
             return Some(chosen);
         }
-        // Too steep: what turning alone can do, and as much climb as can be.
+        // Too steep: turning alone, with the steepest climb.
         let level = levelled(view.velocity_mps);
         let turned = level
             + self

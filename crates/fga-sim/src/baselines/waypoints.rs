@@ -1,11 +1,11 @@
 //! The two planners of the paper that generate waypoints (Table 6, "Optimal 1" and "Optimal 2").
 //!
-//! Both follow the paper's one sentence about them (§1): all points around a cube are tested, a
-//! path to the chosen sub-waypoint is developed, and the step is repeated until an obstacle-free
-//! path is found. The greedy one takes the best clear point at a time; the optimal one searches
-//! over all sequences for the shortest path (best first, with the straight distance to the goal as
-//! the estimate). Legs are straight and are tested against the straight motion of every obstacle
-//! at the aircraft's airspeed; the path is kept while it stays clear and rebuilt when it does not.
+//! Both follow the paper's one sentence about them (§1): they test all points around a cube, develop
+//! a path to the chosen sub-waypoint, and repeat the step until they find an obstacle-free path.
+//! The greedy one takes the best clear point at a time; the optimal one searches all sequences for
+//! the shortest path (best first, with the straight distance to the goal as the estimate). Legs are
+//! straight; the planner tests them against the straight motion of every obstacle at the aircraft's
+//! airspeed. It keeps the path while it stays clear and rebuilds it otherwise.
 
 mod search;
 
@@ -14,16 +14,16 @@ use fga::Vec3;
 use super::Steering;
 use super::view::View;
 
-/// The cube of candidates, and the path that is looked for.
+/// The cube of candidates, and the goal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cube {
     /// Half the edge of the cube, metres.
     pub half_edge_m: f64,
-    /// Points along an edge, at least 2; all points on the cube's surface are tested.
+    /// Points along an edge, at least 2; the planner tests all points on the cube's surface.
     pub points: u32,
     /// Factor on the protected radii.
     pub inflation: f64,
-    /// The goal lies so far ahead on the mission, metres.
+    /// Distance of the goal ahead on the mission, metres.
     pub goal_m: f64,
 }
 
@@ -51,19 +51,19 @@ impl Cube {
         })
     }
 
-    /// Where to: a point of the mission ahead.
+    /// The goal: a point of the mission ahead.
     fn goal_m(&self, view: &View<'_>) -> Vec3 {
         view.route.foot_m + view.route.along * self.goal_m
     }
 
-    /// The path that the guidance would fly: onto the leg at 45°, then along it.
+    /// The path of the guidance: onto the leg at 45°, then along it.
     fn nominal(&self, view: &View<'_>) -> [Vec3; 2] {
         let foot = view.route.foot_m;
         let ahead = foot.length().min(self.goal_m);
         [foot + view.route.along * ahead, self.goal_m(view)]
     }
 
-    /// The candidates that the aircraft can climb to: points on the surface of the cube, whose
+    /// The candidates within the aircraft's climb limits: points on the surface of the cube, whose
     /// edges lie along the mission.
     fn candidates(&self, view: &View<'_>) -> Vec<Vec3> {
         let along = Vec3::new(view.route.along.x, view.route.along.y, 0.0).normalize_or(Vec3::X);
@@ -87,14 +87,14 @@ impl Cube {
     }
 }
 
-/// The path that is being flown: sub-waypoints relative to the aircraft, next first.
+/// The present path: sub-waypoints relative to the aircraft, next first.
 #[derive(Debug, Clone, Default)]
 struct Path {
     points_m: Vec<Vec3>,
 }
 
 impl Path {
-    /// Moves with the aircraft and drops the sub-waypoints that are reached.
+    /// Moves with the aircraft and drops passed sub-waypoints.
     fn advance(&mut self, view: &View<'_>) {
         let moved = view.velocity_mps * view.period_s;
         for point in &mut self.points_m {
@@ -102,7 +102,7 @@ impl Path {
         }
         let radius = view.vehicle.turn_radius_m;
         while let [first, _, ..] = self.points_m.as_slice() {
-            // A point beside the aircraft, within its turning circle, can only be passed.
+            // The aircraft can only pass a point beside it, within its turning circle.
             let passed = first.dot(view.velocity_mps) <= 0.0 && first.length() < 2.0 * radius;
             if first.length() >= 0.5 * radius && !passed {
                 break;
@@ -111,8 +111,8 @@ impl Path {
         }
     }
 
-    /// The next sub-waypoint of a path that is kept while it is clear and rebuilt by `plan` when
-    /// it is not; `None` where the mission itself is clear.
+    /// The next sub-waypoint of a path that is kept while it is clear; `plan` rebuilds it otherwise;
+    /// `None` where the mission itself is clear.
     fn follow(
         &mut self,
         cube: &Cube,

@@ -1,4 +1,4 @@
-//! One campaign exactly: everything that its results depend on.
+//! One campaign exactly: everything that determines its results.
 
 use std::path::{Path, PathBuf};
 
@@ -21,23 +21,23 @@ use crate::toml_input::TomlText;
 use crate::vehicle_file::VehicleModel;
 use crate::world::World;
 
-/// A margin that is enough for the oracle, metres: well above where an encounter counts as
-/// avoidable.
+/// A margin that is enough for the oracle, metres: well above the limit from which an encounter counts
+/// as avoidable.
 const ENOUGH_M: f64 = 0.5;
 
 /// A file of encounters as a source.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FileSource {
-    /// Where it is.
+    /// Its path.
     pub path: PathBuf,
     /// SHA-256 of its bytes.
     pub sha256: String,
-    /// How many encounters it holds.
+    /// Number of its encounters.
     pub encounters: u64,
 }
 
-/// Everything that the results of a campaign depend on, with all defaults written out.
+/// Everything that determines the results of a campaign, with all defaults written out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Configuration {
@@ -45,13 +45,13 @@ pub struct Configuration {
     pub name: String,
     /// Version of the program.
     pub version: String,
-    /// Encounters in all, over all cells.
+    /// Number of encounters over all cells.
     pub encounters: u64,
     /// Encounters in a block.
     pub block: u64,
     /// Master seeds.
     pub seeds: Vec<u64>,
-    /// Policies as they are named on the command line.
+    /// Policies by their names on the command line.
     pub policies: Vec<String>,
     /// Longest time flown, seconds.
     pub horizon_s: f64,
@@ -67,20 +67,20 @@ pub struct Configuration {
     /// Encounter models.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub models: Vec<ModelFile>,
-    /// What is wrong with recordings that were left out, one sentence each.
+    /// The faults of left-out recordings, one sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub damaged: Vec<String>,
     /// Text of the vehicle file; without it the built-in vehicle.
     pub vehicle: Option<String>,
-    /// Fingerprint of the aircraft that was read from it.
+    /// Fingerprint of the aircraft in it.
     pub vehicle_sha256: String,
-    /// Encounters whose events are logged.
+    /// Encounters with logged events.
     pub events: Vec<u64>,
 }
 
 impl Configuration {
-    /// Fingerprint of all that the results depend on; where files lie and what is logged besides
-    /// does not matter.
+    /// Fingerprint of everything that determines the results; paths of files and additional logs do not
+    /// count.
     pub fn hash(&self) -> String {
         let mut placeless = self.clone();
         placeless.forget_extras();
@@ -90,13 +90,13 @@ impl Configuration {
         fingerprint(placeless.to_json().as_bytes())
     }
 
-    /// Forgets what results do not depend on, but for the places of files.
+    /// Clears what does not determine results, except the paths of files.
     fn forget_extras(&mut self) {
         self.events.clear();
         self.damaged.clear();
     }
 
-    /// The places of all files.
+    /// The paths of all files.
     fn paths(&mut self) -> impl Iterator<Item = &mut PathBuf> {
         let files = self.files.iter_mut().map(|file| &mut file.path);
         let recordings = self.recordings.iter_mut().map(|file| &mut file.path);
@@ -104,7 +104,7 @@ impl Configuration {
         files.chain(recordings).chain(models)
     }
 
-    /// The configuration without what results do not depend on; of places the names of files.
+    /// The configuration without what does not determine results; names of files instead of paths.
     pub(super) fn placeless(&self) -> Self {
         let mut placeless = self.clone();
         placeless.forget_extras();
@@ -116,7 +116,7 @@ impl Configuration {
 
     /// As one line of JSON.
     pub fn to_json(&self) -> String {
-        // Strings and finite numbers only: it does not fail.
+        // Strings and finite numbers only: this does not fail.
         serde_json::to_string(self).unwrap_or_default()
     }
 
@@ -131,7 +131,7 @@ impl Configuration {
         first..(first + self.block).min(self.encounters)
     }
 
-    /// Keys in which two campaigns differ.
+    /// Keys that differ between two campaigns.
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let value = |c: &Self| serde_json::to_value(c).unwrap_or_default();
         let (own, other) = (value(self), value(other));
@@ -145,7 +145,7 @@ impl Configuration {
 }
 
 /// Encounters in a block of a campaign of `encounters`: enough to keep every thread busy, few
-/// enough that little is lost when the power goes.
+/// enough to lose little in a power failure.
 pub(super) fn block_size(encounters: u64) -> u64 {
     encounters.div_ceil(16).clamp(256, 8192)
 }
@@ -153,7 +153,7 @@ pub(super) fn block_size(encounters: u64) -> u64 {
 /// The policy called `name` with its start, as in `published --start t0`.
 ///
 /// # Errors
-/// One sentence about a name or start that is not known.
+/// One sentence about an unknown name or start.
 pub fn parse_policy(text: &str) -> Result<PolicyChoice, String> {
     match text.split_once(" --start ") {
         Some((name, start)) => PolicyChoice::parse(name.trim(), Some(start.trim())),
@@ -161,10 +161,10 @@ pub fn parse_policy(text: &str) -> Result<PolicyChoice, String> {
     }
 }
 
-/// A campaign ready to be flown.
+/// A campaign ready to fly.
 #[derive(Debug)]
 pub struct Campaign {
-    /// What it is.
+    /// Its configuration.
     pub configuration: Configuration,
     /// Its fingerprint.
     pub hash: String,
@@ -180,7 +180,7 @@ pub struct Campaign {
     names: Vec<String>,
 }
 
-/// What an encounter is made of.
+/// The content of an encounter.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Scene {
     /// Obstacles around a straight line; the identifier is the number in the campaign.
@@ -192,25 +192,25 @@ pub enum Scene {
 /// An encounter of a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
-    /// The encounter.
+    /// Its content.
     pub scene: Scene,
-    /// Its number in the file or folder that it comes from, else its number in the campaign.
+    /// Its number in its file or folder, else its number in the campaign.
     pub source_encounter: u64,
     /// Its master seed.
     pub seed: u64,
-    /// Which source, an index into [`Campaign::source_names`].
+    /// Its source, an index into [`Campaign::source_names`].
     pub source: u32,
-    /// Its name, an index into [`Campaign::encounter_names`], where it has one.
+    /// Its name, an index into [`Campaign::encounter_names`], if it has one.
     pub name: Option<u32>,
-    /// For how many encounters of its source it stands.
+    /// Number of encounters of its source that it represents.
     pub weight: f64,
 }
 
 impl Campaign {
-    /// Takes a configuration up: reads its files and checks everything.
+    /// Opens a configuration: reads its files and checks everything.
     ///
     /// # Errors
-    /// A policy, cell, vehicle or file that cannot be used, or an empty campaign.
+    /// An unusable policy, cell, vehicle or file, or an empty campaign.
     pub fn new(configuration: Configuration, campaign_file: &Path) -> Result<Self, CampaignError> {
         let wrong = |message: String| InputError::in_file(campaign_file, message);
         let model = match &configuration.vehicle {
@@ -345,7 +345,7 @@ impl Campaign {
         once as u64 * self.configuration.seeds.len() as u64
     }
 
-    /// How a policy's encounters are flown.
+    /// The settings for the flights of a policy.
     pub fn settings(&self, policy: PolicyChoice) -> BatchSettings {
         BatchSettings {
             model: self.model.clone(),
@@ -359,7 +359,7 @@ impl Campaign {
     /// The world without obstacles.
     ///
     /// # Errors
-    /// A wind in which the line cannot be flown.
+    /// A wind that is too strong for the line.
     pub fn world(&self) -> Result<World, CampaignError> {
         batch::empty_world(&self.settings(PolicyChoice::default())).ok_or_else(|| {
             CampaignError::Other(format!(
@@ -381,12 +381,12 @@ impl Campaign {
         &self.names
     }
 
-    /// Names of the encounters that have one.
+    /// Names of the named encounters.
     pub fn encounter_names(&self) -> &[String] {
         self.recordings.names()
     }
 
-    /// The encounter of this number.
+    /// The encounter with this number.
     ///
     /// # Errors
     /// A number past the last.
@@ -435,7 +435,7 @@ impl Campaign {
         let each = configuration.cells.len() + configuration.models.len();
         let place =
             index((number - in_files) % ((self.cells.len() + self.models.len()).max(1) as u64));
-        // All cells and models of the first seed, then those of the next one.
+        // All cells and models of the first seed, then the same of the next one.
         let (turn, kind) = (place / each.max(1), place % each.max(1));
         if let Some(model) = kind.checked_sub(configuration.cells.len()) {
             let source = self
@@ -477,7 +477,7 @@ impl Campaign {
             .map_or(u32::MAX, |(index, _)| index)
     }
 
-    /// How the oracle searches: vehicle, start, settings.
+    /// The oracle's search: vehicle, start, settings.
     pub(super) fn oracle(&self, world: &World) -> (OracleVehicle, OracleStart, OracleSettings) {
         (
             OracleVehicle::from(&self.model.vehicle),

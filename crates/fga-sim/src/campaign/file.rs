@@ -41,25 +41,25 @@ use crate::fingerprint::fingerprint;
 use crate::toml_input::TomlText;
 use crate::vehicle_file::VehicleModel;
 
-/// Encounters of a campaign that does not say how many.
+/// Number of encounters of a campaign that does not give one.
 const ENCOUNTERS: u64 = 10_000;
 
-/// What takes the place of what the file says.
+/// Overrides of the file.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
-    /// Encounters in all.
+    /// Number of encounters.
     pub encounters: Option<u64>,
-    /// Policies, as they are named on the command line.
+    /// Policies by their names on the command line.
     pub policies: Vec<String>,
     /// Text of a vehicle file.
     pub vehicle: Option<String>,
-    /// Whether the oracle is asked.
+    /// Whether to ask the oracle.
     pub oracle: bool,
     /// Recordings or folders of them.
     pub recordings: Vec<PathBuf>,
     /// The file of every encounter model.
     pub model: Option<PathBuf>,
-    /// Whether a file is read that leaves its encounters to the command line.
+    /// Whether the file may leave its encounters to the command line.
     pub outline: bool,
 }
 
@@ -133,7 +133,7 @@ struct Grid {
     bystanders: bool,
 }
 
-/// A number, or from and to.
+/// A number, or a range.
 #[derive(Deserialize, Clone, Copy)]
 #[serde(untagged)]
 enum Interval {
@@ -153,7 +153,7 @@ impl core::fmt::Display for Interval {
 /// Reads a campaign file.
 ///
 /// # Errors
-/// A file that cannot be read, is not such a file, or names something that is not known.
+/// An unreadable file, a file of another kind, or an unknown name in it.
 pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputError> {
     let text = read_text(path)?;
     let text = TomlText::new(path, &text);
@@ -242,7 +242,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
     })
 }
 
-/// The cells and those of the grids, each with its place in the file.
+/// The cells, and the cells of the grids, each with its position in the file.
 fn cells(
     text: &TomlText<'_>,
     file: &File,
@@ -322,7 +322,7 @@ fn models(
         .collect()
 }
 
-/// Encounters whose events are logged.
+/// Encounters with logged events.
 fn events(
     text: &TomlText<'_>,
     named: &[Spanned<u64>],

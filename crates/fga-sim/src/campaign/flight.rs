@@ -1,4 +1,4 @@
-//! One encounter of a campaign flown by every policy.
+//! Flies one encounter of a campaign under every policy.
 
 use fga::Vec3;
 use fga::avoider::SettingsError;
@@ -21,12 +21,12 @@ use crate::policy::{Pilot, PolicyChoice};
 use crate::separation::Separation;
 use crate::world::World;
 
-/// What is known of one encounter flown by one policy. Lengths are kept to a micrometre.
+/// The result of one encounter under one policy. Lengths are rounded to a micrometre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     /// Number of the encounter in the campaign.
     pub encounter: u64,
-    /// Number in the file that it comes from, else the same.
+    /// Number in its file, else the same.
     pub source_encounter: u64,
     /// Master seed.
     pub seed: u64,
@@ -36,35 +36,35 @@ pub struct Row {
     pub policy: u32,
     /// Number of obstacles.
     pub obstacles: u32,
-    /// Least margin if course and altitude were held, metres.
+    /// Least margin with course and altitude held, metres.
     pub held_margin_m: f64,
-    /// Whether no volume was entered.
+    /// Whether the flight entered no volume.
     pub separated: bool,
-    /// Whether a volume was entered that holding the course would not have entered.
+    /// Whether the flight entered a volume that holding the course would not have entered.
     pub caused: bool,
     /// Least distance to the centre of an obstacle, metres.
     pub min_separation_m: f64,
     /// Least signed distance to a protected volume, metres.
     pub min_margin_m: f64,
-    /// When the first manoeuvre began, seconds.
+    /// Start of the first manoeuvre, seconds.
     pub start_s: Option<f64>,
-    /// When the last manoeuvre ended, seconds.
+    /// End of the last manoeuvre, seconds.
     pub clear_s: Option<f64>,
-    /// When the aircraft was back on its line, seconds.
+    /// Time at which the aircraft was back on its line, seconds.
     pub rejoined_s: Option<f64>,
-    /// When the flight ended, seconds.
+    /// End of the flight, seconds.
     pub end_s: f64,
     /// Largest distance from the line, metres.
     pub max_cross_track_m: f64,
     /// Path flown less progress along the line, metres.
     pub extra_path_m: f64,
-    /// A margin that the oracle keeps, metres; it stops looking where that is enough.
+    /// A margin that the oracle keeps, metres; its search ends when one is enough.
     pub oracle_margin_m: Option<f64>,
-    /// Index of its name, where it has one.
+    /// Index of its name, if it has one.
     pub name: Option<u32>,
-    /// For how many encounters of its source it stands.
+    /// Number of encounters of its source that it represents.
     pub weight: f64,
-    /// What the standards ask of it.
+    /// Metrics of the standards.
     pub metrics: Metrics,
 }
 
@@ -74,23 +74,23 @@ impl Row {
         self.held_margin_m < 0.0
     }
 
-    /// Whether the oracle saves it, where it was asked.
+    /// Whether the oracle saves it, if it was asked.
     pub fn avoidable(&self) -> Option<bool> {
         self.oracle_margin_m.map(|m| m >= AVOIDABLE_MARGIN_M)
     }
 
-    /// Whether there was a manoeuvre although holding the course would have done.
+    /// Whether there was a manoeuvre although holding the course would have stayed clear.
     pub fn needless(&self) -> bool {
         self.start_s.is_some() && !self.threatened()
     }
 
-    /// Time between the beginning of the first manoeuvre and being back, or the end, seconds.
+    /// Time from the start of the first manoeuvre until the aircraft is back, or to the end, seconds.
     pub fn time_away_s(&self) -> Option<f64> {
         Some(self.rejoined_s.unwrap_or(self.end_s) - self.start_s?)
     }
 }
 
-/// A row with how long its decisions took.
+/// A row with the durations of its decisions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flown {
     /// The row.
@@ -99,13 +99,13 @@ pub struct Flown {
     pub decision_median_ns: u64,
     /// Longest time of a decision, nanoseconds.
     pub decision_max_ns: u64,
-    /// Decisions made.
+    /// Number of decisions.
     pub decisions: u64,
-    /// Time of the whole flight, nanoseconds.
+    /// Duration of the whole flight, nanoseconds.
     pub flight_ns: u64,
 }
 
-/// What a thread needs to fly encounters.
+/// The tools of a thread that flies encounters.
 pub struct Flyer<'a> {
     campaign: &'a Campaign,
     engine: Engine,
@@ -121,7 +121,7 @@ impl<'a> Flyer<'a> {
     /// For this campaign.
     ///
     /// # Errors
-    /// A wind in which the line cannot be flown, or settings that the core refuses.
+    /// A wind that is too strong for the line, or settings that the core refuses.
     pub fn new(campaign: &'a Campaign) -> Result<Self, CampaignError> {
         let world = campaign.world()?;
         Ok(Self {
@@ -146,10 +146,10 @@ impl<'a> Flyer<'a> {
         })
     }
 
-    /// Draws and flies the encounter of this number with every policy.
+    /// Draws the encounter with this number and flies it under every policy.
     ///
     /// # Errors
-    /// A number past the last, a recording that is not there any more.
+    /// A number past the last, or a recording that is gone.
     pub fn fly(&mut self, number: u64, take: &mut Vec<Flown>) -> Result<(), CampaignError> {
         let drawn = self.campaign.draw(number)?;
         match &drawn.scene {
@@ -161,7 +161,7 @@ impl<'a> Flyer<'a> {
         }
     }
 
-    /// Flies aircraft with tracks, each policy with a pilot of its own for the recorded airspeed.
+    /// Flies aircraft with tracks; each policy gets a pilot for the recorded airspeed.
     fn fly_tracks(
         &mut self,
         number: u64,
@@ -270,7 +270,7 @@ impl<'a> Flyer<'a> {
     }
 }
 
-/// What a row is made of, besides the flight.
+/// The input of a row, besides the flight.
 struct Made<'a> {
     number: u64,
     drawn: &'a Drawn,
@@ -320,7 +320,7 @@ impl Made<'_> {
     }
 }
 
-/// A length or time as it is kept: six decimals, no negative zero.
+/// A length or time with six decimals, without negative zero.
 pub(super) fn kept(value: f64) -> f64 {
     libm::rint(value * 1e6) / 1e6 + 0.0
 }

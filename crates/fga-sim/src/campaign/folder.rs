@@ -1,9 +1,8 @@
 //! A folder of results: its manifest and its finished blocks.
 //!
 //! `campaign.json` says which campaign the folder belongs to. A finished block is
-//! `blocks/block-<number>-<first half of its SHA-256>.parquet`: it gets its name when it is
-//! complete, and the name tells whether it still is what was written. Unfinished files begin with
-//! a dot and end in `.part`.
+//! `blocks/block-<number>-<first half of its SHA-256>.parquet`: it gets this name when it is
+//! complete, and the name shows later damage. Unfinished files begin with a dot and end in `.part`.
 
 use alloc::collections::BTreeMap;
 use std::fs;
@@ -31,19 +30,19 @@ const BLOCKS: &str = "blocks";
 /// Digits of the checksum in a block's name.
 const CHECKSUM_DIGITS: usize = 32;
 
-/// What made the results, besides the configuration.
+/// Origin of the results, besides the configuration.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stamp {
-    /// What the program was built for.
+    /// The target of the build.
     pub target: String,
 }
 
 /// Which part of a campaign: `number` of `of`, counted from one. A part has every `of`-th block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
-    /// Which one, from 1.
+    /// Its number, from 1.
     pub number: u64,
-    /// Of how many.
+    /// Number of parts.
     pub of: u64,
 }
 
@@ -54,7 +53,7 @@ impl Shard {
     /// Reads `k/n`.
     ///
     /// # Errors
-    /// One sentence about what is not such a part.
+    /// One sentence about text that is no such part.
     pub fn parse(text: &str) -> Result<Self, String> {
         text.split_once('/')
             .and_then(|(number, of)| {
@@ -67,7 +66,7 @@ impl Shard {
             .ok_or_else(|| "expected K/N with K from 1 to N".into())
     }
 
-    /// Whether a block belongs to it.
+    /// Whether a block belongs to this part.
     pub const fn has(&self, block: u64) -> bool {
         block % self.of == self.number - 1
     }
@@ -78,9 +77,9 @@ impl Shard {
 pub struct Manifest {
     /// Fingerprint of the configuration.
     pub configuration_hash: String,
-    /// What made the results.
+    /// Origin of the results.
     pub stamp: Stamp,
-    /// Which part the folder holds.
+    /// The part in this folder.
     pub shard: Shard,
     /// The configuration.
     pub configuration: Configuration,
@@ -96,7 +95,7 @@ impl Folder {
         Self(path.into())
     }
 
-    /// Where it is.
+    /// Its path.
     pub fn path(&self) -> &Path {
         &self.0
     }
@@ -106,10 +105,10 @@ impl Folder {
         self.0.join(name)
     }
 
-    /// Its manifest, where it has one.
+    /// Its manifest, if it has one.
     ///
     /// # Errors
-    /// One that cannot be read.
+    /// An unreadable manifest.
     pub fn manifest(&self) -> Result<Option<Manifest>, CampaignError> {
         let path = self.file(MANIFEST);
         let bytes = match fs::read(&path) {
@@ -127,11 +126,11 @@ impl Folder {
         Ok(Some(manifest))
     }
 
-    /// Makes the folder ready for a campaign: a new one gets its manifest, one that was begun must
-    /// be of the same campaign and `resume` must be set.
+    /// Prepares the folder for a campaign: a new one gets its manifest; an existing one must belong to
+    /// the same campaign, with `resume` set.
     ///
     /// # Errors
-    /// A folder of another campaign, or one with results that were not to be resumed.
+    /// A folder of another campaign, or one with results but without `resume`.
     pub fn open(&self, manifest: &Manifest, resume: bool) -> Result<(), CampaignError> {
         atomic::prepare_folder(&self.0)?;
         if let Some(found) = self.manifest()? {
@@ -182,14 +181,14 @@ impl Folder {
     /// Writes the manifest.
     ///
     /// # Errors
-    /// A folder that cannot be written.
+    /// An unwritable folder.
     pub fn write_manifest(&self, manifest: &Manifest) -> Result<(), OutputError> {
-        // Strings and finite numbers only: it does not fail.
+        // Strings and finite numbers only: this does not fail.
         let text = serde_json::to_string_pretty(manifest).unwrap_or_default();
         atomic::write(&self.file(MANIFEST), text + "\n")
     }
 
-    /// Takes away what a program that was killed left unfinished.
+    /// Removes the unfinished files of a killed program.
     fn clean(&self) -> Result<(), OutputError> {
         for folder in [self.0.clone(), self.file(BLOCKS)] {
             let failed = |error| OutputError::new(&folder, error);
@@ -208,7 +207,7 @@ impl Folder {
     /// The finished blocks by their numbers.
     ///
     /// # Errors
-    /// A folder that cannot be read, a block file of an unknown name, or two for one block.
+    /// An unreadable folder, a block file with an unknown name, or two files for one block.
     pub fn blocks(&self) -> Result<BTreeMap<u64, PathBuf>, CampaignError> {
         let folder = self.file(BLOCKS);
         let mut blocks = BTreeMap::new();
@@ -247,7 +246,7 @@ impl Folder {
     /// Writes a finished block.
     ///
     /// # Errors
-    /// A folder that cannot be written.
+    /// An unwritable folder.
     pub fn write_block(
         &self,
         block: u64,
@@ -259,10 +258,10 @@ impl Folder {
         Ok(atomic::write(&self.file(BLOCKS).join(name), bytes)?)
     }
 
-    /// Takes the blocks away once their rows are in the table.
+    /// Removes the blocks once their rows are in the table.
     ///
     /// # Errors
-    /// A folder that cannot be written.
+    /// An unwritable folder.
     pub fn remove_blocks(&self) -> Result<(), OutputError> {
         let folder = self.file(BLOCKS);
         match fs::remove_dir_all(&folder) {
@@ -277,7 +276,7 @@ impl Folder {
 /// A finished block as a file: its name, which holds the checksum, and its bytes.
 ///
 /// # Errors
-/// Rows that cannot be written as a table.
+/// Rows that do not fit into a table.
 pub fn encode_block(
     block: u64,
     rows: &[Row],
@@ -306,10 +305,10 @@ pub fn number_of(name: &str) -> Option<u64> {
     (checksum.len() == CHECKSUM_DIGITS).then(|| number.parse().ok())?
 }
 
-/// Reads a block, whose bytes must be those that were written.
+/// Reads a block and verifies its bytes.
 ///
 /// # Errors
-/// A block that cannot be read or is damaged.
+/// An unreadable or damaged block.
 pub fn read_block(path: &Path, block: u64, campaign: &Campaign) -> Result<Vec<Row>, CampaignError> {
     let bytes = fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();

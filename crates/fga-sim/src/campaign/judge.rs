@@ -1,9 +1,8 @@
-//! Judges an encounter with the volumes of the standards, from the tracks alone.
+//! Judges an encounter by the volumes of the standards, from the tracks alone.
 //!
-//! Both aircraft fly straight between the moments that are known of them: rows of a recording,
-//! seconds of a model, samples of the flown path at most 0.1 s apart. Only what happens while both
-//! were recorded counts: from the later first row to the earlier last one, also where the flown
-//! aircraft is on its way back for longer.
+//! Both aircraft fly straight between their known moments: rows of a recording, seconds of a model,
+//! samples of the flown path at most 0.1 s apart. Only the time when both were recorded counts: from
+//! the later first row to the earlier last one, even if the way back takes longer.
 
 use fga::Vec3;
 use fga::avoider::State as FlightState;
@@ -16,7 +15,7 @@ use crate::engine::{Observer, Sample};
 use crate::track::Track;
 use crate::world::World;
 
-/// Time between two looks at the alerts, seconds.
+/// Time between two evaluations of the alerts, seconds.
 const ALERT_STEP_S: f64 = 1.0;
 
 /// Levels of DO-365B.
@@ -58,7 +57,7 @@ impl Observer for Flown {
     }
 }
 
-/// What came of one intruder.
+/// The result against one intruder.
 #[derive(Debug, Clone, Copy, Default)]
 struct Losses {
     f3442: Outcome,
@@ -83,7 +82,7 @@ impl Judge {
         }
     }
 
-    /// What the encounter is without any avoidance.
+    /// The encounter without any avoidance.
     pub(super) fn nominal(&mut self, world: &World) -> Metrics {
         let Some(own) = &world.recorded else {
             return Metrics::default();
@@ -110,13 +109,13 @@ impl Judge {
         metrics
     }
 
-    /// Adds what was flown.
+    /// Adds the flown path.
     pub(super) fn flown(&mut self, world: &World, flown: &Flown, metrics: &mut Metrics) {
         let Some(own) = &world.recorded else {
             return;
         };
         metrics.changes = Some(f64::from(flown.changes));
-        // While the recording is followed, its own rows say where the aircraft was.
+        // While the aircraft follows the recording, the rows give its position.
         let Some(left_s) = flown.left_s else {
             metrics.nmac = metrics.nominal_nmac;
             metrics.lowc = metrics.nominal_lowc;
@@ -172,7 +171,7 @@ impl Judge {
         worst
     }
 
-    /// When the corrective and the warning alert first came, before the closest approach.
+    /// First corrective and first warning alert, before the closest approach.
     fn alerts(&mut self, world: &World, own: &Track, cpa_s: f64) -> [Option<f64>; 2] {
         let mut first = [None; 2];
         let begin_s = own.presence_s().0;
@@ -201,7 +200,7 @@ impl Judge {
                     .zip(&world.obstacles)
                     .filter_map(|(id, obstacle)| aircraft(id, &obstacle.track)),
             );
-            // Recordings were checked: a state that is refused has no alert.
+            // Recordings were checked: a refused state has no alert.
             if self
                 .monitor
                 .step_levels(time_s, &ownship, &traffic)
@@ -247,7 +246,7 @@ fn points_of(track: &Track) -> Vec<(f64, Vec3)> {
     }
 }
 
-/// Where both are at all times at which either is known, while both are there.
+/// Positions of both at all times at which either is known, while both exist.
 fn together(
     own: &[(f64, Vec3)],
     intruder: &[(f64, Vec3)],
@@ -286,7 +285,7 @@ fn together(
     }
 }
 
-/// The place on a path at a time, straight between its points; `from` is the point before.
+/// The position on a path at a time, linear between its points; `from` is the previous point.
 fn at(points: &[(f64, Vec3)], time_s: f64, from: &mut usize) -> Vec3 {
     while points.get(*from + 1).is_some_and(|next| next.0 <= time_s) {
         *from += 1;
@@ -299,7 +298,7 @@ fn at(points: &[(f64, Vec3)], time_s: f64, from: &mut usize) -> Vec3 {
     }
 }
 
-/// How the aircraft meet.
+/// The geometry of the encounter.
 fn geometry(metrics: &mut Metrics, own: &Track, intruder: &Track, cpa_s: f64) {
     let (Some((own_m, own_mps)), Some((_, its_mps))) = (own.at(cpa_s), intruder.at(cpa_s)) else {
         return;
@@ -317,7 +316,7 @@ fn geometry(metrics: &mut Metrics, own: &Track, intruder: &Track, cpa_s: f64) {
     metrics.altitude_m = Some(own_m.z);
     let mut turn_deg: f64 = 0.0;
     let mut first = None;
-    // Seconds: rows of a recording are too short to tell a direction.
+    // Steps of seconds: rows of a recording are too close to give a direction.
     intruder.for_each_leg(f64::NEG_INFINITY, cpa_s, |leg| {
         let (Some(a), Some(b)) = (
             intruder.at(leg.from_s),

@@ -1,4 +1,4 @@
-//! Blocks put together into one table, from one folder or from the parts of a campaign.
+//! Merges blocks into one table, from one folder or from the parts of a campaign.
 
 use alloc::collections::BTreeMap;
 use std::fs::File;
@@ -16,7 +16,7 @@ use super::totals::Summary;
 use super::{Campaign, CampaignError, Folder, Shard, Stamp};
 use crate::fingerprint::hexadecimal;
 
-/// What the finished table says.
+/// The finished table.
 #[derive(Debug)]
 pub struct Assembled {
     /// Totals of all rows.
@@ -28,10 +28,10 @@ pub struct Assembled {
 }
 
 impl Assembled {
-    /// Gives the files their names: the last step, after everything else was written.
+    /// Gives the files their names: the last step, after all other writes.
     ///
     /// # Errors
-    /// A folder that cannot be written.
+    /// An unwritable folder.
     pub fn commit(&mut self) -> Result<(), OutputError> {
         if let Some(csv) = self.csv.take() {
             csv.commit()?;
@@ -58,7 +58,7 @@ impl<W: Write> Write for Hashing<W> {
     }
 }
 
-/// The table is there already: checks that it is what was written and sums it up.
+/// The table exists already: verifies it and sums it up.
 ///
 /// # Errors
 /// A table that is damaged or of another campaign.
@@ -100,11 +100,11 @@ pub fn reread(
     })
 }
 
-/// Puts blocks together into `results.parquet` of `folder`, and into `results.csv` where asked.
-/// The files get their names only by [`Assembled::commit`].
+/// Merges blocks into `results.parquet` of `folder`, and on request into `results.csv`.
+/// [`Assembled::commit`] gives the files their names.
 ///
 /// # Errors
-/// A missing or damaged block, or an output that cannot be written.
+/// A missing or damaged block, or an unwritable output.
 pub fn assemble(
     blocks: &BTreeMap<u64, PathBuf>,
     campaign: &Campaign,
@@ -188,7 +188,7 @@ fn complete(blocks: &BTreeMap<u64, PathBuf>, campaign: &Campaign) -> Result<(), 
 /// The campaign and the blocks of several folders, each block once.
 #[derive(Debug)]
 pub struct Parts {
-    /// The manifest that all of them share, of the whole campaign.
+    /// The common manifest, of the whole campaign.
     pub manifest: Manifest,
     /// The campaign.
     pub campaign: Campaign,
@@ -196,7 +196,7 @@ pub struct Parts {
     pub blocks: BTreeMap<u64, PathBuf>,
 }
 
-/// Looks into the folders of the parts of a campaign.
+/// Opens the folders of the parts of a campaign.
 ///
 /// # Errors
 /// A folder that holds no campaign or another one, or a block that appears twice.

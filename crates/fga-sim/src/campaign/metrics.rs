@@ -1,12 +1,12 @@
-//! What the field asks of an encounter: near mid-air collision, well clear, severity, alerts, and
-//! the geometry that it happened in.
+//! Metrics of the field: near mid-air collision, well clear, severity, alerts, and the geometry of the
+//! encounter.
 //!
-//! The list below is the table: names, units and meanings of the columns, the fields of
-//! [`Metrics`], and what a results file says about itself.
+//! The list below gives the names, units and meanings of the columns, the fields of
+//! [`Metrics`], and the description inside a results file.
 
 use super::flight::kept;
 
-/// How a metric is kept.
+/// The type of a metric.
 #[derive(Debug, Clone, Copy)]
 pub enum Access {
     /// A number.
@@ -22,7 +22,7 @@ pub struct Field {
     pub name: &'static str,
     /// What it means, with the unit last.
     pub meaning: &'static str,
-    /// How it is kept.
+    /// Its type.
     pub access: Access,
 }
 
@@ -30,7 +30,7 @@ macro_rules! metrics {
     (@type Real) => { Option<f64> };
     (@type Flag) => { Option<bool> };
     ($($name:ident: $kind:ident, $meaning:literal;)*) => {
-        /// Metrics of one encounter flown by one policy; all are `None` for obstacles of families
+        /// Metrics of one encounter under one policy; all are `None` for obstacles of families
         /// and encounter files, which are no recorded or modeled aircraft.
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         pub struct Metrics {
@@ -101,7 +101,7 @@ impl Geometry {
 }
 
 impl Metrics {
-    /// With numbers as they are kept: six decimals.
+    /// With rounded numbers: six decimals.
     pub(super) fn rounded(mut self) -> Self {
         for field in FIELDS {
             if let Access::Real(get, set) = field.access {

@@ -1,23 +1,23 @@
 //! Campaigns: many drawn encounters, each flown by several policies, with results that are the
 //! same to the byte on any number of threads and shards and after any interruption.
 //!
-//! Encounters are numbered from 0 over the whole campaign. Those of files come first, in their
+//! Numbers of encounters run from 0 over the whole campaign. Encounters of files come first, in their
 //! order; after them the cells take turns, so a longer campaign begins with the shorter one. A
 //! number gives the cell, the master seed and the random stream, so each encounter can be drawn
-//! and flown alone. Work goes in blocks of encounters. Each finished block is a file of its own
-//! whose name holds its checksum; the last step puts them together into `results.parquet`.
+//! and flown alone. Work goes in blocks of encounters. Each finished block is a separate file
+//! with its checksum in the name; the last step merges them into `results.parquet`.
 //!
 //! | question | answer |
 //! |---|---|
-//! | what does a campaign file ask for? | [`mod@file`] |
-//! | what is one campaign exactly? | [`Configuration`], [`Campaign`] |
+//! | what does a campaign file contain? | [`mod@file`] |
+//! | what determines one campaign? | [`Configuration`], [`Campaign`] |
 //! | which recordings and models does it draw from? | [`sources`] |
-//! | what is known of one encounter flown? | [`Row`], [`metrics`] |
-//! | how are rows kept? | [`table`] |
+//! | what is the result of one flown encounter? | [`Row`], [`metrics`] |
+//! | how do files hold rows? | [`table`] |
 //! | what is in a folder of results? | [`folder`] |
 //! | which rows does a folder hold? | [`RowFiles`] |
 //! | who flies them? | [`run()`], [`merge()`] |
-//! | what do they say together? | [`Totals`], [`risk`] |
+//! | what do the rows show together? | [`Totals`], [`risk`] |
 
 pub mod configuration;
 pub mod file;
@@ -45,13 +45,13 @@ pub use totals::{Quantiles, Summary, Totals};
 use fga::avoider::SettingsError;
 use fga_formats::{InputError, OutputError};
 
-/// Why a campaign cannot be flown or read.
+/// Reasons why a campaign cannot be flown or read.
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError {
-    /// A file that cannot be used.
+    /// An unusable file.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// A file that cannot be written.
+    /// An unwritable file.
     #[error(transparent)]
     Output(#[from] OutputError),
     /// Settings or limits that the core refuses.
@@ -60,7 +60,7 @@ pub enum CampaignError {
     /// Anything else, as one sentence.
     #[error("{0}")]
     Other(String),
-    /// Stopped on request; finished blocks are kept.
+    /// Stopped on request; finished blocks stay.
     #[error("stopped after {done} of {total} encounters; --resume goes on from there")]
     Stopped {
         /// Encounters in finished blocks.

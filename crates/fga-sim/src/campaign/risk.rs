@@ -1,13 +1,13 @@
-//! Risk ratios: how often with the system, over how often without it.
+//! Risk ratios: losses with the system over losses without it.
 //!
-//! Every encounter is flown with and without the system, so the ratio is paired: the weighted count
-//! of encounters with a loss as flown, over the weighted count with one without avoidance. Losses that
-//! the system makes itself count as flown ones.
+//! Every encounter flies with and without the system, so the ratio is paired: the weighted number of
+//! encounters with a loss as flown, divided by the weighted number with one without avoidance. Losses
+//! that the system itself causes count as flown ones.
 //!
 //! Two intervals, both 95 %. The *bootstrap* draws encounters with replacement (each as often as a
-//! Poisson number of mean 1, one stream of random numbers for all) and takes the 2.5 and 97.5 percentiles of the ratio; it
-//! knows the weights and the pairing, but says nothing where no loss is left. *Wilson's* takes the losses
-//! left as a share of those without avoidance, counted by the effective sample size.
+//! Poisson number of mean 1, one stream of random numbers for all) and takes the 2.5 and 97.5 percentiles of
+//! the ratio. It knows the weights and the pairing, but fails where no loss is left. *Wilson's* takes the
+//! remaining losses as a share of those without avoidance, counted by the effective sample size.
 //!
 //! The effective sample size of some weights is (Σw)² / Σw² (Kish).
 
@@ -20,13 +20,13 @@ use crate::encounters::Random;
 /// Bootstrap samples.
 const SAMPLES: usize = 1000;
 
-/// Master seed of the bootstrap; it is no part of a campaign.
+/// Master seed of the bootstrap; independent of any campaign.
 const SEED: u64 = 0x5AFE_CA5E;
 
 /// Normal quantile of a two-sided 95 % interval.
 const Z95: f64 = 1.959_963_984_540_054;
 
-/// What is lost.
+/// A kind of loss.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Loss {
     /// Near mid-air collision.
@@ -60,16 +60,16 @@ impl Loss {
     }
 }
 
-/// Which encounters are counted together.
+/// A class of encounters.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Class {
-    /// All of them.
+    /// All encounters.
     All,
-    /// Those of one source, an index.
+    /// The encounters of one source, an index.
     Source(u32),
-    /// Those of one geometry.
+    /// The encounters of one geometry.
     Geometry(Geometry),
-    /// Those of intruders of this speed: below 50 m/s, up to 100 m/s, above.
+    /// Encounters with an intruder of this speed: below 50 m/s, up to 100 m/s, above.
     Speed(u8),
 }
 
@@ -97,7 +97,7 @@ impl Class {
     }
 }
 
-/// A value between the ends of its 95 % interval.
+/// A 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     /// Lower end.
@@ -116,26 +116,26 @@ impl Interval {
 /// An encounter with a loss, with the system or without it.
 #[derive(Debug, Clone, Copy)]
 struct Case {
-    /// Encounters counted when it came.
+    /// Number of encounters before it.
     at: u64,
     weight: f64,
     nominal: bool,
     flown: bool,
 }
 
-/// What one policy did to one kind of loss.
+/// The result of one policy for one kind of loss.
 #[derive(Debug, Clone, Default)]
 pub struct LossCount {
     cases: Vec<Case>,
-    /// Encounters without avoidance that lose it, as flown, induced (only as flown).
+    /// Encounters with the loss without avoidance.
     pub nominal: u64,
-    /// Encounters that lose it as flown.
+    /// Encounters with the loss as flown.
     pub flown: u64,
-    /// Encounters that lose it as flown only.
+    /// Encounters with the loss only as flown.
     pub induced: u64,
-    /// Encounters in which it acted although nothing is lost without avoidance.
+    /// Encounters with a manoeuvre although there is no loss without avoidance.
     pub needless: u64,
-    /// Encounters in which nothing is lost without avoidance.
+    /// Encounters without a loss without avoidance.
     pub clear: u64,
 }
 
@@ -144,7 +144,7 @@ pub struct LossCount {
 pub struct RiskRatio {
     /// Weighted losses as flown over weighted losses without avoidance.
     pub ratio: f64,
-    /// By bootstrap; `None` where no loss is left.
+    /// By bootstrap; `None` if no loss is left.
     pub bootstrap: Option<Interval>,
     /// By Wilson.
     pub wilson: Interval,
@@ -153,8 +153,8 @@ pub struct RiskRatio {
 }
 
 impl RiskRatio {
-    /// The interval to be shown: the bootstrap's, and Wilson's where fewer than ten losses are left
-    /// or all of them, of which the bootstrap knows nothing.
+    /// The interval to show: the bootstrap's, or Wilson's where fewer than ten losses are left or all of
+    /// them, where the bootstrap fails.
     pub fn interval(&self) -> Interval {
         match self.bootstrap {
             Some(bootstrap)
@@ -184,12 +184,12 @@ impl LossCount {
         }
     }
 
-    /// The ratio; `None` where nothing is lost without avoidance.
+    /// The ratio; `None` without any loss in the flights without avoidance.
     pub fn ratio(&self) -> Option<RiskRatio> {
         ratio_of(&self.cases)
     }
 
-    /// The ratio after growing numbers of encounters, each about a quarter more than the one before:
+    /// The ratio after growing numbers of encounters, each about a quarter more than the previous one:
     /// number, ratio.
     pub fn convergence(&self, encounters: u64) -> Vec<(u64, RiskRatio)> {
         let mut curve = Vec::new();
@@ -207,7 +207,7 @@ impl LossCount {
         }
     }
 
-    /// Weighted share of encounters with a loss without avoidance and as flown, of the weight of all.
+    /// Weighted share of encounters with a loss without avoidance and as flown, of the total weight.
     pub fn rates(&self, weight: f64) -> (f64, f64) {
         let (nominal, flown) = sums(self.cases.iter().map(|case| (case, 1.0)));
         (nominal / weight, flown / weight)
@@ -245,7 +245,7 @@ fn ratio_of(cases: &[Case]) -> Option<RiskRatio> {
     })
 }
 
-/// Wilson's score interval of a share of a number of trials, which need not be whole.
+/// Wilson's score interval of a share; the number of trials need not be whole.
 fn wilson(share: f64, trials: f64) -> Interval {
     let z2 = Z95 * Z95;
     let middle = (share + z2 / (2.0 * trials)) / (1.0 + z2 / trials);
@@ -296,7 +296,7 @@ fn bootstrap(cases: &[Case]) -> Option<Interval> {
     })
 }
 
-/// What one policy did to the encounters of one class.
+/// The result of one policy for one class of encounters.
 #[derive(Debug, Clone, Default)]
 pub struct PolicyRisk {
     /// Encounters.
@@ -341,7 +341,7 @@ pub struct Risks {
 }
 
 impl Risks {
-    /// Takes a row in; one without metrics is no encounter of aircraft and is left out.
+    /// Adds a row; one without metrics is no encounter of aircraft and does not count.
     pub fn take(&mut self, row: &Row) {
         if row.metrics.nominal_nmac.is_none() {
             return;
@@ -360,7 +360,7 @@ impl Risks {
         }
     }
 
-    /// Whether nothing was taken in.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.by_class.is_empty()
     }

@@ -1,4 +1,4 @@
-//! The rows of a folder of results, whether the campaign is complete or not.
+//! The rows of a folder of results, complete or not.
 
 use std::fs::File;
 use std::path::PathBuf;
@@ -9,20 +9,20 @@ use parquet::errors::ParquetError;
 use super::folder::read_block;
 use super::{Campaign, CampaignError, Folder, RESULTS, Row, table};
 
-/// The files that hold the rows of a folder.
+/// The files with the rows of a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RowFiles {
     /// The table of all rows: the campaign is complete.
     Table(PathBuf),
-    /// The finished blocks with their numbers: the campaign goes on, or the folder holds a part.
+    /// The finished blocks with their numbers: the campaign is running, or the folder holds a part.
     Blocks(Vec<(u64, PathBuf)>),
 }
 
 impl RowFiles {
-    /// Those of a folder.
+    /// The files of a folder.
     ///
     /// # Errors
-    /// A folder that cannot be read.
+    /// An unreadable folder.
     pub fn of(folder: &Folder) -> Result<Self, CampaignError> {
         let table = folder.file(RESULTS);
         Ok(if table.is_file() {
@@ -32,7 +32,7 @@ impl RowFiles {
         })
     }
 
-    /// Reads the rows, encounter by encounter; of one encounter, policy by policy.
+    /// Reads the rows by encounter, and within an encounter by policy.
     ///
     /// # Errors
     /// A file that is damaged or of another campaign.

@@ -1,9 +1,9 @@
 //! The loop over the encounters of a campaign.
 //!
-//! Every thread takes the next few encounters, in their order, until none are left. Whoever flies
-//! the last one of a block writes it, while the others go on: no thread waits for another, neither
-//! at the end of a block nor for the disk. No more blocks are in memory than there are threads, and
-//! one.
+//! Every thread takes the next few encounters, in their order, until none are left. The thread that
+//! flies the last one of a block writes the block, while the others go on: no thread waits for another,
+//! neither at the end of a block nor for the disk. Memory holds at most one block more than there are
+//! threads.
 
 use alloc::collections::BTreeMap;
 use core::sync::atomic::{AtomicU64, Ordering};
@@ -15,27 +15,27 @@ use super::flight::Flyer;
 use super::folder::{Manifest, read_block};
 use super::{Campaign, CampaignError, Flown, Folder, Quantiles, Row, Shard, Stamp};
 
-/// What is to be done in which folder.
+/// The work and its folder.
 #[derive(Debug)]
 pub struct Task<'a> {
     /// The campaign.
     pub campaign: &'a Campaign,
-    /// Which part of it.
+    /// The part to fly.
     pub shard: Shard,
-    /// What made the results.
+    /// Origin of the results.
     pub stamp: Stamp,
-    /// Where results go.
+    /// Folder of the results.
     pub folder: Folder,
-    /// Whether results that are there are gone on with.
+    /// Whether to continue with existing results.
     pub resume: bool,
 }
 
-/// How far the work is.
+/// The progress of the work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Encounters in finished blocks.
     pub done: u64,
-    /// Of these, those that were there before.
+    /// Of these, the ones from earlier runs.
     pub before: u64,
     /// Encounters of this part.
     pub total: u64,
@@ -43,18 +43,18 @@ pub struct Progress {
     pub elapsed_s: f64,
 }
 
-/// How long decisions took, of one policy.
+/// Durations of the decisions of one policy.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct DecisionTimes {
     /// Encounters flown.
     pub encounters: u64,
-    /// Decisions made.
+    /// Number of decisions.
     pub decisions: u64,
     /// Medians of the encounters, microseconds.
     pub median_us: Quantiles,
     /// Longest one, nanoseconds.
     pub max_ns: u64,
-    /// Time of all flights together, nanoseconds.
+    /// Duration of all flights together, nanoseconds.
     pub flight_ns: u64,
 }
 
@@ -84,14 +84,14 @@ impl Task<'_> {
 /// Encounters that a thread takes at once.
 const TAKEN: u64 = 4;
 
-/// Flies every block that is not there yet, on the threads of the current pool.
+/// Flies every missing block, on the threads of the current pool.
 ///
-/// `go_on` is asked now and then; once it says no, running blocks are dropped and the finished ones
-/// stay. `show` gets every finished block. Gives the decision times of each policy, of the
-/// encounters that were flown now.
+/// Calls `go_on` now and then; once it returns false, running blocks are dropped and the finished ones
+/// stay. `show` gets every finished block. Returns the durations of the decisions of each policy, for
+/// the encounters of this run.
 ///
 /// # Errors
-/// A folder of another campaign, a damaged block, an output that cannot be written, or
+/// A folder of another campaign, a damaged block, an unwritable output, or
 /// [`CampaignError::Stopped`].
 pub fn run(
     task: &Task<'_>,
@@ -120,7 +120,7 @@ pub fn run(
         progress.done += size(*block);
     }
     progress.before = progress.done;
-    // Settings are checked once here; the same ones fly every encounter.
+    // Checks the settings once; the same ones fly every encounter.
     Flyer::new(campaign)?;
     let work = Work {
         task,
@@ -152,34 +152,34 @@ pub fn run(
     }
 }
 
-/// What is left to be done, and how far it is.
+/// The remaining work and the progress.
 struct Work<'a> {
     task: &'a Task<'a>,
     /// Numbers of the blocks to be flown.
     blocks: Vec<u64>,
-    /// The next encounters to be taken, counted over these blocks in portions of [`TAKEN`].
+    /// The next encounters to take, counted over these blocks in portions of [`TAKEN`].
     next: AtomicU64,
     begun: Instant,
     state: Mutex<WorkState<'a>>,
 }
 
 struct WorkState<'a> {
-    /// Encounters flown of the blocks that are not finished.
+    /// Flown encounters of unfinished blocks.
     running: BTreeMap<u64, BTreeMap<u64, Vec<Flown>>>,
     times: Vec<DecisionTimes>,
     progress: Progress,
     show: &'a mut (dyn FnMut(&Progress) + Send),
-    /// The first thing that went wrong.
+    /// The first error.
     error: Option<CampaignError>,
 }
 
 impl<'a> Work<'a> {
     fn state(&self) -> MutexGuard<'_, WorkState<'a>> {
-        // A thread that panicked takes the program with it.
+        // A panic of a thread ends the program.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The next encounters to be flown and their block.
+    /// The next encounters to fly and their block.
     fn take(&self) -> Option<(u64, core::ops::Range<u64>)> {
         let configuration = &self.task.campaign.configuration;
         let portions = configuration.block.div_ceil(TAKEN);
@@ -196,11 +196,11 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Flies on until nothing is left, it is to stop, or something went wrong.
+    /// Flies on until nothing is left, a stop or an error.
     fn go_through(&self, go_on: &(impl Fn() -> bool + Sync)) {
         if let Err(error) = self.try_to_go_through(go_on) {
             self.state().error.get_or_insert(error);
-            // Nobody begins anything any more.
+            // Nobody begins anything more.
             self.next.store(u64::MAX / 2, Ordering::Relaxed);
         }
     }
@@ -257,7 +257,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// Whether a block that is there belongs here and is still what was written.
+/// Whether an existing block belongs here and is undamaged.
 fn check(block: u64, path: &Path, task: &Task<'_>) -> Result<(), CampaignError> {
     if block >= task.campaign.configuration.blocks() || !task.shard.has(block) {
         return Err(CampaignError::Other(format!(

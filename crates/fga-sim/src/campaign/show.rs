@@ -1,4 +1,4 @@
-//! One encounter of a campaign as a flight of its own, with everything logged.
+//! Flies one encounter of a campaign alone and logs everything.
 
 use super::configuration::Scene;
 use super::sources::plan_of;
@@ -8,7 +8,7 @@ use crate::policy::PolicyChoice;
 use crate::run::{Plan, RunLog, fly};
 
 impl Campaign {
-    /// The encounter of this number as a plan.
+    /// The encounter with this number as a plan.
     ///
     /// # Errors
     /// A number past the last.

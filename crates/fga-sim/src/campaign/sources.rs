@@ -18,13 +18,13 @@ use crate::vehicle_file::VehicleModel;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingSource {
-    /// Where it is.
+    /// Its path.
     pub path: PathBuf,
     /// SHA-256 of its bytes.
     pub sha256: String,
-    /// How many encounters it holds.
+    /// Number of its encounters.
     pub encounters: u64,
-    /// Name of the folder that was asked for, or of the file.
+    /// Name of the given folder or file.
     pub source: String,
 }
 
@@ -32,27 +32,27 @@ pub struct RecordingSource {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
-    /// Where it is.
+    /// Its path.
     pub path: PathBuf,
     /// SHA-256 of its bytes.
     pub sha256: String,
-    /// How aircraft are put together.
+    /// How its aircraft meet.
     pub pairing: Pairing,
 }
 
-/// What was found in folders of recordings.
+/// The content of folders of recordings.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Found {
-    /// Files that can be used.
+    /// Usable files.
     pub sources: Vec<RecordingSource>,
-    /// What is wrong with those that cannot, one sentence each.
+    /// The faults of the others, one sentence each.
     pub damaged: Vec<String>,
 }
 
-/// Looks through folders and files of recordings; each is read whole and tried as a flight.
+/// Searches folders and files for recordings; reads each completely and tries it as a flight.
 ///
 /// # Errors
-/// A folder that cannot be read or holds no recordings; nothing that can be used.
+/// An unreadable folder or one without recordings; no usable recording.
 pub fn find(paths: &[PathBuf], model: &VehicleModel) -> Result<Found, InputError> {
     let mut found = Found::default();
     for path in paths {
@@ -82,7 +82,7 @@ pub fn find(paths: &[PathBuf], model: &VehicleModel) -> Result<Found, InputError
     Ok(found)
 }
 
-/// A file that can be used as it is now.
+/// A usable file in its present state.
 fn look_at(path: &Path, source: &str, model: &VehicleModel) -> Result<RecordingSource, InputError> {
     let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
     let encounters = recordings::parse(&bytes, path)?;
@@ -107,20 +107,20 @@ pub(super) fn plan_of(
     recording::plan(recording, name.to_owned(), name.to_owned(), model.clone())
 }
 
-/// The recordings of a campaign, ready to be read one by one.
+/// The recordings of a campaign, read on demand.
 #[derive(Debug, Default)]
 pub(super) struct Recordings {
     sources: Vec<RecordingSource>,
-    /// The encounters of files that hold several: they are parsed once.
+    /// The encounters of files with several: parsed once.
     kept: Vec<Vec<Named>>,
-    /// File and place in it of each encounter.
+    /// File and index in it of each encounter.
     places: Vec<(usize, usize)>,
     /// Names of the encounters.
     names: Vec<String>,
 }
 
 impl Recordings {
-    /// Takes files up that must still be what they were.
+    /// Opens files and verifies that they are unchanged.
     pub(super) fn open(sources: &[RecordingSource]) -> Result<Self, CampaignError> {
         let mut opened = Self {
             sources: sources.to_vec(),
@@ -135,7 +135,7 @@ impl Recordings {
                 opened.places.push((index, place));
                 opened.names.push(one.name.clone());
             }
-            // A recording is read again when it is flown: memory does not grow with the folder.
+            // Each flight reads its recording again: memory does not grow with the folder.
             if named.len() == 1 {
                 named.clear();
             }
@@ -144,7 +144,7 @@ impl Recordings {
         Ok(opened)
     }
 
-    /// How many encounters there are.
+    /// Number of encounters.
     pub(super) fn len(&self) -> usize {
         self.places.len()
     }
@@ -165,7 +165,7 @@ impl Recordings {
         folders
     }
 
-    /// The encounter of this number and the name of its folder.
+    /// The encounter with this number and the name of its folder.
     pub(super) fn get(&self, number: usize) -> Result<Option<(Recording, &str)>, CampaignError> {
         let Some(&(index, place)) = self.places.get(number) else {
             return Ok(None);
@@ -184,7 +184,7 @@ impl Recordings {
     }
 }
 
-/// Reads a file that must still be what it was.
+/// Reads a file and verifies that it is unchanged.
 fn read(source: &RecordingSource) -> Result<Vec<Named>, InputError> {
     let bytes = std::fs::read(&source.path)
         .map_err(|error| InputError::unreadable(&source.path, &error))?;
@@ -201,10 +201,10 @@ fn changed(source: &RecordingSource) -> InputError {
     )
 }
 
-/// Reads a model file and says what it is.
+/// Reads a model file and describes it.
 ///
 /// # Errors
-/// A file that cannot be read or is no model that can be used.
+/// An unreadable file or an unusable model.
 pub fn model_file(path: &Path, pairing: Pairing) -> Result<ModelFile, InputError> {
     let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
     let found = ModelFile {
@@ -227,7 +227,7 @@ fn source_of(
         .map_err(|message| InputError::in_file(&file.path, message))
 }
 
-/// Opens a model that must still be what it was.
+/// Opens a model and verifies that it is unchanged.
 pub(super) fn open_model(
     file: &ModelFile,
     airspeed_mps: f64,

@@ -1,8 +1,8 @@
 //! Rows as a Parquet table and as CSV.
 //!
 //! A file holds one row group for each block. Its metadata has `fga.version`, `fga.target`,
-//! `fga.configuration_hash`, `fga.seeds` and `fga.configuration`; no time of day and no duration
-//! stands in it.
+//! `fga.configuration_hash`, `fga.seeds`, `fga.configuration` and `fga.columns`, but no time of day and
+//! no duration.
 
 use alloc::sync::Arc;
 use core::fmt::Write as _;
@@ -117,7 +117,7 @@ const MEANINGS: &[(&str, &str)] = &[
     ),
 ];
 
-/// How many columns come before the metrics.
+/// Number of columns before the metrics.
 const BEFORE: usize = MEANINGS.len();
 
 /// Names and meanings of all columns, in their order.
@@ -142,7 +142,7 @@ fn schema() -> String {
             Access::Real(..) => "double",
             Access::Flag(..) => "boolean",
         };
-        // A text takes everything.
+        // Writing to a text does not fail.
         let _ = writeln!(schema, "    optional {kind} {};", field.name);
     }
     schema.push('}');
@@ -225,7 +225,7 @@ impl<W: Write + Send> TableWriter<W> {
     /// Begins a file.
     ///
     /// # Errors
-    /// What the output refuses.
+    /// Errors of the output.
     pub fn new(output: W, campaign: &Campaign, stamp: &Stamp) -> Result<Self, ParquetError> {
         let configuration = &campaign.configuration;
         let seeds: Vec<String> = configuration.seeds.iter().map(u64::to_string).collect();
@@ -262,7 +262,7 @@ impl<W: Write + Send> TableWriter<W> {
     /// Writes one row group.
     ///
     /// # Errors
-    /// What the output refuses.
+    /// Errors of the output.
     pub fn write(&mut self, rows: &[Row], campaign: &Campaign) -> Result<(), ParquetError> {
         let mut group = self.0.next_row_group()?;
         for column in columns_of(rows, campaign) {
@@ -285,16 +285,16 @@ impl<W: Write + Send> TableWriter<W> {
         Ok(())
     }
 
-    /// Ends the file and gives the output back.
+    /// Finishes the file and returns the output.
     ///
     /// # Errors
-    /// What the output refuses.
+    /// Errors of the output.
     pub fn finish(self) -> Result<W, ParquetError> {
         self.0.into_inner()
     }
 }
 
-/// What the columns mean, as JSON.
+/// The meaning of the columns, as JSON.
 fn columns_in_words() -> String {
     let words: serde_json::Map<_, _> = meanings()
         .map(|(name, meaning)| (name.to_owned(), meaning.into()))
@@ -414,7 +414,7 @@ fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row
         .collect())
 }
 
-/// The values of a column and which of the rows have one.
+/// The values of a column, and the rows that have one.
 fn values<T: DataType>(
     group: &dyn RowGroupReader,
     column: usize,

@@ -1,11 +1,11 @@
-//! What the rows of a campaign say together: counts and distributions, for each policy and source.
+//! Counts and distributions over the rows of a campaign, for each policy and source.
 
 use alloc::collections::BTreeMap;
 
 use super::Row;
 use super::risk::Risks;
 
-/// Least difference told apart near zero, in the unit of the values.
+/// Resolution near zero, in the unit of the values.
 const FINEST: f64 = 1e-3;
 
 /// Relative width of a bin far from zero: 1 %.
@@ -20,7 +20,7 @@ pub struct Quantiles {
 }
 
 impl Quantiles {
-    /// Takes a value in; one that is not finite is left out.
+    /// Adds a value; ignores one that is not finite.
     pub fn take(&mut self, value: f64) {
         if value.is_finite() {
             #[expect(
@@ -60,43 +60,43 @@ impl Quantiles {
     }
 }
 
-/// What the rows of one policy in one source say together.
+/// Counts and distributions over the rows of one policy in one source.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Totals {
     /// Encounters.
     pub encounters: u64,
-    /// No volume was entered.
+    /// Entered no volume.
     pub separated: u64,
-    /// Holding the course would have entered one.
+    /// Would have entered one with the course held.
     pub threatened: u64,
-    /// The oracle was asked.
+    /// With an answer of the oracle.
     pub asked: u64,
-    /// The oracle saves it.
+    /// Saved by the oracle.
     pub avoidable: u64,
-    /// The oracle saves it, and the policy did.
+    /// Saved by the oracle and by the policy.
     pub saved_of_avoidable: u64,
-    /// The policy saved what the oracle calls lost: a sign that one of them is wrong.
+    /// Saved by the policy but not by the oracle: a sign that one of them is wrong.
     pub saved_of_lost: u64,
-    /// There was a manoeuvre.
+    /// With a manoeuvre.
     pub manoeuvred: u64,
-    /// There was one although holding the course would have done.
+    /// With a manoeuvre although holding the course would have stayed clear.
     pub needless: u64,
-    /// A volume was entered that holding the course would not have entered.
+    /// Entered a volume that holding the course would not have entered.
     pub caused: u64,
-    /// The aircraft was back on its line before the end.
+    /// Back on the line before the end.
     pub rejoined: u64,
     /// Least margins, metres.
     pub margin_m: Quantiles,
-    /// Largest distances from the line of those that manoeuvred, metres.
+    /// Largest distances from the line of flights with a manoeuvre, metres.
     pub cross_track_m: Quantiles,
-    /// Extra paths of those that manoeuvred, metres.
+    /// Extra paths of flights with a manoeuvre, metres.
     pub extra_path_m: Quantiles,
-    /// Times away of those that manoeuvred, seconds.
+    /// Times away of flights with a manoeuvre, seconds.
     pub time_away_s: Quantiles,
 }
 
 impl Totals {
-    /// Takes a row in.
+    /// Adds a row.
     pub fn take(&mut self, row: &Row) {
         let count = |counter: &mut u64, yes: bool| *counter += u64::from(yes);
         self.encounters += 1;
@@ -131,7 +131,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Takes a row in.
+    /// Adds a row.
     pub fn take(&mut self, row: &Row) {
         self.risks.take(row);
         self.by_policy.entry(row.policy).or_default().take(row);

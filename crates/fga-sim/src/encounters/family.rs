@@ -1,18 +1,18 @@
-//! What is drawn: Table 4's cells and the hard families.
+//! The families: Table 4's cells and the hard ones.
 
 use fga::Vec3;
 
 use super::{Body, EncounterSource, Random};
 
-/// From and to; equal for a fixed value.
+/// A range; equal ends are a fixed value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range(pub f64, pub f64);
 
 /// A kind of encounter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Family {
-    /// Table 4 and §2.3 (5): `count` threats first seen at a distance, bearing and course anything
-    /// from 0° to 360°: level traffic at the aircraft's altitude, which is the hardest. (Drawn so,
+    /// Table 4 and §2.3 (5): `count` threats first seen at a distance, with any bearing and course from
+    /// 0° to 360°: level traffic at the aircraft's altitude, which is the hardest case. (With this draw
     /// the avoidable shares agree with those that others found for these cells; with threats from
     /// anywhere, or above and below, far more is avoidable.) Static ones lie in the way ahead.
     Threats {
@@ -23,7 +23,7 @@ pub enum Family {
         /// Speed, metres per second; (0, 0) is static and lies ahead.
         speed_mps: Range,
     },
-    /// Threats that come from any direction in space, climbing and diving however steeply.
+    /// Threats from any direction in space, with any climb or descent.
     FromAnywhere {
         /// Number of threats.
         count: u32,
@@ -32,7 +32,7 @@ pub enum Family {
         /// Speed, metres per second; (0, 0) is static and lies ahead.
         speed_mps: Range,
     },
-    /// One obstacle that comes straight against the aircraft, or nearly so.
+    /// One obstacle on the reciprocal course, or nearly so.
     HeadOn {
         /// Distance at the start, metres.
         first_seen_m: Range,
@@ -48,12 +48,12 @@ pub enum Family {
     },
     /// Movers that cross the course one after the other.
     Stream {
-        /// How many.
+        /// Their number.
         count: u32,
     },
     /// Fast movers that arrive together, such that no single turn escapes but two turns do.
     Pincer {
-        /// How many.
+        /// Their number.
         count: u32,
     },
 }
@@ -101,7 +101,7 @@ fn static_threat(source: &EncounterSource, random: &mut Random, seen: Range) -> 
     }
 }
 
-/// A threat in level flight at the aircraft's altitude: drawn until it is one.
+/// A threat in level flight at the aircraft's altitude: redrawn until it is one.
 fn level_threat(source: &EncounterSource, random: &mut Random, seen: Range, speed: Range) -> Body {
     if speed.1 <= 0.0 {
         return static_threat(source, random, seen);
@@ -118,19 +118,19 @@ fn level_threat(source: &EncounterSource, random: &mut Random, seen: Range, spee
     }
 }
 
-/// When both, held to their courses, are closest, seconds.
+/// The time of the closest approach of both on constant courses, seconds.
 fn meeting_s(source: &EncounterSource, body: &Body) -> f64 {
     let relative = body.velocity_mps - Vec3::X * source.airspeed_mps;
     -body.position_m.dot(relative) / relative.dot(relative)
 }
 
-/// A threat at a distance, on any bearing from which its speed lets it threaten.
+/// A threat at a distance, on any bearing from which its speed allows a threat.
 fn threat(source: &EncounterSource, random: &mut Random, seen: Range, speed: Range) -> Body {
     if speed.1 <= 0.0 {
         return static_threat(source, random, seen);
     }
     let own = Vec3::X * source.airspeed_mps;
-    // Relative velocities just inside the cone: rounding must not make it no threat.
+    // Relative velocities just inside the cone: rounding must not remove the threat.
     let reach = source.radius_m * (1.0 - 1e-9);
     loop {
         let distance = random.within(seen);
@@ -150,7 +150,7 @@ fn threat(source: &EncounterSource, random: &mut Random, seen: Range, speed: Ran
             continue;
         }
         let lambda = -b + pick * libm::sqrt(root);
-        // One root where the obstacle is the faster one: take it whatever the pick.
+        // One root if the obstacle is the faster one: take it whatever the pick.
         let lambda = if speed >= source.airspeed_mps {
             -b + libm::sqrt(root)
         } else {
@@ -170,7 +170,7 @@ fn threat(source: &EncounterSource, random: &mut Random, seen: Range, speed: Ran
 fn head_on(source: &EncounterSource, random: &mut Random, seen: Range, speed: Range) -> Body {
     let distance = random.within(seen);
     let speed = random.within(speed);
-    // Half of them exactly head-on, where left and right are the same.
+    // Half of them exactly head-on, where left and right are equal.
     let off = if random.sign() > 0.0 {
         0.0
     } else {
@@ -231,7 +231,7 @@ fn wall(source: &EncounterSource, random: &mut Random, gap: bool) -> Vec<Body> {
 fn stream(source: &EncounterSource, random: &mut Random, count: u32) -> Vec<Body> {
     (0..count)
         .map(|k| {
-            // It crosses the course at `along` about when the aircraft would be there.
+            // It crosses the course at `along` about when the aircraft arrives there.
             let along = 90.0 + 35.0 * f64::from(k) + random.within(Range(-15.0, 15.0));
             let arrival_s = along / source.airspeed_mps + random.within(Range(-3.0, 3.0));
             let speed = random.within(Range(10.0, 30.0));

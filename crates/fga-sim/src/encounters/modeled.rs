@@ -1,25 +1,24 @@
 //! Encounters drawn from the models of MIT Lincoln Laboratory.
 //!
 //! Both aircraft fly second by second as the model draws them: turns, climbs, accelerations. They
-//! are put together at the closest approach, which is at [`Pairing::cpa_s`].
+//! meet at the closest approach, at [`Pairing::cpa_s`].
 //!
 //! **Uncorrelated models** draw one aircraft. Traffic of uniform density and any heading passes the
 //! ownship; its horizontal closest approaches come at a rate of |v² + r·a| / v for each unit of the
 //! plane across the relative velocity v, with r the offset and a the relative acceleration there
-//! (Rice's formula for r·v = 0). So intruders are taken in proportion to v, the two miss distances
-//! are uniform in a cylinder around the ownship, and the weight has the factor 1 + r·a/v². Where
-//! it is not positive the aircraft are farthest there, not nearest: another encounter is drawn.
+//! (Rice's formula for r·v = 0). So the draw takes intruders in proportion to v, the two miss
+//! distances are uniform in a cylinder around the ownship, and the weight has the factor 1 + r·a/v².
+//! Where that is not positive the aircraft are farthest there, not nearest: the draw is repeated.
 //!
-//! **Importance sampling.** Few encounters of the cylinder are near misses. A share of them is drawn
-//! from an inner cylinder instead; the weight is the ratio of the densities, so that every
-//! weighted mean is the one of the whole cylinder. An encounter's weight is at most
+//! **Importance sampling.** Few encounters of the cylinder are near misses. A share of them comes
+//! from an inner cylinder instead; the weight is the ratio of the densities, so that every weighted
+//! mean holds for the whole cylinder. An encounter's weight is at most
 //! 1 / (1 − share).
 //!
-//! **Correlated models** draw both aircraft and their miss distances. They are turned and moved so
-//! that at the closest approach they have the approach angle and the miss distances that were
-//! drawn; the side by `\chi`, above or below by chance. The same importance sampling draws a
-//! share from those with miss distances within the inner cylinder, of which the probability is
-//! estimated from 100,000 states.
+//! **Correlated models** draw both aircraft and their miss distances. Rotation and translation give
+//! them the drawn approach angle and miss distances at the closest approach; `\chi` gives the side,
+//! chance gives above or below. The same importance sampling draws a share from encounters with miss
+//! distances within the inner cylinder, whose probability is an estimate from 100,000 states.
 
 use core::f64::consts::TAU;
 
@@ -30,20 +29,20 @@ use serde::{Deserialize, Serialize};
 
 use super::Random;
 
-/// Draws until one suits; a model that never suits is an error.
+/// Most draws before an error.
 const MOST_DRAWS: u32 = 100_000;
 
-/// States from which the probability of the inner cylinder is estimated.
+/// States for the estimate of the inner cylinder's probability.
 const COUNTED: u32 = 100_000;
 
-/// The largest change of altitude that puts two aircraft of a model together, metres: farther
-/// away aircraft fly otherwise.
+/// The largest change of altitude that may pair two aircraft of a model, metres: farther away
+/// aircraft fly differently.
 const FARTHEST_LAYER_M: f64 = 300.0;
 
-/// Relative speeds below this have no closest approach worth the name, metres per second.
+/// Smaller relative speeds have no meaningful closest approach, metres per second.
 const SLOWEST_MPS: f64 = 0.5;
 
-/// Whose flight the ownship flies before it avoids.
+/// The ownship's flight before it avoids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OwnshipFlight {
@@ -54,11 +53,11 @@ pub enum OwnshipFlight {
     Model,
 }
 
-/// How two aircraft are put together.
+/// How two aircraft meet.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Pairing {
-    /// Whose flight the ownship flies; a correlated model draws both.
+    /// The ownship's flight; a correlated model draws both.
     pub ownship: OwnshipFlight,
     /// Time of the closest approach, whole seconds.
     pub cpa_s: u32,
@@ -66,9 +65,9 @@ pub struct Pairing {
     pub duration_s: u32,
     /// Largest miss distances: horizontal, vertical, metres. Uncorrelated models only.
     pub cylinder_m: [f64; 2],
-    /// Miss distances of those that are drawn more often, metres.
+    /// Miss distances of the aimed encounters, metres.
     pub aimed_m: [f64; 2],
-    /// Share of the encounters that is drawn from them.
+    /// Share of the aimed encounters.
     pub aimed_share: f64,
     /// Altitudes of the ownship at the closest approach, metres above ground.
     pub altitude_m: Option<[f64; 2]>,
@@ -96,7 +95,7 @@ impl Default for Pairing {
 }
 
 impl Pairing {
-    /// What is wrong with it, if anything.
+    /// Checks the keys.
     ///
     /// # Errors
     /// One sentence that names the key.
@@ -144,22 +143,22 @@ impl Pairing {
         Ok(())
     }
 
-    /// Whether miss distances are among those that are drawn more often.
+    /// Whether miss distances belong to the aimed encounters.
     fn is_aimed(&self, horizontal_m: f64, vertical_m: f64) -> bool {
         horizontal_m.abs() <= self.aimed_m[0] && vertical_m.abs() <= self.aimed_m[1]
     }
 }
 
-/// An encounter as it was drawn: the first aircraft is the ownship.
+/// A drawn encounter: the first aircraft is the ownship.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModeledEncounter {
     /// Both aircraft.
     pub recording: Recording,
-    /// For how many encounters of the model it stands.
+    /// Number of encounters of the model that it represents.
     pub weight: f64,
 }
 
-/// A model from which encounters are drawn.
+/// A model as a source of encounters.
 #[derive(Debug, Clone)]
 pub struct ModelSource {
     model: EncounterModel,
@@ -178,7 +177,7 @@ impl ModelSource {
     /// A source of this model.
     ///
     /// # Errors
-    /// One sentence about a model that draws neither one aircraft nor two, or a pairing that is none.
+    /// One sentence about a model that draws neither one aircraft nor two, or about an invalid pairing.
     pub fn new(
         model: EncounterModel,
         pairing: Pairing,
@@ -211,10 +210,10 @@ impl ModelSource {
         self.seed
     }
 
-    /// The encounter of this number; it does not depend on those before it.
+    /// The encounter with this number; it does not depend on the previous ones.
     ///
     /// # Errors
-    /// One sentence where nothing that the model draws suits the pairing.
+    /// One sentence if no draw of the model suits the pairing.
     pub fn encounter(&self, number: u64) -> Result<ModeledEncounter, String> {
         let mut random = Random::new(self.seed, number);
         for _ in 0..MOST_DRAWS {
@@ -245,7 +244,7 @@ impl ModelSource {
         ))
     }
 
-    /// The ratio of the true density and the one that miss distances are drawn with.
+    /// The ratio of the true density and the sampling density of the miss distances.
     fn weight(&self, is_aimed: bool) -> f64 {
         let share = self.pairing.aimed_share;
         if self.aimed_probability <= 0.0 {
@@ -308,7 +307,7 @@ impl ModelSource {
         let mut intruder = intruder;
         let there_m = intruder.get(at)?.position_m;
         if self.pairing.ownship == OwnshipFlight::Vehicle {
-            // The ownship flies where the intruder is, the intruder as the model has it there.
+            // The ownship flies where the intruder is; the intruder flies as the model has it there.
             let height_m = there_m.z - vertical_m;
             moved(&mut own, Vec3::new(0.0, 0.0, height_m));
         }
@@ -381,7 +380,7 @@ fn correlated_share(model: &EncounterModel, pairing: &Pairing) -> f64 {
     let mut random = Random::new(0, u64::MAX);
     let mut inside = 0_u32;
     for _ in 0..COUNTED {
-        // A pair that is not wanted is not flown: only its state is drawn.
+        // An unwanted pair draws only its state, not its flight.
         let mut is_inside = false;
         let _ = model.fly_pair(0, &mut || random.unit(), |miss_m, height_m| {
             is_inside = pairing.is_aimed(miss_m, height_m);
@@ -418,7 +417,7 @@ fn straight(duration_s: u32, airspeed_mps: f64) -> Flight {
         .collect()
 }
 
-/// A flight turned about the vertical through the origin, anticlockwise.
+/// A flight rotated about the vertical through the origin, anticlockwise.
 fn turned(rows: &[ModelRow], angle_rad: f64) -> Flight {
     let (sin, cos) = libm::sincos(angle_rad);
     let turn = |v: Vec3| Vec3::new(v.x * cos - v.y * sin, v.x * sin + v.y * cos, v.z);

@@ -7,7 +7,7 @@ impl EncounterSource {
     /// `planar` and `bystanders` as wanted, with Table 4's aircraft.
     ///
     /// # Errors
-    /// What was expected where.
+    /// The expected text at the first fault.
     pub fn parse(cell: &str, seed: u64) -> Result<Self, String> {
         let mut options = cell.split(',');
         let family: Vec<&str> = options.next().unwrap_or("").split(':').collect();

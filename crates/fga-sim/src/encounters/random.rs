@@ -1,4 +1,4 @@
-//! Random numbers that are the same on every machine.
+//! Random numbers, the same on every machine.
 
 use core::f64::consts::TAU;
 
@@ -33,7 +33,7 @@ impl Random {
     /// A whole number from `least` to `most`, both included.
     pub fn count(&mut self, least: u32, most: u32) -> u32 {
         let values = u64::from(most.saturating_sub(least)) + 1;
-        // A multiply and shift; the bias of 2⁻³² is of no consequence here.
+        // A multiply and shift; the bias of 2⁻³² does not matter here.
         let drawn = (((self.0.next_u64() >> 32) * values) >> 32) as u32;
         least + drawn
     }

@@ -1,4 +1,4 @@
-//! A flight that is flown decision by decision, by whoever decides outside of the engine.
+//! A flight decision by decision, for callers that decide outside of the engine.
 
 use fga::avoider::Decision;
 use fga::situation::{Ownship, Situation};
@@ -8,7 +8,7 @@ use super::{Engine, FlightState, Observer, Outcome, situation};
 use crate::separation::Separation;
 use crate::world::World;
 
-/// A flight that stands still until it is given a decision.
+/// A flight that waits for each decision.
 ///
 /// Look, decide, fly until the next decision: the same steps as [`Engine::fly`], in the same order and
 /// with the same results, one at a time.
@@ -17,9 +17,9 @@ pub struct SteppedFlight {
     engine: Engine,
     world: World,
     state: FlightState,
-    /// The aircraft as it was at the last look, or at the end.
+    /// The aircraft at the last look, or at the end.
     ownship: Ownship,
-    /// Limits of the vehicle that the pilot is to take over.
+    /// Limits of the vehicle for the pilot.
     retuned: Option<Vehicle>,
     ended_s: Option<f64>,
 }
@@ -42,7 +42,7 @@ impl SteppedFlight {
         flight
     }
 
-    /// Begins again, in another world.
+    /// Starts again, in another world.
     pub fn restart(&mut self, world: World) {
         self.world = world;
         self.state = self.engine.begin(&self.world);
@@ -64,7 +64,7 @@ impl SteppedFlight {
         &self.world
     }
 
-    /// Time of the decision that is due, seconds; the time of the end once it is reached.
+    /// Time of the next decision, seconds; the time of the end once it is reached.
     pub fn time_s(&self) -> f64 {
         let period_s = self.world.settings.avoider.decision_period_s;
         let due_s = f64::from(self.state.cycle) * period_s;
@@ -76,7 +76,7 @@ impl SteppedFlight {
         &self.ownship
     }
 
-    /// What is known now. `None` once the flight has ended.
+    /// The known obstacles now. `None` once the flight has ended.
     pub fn situation(&self) -> Option<Situation<'_>> {
         let sensor = &self.engine.sensor;
         self.ended_s
@@ -84,14 +84,14 @@ impl SteppedFlight {
             .then(|| situation(&self.world, self.ownship, sensor, self.time_s()))
     }
 
-    /// Changed limits of the vehicle, once: whoever decides takes them over before the decision that
-    /// is due, as [`fga::pilot::Pilot::retune`] does.
+    /// Changed limits of the vehicle, once: the caller applies them before the next decision, as
+    /// [`fga::pilot::Pilot::retune`] does.
     pub const fn take_retuned(&mut self) -> Option<Vehicle> {
         self.retuned.take()
     }
 
-    /// Flies a decision until the next one is due, and looks. Whether the flight goes on; once it
-    /// has ended, nothing is flown any more.
+    /// Flies a decision until the next one is due, and looks. Returns whether the flight goes on; after
+    /// the end it flies no further.
     pub fn advance(&mut self, decision: &Decision, observer: &mut impl Observer) -> bool {
         if self.ended_s.is_some() {
             return false;
@@ -114,7 +114,7 @@ impl SteppedFlight {
         self.engine.separations()
     }
 
-    /// What came of the flight until now.
+    /// The result of the flight so far.
     pub fn outcome(&mut self) -> Outcome {
         let time_s = self.time_s();
         self.engine

@@ -12,7 +12,7 @@ pub(super) struct Rise {
     pub(super) up: f64,
 }
 
-/// What follows when a turn ends at this node.
+/// The continuation of a turn that ends at this node.
 #[derive(Clone, Copy)]
 pub(super) struct ArcNode {
     pub(super) time_s: f64,
@@ -126,7 +126,7 @@ impl ArcNode {
         self.rise_count = count;
     }
 
-    /// Distance along the course and height `after_s` after the turn has ended here.
+    /// Distance along the course and height `after_s` after the turn ended here.
     pub(super) fn after(&self, arc: &Arc, after_s: f64) -> (f64, f64) {
         let mut from = Rise::default();
         for rise in self.rises.iter().take(self.rise_count) {

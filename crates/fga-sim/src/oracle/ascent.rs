@@ -1,8 +1,8 @@
-//! The local part: from the tree's best leaves uphill on the exact margin.
+//! The local part: climbs from the tree's best leaves on the exact margin.
 //!
 //! The margin is the least of several functions of six numbers, one for each leg and body, each
-//! smooth. Near a point they are replaced by their tangents; the largest least of those within a
-//! box is a linear program; the box grows while the prediction holds and shrinks where it does not.
+//! smooth. Near a point their tangents replace them; the largest least within a box is a linear
+//! program; the box grows while the prediction holds and shrinks where it does not.
 
 use super::flight::OracleFlight;
 use super::linear::{ROWS, Row, UNKNOWNS, largest_least};
@@ -11,17 +11,17 @@ use super::{OracleManeuver, OracleStart, OracleVehicle};
 
 /// Half the first box: wait, turn, climb, straight, turn, climb (s, rad, rad, s, rad, rad).
 const FIRST_BOX: Point = [0.5, 0.13, 0.1, 0.5, 0.13, 0.1];
-/// Steps of the difference quotients: some decimetres of path, far above the half millimetre to
-/// which a margin is known.
+/// Steps of the difference quotients: some decimetres of path, far above the half millimetre
+/// accuracy of a margin.
 const DIFFERENCE: Point = [0.02, 0.01, 0.01, 0.02, 0.01, 0.01];
 /// Iterations for every seed, and for the few that stay in the race.
 const SHORT: usize = 6;
 const LONG: usize = 60;
-/// Seeds that get the long treatment.
+/// Seeds with the long treatment.
 const FINALISTS: usize = 8;
 /// A predicted gain that ends the ascent, metres.
 const NO_GAIN_M: f64 = 1e-3;
-/// A box this small ends it as well.
+/// A box this small also ends it.
 const LEAST_SCALE: f64 = 2e-4;
 
 type Point = [f64; UNKNOWNS];
@@ -70,7 +70,7 @@ impl<'a> Ascent<'a> {
         }
     }
 
-    /// The exact margin of a manoeuvre; it is kept if it is the best so far.
+    /// The exact margin of a manoeuvre; keeps the best so far.
     pub(super) fn look(&mut self, maneuver: &OracleManeuver) -> f64 {
         self.flight
             .fly(self.start, self.vehicle, maneuver, self.horizon_s);
@@ -149,7 +149,7 @@ impl<'a> Ascent<'a> {
         }
     }
 
-    /// The box around a point: as large as trusted, within what can be flown.
+    /// The box around a point: as large as trusted, within the flyable range.
     fn limits(&self, climber: &Climber, two: bool) -> (Point, Point) {
         let (mut low, mut high) = ([0.0; UNKNOWNS], [0.0; UNKNOWNS]);
         let climbs = self.vehicle.can_climb();
@@ -176,7 +176,7 @@ impl<'a> Ascent<'a> {
         (low, high)
     }
 
-    /// Value and gradient of each leg's margin to each body that can matter within the box.
+    /// Value and gradient of each leg's margin to each body that matters within the box.
     fn tangents(&mut self, climber: &Climber, two: bool) {
         let band = climber.margin + 0.5 + 15.0 * climber.scale.max(0.05);
         self.flight.fly(

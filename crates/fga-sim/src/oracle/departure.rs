@@ -1,4 +1,4 @@
-//! Which safe manoeuvre leaves the mission least? The reference for the policy's cross-track
+//! The safe manoeuvre that leaves the mission least: the reference for the policy's cross-track
 //! deviation.
 
 use super::flight::OracleFlight;
@@ -7,7 +7,7 @@ use super::search::hold_all_the_way;
 use super::separation::{Body, least_margin};
 use super::{OracleManeuver, OracleObstacle, OracleSettings, OracleStart, OracleVehicle};
 
-/// A safe manoeuvre and how far it leads from the mission.
+/// A safe manoeuvre and its distance from the mission.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepartureAnswer {
     /// The manoeuvre.
@@ -22,7 +22,7 @@ pub struct DepartureAnswer {
 }
 
 /// The manoeuvre of least largest distance from the line of the start's course among those that
-/// keep `required_margin_m`; `None` if none of those tried keeps it.
+/// keep `required_margin_m`; `None` if none of the tried ones keeps it.
 ///
 /// Once no obstacle comes closer any more the aircraft turns back to its course, keeping the
 /// margin; the way back to the line is not part of it. Wait, turn, fly on and turn back, on a grid
@@ -138,7 +138,7 @@ struct Judge<'a> {
     flight: OracleFlight,
 }
 
-/// Value of a manoeuvre that is not safe, before its lack of margin is taken off.
+/// Value of an unsafe manoeuvre, before subtracting its lack of margin.
 const UNSAFE: f64 = -1e6;
 
 impl Judge<'_> {
@@ -174,7 +174,7 @@ impl Judge<'_> {
         -self.departure()
     }
 
-    /// Largest distance from the line of the start's course, for the flight flown last.
+    /// Largest distance from the line of the start's course in the last flight.
     fn departure(&self) -> f64 {
         let (sin, cos) = libm::sincos(self.start.course_rad);
         self.flight.nodes().iter().fold(0.0_f64, |largest, node| {
@@ -184,7 +184,7 @@ impl Judge<'_> {
         })
     }
 
-    /// The moment from which no obstacle comes closer in the flight flown last, seconds.
+    /// The moment from which no obstacle comes closer in the last flight, seconds.
     fn all_passed_s(&self) -> f64 {
         self.obstacles
             .iter()

@@ -1,5 +1,4 @@
-//! Where a manoeuvre leads: the path as a chain of nodes, exact for the ideal vehicle, RK4 with a
-//! bank response.
+//! The path of a manoeuvre: a chain of nodes, exact for the ideal vehicle, RK4 with a bank response.
 //!
 //! Course and climb angle of the ideal vehicle are linear in time on each piece, so
 //! cos θ cos ψ = ½ cos(ψ+θ) + ½ cos(ψ−θ) integrates in closed form (Eq. 10–12).
@@ -18,9 +17,9 @@ const CURVED_STEP_S: f64 = 0.25;
 /// it must not exceed.
 const RESPONSE_STEP_S: f64 = 0.1;
 const RESPONSE_STEP_SHARE: f64 = 0.25;
-/// A time constant below this is flown as this, seconds: a step must stay longer than rounding.
+/// Least time constant, seconds: a step must stay longer than rounding.
 const LEAST_TIME_CONSTANT_S: f64 = 0.01;
-/// Bank below which the rest of a roll-out is taken as flown, radians: 0.4 mm at 15 m/s, 0.6 s.
+/// Below this bank the rest of a roll-out counts as flown, radians: 0.4 mm at 15 m/s, 0.6 s.
 const LEVEL_BANK_RAD: f64 = 3e-4;
 
 /// A point of the path. The piece that follows it is straight or curved.
@@ -80,14 +79,14 @@ impl OracleFlight {
         &self.nodes
     }
 
-    /// The least signed distance to any protected volume over the flight, metres: at most the
+    /// The least signed distance to any protected volume over the flight, metres: never above the
     /// truth and within a millimetre of it; infinite without obstacles.
     pub fn least_margin_m(&self, obstacles: &[OracleObstacle]) -> f64 {
         let bodies: Vec<Body> = obstacles.iter().map(Body::new).collect();
         least_margin(self, &bodies, f64::NEG_INFINITY)
     }
 
-    /// The nodes of each leg, from the last of the one before on.
+    /// The nodes of each leg, including the last one of the previous leg.
     pub(super) fn legs(&self) -> impl Iterator<Item = &[FlightNode]> {
         let mut from = 0;
         self.leg_ends.iter().map(move |&end| {
@@ -102,7 +101,7 @@ impl OracleFlight {
         self.acceleration_mps2
     }
 
-    /// State `at_s` seconds from the start, held to the ends: position by the cubic through the
+    /// State `at_s` seconds from the start, clamped to the ends: position by the cubic through the
     /// neighbouring nodes, angles linear between them.
     pub fn at(&self, at_s: f64) -> FlightNode {
         let after = self.nodes.partition_point(|n| n.time_s <= at_s);
@@ -171,7 +170,7 @@ impl OracleFlight {
         };
         self.nodes.push(pen.node());
         let turn_s = |turn: f64| if w > 0.0 { turn.abs() / w } else { 0.0 };
-        // During the dead time the aircraft holds what it flies: bank and climb angle.
+        // During the dead time the aircraft holds its present bank and climb angle.
         if lagged && vehicle.dead_time_s > 0.0 && start.bank_rad != 0.0 {
             pen.hold_bank(vehicle.dead_time_s, &mut self.nodes);
         } else {
@@ -373,7 +372,7 @@ impl Pen<'_> {
         }
     }
 
-    /// The bank held as it is: a steady turn with the present climb angle.
+    /// A constant bank: a steady turn with the present climb angle.
     fn hold_bank(&mut self, span_s: f64, nodes: &mut Vec<FlightNode>) {
         let span_s = span_s.min(self.horizon_s - self.time_s);
         let steps = libm::ceil(span_s / self.response_step_s()).max(1.0);
@@ -388,7 +387,7 @@ impl Pen<'_> {
         }
     }
 
-    /// A piece with a first-order bank response; returns the time that it took, which is
+    /// A piece with a first-order bank response; returns its duration, which is
     /// `span_s` unless the roll-out ends earlier.
     fn respond(
         &mut self,
@@ -437,7 +436,7 @@ impl Pen<'_> {
             / self.vehicle.airspeed_mps
     }
 
-    /// One fourth-order step of x, y, z and ψ; the bank and the climb angle are known exactly.
+    /// One fourth-order step of x, y, z and ψ; the bank and the climb angle are exact.
     fn runge_kutta(&mut self, bank_target: f64, climb_rate: f64, step_s: f64) {
         let lag = self.time_constant_s();
         let bank = self.bank_rad;
@@ -492,7 +491,7 @@ impl Spin {
         }
     }
 
-    /// Takes one step; gives the mean vector over it.
+    /// Takes one step; returns the mean vector over it.
     fn advance(&mut self) -> (f64, f64) {
         let middle = rotate(self.now, self.half);
         self.now = rotate(middle, self.half);

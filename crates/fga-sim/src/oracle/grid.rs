@@ -1,16 +1,16 @@
-//! How finely the tree is drawn: the values of wait, turn, straight and climb angle.
+//! The resolution of the tree: the values of wait, turn, straight and climb angle.
 
 use super::OracleVehicle;
 
-/// How finely the tree is drawn.
+/// The resolution of the tree.
 pub(super) struct Grid {
     pub(super) waits_s: Vec<f64>,
     pub(super) straights_s: Vec<f64>,
     pub(super) turns_rad: Vec<f64>,
     pub(super) climbs: Vec<f64>,
-    /// What a leaf may lie below the best and still become a seed, metres.
+    /// Largest distance of a seed's margin below the best leaf, metres.
     pub(super) slack_m: f64,
-    /// Seeds that are refined.
+    /// Number of refined seeds.
     pub(super) seeds: usize,
 }
 

@@ -1,4 +1,4 @@
-//! The oracle asked about encounters of a batch file.
+//! Asks the oracle about encounters of a batch file.
 
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
@@ -9,7 +9,7 @@ use crate::batch::volume_of;
 use crate::vehicle_file::VehicleModel;
 use crate::wind::crab;
 
-/// Says of each encounter of a batch which margin could be kept.
+/// Finds the margin that any manoeuvre can keep in each encounter of a batch.
 #[derive(Debug, Clone)]
 pub struct Judge {
     vehicle: OracleVehicle,
@@ -23,7 +23,7 @@ impl Judge {
     /// For an aircraft that flies along +x; the margin counts over `horizon_s` seconds.
     ///
     /// # Errors
-    /// One sentence about a wind in which that line cannot be flown.
+    /// One sentence about a wind that is too strong for that line.
     pub fn new(model: &VehicleModel, horizon_s: f64) -> Result<Self, String> {
         let airspeed_mps = model.vehicle.airspeed_mps;
         let (course_rad, climb_rad) =
@@ -49,8 +49,8 @@ impl Judge {
         })
     }
 
-    /// The largest margin that was found, metres, with six decimals: what is written and what is
-    /// judged never disagree.
+    /// The largest margin found, metres, with six decimals, so that the written and the judged value never
+    /// disagree.
     pub fn best_margin_m(&self, encounter: &Encounter) -> f64 {
         let obstacles: Vec<OracleObstacle> = encounter
             .obstacles

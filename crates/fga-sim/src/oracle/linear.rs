@@ -4,11 +4,11 @@
 
 /// Most unknowns.
 pub(super) const UNKNOWNS: usize = 6;
-/// Most rows gⱼ that are looked at.
+/// Most rows gⱼ.
 pub(super) const ROWS: usize = 20;
 const WIDTH: usize = UNKNOWNS + 2;
 const HEIGHT: usize = ROWS + UNKNOWNS + 1;
-/// Far more exchanges than are ever needed.
+/// Far more exchanges than ever necessary.
 const EXCHANGES: usize = 200;
 
 /// One smooth function near the present point.
@@ -18,9 +18,9 @@ pub(super) struct Row {
     pub(super) gradient: [f64; UNKNOWNS],
 }
 
-/// The δ of the largest least value within `low..=high`, and that value as predicted.
+/// The δ of the largest least value within `low..=high`, and the predicted value.
 ///
-/// At most [`ROWS`] rows and [`UNKNOWNS`] unknowns are looked at; a box with `low` = `high` fixes
+/// It uses at most [`ROWS`] rows and [`UNKNOWNS`] unknowns; a box with `low` = `high` fixes
 /// an unknown.
 #[expect(
     clippy::needless_range_loop,
@@ -54,7 +54,7 @@ pub(super) fn largest_least(
         table[count + k][WIDTH - 1] = (high[k] - low[k]).max(0.0);
     }
     table[height][UNKNOWNS] = -1.0;
-    // Which unknown stands in a column or row; slack variables are numbered from WIDTH on.
+    // The unknown of each column or row; slack variables count from WIDTH on.
     let mut column_of = [0; WIDTH - 1];
     let mut row_of = [0; HEIGHT];
     for (k, name) in column_of.iter_mut().enumerate() {

@@ -1,23 +1,23 @@
-//! The oracle: can this encounter be saved at all?
+//! The oracle: can any manoeuvre save this encounter?
 //!
 //! It is the yardstick for every policy and no part of the aircraft: an exhaustive search over
-//! *wait, turn, fly on, turn again* with a change of climb angle in each turn, refined until the
-//! best margin is sharp to about a centimetre. It shares no code with the policy: its own flight
-//! paths, its own separation, its own search.
+//! *wait, turn, fly straight, turn again* with a change of climb angle in each turn, refined until the
+//! best margin is accurate to about a centimetre. It shares no code with the policy: it has its own
+//! flight paths, separation and search.
 //!
 //! | question | answer |
 //! |---|---|
-//! | what is the largest margin that can be kept? | [`best_margin`] |
+//! | what is the largest margin that a manoeuvre keeps? | [`best_margin`] |
 //! | which safe manoeuvre leaves the x axis least? | [`least_departure`] |
 //! | where does a manoeuvre lead? | [`OracleFlight`] |
 //!
 //! Frame: x east, y north, z up; course from +x towards +y; a left turn is positive. All in the air
 //! mass: with wind, obstacles move with their velocity minus the wind
-//! ([`OracleObstacle::in_wind`]). The oracle knows every obstacle from the start that it is given;
-//! one that learns of an event later is started from the state of that moment.
+//! ([`OracleObstacle::in_wind`]). The oracle knows every given obstacle from the start; to model an
+//! oracle that learns of an event later, start it from the state of that moment.
 //!
-//! What it does not try: three or more turns, turns below the full rate, and any change of
-//! airspeed. "Lost" therefore means: lost for every manoeuvre of this family.
+//! It does not try three or more turns, turns below the full rate, or any change of airspeed.
+//! "Lost" therefore means: lost for every manoeuvre of this family.
 
 mod arc;
 mod ascent;
@@ -42,12 +42,12 @@ use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 /// An encounter counts as avoidable from this margin on, metres.
 pub const AVOIDABLE_MARGIN_M: f64 = 0.1;
 
-/// The vehicle's limits as the oracle flies them.
+/// The vehicle's limits for the oracle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OracleVehicle {
     /// Constant total airspeed, metres per second.
     pub airspeed_mps: f64,
-    /// Largest course rate that is really flown, radians per second.
+    /// Largest course rate in flight, radians per second.
     pub course_rate_radps: f64,
     /// Steepest descent, radians, at most 0.
     pub climb_min_rad: f64,
@@ -152,7 +152,7 @@ pub struct OracleObstacle {
     pub position_m: Vec3,
     /// Velocity in the air mass, metres per second.
     pub velocity_mps: Vec3,
-    /// The volume not to be entered.
+    /// The protected volume.
     pub volume: ProtectedVolume,
 }
 
@@ -176,8 +176,7 @@ impl OracleObstacle {
         }
     }
 
-    /// The same obstacle, its ground velocity turned into that in an air mass moving with
-    /// `wind_mps`.
+    /// The same obstacle, with its velocity in an air mass that moves with `wind_mps`.
     #[must_use]
     pub fn in_wind(self, wind_mps: Vec3) -> Self {
         Self {
@@ -187,11 +186,11 @@ impl OracleObstacle {
     }
 }
 
-/// Wait, turn, fly on, turn again, and straight on from there.
+/// Wait, turn, fly straight, turn again, and straight on from there.
 ///
-/// The turns are at the full rate; each climb target is taken up at the climb rate from the
-/// beginning of its turn on. With a bank response a turn is the bank commanded for
-/// |turn| / course rate seconds, whatever angle that comes to.
+/// The turns are at the full rate; each climb change begins with its turn, at the climb rate.
+/// With a bank response a turn is the bank commanded for
+/// |turn| / course rate seconds, whatever the resulting angle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OracleManeuver {
     /// Course and climb angle held before the first turn, seconds (after the dead time).
@@ -209,7 +208,7 @@ pub struct OracleManeuver {
 }
 
 impl OracleManeuver {
-    /// The parameters in the order in which they are declared.
+    /// The parameters in the order of their declaration.
     const fn to_array(self) -> [f64; 6] {
         [
             self.wait_s,
@@ -242,7 +241,7 @@ impl OracleManeuver {
     }
 }
 
-/// Which manoeuvres are searched.
+/// The family of manoeuvres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Stages {
     /// Wait, one turn with one change of climb angle, straight on.
@@ -252,17 +251,17 @@ pub enum Stages {
     Two,
 }
 
-/// How the search is done.
+/// The settings of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OracleSettings {
     /// Time over which the margin counts, seconds.
     pub horizon_s: f64,
-    /// A margin that is enough: the search stops there and the answer is a lower bound. `None`
+    /// A margin that is enough: the search ends there and the answer is a lower bound. `None`
     /// searches everything.
     pub enough_m: Option<f64>,
-    /// A margin of single turns from which on a second turn is not tried, metres: saved is saved.
+    /// From this margin of single turns on no second turn is tried, metres: saved is saved.
     pub settled_m: f64,
-    /// Which manoeuvres are searched.
+    /// The family of manoeuvres.
     pub stages: Stages,
 }
 
@@ -277,20 +276,20 @@ impl Default for OracleSettings {
     }
 }
 
-/// What the oracle found.
+/// The result of the oracle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OracleAnswer {
     /// Largest margin found, metres: the least signed distance to any protected volume over the
     /// horizon. Infinite without obstacles.
     pub best_margin_m: f64,
-    /// Margin when course and climb angle are held, metres.
+    /// Margin with course and climb angle held, metres.
     pub do_nothing_margin_m: f64,
     /// The manoeuvre that keeps `best_margin_m`.
     pub maneuver: OracleManeuver,
 }
 
 impl OracleAnswer {
-    /// Whether the encounter can be saved: a margin of at least [`AVOIDABLE_MARGIN_M`].
+    /// Whether the encounter is avoidable: a margin of at least [`AVOIDABLE_MARGIN_M`].
     pub fn avoidable(&self) -> bool {
         self.best_margin_m >= AVOIDABLE_MARGIN_M
     }
@@ -298,7 +297,7 @@ impl OracleAnswer {
 
 /// The largest margin to all obstacles that any manoeuvre of the family keeps over the horizon.
 ///
-/// Sharp to about a centimetre near zero. Cost with three obstacles: a tenth of a millisecond where
+/// Accurate to about a centimetre near zero. Cost with three obstacles: a tenth of a millisecond where
 /// one turn gives `enough_m`, a millisecond where one turn gives [`OracleSettings::settled_m`], ten
 /// to a hundred for a search over two turns.
 pub fn best_margin(

@@ -1,8 +1,7 @@
-//! Uphill on any function of a manoeuvre, by trial.
+//! Climbs on any function of a manoeuvre, by trial.
 //!
-//! Ridges stop a search along the axes. So each size of step tries the axes, the pairs of axes and
-//! random directions, in a fixed order from a fixed generator, and is halved when none of them
-//! climbs.
+//! Ridges stop a search along the axes. So each step size tries the axes, the pairs of axes and
+//! random directions, in a fixed order from a fixed generator, and halves when none of them climbs.
 
 use super::{OracleManeuver, OracleVehicle};
 
@@ -11,15 +10,15 @@ const FIRST_STEPS: [f64; 6] = [0.5, 0.13, 0.1, 0.5, 0.13, 0.1];
 /// Halvings for the many, and for the few that stay in the race.
 const SHORT_HALVINGS: usize = 3;
 const LONG_HALVINGS: usize = 7;
-/// Seeds that get the full treatment.
+/// Seeds with the full treatment.
 const FINALISTS: usize = 4;
-/// Random directions at each size of step.
+/// Random directions at each step size.
 const RANDOM_DIRECTIONS: usize = 8;
 
 type Point = [f64; 6];
 
-/// Uphill on a function of a manoeuvre. The function may answer anything not above its second
-/// argument once it is sure not to exceed it.
+/// Climbs on a function of a manoeuvre. The function may return anything up to its second argument
+/// once it is sure not to exceed it.
 pub(super) struct Refiner<'a, F> {
     vehicle: &'a OracleVehicle,
     horizon_s: f64,
@@ -134,7 +133,7 @@ impl<'a, F: FnMut(&OracleManeuver, f64) -> f64> Refiner<'a, F> {
     fn try_both(&mut self, entry: &mut (f64, Point), scale: f64, direction: &[(usize, f64)]) {
         for sign in [1.0, -1.0] {
             let mut improved = false;
-            // As long as it climbs, further.
+            // While it climbs, further.
             for _ in 0..20 {
                 let mut point = entry.1;
                 for &(axis, share) in direction {

@@ -1,7 +1,7 @@
 //! The exhaustive part: a tree over wait × first turn × straight × second turn with shared
-//! prefixes, on chords of the ideal vehicle's path, abandoned where the running minimum falls
-//! below what is already found. Its best leaves, one of each kind, are the seeds of the
-//! refinement, which is exact.
+//! prefixes, on chords of the ideal vehicle's path, cut off where the running minimum falls
+//! below the best found. Its best leaves, one of each kind, are the seeds of the exact
+//! refinement.
 
 use fga::Vec3;
 
@@ -16,18 +16,18 @@ use super::{
     Stages,
 };
 
-/// Everything one search needs; the arcs depend on the vehicle and the climb angle at the start.
+/// Everything that one search needs; the arcs depend on the vehicle and the climb angle at the start.
 struct Problem<'a> {
     start: &'a OracleStart,
     vehicle: &'a OracleVehicle,
     bodies: &'a [Body],
     horizon_s: f64,
-    /// Time by which the vehicle's response delays a manoeuvre, seconds.
+    /// Delay of a manoeuvre by the vehicle's response, seconds.
     lead_s: f64,
 }
 
 impl Problem<'_> {
-    /// The places at which the first turn can begin.
+    /// The points at which the first turn can begin.
     fn after_wait(&self, wait_s: f64) -> Here {
         let (sin, cos) = libm::sincos(self.start.course_rad);
         let (sin_climb, cos_climb) = libm::sincos(self.start.climb_rad);
@@ -181,7 +181,7 @@ impl Problem<'_> {
                 running,
                 ..*exit
             };
-            // The climb angle reached by now, as the nearest of the grid's.
+            // The present climb angle, rounded to the grid.
             let climb = prefix
                 .node
                 .climb_after(self.vehicle, prefix.arc.target, straight_s);
@@ -250,18 +250,18 @@ fn turn_bin(turned_rad: f64) -> usize {
     }
 }
 
-/// A leaf of the tree must be this much better than enough before it stops the tree, metres: its
-/// chords cut the corners.
+/// A leaf of the tree must exceed enough by this before it stops the tree, metres: its chords cut the
+/// corners.
 const CHORD_ERROR_M: f64 = 0.5;
 
-/// The fine tree is drawn only where the coarse one leaves this little either way, metres.
+/// The fine tree runs only where the coarse one is within this of the limit, metres.
 const DOUBTFUL_M: f64 = 5.0;
 
-/// What is lacking to `enough_m` after single turns that no second turn has been seen to add,
-/// metres; the most was 9.
+/// The largest lack of `enough_m` after single turns that a second turn may still add, metres; the
+/// largest observed was 9.
 const HOPELESS_M: f64 = 15.0;
 
-/// A gain that does not count, metres.
+/// A smaller gain does not count, metres.
 const LIMIT_TOLERANCE_M: f64 = 0.01;
 
 pub(super) fn hold_all_the_way(start: &OracleStart, horizon_s: f64) -> OracleManeuver {
@@ -323,7 +323,7 @@ pub(super) fn search(
 }
 
 /// Whether the obstacle that limits the best margin allows no more even when it is alone: then no
-/// second turn, which only serves to get past several obstacles, needs to be tried.
+/// second turn, which only helps to get past several obstacles, is worth a try.
 fn at_its_limit(problem: &Problem<'_>, bodies: &[Body], found: &Ascent<'_>) -> bool {
     let (margin, maneuver) = found.best;
     let flight = OracleFlight::new(problem.start, problem.vehicle, &maneuver, problem.horizon_s);

@@ -1,4 +1,4 @@
-//! How close a flight comes to the volumes, in continuous time.
+//! The distance of a flight from the volumes, in continuous time.
 //!
 //! On a straight piece the relative motion is a straight line: closed form for a sphere, a convex
 //! function of time for a cylinder. A curved piece deviates from its chord by at most A·h²/8 with
@@ -11,10 +11,10 @@ use fga::situation::ProtectedVolume;
 use super::OracleObstacle;
 use super::flight::{FlightNode, OracleFlight, hermite};
 
-/// Deviation of a curved piece from its chord that is left, metres.
+/// Accepted deviation of a curved piece from its chord, metres.
 const RESOLUTION_M: f64 = 5e-4;
 
-/// An obstacle with what the loops need.
+/// An obstacle with precomputed values for the loops.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Body {
     position: Vec3,
@@ -150,7 +150,7 @@ impl Body {
 }
 
 /// The least margin of a flight to all bodies, metres; infinite without bodies. Once it falls to
-/// `stop_below` or less the rest is not looked at.
+/// `stop_below` or less the function stops.
 pub(super) fn least_margin(flight: &OracleFlight, bodies: &[Body], stop_below: f64) -> f64 {
     let mut running = f64::INFINITY;
     let nodes = flight.nodes();
@@ -175,8 +175,7 @@ pub(super) fn least_margin(flight: &OracleFlight, bodies: &[Body], stop_below: f
     running
 }
 
-/// The least margin of each leg to each body, leg by leg, up to `cutoff`: a larger one is given as
-/// `cutoff`.
+/// The least margin of each leg to each body, leg by leg, capped at `cutoff`.
 pub(super) fn leg_margins(
     flight: &OracleFlight,
     bodies: &[Body],

@@ -1,4 +1,4 @@
-//! The tree's state and its steps: chords against the bodies, leaves, what is abandoned.
+//! The tree's state and steps: chords against the bodies, leaves, pruning.
 
 use fga::Vec3;
 
@@ -6,7 +6,7 @@ use super::OracleManeuver;
 use super::arc::{Arc, ArcNode};
 use super::separation::Body;
 
-/// Where a turn begins.
+/// The start of a turn.
 #[derive(Clone, Copy)]
 pub(super) struct Here {
     pub(super) time_s: f64,
@@ -63,8 +63,8 @@ impl Tree<'_> {
         }
     }
 
-    /// The margin when the turn that began at `here` ends at `node`, reached at `at` with
-    /// `running` so far; `None` when it is not worth a look.
+    /// The margin of a turn that begins at `here` and ends at `node`, reached at `at` with
+    /// `running` so far; `None` when it cannot improve the result.
     pub(super) fn finish(
         &self,
         arc: &Arc,
@@ -104,7 +104,7 @@ impl Tree<'_> {
         (margin > self.threshold()).then_some(margin)
     }
 
-    /// Walks one turn node by node. `visit` sees each node that is still alive, with its place and
+    /// Walks one turn node by node. `visit` sees each surviving node, with its position and
     /// running minimum, and says whether to go on.
     pub(super) fn walk(
         &mut self,

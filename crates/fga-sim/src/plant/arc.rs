@@ -13,15 +13,15 @@ use fga::angle::direction;
 /// for rates near zero as well.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arc {
-    /// When it begins, seconds since the start of the run.
+    /// Its start, seconds since the start of the run.
     pub start_s: f64,
-    /// How long it lasts, seconds.
+    /// Its duration, seconds.
     pub duration_s: f64,
-    /// Where it begins, metres over the ground.
+    /// Its first position, metres over the ground.
     pub position_m: Vec3,
-    /// Course through the air at its beginning, radians.
+    /// Course through the air at its start, radians.
     pub course_rad: f64,
-    /// Climb angle through the air at its beginning, radians.
+    /// Climb angle through the air at its start, radians.
     pub climb_rad: f64,
     /// Rate of the course, radians per second, positive to the left.
     pub course_rate_radps: f64,
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Eq. 10–12 by the classical Runge–Kutta rule in small steps: another derivation.
+    /// Eq. 10–12 by the classical Runge–Kutta rule in small steps: an independent derivation.
     fn integrated(arc: &Arc, after_s: f64) -> Vec3 {
         let steps = 400;
         let h = after_s / f64::from(steps);

@@ -1,7 +1,7 @@
 //! Flight with a first-order bank response or under the PI autopilot, by Runge–Kutta steps.
 //!
-//! The direct autopilot commands the bank of the full turn until what is left to turn is what rolling
-//! out to level turns, then level; the moment is found to rounding, so that a turn ends on its course.
+//! The direct autopilot commands the bank of the full turn until the remaining turn equals the turn made
+//! while rolling out to level, then level. The moment is exact to rounding, so a turn ends on its course.
 
 use fga::Vec3;
 use fga::angle::direction;
@@ -44,7 +44,7 @@ impl Controllers {
     }
 }
 
-/// What is integrated: position, course and bank.
+/// The integrated state: position, course and bank.
 #[derive(Clone, Copy)]
 struct Flight {
     position_m: Vec3,
@@ -65,19 +65,19 @@ impl Flight {
 /// Steps of the bank's time constant.
 const STEPS_OF_LAG: f64 = 16.0;
 
-/// A bank this close to its command is there, radians.
+/// A bank this close to its command has reached it, radians.
 const THERE_RAD: f64 = 1e-6;
 
-/// Less than this is not turned by rolling in, radians.
+/// A smaller turn does not roll in, radians.
 const LITTLE_RAD: f64 = 1e-7;
 
-/// Most steps to the moment at which a roll-out begins.
+/// Most iterations for the start of a roll-out.
 const STEPS_TO_ROLL_OUT: u32 = 44;
 
-/// What is left beyond the roll-out when it begins, radians.
+/// Remaining turn beyond the roll-out at its start, radians.
 const ROLL_OUT_BEGINS_RAD: f64 = 1e-14;
 
-/// A panel of Boole's rule is no wider than this, radians.
+/// Largest width of a panel of Boole's rule, radians.
 const PANEL_RAD: f64 = 0.15;
 
 /// Most panels.
@@ -106,8 +106,8 @@ fn roll_out_integral(bank_rad: f64) -> f64 {
 }
 
 impl Plant {
-    /// Flies until `until_s` under the direct autopilot: rolls by Runge–Kutta steps, what lies between
-    /// them in exact arcs.
+    /// Flies until `until_s` under the direct autopilot: rolls by Runge–Kutta steps, the rest in exact
+    /// arcs.
     pub(super) fn fly_rolling(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         let lag_s = self.vehicle.response.bank_time_constant_s;
         let longest_s = LONGEST_STEP_S.min(lag_s / STEPS_OF_LAG);
@@ -208,7 +208,7 @@ impl Plant {
         }
     }
 
-    /// What is left to turn beyond what rolling out to level turns, radians.
+    /// The remaining turn beyond the turn made while rolling out to level, radians.
     fn beyond_roll_out_rad(&self) -> f64 {
         self.beyond_at(&Flight {
             position_m: self.position_m,
@@ -292,7 +292,7 @@ impl Plant {
         self.climb_rad += climb_rate * step_s;
     }
 
-    /// Bank that the controller of the course asks for.
+    /// Bank demand of the course controller.
     fn bank_command_rad(&mut self, step_s: f64) -> f64 {
         let Some(stage) = self.active else {
             return 0.0;

@@ -1,10 +1,10 @@
 //! The aircraft as it really flies: Eq. 10–12 within the vehicle's limits, in wind.
 //!
 //! A plant receives a [`Maneuver`] at each decision and flies it until the next. Course and climb
-//! angle move at their rate limits to the commanded values. Without bank lag the path between two
-//! decisions is a handful of exact [`Arc`]s, broken where a stage begins and where a turn or a
-//! change of climb ends; rolls of an aircraft with bank lag, and all flight under the PI autopilot, are
-//! integrated by the classical Runge–Kutta rule in steps of at most 0.02 s. Left is positive throughout.
+//! angle move to the commanded values at their rate limits. Without bank lag the path between two
+//! decisions is a handful of exact [`Arc`]s, split at the start of a stage and at the end of a turn or
+//! a change of climb. Rolls of an aircraft with bank lag, and all flight under the PI autopilot, use
+//! the classical Runge–Kutta rule in steps of at most 0.02 s. Left is positive throughout.
 
 mod arc;
 mod lagged;
@@ -34,7 +34,7 @@ pub enum Autopilot {
     },
 }
 
-/// The flown state and the commands on their way.
+/// The flown state and the pending commands.
 #[derive(Debug, Clone)]
 pub struct Plant {
     vehicle: Vehicle,
@@ -47,9 +47,9 @@ pub struct Plant {
     climb_rad: f64,
     bank_rad: f64,
     airspeed_mps: f64,
-    /// What is being flown; `None` holds course and climb angle.
+    /// The present manoeuvre; `None` holds course and climb angle.
     active: Option<Stage>,
-    /// What will be flown from a moment on, in order of time (the dead time lies between).
+    /// Pending manoeuvres with their start times, in order (the dead time lies between).
     pending: VecDeque<(f64, Stage)>,
     controllers: lagged::Controllers,
 }
@@ -73,7 +73,7 @@ impl Plant {
         }
     }
 
-    /// Puts the aircraft somewhere, wings level, without commands.
+    /// Places the aircraft, wings level, without commands.
     pub fn place(&mut self, time_s: f64, position_m: Vec3, course_rad: f64, climb_rad: f64) {
         self.time_s = time_s;
         self.position_m = position_m;
@@ -85,7 +85,7 @@ impl Plant {
         self.controllers = lagged::Controllers::new(self.autopilot, &self.vehicle);
     }
 
-    /// Exchanges the vehicle, the autopilot and the wind; the state stays.
+    /// Replaces the vehicle, the autopilot and the wind; the state stays.
     pub fn refit(&mut self, vehicle: Vehicle, autopilot: Autopilot, wind_mps: Vec3) {
         self.vehicle = vehicle;
         self.autopilot = autopilot;
@@ -93,18 +93,18 @@ impl Plant {
         self.airspeed_mps = vehicle.airspeed_mps;
     }
 
-    /// Flies on at another airspeed, with the same largest bank angle (ρ ∝ V², Eq. 8).
+    /// Changes the airspeed and keeps the largest bank angle (ρ ∝ V², Eq. 8).
     pub fn fly_at(&mut self, airspeed_mps: f64) {
         self.vehicle = at_airspeed(&self.vehicle, airspeed_mps);
         self.airspeed_mps = self.vehicle.airspeed_mps;
     }
 
-    /// The vehicle's limits at the airspeed flown.
+    /// The vehicle's limits at the present airspeed.
     pub fn vehicle(&self) -> &Vehicle {
         &self.vehicle
     }
 
-    /// The state as the avoider sees it; course and climb angle through the air.
+    /// The state for the avoider; course and climb angle through the air.
     pub fn ownship(&self) -> Ownship {
         Ownship {
             position_m: self.position_m,
@@ -152,7 +152,7 @@ impl Plant {
         }
     }
 
-    /// Flies for `duration_s` seconds and shows every arc flown and where it ends, in order.
+    /// Flies for `duration_s` seconds and shows every flown arc and its end, in order.
     pub fn advance(&mut self, duration_s: f64, mut flown: impl FnMut(&Arc, Vec3)) {
         let end_s = self.time_s + duration_s;
         let rolls = self.vehicle.response.bank_time_constant_s > 0.0;
@@ -178,7 +178,7 @@ impl Plant {
         self.time_s = end_s;
     }
 
-    /// Climb angle asked for, within the vehicle's limits.
+    /// Commanded climb angle, within the vehicle's limits.
     fn climb_target_rad(&self) -> f64 {
         self.active.map_or(self.climb_rad, |stage| {
             stage
@@ -240,12 +240,12 @@ impl Plant {
         }
     }
 
-    /// Largest course rate flown at the present airspeed, radians per second (Eq. 9).
+    /// Largest course rate at the present airspeed, radians per second (Eq. 9).
     fn course_rate_limit_radps(&self) -> f64 {
         self.vehicle.response.turn_rate_factor * self.airspeed_mps / self.vehicle.turn_radius_m
     }
 
-    /// Bank angle that gives a course rate (Eq. 9), radians.
+    /// Bank angle of a course rate (Eq. 9), radians.
     fn bank_of(&self, course_rate_radps: f64) -> f64 {
         if course_rate_radps == 0.0 {
             return 0.0;
@@ -271,14 +271,14 @@ pub fn at_airspeed(vehicle: &Vehicle, airspeed_mps: f64) -> Vehicle {
     }
 }
 
-/// Rate that closes a difference at a limit, and how long that takes: infinite when there is
-/// nothing to close or no way to.
+/// Rate that closes a difference at a limit, and its duration: infinite when there is no difference
+/// or no rate.
 fn rate_to(difference: f64, limit: f64, within_s: f64) -> (f64, f64) {
     if difference == 0.0 || limit <= 0.0 {
         return (0.0, f64::INFINITY);
     }
     let needed_s = difference.abs() / limit;
-    // A rest too short to be flown is rounding: it is taken up at once.
+    // A rest too short to fly is rounding: take it at once.
     if needed_s < 1e-12 {
         return (difference / within_s.max(1e-12), f64::INFINITY);
     }

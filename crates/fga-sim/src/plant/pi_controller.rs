@@ -24,7 +24,7 @@ impl PiGains {
 
 /// Turns the error of an angle into its commanded rate: ψ̇ = `K_p` e + `K_i` ∫ e dt, limited.
 ///
-/// While the rate is at its limit the integral only moves back from it (conditional integration),
+/// At the limit of the rate the integral only moves back from it (conditional integration),
 /// so a long turn at full rate does not overshoot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PiController {
@@ -33,7 +33,7 @@ pub(super) struct PiController {
 }
 
 impl PiController {
-    /// A controller at rest; `None` for gains that are not valid.
+    /// A controller at rest; `None` for invalid gains.
     pub(super) fn new(gains: PiGains) -> Option<Self> {
         gains.is_valid().then_some(Self {
             gains,
@@ -42,7 +42,7 @@ impl PiController {
     }
 
     /// Commanded rate, radians per second, for an error (commanded − flown, wrapped by the caller
-    /// where it is a course) that has stood for `step_s` seconds.
+    /// if it is a course) over `step_s` seconds.
     ///
     /// An error or a time that is not finite, or a negative time, changes nothing and commands the
     /// rate of the integral alone.
@@ -111,7 +111,7 @@ mod tests {
             most
         };
         assert!(run(0.0) <= 3.0);
-        // Without anti-windup the integral would hold about 7.5 rad·s when the turn is done.
+        // Without anti-windup the integral would hold about 7.5 rad·s at the end of the turn.
         assert!(run(0.05) < 3.0 + 0.05);
     }
 

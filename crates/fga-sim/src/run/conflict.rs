@@ -1,5 +1,4 @@
-//! The conflicts of a flight: each from the moment at which something threatens until the aircraft
-//! is back on its mission.
+//! The conflicts of a flight: each from the first threat until the aircraft is back on its mission.
 
 use fga::avoider::State;
 
@@ -8,19 +7,19 @@ use super::DecisionLog;
 /// One conflict. Times in seconds since the start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conflict {
-    /// When something threatened.
+    /// First threat.
     pub threat_s: f64,
-    /// When the first maneuver began; `None` where the threat went away before.
+    /// Start of the first manoeuvre; `None` if the threat went away before.
     pub start_s: Option<f64>,
-    /// When the last maneuver ended.
+    /// End of the last manoeuvre.
     pub clear_s: Option<f64>,
-    /// When the aircraft was back on its mission; `None` where the flight ended before.
+    /// Return to the mission; `None` if the flight ended before.
     pub rejoined_s: Option<f64>,
-    /// Identifiers of the obstacles that were the most urgent threat, in that order.
+    /// Identifiers of the most urgent threats, in order.
     pub obstacles: Vec<u32>,
 }
 
-/// The conflicts that the decisions of a flight tell, in order of time.
+/// The conflicts in the decisions of a flight, in time order.
 pub(super) fn of(decisions: &[DecisionLog]) -> Vec<Conflict> {
     let mut conflicts: Vec<Conflict> = Vec::new();
     let mut last = State::Cruise;

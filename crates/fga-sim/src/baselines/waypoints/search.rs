@@ -1,4 +1,4 @@
-//! Building a path over sub-waypoints: one at a time, or the shortest of all.
+//! Builds a path over sub-waypoints: one at a time, or the shortest of all.
 
 use alloc::collections::BTreeSet;
 
@@ -21,7 +21,7 @@ pub(super) fn greedy(cube: &Cube, view: &View<'_>, candidates: &[Vec3]) -> Vec<V
         if cube.clearance_m(view, from, goal, start_s) >= 0.0 {
             break;
         }
-        // The shortest way over a clear point; where none is, the clearest.
+        // The shortest way over a clear point; without one, the clearest.
         let mut best: Option<(f64, Vec3)> = None;
         for offset in candidates {
             let to = from + *offset;
@@ -64,7 +64,7 @@ pub(super) fn shortest(
         flown_m: 0.0,
         from: 0,
     }];
-    // Ordered by estimate: numbers that are not negative order as their bits do.
+    // Ordered by estimate: the bits of numbers that are not negative order as the numbers do.
     let mut open: BTreeSet<(u64, usize)> = BTreeSet::from([(goal.length().to_bits(), 0)]);
     let mut seen: BTreeSet<[i64; 3]> = BTreeSet::new();
     let mut clearest: Option<(f64, Vec3)> = None;
@@ -100,7 +100,7 @@ pub(super) fn shortest(
             });
         }
     }
-    // No clear path: along the most promising one that was found, else the clearest leg.
+    // No clear path: the most promising one found, else the clearest leg.
     let left = |node: &Node| node.flown_m + goal.distance(node.at_m);
     let promising = (1..nodes.len()).min_by(|a, b| left(&nodes[*a]).total_cmp(&left(&nodes[*b])));
     match (promising, clearest) {
@@ -110,7 +110,7 @@ pub(super) fn shortest(
     }
 }
 
-/// A cell of a metre: two ways to the same sub-waypoint are one.
+/// A cell of a metre: two ways to the same sub-waypoint count as one.
 fn cell(point: Vec3) -> [i64; 3] {
     #[expect(clippy::cast_possible_truncation, reason = "some kilometres at most")]
     let whole = |value: f64| libm::round(value) as i64;
