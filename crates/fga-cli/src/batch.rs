@@ -19,8 +19,8 @@ use crate::common::{
     AnswerArgs, OutArgs, PolicyArgs, ThreadArgs, VehicleArgs, interrupted, watch_for_interrupt,
 };
 use crate::failure::Failure;
-use crate::provenance::{Provenance, file_fingerprint};
 use crate::worst::Worst;
+use fga_results::provenance::{Provenance, file_fingerprint};
 
 /// Options of `fga batch`.
 #[derive(Args, Debug)]

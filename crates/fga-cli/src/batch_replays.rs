@@ -14,7 +14,7 @@ use fga_sim::world::World;
 use rayon::prelude::*;
 
 use crate::failure::Failure;
-use crate::replay_page;
+use fga_results::replay_page;
 
 /// Folder of the pages within the results.
 const FOLDER: &str = "replay";

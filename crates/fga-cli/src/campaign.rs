@@ -9,26 +9,25 @@ use std::time::Instant;
 use clap::{Args, Subcommand};
 use fga_formats::atomic;
 use fga_formats::error::read_text;
+use fga_results::campaign::summary::{document as summary_document, in_words};
+use fga_results::campaign::{document, finish};
+use fga_results::flight::summary as flight_summary;
+use fga_results::flight_files;
+use fga_results::provenance::{Provenance, TARGET};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{
-    Assembled, Campaign, CampaignError, DecisionTimes, Folder, Manifest, Progress, RESULTS, Shard,
-    Stamp, Summary, Task, assemble, merge, reread, run as fly,
+    Campaign, CampaignError, DecisionTimes, Folder, Manifest, Progress, RESULTS, Shard, Stamp,
+    Task, assemble, merge, reread, run as fly,
 };
 use fga_sim::policy::PolicyChoice;
 use serde_json::{Value, json};
 
 use crate::campaign_draw::{self, DrawArgs};
 use crate::campaign_report::{self, ReportArgs};
-use crate::campaign_risk;
-use crate::campaign_summary::{document as summary_document, in_words, write_summary};
 use crate::common::{
     AnswerArgs, OutArgs, OverlayArgs, ThreadArgs, interrupted, watch_for_interrupt,
 };
 use crate::failure::Failure;
-use crate::files::TARGET;
-use crate::provenance::Provenance;
-use crate::run::summary as run_summary;
-use crate::run_files;
 
 /// Options of `fga campaign`.
 #[derive(Args, Debug)]
@@ -284,58 +283,6 @@ impl SourceArgs {
     }
 }
 
-/// Writes everything about a complete campaign; returns its summary.
-pub(crate) fn finish(
-    folder: &Folder,
-    campaign: &Campaign,
-    manifest: &Manifest,
-    mut assembled: Assembled,
-    provenance: &Provenance,
-    mut more: Value,
-) -> Result<Summary, CampaignError> {
-    write_events(folder, campaign)?;
-    write_summary(folder.path(), campaign, &assembled.summary)?;
-    campaign_risk::write(folder.path(), campaign, &assembled.summary.risks)?;
-    if let Some(more) = more.as_object_mut() {
-        more.insert("results_sha256".into(), json!(assembled.sha256));
-    }
-    let document = document(provenance, manifest, more);
-    atomic::write(&folder.file("run.json"), format!("{document:#}\n"))?;
-    assembled.commit()?;
-    folder.remove_blocks()?;
-    Ok(assembled.summary)
-}
-
-/// Writes the events of the encounters in the key `events`, flown again under every policy.
-fn write_events(folder: &Folder, campaign: &Campaign) -> Result<(), CampaignError> {
-    let configuration = &campaign.configuration;
-    if configuration.events.is_empty() {
-        return Ok(());
-    }
-    let events = folder.file("events");
-    atomic::prepare_folder(&events)?;
-    for &number in &configuration.events {
-        for (name, policy) in configuration.policies.iter().zip(&campaign.policies) {
-            let log = campaign.show(number, policy)?;
-            let file = format!("{number}-{}.jsonl", name.replace(" --start ", "-"));
-            let text = run_files::events_jsonl(&run_files::events(&log));
-            atomic::write(&events.join(file), text)?;
-        }
-    }
-    Ok(())
-}
-
-fn document(provenance: &Provenance, manifest: &Manifest, more: Value) -> Value {
-    let configuration = serde_json::to_value(&manifest.configuration).unwrap_or_default();
-    let mut document = provenance.to_json("campaign", &configuration, more);
-    if let Some(document) = document.as_object_mut() {
-        let hash = json!(manifest.configuration_hash);
-        document.insert("configuration_hash".into(), hash);
-        document.insert("seed".into(), json!(manifest.configuration.seeds));
-    }
-    document
-}
-
 fn decision_times(campaign: &Campaign, times: &[DecisionTimes], fly_s: f64) -> Value {
     let encounters = times.first().map_or(0, |times| times.encounters);
     let policies: Vec<Value> = campaign
@@ -440,7 +387,7 @@ fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
         "policy": log.policy,
         "overlay": overlaid.iter().map(|log| log.policy.as_str()).collect::<Vec<_>>(),
     });
-    let summary = run_summary(&log);
+    let summary = flight_summary(&log);
     let mut more = summary.clone();
     if let Some(more) = more.as_object_mut() {
         more.insert("input".into(), json!(args.folder.display().to_string()));
@@ -448,7 +395,7 @@ fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
         more.insert("vehicle".into(), json!(log.plan.model.name));
     }
     let document = provenance.to_json("campaign show", &configuration, more);
-    run_files::write(&folder, &log, &overlaid, &document)?;
+    flight_files::write(&folder, &log, &overlaid, &document)?;
     args.answer
         .print(|| crate::run::in_words(&log, &overlaid, &folder), &summary)?;
     Ok(ExitCode::SUCCESS)

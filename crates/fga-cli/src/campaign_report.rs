@@ -16,8 +16,8 @@ use serde_json::json;
 
 use crate::common::AnswerArgs;
 use crate::failure::Failure;
-use crate::replay_page;
 use crate::worst::Worst;
+use fga_results::replay_page;
 
 /// Options of `fga campaign report`.
 #[derive(Args, Debug)]

@@ -15,7 +15,7 @@ use serde_json::json;
 
 use crate::common::{AnswerArgs, interrupted, watch_for_interrupt};
 use crate::failure::Failure;
-use crate::flight_file;
+use fga_results::flight_file;
 
 /// Options of `fga export`.
 #[derive(Args, Debug)]

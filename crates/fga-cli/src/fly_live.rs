@@ -24,7 +24,7 @@ use fga_report::replay::{
 };
 use fga_view::{Live, Server};
 
-use crate::replay_page::{Drawer, due};
+use fga_results::replay_page::{Drawer, due};
 
 /// Least time between pictures, seconds.
 const PICTURE_EVERY_S: f64 = 0.1;

@@ -1,7 +1,6 @@
 //! The command line of fga: one file per command, each an adapter from files to the libraries.
 //!
-//! The program `fga` only calls [`main`]. [`files`] writes the output files of a flight or a campaign,
-//! for callers without a process.
+//! The program `fga` only calls [`main`].
 
 mod alerts;
 mod bands;
@@ -11,30 +10,22 @@ mod campaign;
 mod campaign_catalogue;
 mod campaign_draw;
 mod campaign_report;
-mod campaign_risk;
-mod campaign_summary;
 mod check;
 mod common;
 mod export;
 mod failure;
 mod file_kind;
-pub mod files;
-mod flight_file;
 #[cfg(feature = "fly")]
 mod fly;
 #[cfg(feature = "fly")]
 mod fly_live;
 mod init;
 mod live;
-mod named_rows;
 mod oracle;
-mod provenance;
 #[cfg(feature = "fly")]
 mod rc;
-mod replay_page;
 mod reproduce;
 mod run;
-mod run_files;
 mod shell;
 #[cfg(feature = "fly")]
 mod traffic;

@@ -12,7 +12,7 @@ use fga_report::replay::{
 use fga_sim::run::{DecisionLog, Plan, RunLog};
 use fga_view::{Live, Server};
 
-use crate::replay_page::{Drawer, due, event_words, planned_obstacles};
+use fga_results::replay_page::{Drawer, due, event_words, planned_obstacles};
 
 /// Time for browsers to take the last messages.
 const LAST_WORDS: Duration = Duration::from_secs(5);

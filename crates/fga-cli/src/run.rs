@@ -7,15 +7,15 @@ use std::process::ExitCode;
 use clap::Args;
 use fga::situation::ProtectedVolume;
 use fga_formats::number::fixed;
+use fga_results::flight::{document, summary};
+use fga_results::flight_files;
+use fga_results::provenance::{Provenance, file_fingerprint};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, RunLog, fly};
-use serde_json::{Value, json};
 
 use crate::common::{AnswerArgs, OutArgs, OverlayArgs, PolicyArgs, ThreadArgs, VehicleArgs};
 use crate::failure::Failure;
 use crate::live::LiveView;
-use crate::provenance::{Provenance, file_fingerprint};
-use crate::run_files;
 
 /// Exit code of a run in which the aircraft entered a protected volume.
 const ENTERED: u8 = 2;
@@ -82,7 +82,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         fly(plan, &policy, &mut |_| ())?
     };
     let document = document(&provenance, (&args.file, &input_hash), &log, &overlaid);
-    run_files::write(&folder, &log, &overlaid, &document)?;
+    flight_files::write(&folder, &log, &overlaid, &document)?;
     args.answer
         .print(|| in_words(&log, &overlaid, &folder), &summary(&log))?;
     Ok(if log.outcome.separated() {
@@ -97,99 +97,6 @@ fn begin_live(plan: &Plan, policy: &PolicyChoice, speed: f64) -> Result<LiveView
         .map_err(|error| Failure::Input(format!("the live view cannot be served: {error}")))?;
     eprintln!("live at http://{}/", live.address());
     Ok(live)
-}
-
-/// `run.json`: the origin of the results, and the summary.
-pub(crate) fn document(
-    provenance: &Provenance,
-    (input, input_sha256): (&Path, &str),
-    log: &RunLog,
-    overlaid: &[RunLog],
-) -> Value {
-    let mut configuration = json!({
-        "policy": log.policy,
-        "vehicle_sha256": log.plan.model.sha256,
-        "seed": log.plan.world.seed,
-        "input_sha256": input_sha256,
-    });
-    if !overlaid.is_empty() {
-        configuration["overlay"] = overlaid.iter().map(|log| log.policy.as_str()).collect();
-    }
-    let mut more = summary(log);
-    if let Some(more) = more.as_object_mut() {
-        more.insert("input".into(), json!(input.display().to_string()));
-        more.insert("seed".into(), json!(log.plan.world.seed));
-        more.insert("vehicle".into(), json!(log.plan.model.name));
-    }
-    provenance.to_json("run", &configuration, more)
-}
-
-/// A finite number, or null.
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
-}
-
-/// The summary as JSON; the keys match the columns of the files.
-pub(crate) fn summary(log: &RunLog) -> Value {
-    let outcome = &log.outcome;
-    let times = log.decision_times();
-    let obstacles: Vec<Value> = log
-        .obstacles
-        .iter()
-        .map(|obstacle| {
-            let half_height_m = match obstacle.volume {
-                ProtectedVolume::Sphere { .. } => None,
-                ProtectedVolume::Cylinder { half_height_m, .. } => Some(half_height_m),
-            };
-            json!({
-                "obstacle": obstacle.id,
-                "name": obstacle.name,
-                "separated": obstacle.margin.value_m >= 0.0,
-                "min_separation_m": finite(obstacle.separation.value_m),
-                "min_separation_t_s": finite(obstacle.separation.value_m).map(|_| obstacle.separation.time_s),
-                "min_margin_m": finite(obstacle.margin.value_m),
-                "min_margin_t_s": finite(obstacle.margin.value_m).map(|_| obstacle.margin.time_s),
-                "radius_m": obstacle.volume.radius_m(),
-                "half_height_m": half_height_m,
-                "first_seen_s": obstacle.first_seen_s,
-            })
-        })
-        .collect();
-    let conflicts: Vec<Value> = log
-        .conflicts()
-        .iter()
-        .map(|conflict| {
-            json!({
-                "threat_s": conflict.threat_s,
-                "start_s": conflict.start_s,
-                "clear_s": conflict.clear_s,
-                "rejoined_s": conflict.rejoined_s,
-                "obstacles": conflict.obstacles,
-            })
-        })
-        .collect();
-    json!({
-        "name": log.plan.name,
-        "policy": log.policy,
-        "separated": outcome.separated(),
-        "min_separation_m": finite(outcome.min_separation_m),
-        "min_margin_m": finite(outcome.min_margin_m),
-        "threat_s": outcome.threat_s,
-        "start_s": outcome.start_s,
-        "clear_s": outcome.clear_s,
-        "rejoined_s": outcome.rejoined_s,
-        "conflicts": conflicts,
-        "max_cross_track_m": outcome.max_cross_track_m,
-        "extra_path_m": outcome.extra_path_m,
-        "mission_flown": outcome.mission_flown,
-        "waypoints_missed": outcome.waypoints_missed,
-        "end_s": outcome.end_s,
-        "decisions": log.decisions.len(),
-        "decision_median_us": times.median_us,
-        "decision_p99_us": times.p99_us,
-        "decision_max_us": times.max_us,
-        "obstacles": obstacles,
-    })
 }
 
 /// The summary in words, with a line for each further flight.

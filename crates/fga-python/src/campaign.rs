@@ -3,8 +3,9 @@
 use core::sync::atomic::Ordering;
 use std::path::{Path, PathBuf};
 
-use fga_cli::files::{TARGET, finish_campaign};
 use fga_formats::error::read_text;
+use fga_results::campaign::finish;
+use fga_results::provenance::{Provenance, TARGET};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::folder::{encode_block, number_of};
 use fga_sim::campaign::metrics::{Access, FIELDS};
@@ -51,7 +52,15 @@ impl Campaign {
         let blocks = folder.blocks()?;
         let assembled = assemble(&blocks, &self.0, &Self::stamp(), folder, csv)?;
         let sha256 = assembled.sha256.clone();
-        finish_campaign(folder, &self.0, &self.manifest(), assembled)?;
+        let provenance = Provenance::begin();
+        finish(
+            folder,
+            &self.0,
+            &self.manifest(),
+            assembled,
+            &provenance,
+            serde_json::json!({}),
+        )?;
         Ok(sha256)
     }
 }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use fga::situation::Situation as CoreSituation;
-use fga_cli::files;
 use fga_formats::InputError;
+use fga_results::{flight, flight_files, replay_page};
 use fga_sim::campaign::parse_policy;
 use fga_sim::engine::{Outcome, SteppedFlight};
 use fga_sim::run::{Plan, RunLog};
@@ -212,7 +212,7 @@ impl Run {
     /// The summary, as `fga run --json` prints it.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let text = files::summary(&self.log).to_string();
+        let text = flight::summary(&self.log).to_string();
         py.import("json")?.call_method1("loads", (text,))
     }
 
@@ -260,23 +260,23 @@ impl Run {
 
     /// The bytes of track.csv.
     fn track_csv<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &files::track_csv(&self.log))
+        PyBytes::new(py, &flight_files::track_csv(&self.log))
     }
 
     /// The text of events.jsonl.
     fn events_jsonl(&self) -> String {
-        files::events_jsonl(&self.log)
+        flight_files::events_jsonl(&flight_files::events(&self.log))
     }
 
     /// The replay page.
     fn replay_html(&self) -> String {
-        files::replay_page(&self.log, &self.overlaid)
+        replay_page::page(core::iter::once(&self.log).chain(&self.overlaid))
     }
 
     /// Writes what `fga run` writes into a folder.
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         let source = (self.input.as_path(), self.input_sha256.as_str());
-        py.detach(|| files::write_run(&folder, source, &self.log, &self.overlaid))
+        py.detach(|| flight::write(&folder, source, &self.log, &self.overlaid))
             .map_err(output)
     }
 

@@ -63,7 +63,7 @@ fn rows(campaign: &Campaign, risks: &Risks) -> Vec<Vec<(&'static str, Value)>> {
 }
 
 /// The rows as objects, for `summary.json`; `null` for a campaign without aircraft.
-pub(crate) fn document(campaign: &Campaign, risks: &Risks) -> Value {
+pub fn document(campaign: &Campaign, risks: &Risks) -> Value {
     if risks.is_empty() {
         return Value::Null;
     }
@@ -72,7 +72,10 @@ pub(crate) fn document(campaign: &Campaign, risks: &Risks) -> Value {
 
 /// For campaigns of aircraft: writes `risk.csv`, and `convergence.csv` with the ratios after growing
 /// numbers of encounters.
-pub(crate) fn write(folder: &Path, campaign: &Campaign, risks: &Risks) -> Result<(), OutputError> {
+///
+/// # Errors
+/// A folder that cannot be written.
+pub fn write(folder: &Path, campaign: &Campaign, risks: &Risks) -> Result<(), OutputError> {
     if risks.is_empty() {
         return Ok(());
     }
@@ -104,7 +107,7 @@ pub(crate) fn write(folder: &Path, campaign: &Campaign, risks: &Risks) -> Result
 }
 
 /// The ratios in words.
-pub(crate) fn push_words(text: &mut String, campaign: &Campaign, risks: &Risks) {
+pub fn push_words(text: &mut String, campaign: &Campaign, risks: &Risks) {
     if risks.is_empty() {
         return;
     }

@@ -6,26 +6,25 @@ use fga_report::interval::Estimate;
 use fga_sim::campaign::{Campaign, Configuration, Flown, Flyer, Row, Summary, Totals};
 use rayon::prelude::*;
 
-use super::Setting;
-use crate::common::interrupted;
-use crate::failure::Failure;
+use crate::ReproduceError;
+use crate::Setting;
 
 /// The end of the name of a cell whose obstacles all stay at the aircraft's altitude.
-pub(super) const PLANAR: &str = ",planar";
+pub(crate) const PLANAR: &str = ",planar";
 
 /// Table 4's aircraft without climb.
-const PLANAR_VEHICLE: &str = include_str!("../../vehicles/paper-planar.toml");
+const PLANAR_VEHICLE: &str = include_str!("../vehicles/paper-planar.toml");
 
 /// The results.
-pub(super) struct Flights {
+pub(crate) struct Flights {
     /// The encounters.
-    pub(super) campaign: Campaign,
+    pub(crate) campaign: Campaign,
     /// Rows of each encounter, one for each policy.
-    pub(super) rows: Vec<Vec<Row>>,
+    pub(crate) rows: Vec<Vec<Row>>,
     /// Counts.
-    pub(super) summary: Summary,
+    pub(crate) summary: Summary,
     /// Times of each policy.
-    pub(super) times: Vec<Times>,
+    pub(crate) times: Vec<Times>,
 }
 
 /// The duration of the flights of one policy, means over the flights.
@@ -34,22 +33,22 @@ pub(super) struct Flights {
     reason = "the unit, as everywhere in this project"
 )]
 #[derive(Clone, Copy, Default)]
-pub(super) struct Times {
+pub(crate) struct Times {
     /// Of the whole flight, seconds.
-    pub(super) flight_s: f64,
+    pub(crate) flight_s: f64,
     /// Of its median decision, seconds.
-    pub(super) median_s: f64,
+    pub(crate) median_s: f64,
     /// Of its longest decision, seconds.
-    pub(super) longest_s: f64,
+    pub(crate) longest_s: f64,
 }
 
 /// Flies `setting.encounters` encounters of each cell under each policy, and asks the oracle. Either
 /// all cells end in `,planar` or none; if all, the aircraft may not climb.
-pub(super) fn fly(
+pub(crate) fn fly(
     setting: &Setting<'_>,
     cells: &[String],
     policies: &[&str],
-) -> Result<Flights, Failure> {
+) -> Result<Flights, ReproduceError> {
     let planar = cells.iter().any(|cell| cell.ends_with(PLANAR));
     let configuration = Configuration {
         name: "reproduce".into(),
@@ -76,17 +75,17 @@ pub(super) fn fly(
             || Flyer::new(&campaign),
             |flyer, number| {
                 let mut rows = Vec::with_capacity(policies.len());
-                if interrupted() {
-                    return Err(Failure::Interrupted);
+                if !(setting.goes_on)() {
+                    return Err(ReproduceError::Stopped);
                 }
                 match flyer {
                     Ok(flyer) => flyer.fly(number, &mut rows)?,
-                    Err(error) => return Err(Failure::Input(error.to_string())),
+                    Err(error) => return Err(ReproduceError::of(&error)),
                 }
                 Ok(rows)
             },
         )
-        .collect::<Result<Vec<_>, Failure>>()?;
+        .collect::<Result<Vec<_>, ReproduceError>>()?;
     let mut summary = Summary::default();
     let mut times = vec![Times::default(); policies.len()];
     let share_s = 1e-9 / flown.len() as f64;
@@ -109,7 +108,7 @@ pub(super) fn fly(
 
 impl Flights {
     /// Totals of a policy in a cell.
-    pub(super) fn totals(&self, policy: usize, cell: usize) -> Option<&Totals> {
+    pub(crate) fn totals(&self, policy: usize, cell: usize) -> Option<&Totals> {
         self.summary
             .sources()
             .find(|(p, source, _)| *p as usize == policy && *source as usize == cell)
@@ -117,19 +116,19 @@ impl Flights {
     }
 
     /// Share kept separated by a policy in a cell.
-    pub(super) fn separated(&self, policy: usize, cell: usize) -> Option<Estimate> {
+    pub(crate) fn separated(&self, policy: usize, cell: usize) -> Option<Estimate> {
         let totals = self.totals(policy, cell)?;
         Estimate::wilson(totals.separated, totals.encounters)
     }
 
     /// Share that the oracle keeps separated in a cell.
-    pub(super) fn avoidable(&self, cell: usize) -> Option<Estimate> {
+    pub(crate) fn avoidable(&self, cell: usize) -> Option<Estimate> {
         let totals = self.totals(0, cell)?;
         Estimate::wilson(totals.avoidable, totals.asked)
     }
 
     /// The cells.
-    pub(super) fn cells(&self) -> &[String] {
+    pub(crate) fn cells(&self) -> &[String] {
         &self.campaign.configuration.cells
     }
 }

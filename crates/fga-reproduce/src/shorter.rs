@@ -7,10 +7,10 @@ use fga_report::interval::Estimate;
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 use fga_sim::campaign::Row;
 
-use super::Setting;
-use super::flights::Flights;
-use super::methods::method;
-use crate::failure::Failure;
+use crate::ReproduceError;
+use crate::Setting;
+use crate::flights::Flights;
+use crate::methods::method;
 
 /// The methods that the paper claims to be shorter.
 const OWN: [&str; 3] = ["published --start tc", "published --start t0", "turn-aware"];
@@ -80,11 +80,11 @@ impl Compared {
 }
 
 /// The section.
-pub(super) fn section(
+pub(crate) fn section(
     setting: &Setting<'_>,
     still: &Flights,
     moving: &Flights,
-) -> Result<Section, Failure> {
+) -> Result<Section, ReproduceError> {
     let mut compared = Vec::new();
     for (obstacles, flights) in [("static", still), ("moving", moving)] {
         for planner in PLANNERS {
@@ -105,7 +105,7 @@ pub(super) fn section(
             }
         }
     }
-    atomic::write(&setting.data.join("shorter.csv"), csv)?;
+    atomic::write(&setting.data().join("shorter.csv"), csv)?;
     let mut columns = vec![
         Column::text("obstacles"),
         Column::text("method"),

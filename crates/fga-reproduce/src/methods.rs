@@ -8,12 +8,12 @@ use fga_report::plot::{Axis, BarChart, BarSeries};
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 use fga_sim::campaign::Totals;
 
-use super::flights::{Flights, PLANAR, fly};
-use super::{Setting, next, shorter, times};
-use crate::failure::Failure;
+use crate::ReproduceError;
+use crate::flights::{Flights, PLANAR, fly};
+use crate::{Setting, shorter, times};
 
 /// Every method; the first one measures the cost of plant and measurement alone.
-pub(super) const METHODS: [&str; 10] = [
+pub(crate) const METHODS: [&str; 10] = [
     "none",
     "published --start tc",
     "published --start t0",
@@ -40,7 +40,7 @@ const SHORT: [&str; METHODS.len() - 1] = [
 ];
 
 /// Index of a method.
-pub(super) fn method(name: &str) -> usize {
+pub(crate) fn method(name: &str) -> usize {
     METHODS.iter().position(|m| *m == name).unwrap_or(0)
 }
 
@@ -48,8 +48,8 @@ pub(super) fn method(name: &str) -> usize {
 const SPEEDS: [&str; 5] = ["0", "15-20", "35-40", "55-60", "0-60"];
 
 /// Tables 5 and 6, the "67 % shorter" claim, and all methods side by side.
-pub(super) fn sections(setting: &Setting<'_>) -> Result<Vec<Section>, Failure> {
-    next("Tables 5 and 6: computing time of a case")?;
+pub(crate) fn sections(setting: &Setting<'_>) -> Result<Vec<Section>, ReproduceError> {
+    setting.begin("Tables 5 and 6: computing time of a case")?;
     let table_5 = |speed: &str| -> Vec<String> {
         (1..=3)
             .map(|count| format!("threats:{count}:300:{speed}"))
@@ -65,7 +65,7 @@ pub(super) fn sections(setting: &Setting<'_>) -> Result<Vec<Section>, Failure> {
         };
         speeds.iter().flat_map(cells).collect()
     };
-    next("Section 2.3: every method on identical encounters")?;
+    setting.begin("Section 2.3: every method on identical encounters")?;
     let space = fly(setting, &grid(&SPEEDS, ""), &METHODS)?;
     let plane = fly(setting, &grid(&SPEEDS, PLANAR), &METHODS)?;
     let among = fly(setting, &grid(&["0", "0-60"], ",bystanders"), &METHODS)?;
@@ -92,7 +92,7 @@ fn saved(totals: &Totals) -> Option<Estimate> {
 /// A group of cells with a name for the chart.
 type Group<'a> = (&'a str, &'a [&'a Flights]);
 
-fn side_by_side(setting: &Setting<'_>, groups: &[Group<'_>]) -> Result<Section, Failure> {
+fn side_by_side(setting: &Setting<'_>, groups: &[Group<'_>]) -> Result<Section, ReproduceError> {
     let flights = || {
         groups
             .iter()
@@ -124,7 +124,7 @@ fn side_by_side(setting: &Setting<'_>, groups: &[Group<'_>]) -> Result<Section, 
         standing.take(flights, cell, name);
         rows.push(row);
     }
-    atomic::write(&setting.data.join("methods.csv"), csv)?;
+    atomic::write(&setting.data().join("methods.csv"), csv)?;
     let columns = [Column::text("cell"), Column::number("oracle: avoidable")];
     Ok(Section {
         title: "Section 2.3: every method on identical encounters".into(),

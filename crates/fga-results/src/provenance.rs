@@ -7,16 +7,19 @@ use fga_formats::InputError;
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 
+/// The target of this build, for `run.json` and the table of a campaign.
+pub const TARGET: &str = env!("FGA_TARGET");
+
 /// Starts with the command.
 #[derive(Debug)]
-pub(crate) struct Provenance {
+pub struct Provenance {
     begun: Instant,
     begun_unix_s: f64,
 }
 
 impl Provenance {
     /// Marks the start of the command.
-    pub(crate) fn begin() -> Self {
+    pub fn begin() -> Self {
         Self {
             begun: Instant::now(),
             begun_unix_s: SystemTime::now()
@@ -26,16 +29,16 @@ impl Provenance {
     }
 
     /// Seconds since the command began.
-    pub(crate) fn elapsed_s(&self) -> f64 {
+    pub fn elapsed_s(&self) -> f64 {
         self.begun.elapsed().as_secs_f64()
     }
 
     /// The origin of results; `more` adds the command's figures.
-    pub(crate) fn to_json(&self, command: &str, configuration: &Value, more: Value) -> Value {
+    pub fn to_json(&self, command: &str, configuration: &Value, more: Value) -> Value {
         let mut document = json!({
             "command": command,
             "version": env!("CARGO_PKG_VERSION"),
-            "target": crate::files::TARGET,
+            "target": TARGET,
             "configuration_hash": fingerprint(configuration.to_string().as_bytes()),
             "configuration": configuration,
             "begun_unix_s": self.begun_unix_s,
@@ -49,7 +52,7 @@ impl Provenance {
 }
 
 /// SHA-256 of some bytes, in hexadecimal.
-pub(crate) fn fingerprint(bytes: &[u8]) -> String {
+pub fn fingerprint(bytes: &[u8]) -> String {
     use core::fmt::Write as _;
     let mut text = String::with_capacity(64);
     for byte in Sha256::digest(bytes) {
@@ -59,7 +62,10 @@ pub(crate) fn fingerprint(bytes: &[u8]) -> String {
 }
 
 /// SHA-256 of a file.
-pub(crate) fn file_fingerprint(path: &Path) -> Result<String, InputError> {
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn file_fingerprint(path: &Path) -> Result<String, InputError> {
     let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
     Ok(fingerprint(&bytes))
 }

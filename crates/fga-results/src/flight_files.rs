@@ -19,7 +19,10 @@ use crate::replay_page;
 
 /// Writes the files of a flight into `folder`. The replay page also holds `overlaid`, the same
 /// encounter under other policies.
-pub(crate) fn write(
+///
+/// # Errors
+/// A folder that cannot be written.
+pub fn write(
     folder: &Path,
     log: &RunLog,
     overlaid: &[RunLog],
@@ -37,7 +40,8 @@ pub(crate) fn write(
     atomic::write(&folder.join("run.json"), format!("{document:#}\n"))
 }
 
-pub(crate) fn track_csv(log: &RunLog) -> Vec<u8> {
+/// `track.csv`: the flown path, a row for each sample.
+pub fn track_csv(log: &RunLog) -> Vec<u8> {
     let mut text = b"t_s,x_m,y_m,z_m,course_rad,climb_rad,bank_rad,state\n".to_vec();
     for sample in &log.samples {
         for value in [
@@ -59,7 +63,7 @@ pub(crate) fn track_csv(log: &RunLog) -> Vec<u8> {
 }
 
 /// Decisions with news, and the closest approaches, in time order.
-pub(crate) fn events(log: &RunLog) -> Vec<(f64, Value)> {
+pub fn events(log: &RunLog) -> Vec<(f64, Value)> {
     let mut events: Vec<(f64, Value)> = log
         .decisions
         .iter()
@@ -106,7 +110,7 @@ pub(crate) fn events(log: &RunLog) -> Vec<(f64, Value)> {
 }
 
 /// A missed waypoint, in words; waypoints count from 1.
-pub(crate) fn missed_words(missed: &MissedWaypoint) -> String {
+pub fn missed_words(missed: &MissedWaypoint) -> String {
     format!(
         "waypoint {} missed by {:.1} m",
         missed.index + 1,
@@ -115,7 +119,7 @@ pub(crate) fn missed_words(missed: &MissedWaypoint) -> String {
 }
 
 /// The events, one JSON object a line.
-pub(crate) fn events_jsonl(events: &[(f64, Value)]) -> String {
+pub fn events_jsonl(events: &[(f64, Value)]) -> String {
     let mut text = String::new();
     for (_, event) in events {
         text.push_str(&event.to_string());
@@ -168,7 +172,7 @@ fn moments(log: &RunLog) -> Vec<Moment> {
 }
 
 /// The data of the picture.
-pub(crate) fn overview(log: &RunLog) -> Overview {
+pub fn overview(log: &RunLog) -> Overview {
     let end_s = log.outcome.end_s;
     let obstacles = log
         .plan

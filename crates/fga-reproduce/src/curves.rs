@@ -8,9 +8,9 @@ use fga_report::plot::{Axis, Claim, Line, LineChart, LinePoint};
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 use fga_sim::campaign::Row;
 
-use super::flights::{Flights, fly};
-use super::{Setting, next};
-use crate::failure::Failure;
+use crate::ReproduceError;
+use crate::Setting;
+use crate::flights::{Flights, fly};
 
 /// The policies in their order.
 const POLICIES: [&str; 3] = ["published --start tc", "published --start t0", "turn-aware"];
@@ -133,15 +133,15 @@ fn figures() -> [Figure; 3] {
 }
 
 /// The sections of the four figures.
-pub(super) fn sections(setting: &Setting<'_>) -> Result<Vec<Section>, Failure> {
+pub(crate) fn sections(setting: &Setting<'_>) -> Result<Vec<Section>, ReproduceError> {
     figures()
         .iter()
         .map(|figure| section(figure, setting))
         .collect()
 }
 
-fn section(figure: &Figure, setting: &Setting<'_>) -> Result<Section, Failure> {
-    next(figure.title)?;
+fn section(figure: &Figure, setting: &Setting<'_>) -> Result<Section, ReproduceError> {
+    setting.begin(figure.title)?;
     let mut blocks = Vec::new();
     let mut csv = String::from("curve,x,cell,series,share,low,high\n");
     let mut everything = Comparison::default();
@@ -186,7 +186,7 @@ fn section(figure: &Figure, setting: &Setting<'_>) -> Result<Section, Failure> {
     }));
     blocks.push(Block::Reading(everything.reading(figure.paper)));
     let file = format!("{}.csv", figure.file);
-    atomic::write(&setting.data.join(&file), csv)?;
+    atomic::write(&setting.data().join(&file), csv)?;
     blocks.push(Block::Files(vec![(
         format!("data/{file}"),
         "every point".into(),

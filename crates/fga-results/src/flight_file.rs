@@ -10,22 +10,21 @@ use fga_sim::track::Track;
 use serde_json::Value;
 
 /// The file's name within the folder of a run.
-pub(crate) const NAME: &str = "flight.json";
+pub const NAME: &str = "flight.json";
 
 /// Duration of an obstacle with a single sample, seconds.
 const MOMENT_S: f64 = 0.1;
 
 /// Writes the flight into `folder`.
-pub(crate) fn write(
-    folder: &Path,
-    log: &RunLog,
-    events: &[(f64, Value)],
-) -> Result<(), OutputError> {
+///
+/// # Errors
+/// A folder that cannot be written.
+pub fn write(folder: &Path, log: &RunLog, events: &[(f64, Value)]) -> Result<(), OutputError> {
     flight(log, events).write(&folder.join(NAME))
 }
 
 /// The flight with its events.
-pub(crate) fn flight(log: &RunLog, events: &[(f64, Value)]) -> Flight {
+pub fn flight(log: &RunLog, events: &[(f64, Value)]) -> Flight {
     let mut samples: Vec<FlightSample> = Vec::with_capacity(log.samples.len());
     for sample in &log.samples {
         // The last moment may be logged twice.

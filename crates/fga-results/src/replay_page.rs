@@ -15,7 +15,7 @@ use fga_report::replay::{
 use fga_sim::run::{DecisionLog, Plan, RunLog};
 use fga_sim::track::Track;
 
-use crate::run_files::missed_words;
+use crate::flight_files::missed_words;
 
 /// The text of the records of a flight without a policy.
 const NO_POLICY: &str = "no policy decides, the mission is flown";
@@ -33,7 +33,7 @@ const FAN_DEG: [f64; 11] = [
 ];
 
 /// The page of an encounter: its flights in one scene; the first one is in focus.
-pub(crate) fn page<'a>(logs: impl IntoIterator<Item = &'a RunLog>) -> String {
+pub fn page<'a>(logs: impl IntoIterator<Item = &'a RunLog>) -> String {
     let mut logs = logs.into_iter().peekable();
     render(&Replay {
         title: logs
@@ -118,7 +118,7 @@ fn sample(sample: &fga_sim::engine::Sample) -> ReplaySample {
 }
 
 /// A decision in a few words.
-pub(crate) fn event_words(plan: &Plan, moment: &DecisionLog) -> String {
+pub fn event_words(plan: &Plan, moment: &DecisionLog) -> String {
     let record = &moment.decision.record;
     let reason = reason_words(record.reason);
     match record.threat {
@@ -140,7 +140,7 @@ fn obstacles(log: &RunLog) -> Vec<ReplayObstacle> {
 }
 
 /// The obstacles of a plan, known from their appearance on.
-pub(crate) fn planned_obstacles(plan: &Plan) -> Vec<ReplayObstacle> {
+pub fn planned_obstacles(plan: &Plan) -> Vec<ReplayObstacle> {
     let named = plan.world.obstacles.iter().zip(&plan.names);
     named
         .map(|(obstacle, name)| {
@@ -182,7 +182,7 @@ fn motion(track: &Track) -> Vec<ReplayPiece> {
 }
 
 /// Draws the decision and its alternatives.
-pub(crate) struct Drawer {
+pub struct Drawer {
     flyer: Flyer,
     path: Box<FlightPath>,
     wind_mps: Vec3,
@@ -192,7 +192,7 @@ pub(crate) struct Drawer {
 
 impl Drawer {
     /// For the aircraft of a plan.
-    pub(crate) fn new(plan: &Plan) -> Self {
+    pub fn new(plan: &Plan) -> Self {
         let world = &plan.world;
         let settings = &world.settings.avoider;
         Self::of(
@@ -204,7 +204,7 @@ impl Drawer {
     }
 
     /// For an aircraft in a wind, with the horizon and the margin of its certificates.
-    pub(crate) fn of(vehicle: &Vehicle, wind_mps: Vec3, horizon_s: f64, margin_m: f64) -> Self {
+    pub fn of(vehicle: &Vehicle, wind_mps: Vec3, horizon_s: f64, margin_m: f64) -> Self {
         Self {
             flyer: Flyer::new(vehicle),
             path: Box::default(),
@@ -226,12 +226,7 @@ impl Drawer {
     }
 
     /// A record; on request with alternative turns.
-    pub(crate) fn decision(
-        &mut self,
-        plan: &Plan,
-        moment: &DecisionLog,
-        compare: bool,
-    ) -> ReplayDecision {
+    pub fn decision(&mut self, plan: &Plan, moment: &DecisionLog, compare: bool) -> ReplayDecision {
         let hazards = compare.then(|| known_hazards(plan, moment));
         let name = |id: u32| name_of(plan, id);
         let DecisionLog {
@@ -244,7 +239,7 @@ impl Drawer {
     }
 
     /// A record; if the obstacles are known, also with alternative turns.
-    pub(crate) fn record(
+    pub fn record(
         &mut self,
         time_s: f64,
         decision: &Decision,
@@ -366,7 +361,7 @@ fn known_hazards(plan: &Plan, moment: &DecisionLog) -> Vec<Hazard> {
 }
 
 /// Whether a decision, with or without news, deserves a record after the one at `last_s`.
-pub(crate) fn due(last_s: Option<f64>, time_s: f64, changed: bool) -> bool {
+pub fn due(last_s: Option<f64>, time_s: f64, changed: bool) -> bool {
     changed || last_s.is_none_or(|last_s| time_s - last_s >= RECORD_EVERY_S - 1e-6)
 }
 

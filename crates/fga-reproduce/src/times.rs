@@ -6,10 +6,10 @@ use fga_formats::atomic;
 use fga_report::interval::Estimate;
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 
-use super::Setting;
-use super::flights::{Flights, Times};
-use super::methods::{METHODS, method};
-use crate::failure::Failure;
+use crate::ReproduceError;
+use crate::Setting;
+use crate::flights::{Flights, Times};
+use crate::methods::{METHODS, method};
 
 /// Seconds per case that the paper states: for FGA with static and moving obstacles, and in Table 6.
 fn stated(method: &str) -> [Option<f64>; 2] {
@@ -27,11 +27,11 @@ fn times(flights: &Flights, method: usize) -> Times {
 }
 
 /// Times and shares of all methods.
-pub(super) fn section(
+pub(crate) fn section(
     setting: &Setting<'_>,
     still: &Flights,
     moving: &Flights,
-) -> Result<Section, Failure> {
+) -> Result<Section, ReproduceError> {
     let mut csv = String::from(
         "method,static_ms,moving_ms,static_decision_us,moving_decision_us,static_longest_us,moving_longest_us\n",
     );
@@ -72,7 +72,7 @@ pub(super) fn section(
             saved(moving),
         ]);
     }
-    atomic::write(&setting.data.join("tables-5-6.csv"), csv)?;
+    atomic::write(&setting.data().join("tables-5-6.csv"), csv)?;
     Ok(Section {
         title: "Tables 5 and 6: computing time of a case".into(),
         blocks: vec![

@@ -12,7 +12,7 @@ const HEADING_COST: f64 = 0.2;
 const PITCH_COST: f64 = 0.5;
 
 /// The two sections.
-pub(super) fn sections(model: &VehicleModel) -> Vec<Section> {
+pub(crate) fn sections(model: &VehicleModel) -> Vec<Section> {
     vec![table_4(model), tables_3_and_7()]
 }
 

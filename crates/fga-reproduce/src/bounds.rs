@@ -25,9 +25,9 @@ use fga_sim::policy::PolicyChoice;
 use fga_sim::vehicle_file::VehicleModel;
 use rayon::prelude::*;
 
-use super::flights::{Flights, PLANAR, fly};
-use super::{Setting, next};
-use crate::failure::Failure;
+use crate::ReproduceError;
+use crate::Setting;
+use crate::flights::{Flights, PLANAR, fly};
 
 /// The policies in their order.
 const POLICIES: [&str; 3] = ["published --start tc", "published --start t0", "turn-aware"];
@@ -39,10 +39,10 @@ const NAMES: [&str; 4] = ["published, t_c", "published, t_0", "turn-aware", "ora
 const DIRECTIONS: u32 = 4000;
 
 /// Both sections.
-pub(super) fn sections(
+pub(crate) fn sections(
     setting: &Setting<'_>,
     model: &VehicleModel,
-) -> Result<Vec<Section>, Failure> {
+) -> Result<Vec<Section>, ReproduceError> {
     Ok(vec![distances(setting, model)?, shares(setting)?])
 }
 
@@ -139,7 +139,7 @@ const TURN_AWARE: usize = ORACLE - 1;
 /// A bound and its test.
 type Decider = fn(&Seen, bool) -> bool;
 
-fn count(flights: &Flights, planar: bool) -> Result<Vec<Bound>, Failure> {
+fn count(flights: &Flights, planar: bool) -> Result<Vec<Bound>, ReproduceError> {
     let bounds: [(&str, Decider); 3] = [
         ("1, distance", |seen, _| seen.distance()),
         ("2, speed", Seen::speed),
@@ -176,9 +176,9 @@ fn count(flights: &Flights, planar: bool) -> Result<Vec<Bound>, Failure> {
     Ok(counted)
 }
 
-fn shares(setting: &Setting<'_>) -> Result<Section, Failure> {
+fn shares(setting: &Setting<'_>) -> Result<Section, ReproduceError> {
     let title = "Bounds 1 to 3 (Eq. 26–53) against simulation";
-    next(title)?;
+    setting.begin(title)?;
     let cells = |ending: &str| -> Vec<String> {
         (1..=3)
             .map(|count| format!("threats:{count}:40-200:0-60{ending}"))
@@ -216,7 +216,7 @@ fn shares(setting: &Setting<'_>) -> Result<Section, Failure> {
             rows.push(row);
         }
     }
-    atomic::write(&setting.data.join("bounds.csv"), csv)?;
+    atomic::write(&setting.data().join("bounds.csv"), csv)?;
     let columns = [
         Column::text("bound"),
         Column::text("at the start it"),
@@ -372,9 +372,9 @@ fn least_distance(farthest_m: f64, nearest_m: f64, saved: impl Fn(f64) -> bool) 
     Some(least_m)
 }
 
-fn distances(setting: &Setting<'_>, model: &VehicleModel) -> Result<Section, Failure> {
+fn distances(setting: &Setting<'_>, model: &VehicleModel) -> Result<Section, ReproduceError> {
     let title = "Bound 1 (Eq. 26–30): the least distance from a static obstacle";
-    next(title)?;
+    setting.begin(title)?;
     let columns = [
         "turn radius (m)",
         "protected radius (m)",
@@ -389,7 +389,7 @@ fn distances(setting: &Setting<'_>, model: &VehicleModel) -> Result<Section, Fai
     let rows: Vec<[Option<f64>; 9]> = STATIC
         .into_par_iter()
         .map(|lengths| least_distances(lengths, model))
-        .collect::<Result<_, Failure>>()?;
+        .collect::<Result<_, ReproduceError>>()?;
     let mut csv = String::from(
         "turn_radius_m,protected_radius_m,across_m,eq_29_m,corrected_m,published_t0_m,turn_aware_m,oracle_m,turn_aware_in_space_m\n",
     );
@@ -400,7 +400,7 @@ fn distances(setting: &Setting<'_>, model: &VehicleModel) -> Result<Section, Fai
             .collect();
         let _ = writeln!(csv, "{}", told.join(","));
     }
-    atomic::write(&setting.data.join("bound-1.csv"), csv)?;
+    atomic::write(&setting.data().join("bound-1.csv"), csv)?;
     // Distance of a column from the corrected bound, over all rows.
     let beyond = |column: usize| {
         rows.iter()
@@ -473,7 +473,7 @@ fn distances(setting: &Setting<'_>, model: &VehicleModel) -> Result<Section, Fai
 fn least_distances(
     [turn_m, radius_m, across_m]: [f64; 3],
     table_4: &VehicleModel,
-) -> Result<[Option<f64>; 9], Failure> {
+) -> Result<[Option<f64>; 9], ReproduceError> {
     let in_space = {
         let mut model = table_4.clone();
         model.vehicle.turn_radius_m = turn_m;
@@ -490,36 +490,37 @@ fn least_distances(
     let corrected_m = least_distance(farthest_m, radius_m, |r| {
         ahead(r, radius_m, across_m).is_some_and(|o| Seen::of(&planar, &[o]).distance())
     });
-    let flown = |model: &VehicleModel, policy: PolicyChoice| -> Result<Option<f64>, Failure> {
-        let settings = BatchSettings {
-            model: model.clone(),
-            policy,
-            horizon_s: 60.0,
-            seed: 0,
-            tracks: false,
-        };
-        let Some(world) = batch::empty_world(&settings) else {
-            return Ok(None);
-        };
-        policy
-            .pilot(&world.settings, &world.vehicle)
-            .map_err(|error| Failure::Input(error.to_string()))?;
-        Ok(least_distance(farthest_m, radius_m, |r| {
-            ahead(r, radius_m, across_m).is_some_and(|obstacle| {
-                let encounter = Encounter {
-                    id: 0,
-                    obstacles: vec![obstacle],
-                };
-                let mut world = world.clone();
-                let pilot = policy.pilot(&world.settings, &world.vehicle);
-                pilot.is_ok_and(|mut pilot| {
-                    let engine = &mut Engine::new();
-                    batch::fly_one(engine, &mut world, pilot.as_mut(), &encounter, &settings)
-                        .separated()
+    let flown =
+        |model: &VehicleModel, policy: PolicyChoice| -> Result<Option<f64>, ReproduceError> {
+            let settings = BatchSettings {
+                model: model.clone(),
+                policy,
+                horizon_s: 60.0,
+                seed: 0,
+                tracks: false,
+            };
+            let Some(world) = batch::empty_world(&settings) else {
+                return Ok(None);
+            };
+            policy
+                .pilot(&world.settings, &world.vehicle)
+                .map_err(|error| ReproduceError::of(&error))?;
+            Ok(least_distance(farthest_m, radius_m, |r| {
+                ahead(r, radius_m, across_m).is_some_and(|obstacle| {
+                    let encounter = Encounter {
+                        id: 0,
+                        obstacles: vec![obstacle],
+                    };
+                    let mut world = world.clone();
+                    let pilot = policy.pilot(&world.settings, &world.vehicle);
+                    pilot.is_ok_and(|mut pilot| {
+                        let engine = &mut Engine::new();
+                        batch::fly_one(engine, &mut world, pilot.as_mut(), &encounter, &settings)
+                            .separated()
+                    })
                 })
-            })
-        }))
-    };
+            }))
+        };
     let (vehicle, settings) = (
         OracleVehicle::from(&planar.vehicle),
         OracleSettings::default(),
@@ -530,7 +531,7 @@ fn least_distances(
             best_margin(&OracleStart::ORIGIN, &vehicle, &[obstacle], &settings).best_margin_m >= 0.0
         })
     });
-    let published = parse_policy("published --start t0").map_err(Failure::Input)?;
+    let published = parse_policy("published --start t0").map_err(ReproduceError::Input)?;
     Ok([
         Some(turn_m),
         Some(radius_m),

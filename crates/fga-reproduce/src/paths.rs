@@ -8,9 +8,9 @@ use fga_report::plot::{Axis, Line, LineChart, LinePoint};
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
 use fga_sim::campaign::Row;
 
-use super::flights::{Flights, PLANAR, fly};
-use super::{Setting, next};
-use crate::failure::Failure;
+use crate::ReproduceError;
+use crate::Setting;
+use crate::flights::{Flights, PLANAR, fly};
 
 /// Early and late starts.
 const POLICIES: [&str; 4] = [
@@ -71,9 +71,9 @@ impl Compared {
 }
 
 /// The section.
-pub(super) fn section(setting: &Setting<'_>) -> Result<Section, Failure> {
+pub(crate) fn section(setting: &Setting<'_>) -> Result<Section, ReproduceError> {
     let title = "L_1 < L_3 (§3.4.3, Fig. 9): starting at t_c or at t_0";
-    next(title)?;
+    setting.begin(title)?;
     let mut blocks = vec![Block::Paragraph(
         "By geometry: one static obstacle dead ahead, protected radius 30 m, turn radius k_1 times \
          as large. L_1 is counted from Q, where the late turn begins, L_3 from U, where the \
@@ -101,7 +101,7 @@ pub(super) fn section(setting: &Setting<'_>) -> Result<Section, Failure> {
         });
     }
     blocks.push(Block::Table(table(&flown)));
-    atomic::write(&setting.data.join("paths.csv"), csv(&flown))?;
+    atomic::write(&setting.data().join("paths.csv"), csv(&flown))?;
     blocks.push(Block::Reading(reading(&flown)));
     blocks.push(Block::Files(vec![(
         "data/paths.csv".into(),

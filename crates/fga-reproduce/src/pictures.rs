@@ -13,11 +13,11 @@ use fga_sim::scenario;
 use fga_sim::toml_input::TomlText;
 use fga_sim::vehicle_file::VehicleModel;
 
-use super::{Setting, next};
-use crate::failure::Failure;
-use crate::{flight_file, replay_page, run_files};
+use crate::ReproduceError;
+use crate::Setting;
+use fga_results::{flight_file, flight_files, replay_page};
 
-const RASCAL: &str = include_str!("../../vehicles/rascal-110.toml");
+const RASCAL: &str = include_str!("../vehicles/rascal-110.toml");
 
 struct Case {
     title: &'static str,
@@ -41,7 +41,7 @@ const CASES: [Case; 3] = [
     Case {
         title: "Fig. 16: a static obstacle in three dimensions",
         name: "fig-16",
-        scenario: include_str!("../../scenarios/fig-16.toml"),
+        scenario: include_str!("../scenarios/fig-16.toml"),
         rascal: false,
         policies: &STARTS,
         paper: "The aircraft avoids a single obstacle with minimal deviation, started at t_0 and at t_c.",
@@ -49,7 +49,7 @@ const CASES: [Case; 3] = [
     Case {
         title: "Fig. 17: moving obstacles in three dimensions",
         name: "fig-17",
-        scenario: include_str!("../../scenarios/fig-17.toml"),
+        scenario: include_str!("../scenarios/fig-17.toml"),
         rascal: false,
         policies: &STARTS,
         paper: "The aircraft avoids several obstacles and returns to its path, started at t_0 and at t_c.",
@@ -57,7 +57,7 @@ const CASES: [Case; 3] = [
     Case {
         title: "Figs. 25 and 26: San Francisco airport",
         name: "sfo",
-        scenario: include_str!("../../scenarios/sfo.toml"),
+        scenario: include_str!("../scenarios/sfo.toml"),
         rascal: true,
         policies: &["circle", "turn-aware"],
         paper: "The aircraft flies round a protected radius of 150 m over the runway on every crossing.",
@@ -65,18 +65,22 @@ const CASES: [Case; 3] = [
 ];
 
 /// One section for each case.
-pub(super) fn sections(
+pub(crate) fn sections(
     setting: &Setting<'_>,
     paper: &VehicleModel,
-) -> Result<Vec<Section>, Failure> {
+) -> Result<Vec<Section>, ReproduceError> {
     CASES
         .iter()
         .map(|case| section(case, setting, paper))
         .collect()
 }
 
-fn section(case: &Case, setting: &Setting<'_>, paper: &VehicleModel) -> Result<Section, Failure> {
-    next(case.title)?;
+fn section(
+    case: &Case,
+    setting: &Setting<'_>,
+    paper: &VehicleModel,
+) -> Result<Section, ReproduceError> {
+    setting.begin(case.title)?;
     let mut blocks = Vec::new();
     let mut rows = Vec::new();
     let mut flown = Vec::new();
@@ -98,9 +102,9 @@ fn section(case: &Case, setting: &Setting<'_>, paper: &VehicleModel) -> Result<S
                 .rejoined_s
                 .map_or(Cell::Empty, |s| Cell::Number(s, 1)),
         ]);
-        let svg = run_files::overview(&log).to_svg();
+        let svg = flight_files::overview(&log).to_svg();
         let file = file_name(case, name, "svg");
-        atomic::write(&setting.data.join(&file), &svg)?;
+        atomic::write(&setting.data().join(&file), &svg)?;
         blocks.push(Block::Figure {
             svg,
             caption: format!("{name} (data/{file})."),
@@ -125,7 +129,7 @@ fn section(case: &Case, setting: &Setting<'_>, paper: &VehicleModel) -> Result<S
     );
     let file = format!("{}-replay.html", case.name);
     let page = replay_page::page(flown.iter().map(|(_, log)| log));
-    atomic::write(&setting.data.join(&file), page)?;
+    atomic::write(&setting.data().join(&file), page)?;
     let mut files = vec![(
         format!("data/{file}"),
         "the flights one over the other, to look at in a browser".into(),
@@ -134,8 +138,8 @@ fn section(case: &Case, setting: &Setting<'_>, paper: &VehicleModel) -> Result<S
         // Only flights with an origin on the globe.
         if log.plan.frame.is_some() {
             let file = file_name(case, name, "kml");
-            let flight = flight_file::flight(log, &run_files::events(log));
-            export::write(&flight, Format::Kml, &setting.data.join(&file))?;
+            let flight = flight_file::flight(log, &flight_files::events(log));
+            export::write(&flight, Format::Kml, &setting.data().join(&file))?;
             files.push((format!("data/{file}"), format!("{name}, for Google Earth")));
         }
     }
@@ -203,7 +207,7 @@ fn allowed_m(log: &RunLog) -> f64 {
     best_margin(&start, &vehicle, &obstacles, &OracleSettings::default()).best_margin_m
 }
 
-fn fly_case(case: &Case, policy: &str, paper: &VehicleModel) -> Result<RunLog, Failure> {
+fn fly_case(case: &Case, policy: &str, paper: &VehicleModel) -> Result<RunLog, ReproduceError> {
     let vehicle = if case.rascal {
         VehicleModel::parse(TomlText::new(Path::new("vehicles/rascal-110.toml"), RASCAL))?
     } else {
@@ -214,8 +218,8 @@ fn fly_case(case: &Case, policy: &str, paper: &VehicleModel) -> Result<RunLog, F
         TomlText::new(Path::new(&path), case.scenario),
         Some(vehicle),
     )?;
-    let policy = parse_policy(policy).map_err(Failure::Input)?;
-    Ok(fly(plan, &policy, &mut |_| ())?)
+    let policy = parse_policy(policy).map_err(ReproduceError::Input)?;
+    fly(plan, &policy, &mut |_| ()).map_err(|error| ReproduceError::of(&error))
 }
 
 fn reading(case: &Case, flown: &[(&str, RunLog)]) -> Reading {

@@ -9,7 +9,7 @@ use fga_report::interval::Estimate;
 use fga_sim::campaign::{Campaign, Quantiles, Summary, Totals};
 use serde_json::{Value, json};
 
-use crate::campaign_risk;
+use super::risk;
 use crate::named_rows::{csv, objects, rounded};
 
 /// The written quantiles of the distributions.
@@ -101,21 +101,20 @@ fn rows(campaign: &Campaign, summary: &Summary) -> Vec<Vec<(String, Value)>> {
 }
 
 /// The content of `summary.json`: one object for each policy over all sources, then for each source.
-pub(crate) fn document(campaign: &Campaign, summary: &Summary) -> Value {
+pub fn document(campaign: &Campaign, summary: &Summary) -> Value {
     json!({
         "name": campaign.configuration.name,
         "configuration_hash": campaign.hash,
         "rows": objects(rows(campaign, summary)),
-        "risk": campaign_risk::document(campaign, &summary.risks),
+        "risk": risk::document(campaign, &summary.risks),
     })
 }
 
 /// Writes `summary.csv` and `summary.json`.
-pub(crate) fn write_summary(
-    folder: &Path,
-    campaign: &Campaign,
-    summary: &Summary,
-) -> Result<(), OutputError> {
+///
+/// # Errors
+/// A folder that cannot be written.
+pub fn write(folder: &Path, campaign: &Campaign, summary: &Summary) -> Result<(), OutputError> {
     let rows = rows(campaign, summary);
     atomic::write(&folder.join("summary.csv"), csv(&rows))?;
     let document = document(campaign, summary);
@@ -123,7 +122,7 @@ pub(crate) fn write_summary(
 }
 
 /// The summary in words.
-pub(crate) fn in_words(campaign: &Campaign, summary: &Summary, folder: &Path) -> String {
+pub fn in_words(campaign: &Campaign, summary: &Summary, folder: &Path) -> String {
     let configuration = &campaign.configuration;
     let mut text = format!(
         "{}: {} encounters from {} sources, vehicle {}\n",
@@ -170,7 +169,7 @@ pub(crate) fn in_words(campaign: &Campaign, summary: &Summary, folder: &Path) ->
         );
     }
     let _ = writeln!(text, "(95 % intervals by Wilson; margin, away: medians)");
-    campaign_risk::push_words(&mut text, campaign, &summary.risks);
+    risk::push_words(&mut text, campaign, &summary.risks);
     let _ = writeln!(text, "results in {}", folder.display());
     text
 }

@@ -1,0 +1,23 @@
+//! What is kept of a flight or a campaign.
+//!
+//! | module | question |
+//! |---|---|
+//! | [`flight`] | how did a flight end? |
+//! | [`flight_files`] | which files tell of a flight? |
+//! | [`flight_file`] | what does another program get of a flight? |
+//! | [`replay_page`] | what does the page show that replays a flight? |
+//! | [`campaign`] | which files tell of a campaign? |
+//! | [`provenance`] | where do results come from? |
+//!
+//! The command line, the Python package and the reproduction of the paper write with it: the same bytes.
+#![forbid(unsafe_code)]
+
+extern crate alloc;
+
+pub mod campaign;
+pub mod flight;
+pub mod flight_file;
+pub mod flight_files;
+mod named_rows;
+pub mod provenance;
+pub mod replay_page;
