@@ -120,8 +120,7 @@ fn toml_file(path: &Path, kind: FileKind) -> Result<String, Failure> {
 
 #[cfg(feature = "fly")]
 fn link(path: &Path) -> Result<String, Failure> {
-    let config = fga_link::config::Config::parse(&read_text(path)?)
-        .map_err(|error| InputError::in_file(path, error.to_string()))?;
+    let config = crate::fly::config_file(path)?;
     Ok(format!(
         "takes over {}, keeps {} m, {} virtual obstacles",
         config.vehicle.take_over.join(" and "),

@@ -3,12 +3,13 @@
 use alloc::sync::Arc;
 use core::net::SocketAddr;
 use core::sync::atomic::{AtomicBool, Ordering};
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufReader, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use fga_formats::error::read_text;
 use fga_link::endpoint::Endpoint;
 use fga_link::fly::{FlyOptions, fly};
 use fga_link::replay::replay;
@@ -87,7 +88,7 @@ pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
 
 fn begin_live(address: SocketAddr) -> Result<FlyLive, Failure> {
     let live = FlyLive::begin(address)
-        .map_err(|error| Failure::Input(format!("cannot answer on {address}: {error}")))?;
+        .map_err(|error| Failure::Input(format!("cannot listen on {address}: {error}")))?;
     // It works without a reader too.
     let _ = writeln!(io::stderr(), "live at http://{}/", live.address());
     Ok(live)
@@ -106,9 +107,17 @@ fn read_config(path: Option<&PathBuf>) -> Result<Config, Failure> {
     let Some(path) = path else {
         return Ok(Config::default());
     };
-    let text = fs::read_to_string(path)
-        .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
-    Config::parse(&text).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
+    config_file(path)
+}
+
+/// Reads and checks a configuration.
+pub(crate) fn config_file(path: &Path) -> Result<Config, Failure> {
+    Config::parse(&read_text(path)?).map_err(|error| {
+        let error = error.to_string();
+        // The sentence begins with the line, if it has one.
+        let mark = if error.starts_with("line ") { "," } else { ":" };
+        Failure::Input(format!("{}{mark} {error}", path.display()))
+    })
 }
 
 fn run_replay(config: Config, path: &PathBuf) -> Result<ExitCode, Failure> {

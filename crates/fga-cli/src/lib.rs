@@ -95,7 +95,8 @@ pub fn main() -> ExitCode {
 
 /// Runs the program with these arguments, the first of which is its name.
 pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode {
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments: Vec<_> = arguments.into_iter().collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(error) => {
             if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
@@ -103,7 +104,8 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
                 return ExitCode::FAILURE;
             }
             if error.use_stderr() {
-                eprintln!("fga: {}", one_sentence(&error.to_string()));
+                let help = help_of(&arguments);
+                eprintln!("fga: {} (see {help})", one_sentence(&error.to_string()));
                 return ExitCode::FAILURE;
             }
             // A pipe closed while printing help is not an error.
@@ -153,8 +155,22 @@ fn one_sentence(message: &str) -> String {
         .map(str::trim)
         .take_while(|line| !line.starts_with("Usage:"))
         .filter(|line| !line.is_empty() && !line.starts_with("tip:"))
+        .filter(|line| !line.starts_with("For more information"))
         .collect();
     let told = told.join(" ");
-    let told = told.strip_prefix("error: ").unwrap_or(&told);
-    format!("{told} (see fga --help)")
+    told.strip_prefix("error: ").unwrap_or(&told).to_owned()
+}
+
+/// The command that shows the help of the subcommand in these arguments.
+fn help_of(arguments: &[std::ffi::OsString]) -> String {
+    let mut command = &Cli::command();
+    let mut words = "fga".to_owned();
+    for argument in arguments.iter().skip(1) {
+        let Some(inner) = command.find_subcommand(argument) else {
+            break;
+        };
+        command = inner;
+        words = format!("{words} {}", inner.get_name());
+    }
+    words + " --help"
 }

@@ -164,7 +164,10 @@ fn describe_conflicts(text: &mut String, log: &RunLog) -> core::fmt::Result {
     let at = |time_s: Option<f64>| time_s.map_or("never".into(), |t| format!("{t:.1} s"));
     let conflicts = log.conflicts();
     if conflicts.is_empty() {
-        return writeln!(text, "nothing threatened");
+        return match log.policy.as_str() {
+            "none" => writeln!(text, "no policy looked for threats"),
+            _ => writeln!(text, "nothing threatened"),
+        };
     }
     for conflict in conflicts {
         let names: Vec<String> = conflict

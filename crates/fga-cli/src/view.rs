@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use fga_formats::InputError;
 use fga_view::{Folder, Server};
 
 use crate::campaign_catalogue::CampaignCatalogue;
@@ -23,14 +24,14 @@ pub(crate) struct ViewArgs {
 
 /// Serves the folder until the program ends.
 pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode, Failure> {
-    let unusable = |error| Failure::Input(format!("{}: {error}", args.path.display()));
-    let folder = Folder::open(&args.path).map_err(unusable)?;
+    let folder =
+        Folder::open(&args.path).map_err(|error| InputError::unreadable(&args.path, &error))?;
     let server = match CampaignCatalogue::open(&args.path)? {
         Some(campaign) => Server::catalogue(args.listen, campaign),
         None => Server::catalogue(args.listen, folder),
     };
     let server = server
-        .map_err(|error| Failure::Input(format!("cannot answer on {}: {error}", args.listen)))?;
+        .map_err(|error| Failure::Input(format!("cannot listen on {}: {error}", args.listen)))?;
     print(&format!("http://{}/\n", server.address()))?;
     server.wait();
     Ok(ExitCode::SUCCESS)

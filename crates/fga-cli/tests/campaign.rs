@@ -353,7 +353,7 @@ fn what_cannot_be_flown_is_said_in_one_sentence() {
         (
             "\"threats\"",
             "\"thread\"",
-            "expected threats:COUNT:SEEN:SPEED",
+            "unknown family \"thread\", expected threats or from-anywhere",
         ),
     ] {
         let error = changed(from, to);

@@ -68,7 +68,7 @@ fn check_names_the_file_and_what_is_wrong_in_one_sentence() {
         (
             "d.toml",
             "[vehicle]\n\nmax_bnk_deg = 40.0",
-            "d.toml: line 3: unknown field",
+            "d.toml, line 3: unknown field",
         ),
         ("e.csv", "", "e.csv"),
         ("f.daa", "", "f.daa"),

@@ -98,6 +98,33 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
     Ok(String::from_utf8_lossy(bytes).into_owned())
 }
 
+/// A message of the TOML reader as one sentence without names of Rust types.
+///
+/// ```
+/// use fga_formats::error::toml_sentence;
+///
+/// let message = "invalid type: string \"30\", expected f64\n";
+/// assert_eq!(toml_sentence(message), "found string \"30\", expected a number");
+/// ```
+pub fn toml_sentence(message: &str) -> String {
+    let mut told = message.trim().replace('\n', "; ");
+    told = told.replace("invalid type: ", "found ");
+    for (kinds, word) in [
+        (&["f64", "f32"][..], "a number"),
+        (&["u64", "u32", "u16", "u8", "usize", "i64"][..], "a whole number"),
+        (&["a sequence"][..], "a list"),
+        (&["a boolean"][..], "true or false"),
+    ] {
+        for kind in kinds {
+            let (from, to) = (format!("expected {kind}"), format!("expected {word}"));
+            if told.ends_with(&from) {
+                told = told.replace(&from, &to);
+            }
+        }
+    }
+    told
+}
+
 /// A piece of input for a message: quoted, control characters escaped, at most
 /// 40 characters.
 pub fn shown(text: &str) -> String {

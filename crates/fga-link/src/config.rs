@@ -4,6 +4,7 @@
 //! error. Angles in degrees and speeds in metres per second, as the names say: here, at the edge,
 //! they are turned into the core's units once.
 
+use fga_formats::error::toml_sentence;
 use serde::Deserialize;
 
 use crate::number::Checked;
@@ -283,7 +284,7 @@ pub struct VirtualObstacle {
 
 /// What is wrong in a file that is no configuration, with its line.
 fn in_one_sentence(error: &toml::de::Error, text: &str) -> ConfigError {
-    let message = error.message().trim().replace('\n', "; ");
+    let message = toml_sentence(error.message());
     ConfigError(match error.span() {
         Some(span) => {
             let before = text.get(..span.start).unwrap_or_default();

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use fga_formats::InputError;
+use fga_formats::error::toml_sentence;
 use serde::de::DeserializeOwned;
 use toml::Spanned;
 
@@ -35,7 +36,7 @@ impl<'a> TomlText<'a> {
     /// Text that is not TOML or not a `T`, with its line.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T, InputError> {
         toml::from_str(self.text).map_err(|error| {
-            let message = error.message().trim().replace('\n', "; ");
+            let message = toml_sentence(error.message());
             match error.span() {
                 Some(span) => InputError::at_line(self.path, self.line_of(span.start), message),
                 None => InputError::in_file(self.path, message),

@@ -72,3 +72,8 @@ pub type Vec3 = glam::DVec3;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// The program of the book, compiled and run with the tests of a checkout.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/how-to-embed.md")]
+struct HowToEmbed;

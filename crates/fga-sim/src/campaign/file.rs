@@ -41,6 +41,9 @@ use crate::fingerprint::fingerprint;
 use crate::toml_input::TomlText;
 use crate::vehicle_file::VehicleModel;
 
+/// Families with a count, a distance and a speed.
+const GRID_FAMILIES: [&str; 2] = ["threats", "from-anywhere"];
+
 /// Number of encounters of a campaign that does not give one.
 const ENCOUNTERS: u64 = 10_000;
 
@@ -253,6 +256,15 @@ fn cells(
     }
     for grid in &file.grid {
         let from = cells.len();
+        let family = &grid.get_ref().family;
+        if !GRID_FAMILIES.contains(&family.get_ref().as_str()) {
+            let message = format!(
+                "unknown family {}, expected {}",
+                shown(family.get_ref()),
+                GRID_FAMILIES.join(" or ")
+            );
+            return Err(text.error_at(family, message));
+        }
         cells_of(grid.get_ref(), &mut cells, &grid.span());
         if cells.len() == from {
             return Err(text.error_at(
