@@ -1,4 +1,4 @@
-//! How long alerts and bands of all four quantities take, for one intruder and for ten.
+//! Time of alerts and of the bands of all four quantities, for one intruder and for ten.
 
 use core::hint::black_box;
 use criterion::Criterion;
@@ -54,7 +54,7 @@ fn aircraft(id: u64, position_m: DVec3, velocity_mps: DVec3) -> Aircraft {
     Aircraft::new(AircraftId(id), state)
 }
 
-/// An intruder that comes from ahead, `index` of several spread over a quarter of the sky.
+/// An intruder from ahead, `index` of several spread over a quarter of the sky.
 fn intruder(index: u64, distance_m: f64) -> Aircraft {
     let from_rad = 0.15 * index as f64;
     let (sin, cos) = from_rad.sin_cos();

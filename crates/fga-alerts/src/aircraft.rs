@@ -1,4 +1,4 @@
-//! What is known about an aircraft.
+//! The state of an aircraft and its uncertainty.
 
 use glam::{DVec2, DVec3};
 
@@ -44,7 +44,7 @@ impl State {
 
 /// Standard deviations of a reported state.
 ///
-/// The covariance is given as DAIDALUS files give it: the square root of its size with its sign.
+/// The covariance has the form of DAIDALUS files: the square root of its size with its sign.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Deviation {
     /// East position, metres.
@@ -105,22 +105,22 @@ fn largest_deviation(east: f64, north: f64, east_north: f64) -> f64 {
     libm::sqrt((mean + spread).max(0.0))
 }
 
-/// Which aircraft; the caller gives the same number to the same aircraft at every time.
+/// Identifies an aircraft; the caller gives an aircraft the same number at every time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct AircraftId(pub u64);
 
 /// One aircraft at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aircraft {
-    /// Which one.
+    /// Its identifier.
     pub id: AircraftId,
-    /// Where it is and how it moves.
+    /// Its position and velocity.
     pub state: State,
-    /// Which alerter of the settings judges it, counted from 0; `None` for no alerter.
+    /// The alerter of the settings that judges it, counted from 0; `None` for no alerter.
     pub alerter: Option<usize>,
-    /// How sure its state is.
+    /// The uncertainty of its state.
     pub deviation: Deviation,
-    /// Distance from the center of the terminal area, metres; `None` where there is none.
+    /// Distance from the center of the terminal area, metres; `None` without one.
     pub terminal_distance_m: Option<f64>,
 }
 
@@ -146,7 +146,7 @@ impl Aircraft {
     }
 }
 
-/// Two aircraft as a volume sees them.
+/// Two aircraft as input of a volume.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
     /// The ownship.
@@ -183,7 +183,7 @@ impl PairDeviation {
 }
 
 impl Pair {
-    /// Two aircraft of which the states are sure.
+    /// Two aircraft with certain states.
     pub const fn exact(ownship: State, intruder: State) -> Self {
         Self {
             ownship,

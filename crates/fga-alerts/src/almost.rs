@@ -1,10 +1,10 @@
 //! When two computed numbers count as one.
 //!
 //! Whether an interval has a length, and on which side of a band edge a value lies, must not
-//! depend on the last bits of a product. The resolutions are DAIDALUS's own, so that decisions
-//! at an edge fall on the same side.
+//! depend on the last bits of a product. The resolutions are the same as in DAIDALUS, so that
+//! decisions at an edge agree.
 
-/// How close two numbers must be to count as one.
+/// Largest difference of two numbers that count as one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Closeness {
     /// The rounding of a short computation: 16,348 units in the last place, about 4e-12 of the
@@ -55,7 +55,7 @@ impl Closeness {
     }
 }
 
-/// The place of a finite number in the order of all floats, counted from zero.
+/// The index of a finite number in the order of all floats, from zero.
 fn place(value: f64) -> i64 {
     #[expect(
         clippy::cast_possible_wrap,
@@ -92,7 +92,7 @@ mod tests {
         assert!(rounding.same(100.0, 100.0 * (1.0 + 1e-12)));
         assert!(!rounding.same(100.0, 100.0 * (1.0 + 1e-11)));
         assert!(rounding.same(0.0, -1e-14) && !rounding.same(0.0, 1e-12));
-        // Two small numbers of which neither is zero are compared by their places.
+        // Two small numbers, neither of them zero, compare by their indices.
         assert!(!rounding.same(1e-14, 2e-14));
         assert!(Closeness::Edge.same(1.0, 1.000_1) && !Closeness::Edge.same(1.0, 1.001));
         assert!(!rounding.same(f64::NAN, f64::NAN) && !rounding.less(f64::NAN, 1.0));

@@ -1,4 +1,4 @@
-//! How two aircraft approach each other along straight lines.
+//! The approach of two aircraft along straight lines.
 
 use crate::aircraft::Pair;
 use crate::almost::Closeness;

@@ -1,14 +1,14 @@
-//! Bands: which values of a quantity a maneuver would meet a conflict at.
+//! Bands: the values of a quantity at which a manoeuvre leads into a conflict.
 //!
 //! | part | question |
 //! |---|---|
-//! | [`span`] | which values can be maneuvered to? |
+//! | [`span`] | which values can a manoeuvre reach? |
 //! | [`path`] | where does the ownship fly meanwhile? |
-//! | [`search`] | which steps meet a conflict? |
-//! | [`pool`] | what was computed already in this step? |
+//! | [`search`] | which steps lead into a conflict? |
+//! | [`pool`] | what did this step already compute? |
 //! | [`intervals`] | which values are free? |
 //! | [`colors`] | how do regions cover each other? |
-//! | [`memory`] | what is shown, and which side is preferred? |
+//! | [`memory`] | which bands and which preferred side does the display show? |
 //! | [`recovery`] | which way leads out where none stays clear? |
 
 pub(crate) mod colors;
@@ -37,38 +37,38 @@ use alloc::vec::Vec;
 /// An aircraft that contributes to the bands of a region.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Contribution {
-    /// Which aircraft of the traffic.
+    /// The aircraft's index in the traffic.
     pub(crate) intruder: usize,
-    /// Which alerter, counted from 0.
+    /// The alerter, counted from 0.
     pub(crate) alerter: usize,
-    /// Which level, counted from 1.
+    /// The level, counted from 1.
     pub(crate) level: usize,
-    /// How far ahead it counts, seconds.
+    /// Horizon, seconds.
     pub(crate) horizon_s: f64,
 }
 
-/// What holds in the terminal area now.
+/// The state of the terminal area.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Terminal {
     #[default]
     Outside,
     Inside,
-    /// Inside, and the special guidance is on.
+    /// Inside, with the special guidance on.
     Guided,
 }
 
-/// Everything that bands are computed from.
+/// The input of all bands.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Picture<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) time_s: f64,
     pub(crate) ownship: &'a Aircraft,
     pub(crate) traffic: &'a [Aircraft],
-    /// Which alerter judges each aircraft.
+    /// The alerter of each aircraft.
     pub(crate) alerters: &'a [Option<usize>],
     /// Aircraft in conflict, by region, nearest first.
     pub(crate) conflicts: &'a [Vec<Contribution>; 3],
-    /// When any aircraft is in conflict, by region.
+    /// Time interval with any aircraft in conflict, by region.
     pub(crate) times: &'a [Loss; 3],
     pub(crate) terminal: Terminal,
     /// Whether the ownship is slower than its least airspeed.
@@ -90,7 +90,7 @@ impl<'a> Picture<'a> {
             && self.settings.slow_directions == crate::settings::SlowDirections::Instantaneous
     }
 
-    /// How far below and above the value is looked at, where the terminal area says so.
+    /// The searched range below and above the value, if the terminal area limits it.
     fn around(&self, quantity: Quantity) -> Option<(f64, f64)> {
         let vertical = matches!(quantity, Quantity::VerticalSpeed | Quantity::Altitude);
         // No descent.
@@ -161,7 +161,7 @@ impl QuantityBands {
         self.bands.get(index)?.region
     }
 
-    /// Aircraft (places in the traffic) that are not in conflict but would be after a maneuver.
+    /// Aircraft (indices in the traffic) that are not in conflict but would be after a manoeuvre.
     pub fn peripheral(&self, region: Region) -> impl Iterator<Item = usize> + '_ {
         region
             .conflict_index()
@@ -171,7 +171,7 @@ impl QuantityBands {
             .map(|contribution| contribution.intruder)
     }
 
-    /// The nearest way out to one side.
+    /// The nearest resolution to one side.
     pub fn resolution(&self, way: Way) -> Resolution {
         self.memory.resolution(way)
     }
@@ -181,7 +181,7 @@ impl QuantityBands {
         self.memory.preferred()
     }
 
-    /// What recovery keeps.
+    /// The result of recovery.
     pub const fn recovery(&self) -> Recovery {
         self.recovery
     }
@@ -241,7 +241,7 @@ impl QuantityBands {
         self.memory.take(colors, &step, &mut self.bands);
     }
 
-    /// Finds aircraft that maneuvers alone bring into conflict.
+    /// Finds aircraft that only a manoeuvre brings into conflict.
     fn find_peripheral(&mut self, picture: &Picture, span: &Span, index: usize, region: Region) {
         let settings = picture.settings;
         for (intruder, alerter_index) in picture.alerters.iter().enumerate() {
@@ -289,8 +289,8 @@ impl QuantityBands {
         }
     }
 
-    /// Runs a search against one intruder, its windows computed once.
-    /// What is searched, against whom and what is asked come together only here.
+    /// Runs a search against one intruder with its windows computed once. Task, intruder and question come
+    /// together only here.
     fn with_search<T>(
         &mut self,
         picture: &Picture,
@@ -337,7 +337,7 @@ impl QuantityBands {
         }))
     }
 
-    /// What is free of the conflicts of these aircraft.
+    /// The values free of conflicts with these aircraft.
     fn free_of(
         &mut self,
         picture: &Picture,
@@ -393,14 +393,14 @@ impl QuantityBands {
         free
     }
 
-    /// The aircraft that paint a region: in conflict, and by maneuvers alone.
+    /// The aircraft that paint a region: in conflict, or only after a manoeuvre.
     fn painting(&self, picture: &Picture, index: usize) -> Vec<Contribution> {
         let in_conflict = picture.conflicts.get(index).into_iter().flatten();
         let peripheral = self.peripheral.get(index).into_iter().flatten();
         in_conflict.chain(peripheral).copied().collect()
     }
 
-    /// Paints the regions; whether recovery was looked for.
+    /// Paints the regions; returns whether it looked for recovery.
     fn paint(&mut self, picture: &Picture, span: &Span) -> (Colors, bool) {
         let settings = picture.settings;
         let corrective = settings.corrective_region.conflict_index().unwrap_or(0);
@@ -445,7 +445,7 @@ impl QuantityBands {
         (colors, recovers)
     }
 
-    /// What is free in one region, and what recovery found.
+    /// The free values of one region, and the result of recovery.
     fn region(
         &mut self,
         picture: &Picture,
@@ -487,7 +487,7 @@ impl QuantityBands {
         (free, WaysOut::NotLookedFor)
     }
 
-    /// Whether every maneuver from a state meets the volume.
+    /// Whether every manoeuvre from a state leads into the volume.
     pub(crate) fn is_blocked(
         &mut self,
         picture: &Picture,
@@ -555,7 +555,7 @@ impl Search<'_> {
     }
 }
 
-/// Whether maneuvers of a quantity within a spread meet a volume before a time.
+/// Whether manoeuvres of a quantity within a spread lead into a volume before a time.
 pub(crate) fn meets_within_spread(
     picture: &Picture,
     quantity: Quantity,

@@ -1,14 +1,14 @@
-//! What happened between two tracks, in continuous time.
+//! The losses between two tracks, in continuous time.
 //!
-//! Tracks are straight between samples. The least separations and the first violations are
-//! solved for on each straight piece; the severity is looked at ten times a second.
+//! Tracks are straight between samples. The least separations and the first violations are exact
+//! on each straight piece; the severity is sampled ten times a second.
 
 use crate::aircraft::{Pair, State};
 use crate::severity::severity;
 use crate::volume::{Cylinder, Volume, WellClear};
 use glam::DVec3;
 
-/// Where two aircraft are at one time.
+/// The positions of two aircraft at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// Time, seconds.
@@ -19,7 +19,7 @@ pub struct Sample {
     pub intruder_m: DVec3,
 }
 
-/// A least value and when it was.
+/// A least value and its time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Least {
     /// The value, metres.
@@ -28,16 +28,16 @@ pub struct Least {
     pub time_s: f64,
 }
 
-/// What happened in an encounter.
+/// The result of an encounter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Outcome {
     /// First near mid-air collision, seconds; `None` for none.
     pub nmac_s: Option<f64>,
     /// First loss of well clear, seconds; `None` for none.
     pub loss_s: Option<f64>,
-    /// Time for which well clear was lost, seconds.
+    /// Duration of the loss of well clear, seconds.
     pub lost_for_s: f64,
-    /// Highest severity of the loss, 0 to 1; `None` for a volume that has none.
+    /// Highest severity of the loss, 0 to 1; `None` for a volume without severity.
     pub severity: Option<f64>,
     /// Least horizontal separation.
     pub horizontal: Option<Least>,
@@ -47,14 +47,14 @@ pub struct Outcome {
     pub slant: Option<Least>,
 }
 
-/// The longest step between two looks at the severity, seconds.
+/// The longest step between two samples of the severity, seconds.
 const SEVERITY_STEP_S: f64 = 0.1;
-/// The most looks at the severity on one piece.
+/// The most samples of the severity on one piece.
 const MOST_LOOKS: f64 = 10_000.0;
 
 /// Judges an encounter against a well-clear volume.
 ///
-/// Samples of which the time does not grow or that are not finite are left out.
+/// Ignores samples whose time does not increase or that are not finite.
 pub fn judge(samples: &[Sample], volume: &Volume) -> Outcome {
     let mut outcome = Outcome::default();
     let nmac = Volume::Cylinder(Cylinder::NMAC);
@@ -129,7 +129,7 @@ fn after(pair: &Pair, time_s: f64) -> Pair {
 }
 
 impl Outcome {
-    /// Takes the least separations of a piece.
+    /// Updates the least separations with a piece.
     fn see(&mut self, pair: &Pair, begin_s: f64, lasts_s: f64) {
         let offset_m = pair.ownship.position_m - pair.intruder.position_m;
         let relative_mps = pair.ownship.velocity_mps - pair.intruder.velocity_mps;

@@ -1,10 +1,10 @@
-//! Why a level does not flicker: M of N, persistence, and a memory that ends with a gap.
+//! Keeps a level from flickering: M of N, persistence, and a memory that ends with a gap.
 
 use alloc::collections::VecDeque;
 
 /// The highest value that at least M of the last N values reach.
 ///
-/// A value below zero is no value. Without M and N every value passes as it is.
+/// A value below zero is no value. Without M and N every value passes unchanged.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct MOfN {
     m: usize,
@@ -12,7 +12,7 @@ pub(crate) struct MOfN {
 }
 
 impl MOfN {
-    /// A memory that begins as if `value` had been seen M times.
+    /// A memory that starts as if it had seen `value` M times.
     pub(crate) fn new(m: usize, n: usize, value: i8) -> Self {
         let mut memory = Self::default();
         if m > 0 && m <= n {
@@ -23,7 +23,7 @@ impl MOfN {
         memory
     }
 
-    /// Takes a value and says which one counts.
+    /// Takes a value and returns the one that counts.
     pub(crate) fn take(&mut self, value: i8) -> i8 {
         if self.last.is_empty() {
             return value;
@@ -50,13 +50,13 @@ impl MOfN {
 /// Times and counts of the memory of levels.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct HysteresisSettings {
-    /// A gap longer than this ends every memory, seconds; 0 for no memory.
+    /// A longer gap ends every memory, seconds; 0 for no memory.
     pub memory_s: f64,
-    /// A level that rose is kept this long, seconds.
+    /// Persistence of a raised level, seconds.
     pub persistence_s: f64,
-    /// How many of the last values must agree; 0 for every one as it comes.
+    /// Number of the last values that must agree; 0 passes every value.
     pub agreeing: usize,
-    /// How many values are remembered.
+    /// Number of remembered values.
     pub remembered: usize,
 }
 
@@ -82,12 +82,12 @@ impl Held {
         self.last
     }
 
-    /// When the level rose last.
+    /// Time of the last rise.
     pub(crate) fn rose_s(&self) -> Option<f64> {
         self.rose_s
     }
 
-    /// Takes the raw level at a time and says which level holds.
+    /// Takes the raw level at a time and returns the level that holds.
     pub(crate) fn take(&mut self, raw: i8, time_s: f64, settings: &HysteresisSettings) -> i8 {
         let goes_on = self
             .last

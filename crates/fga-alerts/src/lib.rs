@@ -1,9 +1,9 @@
-//! Well clear, alert levels and maneuver bands as the standards of detect and avoid define them.
+//! Well clear, alert levels and manoeuvre bands as the standards of detect and avoid define them.
 //!
 //! The core `fga` decides; this crate speaks the language in which standards, displays and
 //! regulators judge: how near is a volume, which level does that alert, which directions, speeds
-//! and altitudes meet a conflict, which way out is preferred. It reads no clock and no file, and
-//! cannot panic on any input; lists live in buffers that are used again from step to step.
+//! and altitudes lead into a conflict, which resolution is preferred? It reads no clock and no file, and
+//! cannot panic on any input; it reuses its buffers from step to step.
 //!
 //! # Which item answers which question
 //!
@@ -13,18 +13,18 @@
 //! | [`Pair`] | how do two aircraft approach each other? |
 //! | [`severity`] | how bad is a loss of well clear? |
 //! | [`encounter`] | what happened between two tracks, in continuous time? |
-//! | [`Settings`] | what is configured? |
+//! | [`Settings`] | which values can a user configure? |
 //! | [`schemes`] | which configurations do the standards give? |
 //! | [`Monitor`] | which alert level holds, and what do the bands look like, over time? |
-//! | [`QuantityBands`] | which values of one quantity meet a conflict, and which way out is preferred? |
-//! | [`Ahead`] | where will the aircraft be, for the last time to maneuver? |
+//! | [`QuantityBands`] | which values of one quantity lead into a conflict, and which resolution is preferred? |
+//! | [`Ahead`] | where will the aircraft be, for the last time to manoeuvre? |
 //!
 //! # Conventions
 //!
 //! Local plane: x east, y north, z up from the datum of the altitudes. Metres, seconds, radians;
 //! **directions are clockwise from north**, as these standards count them (the core counts
-//! anticlockwise from east). Velocities are through the air: wind moves everyone alike and is
-//! taken out before. Times are from now.
+//! anticlockwise from east). Velocities are through the air: wind moves all aircraft alike, so the
+//! caller subtracts it. Times are from now.
 //!
 //! ```
 //! use fga_alerts::{Aircraft, AircraftId, Monitor, Quantity, Region, State, schemes};
@@ -49,7 +49,7 @@
 //! - RTCA DO-365B, "Minimum Operational Performance Standards for Detect and Avoid Systems".
 //! - ASTM F3442, "Standard Specification for Detect and Avoid System Performance Requirements".
 //! - Muñoz et al., "DAIDALUS: Detect and Avoid Alerting Logic for Unmanned Systems", DASC 2015.
-//!   Its implementation, version 2.0.4, is what tables are compared with: `docs/alerts.md`.
+//! The tables are compared with its implementation, version 2.0.4: `docs/alerts.md`.
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(

@@ -1,13 +1,13 @@
-//! The interval in which a volume is violated.
+//! The time interval of a violation.
 
 use crate::almost::Closeness;
 
-/// From when to when a volume is violated along straight lines, seconds from now.
+/// Start and end of a violation along straight lines, seconds from now.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Loss {
-    /// When the violation begins.
+    /// Start of the violation.
     pub entry_s: f64,
-    /// When it ends.
+    /// End of the violation.
     pub exit_s: f64,
 }
 
@@ -27,7 +27,7 @@ impl Loss {
         Self { entry_s, exit_s }
     }
 
-    /// The violation, or [`Loss::NEVER`] where it does not last.
+    /// The violation, or [`Loss::NEVER`] for one without duration.
     pub(crate) fn if_lasting(self) -> Self {
         if self.is_conflict() {
             self
@@ -36,18 +36,18 @@ impl Loss {
         }
     }
 
-    /// Whether there is a violation that lasts.
+    /// Whether the violation has a duration.
     pub fn is_conflict(self) -> bool {
         Closeness::Rounding.less(self.entry_s, self.exit_s)
     }
 
-    /// Whether there is a violation that begins before `time_s`, or has begun.
+    /// Whether the violation has a duration and starts before `time_s`.
     pub fn begins_before(self, time_s: f64) -> bool {
         (self.entry_s == 0.0 || Closeness::Rounding.less(self.entry_s, time_s))
             && self.is_conflict()
     }
 
-    /// The part of both.
+    /// The intersection.
     pub(crate) fn and(self, other: Self) -> Self {
         Self::new(
             self.entry_s.max(other.entry_s),
@@ -55,12 +55,12 @@ impl Loss {
         )
     }
 
-    /// Whether the part between two times lasts.
+    /// Whether the part between two times has a duration.
     pub(crate) fn conflicts_within(self, from_s: f64, to_s: f64) -> bool {
         Closeness::Rounding.less(self.entry_s.max(from_s), self.exit_s.min(to_s))
     }
 
-    /// Whether the violation is on at this very time and lasts beyond it.
+    /// Whether the violation is on now and continues.
     pub(crate) fn is_on_at(self, time_s: f64) -> bool {
         self.conflicts_within(time_s, time_s + 1.0)
             && Closeness::Rounding.same(self.entry_s.max(time_s), time_s)

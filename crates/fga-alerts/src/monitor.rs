@@ -10,7 +10,7 @@ use crate::loss::Loss;
 use crate::settings::{AlertLevel, Region, Settings, TerminalGuidance};
 use alloc::vec::Vec;
 
-/// Why a step was refused; the monitor is as before.
+/// The reason for refusing a step; the monitor is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StepError {
     /// The time is not finite.
@@ -36,19 +36,19 @@ impl core::error::Error for StepError {}
 /// The alert about one aircraft.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Alert {
-    /// Which aircraft.
+    /// The aircraft.
     pub id: AircraftId,
-    /// Which alerter judges it, counted from 0; `None` for none.
+    /// The alerter that judges it, counted from 0; `None` for none.
     pub alerter: Option<usize>,
     /// The level, 0 for no alert; `None` without an alerter.
     pub level: Option<usize>,
 }
 
-/// Where aircraft will be, as far as it is known: the caller says how they go on.
+/// Future states of the aircraft, which the caller knows or assumes.
 pub trait Ahead {
     /// The ownship's state after a time, seconds, in the frame of the step.
     fn ownship(&self, after_s: f64) -> State;
-    /// An aircraft's state after a time, by its place in the traffic.
+    /// An aircraft's state after a time, by its index in the traffic.
     fn intruder(&self, index: usize, after_s: f64) -> State;
 }
 
@@ -57,7 +57,7 @@ pub trait Ahead {
 pub enum LastTime {
     /// No conflict is predicted.
     NoConflict,
-    /// No maneuver stays out of the volume any more.
+    /// No manoeuvre stays out of the volume any more.
     Passed,
     /// Seconds from now.
     In(f64),
@@ -82,8 +82,7 @@ pub struct Monitor {
     bands: [QuantityBands; 4],
 }
 
-/// Takes a raw level into the memory of an aircraft, made where there is none; the level that
-/// holds.
+/// Adds a raw level to the memory of an aircraft, new or known; returns the level that holds.
 fn remember(
     memories: &mut Vec<(AircraftId, Held)>,
     id: AircraftId,
@@ -101,7 +100,7 @@ fn remember(
 }
 
 impl Monitor {
-    /// A monitor that remembers nothing yet.
+    /// A monitor without memory.
     pub fn new(settings: Settings) -> Self {
         Self {
             settings,
@@ -121,15 +120,15 @@ impl Monitor {
         }
     }
 
-    /// What is configured.
+    /// The settings.
     pub const fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// Takes the aircraft of one time; alerts and bands are those of this time afterwards.
+    /// Takes the aircraft of one time; afterwards alerts and bands describe this time.
     ///
     /// States are in one local frame, velocities through the air. A time that goes back, another
-    /// ownship or a gap longer than the memory of the settings start again.
+    /// ownship or a gap longer than the settings' memory restarts the monitor.
     ///
     /// # Errors
     /// A number that is not finite, or an id that appears twice.
@@ -152,7 +151,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// Takes the aircraft of one time for the alert levels alone; there are no bands afterwards.
+    /// Takes the aircraft of one time only for the alert levels; afterwards there are no bands.
     ///
     /// # Errors
     /// As [`Monitor::step`].
@@ -193,7 +192,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// Forgets what was before.
+    /// Forgets everything.
     fn forget(&mut self) {
         self.alert_memory.clear();
         self.terminal_memory.clear();
@@ -274,7 +273,7 @@ impl Monitor {
     /// Finds the alert level of every aircraft.
     fn alert(&mut self, ownship: &Aircraft) {
         self.alerts.clear();
-        // Maneuvers within a spread are looked at as outside of the terminal area.
+        // Manoeuvres within a spread count as outside of the terminal area.
         self.terminal = Terminal::Outside;
         for index in 0..self.traffic.len() {
             let Some(aircraft) = self.traffic.get(index).copied() else {
@@ -412,7 +411,7 @@ impl Monitor {
         }
     }
 
-    /// Says what holds in the terminal area.
+    /// Updates the state of the terminal area.
     fn watch_terminal(&mut self) {
         let area = &self.settings.terminal;
         self.terminal = Terminal::Outside;
@@ -461,7 +460,7 @@ impl Monitor {
         )
     }
 
-    /// Aircraft (places in the traffic) whose predicted violation alerts in a region.
+    /// Aircraft (indices in the traffic) whose predicted violation alerts in a region.
     pub fn conflicts(&self, region: Region) -> impl Iterator<Item = usize> + '_ {
         region
             .conflict_index()
@@ -471,7 +470,7 @@ impl Monitor {
             .map(|contribution| contribution.intruder)
     }
 
-    /// From the first entry into a region's volume to the last exit, of all aircraft.
+    /// From the first entry into a region's volume to the last exit, over all aircraft.
     pub fn conflict_times(&self, region: Region) -> Loss {
         region
             .conflict_index()
@@ -480,8 +479,7 @@ impl Monitor {
             .unwrap_or(Loss::NEVER)
     }
 
-    /// The violation of a level's volume by an aircraft of the traffic; `None` where there is no
-    /// such level.
+    /// The violation of a level's volume by an aircraft of the traffic; `None` for an unknown level.
     pub fn violation(&self, index: usize, level: usize) -> Option<Loss> {
         let alerter = self.alerters.get(index).copied().flatten()?;
         let level = self.settings.alerters.get(alerter)?.level(level)?;

@@ -6,7 +6,7 @@
 use crate::almost::Closeness;
 use glam::DVec2;
 
-/// Which crossing of a boundary is meant.
+/// A crossing of a boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Crossing {
     /// The earlier one, inwards.
@@ -35,14 +35,14 @@ pub(crate) fn time_to_closest_s(s: DVec2, v: DVec2) -> Option<f64> {
     (v != DVec2::ZERO).then(|| -s.dot(v) / v.length_squared())
 }
 
-/// Room left inside a circle of this radius at the closest approach, times the squared speed:
-/// positive where the straight line crosses the circle, zero where it touches.
+/// The room inside a circle of this radius at the closest approach, times the squared speed:
+/// positive if the straight line crosses the circle, zero if it touches.
 pub(crate) fn room(s: DVec2, v: DVec2, radius_m: f64) -> f64 {
     let moment = cross(s, v);
     radius_m * radius_m * v.length_squared() - moment * moment
 }
 
-/// When the straight line crosses the circle, seconds; `None` where it never does.
+/// When the straight line crosses the circle, seconds; `None` if it never does.
 pub(crate) fn circle_crossing_s(
     s: DVec2,
     v: DVec2,

@@ -1,4 +1,4 @@
-//! Configurations that the standards give.
+//! Configurations of the standards.
 
 use crate::hysteresis::HysteresisSettings;
 use crate::settings::{AlertLevel, Alerter, PerManeuver, Region, Settings};
@@ -93,14 +93,14 @@ pub fn do_365b() -> Settings {
 /// Four levels for small aircraft near the ground, around the volume of ASTM F3442.
 ///
 /// ASTM F3442 names the volume (2,000 ft, 250 ft) and leaves alerting to the system: the four
-/// levels are this project's, with their times before the volume is entered.
+/// levels are this project's, with their times before the entry into the volume.
 ///
 /// | level | meaning | volume | time |
 /// |---|---|---|---|
 /// | 1 | traffic: look out | F3442, doubled | 60 s |
 /// | 2 | preventive: do not turn into it | F3442 | 45 s |
-/// | 3 | corrective: maneuver soon | F3442 | 30 s |
-/// | 4 | warning: maneuver now | F3442 | 15 s |
+/// | 3 | corrective: manoeuvre soon | F3442 | 30 s |
+/// | 4 | warning: manoeuvre now | F3442 | 15 s |
 pub fn f3442() -> Settings {
     let volume = Cylinder::F3442;
     let wide = Cylinder::new(2.0 * volume.radius_m, 2.0 * volume.half_height_m);
@@ -144,7 +144,7 @@ mod tests {
             };
             Aircraft::new(AircraftId(id), state)
         };
-        // Head-on at 50 m/s; the volume is entered at 609.6 m.
+        // Head-on at 50 m/s; the aircraft enters the volume at 609.6 m.
         let level_at = |time_s: f64| {
             let mut monitor = Monitor::new(f3442());
             let distance_m = Cylinder::F3442.radius_m + 50.0 * time_s;

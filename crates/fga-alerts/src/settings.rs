@@ -1,11 +1,11 @@
-//! What is configured: horizons, dynamics, regions, memories, alerters.
+//! The settings: horizons, dynamics, regions, memories, alerters.
 
 use crate::hysteresis::HysteresisSettings;
 use crate::volume::{DeviationFactors, Volume};
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// How close in time a band's conflict is.
+/// The urgency of a band's conflict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Region {
     /// No conflict.
@@ -16,7 +16,7 @@ pub enum Region {
     Mid,
     /// Warning.
     Near,
-    /// A way out of a violation that is certain.
+    /// A resolution of a certain violation.
     Recovery,
 }
 
@@ -35,12 +35,12 @@ impl Region {
         }
     }
 
-    /// Whether a maneuver into the region meets a conflict.
+    /// Whether a manoeuvre into the region leads into a conflict.
     pub const fn is_conflict(self) -> bool {
         matches!(self, Self::Far | Self::Mid | Self::Near)
     }
 
-    /// Severity of the conflict: 1 to 3, 0 for a way that meets none.
+    /// Severity of the conflict: 1 to 3, 0 without a conflict.
     pub(crate) const fn severity(self) -> u8 {
         match self {
             Self::None | Self::Recovery => 0,
@@ -50,7 +50,7 @@ impl Region {
         }
     }
 
-    /// Order in which colors cover each other, recovery over all.
+    /// Order in which colors cover each other, recovery on top.
     pub(crate) const fn order(self) -> i8 {
         match self {
             Self::None => 0,
@@ -72,7 +72,7 @@ impl Region {
         }
     }
 
-    /// Place in [`Region::CONFLICTS`].
+    /// Index in [`Region::CONFLICTS`].
     pub(crate) const fn conflict_index(self) -> Option<usize> {
         match self {
             Self::Near => Some(0),
@@ -83,7 +83,7 @@ impl Region {
     }
 }
 
-/// One value for each kind of maneuver.
+/// One value for each kind of manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PerManeuver<T> {
     /// Direction over ground.
@@ -96,26 +96,26 @@ pub struct PerManeuver<T> {
     pub altitude: T,
 }
 
-/// From where to where a quantity may be maneuvered, in its SI unit.
+/// The range in which a manoeuvre may change a quantity, in its SI unit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Reach {
     /// Least value.
     pub least: f64,
     /// Greatest value.
     pub greatest: f64,
-    /// How far below the current value is looked at; 0 with `above` 0: down to the least;
-    /// negative: down to the least.
+    /// Searched range below the current value; 0 with `above` 0: down to the least; negative: down to the
+    /// least.
     pub below: f64,
-    /// How far above; see `below`.
+    /// Searched range above; see `below`.
     pub above: f64,
-    /// Distance between the values that are tried.
+    /// Distance between the searched values.
     pub step: f64,
 }
 
-/// The terminal area, within which another alerter holds.
+/// The terminal area, with its own alerter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TerminalArea {
-    /// What holds inside.
+    /// The rule inside.
     pub guidance: TerminalGuidance,
     /// Latitude of the center, radians.
     pub latitude_rad: f64,
@@ -123,16 +123,16 @@ pub struct TerminalArea {
     pub longitude_rad: f64,
     /// Radius, metres.
     pub radius_m: f64,
-    /// Altitude up to which it reaches, metres.
+    /// Upper altitude limit, metres.
     pub height_m: f64,
     /// The alerter inside, counted from 0.
     pub alerter: Option<usize>,
 }
 
-/// Which guidance holds in the terminal area after a corrective alert.
+/// The guidance in the terminal area after a corrective alert.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TerminalGuidance {
-    /// The terminal area is not considered.
+    /// The terminal area does not count.
     #[default]
     Off,
     /// Departing: horizontal recovery stays; no descent.
@@ -141,7 +141,7 @@ pub enum TerminalGuidance {
     Landing,
 }
 
-/// How directions are banded when the ownship is slower than its least airspeed.
+/// The direction bands of an ownship below its least airspeed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SlowDirections {
     /// As always.
@@ -154,15 +154,15 @@ pub enum SlowDirections {
 /// Thresholds of one alert level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AlertLevel {
-    /// The volume whose violation is alerted.
+    /// The volume whose violation alerts.
     pub volume: Volume,
-    /// Time before the violation at which the alert begins, seconds.
+    /// Time before the violation at which the alert starts, seconds.
     pub alerting_s: f64,
-    /// Time before the violation within which an alert that is on stays on, seconds.
+    /// Time before the violation within which an active alert stays on, seconds.
     pub early_alerting_s: f64,
     /// The region of bands that the level paints.
     pub region: Region,
-    /// Maneuvers of the ownship that are alerted too, in SI units; 0 for none.
+    /// Manoeuvres of the ownship that also raise the alert, in SI units; 0 for none.
     pub spread: PerManeuver<f64>,
 }
 
@@ -190,18 +190,18 @@ impl Alerter {
     }
 }
 
-/// Everything that is configured.
+/// All settings.
 #[derive(Debug, Clone, PartialEq)]
 #[expect(
     clippy::struct_excessive_bools,
     reason = "switches of the file format, each for itself"
 )]
 pub struct Settings {
-    /// How far ahead conflicts count, seconds.
+    /// Horizon of conflicts, seconds.
     pub lookahead_s: f64,
-    /// How far to the left directions are looked at, radians.
+    /// Searched directions to the left, radians.
     pub left_rad: f64,
-    /// How far to the right, radians.
+    /// Searched directions to the right, radians.
     pub right_rad: f64,
     /// Step of directions, radians.
     pub direction_step_rad: f64,
@@ -213,26 +213,25 @@ pub struct Settings {
     pub vertical_speed: Reach,
     /// Altitudes, metres.
     pub altitude: Reach,
-    /// Acceleration along the flight, m/s²; 0 for changes that take no time.
+    /// Acceleration along the flight, m/s²; 0 for instantaneous changes.
     pub horizontal_acceleration_mps2: f64,
-    /// Vertical acceleration, m/s²; 0 for changes that take no time.
+    /// Vertical acceleration, m/s²; 0 for instantaneous changes.
     pub vertical_acceleration_mps2: f64,
-    /// Turn rate, radians per second; 0 to turn with the bank angle.
+    /// Turn rate, radians per second; 0 for turns by the bank angle.
     pub turn_rate_radps: f64,
-    /// Bank angle, radians; with a turn rate of 0 too turns take no time.
+    /// Bank angle, radians; if the turn rate is also 0, turns are instantaneous.
     pub bank_rad: f64,
-    /// Vertical speed of altitude maneuvers, metres per second; 0 for maneuvers that take no
-    /// time.
+    /// Vertical speed of altitude manoeuvres, metres per second; 0 for instantaneous ones.
     pub vertical_rate_mps: f64,
-    /// Horizontal distance that recovery keeps, metres; 0 for the TCAS II table.
+    /// Horizontal distance in recovery, metres; 0 for the TCAS II table.
     pub recovery_distance_m: f64,
-    /// Vertical distance that recovery keeps, metres; 0 for the TCAS II table.
+    /// Vertical distance in recovery, metres; 0 for the TCAS II table.
     pub recovery_height_m: f64,
-    /// Which maneuvers have recovery bands.
+    /// The kinds of manoeuvre with recovery bands.
     pub recovers: PerManeuver<bool>,
     /// Whether recovery may shrink its distances down to the NMAC volume.
     pub shrinks_recovery: bool,
-    /// By which part they shrink at a time.
+    /// Factor of one shrinking.
     pub recovery_shrinking: f64,
     /// Radius of the NMAC volume, metres.
     pub nmac_distance_m: f64,
@@ -242,18 +241,18 @@ pub struct Settings {
     pub recovery_stability_s: f64,
     /// Memory of alert levels and bands.
     pub hysteresis: HysteresisSettings,
-    /// Whether a conflict band that was entered persists.
+    /// Whether a conflict band persists after the ownship enters it.
     pub bands_persist: bool,
-    /// Difference within which a preferred resolution is kept, SI units.
+    /// Largest difference that keeps a preferred resolution, SI units.
     pub resolution_persistence: PerManeuver<f64>,
-    /// Whether the most urgent aircraft's coordination was asked for in conflicts. Without an
+    /// Whether conflicts ask for the most urgent aircraft's coordination. Without an
     /// urgency strategy, which no file sets, it changes nothing.
     pub coordinates_conflicts: bool,
     /// The same in recovery.
     pub coordinates_recovery: bool,
-    /// Deviations mitigated in volumes that do not say their own.
+    /// Mitigated deviations of volumes without their own.
     pub deviation_factors: DeviationFactors,
-    /// How far contours of conflict reach to either side, radians.
+    /// Range of the contours of conflict to either side, radians.
     pub contour_rad: f64,
     /// The terminal area.
     pub terminal: TerminalArea,
@@ -263,7 +262,7 @@ pub struct Settings {
     pub ownship_centric: bool,
     /// Whether the time of a maneuver counts against the alerting time.
     pub counts_maneuver_time: bool,
-    /// The region from which on a maneuver is asked for.
+    /// The region from which on a manoeuvre is required.
     pub corrective_region: Region,
     /// The alerters.
     pub alerters: Vec<Alerter>,
@@ -275,7 +274,7 @@ const FOOT_PER_MINUTE_MPS: f64 = FOOT_M / 60.0;
 const DEGREE_RAD: f64 = core::f64::consts::PI / 180.0;
 
 impl Default for Settings {
-    /// What a file that names no key means.
+    /// The defaults of a file.
     fn default() -> Self {
         let unbounded_below = |least: f64, greatest: f64, step: f64| Reach {
             least,
@@ -333,7 +332,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// The level (counted from 1) from which on an alerter asks for a maneuver.
+    /// The level (counted from 1) from which on an alerter requires a manoeuvre.
     pub fn corrective_level(&self, alerter: usize) -> Option<usize> {
         self.alerters
             .get(alerter)?

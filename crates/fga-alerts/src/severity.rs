@@ -1,14 +1,13 @@
-//! How bad a loss of well clear is.
+//! The severity of a loss of well clear.
 //!
-//! The severity of RTCA DO-365 (`SLoWC`) is 0 on the edge of well clear and 1 at a collision: how
-//! deep the aircraft are in the range, in the miss distance and in the height at once, joined by
-//! the Fernández-Guasti norm.
+//! The severity of RTCA DO-365 (`SLoWC`) is 0 on the edge of well clear and 1 at a collision: the
+//! Fernández-Guasti norm joins the depths in range, miss distance and height.
 
 use crate::aircraft::Pair;
 use crate::plane::time_to_closest_s;
 use crate::volume::WellClear;
 
-/// Joins two depths: 0 only where both are, 1 where either is.
+/// Joins two depths: 0 only if both are 0, 1 if either is 1.
 fn join(a: f64, b: f64) -> f64 {
     libm::sqrt((a * a + (1.0 - a * a) * b * b).clamp(0.0, 1.0))
 }

@@ -47,8 +47,8 @@ impl Volume {
         .if_lasting()
     }
 
-    /// The whole violation along straight lines from now on, to be cut to any part of `[0,
-    /// horizon_s]`; `None` where the violation depends on which part is asked for.
+    /// The whole violation along straight lines from now on, for cutting to any part of `[0,
+    /// horizon_s]`; `None` if the violation depends on the requested part.
     pub(crate) fn window(&self, pair: &Pair, horizon_s: f64) -> Option<Loss> {
         match self {
             Self::Cylinder(cylinder) => Some(cylinder.window(pair)),
@@ -68,7 +68,7 @@ impl Volume {
         from_s <= to_s && self.violation(pair, from_s, to_s).is_conflict()
     }
 
-    /// The well-clear part, where the volume has one.
+    /// The well-clear part, if the volume has one.
     pub fn well_clear(&self) -> Option<&WellClear> {
         match self {
             Self::WellClear(volume) => Some(volume),

@@ -1,8 +1,8 @@
-//! Time of a step by what it does: quiet, kept, choosing, searching, hopeless; by aircraft and number of
-//! obstacles; and of the longest steps that could be thought of.
+//! Time of a step by kind: quiet, kept, choosing, searching, hopeless; by aircraft and number of
+//! obstacles; and of the longest steps that we could construct.
 //!
-//! Processor time of the thread, each step the quickest of several from the same state, the reading of the clock taken off. Prints rows
-//! of CSV: aircraft, obstacles, kind, steps, median, 99 %, largest in microseconds, and nanoseconds a unit of work.
+//! Processor time of the thread, each step the quickest of several from the same state, without the time of reading the clock. Prints rows
+//! of CSV: aircraft, obstacles, kind, steps, median, 99 %, largest in microseconds, and nanoseconds per unit of work.
 
 use core::hint::black_box;
 
@@ -11,7 +11,7 @@ use fga::situation::Situation;
 use fga_bench::cycles::{Aircraft, Encounter, Kind};
 use rustix::time::{ClockId, clock_gettime};
 
-/// Times that each step is made.
+/// Repetitions of each step.
 const RUNS: usize = 5;
 
 /// Encounters with one obstacle; fewer with more.
@@ -40,7 +40,7 @@ fn step_us(before: &Avoider, situation: &Situation<'_>, clock_us: f64) -> f64 {
         .max(0.0)
 }
 
-/// What is measured of a step.
+/// The measured step.
 struct Sample {
     kind: Kind,
     micros: f64,
@@ -86,7 +86,7 @@ fn report(name: &str, samples: &[Sample], keep: impl Fn(&Sample) -> bool) {
 }
 
 fn main() {
-    // `cargo test --benches` passes no --bench: one encounter of each is enough to see that it runs.
+    // `cargo test --benches` passes no --bench: one encounter of each shows that it runs.
     let quick = !std::env::args().any(|argument| argument == "--bench");
     let clock_us = (0..1000)
         .map(|_| {

@@ -1,4 +1,4 @@
-//! Which obstacles threaten, and the step of a cycle in which none does.
+//! Which obstacles threaten, and a step without a threat.
 
 use core::hint::black_box;
 

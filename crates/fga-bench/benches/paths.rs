@@ -1,4 +1,4 @@
-//! A shortest path of bounded curvature, beside the crate that gives its words.
+//! A shortest path of bounded curvature, beside the crate that computes its words.
 
 use core::hint::black_box;
 

@@ -1,7 +1,7 @@
 //! A decision with threats, over every cycle of flown encounters; one of `dodgy_3d` beside it.
 //!
-//! Each encounter is flown several times and a cycle counts with its quickest run: the flights are
-//! the same to the last bit, so what differs is the machine. Prints a table and, on lines that
+//! Each encounter flies several times and the quickest run of a cycle counts: the flights are
+//! the same to the last bit, so only the machine differs. Prints a table and, on lines that
 //! begin with `{`, the same as JSON.
 
 extern crate alloc;
@@ -20,10 +20,10 @@ use fga_bench::{fly, ownship, settings, vehicle};
 use fga_paper::pilot::{PaperPilot, PaperSettings, Rule};
 use fga_sim::encounters::EncounterSource;
 
-/// Times that an encounter is flown.
+/// Flights of each encounter.
 const RUNS: usize = 5;
 
-/// What was measured at one cycle.
+/// The measurements of one cycle.
 #[derive(Clone, Copy)]
 struct Sample {
     micros: f64,
@@ -55,7 +55,7 @@ fn flown(obstacles: &[Obstacle], pilot: &mut dyn Pilot) -> Vec<Sample> {
     best
 }
 
-/// Best of several runs of one step of `dodgy_3d` on what is around at the start.
+/// Best of several runs of one step of `dodgy_3d` with the obstacles at the start.
 fn dodgy(obstacles: &[Obstacle]) -> f64 {
     #[expect(clippy::cast_possible_truncation, reason = "dodgy_3d takes f32")]
     let single = |v: Vec3| Single::new(v.x as f32, v.y as f32, v.z as f32);
@@ -124,7 +124,7 @@ fn report(name: &str, threats: u32, mut micros: Vec<f64>) {
 }
 
 fn main() {
-    // `cargo test --benches` passes --test: one encounter is enough to see that it runs.
+    // `cargo test --benches` passes --test: one encounter shows that it runs.
     let quick = !std::env::args().any(|argument| argument == "--bench");
     for (threats, encounters) in [(1, 200), (3, 200), (10, 60), (100, 6)] {
         let encounters = if quick { 1 } else { encounters };

@@ -1,7 +1,7 @@
-//! One piece of work done a number of times, for counting instructions.
+//! Repeats one piece of work, for counting instructions.
 //!
 //! `valgrind --tool=none` or `callgrind` over `instructions detect|columns COUNT TIMES`: the
-//! difference between two numbers of TIMES, divided by it, is what one piece costs.
+//! difference between two numbers of TIMES, divided by it, is the cost of one piece.
 
 use core::hint::black_box;
 use std::process::ExitCode;

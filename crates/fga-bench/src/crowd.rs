@@ -23,7 +23,7 @@ pub const fn ownship() -> Ownship {
 /// Obstacles that fly in every direction, within 10 km and 1 km of altitude.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crowd {
-    /// One record an obstacle.
+    /// One record per obstacle.
     pub rows: Vec<Obstacle>,
     id: Vec<u32>,
     numbers: [Vec<f64>; 7],
@@ -36,12 +36,12 @@ impl Crowd {
         self.rows.iter().map(hazard).collect()
     }
 
-    /// As they come: about one in a hundred threatens.
+    /// Unfiltered: about one in a hundred threatens.
     pub fn drawn(count: usize, seed: u64) -> Self {
         Self::keep(count, seed, |_| true)
     }
 
-    /// None that would come closer than 60 m.
+    /// Without those that would come closer than 60 m.
     pub fn in_the_clear(count: usize, seed: u64) -> Self {
         Self::keep(count, seed, |obstacle| {
             let (r, v) = (
@@ -83,7 +83,7 @@ impl Crowd {
         }
     }
 
-    /// The same, one slice a quantity.
+    /// The same, one slice per quantity.
     pub fn columns(&self) -> Columns<'_> {
         let [x_m, y_m, z_m, vx_mps, vy_mps, vz_mps, radius_m] = &self.numbers;
         Columns {

@@ -1,6 +1,6 @@
-//! Drawn encounters flown cycle by cycle, and what kind each cycle is of.
+//! Drawn encounters flown cycle by cycle, and the kind of each cycle.
 //!
-//! Stands on the core alone, so that `tests/instructions` builds it with nothing else.
+//! Depends only on the core, so that `tests/instructions` builds nothing else.
 
 use core::f64::consts::PI;
 
@@ -10,23 +10,23 @@ use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Mission, Movement, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation};
 use fga::vehicle::{Response, Vehicle};
 
-/// What a cycle did.
+/// The kind of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// The way ahead is clear.
     Quiet,
-    /// A manoeuvre or way back is flown, or waited for, and nothing was looked for.
+    /// Flies or awaits a manoeuvre or way back, without a search.
     Kept,
-    /// A manoeuvre was looked for, and one that is certified found.
+    /// Searched a manoeuvre and found a certified one.
     Choosing,
-    /// A manoeuvre was looked for, and none found that is certified.
+    /// Searched a manoeuvre and found no certified one.
     Searching,
-    /// Nothing is certified, and nothing was looked for.
+    /// Nothing is certified, and there was no search.
     Hopeless,
 }
 
 impl Kind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 5] = [
         Self::Quiet,
         Self::Kept,
@@ -35,7 +35,7 @@ impl Kind {
         Self::Hopeless,
     ];
 
-    /// In a word.
+    /// Its word.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Quiet => "quiet",
@@ -46,7 +46,7 @@ impl Kind {
         }
     }
 
-    /// What a decision tells.
+    /// The kind of a decision.
     pub fn of(decision: &Decision) -> Self {
         let record = &decision.record;
         let fails = matches!(record.reason, Reason::BestAvailable | Reason::InsideVolume);
@@ -60,7 +60,7 @@ impl Kind {
     }
 }
 
-/// Which aircraft, and how well it sees.
+/// The aircraft and the quality of its sight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aircraft {
     /// Table 4: it turns at once, and sees exactly.
@@ -74,10 +74,10 @@ pub enum Aircraft {
 }
 
 impl Aircraft {
-    /// All of them.
+    /// All aircraft.
     pub const ALL: [Self; 4] = [Self::Ideal, Self::Lagged, Self::Noisy, Self::Flown];
 
-    /// In a word.
+    /// Its word.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Ideal => "ideal",
@@ -108,7 +108,7 @@ impl Aircraft {
 pub struct Random(pub u64);
 
 impl Random {
-    /// A number between two others.
+    /// A number in a range.
     pub fn within(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -177,7 +177,7 @@ impl Encounter {
         }
     }
 
-    /// What takes longest: 250 obstacles in a ring, layers above and below, one on top of the aircraft,
+    /// The slowest case: 250 obstacles in a ring, layers above and below, one on top of the aircraft,
     /// lag of 0.2 to 1.2 s, σ of 10 m, wind of up to 0.95 of the airspeed, a mission of short legs.
     pub fn adversarial(number: u64) -> Self {
         let mut random = Random(number.wrapping_mul(7_919) ^ 0xad);
@@ -229,11 +229,11 @@ impl Encounter {
         encounter
     }
 
-    /// Flies it and shows each cycle: the avoider before its step, what it is given, and what it decides;
-    /// ends where `look` says that it has seen enough.
+    /// Flies it and shows each cycle: the avoider before its step, the situation, and the decision;
+    /// ends when `look` has seen enough.
     ///
     /// # Panics
-    /// Where the vehicle is refused, which is a fault of the encounter.
+    /// If the core refuses the vehicle, which is a fault of the encounter.
     pub fn fly(mut self, mut look: impl FnMut(&Avoider, &Situation<'_>, &Decision) -> bool) {
         let mut avoider = Avoider::new(self.settings, self.vehicle).expect("drawn within limits");
         let flyer = Flyer::new(&self.vehicle);

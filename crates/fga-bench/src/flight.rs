@@ -1,4 +1,4 @@
-//! An encounter flown with ideal rates, looked at cycle by cycle.
+//! An encounter flown with ideal rates, observed cycle by cycle.
 
 use fga::Vec3;
 use fga::avoider::{Decision, Settings, State};
@@ -37,17 +37,17 @@ pub fn settings() -> Settings {
     }
 }
 
-/// A step to be measured.
+/// A step to measure.
 pub struct Cycle<'a> {
     /// The pilot before the step.
     pub pilot: &'a mut dyn Pilot,
-    /// What it is given.
+    /// The situation.
     pub situation: Situation<'a>,
 }
 
 /// Flies one encounter until the aircraft is back on its line and every obstacle has passed.
 ///
-/// `look` makes the step and hands back the decision, which is then flown.
+/// `look` makes the step and returns the decision, which the aircraft then flies.
 pub fn fly(
     obstacles: &[Obstacle],
     pilot: &mut dyn Pilot,

@@ -1,7 +1,7 @@
-//! What the benches measure: crowds of obstacles, and encounters flown cycle by cycle.
+//! Input of the benches: crowds of obstacles, and encounters flown cycle by cycle.
 //!
-//! `RUSTFLAGS="-C target-cpu=x86-64-v3" cargo bench -p fga-bench` measures all of it; results are kept,
-//! with the machine they were measured on, in `docs/benchmarks/`.
+//! `RUSTFLAGS="-C target-cpu=x86-64-v3" cargo bench -p fga-bench` measures all of it; `docs/benchmarks/`
+//! keeps results with their machine.
 
 pub mod cycles;
 

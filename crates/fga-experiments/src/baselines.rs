@@ -1,12 +1,12 @@
-//! Searches the settings of the baselines: the share of encounters kept separated in the cells of
-//! Table 4 and in harder families, for a grid of settings of one method, and the share in which
-//! the aircraft came back to its line too, by which the best setting is chosen: turning away from
-//! everything for ever is no avoidance.
+//! Searches the settings of the baselines, for a grid of settings of one method: the share of encounters
+//! kept separated in the cells of Table 4 and in harder families, and the share that also came back to the
+//! line, which chooses the best setting, because a method that turns away from everything for ever avoids
+//! nothing.
 //!
-//! Every setting is flown on a sixth of the encounters, the best five then on all.
+//! Every setting flies a sixth of the encounters, the best five then all of them.
 //!
-//! METHOD is the name of a baseline; `lowered` for how much lower the velocity methods see an
-//! obstacle at their own height; or `all` for every policy with the settings it ships with, and the
+//! METHOD is the name of a baseline; `lowered` for the offset by which the velocity methods see an
+//! obstacle at their own height lower; or `all` for every policy with its shipped settings, and the
 //! oracle.
 
 use clap::Args;
@@ -28,14 +28,14 @@ use crate::common::{model, oracle_obstacles};
 /// Seed of the search.
 const SEARCH_SEED: u64 = 20_240_229;
 
-/// Seed of the comparison, which the search has not seen.
+/// Seed of the comparison, unknown to the search.
 const COMPARISON_SEED: u64 = 7;
 
-/// Every setting is flown on this part of the encounters, and the best few on all of them.
+/// Every setting flies this part of the encounters, and the best few fly all of them.
 const FIRST_SHARE: u64 = 6;
 const FINALISTS: usize = 5;
 
-/// Longest flight, seconds; who is not back on the line by then has not come back.
+/// Longest flight, seconds; a return to the line must come before its end.
 const HORIZON_S: f64 = 60.0;
 
 fn cells(seed: u64) -> Vec<(&'static str, EncounterSource)> {
@@ -95,7 +95,7 @@ fn with<S: Steering + Clone + Send + Sync + 'static>(method: S) -> Factory {
     })
 }
 
-/// A method that sees obstacles at its own height so much lower, in protected radii.
+/// A method that sees obstacles at its own height this much lower, in protected radii.
 #[derive(Clone)]
 struct Lowered<S>(S, f64);
 
@@ -109,7 +109,7 @@ impl<S: Steering> Steering for Lowered<S> {
     }
 }
 
-/// Every policy with the settings it ships with.
+/// Every policy with its shipped settings.
 fn all() -> Result<Vec<(String, Factory)>, String> {
     let baselines = Baseline::ALL.iter().map(|baseline| baseline.name());
     ["none"]
@@ -128,7 +128,7 @@ fn all() -> Result<Vec<(String, Factory)>, String> {
         .collect()
 }
 
-/// The velocity methods, seeing obstacles at their own height lower by several shares.
+/// The velocity methods, with several offsets of obstacles at their own height.
 fn lowered() -> Vec<(String, Factory)> {
     let mut list = Vec::new();
     for share in [0.0, 0.01, 0.02, 0.05, 0.1, 0.2] {
@@ -234,9 +234,9 @@ fn candidates(method: &str) -> Result<Vec<(String, Factory)>, String> {
     Ok(list)
 }
 
-/// What came of a setting's flights, per cell and over all.
+/// The result of a setting's flights, for each cell and over all.
 struct Scores {
-    /// Per cent kept separated in each cell.
+    /// Per cent kept separated, by cell.
     separated: Vec<f64>,
     /// Per cent separated and back, mean of the cells.
     back: f64,

@@ -1,4 +1,4 @@
-//! What the experiments share: the aircraft, the flight, and the cells.
+//! Common parts of the experiments: the aircraft, the flight, and the cells.
 
 use clap::Args;
 use fga_formats::encounters::Encounter;
@@ -10,12 +10,12 @@ use fga_sim::policy::{Pilot, PolicyChoice};
 use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::World;
 
-/// Which encounters are drawn.
+/// The encounters to draw.
 #[derive(Args, Debug)]
 pub(crate) struct DrawArgs {
     /// Master seed.
     pub(crate) seed: u64,
-    /// Encounters in each cell.
+    /// Number of encounters in each cell.
     pub(crate) count: u64,
     /// Cells, as in a campaign file; without them the hundred of {1, 2, 3, 5, 10} threats ×
     /// {100–500, 300} m × five speeds, in space and in the plane.
@@ -24,7 +24,7 @@ pub(crate) struct DrawArgs {
 }
 
 impl DrawArgs {
-    /// The cells that are flown, with their sources.
+    /// The cells with their sources.
     pub(crate) fn sources(&self) -> Result<Vec<(String, EncounterSource)>, String> {
         let names = if self.cells.is_empty() {
             all_cells()
@@ -52,7 +52,7 @@ fn all_cells() -> Vec<String> {
     cells
 }
 
-/// The aircraft of Table 4, without climbs where everything happens at one altitude.
+/// The aircraft of Table 4, without climbs if everything happens at one altitude.
 pub(crate) fn model(planar: bool) -> Result<VehicleModel, String> {
     let mut model = VehicleModel::built_in().map_err(|e| e.to_string())?;
     if planar {
@@ -79,7 +79,7 @@ pub(crate) fn pilot(
         .map_err(|e| e.to_string())
 }
 
-/// How an experiment without noise is flown.
+/// The settings of an experiment without noise.
 pub(crate) fn settings(
     planar: bool,
     policy: PolicyChoice,
@@ -105,7 +105,7 @@ pub(crate) fn fly(
     Ok(Engine::new().fly(&world, pilot.as_mut(), observer))
 }
 
-/// The obstacles of an encounter as the oracle takes them, in still air.
+/// The obstacles of an encounter for the oracle, in still air.
 pub(crate) fn oracle_obstacles(encounter: &Encounter) -> Vec<OracleObstacle> {
     encounter
         .obstacles
@@ -114,7 +114,7 @@ pub(crate) fn oracle_obstacles(encounter: &Encounter) -> Vec<OracleObstacle> {
         .collect()
 }
 
-/// The median; NaN of nothing.
+/// The median; NaN for an empty list.
 pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)

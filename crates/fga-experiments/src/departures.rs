@@ -2,10 +2,10 @@
 //!
 //! | mode | what |
 //! |---|---|
-//! | `compare` | `turn-aware` beside `published --start t0` on the same encounters: saved by each, and over those saved by both the medians of the largest cross-track deviation and the extra path, each flight continued until it is back, at most 300 s |
-//! | `oracle` | `turn-aware` beside the oracle's safe maneuver of least departure, followed by the same way back once the obstacles have passed |
-//! | `latest` | `turn-aware --start latest`: how long before the last moment at which the oracle still finds a way out it starts |
-//! | `needless` | traffic that passes close but clear: is anything done, is anything entered? |
+//! | `compare` | `turn-aware` and `published --start t0` on the same encounters: the number that each saves, and over those that both save the medians of the largest cross-track deviation and the extra path; each flight continues until it is back, at most 300 s |
+//! | `oracle` | `turn-aware` and the oracle's safe manoeuvre of least departure, followed by the same way back once the obstacles have passed |
+//! | `latest` | `turn-aware --start latest`: its start against the last moment at which the oracle still finds a way out |
+//! | `needless` | traffic that passes close but clear: does the policy act, and does it enter anything? |
 
 use clap::{Args, ValueEnum};
 use fga::Vec3;
@@ -75,7 +75,7 @@ fn fly(
     fly_under(encounter, planar, policy, |pilot| pilot)
 }
 
-/// Flies an encounter under a policy's pilot, or under one made of it.
+/// Flies an encounter under a policy's pilot, or under a pilot made from it.
 fn fly_under(
     encounter: &Encounter,
     planar: bool,
@@ -95,7 +95,7 @@ fn fly_under(
 struct OraclePilot {
     maneuver: Maneuver,
     until_s: f64,
-    /// What the decisions are made of until then.
+    /// Duration of the decisions until then.
     idle: MissionPilot,
     back: Box<dyn Pilot + Send>,
 }
@@ -123,7 +123,7 @@ impl Pilot for OraclePilot {
     }
 }
 
-/// Flies the oracle's safe manoeuvre of least departure; `None` where it finds none.
+/// Flies the oracle's safe manoeuvre of least departure; `None` if the oracle finds none.
 fn fly_oracle(encounter: &Encounter, planar: bool) -> Result<Option<Outcome>, String> {
     let vehicle = OracleVehicle::from(&model(planar)?.vehicle);
     let obstacles = oracle_obstacles(encounter);
@@ -252,7 +252,7 @@ fn latest_s(encounter: &Encounter, planar: bool) -> Result<Option<f64>, String> 
     if !still(0.0) {
         return Ok(None);
     }
-    // On the line until the first volume is entered.
+    // On the line until it enters the first volume.
     let entry_s = |o: &Obstacle| {
         let relative = o.velocity_mps - Vec3::X * vehicle.airspeed_mps;
         let (square, along) = (relative.length_squared(), -o.position_m.dot(relative));
@@ -304,7 +304,7 @@ fn latest(cell: &str, source: &EncounterSource, count: u64) -> Result<(), String
     Ok(())
 }
 
-/// Traffic of which something passes close, but nothing too close.
+/// Traffic that passes close, but not too close.
 fn clear_traffic(seed: u64, number: u64, planar: bool) -> Encounter {
     let mut random = Random::new(seed, number);
     let count = random.count(1, 10);
@@ -357,14 +357,14 @@ fn needless(seed: u64, count: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// What is measured.
+/// The measurement.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Mode {
-    /// Beside the published rule.
+    /// Against the published rule.
     Compare,
-    /// Beside the oracle's maneuver of least departure.
+    /// Against the oracle's manoeuvre of least departure.
     Oracle,
-    /// The latest start beside the oracle's.
+    /// The latest start against the oracle's.
     Latest,
     /// Traffic that passes clear; takes no cells.
     Needless,
@@ -373,13 +373,13 @@ enum Mode {
 /// Options of `departures`.
 #[derive(Args, Debug)]
 pub(crate) struct DeparturesArgs {
-    /// What is measured.
+    /// The measurement.
     mode: Mode,
     #[command(flatten)]
     draw: DrawArgs,
 }
 
-/// Measures a cell, by name and source, over a number of encounters, and prints its row.
+/// Measures a cell, given by name and source, over a number of encounters, and prints its row.
 type Measure = fn(&str, &EncounterSource, u64) -> Result<(), String>;
 
 /// Prints a row for each cell.

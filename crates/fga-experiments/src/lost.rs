@@ -1,8 +1,8 @@
 //! Which encounters does the oracle save and a policy lose?
 //!
-//! With `--turning` the intruder that is closest when the policy has avoided for a second turns by
-//! 45°: to the left in encounters of an even number, else to the right. The oracle learns of the
-//! turn when the policy does: it starts from where the aircraft is at that moment.
+//! With `--turning` the closest intruder turns by 45° after the policy has avoided for a second: to the
+//! left in encounters of an even number, else to the right. The oracle learns of the turn when the
+//! policy does: it starts from the aircraft's state at that moment.
 
 use core::f64::consts::FRAC_PI_4;
 
@@ -27,7 +27,7 @@ use crate::common::{DrawArgs, median, oracle_obstacles, pilot, settings, world};
 pub(crate) struct LostArgs {
     #[command(flatten)]
     draw: DrawArgs,
-    /// What decides, as in "published --start t0".
+    /// The policy, as in "published --start t0".
     #[arg(long, default_value = "turn-aware")]
     policy: String,
     /// The closest intruder turns by 45° after a second of avoidance.
@@ -41,8 +41,8 @@ const HORIZON_S: f64 = 60.0;
 /// Time from the beginning of the avoidance to the intruder's turn, seconds.
 const TURNS_AFTER_S: f64 = 1.0;
 
-/// Follows a flight: when the avoidance began, what happened, and where everything was when it was
-/// time for an intruder to turn.
+/// Follows a flight: the start of the avoidance, the entries, and the state of everything when an
+/// intruder is to turn.
 #[derive(Default)]
 struct Story {
     avoids_s: Option<f64>,
@@ -73,12 +73,12 @@ impl Observer for Story {
     }
 }
 
-/// What came of an encounter.
+/// The result of an encounter.
 struct Flown {
     number: u64,
     outcome: Outcome,
     states: Vec<(f64, State)>,
-    /// What the oracle reaches, metres, where the flight entered a volume.
+    /// The oracle's margin, metres, if the flight entered a volume.
     oracle_m: Option<f64>,
 }
 
@@ -89,7 +89,7 @@ fn fly(settings: &BatchSettings, encounter: &Encounter, turning: bool) -> Result
     let mut start = OracleStart::ORIGIN;
     let mut obstacles = oracle_obstacles(encounter);
     if turning && let Some((turn_s, from)) = story.turn {
-        // Until the turn, the second flight is the first one again.
+        // Until the turn, the second flight repeats the first one.
         obstacles = turn_closest(&mut world, turn_s, from.position_m, encounter.id);
         start = from;
         story = Story::default();
@@ -107,7 +107,7 @@ fn fly(settings: &BatchSettings, encounter: &Encounter, turning: bool) -> Result
     })
 }
 
-/// Turns the obstacle closest to a position at a time; returns all of them as they are then.
+/// Turns the obstacle closest to a position at a time; returns the state of all obstacles at that time.
 fn turn_closest(
     world: &mut World,
     turn_s: f64,

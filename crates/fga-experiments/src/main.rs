@@ -6,9 +6,9 @@
 //! |---|---|
 //! | [`lost`] | which encounters does the oracle save and a policy lose? |
 //! | [`departures`] | how far does the policy depart, when does it begin, does it come back? |
-//! | [`robustness`] | what is saved with noise, wind and a bank that lags? |
+//! | [`robustness`] | how many does the policy save with noise, wind and bank lag? |
 //! | [`baselines`] | which settings suit the baselines, and how do all policies compare? |
-//! | [`oracle`] | what does the oracle save, and how long does it take? |
+//! | [`oracle`] | how many does the oracle save, and how long does it take? |
 
 mod baselines;
 mod common;
@@ -35,11 +35,11 @@ enum Experiment {
     Lost(lost::LostArgs),
     /// Measure departures from the mission, starts and returns.
     Departures(departures::DeparturesArgs),
-    /// Count what is saved with noise, wind and a bank that lags.
+    /// Count the encounters that the policy saves with noise, wind and bank lag.
     Robustness(robustness::RobustnessArgs),
     /// Search the settings of a baseline, or compare all policies.
     Baselines(baselines::BaselinesArgs),
-    /// Measure the oracle: share that it saves, and time.
+    /// Measure the oracle: the share that it saves, and its time.
     Oracle(oracle::OracleArgs),
 }
 

@@ -1,4 +1,4 @@
-//! What does the oracle save, and how long does it take?
+//! How many encounters does the oracle save, and how long does it take?
 
 use std::time::Instant;
 
@@ -12,7 +12,7 @@ use crate::common::{DrawArgs, oracle_obstacles};
 pub(crate) struct OracleArgs {
     #[command(flatten)]
     draw: DrawArgs,
-    /// Margin at which the search stops, metres; without it the best one is searched for.
+    /// Margin at which the search stops, metres; without it the oracle searches for the best one.
     #[arg(long, value_name = "M")]
     enough: Option<f64>,
 }

@@ -1,8 +1,9 @@
-//! How many of the encounters that the aircraft's limits allow to be saved are saved when nothing
-//! is ideal: noisy sight, a bank that lags, a turn that is slower than assumed, wind.
+//! How many avoidable encounters does the policy save when nothing is ideal: noisy sight, bank lag, a turn
+//! that is slower than assumed, wind? Avoidable means within the aircraft's limits.
 //!
-//! Each encounter is drawn for the ground speed in its wind, whose direction goes round with the
-//! encounter's number. The oracle has the same limits and perfect sight. Every cause has an option, so
+//! Each encounter is drawn for the ground speed in its wind, whose direction rotates with the encounter's
+//! number. The oracle has the same limits and perfect sight. Every cause has an option, so that it can be
+//! left out.
 //! that one can be left out at a time.
 
 use clap::Args;
@@ -18,10 +19,10 @@ use rayon::prelude::*;
 
 use crate::common::{self, DrawArgs, model};
 
-/// Wind directions of successive encounters are this far apart, radians: the golden angle.
+/// Angle between the wind directions of successive encounters, radians: the golden angle.
 const NEXT_WIND_RAD: f64 = 2.399_963_229_728_653;
 
-/// Options of `robustness`: what is not ideal.
+/// Options of `robustness`: the imperfections.
 #[derive(Args, Debug)]
 pub(crate) struct RobustnessArgs {
     #[command(flatten)]
@@ -35,22 +36,22 @@ pub(crate) struct RobustnessArgs {
     /// Time constant of the bank, seconds.
     #[arg(long, default_value_t = 0.6)]
     lag: f64,
-    /// Turn rate reached, as a share of the one that the bank gives.
+    /// Flown turn rate, as a share of the bank's ideal one.
     #[arg(long, default_value_t = 0.74)]
     factor: f64,
-    /// Standard deviations that the margin covers.
+    /// Standard deviations within the margin.
     #[arg(long, default_value_t = 3.0)]
     sigmas: f64,
     /// Margin kept, metres.
     #[arg(long, default_value_t = 0.05)]
     margin: f64,
-    /// What decides, as in "turn-aware --start latest".
+    /// The policy, as in "turn-aware --start latest".
     #[arg(long, default_value = "turn-aware")]
     policy: String,
-    /// Fly the encounter of this number alone.
+    /// Fly only the encounter with this number.
     #[arg(long)]
     only: Option<u64>,
-    /// Print the changes of state of what is lost.
+    /// Print the changes of state in lost encounters.
     #[arg(long)]
     verbose: bool,
 }
@@ -77,7 +78,7 @@ impl RobustnessArgs {
     }
 }
 
-/// States and reasons as they change, and how often each reason stood.
+/// States and reasons at each change, and the number of decisions with each reason.
 #[derive(Debug, Default)]
 struct Story {
     changes: Vec<String>,
@@ -107,7 +108,7 @@ impl Observer for Story {
     }
 }
 
-/// What came of an encounter.
+/// The result of an encounter.
 struct Flown {
     number: u64,
     outcome: Outcome,
@@ -143,7 +144,7 @@ fn fly(
         .map(|o| OracleObstacle::from(o).in_wind(model.wind_mps))
         .collect();
     let oracle_m = if outcome.separated() {
-        // Saved is saved: only what is lost has to be judged.
+        // Saved is saved: only losses need the oracle.
         f64::INFINITY
     } else {
         let oracle_settings = OracleSettings {

@@ -1,4 +1,4 @@
-//! Every experiment, small: it ends, says one row for each cell, and what is known of it holds.
+//! Every experiment, small: it ends, prints one row for each cell, and known results hold.
 
 use std::process::Command;
 

@@ -111,7 +111,10 @@ pub fn toml_sentence(message: &str) -> String {
     told = told.replace("invalid type: ", "found ");
     for (kinds, word) in [
         (&["f64", "f32"][..], "a number"),
-        (&["u64", "u32", "u16", "u8", "usize", "i64"][..], "a whole number"),
+        (
+            &["u64", "u32", "u16", "u8", "usize", "i64"][..],
+            "a whole number",
+        ),
         (&["a sequence"][..], "a list"),
         (&["a boolean"][..], "true or false"),
     ] {

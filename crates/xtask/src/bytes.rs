@@ -1,10 +1,9 @@
-//! `cargo xtask bytes [--program PATH] [--out DIR]`: the SHA-256 of everything that must not change
-//! when only the shape of the code does.
+//! `cargo xtask bytes [--program PATH] [--out DIR]`: the SHA-256 of every result that a refactoring must
+//! not change.
 //!
-//! A fixed set of runs: flights, batches, oracles, recordings and campaigns by every policy. Save
-//! what it prints before a change and after it, and compare with `diff`. Nothing that depends on the clock
-//! is in it. Runs on data beside the repository are left out, and the list says so, where that data
-//! is absent.
+//! A fixed set of runs: flights, batches, oracles, recordings and campaigns under every policy. Save its
+//! output before a change and after it, and compare with `diff`. Nothing in it depends on the clock.
+//! Without the data beside the repository it leaves out the runs on that data, and the list says so.
 
 use core::f64::consts::PI;
 use core::fmt::Write as _;
@@ -14,7 +13,7 @@ use std::process::{Command, Stdio};
 
 use sha2::{Digest as _, Sha256};
 
-/// Every policy as the command line names it, and its start.
+/// Every policy and its start on the command line.
 const POLICIES: [(&str, Option<&str>); 15] = [
     ("turn-aware", None),
     ("turn-aware", Some("t0")),
@@ -33,16 +32,16 @@ const POLICIES: [(&str, Option<&str>); 15] = [
     ("velocity-obstacles", None),
 ];
 
-/// Scenarios that are flown by every policy.
+/// Scenarios for every policy.
 const SCENARIOS: [&str; 2] = ["first-flight", "fig-10"];
 
-/// Scenarios that are flown by the default policy.
+/// Scenarios for the default policy.
 const OTHER_SCENARIOS: [&str; 3] = ["fig-05", "fig-17", "sfo"];
 
 /// Vehicles of the batches.
 const VEHICLES: [&str; 3] = ["paper", "paper-planar", "rascal-110"];
 
-/// Shipped campaigns, and how many encounters of each are flown.
+/// Shipped campaigns and the number of encounters of each.
 const CAMPAIGNS: [(&str, &str); 2] = [("table4-static", "400"), ("table4-dynamic", "400")];
 
 /// Files whose bytes must not change.
@@ -62,7 +61,7 @@ const RECORDINGS: [&str; 2] = [
     "../shared/data/flown/NRC_Intercept1.daa",
 ];
 
-/// Encounters of the batches.
+/// Number of encounters of the batches.
 const ENCOUNTERS: u32 = 120;
 
 /// Makes the runs and prints a line for each file: its hash and its name.
@@ -89,7 +88,7 @@ struct Run {
     name: String,
 }
 
-/// The program to ask, and where the results go; both may be left out.
+/// The program and the folder of the results; both are optional.
 fn options(arguments: &[&str]) -> Result<(Option<PathBuf>, Option<PathBuf>), String> {
     let (mut program, mut out) = (None, None);
     for pair in arguments.chunks(2) {
@@ -107,7 +106,7 @@ fn options(arguments: &[&str]) -> Result<(Option<PathBuf>, Option<PathBuf>), Str
     Ok((program, out))
 }
 
-/// Builds the program as README does.
+/// Builds the program as in the README.
 fn build() -> Result<PathBuf, String> {
     let built = Command::new("cargo")
         .args(["build", "--release", "--package", "fga-cli"])
@@ -120,7 +119,7 @@ fn build() -> Result<PathBuf, String> {
     }
 }
 
-/// All runs, with the encounter file that they need written into `out`.
+/// All runs, after writing their encounter file into `out`.
 fn runs(out: &Path) -> Result<Vec<Run>, String> {
     let encounters = out.join("encounters.csv");
     fs::write(&encounters, encounter_file())
@@ -217,8 +216,8 @@ fn runs(out: &Path) -> Result<Vec<Run>, String> {
     Ok(runs)
 }
 
-/// Encounters of one to three obstacles that would come near the line along +x, still or moving:
-/// the numbers of a linear congruential generator.
+/// Encounters of one to three obstacles near the line along +x, at rest or moving, from the numbers of
+/// a linear congruential generator.
 fn encounter_file() -> String {
     let mut state = 1_u64;
     let mut between = |low: f64, high: f64| {
@@ -280,7 +279,7 @@ fn fly_all(program: &Path, runs: &[Run], out: &Path) -> Result<(), String> {
             .stderr(Stdio::piped())
             .output()
             .map_err(|error| format!("{}: {error}", program.display()))?;
-        // 2: a protected volume was entered, which is a result too.
+        // 2: the aircraft entered a protected volume, which is a result too.
         if !matches!(flown.status.code(), Some(0 | 2)) {
             let message = String::from_utf8_lossy(&flown.stderr);
             println!("{:64}  {}: {}", "", run.name, message.trim());

@@ -1,8 +1,8 @@
-//! The evidence behind the pages' counts, made again: `cargo xtask evidence` runs every experiment in
+//! Makes the evidence behind the pages' counts again: `cargo xtask evidence` runs every experiment in
 //! the size of the pages (hours), `cargo xtask evidence small` a part of each (a minute).
 //!
-//! Each output goes to `out/evidence/NAME.txt` below its command. An experiment whose count has an
-//! expectation fails the chore where it is not met.
+//! Each output goes to `out/evidence/NAME.txt` below its command. The chore fails when an experiment
+//! misses its expected count.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +17,7 @@ struct Evidence {
     full: &'static [&'static str],
     /// Its arguments in the small size.
     small: &'static [&'static str],
-    /// What its last line begins with, where that is known before.
+    /// Expected start of its last line, if known.
     expected: Option<&'static str>,
 }
 
@@ -108,7 +108,7 @@ pub(crate) fn make(options: &[&str]) -> Result<(), String> {
     }
 }
 
-/// Builds the experiments: as the tests do for the small size, else for speed.
+/// Builds the experiments: in the small size as the tests do, else for speed.
 fn program(is_small: bool) -> Result<String, String> {
     let (arguments, program): (&[&str], _) = if is_small {
         let as_tests = &["--workspace", "--features", "fga-cli/beast"];

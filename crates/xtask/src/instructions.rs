@@ -1,6 +1,6 @@
-//! Instructions of a step, counted by valgrind and compared with a committed table.
+//! Counts the instructions of a step with valgrind and compares them with a committed table.
 //!
-//! Counts do not depend on how busy a machine is: what a change makes dearer by more than [`TOLERANCE`] shows.
+//! Counts do not depend on the load of a machine: a change shows when it costs more than [`TOLERANCE`].
 
 use alloc::collections::BTreeMap;
 use core::fmt::Write as _;
@@ -12,13 +12,13 @@ use std::process::Command;
 /// The table, from the root of the repository.
 const TABLE: &str = "docs/benchmarks/instructions.csv";
 
-/// How far a count may be from the table's, as a share.
+/// Largest difference from the table, as a share.
 const TOLERANCE: f64 = 0.03;
 
-/// Repetitions of each step; the same with none is taken off.
+/// Repetitions of each step; a run without any is subtracted.
 const TIMES: u32 = 5;
 
-/// Aircraft, obstacles and kinds of steps that are counted.
+/// The counted aircraft, numbers of obstacles and kinds of steps.
 const COUNTED: [(&str, u32, &str); 7] = [
     ("ideal", 3, "quiet"),
     ("ideal", 1, "choosing"),
@@ -72,7 +72,7 @@ fn build(root: &Path) -> Result<PathBuf, String> {
         .arg(manifest)
         .arg("--target-dir")
         .arg(&target)
-        // One set of instructions, whatever the machine.
+        // One set of instructions on every machine.
         .env("RUSTFLAGS", "-C target-cpu=x86-64")
         .status()
         .map_err(|error| format!("cargo: {error}"))?;
@@ -92,7 +92,7 @@ fn step(program: &Path, aircraft: &str, obstacles: u32, kind: &str) -> Result<u6
     Ok(with.saturating_sub(without) / (steps * u64::from(TIMES)))
 }
 
-/// Instructions of the program, and how many steps it repeats.
+/// Instructions of the program, and the number of steps that it repeats.
 fn run(
     program: &Path,
     aircraft: &str,
@@ -116,7 +116,7 @@ fn run(
         .ok_or_else(|| format!("valgrind counted nothing: {told}"))
 }
 
-/// Says which counts are not those of the table.
+/// Names the counts that differ from the table.
 fn compare(path: &Path, counts: &BTreeMap<String, u64>) -> Result<(), String> {
     let text = fs::read_to_string(path).map_err(|error| format!("{TABLE}: {error}"))?;
     let table: BTreeMap<&str, u64> = text

@@ -2,10 +2,10 @@
 //!
 //! | chore | what it does |
 //! |---|---|
-//! | `bytes` | prints the hash of every result that a change of shape must not change |
+//! | `bytes` | prints the hash of every result that a refactoring must not change |
 //! | `evidence` | makes the counts of the pages again, whole or a small part |
 //! | `instructions` | counts the instructions of a step and compares them with a committed table |
-//! | `mutants` | changes what decides about the mode, bit by bit, and says what no test notices |
+//! | `mutants` | changes the code that decides about the mode, piece by piece, and names changes that no test notices |
 //! | `pictures` | makes every picture of README and docs from real runs |
 
 extern crate alloc;

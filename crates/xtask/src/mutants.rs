@@ -1,7 +1,7 @@
-//! Mutants of what decides about the mode: authority, watchdog and clock of the link.
+//! Mutants of the code that decides about the mode: authority, watchdog and clock of the link.
 //!
-//! `cargo mutants` changes one thing at a time and runs the tests. What the tests do not notice must
-//! stand in `crates/fga-link/src/authority/mutants.txt`, with the reason why nobody could.
+//! `cargo mutants` changes one thing at a time and runs the tests. A mutant that the tests do not notice
+//! must be in `crates/fga-link/src/authority/mutants.txt`, with the reason why no test can.
 
 use alloc::collections::BTreeSet;
 use std::fs;
@@ -9,7 +9,7 @@ use std::process::Command;
 
 const LIST: &str = "crates/fga-link/src/authority/mutants.txt";
 const OUT: &str = "target/mutants";
-/// What is mutated. Tests, and what only prints, are left alone.
+/// The mutated files. Tests and printing code stay unchanged.
 const FILES: [&str; 4] = [
     "crates/fga-link/src/authority/*.rs",
     "crates/fga-link/src/clock.rs",
@@ -17,7 +17,7 @@ const FILES: [&str; 4] = [
     "crates/fga-link/src/restart.rs",
 ];
 
-/// A mutant without its place in the file, which moves with every line.
+/// A mutant without its line number, which moves.
 fn without_place(line: &str) -> String {
     let mut parts = line.splitn(4, ':');
     let (file, what) = (parts.next().unwrap_or_default(), parts.nth(2));
@@ -43,7 +43,7 @@ pub(crate) fn check() -> Result<(), String> {
     for file in FILES {
         command.args(["--file", file]);
     }
-    // The unit tests and those in scaled time; the ones in real time would take hours.
+    // The unit tests and those in scaled time; tests in real time would take hours.
     command.args(["--", "--lib", "--test", "safety", "--test", "faults"]);
     let status = command
         .status()

@@ -1,7 +1,7 @@
-//! `cargo xtask pictures`: every picture in `docs/pictures`, from real runs.
+//! `cargo xtask pictures`: makes every picture in `docs/pictures` from real runs.
 //!
-//! Pictures of runs are copied as the program draws them; pictures of pages are taken by Chromium,
-//! which `viewer/pictures.mjs` drives.
+//! The program draws the pictures of runs; Chromium, driven by `viewer/pictures.mjs`, takes the
+//! pictures of pages.
 
 use std::fs;
 use std::io::{BufRead as _, BufReader};
@@ -139,10 +139,10 @@ impl Workshop {
         )
     }
 
-    /// Runs `fga`, whose results go into the folder of that name.
+    /// Runs `fga`, with its results in the folder of that name.
     fn fly(&self, arguments: &[&str], folder: &str) -> Result<(), String> {
         let out = self.runs.join(folder);
-        // A campaign does not begin where results are.
+        // A campaign does not start in a folder with results.
         let _ = fs::remove_dir_all(&out);
         let mut command = self.program();
         command.args(arguments).arg("--out").arg(&out);

@@ -1,4 +1,4 @@
-//! The pages hang together: every relative link leads somewhere, and the book's contents list every page.
+//! Every relative link leads somewhere, and the book's contents list every page.
 
 extern crate alloc;
 

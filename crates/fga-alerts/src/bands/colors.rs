@@ -7,7 +7,7 @@ use crate::bands::span::Span;
 use crate::settings::Region;
 use alloc::vec::Vec;
 
-/// A value and the colors on both sides; `None` lies outside of what can be flown.
+/// A value and the colors on both sides; `None` is out of reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Edge2 {
     pub(crate) left: Option<Region>,
@@ -15,7 +15,7 @@ pub(crate) struct Edge2 {
     pub(crate) right: Option<Region>,
 }
 
-/// A line of edges in growing order, the color right of one the color left of the next.
+/// A line of edges in increasing order; the color right of an edge is the color left of the next.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Colors(pub(crate) Vec<Edge2>);
 
@@ -73,7 +73,7 @@ impl Colors {
         Some((self.0.first()?.at, self.0.last()?.at))
     }
 
-    /// Whether the part right of edge `index` can be painted over.
+    /// Whether the part right of edge `index` is paintable.
     fn yields(&self, index: usize, color: Region) -> bool {
         self.0
             .get(index)
@@ -103,7 +103,7 @@ impl Colors {
         }
     }
 
-    /// Paints between two values what can be painted over.
+    /// Paints the paintable parts between two values.
     pub(crate) fn paint(&mut self, low: f64, high: f64, color: Region) {
         let Some((first, last)) = self.ends() else {
             return;
@@ -157,7 +157,7 @@ impl Colors {
         }
     }
 
-    /// Paints between two values, around the circle where the lower is not below the upper.
+    /// Paints between two values, around the circle if the lower one is not below the upper one.
     pub(crate) fn paint_around(&mut self, low: f64, high: f64, modulus: f64, color: Region) {
         if low < high {
             self.paint(low, high, color);
@@ -167,7 +167,7 @@ impl Colors {
         }
     }
 
-    /// Paints everything that is not free.
+    /// Paints everything but the free intervals.
     pub(crate) fn paint_outside(&mut self, free: &Intervals, color: Region) {
         let Some((mut from, to)) = self.ends() else {
             return;
@@ -186,7 +186,7 @@ impl Colors {
         }
     }
 
-    /// The color at a value; on an edge the one with the lesser conflict.
+    /// The color at a value; on an edge the lesser conflict.
     pub(crate) fn at(&self, value: f64) -> Option<Region> {
         let edge = self.0.iter().find(|edge| !Edge.less(edge.at, value))?;
         if !Edge.same(edge.at, value) {
@@ -213,12 +213,12 @@ pub struct Band {
     pub low: f64,
     /// Upper edge, SI unit of the scale.
     pub high: f64,
-    /// What a maneuver into it meets; `None` outside of what can be flown.
+    /// The region of a manoeuvre into it; `None` out of reach.
     pub region: Option<Region>,
 }
 
 impl Colors {
-    /// The bands, neighbours of one color merged. In recovery a free interval is a way out.
+    /// The bands, with neighbours of one color merged. In recovery a free interval is a resolution.
     pub(crate) fn bands_into(&self, recovers: bool, bands: &mut Vec<Band>) {
         bands.clear();
         let shown = |color: Option<Region>| match color {
@@ -244,13 +244,13 @@ impl Colors {
     }
 }
 
-/// Which band a value lies in; on an edge the one with the lesser conflict.
+/// The band of a value; on an edge the one with the lesser conflict.
 pub(crate) fn band_at(bands: &[Band], value: f64, modulus: f64) -> Option<usize> {
     let value = wrapped(value, modulus);
     let last = bands.len().checked_sub(1)?;
     let is_free = |region: Option<Region>| region.is_some_and(|region| !region.is_conflict());
-    // A neighbour below the second band counts only as a fallback: tables of the reference
-    // show no region there, and tables are compared.
+    // A neighbour below the second band is only a fallback: the tables of the reference
+    // show no region there, and the tables must agree.
     let milder = |own: usize, other: Option<usize>| -> Option<usize> {
         let other = other?;
         let (mine, theirs) = (bands.get(own)?.region, bands.get(other)?.region);

@@ -1,9 +1,9 @@
-//! Sets of intervals whose edges count as one within the resolution of band edges.
+//! Sets of intervals, with edges equal within the resolution of band edges.
 
 use crate::almost::Closeness::Edge;
 use alloc::vec::Vec;
 
-/// Disjoint closed intervals in growing order.
+/// Disjoint closed intervals in increasing order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Intervals(Vec<[f64; 2]>);
 
@@ -20,7 +20,7 @@ impl Intervals {
         self.0.iter().copied()
     }
 
-    /// Adds an interval; nothing where its ends count as one.
+    /// Adds an interval; ignores one without length.
     pub(crate) fn add(&mut self, mut low: f64, mut high: f64) {
         if !Edge.less(low, high) {
             return;
@@ -52,7 +52,7 @@ impl Intervals {
         }
     }
 
-    /// Keeps what is in `other` too.
+    /// Keeps the intersection with `other`.
     pub(crate) fn intersect(&mut self, other: &Self) {
         let mine = core::mem::take(&mut self.0);
         let (mut a, mut b) = (mine.iter(), other.0.iter());

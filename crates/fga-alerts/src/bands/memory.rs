@@ -1,4 +1,4 @@
-//! What bands remember: M of N, persistence of a conflict band, preferred resolution.
+//! The memory of bands: M of N, persistence of a conflict band, preferred resolution.
 
 use crate::almost::Closeness::Edge;
 use crate::almost::wrapped;
@@ -7,7 +7,7 @@ use crate::hysteresis::MOfN;
 use crate::settings::{Region, Settings};
 use alloc::vec::Vec;
 
-/// To which side a maneuver goes.
+/// The side of a manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Way {
     /// Left or down.
@@ -17,13 +17,13 @@ pub enum Way {
     High,
 }
 
-/// The nearest way out of a conflict to one side.
+/// The nearest resolution to one side.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Resolution {
-    /// No conflict asks for one.
+    /// No conflict needs one.
     #[default]
     Unneeded,
-    /// There is none to this side.
+    /// None exists on this side.
     Unavailable,
     /// The nearest value without conflict, SI unit of the scale.
     Value(f64),
@@ -54,13 +54,13 @@ struct Entered {
     high: f64,
 }
 
-/// What bands of one quantity remember.
+/// The memory of the bands of one quantity.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Memory {
     last_s: Option<f64>,
     votes: Vec<Votes>,
     entered: Option<Entered>,
-    /// Since when a conflict band may persist.
+    /// Start of the persistence of a conflict band.
     entered_since_s: Option<f64>,
     preferred: Way,
     preferred_since_s: Option<f64>,
@@ -68,22 +68,22 @@ pub(crate) struct Memory {
     high: Side,
 }
 
-/// One side's resolution, as it is now and as it is kept.
+/// One side's resolution, present and kept.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Side {
     now: Resolution,
     kept: Resolution,
-    /// How often recovery had shrunk when the kept one was found.
+    /// Number of recovery's shrinkings when the kept one was found.
     kept_shrinkings: i32,
 }
 
-/// What a step adds to the memory.
+/// The input of a step to the memory.
 pub(crate) struct Step<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) time_s: f64,
     pub(crate) value: f64,
     pub(crate) modulus: f64,
-    /// Difference within which a preferred resolution is kept.
+    /// Largest difference that keeps a preferred resolution.
     pub(crate) tolerance: f64,
     pub(crate) recovers: bool,
     pub(crate) shrinkings: i32,
@@ -105,7 +105,7 @@ impl Memory {
         }
     }
 
-    /// Forgets everything but the resolutions last shown.
+    /// Forgets everything but the last shown resolutions.
     pub(crate) fn forget(&mut self) {
         *self = Self {
             low: self.low,
@@ -114,7 +114,7 @@ impl Memory {
         };
     }
 
-    /// Takes the painted line and writes the bands that are shown.
+    /// Takes the painted line and writes the bands for the display.
     pub(crate) fn take(&mut self, mut colors: Colors, step: &Step, bands: &mut Vec<Band>) {
         let memory_s = step.settings.hysteresis.memory_s;
         let goes_on = self
@@ -178,7 +178,7 @@ impl Memory {
                 self.votes.insert(v, between);
             }
         }
-        // A value at which both sides saw the same is no edge any more.
+        // A value is no edge when both sides saw the same.
         let last = self.votes.len().saturating_sub(1);
         let mut index = 0;
         self.votes.retain(|votes| {
@@ -188,7 +188,7 @@ impl Memory {
         });
     }
 
-    /// Keeps a conflict band that was entered for the persistence time.
+    /// Keeps a conflict band for the persistence time after the ownship enters it.
     fn persist(&mut self, colors: &mut Colors, step: &Step) {
         let settings = step.settings;
         let persistence_s = settings.hysteresis.persistence_s;
@@ -212,7 +212,7 @@ impl Memory {
         }
     }
 
-    /// Remembers the conflict band in which the value lies.
+    /// Remembers the conflict band of the value.
     fn enter(&mut self, bands: &[Band], index: Option<usize>, modulus: f64) {
         let here = index.and_then(|index| Some((index, bands.get(index)?)));
         let found = here.and_then(|(index, band)| {
@@ -250,7 +250,7 @@ impl Memory {
         self.prefer(step);
     }
 
-    /// Whether the memory of resolutions goes on; since when it lasts.
+    /// Whether the memory of resolutions continues, and its start.
     fn remembered_since_s(&self, step: &Step) -> Option<f64> {
         let usable = step.settings.hysteresis.memory_s > 0.0 && step.tolerance > 0.0;
         self.preferred_since_s.filter(|_| usable)
@@ -365,7 +365,7 @@ impl Memory {
     }
 }
 
-/// The nearest ways out of a conflict and the bands they lie in.
+/// The nearest resolutions and their bands.
 struct WaysOut {
     low: Resolution,
     high: Resolution,
@@ -442,7 +442,7 @@ fn nearest_ways_out(
     ways
 }
 
-/// Whether every band from one to another is a way out.
+/// Whether every band from one to another is a resolution.
 fn is_way_out_from_to(
     bands: &[Band],
     corrective: Region,
@@ -458,7 +458,7 @@ fn is_way_out_from_to(
     let Some(mut at) = from else {
         return false;
     };
-    // Each step passes one band, so that a walk around ends.
+    // Each step passes one band, so a walk around ends.
     for _ in 0..=bands.len() {
         if at == to || !bands.get(at).is_some_and(is_out) {
             break;

@@ -1,7 +1,7 @@
-//! Where the ownship flies while it maneuvers, and along which straight line afterwards.
+//! The ownship's path during a manoeuvre, and its straight line afterwards.
 //!
-//! A maneuver is looked at after each step of its quantity: from there the ownship flies
-//! straight. Source: Narkawicz, Muñoz, Dutle, "Coordination Logic for Repulsive Resolution
+//! A manoeuvre consists of steps of its quantity: after each step the ownship may fly straight.
+//! Source: Narkawicz, Muñoz, Dutle, "Coordination Logic for Repulsive Resolution
 //! Maneuvers", and Muñoz et al., "DAIDALUS: Detect and Avoid Alerting Logic for Unmanned
 //! Systems", DASC 2015.
 
@@ -12,12 +12,12 @@ use crate::settings::Settings;
 use alloc::vec::Vec;
 use glam::DVec3;
 
-/// A straight line that the ownship is on from a time on.
+/// A straight line of the ownship from a time on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Line {
-    /// When it is on the line, seconds from now.
+    /// Start of the line, seconds from now.
     pub(crate) since_s: f64,
-    /// Its state on the line, taken back to now.
+    /// Its state on the line, extrapolated back to now.
     pub(crate) state: State,
 }
 
@@ -38,7 +38,7 @@ impl Line {
         }
     }
 
-    /// Whether the maneuver can be flown at all.
+    /// Whether the manoeuvre is possible at all.
     pub(crate) fn exists(&self) -> bool {
         self.state.is_finite()
     }
@@ -51,11 +51,11 @@ const GRAVITY_MPS2: f64 = 9.806_65;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Fan {
     pub(crate) sides: [Vec<Line>; 2],
-    /// Time of one step, seconds; 0 where a maneuver takes none.
+    /// Time of one step, seconds; 0 for an instantaneous manoeuvre.
     pub(crate) step_s: f64,
 }
 
-/// Speed with which turns are computed: a standing aircraft turns nowhere.
+/// Speed for the computation of turns: a standing aircraft turns nowhere.
 fn turning_speed_mps(settings: &Settings, ownship: &State) -> f64 {
     settings
         .horizontal_speed
@@ -142,18 +142,18 @@ fn with_speed(state: &State, speed_mps: f64) -> DVec3 {
         let factor = speed_mps / now_mps;
         DVec3::new(v.x * factor, v.y * factor, v.z)
     } else {
-        // Without a direction it is north.
+        // Without a direction, north.
         DVec3::new(0.0, speed_mps, v.z)
     }
 }
 
-/// One step of a maneuver.
+/// One step of a manoeuvre.
 struct Maneuver<'a> {
     quantity: Quantity,
     settings: &'a Settings,
     ownship: &'a State,
     starting: DVec3,
-    /// How far the quantity has changed, SI unit.
+    /// Change of the quantity so far, SI unit.
     change: f64,
     time_s: f64,
     instantaneous: bool,
@@ -237,24 +237,24 @@ pub(crate) struct LevelChange {
     second_mps2: f64,
     /// End of the first acceleration, seconds.
     pub(crate) rate_since_s: f64,
-    /// Begin of the second one.
+    /// Start of the second one.
     pub(crate) rate_until_s: f64,
-    /// When the altitude is reached.
+    /// Time of arrival at the altitude.
     pub(crate) level_since_s: f64,
 }
 
-/// Vertical way of an acceleration, metres.
+/// Vertical distance during an acceleration, metres.
 fn way_m(climb_mps: f64, acceleration: f64, time_s: f64) -> f64 {
     climb_mps * time_s + 0.5 * acceleration * time_s * time_s
 }
 
-/// Vertical way until a climb has come to rest, metres.
+/// Vertical distance until a climb has stopped, metres.
 fn braking_way_m(climb_mps: f64, acceleration: f64) -> f64 {
     way_m(climb_mps, acceleration, -climb_mps / acceleration)
 }
 
 impl LevelChange {
-    /// The change to an altitude with the vertical rate and acceleration of the settings, both
+    /// The change to an altitude at the settings' vertical rate and acceleration, both
     /// positive.
     pub(crate) fn to(target_m: f64, settings: &Settings, ownship: &State) -> Self {
         let acceleration = settings.vertical_acceleration_mps2;
@@ -281,7 +281,7 @@ impl LevelChange {
         if same_way && way_to_go_m.abs() >= braking_way_m(climb_mps, against).abs() {
             change.plan(settings, height_m, climb_mps, 0.0);
         } else {
-            // First the climb is stopped; then the altitude is flown to from rest.
+            // First the climb stops; then the change starts from rest.
             let stopping = if same_way { against } else { towards };
             let rest_m = height_m + braking_way_m(climb_mps, stopping);
             change.plan(settings, rest_m, 0.0, -climb_mps / stopping);
@@ -314,7 +314,7 @@ impl LevelChange {
             until_s = reached_s + hold_s;
             level_s = until_s + -rate_mps / second;
         } else {
-            // The rate is never reached: brake from the peak.
+            // The rate is out of reach: brake from the peak.
             let ratio = first / second;
             let a = 0.5 * first * (1.0 - ratio);
             let b = climb_mps * (1.0 - ratio);
@@ -337,7 +337,7 @@ impl LevelChange {
         self.level_since_s = delay_s + level_s;
     }
 
-    /// The line on which the ownship is at a time.
+    /// The ownship's line at a time.
     pub(crate) fn line_at(&self, time_s: f64) -> Line {
         let (s, v) = (self.ownship.position_m, self.ownship.velocity_mps);
         let (t1, t2, t3) = (self.rate_since_s, self.rate_until_s, self.level_since_s);
@@ -366,7 +366,7 @@ impl LevelChange {
         Line::at(time_s, position_m, DVec3::new(v.x, v.y, climb_mps))
     }
 
-    /// The line of an altitude that is reached at once.
+    /// The line of an altitude reached at once.
     pub(crate) fn instantly(target_m: f64, ownship: &State) -> Line {
         let (s, v) = (ownship.position_m, ownship.velocity_mps);
         Line::at(

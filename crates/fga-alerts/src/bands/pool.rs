@@ -6,7 +6,7 @@ use crate::settings::Settings;
 use crate::volume::{Cylinder, Volume};
 use alloc::vec::Vec;
 
-/// Which volume a set of windows belongs to.
+/// The volume of a set of windows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Key {
     Level { alerter: usize, level: usize },
@@ -25,7 +25,7 @@ impl WindowPool {
         self.keys.clear();
     }
 
-    /// The place of the windows of an intruder and a volume.
+    /// The index of the windows of an intruder and a volume.
     pub(super) fn ensure(
         &mut self,
         intruder: usize,
@@ -48,7 +48,7 @@ impl WindowPool {
         place
     }
 
-    /// The windows at a place.
+    /// The windows at an index.
     pub(super) fn get(&self, place: usize) -> Option<&Windows> {
         self.windows.get(place)
     }

@@ -1,4 +1,4 @@
-//! Ways out where every maneuver meets the corrective volume.
+//! Resolutions where every manoeuvre leads into the corrective volume.
 
 use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
@@ -7,31 +7,31 @@ use crate::bands::{Contribution, Instead, Picture, QuantityBands};
 use crate::settings::Settings;
 use crate::volume::{Advisory, Cylinder};
 
-/// What recovery bands keep, where every maneuver meets the corrective volume.
+/// The result of recovery bands, where every manoeuvre leads into the corrective volume.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Recovery {
-    /// There is another way; recovery was not looked for.
+    /// A free manoeuvre exists; no search for recovery.
     NotNeeded,
-    /// Not even the NMAC volume can be left out.
+    /// Not even the NMAC volume is avoidable.
     Impossible {
-        /// How often its distances were shrunk.
+        /// Number of shrinkings of its distances.
         shrinkings: i32,
     },
-    /// Well clear is regained after a time, at a distance.
+    /// Well clear again after a time, at a distance.
     Found {
-        /// Time until well clear is regained, seconds.
+        /// Time until well clear again, seconds.
         time_s: f64,
         /// Horizontal distance kept meanwhile, metres.
         distance_m: f64,
         /// Vertical distance kept meanwhile, metres.
         height_m: f64,
-        /// How often the distances were shrunk.
+        /// Number of shrinkings of the distances.
         shrinkings: i32,
     },
 }
 
 impl Recovery {
-    /// How often the distances were shrunk; −1 where recovery was not looked for.
+    /// Number of shrinkings; −1 without a search for recovery.
     pub const fn shrinkings(self) -> i32 {
         match self {
             Self::NotNeeded => -1,
@@ -40,21 +40,21 @@ impl Recovery {
     }
 }
 
-/// What recovery found.
+/// The outcome of the search.
 pub(super) enum WaysOut {
-    /// Recovery was not looked for.
+    /// No search for recovery.
     NotLookedFor,
-    /// A free interval is a way out.
+    /// A free interval is a resolution.
     Same,
-    /// The ways out that replace what is free in the corrective region.
+    /// The resolutions that replace the free values of the corrective region.
     Other(Intervals),
 }
 
-/// More shrinkings than this reach the NMAC volume from any distance at the default part.
+/// At the default factor this many shrinkings reach the NMAC volume from any distance.
 const MOST_SHRINKINGS: i32 = 1000;
 
 impl QuantityBands {
-    /// Looks for ways out of a conflict that is certain.
+    /// Searches resolutions of a certain conflict.
     pub(super) fn recover(
         &mut self,
         picture: &Picture,
@@ -72,9 +72,9 @@ impl QuantityBands {
         }
         let mut kept = least_recovery(settings, &picture.ownship.state);
         let factor = 1.0 - settings.recovery_shrinking;
-        // What the last search left is what is shown where none succeeds.
+        // Without a success the display shows the result of the last search.
         let mut ways_out = past_nmac;
-        // Shrinking by a part of zero never ends by itself.
+        // Shrinking by a factor of zero never ends by itself.
         while (kept.radius_m > nmac.radius_m || kept.half_height_m > nmac.half_height_m)
             && shrinkings < MOST_SHRINKINGS
         {
@@ -105,7 +105,7 @@ impl QuantityBands {
         ways_out
     }
 
-    /// The earliest time, to half a second, after which well clear can be kept again.
+    /// The earliest time, to half a second, after which well clear is possible again.
     fn recovery_time_s(
         &mut self,
         picture: &Picture,
@@ -133,7 +133,7 @@ impl QuantityBands {
     }
 }
 
-/// The distances that recovery begins with.
+/// The first distances of recovery.
 fn least_recovery(settings: &Settings, ownship: &State) -> Cylinder {
     // Below the third sensitivity level there are no resolution advisories.
     let table = || {

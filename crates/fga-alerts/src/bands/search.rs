@@ -1,4 +1,4 @@
-//! Which steps of a maneuver meet a conflict.
+//! Finds the steps of a manoeuvre that lead into a conflict.
 
 use crate::aircraft::{Pair, PairDeviation, State};
 use crate::almost::Closeness::Rounding;
@@ -10,20 +10,20 @@ use crate::settings::Settings;
 use crate::volume::Volume;
 use alloc::vec::Vec;
 
-/// What must not be met: a volume from a time on, another one until then.
+/// The volumes to avoid: one from a time on, another one until then.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Task<'a> {
     /// The volume that counts from `from_s` on.
     pub(crate) volume: &'a Volume,
     /// The volume that counts until `from_s`, in recovery.
     pub(crate) before: Option<&'a Volume>,
-    /// From when on, seconds.
+    /// Start of the volume, seconds.
     pub(crate) from_s: f64,
-    /// Until when, seconds.
+    /// End of the search, seconds.
     pub(crate) until_s: f64,
 }
 
-/// An intruder as the ownship's maneuvers meet it.
+/// An intruder for the ownship's manoeuvres.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Met<'a> {
     pub(crate) settings: &'a Settings,
@@ -40,7 +40,7 @@ impl Met<'_> {
         }
     }
 
-    /// When the line meets the volume; `None` where it depends on the time asked for.
+    /// When the line meets the volume; `None` if that depends on the requested time.
     fn window(&self, volume: &Volume, line: &Line) -> Option<Loss> {
         if !line.exists() {
             return Some(Loss::NEVER);
@@ -63,7 +63,7 @@ impl Met<'_> {
         }
     }
 
-    /// Whether the volume is violated on the line between two times, once the ownship is on it.
+    /// Whether the line violates the volume between two times, once the ownship is on it.
     fn meets_later(
         &self,
         volume: &Volume,
@@ -78,7 +78,7 @@ impl Met<'_> {
             && self.meets(volume, line, window, from_s.max(line.since_s), until_s)
     }
 
-    /// Whether the volume is violated at the time at which the ownship comes onto the line, or in
+    /// Whether the ownship violates the volume at the time at which it reaches the line, or in
     /// the `coast_s` after it.
     fn meets_on_the_way(
         &self,
@@ -91,7 +91,7 @@ impl Met<'_> {
             && self.meets(volume, line, window, line.since_s, line.since_s + coast_s)
     }
 
-    /// Until when a maneuver that ends at a time is looked at.
+    /// End of the checked time of a manoeuvre that ends at a time.
     fn horizon_s(&self, until_s: f64, maneuver_s: f64) -> f64 {
         if self.settings.counts_maneuver_time {
             until_s
@@ -101,7 +101,7 @@ impl Met<'_> {
     }
 }
 
-/// The windows in which the lines of a fan meet one volume of one intruder.
+/// The windows in which the lines of a fan violate one volume of one intruder.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Windows([Vec<Option<Loss>>; 2]);
 
@@ -114,7 +114,7 @@ impl Windows {
     }
 }
 
-/// A fan of maneuvers against one intruder.
+/// A fan of manoeuvres against one intruder.
 pub(crate) struct FanSearch<'a> {
     pub(crate) met: Met<'a>,
     pub(crate) fan: &'a Fan,
@@ -154,17 +154,17 @@ impl FanSearch<'_> {
         [side(low, low_windows, 0), side(high, high_windows, 1)]
     }
 
-    /// Whether any maneuver meets the volume.
+    /// Whether any manoeuvre leads into the volume.
     pub(crate) fn any_conflict(&self, task: &Task) -> bool {
         self.sides(task).iter().any(SideSearch::any_conflict)
     }
 
-    /// Whether no maneuver leads past the volume.
+    /// Whether no manoeuvre leads past the volume.
     pub(crate) fn all_conflict(&self, task: &Task) -> bool {
         !self.sides(task).iter().any(SideSearch::finds_a_way)
     }
 
-    /// The values that meet no conflict.
+    /// The values without conflict.
     pub(crate) fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
         let [low, high] = self.sides(task);
         let mut runs: Vec<[i32; 2]> = Vec::new();
@@ -190,7 +190,7 @@ impl FanSearch<'_> {
     }
 }
 
-/// Whether a run on the high side goes on from one on the low side.
+/// Whether a run on the high side continues one on the low side.
 fn runs_join([begin, end]: [i32; 2], first: i32) -> bool {
     begin <= 0 && end <= 0 && first - end <= 1
 }
@@ -206,7 +206,7 @@ impl SideSearch<'_> {
         })
     }
 
-    /// Whether the straight line after a step meets no conflict.
+    /// Whether the straight line after a step is free of conflicts.
     fn leads_past(&self, line: &Line, window: Option<Loss>, before: Option<Loss>) -> bool {
         let task = self.task;
         let until_s = if self.step_s == 0.0 {
@@ -228,7 +228,7 @@ impl SideSearch<'_> {
             .any(|(line, window, before)| !self.leads_past(line, window, before))
     }
 
-    /// How many steps can be flown before the maneuver itself violates the volume.
+    /// Number of steps before the manoeuvre itself violates the volume.
     fn flyable_steps(&self) -> usize {
         let task = self.task;
         let (met, step_s) = (self.met, self.step_s);
@@ -252,7 +252,7 @@ impl SideSearch<'_> {
             .unwrap_or(self.lines.len())
     }
 
-    /// Calls `take` for each run of steps that meet no conflict.
+    /// Calls `take` for each run of steps without conflict.
     fn free_runs(&self, mut take: impl FnMut(i32, i32)) {
         let steps = self.flyable_steps();
         let mut first = None;
@@ -272,7 +272,7 @@ impl SideSearch<'_> {
         }
     }
 
-    /// Whether some step can be reached and leads past.
+    /// Whether some step is reachable and leads past.
     fn finds_a_way(&self) -> bool {
         let task = self.task;
         for (line, window, before) in self.each() {
@@ -296,7 +296,7 @@ impl SideSearch<'_> {
     }
 }
 
-/// Altitude maneuvers against one intruder.
+/// Altitude manoeuvres against one intruder.
 pub(crate) struct LevelSearch<'a> {
     pub(crate) met: Met<'a>,
     pub(crate) ownship: &'a State,
@@ -314,7 +314,7 @@ impl LevelSearch<'_> {
         self.met.meets_later(volume, line, window, from_s, until_s)
     }
 
-    /// Whether flying to an altitude meets no conflict.
+    /// Whether the way to an altitude is free of conflicts.
     pub(crate) fn leads_past(&self, target_m: f64, task: &Task) -> bool {
         if self.instantaneous {
             let line = LevelChange::instantly(target_m, self.ownship);
@@ -376,8 +376,8 @@ impl LevelSearch<'_> {
                 .is_some_and(|volume| self.meets_later(volume, line, 0.0, task.from_s))
     }
 
-    /// Whether flying to an altitude meets no conflict, with what is known about altitudes beyond
-    /// the horizon: on the way to any of them the same is met.
+    /// Whether the way to an altitude is free of conflicts, using one result for all altitudes beyond the
+    /// horizon: the ways to them are the same.
     fn leads_past_or_known(
         &self,
         target_m: f64,
@@ -409,7 +409,7 @@ impl LevelSearch<'_> {
         }
     }
 
-    /// How many altitudes of a span are looked at, less one.
+    /// Number of searched altitudes of a span, less one.
     fn last_step(span: &Span) -> i32 {
         int(libm::floor((span.max - span.min) / span.step)) + 1
     }
@@ -418,7 +418,7 @@ impl LevelSearch<'_> {
         span.min + f64::from(step) * span.step
     }
 
-    /// The altitudes that meet no conflict.
+    /// The altitudes without conflict.
     pub(crate) fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
         free.clear();
         let last = Self::last_step(span);
@@ -479,7 +479,7 @@ fn int(value: f64) -> i32 {
     value as i32
 }
 
-/// Whether a quantity is searched altitude by altitude.
+/// Whether the search of a quantity goes altitude by altitude.
 pub(crate) const fn is_level(quantity: Quantity) -> bool {
     matches!(quantity, Quantity::Altitude)
 }

@@ -1,4 +1,4 @@
-//! Which values of a quantity can be maneuvered to.
+//! The values of a quantity that a manoeuvre can reach.
 
 use crate::aircraft::State;
 use crate::almost::{Closeness, wrapped};
@@ -6,7 +6,7 @@ use crate::bands::intervals::Intervals;
 use crate::settings::{PerManeuver, Reach, Settings};
 use core::f64::consts::TAU;
 
-/// Which quantity a maneuver changes.
+/// The quantity that a manoeuvre changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// Direction of flight, radians clockwise from north.
@@ -45,7 +45,7 @@ impl Quantity {
         }
     }
 
-    /// Whether a maneuver of the quantity takes no time.
+    /// Whether a manoeuvre of the quantity is instantaneous.
     pub(crate) fn is_instantaneous(self, settings: &Settings, slow: bool) -> bool {
         match self {
             Self::Direction => {
@@ -87,22 +87,22 @@ impl<T: Copy> PerManeuver<T> {
     }
 }
 
-/// The values that can be maneuvered to from the current one.
+/// The values in reach from the current one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Span {
     /// The current value.
     pub(crate) value: f64,
     /// The whole scale.
     pub(crate) bounds: (f64, f64),
-    /// Least value that is looked at.
+    /// Least searched value.
     pub(crate) min: f64,
-    /// Greatest value that is looked at; below `min` where the span crosses north.
+    /// Greatest searched value; below `min` if the span crosses north.
     pub(crate) max: f64,
     /// Length of a circular scale, else 0.
     pub(crate) modulus: f64,
-    /// Whether every direction is looked at.
+    /// Whether the span has every direction.
     pub(crate) is_circular: bool,
-    /// Distance between the values that are tried.
+    /// Distance between the searched values.
     pub(crate) step: f64,
     /// Steps down (left).
     pub(crate) steps_down: usize,
@@ -110,13 +110,13 @@ pub(crate) struct Span {
     pub(crate) steps_up: usize,
 }
 
-/// More steps than this are not tried; a finer step would only cost time.
+/// Most steps; a finer step only costs time.
 const MOST_STEPS: f64 = 1e5;
 
 impl Span {
-    /// The span around an aircraft's value; `None` where the value lies outside of the scale.
+    /// The span around an aircraft's value; `None` for a value outside of the scale.
     ///
-    /// `around` overrides how far below and above the value is looked at.
+    /// `around` overrides the searched range below and above the value.
     pub(crate) fn of(
         quantity: Quantity,
         settings: &Settings,
@@ -196,7 +196,7 @@ impl Span {
         })
     }
 
-    /// Everything that is looked at.
+    /// The whole searched range.
     pub(crate) fn whole(&self) -> Intervals {
         let mut whole = Intervals::default();
         if self.modulus == 0.0 {
@@ -212,7 +212,7 @@ impl Span {
         whole
     }
 
-    /// Adds the values between two, as far as they are looked at; on a circular scale around it.
+    /// Adds the searched values between two, on a circular scale around it.
     pub(crate) fn add_free(&self, free: &mut Intervals, low: f64, high: f64) {
         let edge = Closeness::Edge;
         if edge.same(low, high) {

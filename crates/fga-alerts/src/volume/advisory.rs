@@ -14,7 +14,7 @@ use glam::DVec2;
 /// Thresholds of one sensitivity level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensitivity {
-    /// Altitude up to which the level holds, metres; infinite for the last.
+    /// Upper altitude limit of the level, metres; infinite for the last.
     pub up_to_m: f64,
     /// Modified tau, seconds.
     pub tau_s: f64,
@@ -31,7 +31,7 @@ pub struct Sensitivity {
 /// Thresholds of an advisory, by altitude.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advisory {
-    /// The levels, lowest first, altitudes growing.
+    /// The levels, lowest first, altitudes increasing.
     levels: Vec<Sensitivity>,
     /// Whether an approach that misses by `HMD` is no threat.
     pub filters_by_miss_distance: bool,
@@ -58,8 +58,8 @@ const TABLE: [(f64, [f64; 3], [f64; 4]); 8] = [
 ];
 
 impl Advisory {
-    /// Thresholds from levels, lowest first; `None` without a level, or where altitudes do not
-    /// grow or the last is bounded.
+    /// Thresholds from levels, lowest first; `None` without a level, with altitudes that do not
+    /// increase, or with a bounded last level.
     pub fn new(levels: Vec<Sensitivity>, filters_by_miss_distance: bool) -> Option<Self> {
         let grow = levels
             .iter()
@@ -108,7 +108,7 @@ impl Advisory {
         }
     }
 
-    /// Which level holds at an altitude, metres.
+    /// The level at an altitude, metres.
     fn index_at(&self, altitude_m: f64) -> usize {
         self.levels
             .iter()
@@ -121,7 +121,7 @@ impl Advisory {
         self.levels.get(self.index_at(altitude_m))
     }
 
-    /// Altitude above which a level holds, metres.
+    /// Lower altitude limit of a level, metres.
     fn lower_bound_m(&self, index: usize) -> f64 {
         let below = self.levels.get(..index).unwrap_or_default();
         below

@@ -22,7 +22,7 @@ impl Cylinder {
     pub const NMAC: Self = Self::new(500.0 * FOOT_M, 100.0 * FOOT_M);
     /// Well clear of ASTM F3442: 2,000 ft and 250 ft.
     pub const F3442: Self = Self::new(2000.0 * FOOT_M, 250.0 * FOOT_M);
-    /// Separation of controlled traffic, as CD3D takes it: 5 nmi and 1,000 ft.
+    /// Separation of controlled traffic, as in CD3D: 5 nmi and 1,000 ft.
     pub const CD3D: Self = Self::new(5.0 * NAUTICAL_MILE_M, 1000.0 * FOOT_M);
 
     /// A cylinder from its distances, metres.

@@ -11,10 +11,10 @@ use crate::plane::{Crossing, cross, root};
 use crate::volume::WellClear;
 use glam::DVec2;
 
-/// Below this deviation (metres, metres per second) a state counts as this unsure.
+/// A smaller deviation (metres, metres per second) counts as this.
 const LEAST_DEVIATION: f64 = 0.001;
 
-/// How many standard deviations are mitigated.
+/// Mitigated standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DeviationFactors {
     /// Horizontal position.
@@ -46,11 +46,11 @@ impl DeviationFactors {
 pub struct UncertainWellClear {
     /// The thresholds.
     pub volume: WellClear,
-    /// How many standard deviations count.
+    /// Mitigated standard deviations.
     pub factors: DeviationFactors,
 }
 
-/// Radii of the disks and intervals in which the true relative state lies.
+/// Radii of the disks and intervals that contain the true relative state.
 #[derive(Debug, Clone, Copy)]
 struct Spread {
     position_m: f64,
@@ -60,7 +60,7 @@ struct Spread {
 }
 
 impl UncertainWellClear {
-    /// How unsure the relative state is; `None` where it is sure.
+    /// The uncertainty of the relative state; `None` if it is certain.
     fn spread(&self, pair: &Pair) -> Option<Spread> {
         let (s, _) = pair.plane();
         let deviation = &pair.deviation;
@@ -120,7 +120,7 @@ impl UncertainWellClear {
         vertical.and(plane)
     }
 
-    /// First time of a violation in the plane of any state, after `to_s` where there is none.
+    /// First time of a violation in the plane by any state, after `to_s` without one.
     fn plane_entry_s(&self, s: DVec2, v: DVec2, spread: &Spread, to_s: f64) -> f64 {
         let volume = &self.volume;
         let reach_m = volume.distance_m + spread.position_m;
@@ -143,7 +143,7 @@ impl UncertainWellClear {
         entry_s(s, v).min(entry_s(worst_s, worst_v))
     }
 
-    /// Last time of a violation in the plane of any state, negative where there is none.
+    /// Last time of a violation in the plane by any state, negative without one.
     fn plane_exit_s(&self, s: DVec2, v: DVec2, spread: &Spread, to_s: f64) -> f64 {
         let reach_m = self.volume.distance_m + spread.position_m;
         let speed_room = v.length_squared() - spread.velocity_mps * spread.velocity_mps;
@@ -165,7 +165,7 @@ impl UncertainWellClear {
         .unwrap_or(-1.0)
     }
 
-    /// The violation of the state that flies straight at the other aircraft.
+    /// The violation by the state that flies straight at the other aircraft.
     fn head_on(&self, s: DVec2, v: DVec2, spread: &Spread, to_s: f64) -> Loss {
         let ahead = unit(s);
         let distance_m = length(s) - spread.position_m;
@@ -174,7 +174,7 @@ impl UncertainWellClear {
             .plane_violation(to_s, ahead * distance_m, ahead * -speed_mps)
     }
 
-    /// The vertical violation within `[0, to_s]` of any height and climb in the intervals.
+    /// The vertical violation within `[0, to_s]` by any height and climb in the intervals.
     fn vertical(&self, to_s: f64, height_m: [f64; 2], climb_mps: [f64; 2]) -> Loss {
         let [low_m, high_m] = height_m;
         let above_only = low_m >= 0.0;
@@ -187,14 +187,14 @@ impl UncertainWellClear {
         let below = if above_only {
             Loss::NEVER
         } else {
-            // Seen upside down.
+            // Mirrored vertically.
             let [slow_mps, fast_mps] = climb_mps;
             self.vertical_above(to_s, [-high_m.min(0.0), -low_m], [-fast_mps, -slow_mps])
         };
         hull(above, below)
     }
 
-    /// The same where the height is not negative.
+    /// The same for a height that is not negative.
     fn vertical_above(&self, to_s: f64, height_m: [f64; 2], climb_mps: [f64; 2]) -> Loss {
         let ([low_m, high_m], [slow_mps, fast_mps]) = (height_m, climb_mps);
         let climbing_only = slow_mps >= 0.0;
@@ -249,8 +249,8 @@ fn unit(v: DVec2) -> DVec2 {
     }
 }
 
-/// Direction from `s` to where a tangent from `s` touches the circle around the origin; zero
-/// where `s` is inside.
+/// Direction from `s` to the point where a tangent from `s` touches the circle around the origin; zero
+/// if `s` is inside.
 fn tangent(s: DVec2, radius_m: f64, side: f64) -> DVec2 {
     let (square, reach) = (s.length_squared(), radius_m * radius_m);
     let aside = DVec2::new(s.y, -s.x) * side;
@@ -302,7 +302,7 @@ fn worst_pair(s: DVec2, v: DVec2, spread: &Spread) -> (DVec2, DVec2) {
         middle(p2, w2)
     } else {
         let pairs = [(p1, w1), (p1, w2), (p2, w1), (p2, w2)];
-        // The first of the largest, so that ties fall as they stand.
+        // The first of the largest, so that ties resolve in order.
         pairs.into_iter().fold((p1, w1), |best, pair| {
             if pair.0.dot(pair.1) > best.0.dot(best.1) {
                 pair

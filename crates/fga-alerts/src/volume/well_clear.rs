@@ -12,7 +12,7 @@ use crate::plane::{Crossing, circle_crossing_s, modified_tau_s, room, time_to_cl
 use crate::volume::cylinder::slab_crossing_s;
 use glam::DVec2;
 
-/// Which time warns of an approach before the distance does.
+/// The time that warns of an approach before the distance does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum HorizontalTime {
     /// Modified tau, as in DO-365.
@@ -24,7 +24,7 @@ pub enum HorizontalTime {
     Entry,
 }
 
-/// Which time warns of co-altitude before the height does.
+/// The time that warns of co-altitude before the height does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum VerticalTime {
     /// Time to co-altitude, as in DO-365.
@@ -45,9 +45,9 @@ pub struct WellClear {
     pub height_m: f64,
     /// Vertical time (`TCOA`), seconds.
     pub coaltitude_s: f64,
-    /// Which horizontal time is meant.
+    /// The kind of horizontal time.
     pub horizontal_time: HorizontalTime,
-    /// Which vertical time is meant.
+    /// The kind of vertical time.
     pub vertical_time: VerticalTime,
 }
 
