@@ -1,7 +1,7 @@
 """Writes the type stubs of the compiled part from the module itself: `python python/stubs.py > python/src/fga/_fga.pyi`.
 
-Names, parameters and defaults come from the module; types from the units in the names and from the tables
-below, in which every other name must stand. A test compares the file with what this gives.
+Names, parameters and defaults come from the module; types come from the units in the names and from the tables
+below, which must have every other name. A test compares the file with the output.
 """
 
 from __future__ import annotations
@@ -177,7 +177,7 @@ SHOWN = ("__len__", "__arrow_c_stream__")
 
 
 def type_of(*keys: str) -> str:
-    """The type of the first key that is known."""
+    """The type of the first known key."""
     for key in keys:
         if key in TYPES:
             return TYPES[key]

@@ -1,4 +1,4 @@
-"""What the tests share: the repository, the program."""
+"""Common parts of the tests: the repository, the program."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def absent(what: str):
-    """A thing that is missing: the test is skipped, in continuous integration it fails."""
+    """Skips the test because something is missing; in continuous integration it fails."""
     if os.environ.get("CI") == "true":
         pytest.fail(f"{what} is missing")
     pytest.skip(f"{what} is missing")
@@ -26,7 +26,7 @@ def root() -> Path:
 
 @pytest.fixture(scope="session")
 def program() -> Path:
-    """The program `fga`: FGA_PROGRAM, else what cargo built last."""
+    """The program `fga`: FGA_PROGRAM, else the last build."""
     named = os.environ.get("FGA_PROGRAM")
     places = [Path(named)] if named else [ROOT / "target" / kind / "fga" for kind in ("release", "debug")]
     for place in places:
@@ -37,7 +37,7 @@ def program() -> Path:
 
 @pytest.fixture(scope="session")
 def fga_program(program):
-    """Runs the program and gives its standard output; its exit code must be one of `codes`."""
+    """Runs the program and returns its standard output; its exit code must be one of `codes`."""
 
     def call(*arguments, codes=(0,), cwd=None):
         done = subprocess.run(

@@ -54,7 +54,7 @@ class Aircraft:
         self.begin()
 
     def begin(self) -> None:
-        """The place now is the origin of time and place."""
+        """Makes the present moment and position the origin."""
         self.time_s = self.x_m = self.y_m = 0.0
         self.altitude_m = self.fdm["position/h-sl-ft"] * _FT
 
@@ -99,7 +99,7 @@ class Aircraft:
 
     @property
     def ownship(self) -> fga.Ownship:
-        """The state as fga takes it."""
+        """The state for fga."""
         east, north = self.fdm["velocities/v-east-fps"], self.fdm["velocities/v-north-fps"]
         course = math.atan2(north, east)
         self._course_rad += math.remainder(course - self._course_rad, 2 * math.pi)

@@ -47,7 +47,7 @@ def test_a_flight_step_by_step_is_that_of_the_program_to_the_bit(root, name, fga
 
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_situations_taken_apart_and_put_together_give_the_same_decisions(root, name):
-    """The way through Python's own classes: every number of every situation survives it."""
+    """Every number of every situation survives the way through Python's classes."""
     file = root / "scenarios" / name
     logged = fga.run(file).decisions
     flight = fga.Simulation(file)

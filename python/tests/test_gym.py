@@ -53,7 +53,7 @@ def test_an_episode_that_ended_begins_anew_at_the_next_step():
 
 
 def fly(shielded, episodes=24):
-    """A policy that knows nothing flies: how many episodes enter a volume, and how often the shield flew."""
+    """Flies a random policy; returns how many episodes enter a volume, and how often the shield flew."""
     env = fga.gym.EncounterEnv(shielded=shielded)
     entered = engaged = 0
     for number in range(episodes):

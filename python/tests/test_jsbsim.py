@@ -21,7 +21,7 @@ RADIUS_M = 150.0
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory):
-    """The c172x as its own step responses say it is."""
+    """The c172x according to its own step responses."""
     log = jsbsim_loop.step_responses(jsbsim_loop.Aircraft(), 30.0)
     found = identification.identify(log)
     path = tmp_path_factory.mktemp("jsbsim") / "c172x.toml"
@@ -67,7 +67,7 @@ def test_encounters_are_kept_and_paths_are_as_predicted(model):
         held = []
 
         def seen(decision, own, time_s, start=start, wanted=wanted, held=held, intruder=intruder):
-            # What was flown at the times for which something was predicted.
+            # The flown positions at the times of the predictions.
             for due in [due for due in wanted if time_s >= due[0] - 1e-6]:
                 wanted.remove(due)
                 errors[due[1]].append(math.dist(due[2].position_m, own.position_m))
@@ -97,7 +97,7 @@ def test_encounters_are_kept_and_paths_are_as_predicted(model):
 
 
 def test_identification_finds_a_known_vehicle():
-    """A plant of a few lines, with noise, and the figures that were put in."""
+    """A plant of a few lines, with noise, and its true figures."""
     rng = np.random.default_rng(3)
     period_s, dead_s, constant_s, factor, speed = 0.05, 0.3, 0.6, 0.9, 20.0
     command = np.repeat(np.radians([0, 30, 0, -30, 0, 20, -20, 30, -30, 0]), 120)

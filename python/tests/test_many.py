@@ -144,7 +144,7 @@ def test_blocks_flown_one_by_one_give_the_same_bytes(campaign_file, tmp_path):
 
 
 def test_ctrl_c_ends_a_campaign_and_it_goes_on(campaign_file, tmp_path):
-    """An interrupt in the middle raises KeyboardInterrupt; what was finished stays."""
+    """An interrupt in the middle raises KeyboardInterrupt; finished blocks stay."""
     script = (
         "import fga, sys\n"
         "def show(done, total):\n"

@@ -1,6 +1,6 @@
 """Campaigns on Ray: two raylets on this machine, one killed, the driver killed; the same bytes as one process.
 
-FGA_CLUSTER=1 runs what starts raylets.
+FGA_CLUSTER=1 runs the tests that start raylets.
 """
 
 import hashlib
@@ -48,7 +48,7 @@ def cluster():
     for attempt in range(4):
         cluster = Cluster()
         try:
-            # The head schedules nothing, so that its raylet is not the one that is killed.
+            # The head schedules nothing, so that the killed raylet is another one.
             cluster.add_node(num_cpus=0, include_dashboard=False)
             nodes = [cluster.add_node(num_cpus=1) for _ in range(2)]
             cluster.wait_for_nodes()
@@ -72,7 +72,7 @@ ray.run(sys.argv[1], sys.argv[2], encounters=int(sys.argv[3]), address=sys.argv[
 
 
 def count_of(driver):
-    """The next count of encounters that the driver says; Ray says other things."""
+    """The next count of encounters that the driver prints; Ray prints other lines."""
     for line in driver.stdout:
         if line.strip().isdigit():
             return int(line)

@@ -1,4 +1,4 @@
-"""The type stubs are those that the module gives."""
+"""The type stubs match the module."""
 
 import runpy
 

@@ -10,11 +10,11 @@ Decide step by step, with an aircraft of your own:
 >>> decision.state, decision.threat.id
 ('avoiding', 1)
 
-Frame: x east, y north, z up, metres; angles in radians, courses from +x towards +y (a left turn makes the
-course grow). Names carry their units. Wrong input raises ValueError (TypeError for a wrong type) with the
-sentence of the program; a place that cannot be written raises OSError.
+Frame: x east, y north, z up, metres; angles in radians, courses from +x towards +y (a left turn increases the
+course). Names carry their units. Wrong input raises ValueError (TypeError for a wrong type) with the
+sentence of the program; a path that is not writable raises OSError.
 
-Nothing of the package keeps threads or locks from one call to the next, so processes may fork. Avoider,
+The package keeps no threads or locks from one call to the next, so processes may fork. Avoider,
 Pilot, Simulation and Run cannot be pickled; the values that they take can.
 """
 
@@ -53,7 +53,7 @@ __version__ = versions["version"]
 
 
 def __getattr__(name):
-    # Loaded when it is asked for, so that `python -m fga.campaign` finds it unloaded.
+    # Loaded on demand, so that `python -m fga.campaign` finds it unloaded.
     if name == "campaign":
         return importlib.import_module(".campaign", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -8,9 +8,9 @@ from typing import Callable, TextIO
 
 
 def progress_bar(stream: TextIO | None = None, every_s: float = 0.5) -> Callable[[int, int], None]:
-    """A function for the argument `progress`: shows how far the work is.
+    """A function for the argument `progress`: shows the progress of the work.
 
-    A terminal and a notebook get one line that is written over, a file one line now and then.
+    A terminal and a notebook get one line that overwrites itself, a file one line now and then.
     """
     out = sys.stderr if stream is None else stream
     over = out.isatty() or "ipykernel" in sys.modules

@@ -10,7 +10,7 @@ from ._fga import Run
 class replay:
     """The replay page of a run: the last expression of a notebook's cell shows it.
 
-    `replay(run)` is a frame that needs no network; `.html` is the page itself.
+    `replay(run)` is a frame without network access; `.html` is the page itself.
     """
 
     def __init__(self, run: Run, height_px: int = 720) -> None:

@@ -1,4 +1,4 @@
-"""Where the blocks of a campaign lie: a folder that all machines share, or a place that fsspec knows."""
+"""Stores of a campaign's blocks: a folder that all machines share, or a URL that fsspec knows."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def store_of(out: str | os.PathLike[str]) -> "FolderStore | UrlStore":
 
 
 class FolderStore:
-    """A folder, shared by all machines that fly."""
+    """A folder that all machines share."""
 
     def __init__(self, folder: str) -> None:
         self.place = folder
@@ -71,7 +71,7 @@ class FolderStore:
 
 
 class UrlStore:
-    """A place that fsspec knows, as in `s3://bucket/campaign`."""
+    """A URL that fsspec knows, as in `s3://bucket/campaign`."""
 
     def __init__(self, url: str) -> None:
         self.place = url.rstrip("/")

@@ -15,7 +15,7 @@ from ._fga import Campaign, Table
 
 
 class Flown:
-    """A campaign that was flown: where its results are, and their checksum."""
+    """A flown campaign: the path of its results, and their checksum."""
 
     def __init__(self, campaign: Campaign, folder: str, sha256: str) -> None:
         self.campaign = campaign
@@ -50,9 +50,8 @@ def campaign(
 ) -> Flown:
     """Flies a campaign file into a folder: `fga campaign run`.
 
-    What is in the folder already is gone on with; Ctrl-C keeps the finished blocks. The files are those of
-    the program, to the byte. Raises ValueError for a wrong file and OSError for a folder that cannot be
-    written.
+    It continues with finished blocks in the folder; Ctrl-C keeps them. The files equal the program's, to
+    the byte. Raises ValueError for a wrong file and OSError for an unwritable folder.
     """
     told = Campaign(
         file,

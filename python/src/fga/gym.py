@@ -1,10 +1,10 @@
-"""Environments of Gymnasium: drawn encounters, flown by a policy that learns.
+"""Environments of Gymnasium: drawn encounters for a policy that learns.
 
-An action is two numbers from -1 to 1: the turn from the course now, as a share of 90 degrees to the left, and
+An action is two numbers from -1 to 1: the turn from the present course, as a share of 90 degrees to the left, and
 the climb angle, as a share of the limit. An observation holds 7 numbers of the aircraft and 9 for each of the
 nearest obstacles, in metres, metres a second and radians, in the frame of its course (x forward, y left, z up):
 [beside the line, above it, sine and cosine of the course, climb angle, bank angle, airspeed], then
-[1 where there is an obstacle, its place (3), its relative velocity (3), radius, half height].
+[1 if there is an obstacle, its position (3), its relative velocity (3), radius, half height].
 
 The reward of a step is minus the share of 500 m off the line, times the decision period; entering a volume
 costs 100 and ends the episode. With `shielded=True` any action flies as long as a certified way out remains;
@@ -25,7 +25,7 @@ from gymnasium.vector.utils import batch_space
 from ._fga import Worlds
 
 CELL = "threats:2:300:5-20"
-"""The encounters that are drawn where no others are named: two threats, 300 m away, 5 to 20 m/s."""
+"""The default encounters: two threats, 300 m away, 5 to 20 m/s."""
 
 
 def _spaces(worlds: Worlds) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
@@ -40,7 +40,7 @@ def _number(generator: np.random.Generator) -> int:
 class EncounterEnv(gymnasium.Env):
     """One aircraft in one drawn encounter after another.
 
-    `cell` names what is drawn as campaigns do; `reset(options={"encounter": n})` gives a certain one.
+    `cell` names the encounters as in campaigns; `reset(options={"encounter": n})` loads encounter n.
     """
 
     metadata = {"render_modes": []}
@@ -79,9 +79,9 @@ class EncounterEnv(gymnasium.Env):
 
 
 class EncounterVectorEnv(gymnasium.vector.VectorEnv):
-    """Many aircraft, each in encounters of its own, all stepped in one call without the interpreter's lock.
+    """Many aircraft, each in its own encounters; one call steps all of them without the interpreter's lock.
 
-    An episode that has ended begins anew at the next step (`AutoresetMode.NEXT_STEP`).
+    An episode that has ended restarts at the next step (`AutoresetMode.NEXT_STEP`).
     """
 
     metadata = {"autoreset_mode": AutoresetMode.NEXT_STEP, "render_modes": []}

@@ -1,13 +1,13 @@
-"""A vehicle file from a flight log: what the aircraft does with the commands that it gets.
+"""A vehicle file from a flight log: how the aircraft responds to its commands.
 
 `python -m fga.identify LOG.csv --out vehicle.toml` reads a CSV file with the columns
 
     t_s, airspeed_mps, bank_command_rad, bank_rad, course_rad, climb_rad
 
 at a steady rate of at least 5 Hz: bank commanded and flown (positive in a left turn), course (a left turn
-makes it grow), climb angle of the path. The log should hold steps of the bank command to both sides, and a
-climb and a descent at their limits. Every figure comes with an interval: the middle 90 % of what the pieces
-of the log give by themselves.
+increases it), climb angle of the path. The log should have steps of the bank command to both sides, and a
+climb and a descent at their limits. Every figure comes with an interval: the middle 90 % of the values from
+single pieces of the log.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _SHORTEST_PIECE_S = 2.0
 
 @dataclass(frozen=True)
 class Estimate:
-    """A figure with its interval: the middle 90 % of what pieces of the log give."""
+    """A figure with its interval: the middle 90 % of the values from single pieces of the log."""
 
     value: float
     low: float
@@ -53,7 +53,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Identified:
-    """What a log says about its aircraft."""
+    """The figures of an aircraft from its log."""
 
     airspeed_mps: Estimate
     max_bank_deg: Estimate
@@ -66,7 +66,7 @@ class Identified:
     bank_steps: int
 
     def to_toml(self, name: str, radius_m: float, half_height_m: float | None = None) -> str:
-        """The text of a vehicle file; the protected volume is no property of the log."""
+        """The text of a vehicle file; the log does not contain the protected volume."""
 
         def line(key: str, estimate: Estimate, digits: int) -> str:
             return (
@@ -126,9 +126,9 @@ def read(path: str | os.PathLike[str]) -> dict[str, np.ndarray]:
 
 
 def identify(log: str | os.PathLike[str] | Mapping[str, np.ndarray]) -> Identified:
-    """What a log, a path or its columns, says about its aircraft.
+    """The figures of an aircraft from its log, given by path or as columns.
 
-    Raises ValueError for a log that cannot be read, or in which the bank is not stepped.
+    Raises ValueError for an unreadable log, or one without steps of the bank.
     """
     columns = read(log) if isinstance(log, (str, os.PathLike)) else log
     try:
@@ -197,7 +197,7 @@ def _pieces(command: np.ndarray, period_s: float) -> list[tuple[int, int]]:
 def _first_order(
     command: np.ndarray, bank: np.ndarray, begin: int, end: int, period_s: float
 ) -> tuple[float, float]:
-    """Dead time and time constant, seconds, with which a first-order lag follows one step best."""
+    """Dead time and time constant, seconds, of the first-order lag that fits one step best."""
     time_s = np.arange(end - begin) * period_s
     from_rad, to_rad = bank[begin], command[begin]
     constants_s = np.geomspace(0.02, 5.0, 120)

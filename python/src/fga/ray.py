@@ -1,9 +1,9 @@
-"""Campaigns on a Ray cluster: as many machines as there are, the same bytes as one.
+"""Campaigns on a Ray cluster: any number of machines, the same bytes as one.
 
 A task flies one block and writes it into a folder that all machines share, or to a URL that fsspec knows.
-Blocks are seeded and named after their bytes, so a task that ran twice wrote the same file twice. The driver
-keeps a number of tasks in flight, hears (block, rows, name) from each, and puts the blocks together at the
-end. What is there already is not flown again: a driver that was killed is started again.
+Blocks are seeded and named after their bytes, so a task that runs twice writes the same file twice. The driver
+keeps a number of tasks in flight, gets (block, rows, name) from each, and merges the blocks at the end. It does
+not fly finished blocks again: after a kill, start the driver again.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def _ray() -> Any:
 
 
 def _fly(configuration: str, place: str, block: int) -> tuple[int, int, str]:
-    """Flies one block and writes it: what a task does."""
+    """A task: flies one block and writes it."""
     campaign = _known.get(configuration)
     if campaign is None:
         _known.clear()
@@ -71,8 +71,8 @@ def _schedule(
 ) -> None:
     """Runs a task for every block, never more than `in_flight` at once.
 
-    Nodes that are lost cost a task another try, without limit; what a task raises is raised here, and the
-    tasks that run are cancelled.
+    After the loss of a node its tasks run again, without limit; an exception of a task is raised here and
+    cancels the running tasks.
     """
     remote = ray.remote(num_cpus=1, max_retries=-1, retry_exceptions=False)(task)
     waiting = iter(blocks)
@@ -86,7 +86,7 @@ def _schedule(
                 running.append(remote.remote(*arguments, block))
             if not running:
                 return
-            # All that are ready, so that the driver's work does not grow with what is in flight.
+            # All ready ones, so that the driver's work does not grow with the tasks in flight.
             ready, running = ray.wait(running, num_returns=len(running), timeout=0.0)
             if not ready:
                 ready, running = ray.wait(running, num_returns=1, timeout=1.0)
@@ -122,14 +122,14 @@ def run(
     in_flight: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Flown:
-    """Flies a campaign on a Ray cluster and puts it together.
+    """Flies a campaign on a Ray cluster and merges its results.
 
     `out` is a folder that every machine sees under the same path, or a URL that fsspec knows. `address` is
-    that of the cluster: `auto` for the one that runs, `local` for one on this machine. `in_flight` bounds the
+    the cluster's: `auto` for the running one, `local` for one on this machine. `in_flight` bounds the
     tasks that wait or run, four for each processor without it. `progress(done, total)` counts encounters.
 
-    Raises ValueError for a wrong file or a place of another campaign, OSError for a place that cannot be
-    written; blocks that are finished stay, and the next call goes on with them.
+    Raises ValueError for a wrong file or a folder of another campaign, OSError for an unwritable path;
+    finished blocks stay, and the next call continues with them.
     """
     campaign = Campaign(
         file, encounters=encounters, policies=list(policies), vehicle=vehicle, oracle=oracle
@@ -178,7 +178,7 @@ def _sha256(store: Any) -> str:
 
 
 def dry_run(shards: int, *, address: str = "auto", in_flight: int | None = None) -> dict[str, float]:
-    """Schedules empty blocks: what the driver alone takes. Seconds, tasks a second, memory in MB."""
+    """Schedules empty blocks to measure the driver alone. Returns seconds, tasks per second, memory in MB."""
     if shards < 1:
         raise ValueError(f"shards is {shards}, expected at least 1")
     ray = _ray()
@@ -208,13 +208,13 @@ def _arguments() -> argparse.ArgumentParser:
         prog="python -m fga.campaign", description="Fly a campaign on a Ray cluster."
     )
     parser.add_argument("file", help="the campaign file (.toml)")
-    parser.add_argument("--encounters", type=int, help="encounters in all; without it as many as the file says")
+    parser.add_argument("--encounters", type=int, help="number of encounters; without it the file's number")
     parser.add_argument("--out", help="a folder that every machine sees, or a URL; out/<name of the file> without it")
-    parser.add_argument("--address", default="auto", help="auto for the cluster that runs, local for this machine")
-    parser.add_argument("--policy", action="append", default=[], help="a policy in place of the file's")
-    parser.add_argument("--vehicle", help="a vehicle file in place of the one that the file names")
-    parser.add_argument("--oracle", action="store_true", help="ask the oracle which encounters could be saved")
-    parser.add_argument("--csv", action="store_true", help="write results.csv too")
+    parser.add_argument("--address", default="auto", help="auto for the running cluster, local for this machine")
+    parser.add_argument("--policy", action="append", default=[], help="a policy instead of the file's")
+    parser.add_argument("--vehicle", help="a vehicle file instead of the one in the campaign file")
+    parser.add_argument("--oracle", action="store_true", help="ask the oracle which encounters any manoeuvre can save")
+    parser.add_argument("--csv", action="store_true", help="also write results.csv")
     parser.add_argument("--in-flight", type=int, help="most tasks that wait or run")
     return parser
 
@@ -241,7 +241,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"fga: {cause}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
-        print("fga: stopped; finished blocks are kept, the same command goes on", file=sys.stderr)
+        print("fga: stopped; finished blocks stay, the same command continues", file=sys.stderr)
         return 130
     print(f"{flown.campaign.encounters} encounters; results in {flown.results}, SHA-256 {flown.sha256}")
     return 0
