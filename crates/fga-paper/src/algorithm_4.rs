@@ -1,8 +1,8 @@
 //! Algorithm 4 as functions: the emergency manoeuvre round a static obstacle, in the plane.
 //!
 //! [`Plan::of`] decides whether and how (lines 6–21), [`Execution`] when and in which phase (lines
-//! 22–47); the autopilot's modes are the caller's business. Left is anticlockwise seen from above;
-//! a bank angle is positive in a left turn; the PWM value is above 1500 in a right turn (Eq. 59).
+//! 22–47); the caller sets the autopilot's modes. Left is anticlockwise from above; a bank angle is
+//! positive in a left turn; the PWM value is above 1500 in a right turn (Eq. 59).
 
 use crate::conflict::Relative;
 use crate::paths::RoundObstacle;
@@ -28,7 +28,7 @@ pub fn pwm_us(bank_rad: f64, bank_max_rad: f64) -> Option<f64> {
     usable.then(|| PWM_NEUTRAL_US - PWM_RANGE_US * (bank_rad / bank_max_rad).limited(-1.0, 1.0))
 }
 
-/// How the obstacle will be avoided (Alg. 4 lines 6–21).
+/// The plan to avoid the obstacle (Alg. 4 lines 6–21).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plan {
     /// Side of the first turn: away from the obstacle.
@@ -57,9 +57,8 @@ impl Plan {
     /// The plan for an obstacle at `obstacle_m` with a protected radius `d_m`, for an aircraft with
     /// the largest bank angle `bank_max_rad`.
     ///
-    /// Dead ahead the turn goes to the right, as the rules of the air have it. `None` where no
-    /// collision is projected (line 12, and ahead), where the aircraft is inside already, or where a
-    /// number is out of range.
+    /// Dead ahead the turn goes to the right, by the rules of the air. `None` if no collision is projected
+    /// (line 12, and ahead), if the aircraft is already inside, or if a number is out of range.
     pub fn of(
         ownship: &Ownship,
         obstacle_m: Vec3,
@@ -103,7 +102,7 @@ impl Plan {
     }
 }
 
-/// Where the manoeuvre stands (Fig. 24).
+/// The phase of the manoeuvre (Fig. 24).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Phase {
     /// Neither trigger has fired (lines 24–28).
@@ -118,10 +117,10 @@ pub enum Phase {
     Done,
 }
 
-/// What to fly now.
+/// The command for now.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BankCommand {
-    /// Where the manoeuvre stands.
+    /// The phase.
     pub phase: Phase,
     /// Bank angle, radians, positive to the left.
     pub bank_rad: f64,
@@ -129,7 +128,7 @@ pub struct BankCommand {
     pub pwm_us: f64,
 }
 
-/// A plan being flown: feed it the aircraft's state each cycle.
+/// A plan in execution: call it each cycle with the aircraft's state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Execution {
     plan: Plan,
@@ -150,16 +149,16 @@ impl Execution {
         &self.plan
     }
 
-    /// Where it stands.
+    /// The phase.
     pub const fn phase(&self) -> Phase {
         self.phase
     }
 
-    /// Moves on and commands a bank angle, `elapsed_s` seconds after the plan was made, at a
+    /// Advances the phase and returns the commanded bank angle, `elapsed_s` seconds after the plan, at a
     /// horizontal `range_m` from the obstacle, on `course_rad` (wrapped or not).
     ///
-    /// The turn begins at whichever of the two triggers comes first: the range `r_c`, or the timer
-    /// `t_c` (Fig. 23). A number that is not finite fires no trigger and ends no phase.
+    /// The first of two triggers starts the turn: the range `r_c`, or the timer `t_c` (Fig. 23). A number
+    /// that is not finite fires no trigger and ends no phase.
     pub fn step(&mut self, elapsed_s: f64, range_m: f64, course_rad: f64) -> BankCommand {
         let plan = &self.plan;
         if self.phase == Phase::Waiting

@@ -15,7 +15,7 @@ pub enum Motion {
     Dynamic,
 }
 
-/// How many there are.
+/// The number of obstacles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Count {
     /// One.
@@ -43,7 +43,7 @@ pub fn motion(hazard: &Hazard, wind_mps: Vec3, threshold_mps: f64) -> Motion {
     }
 }
 
-/// Classifies the obstacles that matter, those that were found to be threats; `None` without any.
+/// Classifies the threatening obstacles; `None` without any.
 pub fn classify<'a>(
     obstacles: impl IntoIterator<Item = &'a Hazard>,
     wind_mps: Vec3,
@@ -65,8 +65,8 @@ pub fn classify<'a>(
         })
 }
 
-/// `C_s` of an obstacle's kind: 0 with passengers, 1 for a natural barrier, `unknown_score` where
-/// nothing is known, held within [0, 1] (§3.3). A score that is not a number counts as 0: begin at
+/// `C_s` of an obstacle's kind: 0 with passengers, 1 for a natural barrier, `unknown_score` if
+/// unknown, clamped to [0, 1] (§3.3). A score that is not a number counts as 0: begin at
 /// once.
 pub fn safety_score(kind: ObstacleKind, unknown_score: f64) -> f64 {
     match kind {

@@ -1,8 +1,8 @@
 //! Shortest paths of bounded curvature to a pose, with altitude within the climb limits.
 //!
-//! In the plane the words come from the crate `dubins_paths`; each is checked here by its end
-//! point, because a rounded angle just below zero would otherwise cost a full circle. In altitude
-//! the path climbs at one angle along its whole length. Left is anticlockwise seen from above.
+//! The crate `dubins_paths` gives the words in the plane; a check of the end point of each follows here,
+//! because a rounded angle just below zero would otherwise cost a full circle. In altitude
+//! the path climbs at one angle along its whole length. Left is anticlockwise from above.
 
 use core::f64::consts::TAU;
 
@@ -18,7 +18,7 @@ mod clearance;
 
 pub use clearance::Clearance;
 
-/// A place and the course through it.
+/// A position and the course through it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     /// Position, metres.
@@ -27,7 +27,7 @@ pub struct Pose {
     pub course_rad: f64,
 }
 
-/// How a segment of a path is flown.
+/// The kind of a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SegmentKind {
     /// Straight on.
@@ -39,20 +39,20 @@ pub enum SegmentKind {
 /// A piece of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// How it is flown.
+    /// Its kind.
     pub kind: SegmentKind,
     /// Its horizontal length, metres.
     pub length_m: f64,
 }
 
-/// The climb that a path may take.
+/// The climb limits of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClimbLimits {
     /// Steepest descent, radians, at most 0.
     pub min_rad: f64,
     /// Steepest climb, radians, at least 0.
     pub max_rad: f64,
-    /// Whether full circles may be added at the end where the path is too short for its climb.
+    /// Whether to add full circles at the end if the path is too short for its climb.
     pub may_circle: bool,
 }
 
@@ -65,7 +65,7 @@ impl ClimbLimits {
     };
 }
 
-/// Most circles that are added for a climb.
+/// Most circles added for a climb.
 const MAX_CIRCLES: f64 = 1000.0;
 
 /// A flyable path: up to three segments and, if needed, circles at its end.
@@ -128,7 +128,7 @@ impl DubinsPath {
         if !(1e-9..=LARGEST).contains(&radius_m) {
             return None;
         }
-        // The start is moved to the origin, so that far-away coordinates lose nothing.
+        // Moves the start to the origin, so that far-away coordinates lose no precision.
         let offset = end.position_m - start.position_m;
         let from = PosRot::from_floats(0.0, 0.0, wrap_pi(start.course_rad));
         let to = PosRot::from_floats(offset.x, offset.y, wrap_pi(end.course_rad));
@@ -141,7 +141,7 @@ impl DubinsPath {
             PathType::LRL => [LEFT, RIGHT, LEFT],
         };
         let segment = |kind, length: f64| {
-            // An arc that is a full circle but for rounding is none.
+            // An arc that is a full circle except for rounding is none.
             let full = kind != SegmentKind::Straight && length > TAU - 1e-7;
             let length_m = if full { 0.0 } else { length * radius_m };
             Segment { kind, length_m }
@@ -213,7 +213,7 @@ impl DubinsPath {
         };
     }
 
-    /// Where it begins.
+    /// Its start.
     pub const fn start(&self) -> Pose {
         self.start
     }
@@ -233,7 +233,7 @@ impl DubinsPath {
         self.climb_rad
     }
 
-    /// How much of the altitude change the climb limits leave undone, metres; 0 where it arrives.
+    /// Altitude change that the climb limits do not reach, metres; 0 if it arrives.
     pub const fn short_by_m(&self) -> f64 {
         self.short_by_m
     }
@@ -249,7 +249,7 @@ impl DubinsPath {
     }
 
     /// The pose after a horizontal distance along the path, metres; its course is not wrapped, so
-    /// that it changes without a jump. Outside the path its nearer end.
+    /// that it has no jump. Beyond the path, its nearer end.
     pub fn sample(&self, at_m: f64) -> Pose {
         let mut pose = self.start;
         let at_m = if at_m.is_nan() { 0.0 } else { at_m.max(0.0) };
@@ -268,7 +268,7 @@ impl DubinsPath {
         pose
     }
 
-    /// Where it ends.
+    /// Its end.
     pub fn end(&self) -> Pose {
         self.sample(f64::INFINITY)
     }

@@ -1,8 +1,8 @@
 //! Algorithm 2, corrected: the cheapest direction on a grid of course and climb angle that clears
 //! every obstacle (§3.5, Tables 3 and 7).
 //!
-//! The new direction is taken as flown at once, as in the paper; the turn that it really takes is
-//! the business of the turn-aware selection.
+//! As in the paper, the aircraft flies the new direction at once; the turn-aware search counts the
+//! real turn.
 //!
 //! Course changes: left is positive. Corrections (`docs/errata.md`): the grid is mirror-symmetric
 //! with both ends and the middle; the separation is that of the relative path while closing; the
@@ -14,7 +14,7 @@ use fga::certificate::Hazard;
 use fga::limit::Limit as _;
 use fga::situation::Ownship;
 
-/// Which directions are allowed (§3.5).
+/// The allowed directions (§3.5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TurnMode {
     /// Heading manoeuvres only: the climb angle stays.
@@ -31,13 +31,13 @@ pub enum TurnMode {
 pub struct Grid {
     /// Largest change of course to either side `ψ_range`, radians.
     pub heading_range_rad: f64,
-    /// Largest step between two courses, radians; made smaller so that the steps fill the range.
+    /// Largest step between two courses, radians; reduced so that the steps fill the range.
     pub heading_step_rad: f64,
     /// Least climb angle, radians.
     pub climb_min_rad: f64,
     /// Largest climb angle, radians.
     pub climb_max_rad: f64,
-    /// Largest step between two climb angles, radians; made smaller likewise.
+    /// Largest step between two climb angles, radians; reduced in the same way.
     pub pitch_step_rad: f64,
     /// Cost of a change of course `η_ψ`, per radian.
     pub heading_cost: f64,
@@ -45,7 +45,7 @@ pub struct Grid {
     pub pitch_cost: f64,
     /// Separation kept beyond every volume, metres.
     pub margin_m: f64,
-    /// Which directions are allowed.
+    /// The allowed directions.
     pub mode: TurnMode,
 }
 
@@ -83,9 +83,9 @@ fn steps(range_rad: f64, step_rad: f64) -> i32 {
 /// One row of the cost table (Table 3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Entry {
-    /// Place in the grid: 0 keeps the course, positive to the left.
+    /// Index in the grid: 0 keeps the course, positive to the left.
     pub heading_index: i32,
-    /// Place in the grid: 0 keeps the climb angle, positive up.
+    /// Index in the grid: 0 keeps the climb angle, positive up.
     pub pitch_index: i32,
     /// Change of course, radians, positive to the left.
     pub heading_change_rad: f64,
@@ -95,17 +95,17 @@ pub struct Entry {
     pub climb_rad: f64,
     /// `η_ψ` |Δψ| + `η_θ` |Δθ| (Alg. 2 line 20).
     pub cost: f64,
-    /// Least signed distance to the volumes that the aircraft is not in yet, metres (Alg. 2 line
+    /// Least signed distance to the volumes that the aircraft is outside of, metres (Alg. 2 line
     /// 18); infinite without any.
     pub margin_m: f64,
-    /// When the last of the volumes that it is in already is left, seconds; 0 where it is in none.
+    /// Time of leaving the last of the volumes that the aircraft is inside of, seconds; 0 without any.
     pub exit_s: f64,
-    /// Whether every volume is cleared by the wanted margin.
+    /// Whether it clears every volume by the wanted margin.
     pub clears: bool,
 }
 
 impl Entry {
-    /// What kind of manoeuvre it is; `None` where nothing changes.
+    /// The kind of manoeuvre; `None` if nothing changes.
     pub const fn mode(&self) -> Option<TurnMode> {
         match (self.heading_index, self.pitch_index) {
             (0, 0) => None,
@@ -116,12 +116,12 @@ impl Entry {
     }
 }
 
-/// What is flown.
+/// The choice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Choice {
     /// The cheapest direction that clears everything.
     Clear(Entry),
-    /// None does: the one that leaves the volumes it is in soonest, then the one with the largest
+    /// None does: the one that leaves the present volumes soonest, then the one with the largest
     /// least separation.
     Best(Entry),
 }
@@ -153,7 +153,7 @@ impl Grid {
     /// The whole cost table (Table 3) for a turn `start_s` seconds from now, until when the aircraft
     /// holds its course: right to left and, within a course, highest to lowest.
     ///
-    /// Empty where the grid, the aircraft's state or the time is not valid. An obstacle that is not
+    /// Empty if the grid, the aircraft's state or the time is invalid. Invalid obstacles do not count.
     /// valid is left out.
     pub fn table<'a>(
         &'a self,
@@ -253,8 +253,8 @@ fn fraction(index: i32, count: i32) -> f64 {
 /// Chooses a direction (Alg. 2 lines 10–24, corrected) for a turn that begins `start_s` seconds
 /// from now; until then the aircraft holds its course.
 ///
-/// Of equal costs the one with the larger separation is taken, of equal separations the one to the
-/// right, then the higher one. `None` where the grid, the aircraft's state or the time is not valid.
+/// Of equal costs it takes the one with the larger separation, of equal separations the one to the
+/// right, then the higher one. `None` if the grid, the aircraft's state or the time is invalid.
 pub fn select(
     grid: &Grid,
     ownship: &Ownship,

@@ -1,9 +1,9 @@
 //! The paper "Fast 3D Collision Avoidance Algorithm for Fixed Wing UAS" as code.
 //!
 //! Equation numbers in these pages are the paper's, corrected where `docs/errata.md` shows a slip;
-//! [`printed`] keeps what is printed. `docs/from-paper-to-code.md` names the function and the test of
-//! every equation, table and figure. The decision that is flown by default is not here: it is the
-//! crate `fga`, whose [`Pilot`](fga::pilot::Pilot) the paper's own rules implement too.
+//! [`printed`] keeps the printed forms. `docs/from-paper-to-code.md` names the function and the test of
+//! every equation, table and figure. The default decision is not here but in the
+//! crate `fga`; the paper's own rules also implement its [`Pilot`](fga::pilot::Pilot).
 //!
 //! # Which module answers which question
 //!
@@ -19,12 +19,12 @@
 //! | [`waypoint`] | which waypoint is next (Algorithm 3)? |
 //! | [`dubins`] | what is the shortest flyable path to a pose (§3)? |
 //! | [`paths`] | how long is the way round an obstacle (Fig. 8)? |
-//! | [`algorithm_4`] | how is a way round flown by bank alone (Algorithm 4)? |
-//! | [`printed`] | what do the formulas give as they are printed? |
-//! | [`pilot`] | what does an aircraft do that flies by these rules? |
+//! | [`algorithm_4`] | how does bank alone fly a way round (Algorithm 4)? |
+//! | [`printed`] | what do the printed formulas give? |
+//! | [`pilot`] | how does an aircraft fly by these rules? |
 //!
 //! Everything is in the air mass: obstacles are [`Hazard`](fga::certificate::Hazard)s. Conventions
-//! are those of `fga`; no function allocates or panics.
+//! are the same as in `fga`; no function allocates or panics.
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(

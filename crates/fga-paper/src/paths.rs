@@ -1,8 +1,8 @@
 //! Path lengths round a static obstacle and the manoeuvre itself (§3.3, §3.4.3, Fig. 8 and 9).
 //!
-//! Everything is in the plane. s is the distance by which the straight course would miss the
-//! centre; the turn away goes to the side on which the aircraft passes it. Abeam is the line
-//! through the centre across the initial course (S–S' in Fig. 8).
+//! Everything is in the plane. s is the distance by which the straight course misses the centre; the
+//! turn away goes to the side on which the aircraft passes it. Abeam is the line through the centre
+//! across the initial course (S–S' in Fig. 8).
 
 use crate::timing::Geometry;
 use fga::angle::Side;
@@ -29,12 +29,12 @@ pub fn deviation_rad(turn_radius_m: f64, radius_m: f64, across_m: f64) -> Option
     usable(turn_radius_m, radius_m, across_m).then(|| libm::acos(share.limited(-1.0, 1.0)))
 }
 
-/// Turn radius with which a turn begun now passes a static obstacle at exactly `d_m`, metres:
+/// Turn radius of a turn that begins now and passes a static obstacle at exactly `d_m`, metres:
 /// ρ = (`r_0`² − `d_m`²) / (2 (`d_m` − s)), Eq. 16 solved for ρ with `t_a` = 0.
 ///
-/// It is how a radius above `ρ_min` is chosen (§3.3): begin early, turn gently, keep the wanted
-/// distance. For a wider separation give a larger `d_m`. `None` where the turn would have to be
-/// tighter than `least_radius_m`, or nothing threatens.
+/// It chooses a radius above `ρ_min` (§3.3): begin early, turn gently, keep the wanted
+/// distance. For a wider separation give a larger `d_m`. `None` if the turn would have to be
+/// tighter than `least_radius_m`, or if nothing threatens.
 pub fn turn_radius_for_separation_m(encounter: &Geometry, least_radius_m: f64) -> Option<f64> {
     let (a, s, d) = (encounter.along_m, encounter.across_m, encounter.radius_m);
     if !encounter.is_threat() || !least_radius_m.is_finite() || least_radius_m <= 0.0 {
@@ -49,7 +49,7 @@ pub fn turn_radius_for_separation_m(encounter: &Geometry, least_radius_m: f64) -
 pub struct Arc {
     /// Radius, metres.
     pub radius_m: f64,
-    /// Angle flown, radians, positive.
+    /// Angle of the arc, radians, positive.
     pub angle_rad: f64,
 }
 
@@ -92,7 +92,7 @@ impl RoundObstacle {
         let alpha_rad = deviation_rad(turn_radius_m, radius_m, across_m)?;
         let (sin, cos) = libm::sincos(alpha_rad);
         let around_m = radius_m.max(turn_radius_m);
-        // The centre of the second circle lies this far from the obstacle, past it.
+        // Distance of the second circle's centre from the obstacle, beyond it.
         let past_m = around_m - radius_m;
         let to_abeam_rad = alpha_rad - libm::asin((past_m * sin / around_m).limited(-1.0, 1.0));
         let widest_m = around_m - past_m * cos - across_m;
@@ -125,7 +125,7 @@ impl RoundObstacle {
         self.away.length_m() + self.around.length_m() + self.back.length_m()
     }
 
-    /// How much longer it is than the straight line, metres.
+    /// Its excess over the straight line, metres.
     pub fn extra_path_m(&self) -> f64 {
         self.length_m() - self.before_m - self.after_m
     }

@@ -23,7 +23,7 @@ use crate::conflict::{Conflict, Relative, assess};
 use crate::printed;
 use around::Around;
 
-/// Which formulas.
+/// The formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Edition {
     /// With the errata applied.
@@ -32,15 +32,15 @@ enum Edition {
     AsPrinted,
 }
 
-/// A maneuver under way or waited for.
+/// A manoeuvre, flown or awaited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Plan {
     maneuver: Maneuver,
-    /// When it was decided, seconds on the situation's clock.
+    /// Time of the decision, seconds on the situation's clock.
     decided_s: f64,
-    /// When it departs from the mission, seconds on the situation's clock.
+    /// Time of its departure from the mission, seconds on the situation's clock.
     start_s: f64,
-    /// When a way back is on the mission again, or infinity.
+    /// Time of the return to the mission, or infinity.
     joined_s: f64,
     /// Whether it clears every obstacle by the formulas that chose it.
     clears: bool,
@@ -49,7 +49,7 @@ struct Plan {
     /// Latest start, seconds on the situation's clock.
     latest_start_s: Option<f64>,
     threat: Option<Threat>,
-    /// The obstacles that it was made against.
+    /// The obstacles that it avoids.
     against: Against,
 }
 
@@ -65,13 +65,13 @@ impl Plan {
 pub struct PaperPilot {
     settings: PaperSettings,
     vehicle: Vehicle,
-    /// The limits that it was made for.
+    /// The limits of its vehicle.
     made_for: Vehicle,
     flyer: Flyer,
     state: State,
     progress: Progress,
     around: Around,
-    /// The obstacles with their uncertainty, against which a way back is certified.
+    /// The obstacles with their uncertainty, for certifying a way back.
     tracks: Tracks,
     path: FlightPath,
     plan: Option<Plan>,
@@ -109,12 +109,12 @@ impl PaperPilot {
         &self.vehicle
     }
 
-    /// Where it stands.
+    /// Its state.
     pub const fn state(&self) -> State {
         self.state
     }
 
-    /// Index of the waypoint at the start of the leg that is flown.
+    /// Index of the waypoint at the start of the present leg.
     pub const fn leg_index(&self) -> usize {
         self.progress.index()
     }
@@ -128,7 +128,7 @@ impl PaperPilot {
         );
     }
 
-    /// What the mission asks to fly.
+    /// The guidance along the mission.
     fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> Maneuver {
         let (mission, horizon_s) = (&situation.mission, self.settings.horizon_s);
         self.progress
@@ -146,13 +146,13 @@ impl PaperPilot {
         decision
     }
 
-    /// The decision to fly what is left of a plan.
+    /// The decision to fly the rest of a plan.
     fn report(&self, plan: &Plan, time_s: f64, reason: Reason) -> Decision {
         let elapsed_s = time_s - plan.decided_s;
         let command = plan.remaining(time_s);
         let mut decision = self.decision(&command, reason);
         let record = &mut decision.record;
-        // Once it would have been entered, it is history.
+        // After the predicted entry the threat is history.
         let ahead = plan.threat.filter(|threat| threat.entry_s >= elapsed_s);
         record.threat = ahead.map(|threat| Threat {
             entry_s: threat.entry_s - elapsed_s,
@@ -181,7 +181,7 @@ impl Pilot for PaperPilot {
             return self.decision(&Maneuver::hold(), Reason::InvalidInput);
         }
         if situation.time_s < self.last_time_s {
-            // The clock jumped back: what was planned in its time means nothing now.
+            // The clock jumped back, so the old plan has no meaning.
             self.plan = None;
             self.round = None;
             self.state = State::Cruise;
@@ -216,7 +216,7 @@ impl Pilot for PaperPilot {
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {
-        // Limits that cannot be flown leave it with those that it has.
+        // If the guidance refuses the limits, it keeps its present ones.
         if vehicle.check().is_ok() {
             self.vehicle = *vehicle;
             self.flyer = Flyer::new(vehicle);
@@ -236,7 +236,7 @@ impl Pilot for PaperPilot {
     }
 }
 
-/// The threat that an obstacle is, if it is one (Alg. 1).
+/// The threat of an obstacle, if there is one (Alg. 1).
 fn threat(relative: &Relative, obstacle: &Hazard, edition: Edition) -> Option<Threat> {
     let closest = relative.closest();
     let of = |entry_s: f64, margin_m: f64| Threat {

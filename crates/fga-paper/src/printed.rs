@@ -1,10 +1,10 @@
-//! The formulas as they are printed, kept apart.
+//! The printed formulas, kept apart.
 //!
-//! Nothing flies on them but the policy `published-literal`, which exists for the errata page
-//! (`docs/errata.md`): each function here has a corrected one, named in its documentation, and a
-//! test in `tests/errata.rs` with a case in which this one is wrong. Angles are radians, lengths
-//! metres, speeds metres per second. Input is not checked; what comes out of numbers that are not
-//! finite is not a statement about anything, and nothing panics.
+//! Only the policy `published-literal` flies on them; it exists for the errata page
+//! (`docs/errata.md`). Each function here has a corrected one, named in its documentation, and a
+//! test in `tests/errata` with a case in which this one is wrong. Angles are radians, lengths
+//! metres, speeds metres per second. Input is not checked; results for numbers that are not finite have
+//! no meaning, and nothing panics.
 
 mod algorithm_4;
 mod directions;
@@ -16,7 +16,7 @@ pub use directions::{LiteralEntry, LiteralGrid, select, separation};
 
 use fga::Vec3;
 
-/// `V_r` = `V_a` − `V_u`, as the text of §2.2 has it; corrected: [`Relative`](crate::conflict::Relative).
+/// `V_r` = `V_a` − `V_u`, as in the text of §2.2; corrected: [`Relative`](crate::conflict::Relative).
 pub fn relative_velocity_mps(ownship_mps: Vec3, obstacle_mps: Vec3) -> Vec3 {
     obstacle_mps - ownship_mps
 }

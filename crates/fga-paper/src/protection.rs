@@ -1,6 +1,6 @@
 //! The protected distance from its four parts (Eq. 15).
 
-/// What the protected distance is made of, metres.
+/// The parts of the protected distance, metres.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ProtectionTerms {
     /// `d_ma`: for the obstacle's size and speed.
@@ -27,7 +27,7 @@ pub struct ProtectionCoefficients {
 }
 
 impl Default for ProtectionCoefficients {
-    /// All 1: the parts are added as they are.
+    /// All 1: a plain sum.
     fn default() -> Self {
         Self {
             obstacle: 1.0,
@@ -40,8 +40,8 @@ impl Default for ProtectionCoefficients {
 
 /// `d_m` = `c_1` `d_ma` + `c_2` `d_mu` + `c_3` `d_lim,air` + `c_4` `d_lim,obs`, metres (Eq. 15).
 ///
-/// The limitations may take away from the distance (a negative product), the result may not be
-/// negative. `None` where it would be, or where a number is not finite.
+/// The limitations may reduce the distance (a negative product); the result may not be
+/// negative. `None` if it would be, or if a number is not finite.
 ///
 /// ```
 /// use fga_paper::protection::{ProtectionCoefficients, ProtectionTerms, protected_radius_m};

@@ -10,11 +10,11 @@ pub const SURVEILLANCE_RATIO: f64 = 10.0;
 pub struct Surveillance {
     /// R: an obstacle nearer than this is a potential one, metres.
     pub radius_m: f64,
-    /// How far the sensor searches, metres, at least R.
+    /// Search radius of the sensor, metres, at least R.
     pub search_radius_m: f64,
 }
 
-/// The layer that a distance falls into, outermost first.
+/// The layer of a distance, outermost first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Layer {
     /// Out of the sensor's reach.
@@ -35,7 +35,7 @@ impl Surveillance {
         })
     }
 
-    /// The layer of an obstacle at this distance; one that is not a number is beyond.
+    /// The layer of an obstacle at this distance; a distance that is not a number is beyond.
     pub fn layer(&self, distance_m: f64) -> Layer {
         if distance_m <= self.radius_m {
             Layer::Potential

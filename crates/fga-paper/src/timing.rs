@@ -14,8 +14,8 @@
 //! They describe a turn away from a **static** obstacle, in the plane of r and `V_r`. Against a
 //! moving obstacle the turn is a trochoid in the relative frame, not a circle, and the times are
 //! too late (`docs/errata.md` has the numbers); the exact counterpart is the latest certified
-//! start of the turn-aware selection. A level turn past a sphere whose centre is above or below is
-//! timed by its level section: [`Geometry::level_section`].
+//! start of the turn-aware search. A level turn past a sphere whose centre is above or below
+//! needs its level section: [`Geometry::level_section`].
 
 mod critical;
 mod geometry;

@@ -1,6 +1,6 @@
 //! Algorithm 3, corrected: the next waypoint that the aircraft can fly to.
 //!
-//! As printed every waypoint passes the test (a bias angle is always below π). What is meant (§3):
+//! As printed every waypoint passes the test (a bias angle is always below π). The intention (§3) is:
 //! from the nearest to the farthest, the first one that lies ahead and that a path within `ρ_min`
 //! and the climb limits reaches without entering a protected volume.
 
@@ -10,40 +10,40 @@ use fga::angle::course_of;
 use fga::certificate::Hazard;
 use fga::situation::Ownship;
 
-/// Longest arc of a path that counts as flying there, radians: three quarters of a circle. Longer
-/// ones loop back to a waypoint inside the turning circle.
+/// Longest arc of a path, radians: three quarters of a circle. Longer ones loop back to a waypoint inside
+/// the turning circle.
 pub const LONGEST_ARC_RAD: f64 = 1.5 * core::f64::consts::PI;
 
-/// What a path to a waypoint must satisfy.
+/// Requirements on a path to a waypoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {
     /// Turn radius to plan with, at least `ρ_min`, metres.
     pub turn_radius_m: f64,
     /// Climb limits to plan with.
     pub climb: ClimbLimits,
-    /// How far from the waypoint's altitude the path may end, metres.
+    /// Largest difference from the waypoint's altitude at the end of the path, metres.
     pub altitude_tolerance_m: f64,
-    /// Separation kept beyond every volume, metres.
+    /// Separation beyond every volume, metres.
     pub margin_m: f64,
 }
 
-/// The waypoint found.
+/// The chosen waypoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NextWaypoint {
-    /// Its place in the slice.
+    /// Its index in the slice.
     pub index: usize,
-    /// Whether it lies ahead of the aircraft; false where none ahead could be reached.
+    /// Whether it lies ahead of the aircraft; false if no waypoint ahead is within reach.
     pub is_ahead: bool,
     /// The path to it, arriving on the course of the leg that leaves it.
     pub path: DubinsPath,
 }
 
-/// The nearest waypoint ahead that can be reached; where there is none, the nearest behind (Alg. 3).
+/// The nearest waypoint ahead within reach; without one, the nearest behind (Alg. 3).
 ///
-/// `waypoints_m` are those still to be flown, in the mission's order: the path arrives at each on
-/// the course to the one after it, at the last one on the course from the one before it. Positions
-/// and obstacles are in the same frame; obstacles fly straight from where they are now. `None`
-/// where none can be reached, or the aircraft's state is not valid.
+/// `waypoints_m` are the remaining ones, in the mission's order: the path arrives at each on
+/// the course to the next one, at the last one on the course from the previous one. Positions
+/// and obstacles are in the same frame; obstacles fly straight from their present positions. `None`
+/// if none is within reach, or if the aircraft's state is invalid.
 pub fn next_waypoint(
     reach: &Reach,
     ownship: &Ownship,
@@ -70,8 +70,8 @@ fn ahead(ownship: &Ownship, waypoint_m: Vec3) -> bool {
     (waypoint_m - ownship.position_m).dot(ownship.velocity_mps()) > 0.0
 }
 
-/// Indices of the waypoints ahead (or not), from the nearest to the farthest, without a buffer:
-/// each is the least after the one before.
+/// Indices of the waypoints ahead (or behind), from the nearest to the farthest, without a buffer:
+/// each is the least after the previous one.
 fn nearest_first(
     ownship: &Ownship,
     waypoints_m: &[Vec3],
@@ -101,7 +101,7 @@ fn path_to(
     obstacles: &[Hazard],
 ) -> Option<DubinsPath> {
     let waypoint_m = *waypoints_m.get(index)?;
-    // The leg that leaves it, else the one that arrives, else straight from here.
+    // The leg that leaves it, else the arriving one, else straight from here.
     let leaving = waypoints_m.get(index + 1).map(|next| *next - waypoint_m);
     let arriving = index
         .checked_sub(1)

@@ -1,5 +1,5 @@
-//! The pages `docs/from-paper-to-code.md` and `docs/errata.md` name only tests and functions that
-//! exist.
+//! The pages `docs/from-paper-to-code.md` and `docs/errata.md` name only existing tests and
+//! functions.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ fn sources(folder: &Path, text: &mut String) {
     }
 }
 
-/// Whether a name is defined somewhere: a function, a type, a field, a constant or a module.
+/// Whether a name is a function, a type, a field, a constant or a module somewhere.
 fn is_defined(name: &str, text: &str) -> bool {
     let definitions = ["fn", "struct", "enum", "mod", "const", "trait"];
     definitions.iter().any(|kind| {

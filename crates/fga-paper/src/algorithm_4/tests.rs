@@ -144,8 +144,8 @@ fn the_second_phase_turns_the_other_way() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Flown in closed loop it touches the volume within what one control step moves, ends on the
-    /// initial course and line, and triggers when the plan says.
+    /// Flown in closed loop it touches the volume within the motion of one control step, ends on the
+    /// initial course and line, and triggers at the planned time.
     #[test]
     fn flown_it_touches_and_returns(
         course in -7.0..7.0f64, ahead in 350.0..600.0f64, share in -0.95..0.95f64,

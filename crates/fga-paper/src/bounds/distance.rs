@@ -26,8 +26,8 @@ pub fn least_distance_m(turn_radius_m: f64, radius_m: f64, bias_rad: f64) -> Opt
     least_m.is_finite().then_some(least_m)
 }
 
-/// Whether every one of the encounters leaves time for the turn: `t_c` > 0 (Eq. 26, 30, corrected).
-/// An encounter that is no threat is feasible.
+/// Whether every encounter leaves time for the turn: `t_c` > 0 (Eq. 26, 30, corrected).
+/// An encounter without a threat is feasible.
 pub fn distance_feasible(
     encounters: impl IntoIterator<Item = Geometry>,
     turn_radius_m: f64,
@@ -80,12 +80,12 @@ mod tests {
     }
 
     proptest! {
-        /// A circle about the turn's centre (0, ρ): it must stay d away from the obstacle. At the
-        /// least distance it does; a tenth nearer, where the larger of the two terms is the exact one, not.
+        /// A circle about the turn's centre (0, ρ) must stay d away from the obstacle. It does at the least
+        /// distance; a tenth nearer it does not, where the larger of the two terms is the exact one.
         #[test]
         fn the_turn_begun_at_once_stays_clear(radius in 10.0..200.0f64, turn in 10.0..200.0f64, bias in 0.0..0.7f64) {
             let least = least_distance_m(turn, radius, bias).unwrap();
-            // Beyond the cone there is no threat and nothing to say.
+            // Beyond the cone there is no threat to check.
             prop_assume!(least * f64::sin(bias) < radius);
             let centre_apart = |r: f64| libm::hypot(r * f64::cos(bias), r * f64::sin(bias) + turn);
             prop_assert!(centre_apart(least) >= turn + radius - 1e-9);

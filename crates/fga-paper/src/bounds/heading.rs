@@ -1,7 +1,7 @@
 //! Bound 3: the courses that stay clear, as a union of intervals (Eq. 46–48).
 //!
-//! Counted in the horizontal plane, at the aircraft's horizontal speed, against the disc of each
-//! volume's horizontal radius. Courses grow to the left.
+//! In the horizontal plane, at the aircraft's horizontal speed, against the disc of each volume's
+//! horizontal radius. Courses increase to the left.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -44,8 +44,8 @@ impl HeadingSet {
 
     /// `Φ_i`: the courses on which the aircraft stays clear of one obstacle (Eq. 46).
     ///
-    /// Inside the disc: the courses on which it gets farther from the centre. `None` where a number
-    /// is not finite or out of range.
+    /// Inside the disc: the courses away from the centre. `None` if a number is not finite or out of
+    /// range.
     pub fn of(ownship: &Ownship, obstacle: &Hazard) -> Option<Self> {
         let encounter = Planar::of(ownship, obstacle)?;
         let mut cuts = [-PI, PI, PI, PI, PI, PI];
@@ -67,7 +67,7 @@ impl HeadingSet {
 
     /// ∩ `Φ_i` over all obstacles (Eq. 47); not empty if a solution exists (Eq. 48).
     ///
-    /// Obstacles that are not valid are left out.
+    /// Invalid obstacles do not count.
     pub fn of_all(ownship: &Ownship, obstacles: &[Hazard]) -> Self {
         obstacles
             .iter()
@@ -98,7 +98,7 @@ impl HeadingSet {
         self.intervals().iter().map(|(from, to)| to - from).sum()
     }
 
-    /// The courses that are in both.
+    /// The courses in both.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
         let mut set = Self::EMPTY;
@@ -114,7 +114,7 @@ impl HeadingSet {
     }
 
     /// The least rotations from a course to an admissible one (`φ_2` and −`φ_1` of Eq. 46); both 0
-    /// where the course is admissible itself. `None` for an empty set.
+    /// for an admissible course. `None` for an empty set.
     pub fn rotations(&self, course_rad: f64) -> Option<Rotations> {
         if self.is_empty() {
             return None;
@@ -142,8 +142,8 @@ impl HeadingSet {
         })
     }
 
-    /// Appends an interval behind the others; joins it to the last where they touch. In a full set
-    /// the narrowest gives way, so that the set stays a subset of the true one.
+    /// Appends an interval behind the others, or joins it to the last if they touch. In a full set
+    /// the narrowest interval goes, so that the set stays a subset of the true one.
     fn push(&mut self, from: f64, to: f64) {
         if let Some(last) = self
             .len
@@ -221,7 +221,7 @@ impl Planar {
                 && cross * cross >= self.radius * self.radius * dot(relative, relative))
     }
 
-    /// The courses at which admission may change.
+    /// The courses at which admissibility may change.
     fn boundaries(&self) -> [Option<f64>; 4] {
         let bearing = libm::atan2(self.offset.1, self.offset.0);
         if self.is_inside() {

@@ -10,7 +10,7 @@ use fga::certificate::Hazard;
 const GOLDEN_ANGLE_RAD: f64 = 2.399_963_229_728_653;
 
 /// Whether straight flight with this velocity stays clear of every obstacle: it lies in ∩ `Ω_i`
-/// (Eq. 52). Of a volume that the aircraft is in already it must move away.
+/// (Eq. 52). From a volume around the aircraft it must lead away.
 ///
 /// False where a number is not finite.
 pub fn direction_admissible(position_m: Vec3, velocity_mps: Vec3, obstacles: &[Hazard]) -> bool {
@@ -30,10 +30,10 @@ pub fn direction_admissible(position_m: Vec3, velocity_mps: Vec3, obstacles: &[H
 }
 
 /// ∩ `Ω_i` as a fraction of the full sphere of 4π, for a speed and climb angles within
-/// `climb_rad` = (least, largest): counted over `samples` directions spread evenly.
+/// `climb_rad` = (least, largest), by counting `samples` evenly spread directions.
 ///
 /// The error is about 1/samples^0.75. `None` for no samples, a speed that is not positive, or
-/// angles that are not within ±π/2.
+/// angles outside of ±π/2.
 pub fn admissible_fraction(
     position_m: Vec3,
     airspeed_mps: f64,

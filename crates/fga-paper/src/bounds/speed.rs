@@ -40,8 +40,8 @@ pub fn least_speed_3d_mps(offset_m: Vec3, obstacle_mps: Vec3, radius_m: f64) -> 
 }
 
 /// Whether each of the obstacles, given as (A − U, `V_a`, `d_m`), leaves some course clear
-/// (Eq. 45). Necessary for avoiding them all, not sufficient: the courses must also have one in
-/// common ([`HeadingSet`](super::HeadingSet)). An obstacle without a cone makes it false.
+/// (Eq. 45). Necessary for avoiding all of them, not sufficient: the courses must also intersect
+/// ([`HeadingSet`](super::HeadingSet)). An obstacle without a cone makes it false.
 pub fn speed_feasible_2d(
     airspeed_mps: f64,
     obstacles: impl IntoIterator<Item = (Vec3, Vec3, f64)>,

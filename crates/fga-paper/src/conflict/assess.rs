@@ -1,34 +1,34 @@
-//! One obstacle's volume against the straight relative path: when entered, how near, what kind.
+//! One obstacle's volume against the straight relative path: time of entry, least margin, kind.
 
 use super::Relative;
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
 
-/// What an obstacle on a straight course means for the aircraft on a straight course.
+/// The relation of an obstacle on a straight course to an aircraft on a straight course.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Conflict {
-    /// The aircraft is inside the volume already; the cone has no meaning.
+    /// The aircraft is already inside the volume; the cone has no meaning.
     Inside {
         /// Signed distance to the surface, metres, negative.
         margin_m: f64,
     },
-    /// The volume will be entered: `V_r` lies inside the collision cone (Eq. 3, 4).
+    /// The path enters the volume: `V_r` lies inside the collision cone (Eq. 3, 4).
     Threat {
-        /// When it is entered, seconds from now.
+        /// Time of the entry, seconds from now.
         entry_s: f64,
-        /// When the margin is least, seconds from now.
+        /// Time of the least margin, seconds from now.
         closest_s: f64,
-        /// Signed distance to the surface then, metres, not positive.
+        /// Signed distance to the surface at that time, metres, not positive.
         margin_m: f64,
     },
-    /// It comes nearer but is not entered: `V_r` lies in the safe cone (Eq. 5, 6).
+    /// The obstacle comes nearer, but the path misses the volume: `V_r` lies in the safe cone (Eq. 5, 6).
     Passing {
-        /// When the margin is least, seconds from now.
+        /// Time of the least margin, seconds from now.
         closest_s: f64,
-        /// Signed distance to the surface then, metres, not negative.
+        /// Signed distance to the surface at that time, metres, not negative.
         margin_m: f64,
     },
-    /// It only gets farther away, or stays where it is (`V_r` = 0) outside the volume.
+    /// The distance only grows, or stays (`V_r` = 0) outside the volume.
     Receding {
         /// Signed distance to the surface now, metres, not negative.
         margin_m: f64,
@@ -36,7 +36,7 @@ pub enum Conflict {
 }
 
 impl Conflict {
-    /// Whether something must be done: inside, or on the way in.
+    /// Whether the aircraft must act: inside, or on the way in.
     pub const fn is_threat(&self) -> bool {
         matches!(self, Self::Inside { .. } | Self::Threat { .. })
     }
@@ -52,12 +52,12 @@ impl Conflict {
     }
 }
 
-/// Where the relative path is nearest to a volume.
+/// The point of the relative path nearest to a volume.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeastMargin {
-    /// When, seconds from now, not negative.
+    /// Time, seconds from now, not negative.
     pub time_s: f64,
-    /// Signed distance to the surface then, metres.
+    /// Signed distance to the surface at that time, metres.
     pub margin_m: f64,
 }
 
@@ -116,7 +116,7 @@ fn in_slab(z: f64, v: f64, half_height_m: f64) -> Option<(f64, f64)> {
 
 /// The least signed distance between the surface and the relative path from now on.
 ///
-/// Exact for a sphere. For a cylinder the margin is a convex function of time; it is searched to
+/// Exact for a sphere. For a cylinder the margin is a convex function of time; the search is exact to
 /// a nanosecond or the last bit, whichever is coarser.
 pub fn least_margin(relative: &Relative, volume: &ProtectedVolume) -> LeastMargin {
     let margin_at = |time_s: f64| volume.margin_m(relative.position_after_m(time_s));
@@ -138,8 +138,8 @@ pub fn least_margin(relative: &Relative, volume: &ProtectedVolume) -> LeastMargi
     }
 }
 
-/// When the margin of a cylinder is least: it lies between the times of the horizontal and of the
-/// vertical closest approach, because outside that span both parts grow.
+/// The time of a cylinder's least margin lies between the times of the horizontal and of the vertical
+/// closest approach, because outside that span both parts grow.
 fn cylinder_closest_s(relative: &Relative, margin_at: &impl Fn(f64) -> f64) -> f64 {
     let (r, v) = (relative.position_m(), relative.velocity_mps());
     let later = |closing: f64, squared: f64| {
@@ -180,7 +180,7 @@ fn cylinder_closest_s(relative: &Relative, margin_at: &impl Fn(f64) -> f64) -> f
     f64::midpoint(low, high)
 }
 
-/// What the obstacle means (Eq. 3–6 and Alg. 1, corrected: closing, inside and `V_r` = 0 told apart).
+/// The relation to the obstacle (Eq. 3–6 and Alg. 1, corrected: closing, inside and `V_r` = 0 differ).
 pub fn assess(relative: &Relative, volume: &ProtectedVolume) -> Conflict {
     let now_m = volume.margin_m(relative.position_m());
     if now_m < 0.0 {

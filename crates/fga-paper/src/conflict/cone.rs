@@ -9,7 +9,7 @@ use fga::certificate::Hazard;
 use fga::limit::Limit as _;
 use fga::situation::Ownship;
 
-/// Where the relative velocity stands against a collision cone.
+/// The relation of the relative velocity to a collision cone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cone {
     /// `r_0` < `d_m`: the aircraft is inside the disc or sphere; there is no cone.
@@ -33,13 +33,13 @@ pub enum Cone {
 }
 
 impl Cone {
-    /// Whether the disc or sphere is, or will be, entered.
+    /// Whether the path is, or will be, inside the disc or sphere.
     pub const fn is_threat(&self) -> bool {
         matches!(self, Self::ApexInside | Self::Inside { .. })
     }
 }
 
-/// Eq. 1–6 for an angle already measured.
+/// Eq. 1–6 for a given angle.
 fn decide(distance_m: f64, radius_m: f64, bias_rad: Option<f64>) -> Cone {
     if distance_m < radius_m {
         return Cone::ApexInside;
@@ -184,7 +184,7 @@ mod tests {
     }
 
     proptest! {
-        /// The angle of Eq. 4 and the distance of closest approach (Eq. 3) say the same.
+        /// The angle of Eq. 4 and the distance of closest approach (Eq. 3) agree.
         #[test]
         fn angle_and_distance_agree(
             r in [-300.0..300.0f64, -300.0..300.0, -300.0..300.0],
@@ -198,8 +198,8 @@ mod tests {
             prop_assert_eq!(cone_3d(&relative, radius_m).unwrap().is_threat(), conflict.is_threat());
         }
 
-        /// A sphere that will be entered is entered in every projection: the two plane cones are
-        /// necessary, the cone in space decides.
+        /// A path into a sphere enters it in every projection: the two plane cones are necessary, the cone in
+        /// space decides.
         #[test]
         fn a_threat_in_space_shows_in_both_planes(
             r in [-300.0..300.0f64, -300.0..300.0, -100.0..100.0],

@@ -5,10 +5,10 @@ use fga::Vec3;
 use fga::certificate::Hazard;
 use fga::situation::{Ownship, ProtectedVolume};
 
-/// An obstacle that threatens.
+/// A threatening obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detection {
-    /// Its place in the slice that was searched.
+    /// Its index in the searched slice.
     pub index: usize,
     /// Its geometry seen from the aircraft.
     pub relative: Relative,
@@ -16,7 +16,7 @@ pub struct Detection {
     pub conflict: Conflict,
 }
 
-/// Whether the volume is, or will be, entered: the decision of [`assess`] without its numbers.
+/// Whether the path is, or will be, inside the volume: the decision of [`assess`] without its numbers.
 #[inline]
 pub fn threatens(relative: &Relative, volume: &ProtectedVolume) -> bool {
     match *volume {
@@ -36,7 +36,7 @@ pub fn threatens(relative: &Relative, volume: &ProtectedVolume) -> bool {
 
 /// The obstacles within `radius_m` (R, infinity allowed) that threaten, in their order (Alg. 1).
 ///
-/// An obstacle with a number that is not finite is left out: check [`Hazard::is_valid`] where the
+/// An obstacle with a number that is not finite does not count: check [`Hazard::is_valid`] where
 /// obstacles enter.
 pub fn detect<'a>(
     ownship: &'a Ownship,
@@ -65,8 +65,8 @@ pub fn detect<'a>(
         })
 }
 
-/// Whether the sphere about the volume is near enough, and is or will be entered: false only where
-/// the volume itself cannot threaten. Computed whole, without a branch.
+/// Whether the sphere about the volume is near enough, and the path is or will be inside: false only if
+/// the volume itself cannot threaten. Computes everything without a branch.
 #[expect(
     clippy::needless_bitwise_bool,
     reason = "a branch costs more than the products"
@@ -128,7 +128,7 @@ mod tests {
     }
 
     proptest! {
-        /// The scan reports what looking at each obstacle reports.
+        /// The scan agrees with a check of each obstacle.
         #[test]
         fn the_scan_is_each_decision(
             rows in proptest::collection::vec((-300.0..300.0f64, -300.0..300.0f64, -80.0..80.0f64, -40.0..40.0f64, -40.0..40.0f64, any::<bool>()), 0..30),

@@ -33,7 +33,7 @@ impl Relative {
         })
     }
 
-    /// Of an obstacle, seen from the aircraft (Alg. 1 lines 2, 3).
+    /// From an obstacle and the aircraft (Alg. 1 lines 2, 3).
     ///
     /// `None` where a number is not finite or out of range.
     pub fn of(ownship: &Ownship, obstacle: &Hazard) -> Option<Self> {
@@ -63,7 +63,7 @@ impl Relative {
         self.velocity_mps.length()
     }
 
-    /// Where the centre is `after_s` seconds from now, seen from the aircraft, metres.
+    /// Position of the centre `after_s` seconds from now, relative to the aircraft, metres.
     pub fn position_after_m(&self, after_s: f64) -> Vec3 {
         self.position_m - self.velocity_mps * after_s
     }
@@ -75,7 +75,7 @@ impl Relative {
 
     /// Bias angle `θ_t0` between `V_r` and r, radians in [0, π] (Eq. 1 in space).
     ///
-    /// `None` where one of them is zero.
+    /// `None` if one of them is zero.
     pub fn bias_rad(&self) -> Option<f64> {
         let across = self.position_m.cross(self.velocity_mps).length();
         let along = self.position_m.dot(self.velocity_mps);
@@ -170,7 +170,7 @@ mod tests {
     }
 
     proptest! {
-        /// The least distance over ten thousand times is never below, and close to, the closest approach.
+        /// The least distance over ten thousand times is never below the closest approach, and close to it.
         #[test]
         fn closest_approach_agrees_with_brute_force(r in vector(300.0), v in vector(60.0)) {
             let relative = Relative::new(r, v).unwrap();

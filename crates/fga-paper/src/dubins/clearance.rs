@@ -3,41 +3,41 @@
 use super::DubinsPath;
 use fga::certificate::Hazard;
 
-/// Resolution of the certificate, metres: separations this much above what is asked for may be
-/// called violated, none below it is called clear.
+/// Resolution of the certificate, metres: it may call a separation violated that exceeds the wanted one
+/// by up to this, but never calls a lower one clear.
 const RESOLUTION_M: f64 = 0.01;
 /// Most steps along one path.
 const MAX_STEPS: u32 = 100_000;
 
-/// What flying a path would come to.
+/// The result of flying a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Clearance {
-    /// Every volume is kept at least at the wanted margin all the way.
+    /// The separation from every volume is at least the wanted margin all the way.
     Clear {
         /// A lower bound of the least signed distance to the volumes, metres; infinite without any.
         least_margin_m: f64,
     },
     /// It comes too near.
     Violated {
-        /// When, seconds from the start.
+        /// Time, seconds from the start.
         at_s: f64,
-        /// Signed distance then, metres.
+        /// Signed distance at that time, metres.
         margin_m: f64,
     },
-    /// The path takes too many steps to be certain, or a number is not finite: treat it as violated.
+    /// The path needs too many steps for certainty, or a number is not finite: treat it as violated.
     Undecided,
 }
 
 impl Clearance {
-    /// Whether it is certified to stay clear.
+    /// Whether it is certified clear.
     pub const fn is_clear(&self) -> bool {
         matches!(self, Self::Clear { .. })
     }
 }
 
 impl DubinsPath {
-    /// Flies the path at a constant total airspeed among obstacles on straight courses, whose
-    /// positions are those at its start, and keeps `margin_m` from their volumes.
+    /// Flies the path at a constant total airspeed among obstacles on straight courses, from their
+    /// positions at its start, and keeps `margin_m` from their volumes.
     ///
     /// Conservative advancement: the margin m cannot shrink faster than the closing speed v, so for
     /// (m − wanted)/v seconds nothing can happen. Any answer but [`Clearance::Clear`] may be
@@ -66,7 +66,7 @@ impl DubinsPath {
                     margin_m: now_m,
                 };
             }
-            // Half way to what is asked for: the bound of the step is the other half.
+            // Half way to the wanted margin: the bound of the step is the other half.
             let spare_m = (now_m - margin_m) / 2.0;
             least_m = least_m.min(now_m - spare_m);
             if at_s >= duration_s {

@@ -39,7 +39,7 @@ fn lengths_by_hand() {
     assert_eq!(wide.segments()[0].kind, SegmentKind::Turn(Side::Right));
 }
 
-/// Back to where it is, the other way round: three arcs, 7π/3 ρ.
+/// Back to the same place with the opposite course: three arcs, 7π/3 ρ.
 #[test]
 fn turning_on_the_spot_takes_three_arcs() {
     let path = level(pose(0.0, 0.0, 0.0, 0.0), pose(0.0, 0.0, 0.0, PI), 30.0);
@@ -242,7 +242,7 @@ proptest! {
         }
     }
 
-    /// Stepping finely through a path that is called clear finds nothing nearer than promised.
+    /// Stepping finely through a clear path finds nothing nearer than the wanted margin.
     #[test]
     fn a_clear_path_is_clear(
         (start, end) in poses(),

@@ -23,7 +23,7 @@ pub fn length_2_m(turn_radius_m: f64, radius_m: f64, across_m: f64) -> Option<f6
 /// arc of ρ, a straight tangent, and round the obstacle to abeam, metres (Fig. 9).
 ///
 /// With ρ > `d_m` the last arc has the radius ρ and touches the protected circle abeam.
-/// `None` where the turn would begin too late, or a length is out of range.
+/// `None` if the turn would begin too late, or if a length is out of range.
 pub fn length_3_m(turn_radius_m: f64, radius_m: f64, across_m: f64, along_m: f64) -> Option<f64> {
     if !usable(turn_radius_m, radius_m, across_m) || !along_m.is_finite() || along_m <= 0.0 {
         return None;

@@ -1,11 +1,11 @@
-//! The obstacles of one step as the paper sees them: known exactly, in the air mass.
+//! The obstacles of one step for the paper's rules: known exactly, in the air mass.
 
 use fga::Vec3;
 use fga::avoider::MAX_TRACKED;
 use fga::certificate::Hazard;
 use fga::situation::{Obstacle, ObstacleKind, ProtectedVolume, Situation};
 
-/// The obstacles within the surveillance radius that could be met within the horizon.
+/// The obstacles within the surveillance radius that the aircraft could meet within the horizon.
 #[derive(Debug, Clone)]
 pub(super) struct Around {
     hazards: [Hazard; MAX_TRACKED],
@@ -38,7 +38,7 @@ impl Around {
         self.hazards().iter().zip(self.kinds)
     }
 
-    /// How many obstacles are within the surveillance radius.
+    /// Number of obstacles within the surveillance radius.
     pub(super) const fn seen(&self) -> u32 {
         self.seen
     }
@@ -64,7 +64,7 @@ impl Around {
         }
     }
 
-    /// Keeps an obstacle; once there is no room, in place of the farthest one.
+    /// Keeps an obstacle; without room it replaces the farthest one.
     fn keep(&mut self, obstacle: &Obstacle, situation: &Situation<'_>) {
         let own_m = situation.ownship.position_m;
         let hazard = Hazard::new(0, obstacle, situation.wind_mps, 0.0);

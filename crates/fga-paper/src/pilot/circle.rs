@@ -1,9 +1,9 @@
 //! Round one static obstacle in the plane (Fig. 8, Algorithm 4): the policy `circle` of the simulator
 //! and the command mode `paper` of a link.
 //!
-//! The phases are those of [`Execution`]. Three things are not in the paper. A turn ends when rolling out
-//! now would end on its course, so that the bank's lag is left out of no turn. A turn may end between two
-//! decisions. Round the obstacle the turn is corrected by the aircraft's distance from its circle.
+//! The phases come from [`Execution`]. Three things are not in the paper. A turn ends when a roll-out
+//! that starts now ends on its course, so every turn allows for the bank's lag. A turn may end between two
+//! decisions. Round the obstacle the turn corrects the aircraft's distance from its circle.
 
 use fga::Vec3;
 use fga::angle::{direction, wrap_pi};
@@ -23,10 +23,10 @@ use crate::conflict::{Relative, detect};
 /// Speed over the ground up to which an obstacle counts as static, m/s: no aircraft flies so slowly.
 const STATIC_MPS: f64 = 1.0;
 
-/// How often the way round is widened by the drift in the time that it takes.
+/// Iterations that widen the way round by the drift during its flight.
 const DRIFT_STEPS: u32 = 6;
 
-/// How fast the aircraft comes back to its circle, rad/s: the natural frequency of that motion.
+/// Natural frequency of the motion back to the circle, rad/s.
 const BACK_RADPS: f64 = 0.25;
 
 /// The damping ratio of that motion.
@@ -35,27 +35,27 @@ const DAMPING: f64 = 0.8;
 /// The gentlest turn round the obstacle, as a share of the largest course rate.
 const LEAST_SHARE: f64 = 0.01;
 
-/// A turn that ended between two decisions went past its course by this, rad.
+/// A turn that ended between two decisions overshot its course by this, rad.
 const PAST_RAD: f64 = 1e-6;
 
-/// A way round one obstacle, waited for or flown.
+/// A way round one obstacle, flown or awaited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Round {
     execution: Execution,
-    /// The place of the obstacle when it is abeam, on the ground at `decided_s`, metres. It moves with
-    /// the air, in which the way round is flown.
+    /// Position of the obstacle when it is abeam, on the ground at `decided_s`, metres. It moves with
+    /// the air, because the way round is relative to the air.
     place_m: Vec3,
-    /// When the way was planned, seconds on the situation's clock.
+    /// Time of the plan, seconds on the situation's clock.
     decided_s: f64,
-    /// When the first turn begins, seconds on the situation's clock.
+    /// Start of the first turn, seconds on the situation's clock.
     start_s: f64,
-    /// When the turn of now ends, seconds on the situation's clock.
+    /// End of the present turn, seconds on the situation's clock.
     ends_s: f64,
     threat: Threat,
 }
 
 impl Round {
-    /// Moves on to the phase of now. The first turn is decided in the period in which it begins.
+    /// Advances to the present phase. The period in which the first turn begins decides it.
     fn advance(&mut self, situation: &Situation<'_>, flyer: &Flyer, period_s: f64) {
         let (own, time_s) = (&situation.ownship, situation.time_s);
         let plan = *self.execution.plan();
@@ -69,16 +69,16 @@ impl Round {
             };
             course_rad = plan.initial_course_rad + side * deviation_rad;
         }
-        // The range says nothing that the time does not: the plan is of this moment while it waits.
+        // The range adds nothing to the time: a waiting plan is renewed at each moment.
         let trigger_s = plan.critical_s + time_s + period_s - self.start_s;
         self.execution.step(trigger_s, f64::INFINITY, course_rad);
     }
 
-    /// From the aircraft to the centre of the circle that is flown round the obstacle, level, metres.
+    /// From the aircraft to the centre of the circle round the obstacle, level, metres.
     fn centre_offset_m(&self, situation: &Situation<'_>) -> Vec3 {
         let plan = self.execution.plan();
         let drifted_m = situation.wind_mps * (situation.time_s - self.decided_s);
-        // Where the turn radius is larger than the protected one, the circle touches from outside: the
+        // If the turn radius exceeds the protected one, the circle touches from outside: the
         // centres of both turns and the obstacle lie on one line.
         let past_m = plan.round.around.radius_m - plan.radius_m;
         let to_obstacle_rad = plan.initial_course_rad
@@ -88,7 +88,7 @@ impl Round {
     }
 
     /// Share of the largest course rate that brings the aircraft onto its circle and keeps it there;
-    /// `rate_radps` is that of the circle.
+    /// `rate_radps` is the circle's rate.
     fn share_round(&self, situation: &Situation<'_>, rate_radps: f64, full_radps: f64) -> f64 {
         let offset_m = self.centre_offset_m(situation);
         let distance_m = offset_m.length().max(1.0);
@@ -101,7 +101,7 @@ impl Round {
         ((rate_radps + tighter_radps) / full_radps).limited(LEAST_SHARE, 1.0)
     }
 
-    /// What is left to fly. `excess` is how much faster than planned the vehicle may turn.
+    /// The rest of the way. The vehicle may turn faster than planned by the factor `excess`.
     fn maneuver(&mut self, situation: &Situation<'_>, flyer: &Flyer, excess: f64) -> Maneuver {
         let (own, plan) = (&situation.ownship, *self.execution.plan());
         let phase = self.execution.phase();
@@ -193,7 +193,7 @@ impl PaperPilot {
         let mut decision = self.decision(command, reason);
         let record = &mut decision.record;
         let elapsed_s = time_s - round.decided_s;
-        // Once it would have been entered, it is history.
+        // After the predicted entry the threat is history.
         let threat = Some(round.threat).filter(|threat| threat.entry_s >= elapsed_s);
         record.threat = threat.map(|threat| Threat {
             entry_s: threat.entry_s - elapsed_s,
@@ -214,7 +214,7 @@ impl PaperPilot {
     /// The way round the static obstacle whose first turn is due first.
     fn nearest(&self, situation: &Situation<'_>) -> Option<Round> {
         let own = &situation.ownship;
-        // The arcs follow their commands late by the bank's lag.
+        // The arcs follow their commands with the bank's lag.
         let late_s = self.vehicle.response.bank_time_constant_s;
         let hazards = self.around.hazards();
         detect(own, hazards, f64::INFINITY)
@@ -236,9 +236,9 @@ impl PaperPilot {
             .min_by(|a, b| a.start_s.total_cmp(&b.start_s))
     }
 
-    /// The way round an obstacle that stands on the ground, planned in the air mass, where it moves
-    /// against the wind: round the place at which it is when it is abeam, so far that it stays clear
-    /// of where it drifts from the first turn to the last. Returns that place and the way.
+    /// The way round an obstacle at rest on the ground, planned in the air mass, where the obstacle moves
+    /// against the wind: round its position when it is abeam, wide enough for its drift from the first turn
+    /// to the last. Returns that position and the way.
     fn way_round(
         &self,
         own: &Ownship,
@@ -252,7 +252,7 @@ impl PaperPilot {
         let place_m = own.position_m + abeam_m;
         let least_m = level_radius_m(&obstacle.volume, abeam_m.z)? + self.settings.margin_m;
         let mut plan = Plan::of(own, place_m, least_m, bank_rad)?;
-        // A wider way takes longer, in which the obstacle drifts farther.
+        // A wider way takes longer, and the obstacle drifts farther.
         for _ in 0..DRIFT_STEPS {
             let half_s = 0.5 * plan.round.length_m() / own.airspeed_mps;
             let kept_m = least_m + drift_mps.length() * half_s;

@@ -1,9 +1,9 @@
 //! Algorithms 1–3, corrected and as printed.
 //!
-//! What the paper leaves open is settled here: the start is counted from the first sight of a
-//! threat; while avoiding, a direction that no longer clears the obstacles is replaced; an obstacle
-//! has passed once it no longer closes; the points that Algorithm 3 may return to are points of the
-//! legs ahead, two turn radii apart, and the waypoints.
+//! The paper leaves some points open; here the start counts from the first sight of a threat; while
+//! avoiding, a new choice replaces a direction that no longer clears the obstacles; an obstacle has
+//! passed once it no longer closes; Algorithm 3 may return to points of the legs ahead, two turn radii
+//! apart, and to the waypoints.
 
 use fga::Vec3;
 use fga::angle::direction;
@@ -23,7 +23,7 @@ use crate::printed;
 use crate::timing::{Geometry, Times};
 use crate::waypoint::{Reach, next_waypoint};
 
-/// Most points that Algorithm 3 looks at.
+/// Most points for Algorithm 3.
 const MAX_POINTS: usize = 24;
 
 /// How far from a point's altitude a path back may end, metres.
@@ -111,7 +111,7 @@ impl PaperPilot {
         )
     }
 
-    /// When an obstacle's manoeuvre begins, seconds from now (Eq. 18–21, §3.3).
+    /// Start of an obstacle's manoeuvre, seconds from now (Eq. 18–21, §3.3).
     fn start_of(
         &self,
         relative: &Relative,
@@ -222,7 +222,7 @@ impl PaperPilot {
         self.report(&plan, time_s, reason)
     }
 
-    /// Holds the direction until the obstacles have passed; chooses again where it no longer clears.
+    /// Holds the direction until the obstacles have passed; chooses again if it no longer clears them.
     fn hold_direction(
         &mut self,
         situation: &Situation<'_>,
@@ -318,7 +318,7 @@ impl PaperPilot {
         })
     }
 
-    /// Flies a way back to its end, then goes on with `detect`.
+    /// Flies a way back to its end, then continues with `detect`.
     fn fly_back(
         &mut self,
         situation: &Situation<'_>,
@@ -349,7 +349,7 @@ impl PaperPilot {
     }
 }
 
-/// A Dubins path as a manoeuvre of an aircraft that flies `course_rad` now.
+/// A Dubins path as a manoeuvre of an aircraft on `course_rad`.
 fn along(path: &DubinsPath, course_rad: f64, airspeed_mps: f64, least_radius_m: f64) -> Maneuver {
     let climb_rad = path.climb_rad();
     let level_mps = airspeed_mps * libm::cos(climb_rad);

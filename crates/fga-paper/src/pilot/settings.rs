@@ -1,11 +1,11 @@
-//! How the paper's pilot is set up.
+//! Settings of the paper's pilot.
 
 use fga::avoider::{SettingsError, Start};
 
-/// Which rule of the paper decides.
+/// The rule of the paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
-    /// Algorithms 1–3 with the errata applied; there is no free start, which counts as `t_0`.
+    /// Algorithms 1–3 with the errata applied; a free start counts as `t_0`.
     Corrected(Start),
     /// Algorithms 1–3 as printed, for the errata page.
     AsPrinted,
@@ -39,18 +39,18 @@ impl Default for GridSteps {
 pub struct PaperSettings {
     /// The rule.
     pub rule: Rule,
-    /// Time from one step to the next, seconds; maneuvers begin at steps.
+    /// Time from one step to the next, seconds; manoeuvres begin at steps.
     pub decision_period_s: f64,
     /// Surveillance radius R, metres: obstacles farther away are not considered; infinity allowed.
     pub surveillance_radius_m: f64,
     /// How far ahead the mission's corners are seen and obstacles are kept, seconds.
     pub horizon_s: f64,
-    /// Kept beyond the protected volume, metres.
+    /// Distance kept beyond the protected volume, metres.
     pub margin_m: f64,
-    /// How many standard deviations of an obstacle's uncertainty the way back keeps clear of.
+    /// Standard deviations of an obstacle's uncertainty that the way back keeps clear of.
     pub confidence_sigmas: f64,
-    /// How much faster than planned the vehicle may turn, as a factor, 1 where its turn rate is known. A turn
-    /// that must be tight is planned slow; the circle round an obstacle would then be too tight.
+    /// Factor by which the vehicle may turn faster than planned, 1 for a known turn rate. A plan uses a slightly low
+    /// turn rate, which would make the circle round an obstacle too tight.
     pub turn_rate_excess: f64,
     /// Cost of a change of course `η_ψ`, per radian (Table 4).
     pub heading_cost: f64,

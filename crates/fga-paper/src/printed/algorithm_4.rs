@@ -10,7 +10,7 @@ pub fn critical_along_m(turn_radius_m: f64, radius_m: f64, distance_m: f64, bias
     )
 }
 
-/// Line 19: `t_c` = `d_c` / V, the time to fly `d_c` and not the time until it is reached.
+/// Line 19: `t_c` = `d_c` / V, the time to fly `d_c` and not the time until the aircraft reaches it.
 pub fn critical_timer_s(critical_along_m: f64, airspeed_mps: f64) -> f64 {
     critical_along_m / airspeed_mps
 }

@@ -23,7 +23,7 @@ pub struct LiteralGrid {
 }
 
 impl Default for LiteralGrid {
-    /// As many directions as the corrected grid has.
+    /// As many directions as in the corrected grid.
     fn default() -> Self {
         Self {
             heading_range_rad: 135.0_f64.to_radians(),
@@ -51,7 +51,7 @@ pub struct LiteralEntry {
     pub marked: bool,
 }
 
-/// Line 18: |`V_ut` × r| / |r|. It is a speed, not a distance, and leaves out the obstacle's motion.
+/// Line 18: |`V_ut` × r| / |r|. It is a speed, not a distance, and ignores the obstacle's motion.
 pub fn separation(velocity_mps: Vec3, offset_m: Vec3) -> f64 {
     velocity_mps.cross(offset_m).length() / offset_m.length()
 }
@@ -90,8 +90,8 @@ impl LiteralGrid {
     }
 }
 
-/// The marked direction of least cost (§3.5 (1) to (3)); without a marked one, that of least cost
-/// (line 23). `None` for an empty grid.
+/// The marked direction of least cost (§3.5 (1) to (3)); without a marked one, the direction of least
+/// cost (line 23). `None` for an empty grid.
 pub fn select(grid: &LiteralGrid, ownship: &Ownship, obstacles: &[Hazard]) -> Option<LiteralEntry> {
     grid.table(ownship, obstacles).reduce(|best, entry| {
         let better = match (entry.marked, best.marked) {

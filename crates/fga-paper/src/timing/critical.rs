@@ -26,7 +26,7 @@ pub fn avoidance_time_s(geometry: &Geometry, turn_radius_m: f64) -> Option<f64> 
     time_s.is_finite().then_some(time_s)
 }
 
-/// Least distance from which a head-on static obstacle is still avoided, metres:
+/// Least distance from which a turn still avoids a head-on static obstacle, metres:
 /// `r_L` = √((ρ + `d_m`)² − ρ²) (Eq. 22).
 ///
 /// `None` unless both are positive.
@@ -185,7 +185,7 @@ mod tests {
     }
 
     proptest! {
-        /// The turn begun at `t_L` touches the volume; one begun a little later enters it.
+        /// A turn at `t_L` touches the volume; a slightly later one enters it.
         #[test]
         fn a_turn_at_the_last_feasible_time_touches(
             radius in 10.0..200.0f64, share in 0.0..0.99f64, turn_radius in 10.0..200.0f64, speed in 5.0..60.0f64,

@@ -1,9 +1,9 @@
-//! The three lengths that the times are made from.
+//! The three lengths behind the times.
 
 use crate::conflict::Relative;
 use fga::situation::ProtectedVolume;
 
-/// An encounter as Fig. 4 draws it: how far ahead, how far aside, how large, how fast.
+/// An encounter as in Fig. 4: distance ahead, miss distance, size, speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geometry {
     /// `r_0` cos `θ_t0`, metres: distance along `V_r` to the closest point; positive when closing.
@@ -28,15 +28,15 @@ impl Geometry {
         })
     }
 
-    /// In the plane of r and `V_r`, as the paper counts in 3D: exact for a turn in that plane.
+    /// In the plane of r and `V_r`, as in the paper's 3D formulas: exact for a turn in that plane.
     ///
     /// `None` for `V_r` = 0 or a radius that is not positive.
     pub fn spatial(relative: &Relative, radius_m: f64) -> Option<Self> {
         Self::new(relative, radius_m)
     }
 
-    /// Seen from above: exact for a level turn past an upright cylinder, conservative for a sphere
-    /// (it is taken for the cylinder about it).
+    /// From above: exact for a level turn past an upright cylinder, conservative for a sphere
+    /// (the cylinder about it counts).
     ///
     /// `None` for no horizontal relative motion or a radius that is not positive.
     pub fn horizontal(relative: &Relative, radius_m: f64) -> Option<Self> {

@@ -5,12 +5,12 @@ use fga::Vec3;
 use fga::certificate::Hazard;
 use fga::situation::{Ownship, ProtectedVolume};
 
-/// How many volumes lie on the aircraft's straight path (§3.4.4).
+/// The number of volumes on the aircraft's straight path (§3.4.4).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathOverlap {
     /// None: there is nothing to avoid.
     None,
-    /// Case 2: only the one at this index; the others can be ignored.
+    /// Case 2: only the one at this index; the others do not matter.
     One(usize),
     /// Case 1: this many, at least two.
     Several(usize),
@@ -33,13 +33,13 @@ pub fn path_overlap(ownship: &Ownship, obstacles: &[Hazard]) -> PathOverlap {
 }
 
 /// Replaces obstacles whose volumes leave a gap of at most `gap_m` between them, and which move
-/// together, by one that holds them both (Fig. 10(b): a single obstacle with a larger `d_e`), until
-/// no such pair is left. Returns how many remain, at the front of the slice, in the order of their
-/// first members; what lies behind them is of no meaning.
+/// together, by one that contains both (Fig. 10(b): a single obstacle with a larger `d_e`), until
+/// no such pair is left. Returns the number of the remaining ones, at the front of the slice, in the order
+/// of their first members; the rest of the slice has no meaning.
 ///
 /// Two spheres become the smallest sphere about both; otherwise the result is an upright cylinder.
-/// The merged obstacle keeps the lower identifier and the faster growth. Velocities may differ by `same_velocity_mps`; the mean is kept. Obstacles that are
-/// not valid are left as they are.
+/// The merged obstacle keeps the lower identifier and the faster growth. Velocities may differ by
+/// `same_velocity_mps`; it keeps their mean. Invalid obstacles stay as they are.
 pub fn merge_overlapping(obstacles: &mut [Hazard], gap_m: f64, same_velocity_mps: f64) -> usize {
     let mut len = obstacles.len();
     loop {
@@ -76,8 +76,8 @@ fn mergeable(
     None
 }
 
-/// Gap between two volumes, metres; negative where they overlap. For two spheres and for two
-/// cylinders exact; a sphere beside a cylinder counts as the cylinder about it.
+/// Gap between two volumes, metres; negative if they overlap. Exact for two spheres and for two
+/// cylinders; a sphere beside a cylinder counts as the cylinder about it.
 fn gap_between_m(one: &Hazard, other: &Hazard) -> f64 {
     let offset = other.position_m - one.position_m;
     let radii = one.volume.radius_m() + other.volume.radius_m();

@@ -30,7 +30,7 @@ impl ThreatLevel {
     }
 }
 
-/// `t_a` = `C_s` `t_c`: when a policy with safety score `C_s` begins, seconds from now (§3.3).
+/// `t_a` = `C_s` `t_c`: the start of a policy with safety score `C_s`, seconds from now (§3.3).
 ///
 /// 0 (passengers) begins at once, 1 (a natural barrier) at the critical time; a critical time that
 /// has passed means at once. `None` for a score outside [0, 1] or a time that is not finite.
@@ -39,8 +39,8 @@ pub fn scored_start_s(safety_score: f64, critical_s: f64) -> Option<f64> {
     usable.then(|| safety_score * critical_s.max(0.0))
 }
 
-/// The overall critical time of many threats: the least of theirs (Eq. 57; with `t_k` of each
-/// Eq. 58). Times that are not a number are left out; `None` without any.
+/// The overall critical time of many threats: their least one (Eq. 57; with the `t_k`,
+/// Eq. 58). Times that are not a number do not count; `None` without any.
 pub fn earliest_critical_s(critical_s: impl IntoIterator<Item = f64>) -> Option<f64> {
     critical_s
         .into_iter()
@@ -62,8 +62,8 @@ pub fn order_by_urgency(threats: &mut [Urgency]) {
     threats.sort_unstable_by(|a, b| a.critical_s.total_cmp(&b.critical_s).then(a.id.cmp(&b.id)));
 }
 
-/// The first threats of an ordered queue that must be dealt with in one manoeuvre, because each
-/// becomes critical within `maneuver_s` of the one before it; the others are avoided later, in
+/// The first threats of an ordered queue that one manoeuvre must deal with, because each
+/// becomes critical within `maneuver_s` of the previous one; later manoeuvres avoid the others, in
 /// sequence (§6).
 pub fn simultaneous(ordered: &[Urgency], maneuver_s: f64) -> &[Urgency] {
     let later = ordered

@@ -50,8 +50,8 @@ fn eq_38_bounds_the_obstacle() {
     assert!(!speed_feasible_2d(15.0, [row]) && speed_feasible_2d(18.1, [row]));
 }
 
-/// Eq. 44 holds once a threat is there. An obstacle that crosses 100 m ahead at 60 m/s and is gone
-/// hits nobody who stands: every course of a slow aircraft is clear, yet Eq. 44 asks for more than
+/// Eq. 44 holds only with a threat. An obstacle that crosses 100 m ahead at 60 m/s and is gone
+/// hits no standing aircraft: every course of a slow aircraft is clear, yet Eq. 44 asks for more than
 /// 50 m/s.
 #[test]
 fn eq_44_asks_for_speed_where_nothing_threatens() {

@@ -60,7 +60,7 @@ fn what_flies_away_is_no_threat() {
 }
 
 /// Eq. 1 gives a signed angle, Table 1 its absolute value. With the sign, everything on one side
-/// counts as dangerous: an obstacle 100 m to the right of the course as well.
+/// counts as dangerous, even an obstacle 100 m to the right of the course.
 #[test]
 fn the_bias_angle_counts_without_its_sign() {
     let aside = ball(200.0, 100.0, Vec3::ZERO);

@@ -1,6 +1,6 @@
 //! Each slip of the paper as a concrete case: the printed formula gives a wrong answer, the
-//! corrected one the right answer. The right answer comes from somewhere else than either: by
-//! hand, or by flying the case in fine steps. `docs/errata.md` lists them all.
+//! corrected one the right answer. The right answer comes from neither formula: it is worked out by
+//! hand, or flown in fine steps. `docs/errata.md` lists them all.
 
 mod algorithm_4;
 mod bounds;

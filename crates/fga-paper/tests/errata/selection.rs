@@ -41,8 +41,8 @@ fn the_grid_reaches_both_sides() {
     );
 }
 
-/// Line 18 gives a speed: at 15 m/s at most 15, so nothing ever reaches 30, and the choice falls to
-/// the corner of the grid, whatever is there.
+/// Line 18 gives a speed: at 15 m/s at most 15, so nothing ever reaches 30, and the choice is always the
+/// corner of the grid.
 #[test]
 fn a_separation_is_a_distance() {
     let own = ownship();
@@ -59,7 +59,7 @@ fn a_separation_is_a_distance() {
     assert!((entry.margin_m - 1970.0).abs() < 1e-9);
 }
 
-/// An intruder from the right that will be met, although the line to it is far off the course.
+/// An intruder from the right on a collision course, although the line to it is far off the course.
 #[test]
 fn a_separation_counts_the_motion_of_the_obstacle() {
     let own = ownship();
@@ -109,7 +109,7 @@ fn deviations_cost_without_their_sign() {
 }
 
 /// Head-on at 60 m, ρ = d = 30 m: Alg. 2 takes the first grid course beyond 30°. Flown at once it
-/// would be clear; with the turn that it takes it is not. The manoeuvre that counts the turn (α =
+/// would be clear; with its real turn it is not. The manoeuvre that counts the turn (α =
 /// 60°) is clear from 52 m on.
 #[test]
 fn a_turn_takes_its_time() {

@@ -11,8 +11,8 @@ use proptest::prelude::*;
 
 use crate::flight::{Flies as _, Flight, PERIOD_S, planar, sphere};
 
-/// In the air mass a building moves against the wind: above 0.1 m/s of wind it was taken for a mover,
-/// and never avoided.
+/// In the air mass a building moves against the wind: above 0.1 m/s of wind an earlier version took it for a
+/// mover and never avoided it.
 #[test]
 fn a_building_is_avoided_in_wind_from_any_side() {
     for speed_mps in [0.0, 0.2, 1.0, 3.0] {
@@ -35,7 +35,7 @@ fn a_building_is_avoided_in_wind_from_any_side() {
     }
 }
 
-/// The bank follows with a lag, and the vehicle turns up to 7 % faster than planned: what a link flies.
+/// The bank follows with a lag, and the vehicle turns up to 7 % faster than planned, as on a link.
 #[test]
 fn a_disc_is_flown_round_with_lag_and_a_turn_rate_that_is_not_known() {
     use State::{Avoiding, Cruise, Recovering, Threatened};

@@ -1,4 +1,4 @@
-//! The paper's pilot from outside: its symmetries, what it does with unusable numbers, its circle.
+//! The paper's pilot from outside: its symmetries, its reaction to unusable numbers, its circle.
 
 mod circle;
 #[path = "../../../fga/tests/avoider/flight.rs"]

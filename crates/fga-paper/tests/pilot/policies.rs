@@ -1,4 +1,4 @@
-//! The paper's policies, to be flown.
+//! The paper's policies for the tests.
 
 use fga::avoider::Start;
 use fga::vehicle::Vehicle;
@@ -17,7 +17,7 @@ pub(crate) const POLICIES: [Policy; 4] = [
     Rule::Circle,
 ];
 
-/// Those whose decision is the same from wherever the situation is looked at.
+/// Those whose decision does not depend on the frame.
 pub(crate) const SYMMETRIC: [Policy; 4] = POLICIES;
 
 impl Flies for Policy {
