@@ -2,14 +2,14 @@
 //! `cargo run --release -p fga-link --example encounters -- target/release/fga 500 2000 0 24
 //! tcp:127.0.0.1:5760 tcp:127.0.0.1:5762`.
 //!
-//! Arguments: the program; least and largest distance at which an intruder is first shown, metres; the first seed and how many;
-//! the vehicle's link for the ground station and the one for the program; then, where wanted, the
-//! configuration of the program and a folder for its logs. The vehicle stands on its runway and
-//! knows no mission; it takes off, flies north, and meets one encounter after the other on that
-//! leg. The intruders are reported by `ADSB_VEHICLE` twice a second on the ground station's link;
-//! the vehicle passes them on to the program's, as long as its own `ADSB_TYPE` is 0. All is judged
-//! by the vehicle's telemetry on the ground station's link. Real time: the vehicle runs at speed 1;
-//! several vehicles side by side are several runs of this program.
+//! Arguments: the program; least and largest distance of an intruder at first sight, metres; the first seed and the number of seeds;
+//! the vehicle's link for the ground station and the one for the program; then, optionally, the
+//! configuration of the program and a folder for its logs. The vehicle stands on its runway without a
+//! mission; it takes off, flies north, and meets one encounter after the other on that
+//! leg. `ADSB_VEHICLE` reports the intruders twice a second on the ground station's link;
+//! the vehicle passes them on to the program's link as long as its `ADSB_TYPE` is 0. The vehicle's
+//! telemetry on the ground station's link is the judge. Real time: the vehicle runs at speed 1;
+//! several vehicles side by side need several runs of this program.
 
 #[path = "../tests/common/ground.rs"]
 mod ground;
@@ -35,18 +35,18 @@ const PROTECTED_M: f64 = 60.0;
 /// Back on the leg: this close and this well aligned.
 const BACK_M: f64 = 20.0;
 const BACK_RAD: f64 = 0.087_3;
-/// An encounter is watched for so long after the last intruder has passed, seconds …
+/// The example watches an encounter for this long after the last intruder has passed, seconds …
 const AFTER_S: f64 = 45.0;
-/// … or until the mission flies again, but no longer than this.
+/// … or until the mission continues, but at most this long.
 const LONGEST_AFTER_S: f64 = 240.0;
-/// The aircraft is steady on its leg for so long before the next one, seconds.
+/// The aircraft is steady on its leg for this long before the next one, seconds.
 const STEADY_S: f64 = 15.0;
-/// A waypoint stands on the leg every so often; the leg is as long as the aircraft can fly.
+/// Distance between waypoints on the leg; the leg is as long as the aircraft can fly.
 const WAYPOINT_M: f64 = 5_000.0;
 const WAYPOINTS: u16 = 40;
 
-/// How an ArduPlane of the model `plane` turned, and what no decision can gain: for the oracle, which
-/// is asked about encounters that were lost.
+/// The turns of an ArduPlane of the model `plane`, and the delays that no decision avoids: for the oracle,
+/// which judges lost encounters.
 const BANK_RAD: f64 = core::f64::consts::FRAC_PI_4;
 const TURN_RATE_FACTOR: f64 = 0.69;
 const BANK_TIME_CONSTANT_S: f64 = 0.4;
@@ -78,7 +78,7 @@ const KINDS: [Kind; 5] = [
     Kind::Two,
 ];
 
-/// An intruder: where it flies, and what has been seen of it.
+/// An intruder: its path, and what the example has seen of it.
 struct Intruder {
     path: Played,
     shown_m: f64,
@@ -289,7 +289,7 @@ impl Bench {
         }
     }
 
-    /// What the oracle is asked for the largest margin that is possible from here on.
+    /// The oracle's largest margin from here on.
     fn scene(&self) -> (OracleStart, OracleVehicle, Vec<OracleObstacle>) {
         let own = self.ground.velocity_mps;
         let airspeed_mps = own.x.hypot(own.y);

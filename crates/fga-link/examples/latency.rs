@@ -2,9 +2,9 @@
 //! `cargo run --release -p fga-link --example latency -- target/release/fga 300`.
 //!
 //! The ArduPlane-like emulator flies north in real time and sends its attitude at 50 Hz over UDP on
-//! loopback, among 200 aircraft that are each reported twice a second on the same link. A target
-//! carries the boot time of the attitude that it answers, so that each answer is matched with its
-//! question. The share of a core is what the kernel counts for the program. Arguments: the program,
+//! loopback, among 200 aircraft, each reported twice a second on the same link. A target
+//! carries the boot time of the attitude that it answers, which matches each answer with its
+//! question. The share of a core is the kernel's count for the program. Arguments: the program,
 //! seconds to measure, number of aircraft.
 #![allow(
     clippy::cast_possible_truncation,
@@ -49,7 +49,7 @@ struct Aircraft {
 impl Aircraft {
     fn new(random: &mut Random, icao: u32) -> Self {
         let track = random.uniform(0.0, core::f64::consts::TAU);
-        // Half of them at the aircraft's height, the others above, as traffic is.
+        // Half of them at the aircraft's height, the others above, as in real traffic.
         let above_m = if icao.is_multiple_of(2) {
             0.0
         } else {
@@ -79,7 +79,7 @@ impl Aircraft {
             }
         }
         if left {
-            // Even stays even: the height tells which half it is of.
+            // Even numbers stay even: the number gives the half.
             self.icao = *new_icao + self.icao % 2;
             *new_icao += 2;
         }
@@ -130,7 +130,7 @@ fn listen(mut reader: Reader) -> Receiver<(Instant, Frame)> {
     frames
 }
 
-/// The vehicle, the traffic and what was measured.
+/// The vehicle, the traffic and the measurements.
 struct Bench {
     emulator: Emulator,
     traffic: Vec<Aircraft>,
@@ -139,7 +139,7 @@ struct Bench {
     frames: Receiver<(Instant, Frame)>,
     sequence: u8,
     step: usize,
-    /// When each attitude was sent, by its boot time, and whether it was answered.
+    /// Send time of each attitude, by its boot time, and whether it was answered.
     asked: HashMap<u32, (Instant, bool)>,
     first_us: Vec<f64>,
     again_us: Vec<f64>,

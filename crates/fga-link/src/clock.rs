@@ -1,30 +1,30 @@
-//! When was it measured? The vehicle's time since boot on this computer's clock.
+//! The vehicle's time since boot on this computer's clock: when was a message measured?
 //!
-//! Each message arrives later than it was measured, by a delay that varies. The least of
-//! "arrival − boot time" is the offset of the clocks plus the shortest delay; it is tracked with a
-//! slow leak, so that clocks that drift apart are followed. A boot time that falls back far and
-//! stays there is a restart; one that falls back a little is a message out of order. A vehicle whose
-//! clock stood still for a moment is late from then on, always by the same: after a while that is
-//! taken for what it is. A link that is late is so by more and less.
+//! Each message arrives later than its measurement, by a delay that varies. The least of
+//! "arrival − boot time" is the offset of the clocks plus the shortest delay. The estimate of that least
+//! value leaks slowly, so that it follows drifting clocks. A boot time that falls back far and stays there
+//! is a restart; one that falls back a little is a message out of order. A vehicle whose clock stood still
+//! for a moment is late by a constant from then on; after a while the estimate takes that as a step. A late
+//! link is late by varying amounts.
 
 /// How fast the offset may grow: 200 parts per million of drift.
 const LEAK: f64 = 2e-4;
 /// A boot time this far behind the newest is no reordering, seconds.
 const RESTART_GAP_S: f64 = 3.0;
-/// Late by more than this all the time is a step of the clocks, seconds …
+/// A constant lateness beyond this is a step of the clocks, seconds …
 const STEP_S: f64 = 0.5;
-/// … where it varies by less than this, seconds …
+/// … if it varies by less than this, seconds …
 const STEADY_S: f64 = 0.4;
-/// … for so long, seconds.
+/// … for this long, seconds.
 const STEP_SEEN_S: f64 = 5.0;
-/// A newest boot time beyond the vehicle's clock by this was told before the clock was set back, seconds.
+/// A newest boot time ahead of the vehicle's clock by this comes from before the clock was set back, seconds.
 const SET_BACK_S: f64 = 0.05;
-/// This many in a row are believed.
+/// This many in a row count.
 const RESTART_COUNT: u8 = 3;
-/// Boot times run over after 2³² milliseconds.
+/// Boot times overflow after 2³² milliseconds.
 const WRAP_S: f64 = 4_294_967.296;
 
-/// What a boot time says.
+/// The meaning of a boot time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stamp {
     /// Measured at this time of the local clock, seconds; newer than any before.
@@ -32,7 +32,7 @@ pub enum Stamp {
         /// Seconds, local clock.
         measured_s: f64,
     },
-    /// A message that was overtaken by a newer one, or a copy; not to be used.
+    /// An overtaken message, or a copy; do not use it.
     Old,
     /// The vehicle restarted.
     Restarted {
@@ -51,7 +51,7 @@ pub struct BootClock {
     late: Option<Late>,
 }
 
-/// Messages that are late without exception: since when, and by how much, least and most, seconds.
+/// Messages that are all late: start, least and largest lateness, seconds.
 #[expect(clippy::struct_field_names, reason = "the unit is part of each name")]
 #[derive(Debug, Clone, Copy)]
 struct Late {
@@ -69,7 +69,7 @@ impl BootClock {
                 measured_s: self.begin(boot_s, now_s),
             };
         };
-        // Unwrap, so that the count goes on after 49.7 days.
+        // Unwrap, so that the count continues after 49.7 days.
         boot_s += ((newest_s - boot_s) / WRAP_S).round() * WRAP_S;
         if boot_s < newest_s - RESTART_GAP_S {
             self.suspects += 1;
@@ -94,10 +94,9 @@ impl BootClock {
     }
 
     /// Takes a round trip: the vehicle's clock read `boot_s` at some moment between `sent_s` and `now_s`.
-    ///
-    /// Nothing that bears a boot time was measured earlier than the trip allows, however late the
-    /// messages are: a clock that stood still or was set back is seen at once, and a link that is late
-    /// is not taken for one.
+    /// No message with a boot time was measured earlier than the trip allows, however late the
+    /// messages are: this shows at once that a clock stood still or was set back, and does not mistake a late
+    /// link for that.
     pub fn round_trip(&mut self, sent_s: f64, boot_s: f64, now_s: f64) {
         let Some(newest_s) = self.newest_boot_s else {
             return;
@@ -166,7 +165,7 @@ mod tests {
             assert!(!(100..=148).contains(&n) || age_s > 1.5);
         }
         assert!(age_s < 0.01, "{age_s}");
-        // A link whose delay wanders is late all the same.
+        // A link with a wandering delay stays late.
         let mut clock = BootClock::default();
         for n in 0_u32..300 {
             let delay_s = if n < 50 {
@@ -197,7 +196,7 @@ mod tests {
         assert!((measured(clock.stamp(5300, 100.42)) - 100.32).abs() < 1e-3);
     }
 
-    /// A step is seen by the first round trip; a late link is seen through by none.
+    /// The first round trip shows a step; no round trip can remove the lateness of a link.
     #[test]
     fn a_round_trip_tells_a_step_from_a_late_link() {
         let mut clock = BootClock::default();

@@ -1,14 +1,14 @@
-//! The banks that were commanded lately, and the bank that they lead to.
+//! The recent bank commands, and the bank that they lead to.
 //!
-//! Between the moment at which an attitude was measured and the moment at which the next command
-//! takes effect lie some tenths of a second, in which the aircraft rolls to what was commanded
-//! before: not to the last command alone, which has hardly arrived.
+//! Between the measurement of an attitude and the moment at which the next command
+//! takes effect lie some tenths of a second. Meanwhile the aircraft rolls to earlier commands, not only to
+//! the last one, which has hardly arrived.
 
 use alloc::collections::VecDeque;
 
 use fga::vehicle::Response;
 
-/// Commands older than this have done their work, seconds.
+/// Older commands have no more effect, seconds.
 const MEMORY_S: f64 = 12.0;
 /// Most commands that are remembered.
 const MOST: usize = 1024;
@@ -26,19 +26,19 @@ impl Commanded {
         self.0.push_back((at_s, bank_rad));
     }
 
-    /// Forgets all: somebody else flies.
+    /// Forgets everything: somebody else flies.
     pub fn clear(&mut self) {
         self.0.clear();
     }
 
-    /// The command that was the last at a time, radians.
+    /// The last command before a time, radians.
     pub fn at(&self, at_s: f64) -> Option<f64> {
         let rows = self.0.iter().rev();
         rows.skip_while(|row| row.0 > at_s).map(|row| row.1).next()
     }
 
     /// The bank at `at_s` of an aircraft that had `bank_rad` at `measured_s`: each command takes
-    /// effect after the dead time and is followed with the lag; radians and seconds.
+    /// effect after the dead time and acts with the lag; radians and seconds.
     pub fn bank_at(&self, bank_rad: f64, measured_s: f64, at_s: f64, response: &Response) -> f64 {
         let lag_s = response.bank_time_constant_s;
         let dead_s = response.dead_time_s;

@@ -1,4 +1,4 @@
-//! Commands that are acknowledged: sent again until an answer comes, given up after a while.
+//! Acknowledged commands: repeated until an answer comes, given up after a while.
 
 use mavlink::dialects::ardupilotmega::{
     COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavFrame, MavMessage, MavResult,
@@ -10,7 +10,7 @@ use crate::outgoing::{AUTOPILOT, Outbox};
 
 /// Time to wait for an answer, seconds.
 const ANSWER_S: f64 = 0.4;
-/// Times that a command is sent.
+/// Most transmissions of a command.
 const MOST_ATTEMPTS: u8 = 6;
 /// Commands that wait; ArduPlane answers one of a kind at a time.
 const MOST_WAITING: usize = 32;
@@ -18,13 +18,13 @@ const MOST_WAITING: usize = 32;
 /// A command and its numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command {
-    /// What to do.
+    /// The command.
     pub command: MavCmd,
-    /// Parameters 1 to 7; 5 to 7 are the place where it is sent as `COMMAND_INT`.
+    /// Parameters 1 to 7; in a `COMMAND_INT` 5 to 7 are the place.
     pub parameters: [f32; 7],
     /// As `COMMAND_INT`, with its frame; else as `COMMAND_LONG`.
     pub frame: Option<MavFrame>,
-    /// A command of another mode: it is sent only while the vehicle is in the one that it leaves.
+    /// A command of another mode, sent only while the vehicle is in the mode that it leaves.
     pub change: Option<ModeChange>,
 }
 
@@ -48,7 +48,7 @@ impl Command {
         }
     }
 
-    /// The message that asks for it; `confirmation` counts the times that it was sent before.
+    /// The message; `confirmation` counts the earlier transmissions.
     pub fn message(&self, target_system: u8, confirmation: u8) -> MavMessage {
         let [param1, param2, param3, param4, param5, param6, param7] = self.parameters;
         match self.frame {
@@ -102,13 +102,13 @@ struct Waiting {
     again_s: f64,
 }
 
-/// The commands under way.
+/// The pending commands.
 #[derive(Debug, Default)]
 pub struct Commands(Vec<Waiting>);
 
 impl Commands {
-    /// Sends a command; one of the same kind that waits with other numbers is replaced when it has
-    /// no use any more (`replace`), else it waits its turn.
+    /// Sends a command. A waiting one of the same kind with other numbers is replaced if it is obsolete
+    /// (`replace`); else the new one waits its turn.
     pub fn send(&mut self, command: Command, replace: bool) {
         if replace {
             self.0
@@ -151,8 +151,8 @@ impl Commands {
         })
     }
 
-    /// Sends what is due; hands back what was given up. What may be sent in one mode only waits until
-    /// `asks` says that the vehicle is in it.
+    /// Sends due commands; returns those given up. A command for a single mode waits until
+    /// `asks` says that the vehicle is in that mode.
     pub fn tick(
         &mut self,
         now_s: f64,

@@ -1,15 +1,15 @@
 //! The configuration file of `fga fly`.
 //!
-//! Every key has a default, so that an empty file is a valid one; a key that is not known is an
-//! error. Angles in degrees and speeds in metres per second, as the names say: here, at the edge,
-//! they are turned into the core's units once.
+//! Every key has a default, so that an empty file is valid; an unknown key is an
+//! error. Angles are in degrees and speeds in metres per second, as the names say; this module
+//! converts them to the core's units.
 
 use fga_formats::error::toml_sentence;
 use serde::Deserialize;
 
 use crate::number::Checked;
 
-/// A configuration that cannot be used.
+/// An unusable configuration.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct ConfigError(pub String);
@@ -20,13 +20,13 @@ pub struct ConfigError(pub String);
 pub struct Config {
     /// The vehicle and its limits.
     pub vehicle: VehicleConfig,
-    /// What is kept clear of.
+    /// The protected volume.
     pub protection: ProtectionConfig,
-    /// How the vehicle is commanded.
+    /// The commands.
     pub command: CommandConfig,
-    /// When it may act, and when it stops.
+    /// The conditions for acting and stopping.
     pub safety: SafetyConfig,
-    /// How the vehicle follows.
+    /// The vehicle's response.
     pub response: ResponseConfig,
     /// Tracks of other aircraft.
     pub traffic: TrafficConfig,
@@ -40,18 +40,18 @@ pub struct Config {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct VehicleConfig {
-    /// System id; 0 takes the first fixed-wing autopilot that is heard.
+    /// System id; 0 takes the first fixed-wing autopilot on the link.
     pub system_id: u8,
-    /// Largest bank that is commanded, degrees; never more than the vehicle's own limit less 2°.
+    /// Largest commanded bank, degrees; at most the vehicle's own limit less 2°.
     pub max_bank_deg: f64,
-    /// Largest bank where nothing is certified with that one, degrees; never more than the vehicle's own
-    /// limit less 2°. As large as `max_bank_deg`, it is not used.
+    /// Largest bank if nothing is certified with that one, degrees; at most the vehicle's own
+    /// limit less 2°. Unused if it equals `max_bank_deg`.
     pub max_bank_in_need_deg: f64,
-    /// Whether the altitude may be left to avoid.
+    /// Whether a manoeuvre may leave the altitude.
     pub vertical: bool,
-    /// Steepest climb and descent, degrees; never more than the vehicle's own climb rates allow.
+    /// Steepest climb and descent, degrees; at most what the vehicle's own climb rates allow.
     pub max_climb_deg: f64,
-    /// Modes that may be taken over, by ArduPlane's names.
+    /// Modes that the companion may take over, by ArduPlane's names.
     pub take_over: Vec<String>,
 }
 
@@ -68,7 +68,7 @@ impl Default for VehicleConfig {
     }
 }
 
-/// What is kept clear of.
+/// The protected volume.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ProtectionConfig {
@@ -76,15 +76,15 @@ pub struct ProtectionConfig {
     pub radius_m: f64,
     /// Half height around other aircraft, metres; without it the volume is a sphere.
     pub half_height_m: Option<f64>,
-    /// Kept beyond the volume, metres.
+    /// Distance kept beyond the volume, metres.
     pub margin_m: f64,
-    /// How many standard deviations of the uncertainty widen the volume.
+    /// Standard deviations of the uncertainty that widen the volume.
     pub confidence_sigmas: f64,
     /// Obstacles farther away are not considered, metres.
     pub surveillance_m: f64,
-    /// How far ahead separation is certified, seconds.
+    /// Horizon of the certificate, seconds.
     pub horizon_s: f64,
-    /// Safety score `C_s`: part of the time until the latest safe start that is waited; without it
+    /// Safety score `C_s`: share of the time until the latest safe start that it waits; without it
     /// the start is chosen for the least departure.
     pub safety_score: Option<f64>,
 }
@@ -103,7 +103,7 @@ impl Default for ProtectionConfig {
     }
 }
 
-/// Which messages fly the manoeuvre.
+/// The messages that fly the manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CommandMode {
@@ -116,11 +116,11 @@ pub enum CommandMode {
     Paper,
 }
 
-/// How the vehicle is commanded.
+/// The commands.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CommandConfig {
-    /// Which messages fly the manoeuvre.
+    /// The messages that fly the manoeuvre.
     pub mode: CommandMode,
     /// Rate of attitude targets, hertz.
     pub rate_hz: f64,
@@ -138,7 +138,7 @@ impl Default for CommandConfig {
     }
 }
 
-/// When it may act, and when it stops.
+/// The conditions for acting and stopping.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SafetyConfig {
@@ -148,7 +148,7 @@ pub struct SafetyConfig {
     pub ceiling_m: Option<f64>,
     /// Telemetry older than this is stale, seconds.
     pub telemetry_stale_s: f64,
-    /// Without a heartbeat for this long the link is lost, seconds.
+    /// After this long without a heartbeat the link is lost, seconds.
     pub link_lost_s: f64,
     /// The vehicle does not follow when its bank stays this far from the command, degrees …
     pub follow_tolerance_deg: f64,
@@ -156,7 +156,7 @@ pub struct SafetyConfig {
     pub follow_time_s: f64,
     /// Whether the vehicle's fence bounds the manoeuvre.
     pub use_fence: bool,
-    /// Whether it may act from the start; otherwise it waits to be armed by the operator.
+    /// Whether it may act from the start; otherwise it waits until the operator arms it.
     pub armed_at_start: bool,
 }
 
@@ -175,17 +175,17 @@ impl Default for SafetyConfig {
     }
 }
 
-/// How the vehicle follows; the starting point of the estimate in flight.
+/// The vehicle's response; the starting point of the estimate in flight.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ResponseConfig {
-    /// Flown turn rate over the ideal one, to begin with.
+    /// Flown turn rate over the ideal one, as a starting value.
     pub turn_rate_factor: f64,
-    /// First-order bank lag, seconds, to begin with.
+    /// First-order bank lag, seconds, as a starting value.
     pub bank_time_constant_s: f64,
     /// Time from a decision until the vehicle has it, seconds.
     pub dead_time_s: f64,
-    /// Whether factor and lag are estimated in flight.
+    /// Whether to estimate factor and lag in flight.
     pub estimate: bool,
 }
 
@@ -204,7 +204,7 @@ impl Default for ResponseConfig {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrafficConfig {
-    /// A track that was not heard for this long is dropped, seconds.
+    /// A track without a report for this long is dropped, seconds.
     pub drop_after_s: f64,
     /// ICAO address of the vehicle's transponder, hexadecimal.
     pub own_icao: Option<String>,
@@ -212,11 +212,11 @@ pub struct TrafficConfig {
     pub own_callsign: Option<String>,
     /// σ of a position without quality figures, metres.
     pub position_sigma_m: f64,
-    /// Radars and cameras that report what they see.
+    /// Radars and cameras that report detections.
     pub sensor: Vec<SensorConfig>,
 }
 
-/// A radar or a camera, known by the sender of its `OBSTACLE_DISTANCE_3D` or `ADSB_VEHICLE`.
+/// A radar or a camera, identified by the sender of its `OBSTACLE_DISTANCE_3D` or `ADSB_VEHICLE`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorConfig {
@@ -266,7 +266,7 @@ pub struct VirtualObstacle {
     pub longitude_deg: f64,
     /// Altitude of the centre above mean sea level, metres.
     pub altitude_m: f64,
-    /// Radius that must not be entered, metres.
+    /// Protected radius, metres.
     pub radius_m: f64,
     /// Half height of a cylinder, metres; without it a sphere.
     #[serde(default)]
@@ -282,7 +282,7 @@ pub struct VirtualObstacle {
     pub climb_mps: f64,
 }
 
-/// What is wrong in a file that is no configuration, with its line.
+/// The fault of a file that is no configuration, with its line.
 fn in_one_sentence(error: &toml::de::Error, text: &str) -> ConfigError {
     let message = toml_sentence(error.message());
     ConfigError(match error.span() {
@@ -298,7 +298,7 @@ impl Config {
     /// Reads and checks a configuration.
     ///
     /// # Errors
-    /// What is wrong, with the key and what was expected.
+    /// The fault, with the key and the expected value.
     pub fn parse(text: &str) -> Result<Self, ConfigError> {
         let config: Self = toml::from_str(text).map_err(|error| in_one_sentence(&error, text))?;
         config.check()?;
@@ -495,7 +495,7 @@ impl Config {
     /// The modes that may be taken over.
     ///
     /// # Errors
-    /// A name that is no mode, or one that cannot be taken over.
+    /// A name that is no mode, or a mode that the companion cannot take over.
     pub fn take_over(&self) -> Result<Vec<crate::mode::Mode>, ConfigError> {
         self.vehicle
             .take_over

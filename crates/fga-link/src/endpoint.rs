@@ -1,11 +1,11 @@
-//! Where the vehicle is: UDP, TCP or a serial port, and the sockets for it.
+//! Endpoints of the vehicle: UDP, TCP or a serial port, and their sockets.
 //!
 //! | endpoint | meaning |
 //! |---|---|
-//! | `udpin:HOST:PORT` | waits on this port and answers those who sent lately (as `--out` of a ground station) |
-//! | `udpout:HOST:PORT` | sends there and takes what comes back |
-//! | `tcp:HOST:PORT` | connects, again and again where it fails |
-//! | `tcpin:HOST:PORT` | waits for one who connects |
+//! | `udpin:HOST:PORT` | waits on this port and answers recent senders (as `--out` of a ground station) |
+//! | `udpout:HOST:PORT` | sends there and takes the answers |
+//! | `tcp:HOST:PORT` | connects, and again after a failure |
+//! | `tcpin:HOST:PORT` | waits for a connection |
 //! | `serial:PATH[:BAUD]` | a serial port, 115,200 baud unless given |
 
 use alloc::sync::Arc;
@@ -17,29 +17,29 @@ use std::net::{TcpListener, TcpStream, ToSocketAddrs, UdpSocket};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// How long a read waits before it says that nothing came.
+/// Time-out of a read.
 const READ_TIMEOUT: Duration = Duration::from_millis(100);
 /// Pause between attempts to connect.
 const RECONNECT_PAUSE: Duration = Duration::from_millis(500);
-/// How long an attempt to connect may take.
+/// Time-out of an attempt to connect.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
-/// Senders that a waiting UDP port answers, and how long after their last word.
+/// Most senders that a waiting UDP port answers, and the time after their last message.
 const MOST_PEERS: usize = 8;
 const PEER_LIFETIME: Duration = Duration::from_secs(15);
-/// How long a read waits while a queue is emptied: what is there comes at once.
+/// Time-out of a read that empties a queue: waiting data comes at once.
 const DRAIN_TIMEOUT: Duration = Duration::from_millis(1);
 /// Most reads that empty a queue.
 const MOST_DRAINED: u32 = 20_000;
-/// A connection whose other end is gone is noticed by the system within this …
+/// The system notices a vanished peer within this …
 const GONE: Duration = Duration::from_secs(4);
-/// … asking after silence of this length, this often.
+/// … by probing after silence of this length, at this interval.
 const ASK_AFTER: Duration = Duration::from_secs(2);
 const ASK_EVERY: Duration = Duration::from_secs(1);
 /// A connection that is silent for this long is made again: the system of a frozen program still answers
-/// for it. A vehicle tells something every second.
+/// for it. A vehicle sends something every second.
 const SILENT: Duration = Duration::from_secs(5);
 
-/// Where the vehicle is.
+/// The endpoint of the vehicle.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Endpoint {
     /// Waits for datagrams on an address.
@@ -59,7 +59,7 @@ pub enum Endpoint {
     },
 }
 
-/// A text that names no endpoint.
+/// Text that names no endpoint.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "'{0}' is no endpoint, expected udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, \
@@ -101,14 +101,14 @@ impl FromStr for Endpoint {
     }
 }
 
-/// What a read gave.
+/// The result of a read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Received {
     /// This number of bytes of a stream, or one datagram.
     Bytes(usize),
     /// Nothing came in time.
     Nothing,
-    /// The connection is new: what was begun before is lost.
+    /// The connection is new: a begun frame is lost.
     NewConnection,
 }
 
@@ -132,10 +132,10 @@ type Port = Arc<Mutex<Option<Box<dyn serialport::SerialPort>>>>;
 #[derive(Debug)]
 pub struct Reader {
     kind: ReaderKind,
-    /// A connection is made again when it is silent for this long.
+    /// A connection silent for this long is made again.
     silent: Duration,
     heard: Instant,
-    /// Only senders that were named by [`Self::answer_sender`] are answered.
+    /// It answers only senders named by [`Self::answer_sender`].
     wary: bool,
     sender: Option<SocketAddr>,
 }
@@ -165,7 +165,7 @@ enum ReaderKind {
     },
 }
 
-/// The writing half of an open endpoint; what can't be sent is dropped.
+/// The writing half of an open endpoint; it drops what it cannot send.
 #[derive(Debug, Clone)]
 pub struct Writer(WriterKind);
 
@@ -290,7 +290,7 @@ fn adopt(stream: TcpStream, own: &mut Option<TcpStream>, shared: &Stream) -> io:
     Ok(())
 }
 
-/// Reads from a connection; a lost one is forgotten, so that the next call makes a new one.
+/// Reads from a connection; drops a lost one, so that the next call makes a new one.
 fn read_stream(
     own: &mut Option<TcpStream>,
     shared: &Stream,
@@ -330,12 +330,12 @@ impl Reader {
         }
     }
 
-    /// From now on a waiting UDP port answers only the senders named by [`Self::answer_sender`].
+    /// From now on a waiting UDP port answers only senders named by [`Self::answer_sender`].
     pub fn be_wary(&mut self) {
         self.wary = true;
     }
 
-    /// The sender of the datagram that was read last is answered from now on.
+    /// From now on it answers the sender of the last datagram.
     pub fn answer_sender(&mut self) {
         if let (
             ReaderKind::Udp {
@@ -348,7 +348,7 @@ impl Reader {
         }
     }
 
-    /// A connection is made again only when it is silent for this long.
+    /// Connects again only after this long a silence.
     pub fn set_silent(&mut self, silent: Duration) {
         self.silent = silent;
     }
@@ -362,7 +362,7 @@ impl Reader {
         received
     }
 
-    /// Sets how long a read waits; `false` where there is nothing to read from.
+    /// Sets the time-out of a read; `false` if there is nothing to read from.
     fn wait_for(&self, time: Duration) -> bool {
         match &self.kind {
             ReaderKind::Udp { socket, .. } => socket.set_read_timeout(Some(time)).is_ok(),
@@ -372,7 +372,7 @@ impl Reader {
             #[cfg(feature = "serial")]
             ReaderKind::Serial { own, .. } => {
                 if let Some(port) = own {
-                    // A port that fails is opened again by the next read.
+                    // The next read opens a failed port again.
                     let _ = port.clear(serialport::ClearBuffer::Input);
                 }
                 false
@@ -380,7 +380,7 @@ impl Reader {
         }
     }
 
-    /// Reads and forgets all that waits.
+    /// Reads and discards all waiting data.
     pub fn drain(&mut self, buffer: &mut [u8]) {
         if !self.wait_for(DRAIN_TIMEOUT) {
             return;
@@ -469,7 +469,7 @@ impl Reader {
         }
     }
 
-    /// Whether each read is a datagram of its own.
+    /// Whether each read is a separate datagram.
     pub const fn is_datagrams(&self) -> bool {
         matches!(self.kind, ReaderKind::Udp { .. })
     }
@@ -483,7 +483,7 @@ fn remember(peers: &mut Vec<(SocketAddr, Instant)>, from: SocketAddr) {
     }
     peers.retain(|peer| now.duration_since(peer.1) < PEER_LIFETIME);
     if peers.len() >= MOST_PEERS {
-        // The one heard longest ago makes room: the vehicle speaks all the time.
+        // The one heard longest ago makes room: the vehicle sends all the time.
         let oldest = peers.iter().enumerate().min_by_key(|(_, peer)| peer.1);
         if let Some((index, _)) = oldest {
             peers.swap_remove(index);
@@ -493,7 +493,7 @@ fn remember(peers: &mut Vec<(SocketAddr, Instant)>, from: SocketAddr) {
 }
 
 impl Writer {
-    /// Sends a frame; `false` where nobody is there or the send failed.
+    /// Sends a frame; `false` without a peer or after a failure.
     pub fn write(&self, bytes: &[u8]) -> bool {
         match &self.0 {
             WriterKind::Udp { socket, peers } => {
@@ -509,7 +509,7 @@ impl Writer {
                     .as_mut()
                     .is_some_and(|stream| stream.write_all(bytes).is_ok());
                 if !done {
-                    // Half a frame may be out: a new connection is the only clean way on.
+                    // Half a frame may be out: only a new connection is clean.
                     if let Some(stream) = guard.take() {
                         drop(stream.shutdown(std::net::Shutdown::Both));
                     }

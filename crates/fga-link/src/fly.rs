@@ -6,7 +6,7 @@
 //! | `fga-read` | reads the link, and hears the vehicle's mode |
 //! | `fga-write` | writes the link; checks each command of a mode at the last moment |
 //! | `fga-traffic` | reads a receiver, one thread each |
-//! | `fga-log`, `fga-notes`, `fga-status` | write files and the terminal, whose stalls concern nobody else |
+//! | `fga-log`, `fga-notes`, `fga-status` | write files and the terminal, whose stalls affect nobody else |
 //! | `fga-guard` | restores the mode and ends the program when the deciding thread stands still |
 //!
 //! All queues between them are bounded: a full queue drops, and the companion says so once.
@@ -42,28 +42,28 @@ use crate::traffic::receiver::{self, ReceiverEndpoint};
 use crate::wire::{Frame, Signing, encode};
 use crate::{Companion, Config};
 
-/// Events that wait between the reading threads and the deciding one.
+/// Most events between the reading threads and the deciding one.
 const INBOX: usize = 2048;
 /// Frames that wait to be written.
 const OUTBOX: usize = 512;
-/// Events that are taken before time passes again.
+/// Most events before the next tick.
 const AT_ONCE: usize = 64;
-/// An event that waited for longer is history, seconds.
+/// An event that waited longer is history, seconds.
 const HISTORY_S: f64 = 1.0;
-/// Under these a receiver's reports stand in the telemetry log (`MAV_COMP_ID_ADSB`).
+/// Component id of a receiver's reports in the telemetry log (`MAV_COMP_ID_ADSB`).
 const RECEIVER_SYSTEM: u8 = 200;
 const RECEIVER_COMPONENT: u8 = 156;
 /// Longest time without a tick.
 const TICK: Duration = Duration::from_millis(10);
-/// How long the end of a flight waits until the vehicle is heard in the mode from before.
+/// Longest wait at the end of a flight for a heartbeat with the mode from before.
 const LAST_WORDS: Duration = Duration::from_secs(5);
-/// A receiver's thread that has failed is started again after this.
+/// Pause before a failed receiver's thread starts again.
 const RECEIVER_PAUSE: Duration = Duration::from_secs(1);
 
 /// Options of `fga fly`.
 #[derive(Debug, Clone)]
 pub struct FlyOptions {
-    /// Where the vehicle is.
+    /// The vehicle's endpoint.
     pub endpoint: Endpoint,
     /// The configuration.
     pub config: Config,
@@ -71,11 +71,11 @@ pub struct FlyOptions {
     pub traffic: Vec<ReceiverEndpoint>,
     /// Only report.
     pub dry_run: bool,
-    /// Where the logs go, and what a restarted program must know.
+    /// Folder of the logs, and of the notes for a restarted program.
     pub out: PathBuf,
-    /// Whether a status line is kept on standard error.
+    /// Whether to show a status line on standard error.
     pub status: bool,
-    /// Ends the program when its deciding thread stands still; `std::process::abort` where it flies.
+    /// Ends the program when its deciding thread stands still; `std::process::abort` in real flight.
     pub end_program: fn(),
 }
 
@@ -99,12 +99,11 @@ impl Sequences {
     }
 }
 
-/// Flies until `stop` is set; hands the vehicle back before it returns, also after a panic. `watch`
+/// Flies until `stop` is set; restores the vehicle's mode before it returns, also after a panic. `watch`
 /// sees the companion after each step; the flight waits for it.
 ///
-/// # Errors
-/// A configuration or an endpoint that cannot be used, or a part of the program that has failed. A log
-/// that cannot be written is no error; the companion says so.
+/// An unusable configuration or endpoint, or a part of the program that has failed. An unwritable log
+/// is no error; the companion reports it.
 pub fn fly(
     options: &FlyOptions,
     stop: &Arc<AtomicBool>,
@@ -170,7 +169,7 @@ pub fn fly(
     }
     let failed = *locked(&shared.failed);
     if flown.is_err() || failed.is_some() {
-        // Should the error's own words find no end: nobody flies here any more.
+        // In case printing the error never ends: nobody flies here any more.
         let end_program = options.end_program;
         thread::spawn(move || {
             thread::sleep(LAST_WORDS);
@@ -219,8 +218,8 @@ fn start(
     Ok(threads)
 }
 
-/// Reads a receiver until the flight is over. What one receiver sends ends neither the flight nor the
-/// other receivers, whatever it is.
+/// Reads a receiver until the flight is over. No data of a receiver can end the flight or the other
+/// receivers.
 fn read_traffic(shared: &Shared, endpoint: &ReceiverEndpoint, to: &SyncSender<Event>) {
     while !shared.is_over() {
         let reading = core::panic::AssertUnwindSafe(|| {
@@ -251,7 +250,7 @@ struct Pilot<'a> {
     notebook: Notebook,
     status: Status,
     sequences: Sequences,
-    /// Commands of a mode that wait until it is noted on the disk.
+    /// Commands of a mode that wait until the disk has the note.
     held: Vec<Outgoing>,
 }
 
@@ -271,7 +270,7 @@ impl Pilot<'_> {
         {}
     }
 
-    /// Takes what has come, lets time pass and sends; `false` when nothing can come any more.
+    /// Takes events, advances the time and sends; `false` when nothing can come any more.
     fn turn(&mut self, events: &Receiver<Event>) -> bool {
         match events.recv_timeout(TICK) {
             Ok(event) => {
@@ -311,8 +310,8 @@ impl Pilot<'_> {
         }
     }
 
-    /// Puts a receiver's report into the telemetry log, as the message that says the same, so that
-    /// the recording holds all that decisions were made from.
+    /// Adds a receiver's report to the telemetry log, as the message with the same content, so that
+    /// the recording holds the whole input of the decisions.
     fn record_report(&mut self, report: &Report, now_s: f64) {
         let sample = Sample {
             time_s: now_s,

@@ -23,11 +23,11 @@ use crate::outgoing::Outbox;
 use crate::ownship::State;
 use crate::parameters::VehicleParameters;
 
-/// What a hand reaches the vehicle by, and what is known of the vehicle.
+/// A hand's access to the vehicle, and the knowledge about it.
 pub struct Reach<'a> {
     /// Messages to send.
     pub outbox: &'a mut Outbox,
-    /// Commands that are repeated until they are answered.
+    /// Commands with repetition until an answer.
     pub commands: &'a mut Commands,
     /// Parameters of the vehicle.
     pub parameters: &'a VehicleParameters,
@@ -37,63 +37,63 @@ pub struct Reach<'a> {
     pub system: u8,
     /// The vehicle's clock, milliseconds since it booted.
     pub boot_ms: u32,
-    /// Measured airspeed, m/s; 0 where it is not known.
+    /// Measured airspeed, m/s; 0 if unknown.
     pub airspeed_mps: f64,
     /// Local clock, seconds.
     pub now_s: f64,
 }
 
-/// What is to be flown now.
+/// The order for now.
 #[derive(Debug, Clone, Copy)]
 pub struct Target<'a> {
-    /// What was decided.
+    /// The decision.
     pub maneuver: &'a Maneuver,
-    /// How long ago it was decided, seconds.
+    /// Age of the decision, seconds.
     pub elapsed_s: f64,
-    /// The aircraft when a command of now takes effect.
+    /// The aircraft when a command sent now takes effect.
     pub own: &'a State,
-    /// The limits that the manoeuvre was planned with.
+    /// The limits of the plan.
     pub vehicle: &'a Vehicle,
     /// The largest bank to command, radians.
     pub bank_limit_rad: f64,
-    /// Whether the vehicle has confirmed the mode that the hand flies in.
+    /// Whether the vehicle has confirmed the hand's mode.
     pub is_confirmed: bool,
 }
 
-/// Flies the vehicle as decided, by the messages of one command mode.
+/// Flies the vehicle by the messages of one command mode.
 pub trait Hand: Debug + Send {
-    /// The mode that the vehicle is flown in.
+    /// The vehicle's mode during a manoeuvre.
     fn mode(&self) -> Mode;
 
-    /// The only mode from which it takes over; `None` leaves that to the configuration.
+    /// The only mode from which it takes over; `None` leaves the choice to the configuration.
     fn takes_over_from(&self) -> Option<Mode> {
         None
     }
 
-    /// What the vehicle's answer to its commands adds to the bank's lag, seconds.
+    /// Delay that the vehicle's answer to its commands adds to the bank's lag, seconds.
     fn lag_s(&self) -> f64 {
         0.0
     }
 
-    /// Whether it commands a bank, so that it can command a steeper one in need.
+    /// Whether it commands a bank, and so can command a steeper one in need.
     fn commands_bank(&self) -> bool {
         false
     }
 
-    /// Watches the vehicle while somebody else flies it.
+    /// Observes the vehicle while somebody else flies it.
     fn watch(&mut self, _own: &State) {}
 
-    /// A manoeuvre begins.
+    /// Begins a manoeuvre.
     fn begin(&mut self) {}
 
     /// Commands a target. Returns the bank that the vehicle should take up, radians, positive to the
-    /// left; `None` where nothing could be commanded.
+    /// left; `None` if no command was possible.
     fn fly(&mut self, target: &Target<'_>, reach: &mut Reach<'_>) -> Option<f64>;
 
-    /// Asks for straight flight while the vehicle is given back.
+    /// Commands straight flight during the return of the mode.
     fn fly_straight(&mut self, _reach: &mut Reach<'_>) {}
 
-    /// Takes back whatever the vehicle would go on following.
+    /// Cancels commands that the vehicle would go on following.
     fn let_go(&mut self, reach: &mut Reach<'_>);
 }
 

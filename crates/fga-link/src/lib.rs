@@ -2,22 +2,22 @@
 //!
 //! | module | question |
 //! |---|---|
-//! | [`companion`] | what does it do with what it hears? |
+//! | [`companion`] | how does it react to messages? |
 //! | [`authority`] | who flies, and what does each fault do? |
 //! | [`ownship`], [`clock`] | where is the aircraft now, and when was that measured? |
 //! | [`traffic`] | who else is there? |
-//! | [`mission`], [`parameters`], [`mode`] | what does the vehicle mean to do, and what can it do? |
-//! | [`rates`] | how often is its telemetry sent, and how often does it arrive? |
+//! | [`mission`], [`parameters`], [`mode`] | what does the vehicle intend, and what can it do? |
+//! | [`rates`] | how often does the vehicle send its telemetry, and how often does it arrive? |
 //! | [`response`] | how does it follow? |
-//! | [`restart`] | what does a program that is started again owe? |
-//! | [`hand`], [`commanded`], [`commands`] | how is it commanded? |
-//! | [`telling`] | what does the operator hear? |
-//! | [`wire`], [`signing`], [`endpoint`], [`outgoing`], [`tlog`] | how do messages become bytes and go their way? |
+//! | [`restart`] | what does a restarted program owe? |
+//! | [`hand`], [`commanded`], [`commands`] | how does it command the vehicle? |
+//! | [`telling`] | what does the operator read? |
+//! | [`wire`], [`signing`], [`endpoint`], [`outgoing`], [`tlog`] | how do messages become bytes and travel? |
 //! | [`fly`], [`replay`] | what drives the companion: sockets and a clock, or a recording? |
-//! | [`player`], [`play`], [`rc`] | how is traffic played, and the keyboard flown, in a test? |
-//! | [`config`] | how is it set up? |
+//! | [`player`], [`play`], [`rc`] | how does a test play traffic and fly by keyboard? |
+//! | [`config`] | how does the user configure it? |
 //!
-//! Everything that decides is in the crate `fga`; here is what connects it to a vehicle.
+//! All decisions are in the crate `fga`; this crate connects it to a vehicle.
 #![forbid(unsafe_code)]
 #![deny(
     clippy::unwrap_used,

@@ -1,4 +1,4 @@
-//! Mission and fence: downloaded from the vehicle, and laid into the local frame.
+//! Mission and fence: downloads from the vehicle, in the local frame.
 
 use fga::Vec3;
 use fga_formats::geodesy::{Geodetic, LocalFrame};
@@ -12,20 +12,20 @@ use crate::outgoing::{AUTOPILOT, Outbox};
 
 /// Time to wait for an answer, seconds.
 const ANSWER_S: f64 = 0.4;
-/// Longest list that is taken.
+/// Longest accepted list.
 pub const MOST_ITEMS: usize = 2000;
-/// Items that are asked for at a time.
+/// Most items requested at a time.
 const WINDOW: usize = 5;
-/// Attempts before an item counts as unreadable (a command that this dialect lacks): so many that no
-/// link loses them all.
+/// Attempts before an item counts as unreadable (a command that this dialect lacks): enough that no
+/// link loses all of them.
 const MOST_ATTEMPTS: u8 = 25;
-/// Attempts before the whole list is given up, to begin again later.
+/// Attempts before giving up the whole list, to begin again later.
 const LIST_PAUSE_S: f64 = 3.0;
 
 /// An item; `None` for one that could not be read.
 pub type Item = Option<MISSION_ITEM_INT_DATA>;
 
-/// An item without what is different in each message that tells it.
+/// An item without the fields that differ between messages about the same item.
 fn bare(data: &MISSION_ITEM_INT_DATA) -> MISSION_ITEM_INT_DATA {
     MISSION_ITEM_INT_DATA {
         current: 0,
@@ -42,10 +42,10 @@ enum Stage {
     Items,
 }
 
-/// An item on its way.
+/// An item in transit.
 #[derive(Debug, Clone)]
 struct Awaited {
-    /// What arrived; the inner `None` is an item that was given up.
+    /// The result; the inner `None` is an item that was given up.
     item: Option<Item>,
     attempts: u8,
     again_s: f64,
@@ -90,17 +90,17 @@ impl Download {
         self.kind
     }
 
-    /// How often a list was downloaded that differs from the one before.
+    /// Number of downloads that differed from the previous one.
     pub const fn changes(&self) -> u32 {
         self.changes
     }
 
-    /// The list as last downloaded whole.
+    /// The last complete list.
     pub fn items(&self) -> Option<&[Item]> {
         self.items.as_deref()
     }
 
-    /// Whether a download is under way.
+    /// Whether a download is in progress.
     pub fn is_busy(&self) -> bool {
         self.stage != Stage::Idle
     }
@@ -113,7 +113,7 @@ impl Download {
         self.again_s = f64::NEG_INFINITY;
     }
 
-    /// Whether a number of items that nobody asked for differs from the list that is known.
+    /// Whether an unrequested number of items differs from the known list.
     pub fn contradicts_count(&self, data: &MISSION_COUNT_DATA) -> bool {
         data.mission_type == self.kind
             && self.stage == Stage::Idle
@@ -122,7 +122,7 @@ impl Download {
                 .is_some_and(|items| items.len() != usize::from(data.count).min(MOST_ITEMS))
     }
 
-    /// Whether an item that was asked for alone differs from the one in the list that is known.
+    /// Whether a single requested item differs from the one in the known list.
     pub fn contradicts_item(&self, data: &MISSION_ITEM_INT_DATA) -> bool {
         data.mission_type == self.kind
             && self.stage == Stage::Idle
@@ -132,7 +132,7 @@ impl Download {
                 .is_none_or(|known| known.as_ref().is_some_and(|known| *known != bare(data)))
     }
 
-    /// Takes the number of items; `true` when the list is whole with that.
+    /// Takes the number of items; `true` if that completes the list.
     pub fn take_count(&mut self, data: &MISSION_COUNT_DATA) -> bool {
         if data.mission_type != self.kind || self.stage != Stage::Count {
             return false;
@@ -142,7 +142,7 @@ impl Download {
         self.finish_if_whole()
     }
 
-    /// Takes an item, in any order; `true` when the list is whole with that.
+    /// Takes an item, in any order; `true` if that completes the list.
     pub fn take_item(&mut self, data: &MISSION_ITEM_INT_DATA) -> bool {
         if data.mission_type != self.kind || self.stage != Stage::Items {
             return false;
@@ -168,7 +168,7 @@ impl Download {
         true
     }
 
-    /// Asks for what is missing; `true` when the list is whole because the rest was given up.
+    /// Requests missing items; `true` if giving up the rest completes the list.
     pub fn tick(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) -> bool {
         match self.stage {
             Stage::Idle => false,
@@ -219,7 +219,7 @@ impl Download {
         }
     }
 
-    /// The message that asks how many items the list has.
+    /// The message that requests the number of items.
     pub fn count_request(&self, target_system: u8) -> MavMessage {
         MavMessage::MISSION_REQUEST_LIST(MISSION_REQUEST_LIST_DATA {
             target_system,
@@ -228,12 +228,12 @@ impl Download {
         })
     }
 
-    /// The message that asks for one item.
+    /// The message that requests one item.
     pub fn item_request(&self, seq: u16, target_system: u8) -> MavMessage {
         item_request(self.kind, seq, target_system)
     }
 
-    /// The closing word of a download, which the vehicle waits for.
+    /// The closing message of a download, which the vehicle waits for.
     pub fn closing(&self, target_system: u8) -> MavMessage {
         MavMessage::MISSION_ACK(MISSION_ACK_DATA {
             target_system,
@@ -254,9 +254,9 @@ fn item_request(kind: MavMissionType, seq: u16, target_system: u8) -> MavMessage
     })
 }
 
-/// Where an item leads in the local frame, metres.
+/// The target of an item in the local frame, metres.
 ///
-/// `level_m` is the height, local frame, for altitudes above terrain, which are not known here.
+/// `level_m` is the height, local frame, for altitudes above terrain, which are unknown here.
 pub fn item_position_m(
     item: &MISSION_ITEM_INT_DATA,
     frame: &LocalFrame,
@@ -293,32 +293,32 @@ pub fn item_position_m(
     position_m.is_finite().then_some(position_m)
 }
 
-/// The way ahead: its waypoints and the mission item that each one is.
+/// The way ahead: its waypoints and the mission item of each.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Way {
-    /// Waypoints, metres, local frame; the first is where the present leg begins.
+    /// Waypoints, metres, local frame; the first is the start of the present leg.
     pub waypoints_m: Vec<Vec3>,
-    /// The mission item of each; `None` for a beginning that is no item.
+    /// The mission item of each; `None` for a start that is no item.
     pub items: Vec<Option<u16>>,
 }
 
-/// Legs that are looked ahead.
+/// Most legs ahead.
 const MOST_WAYPOINTS: usize = 12;
-/// Jumps that are looked ahead: jumps that lead to each other end.
+/// Most jumps ahead: jumps that lead to each other end.
 const MOST_JUMPS: u32 = 4;
-/// Waypoints closer together than this are one, metres.
+/// Waypoints closer together than this count as one, metres.
 const SAME_PLACE_M: f64 = 1.0;
 
-/// The item that a jump leads to which is made for ever.
+/// The target of an endless jump.
 fn jump_for_ever(item: &MISSION_ITEM_INT_DATA) -> Option<usize> {
     let to = usize::from(crate::number::to_u16(f64::from(item.param1)));
     (item.param2 < 0.0 && to > 0).then_some(to)
 }
 
-/// The way ahead in AUTO: from the item before the present one on.
+/// The way ahead in AUTO, from the item before the present one on.
 ///
-/// It ends at a landing, where it circles, and at a jump that is made a number of times: what comes
-/// then is not a leg, or not known.
+/// It ends at a landing, where it circles, and at a counted jump: what follows is not a leg, or
+/// unknown.
 pub fn way_ahead(
     items: &[Item],
     current: u16,
@@ -360,7 +360,7 @@ pub fn way_ahead(
                 .last()
                 .is_some_and(|last| last.distance(at_m) < SAME_PLACE_M);
             if repeated && way.waypoints_m.len() == 1 {
-                // The first leg has no length: begin it where the aircraft is.
+                // The first leg has no length: begin it at the aircraft.
                 way.waypoints_m.clear();
                 way.items.clear();
                 way.waypoints_m.push(from_m);
@@ -429,7 +429,7 @@ mod tests {
         let items = download.items().unwrap();
         assert_eq!(items.len(), 2);
         assert_eq!(items[1].as_ref().unwrap().x, 2);
-        // The same list once more is no change, whichever item is the current one.
+        // The same list again is no change, whatever its current item.
         download.begin();
         download.take_count(&count);
         download.take_item(&first);

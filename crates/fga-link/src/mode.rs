@@ -4,16 +4,16 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Mode(pub u32);
 
-/// A change of the flight mode that is asked for.
+/// A requested change of the flight mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ModeChange {
-    /// The mode that it leaves: only there it may be asked for.
+    /// The mode that it leaves: the request is valid only there.
     pub from: Mode,
     /// The mode that it leads to.
     pub to: Mode,
 }
 
-/// Names as ArduPlane and its ground stations write them.
+/// Names used by ArduPlane and its ground stations.
 const NAMES: [(u32, &str); 26] = [
     (0, "MANUAL"),
     (1, "CIRCLE"),
@@ -52,7 +52,7 @@ impl Mode {
     pub const AUTO: Self = Self(10);
     /// RTL: home.
     pub const RTL: Self = Self(11);
-    /// GUIDED: what a companion commands.
+    /// GUIDED: commands of a companion.
     pub const GUIDED: Self = Self(15);
 
     /// The name; `?` for a number without one.
@@ -71,7 +71,7 @@ impl Mode {
             .map(|row| Self(row.0))
     }
 
-    /// Whether there is a path that can be left and rejoined.
+    /// Whether it has a path to leave and rejoin.
     pub fn can_be_taken_over(self) -> bool {
         [Self::AUTO, Self::CRUISE, Self::FBWB, Self::RTL].contains(&self)
     }

@@ -1,4 +1,4 @@
-//! Messages on their way out, and the identities they are sent under.
+//! Outgoing messages and their sender ids.
 
 use mavlink::dialects::ardupilotmega::MavMessage;
 
@@ -16,11 +16,11 @@ pub struct Outgoing {
     pub system_id: u8,
     /// The message.
     pub message: MavMessage,
-    /// A command of another mode: it may be sent only while the vehicle is in the one that it leaves.
+    /// A command of another mode, sent only while the vehicle is in the mode that it leaves.
     pub change: Option<ModeChange>,
 }
 
-/// Most messages that wait to be sent; what comes beyond is dropped.
+/// Most messages in the queue; further ones are dropped.
 const MOST_WAITING: usize = 256;
 
 /// Messages waiting to be sent.
@@ -28,12 +28,12 @@ const MOST_WAITING: usize = 256;
 pub struct Outbox {
     own_system: u8,
     waiting: Vec<Outgoing>,
-    /// How many were dropped.
+    /// Number of dropped messages.
     pub dropped: u64,
 }
 
 impl Outbox {
-    /// Sets the system id that messages are sent under: the vehicle's.
+    /// Sets the sender's system id: the vehicle's.
     pub(crate) fn set_own_system(&mut self, system_id: u8) {
         self.own_system = system_id;
     }
@@ -56,7 +56,7 @@ impl Outbox {
         }
     }
 
-    /// Adds a command of another mode. It goes first: where the others wait, this one must not.
+    /// Adds a command of another mode. It goes first: it must not wait behind the others.
     pub(crate) fn send_change(&mut self, change: ModeChange, message: MavMessage) {
         let urgent = Outgoing {
             system_id: self.own_system,
@@ -70,7 +70,7 @@ impl Outbox {
         }
     }
 
-    /// Takes what waits.
+    /// Takes the waiting messages.
     pub fn take(&mut self) -> Vec<Outgoing> {
         core::mem::take(&mut self.waiting)
     }

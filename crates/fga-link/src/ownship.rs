@@ -1,10 +1,9 @@
 //! The aircraft's own state from its telemetry, as of now.
 //!
-//! Each message is dated by the vehicle's boot time ([`crate::clock`]); the state is carried from
-//! the moment of measurement to the moment asked for, along the arc that the aircraft flies.
+//! The vehicle's boot time dates each message ([`crate::clock`]); the state is extrapolated from
+//! the moment of measurement to the requested moment, along the arc that the aircraft flies.
 //! Handedness: the autopilot counts headings clockwise and banks to the right, the core counts
-//! courses anticlockwise from east and banks to the left. The turn from one to the other is made
-//! here and in [`crate::attitude`], nowhere else.
+//! courses anticlockwise from east and banks to the left. Only this module and [`crate::hand`] convert.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -21,28 +20,28 @@ use crate::clock::{BootClock, Stamp};
 use crate::commanded::Commanded;
 use crate::number::degrees_from_e7;
 
-/// Never carried farther than this, seconds: as long as a manoeuvre may be flown on without telemetry.
+/// Longest extrapolation, seconds: as long as a manoeuvre may fly on without telemetry.
 const LONGEST_CARRY_S: f64 = 11.0;
-/// An altitude older than this is not told, seconds.
+/// An older altitude counts as unknown, seconds.
 const ALTITUDE_LIFETIME_S: f64 = 1.5;
-/// What the measured rate of turn says beyond the bank holds for this long, then it fades, seconds.
+/// The measured rate of turn beyond the bank's holds for this long, then it fades, seconds.
 const RATE_HOLDS_S: f64 = 0.5;
 const RATE_FADES_S: f64 = 1.0;
-/// Wind older than this is not used, seconds.
+/// Older wind counts as unknown, seconds.
 const WIND_LIFETIME_S: f64 = 10.0;
 /// Wind is rounded to this, metres per second: each change makes new legs.
 const WIND_STEP_MPS: f64 = 0.25;
-/// Faster than this the bank changes, radians per second.
+/// Rolling means that the bank changes faster than this, radians per second.
 const ROLLS_RADPS: f64 = 0.15;
-/// Pieces of the arc along which a state is carried, and the longest one, seconds.
+/// Most pieces of the extrapolation's arc, and the longest one, seconds.
 const STEPS: u32 = 8;
 const LONGEST_STEP_S: f64 = 0.2;
 /// A position farther than this from the origin moves the local frame, m. Before its receiver
-/// has a fix, ArduPlane tells a place near latitude and longitude 0; and so far out the plane of the
+/// has a fix, ArduPlane sends a place near latitude and longitude 0; and that far out the plane of the
 /// frame lies 30 m above the sea.
 const FRAME_REACH_M: f64 = 20_000.0;
-/// A position that is farther from the last than this, metres, and than the fastest aircraft flies,
-/// metres per second, is not believed …
+/// A position farther from the last one than this, metres, and than the fastest aircraft flies,
+/// metres per second, does not count …
 const JUMP_M: f64 = 200.0;
 const FASTEST_MPS: f64 = 150.0;
 /// … unless the last is older than this, seconds: longer than telemetry may be stale.
@@ -70,18 +69,18 @@ struct Attitude {
     rolls: bool,
 }
 
-/// Whether a message told anything new.
+/// Whether a message was new.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Update {
-    /// It did.
+    /// It was new.
     Fresh,
-    /// It is older than what is known, or not usable.
+    /// It is older than the known state, or unusable.
     Ignored,
     /// The vehicle restarted.
     Restarted,
 }
 
-/// The state that the core is given, and what goes with it.
+/// The core's state, with its context.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
     /// The state in the air mass; the position is over the ground.
@@ -108,18 +107,18 @@ pub struct OwnshipEstimate {
     attitude: Option<Attitude>,
     airspeed_mps: Option<f64>,
     wind: Option<(f64, Vec3)>,
-    /// Course through the air last handed out, not wrapped.
+    /// The last returned course through the air, not wrapped.
     last_course_rad: Option<f64>,
 }
 
 impl OwnshipEstimate {
-    /// The local frame: its origin is the first position of the flight, or one on its way.
+    /// The local frame: its origin is the first position of the flight, or a later one.
     pub const fn frame(&self) -> Option<&LocalFrame> {
         self.frame.as_ref()
     }
 
-    /// Moves the local frame to the last position where that is far from the origin; all
-    /// that is known in the old frame is to be forgotten then.
+    /// Moves the local frame to the last position if that is far from the origin; the caller then forgets
+    /// everything in the old frame.
     pub fn lay_frame_anew(&mut self) -> bool {
         let Some(position) = &mut self.position else {
             return false;
@@ -139,7 +138,7 @@ impl OwnshipEstimate {
         Some(self.frame?.origin().altitude_m + position.place_m.z - position.above_home_m)
     }
 
-    /// Altitude above mean sea level now, metres; `None` where the last position is too old for it.
+    /// Present altitude above mean sea level, metres; `None` if the last position is too old for it.
     pub fn altitude_m(&self, now_s: f64) -> Option<f64> {
         let position = self.position?;
         let age_s = now_s - position.measured_s;
@@ -159,7 +158,7 @@ impl OwnshipEstimate {
         Some(now_s - oldest)
     }
 
-    /// Where it is at `now_s` if it flew straight since the last position, metres, local frame.
+    /// Its position at `now_s` if it flew straight since the last one, metres, local frame.
     pub fn position_m(&self, now_s: f64) -> Option<Vec3> {
         let position = self.position?;
         let carry_s = (now_s - position.measured_s).clamp(0.0, LONGEST_CARRY_S);
@@ -268,15 +267,15 @@ impl OwnshipEstimate {
         self.airspeed_mps
     }
 
-    /// Bank as last measured, radians, positive to the left.
+    /// Last measured bank, radians, positive to the left.
     pub fn bank_rad(&self) -> Option<f64> {
         self.attitude.map(|attitude| attitude.bank_rad)
     }
 
     /// The state at `at_s` on the local clock, somewhat later than the last measurement.
     ///
-    /// The banks that were commanded lately bend the path between the measurement and `at_s`.
-    /// `None` before position and attitude are known, or when the aircraft does not fly.
+    /// The recent bank commands bend the path between the measurement and `at_s`.
+    /// `None` before the first position and attitude, or when the aircraft does not fly.
     pub fn state_at(
         &mut self,
         at_s: f64,
@@ -302,7 +301,7 @@ impl OwnshipEstimate {
             response.turn_rate_factor * STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad.clamp(-1.3, 1.3))
                 / speed
         };
-        // In a steady turn the measured rate tells more than the bank. While it rolls, the nose swings
+        // In a steady turn the measured rate is more accurate than the bank. While it rolls, the nose swings
         // later than the course, and may even swing to the other side.
         let offset_radps = if attitude.rolls {
             0.0
@@ -328,7 +327,7 @@ impl OwnshipEstimate {
             );
             course_rad += rate * step_s;
         }
-        // Unwrapped along the flight, so that stages can tell turns beyond 180°.
+        // Unwrapped along the flight, so that stages can express turns beyond 180°.
         let reference = self.last_course_rad.unwrap_or(course_rad);
         let course_rad = reference + wrap_pi(course_rad - reference);
         self.last_course_rad = Some(course_rad);
@@ -398,7 +397,7 @@ mod tests {
         assert!((estimate.home_altitude_m().unwrap() - 4.0).abs() < 1e-9);
     }
 
-    /// As ArduPlane tells its place before and after the first fix.
+    /// ArduPlane's reported place before and after the first fix.
     #[test]
     fn the_frame_is_laid_where_the_aircraft_is() {
         let mut estimate = OwnshipEstimate::default();
@@ -413,7 +412,7 @@ mod tests {
             "it cannot have flown there"
         );
         assert!(!estimate.lay_frame_anew());
-        // Told again and again, it is believed.
+        // After repeated reports it counts.
         for n in 81_u32..120 {
             estimate.take_position(&place(n * 100), f64::from(n) * 0.1);
         }

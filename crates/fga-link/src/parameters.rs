@@ -1,4 +1,4 @@
-//! The vehicle's parameters: asked for by name until they are known.
+//! The vehicle's parameters: requested by name until they are known.
 
 use alloc::collections::BTreeMap;
 
@@ -8,8 +8,8 @@ use mavlink::dialects::ardupilotmega::{MavMessage, PARAM_REQUEST_READ_DATA, PARA
 use crate::config::Config;
 use crate::outgoing::{AUTOPILOT, Outbox};
 
-/// What is asked for. Where a figure has had two names, the newer comes first; the older one is
-/// scaled by the factor beside it.
+/// The requested parameters. If a figure has two names, the newer comes first; the factor beside the older
+/// one scales it.
 const WANTED: [(&str, &str, f64); 17] = [
     ("ROLL_LIMIT_DEG", "LIM_ROLL_CD", 0.01),
     ("PTCH_LIM_MAX_DEG", "LIM_PITCH_MAX", 0.01),
@@ -29,24 +29,24 @@ const WANTED: [(&str, &str, f64); 17] = [
     ("STALL_PREVENTION", "STALL_PREVENTION", 1.0),
     ("AIRSPEED_STALL", "AIRSPEED_STALL", 1.0),
 ];
-/// Without these it does not act: bank limit and cruise airspeed.
+/// It does not act without these: bank limit and cruise airspeed.
 const NEEDED: [&str; 2] = ["ROLL_LIMIT_DEG", "AIRSPEED_CRUISE"];
 /// Requests sent at once, time for their answers, and rounds before a name counts as absent.
 const BATCH: usize = 4;
 const ANSWER_S: f64 = 0.3;
 const MOST_ROUNDS: u8 = 20;
-/// Kept below the vehicle's own bank limit, degrees.
+/// Reserve below the vehicle's own bank limit, degrees.
 const BELOW_LIMIT_DEG: f64 = 2.0;
-/// A bank in need that is not steeper by this is not worth limits of its own, radians (2°).
+/// A bank in need must be steeper by at least this, radians (2°).
 const CLEARLY_STEEPER_RAD: f64 = 0.035;
-/// The autopilot prevents a stall: it lets no bank need more lift than the wing has at the airspeed.
-/// It always lets this much, degrees.
+/// The autopilot prevents a stall: no bank may need more lift than the wing has at the airspeed.
+/// It always allows this much, degrees.
 const ALWAYS_LET_DEG: f64 = 25.0;
-/// The airspeed falls in a turn: so much of it is counted on.
+/// The airspeed falls in a turn: the plan uses this share of it.
 const AIRSPEED_SHARE: f64 = 0.97;
 /// Rate of change of the climb angle, radians per second: a second and a half to 15°.
 const CLIMB_RATE_RADPS: f64 = 0.17;
-/// Part of the vehicle's climb and sink rates that is planned with.
+/// Share of the vehicle's climb and sink rates in the plan.
 const CLIMB_SHARE: f64 = 0.8;
 
 /// The parameters known so far.
@@ -63,12 +63,12 @@ impl VehicleParameters {
         self.values.get(name).copied()
     }
 
-    /// Whether every name has been answered or given up; what is needed to act is never given up.
+    /// Whether every name has an answer or was given up; the needed ones are never given up.
     pub fn is_complete(&self) -> bool {
         WANTED.iter().all(|row| self.is_settled(row.0))
     }
 
-    /// Whether all is known that is needed to act.
+    /// Whether everything needed to act is known.
     pub fn is_sufficient(&self) -> bool {
         NEEDED.iter().all(|name| self.values.contains_key(name))
     }
@@ -82,7 +82,7 @@ impl VehicleParameters {
                     .is_some_and(|rounds| *rounds >= MOST_ROUNDS)
     }
 
-    /// Takes a value; `true` where it is one of those asked for.
+    /// Takes a value; `true` if it was requested.
     pub fn take(&mut self, data: &PARAM_VALUE_DATA) -> bool {
         let (Ok(name), value) = (data.param_id.to_str(), f64::from(data.param_value)) else {
             return false;
@@ -103,7 +103,7 @@ impl VehicleParameters {
         false
     }
 
-    /// Asks for what is not known.
+    /// Requests unknown values.
     pub fn tick(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) {
         if now_s < self.again_s || self.is_complete() {
             return;
@@ -118,7 +118,7 @@ impl VehicleParameters {
             let rounds = self.rounds.entry(newer).or_default();
             let first = rounds.is_multiple_of(2);
             *rounds = rounds.wrapping_add(1);
-            // By both names at once, where nothing can begin without it.
+            // By both names at once, if nothing can begin without it.
             let both = NEEDED.contains(newer);
             for name in [
                 (first || both).then_some(*newer),
@@ -135,8 +135,8 @@ impl VehicleParameters {
         }
     }
 
-    /// The largest bank that the autopilot's stall prevention lets, degrees: the load 1/cos φ is no more
-    /// than the square of airspeed over stall speed.
+    /// The largest bank under the autopilot's stall prevention, degrees: the load 1/cos φ is at most
+    /// the square of airspeed over stall speed.
     fn stall_limit_deg(&self, airspeed_mps: f64) -> f64 {
         let known = |name| self.get(name).filter(|value| *value > 1.0);
         let stall_mps = known("AIRSPEED_STALL").or_else(|| known("AIRSPEED_MIN"));
@@ -149,13 +149,12 @@ impl VehicleParameters {
             .max(ALWAYS_LET_DEG)
     }
 
-    /// The largest bank that is commanded at an airspeed, radians; `None` until the vehicle's limit
-    /// is known.
+    /// The largest bank to command at an airspeed, radians; `None` until the vehicle's limit is known.
     pub fn bank_limit_rad(&self, config: &Config, airspeed_mps: f64) -> Option<f64> {
         self.bank_rad(config.vehicle.max_bank_deg, airspeed_mps)
     }
 
-    /// The largest bank in need at an airspeed, radians; `None` where it is not clearly more than the
+    /// The largest bank in need at an airspeed, radians; `None` if it is not clearly steeper than the
     /// normal one.
     pub fn bank_in_need_rad(&self, config: &Config, airspeed_mps: f64) -> Option<f64> {
         let normal_rad = self.bank_limit_rad(config, airspeed_mps)?;
@@ -170,7 +169,7 @@ impl VehicleParameters {
         Some(deg.clamp(5.0, 70.0).to_radians())
     }
 
-    /// The vehicle's limits as the core takes them, at an airspeed.
+    /// The vehicle's limits for the core, at an airspeed.
     pub fn vehicle(
         &self,
         config: &Config,
@@ -291,7 +290,7 @@ mod tests {
         assert!((limit_deg(&parameters, 11.5) - 45.0).abs() < 1e-9);
     }
 
-    /// By the vehicle's limit, by its stall prevention, and not where there is nothing more.
+    /// By the vehicle's limit, by its stall prevention, and `None` if there is no more.
     #[test]
     fn the_bank_in_need_is_what_the_vehicle_lets() {
         let mut parameters = VehicleParameters::default();
@@ -322,7 +321,7 @@ mod tests {
         let asked = outbox.take().len() + usize::try_from(outbox.dropped).unwrap();
         // 15 names some times each; bank limit and cruise airspeed every time, by both names.
         assert_eq!(asked, 15 * usize::from(MOST_ROUNDS) + 2 * 2 * 200);
-        // A request or an answer that is lost every time for long does not keep it on the ground.
+        // A request or an answer that is lost for a long time does not keep it on the ground.
         parameters.take(&value("ROLL_LIMIT_DEG", 45.0));
         parameters.take(&value("AIRSPEED_CRUISE", 22.0));
         assert!(parameters.is_complete() && parameters.is_sufficient());

@@ -1,5 +1,5 @@
-//! Plays a script of traffic in real time: to a MAVLink endpoint, to whoever connects for
-//! BaseStation lines, or both.
+//! Plays a script of traffic in real time: to a MAVLink endpoint, to readers of BaseStation lines, or
+//! both.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
@@ -23,7 +23,7 @@ const COMPONENT: u8 = 156;
 const MOST_READERS: usize = 16;
 const STEP: Duration = Duration::from_millis(20);
 
-/// What is played.
+/// The script.
 #[derive(Debug, Clone)]
 pub enum Script {
     /// Aircraft on paths.
@@ -32,10 +32,10 @@ pub enum Script {
     Log(Vec<LoggedLine>),
 }
 
-/// How it is played.
+/// The settings of the playing.
 #[derive(Debug, Clone)]
 pub struct PlayOptions {
-    /// Where `ADSB_VEHICLE` goes.
+    /// Endpoint for `ADSB_VEHICLE`.
     pub to: Option<Endpoint>,
     /// Address on which BaseStation lines are served.
     pub serve_sbs: Option<String>,
@@ -101,7 +101,7 @@ impl Outputs {
     }
 }
 
-/// Plays until the script ends or `stop` is set; hands back how many messages were sent.
+/// Plays until the script ends or `stop` is set; returns the number of sent messages.
 ///
 /// # Errors
 /// An endpoint or an address that cannot be opened.
@@ -110,7 +110,7 @@ pub fn play(script: &Script, options: &PlayOptions, stop: &AtomicBool) -> io::Re
         Some(endpoint) => Some(open(endpoint)?),
         None => None,
     };
-    // The reading half connects, and is needed for nothing else.
+    // The reading half only connects.
     let (mut reader, writer) = match writer {
         Some((reader, writer)) => (Some(reader), Some(writer)),
         None => (None, None),

@@ -1,6 +1,6 @@
 //! Plays traffic: the paper's third script, with more to play.
 //!
-//! | script | played |
+//! | script | content |
 //! |---|---|
 //! | straight lines | from a place, on a track, at a speed |
 //! | recorded tracks | JSON rows of state vectors (as those of the OpenSky network) |
@@ -33,7 +33,7 @@ const KNOT_MPS: f64 = 1852.0 / 3600.0;
 pub struct Sample {
     /// Time from the start of the script, seconds.
     pub time_s: f64,
-    /// Where it is.
+    /// Its position.
     pub place: Geodetic,
     /// Velocity east, north, up, metres per second.
     pub velocity_mps: Vec3,
@@ -54,7 +54,7 @@ pub struct Played {
 const LONGEST_GAP_S: f64 = 30.0;
 
 impl Played {
-    /// Where it is at a time; `None` before, after, and in long gaps.
+    /// Its state at a time; `None` before, after, and in long gaps.
     pub fn at(&self, time_s: f64) -> Option<Sample> {
         let after = self
             .samples
@@ -89,7 +89,7 @@ impl Played {
         }
     }
 
-    /// When it was last heard of, seconds; infinite for a straight line.
+    /// Time of its last report, seconds; infinite for a straight line.
     pub fn end_s(&self) -> f64 {
         match self.samples.as_slice() {
             [] => 0.0,

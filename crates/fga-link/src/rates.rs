@@ -1,8 +1,8 @@
-//! Message rates: asked for until they are measured to arrive.
+//! Message rates: requested until measured.
 //!
-//! An acknowledgement says nothing that counts: requests and answers get lost, a vehicle forgets its
-//! rates when it restarts, and it may send a message at another rate than the one asked for. So only
-//! arrivals are believed, and a message that does not come as often as it should is asked for again.
+//! An acknowledgement does not count: requests and answers get lost, a vehicle forgets its
+//! rates when it restarts, and it may send a message at another rate than the requested one. Only
+//! arrivals count, and a message that does not come often enough is requested again.
 
 use alloc::collections::VecDeque;
 
@@ -12,17 +12,17 @@ use crate::commands::Command;
 use crate::number::single;
 use crate::outgoing::Outbox;
 
-/// A message that is asked for.
+/// A requested message.
 #[derive(Debug, Clone, Copy)]
 struct Stream {
     message_id: f32,
     interval_s: f64,
 }
 
-/// Places of the messages that tell attitude and position.
+/// Indices of the messages with attitude and position.
 const ATTITUDE: usize = 0;
 const POSITION: usize = 1;
-/// The messages and their intervals; the heartbeat more often than usual, because it tells the mode.
+/// The messages and their intervals; the heartbeat more often than usual, because it has the mode.
 const STREAMS: [Stream; 11] = [
     Stream {
         message_id: 30.0,
@@ -71,7 +71,7 @@ const STREAMS: [Stream; 11] = [
     },
 ];
 
-/// Which of [`STREAMS`] a message belongs to.
+/// The index in [`STREAMS`] of a message.
 const fn slot(message: &MavMessage) -> Option<usize> {
     Some(match message {
         MavMessage::ATTITUDE(_) => ATTITUDE,
@@ -89,25 +89,25 @@ const fn slot(message: &MavMessage) -> Option<usize> {
     })
 }
 
-/// A message arrives as asked for when half of its gaps are no longer than this many intervals.
+/// A message arrives as requested if half of its gaps are at most this many intervals.
 const ENOUGH: f64 = 1.3;
-/// Gaps that this is judged by.
+/// Number of gaps for this judgement.
 const JUDGED_GAPS: usize = 5;
-/// A request takes this long to show, seconds and intervals of the message.
+/// Time for a request to take effect, seconds and intervals of the message.
 const SHOWS_AFTER_S: f64 = 0.4;
 const SHOWS_AFTER_INTERVALS: f64 = 2.2;
-/// Requests at that pace; then the pause, so that a vehicle which cannot send more is not pestered,
+/// Requests at that pace; then the pause, so that they do not pester a vehicle that cannot send more,
 /// seconds.
 const BRISK_REQUESTS: u32 = 20;
 const PAUSE_S: f64 = 5.0;
-/// Arrivals are remembered for this long, s, and at most this many.
+/// Memory of arrivals, s, and their largest number.
 const MEMORY_S: f64 = 4.0;
 const MOST_ARRIVALS: usize = 256;
-/// Gaps from which a rate is known.
+/// Least number of gaps for a rate.
 const KNOWN_GAPS: usize = 3;
-/// Position and attitude that come less often than this cannot be flown by, seconds.
+/// Longest usable interval of position and attitude, seconds.
 pub const USABLE_INTERVAL_S: f64 = 0.5;
-/// Once usable, it stays so until it is slower by this factor: no coming and going at the limit.
+/// Once usable, a rate stays usable until it is slower by this factor, so that it does not flicker.
 const HYSTERESIS: f64 = 1.3;
 
 /// Arrivals of one message.
@@ -115,10 +115,10 @@ const HYSTERESIS: f64 = 1.3;
 struct Arrivals {
     /// Times of arrival, oldest first, seconds.
     at_s: VecDeque<f64>,
-    /// Requests since it last arrived as asked for.
+    /// Requests since it last arrived as requested.
     requests: u32,
     again_s: Option<f64>,
-    /// The interval that was measured last, seconds.
+    /// The last measured interval, seconds.
     interval_s: Option<f64>,
 }
 
@@ -143,8 +143,8 @@ impl Arrivals {
             .map(|(before_s, after_s)| after_s - before_s)
     }
 
-    /// The gap in which half of the time passed, the longest left out: one outage is no rate, and
-    /// messages that come in bursts come no more often than the bursts.
+    /// The gap in which half of the time passed, without the longest one: one outage is no rate, and
+    /// messages in bursts come as often as the bursts.
     fn measured_s(&self) -> Option<f64> {
         let mut gaps_s: Vec<f64> = self.gaps_s().collect();
         if gaps_s.len() < KNOWN_GAPS {
@@ -171,7 +171,7 @@ impl Arrivals {
     }
 }
 
-/// Asks for messages and measures how they arrive.
+/// Requests messages and measures their arrivals.
 #[derive(Debug, Clone, Default)]
 pub struct Rates {
     arrivals: [Arrivals; STREAMS.len()],
@@ -194,13 +194,13 @@ impl Rates {
         }
     }
 
-    /// Forgets what was measured: the vehicle started again.
+    /// Forgets the measurements: the vehicle restarted.
     pub fn restart(&mut self) {
         *self = Self::default();
     }
 
-    /// Asks for every message that does not arrive as it should; `attitude_s` is the interval that
-    /// attitudes are wanted at, seconds.
+    /// Requests every message that does not arrive as it should; `attitude_s` is the wanted interval of
+    /// attitudes, seconds.
     pub fn tick(&mut self, attitude_s: f64, now_s: f64, target_system: u8, outbox: &mut Outbox) {
         for (index, (stream, arrivals)) in STREAMS.iter().zip(&mut self.arrivals).enumerate() {
             let asked_s = if index == ATTITUDE {
@@ -228,21 +228,21 @@ impl Rates {
                 stream.message_id,
                 single(asked_s * 1e6),
             );
-            // The first one may have got lost: from then on twice.
+            // The first request may have got lost: from then on send two.
             for _ in 0..arrivals.requests.min(2) {
                 outbox.send(command.message(target_system, 0));
             }
         }
     }
 
-    /// The longer of the intervals of attitude and position as measured, seconds; `None` before both
+    /// The longer of the measured intervals of attitude and position, seconds; `None` before both
     /// are known.
     pub fn interval_s(&self) -> Option<f64> {
         let measured = |index: usize| self.arrivals.get(index).and_then(|a| a.interval_s);
         Some(measured(ATTITUDE)?.max(measured(POSITION)?))
     }
 
-    /// Whether attitude and position are measured to come often enough to fly by.
+    /// Whether attitude and position come often enough to fly by.
     pub const fn is_usable(&self) -> bool {
         self.usable
     }

@@ -41,7 +41,7 @@ impl Default for Sticks {
     }
 }
 
-/// What a key asks for beyond moving a stick.
+/// The effect of a key besides moving a stick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
     /// Nothing more.
@@ -65,7 +65,7 @@ fn moved(value: u16, up: bool) -> u16 {
 }
 
 impl Keyboard {
-    /// The sticks held now; `None` while the transmitter has them.
+    /// The held sticks; `None` while the transmitter has them.
     pub const fn sticks(&self) -> Option<Sticks> {
         self.sticks
     }

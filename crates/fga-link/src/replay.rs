@@ -1,4 +1,4 @@
-//! The decisions of a recorded flight, made again from its telemetry log.
+//! Repeats the decisions of a recorded flight from its telemetry log.
 
 use std::io::{self, Read};
 
@@ -8,12 +8,12 @@ use crate::Companion;
 use crate::outgoing::OWN_COMPONENT;
 use crate::tlog::TlogReader;
 
-/// Time between the ticks that are put between the recorded messages, seconds.
+/// Time between the inserted ticks, seconds.
 const TICK_S: f64 = 0.02;
-/// A longer pause in a log is a new flight, seconds: ticks are not put into it.
+/// A longer pause in a log is a new flight, seconds: no ticks in it.
 const LONGEST_PAUSE_S: f64 = 60.0;
 
-/// What a replay did.
+/// The result of a replay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Replayed {
     /// Frames taken.
@@ -22,13 +22,13 @@ pub struct Replayed {
     pub skipped: u64,
 }
 
-/// Feeds a telemetry log to a companion and hands each line of its decision log to `line`.
+/// Feeds a telemetry log to a companion and passes each line of its decision log to `line`.
 ///
-/// What the companion of the recorded flight sent is left out; what this one would send goes
+/// Skips the messages of the recorded flight's companion; this one's messages go
 /// nowhere.
 ///
 /// # Errors
-/// A log that cannot be read, or what `line` says.
+/// An unreadable log, or an error of `line`.
 pub fn replay(
     log: impl Read,
     companion: &mut Companion,

@@ -1,10 +1,10 @@
-//! How the vehicle follows, estimated in flight: turn-rate factor and bank lag.
+//! The vehicle's response, estimated in flight: turn-rate factor and bank lag.
 //!
-//! The factor is the measured rate of turn over g·tan φ/V while the bank is steady; dead time and
-//! lag come from how fast the bank goes to what the companion commands: of some dead times the one
-//! is taken with which a first-order lag explains the rolling best. All start from the
-//! configuration's conservative figures and move to the estimate as evidence comes in; of the
-//! factor a little is always kept in hand.
+//! The factor is the measured rate of turn over g·tan φ/V while the bank is steady. Dead time and
+//! lag come from the rate at which the bank approaches the commands: of several dead times the estimate
+//! takes the one with which a first-order lag explains the rolling best. All start from the
+//! configuration's conservative figures and move to the estimate with the evidence; the plan keeps a small
+//! reserve of the factor.
 
 use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2};
 
@@ -14,30 +14,30 @@ use crate::config::ResponseConfig;
 const LEAST_BANK_RAD: f64 = 0.15;
 /// The bank is steady when it changes slower than this, radians per second.
 const STEADY_RADPS: f64 = 0.08;
-/// Banked seconds after which the estimate counts as much as the starting value.
+/// Seconds in a bank after which the estimate weighs as much as the starting value.
 const FACTOR_EVIDENCE_S: f64 = 4.0;
-/// Part of the estimated factor that is planned with.
+/// Share of the estimated factor in the plan.
 const IN_HAND: f64 = 0.97;
-/// Until a steep bank has been flown, it is expected to turn by this much of what the normal bank's factor
-/// says, and its lag to be longer by this, seconds: at 45° and less nothing tells either.
+/// Before a steep bank was flown: the share of the normal bank's factor that it is expected to reach, and its
+/// additional lag, seconds. Flight at 45° and less does not show either.
 const STEEP_SHARE: f64 = 0.9;
 const STEEP_LAG_S: f64 = 0.1;
-/// Part of the estimated factor of a steep bank that is planned with: it is flown for seconds only.
+/// Share of a steep bank's estimated factor in the plan: the aircraft flies it only for seconds.
 const STEEP_IN_HAND: f64 = 0.95;
 const FACTOR_RANGE: (f64, f64) = (0.4, 1.05);
 const LAG_RANGE_S: (f64, f64) = (0.1, 2.5);
-/// Dead times that are tried, seconds.
+/// The candidate dead times, seconds.
 const DEAD_TIMES_S: [f64; 10] = [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6];
 /// Errors of the bank below this tell little about the lag, radians.
 const LEAST_ERROR_RAD: f64 = 0.08;
-/// Rolling as long as this tells the dead time: error squared by time, rad² s.
+/// Enough rolling for a dead time: error squared by time, rad² s.
 const DEAD_TIME_EVIDENCE: f64 = 0.5;
 /// Rolling is forgotten beyond this, rad² s.
 const ROLLING_MEMORY: f64 = 5.0;
-/// Longest gap between attitudes that is used, seconds.
+/// Longest usable gap between attitudes, seconds.
 const LONGEST_GAP_S: f64 = 0.35;
 
-/// What is known about the response so far.
+/// The present knowledge of the response.
 #[derive(Debug, Clone)]
 pub struct ResponseEstimate {
     start: Response,
@@ -67,8 +67,8 @@ impl ResponseEstimate {
         }
     }
 
-    /// Takes one attitude: bank and rate of turn (left positive), airspeed, and the bank that was
-    /// commanded this many seconds before, where known.
+    /// Takes one attitude: bank and rate of turn (left positive), airspeed, and the bank command
+    /// this many seconds before, if known.
     pub fn observe(
         &mut self,
         measured_s: f64,
@@ -116,7 +116,7 @@ impl ResponseEstimate {
     ) {
         let mut errors = [0.0; DEAD_TIMES_S.len()];
         for (error, dead_s) in errors.iter_mut().zip(DEAD_TIMES_S) {
-            // All of them or none: they are compared.
+            // All of them or none, because they are compared.
             let Some(commanded_rad) = commanded_before(dead_s) else {
                 return;
             };
@@ -139,7 +139,7 @@ impl ResponseEstimate {
 
     /// The dead time that explains the rolling best, with its sums.
     fn best_rolling(&self) -> (f64, (f64, f64)) {
-        // What the fit φ̇ = e/τ explains of Σ φ̇².
+        // The part of Σ φ̇² that the fit φ̇ = e/τ explains.
         let explained = |row: &(f64, f64)| row.0.max(0.0) * row.0 / row.1.max(1e-9);
         DEAD_TIMES_S
             .into_iter()
@@ -149,13 +149,13 @@ impl ResponseEstimate {
             .unwrap_or((self.start.dead_time_s, (0.0, 0.0)))
     }
 
-    /// The response to plan with.
+    /// The response for the plan.
     pub fn response(&self) -> Response {
         self.response_from(self.start, IN_HAND)
     }
 
     /// The response of banks steeper than the normal one, of which this is the estimate; `normal` is the one
-    /// of banks up to that. What is not known is taken to be worse: a turn that is tighter than planned
+    /// of banks up to that. Unknown parts are assumed worse: a turn that is tighter than planned
     /// passes farther off. The dead time is the same.
     pub fn steep_response(&self, normal: Response) -> Response {
         let start = Response {
@@ -182,7 +182,7 @@ impl ResponseEstimate {
         }
         let (dead_time_s, rolling) = self.best_rolling();
         response.dead_time_s = dead_time_s;
-        // As if the starting lag had been seen in a second of rolling at half a radian of error.
+        // As if a second of rolling at half a radian of error had shown the starting lag.
         let weight = 0.25;
         let cross = rolling.0 + weight / start.bank_time_constant_s.max(0.1);
         if cross > 1e-3 {

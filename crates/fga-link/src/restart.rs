@@ -1,17 +1,17 @@
-//! What a restarted program must know: the mode that it owes.
+//! The note for a restarted program: the owed mode.
 //!
-//! The note is written before a mode is taken and removed after it was given back. It is dated by the
-//! vehicle's clock, so that it does not depend on a computer without a clock of its own.
+//! The program writes the note before it takes a mode and removes it after the return. The vehicle's clock
+//! dates it, so that it does not depend on a computer without a clock.
 
 use serde::{Deserialize, Serialize};
 
 use crate::authority::Owed;
 use crate::mode::Mode;
 
-/// A note that is older than this says nothing any more, milliseconds of the vehicle's clock.
+/// An older note has no meaning, milliseconds of the vehicle's clock.
 const LIFETIME_MS: u32 = 600_000;
 
-/// The mode that is owed to a vehicle.
+/// The mode owed to a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Note {
     /// System id of the vehicle.
@@ -25,7 +25,7 @@ pub struct Note {
 }
 
 impl Note {
-    /// A note of what is owed, at a time of the vehicle's clock.
+    /// A note of a debt, at a time of the vehicle's clock.
     pub const fn new(owed: Owed, boot_ms: u32) -> Self {
         Self {
             system_id: owed.system_id,
@@ -35,12 +35,12 @@ impl Note {
         }
     }
 
-    /// Whether it speaks of this vehicle in this mode.
+    /// Whether it concerns this vehicle in this mode.
     pub const fn fits(&self, system_id: u8, mode: Mode) -> bool {
         self.system_id == system_id && self.owned_mode == mode.0
     }
 
-    /// Whether it still counts: the vehicle was not started since, and not much time has passed.
+    /// Whether it still counts: the vehicle has not restarted since, and little time has passed.
     pub const fn counts(&self, boot_ms: u32) -> bool {
         boot_ms >= self.boot_ms && boot_ms - self.boot_ms <= LIFETIME_MS
     }

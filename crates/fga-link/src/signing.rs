@@ -1,8 +1,8 @@
-//! MAVLink 2 message signing, with timestamps that outlive the program.
+//! MAVLink 2 message signing, with timestamps that survive the program.
 //!
-//! A signed frame carries a time that only grows, for each stream of a link, a system and a component.
-//! A frame that is not newer than the last of its stream is a replay. What was heard last is kept on
-//! the disk ([`Timestamps`]), so that a program that is started again refuses what it heard before.
+//! A signed frame carries an increasing time for each stream of a link, a system and a component.
+//! A frame that is not newer than the last of its stream is a replay. The disk keeps the last times
+//! ([`Timestamps`]), so that a restarted program refuses what it heard before.
 
 use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
@@ -17,15 +17,15 @@ const FLAG_SIGNED: u8 = 0x01;
 /// Timestamps count tens of microseconds since the beginning of 2015.
 const BEGIN_UNIX_US: u128 = 1_420_070_400_000_000;
 const TICKS_PER_S: u64 = 100_000;
-/// A stream that was not heard before may be this much behind the newest of all.
+/// A new stream may be this much behind the newest of all.
 const NEW_STREAM_BEHIND: u64 = 60 * TICKS_PER_S;
-/// What is kept on the disk is ahead of what was heard by this: more than the time to the next keeping,
-/// so that no frame which was heard before a sudden end is new afterwards.
+/// The saved timestamps are ahead of the heard ones by this: more than the time to the next saving,
+/// so that no frame from before a sudden end is new afterwards.
 const KEPT_AHEAD: u64 = TICKS_PER_S;
-/// Streams that are remembered; only a holder of the key can begin one.
+/// Most remembered streams; only a holder of the key can begin one.
 const MOST_STREAMS: usize = 256;
 
-/// The newest timestamps, as they are kept on the disk.
+/// The newest timestamps, as saved on the disk.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Timestamps {
     /// Of a frame sent.
@@ -37,7 +37,7 @@ pub struct Timestamps {
 #[derive(Default)]
 struct State {
     sent: u64,
-    /// Nothing older is accepted from a stream that is new after a restart.
+    /// After a restart a new stream must be newer than this.
     floor: u64,
     heard: BTreeMap<(u8, u8, u8), u64>,
 }
@@ -49,7 +49,7 @@ struct Inner {
     state: Mutex<State>,
 }
 
-/// Key and state of MAVLink 2 message signing, and whether unsigned frames are still taken.
+/// Key and state of MAVLink 2 message signing, and whether it accepts unsigned frames.
 #[derive(Clone)]
 pub struct Signing(Arc<Inner>);
 
@@ -68,7 +68,7 @@ fn now() -> u64 {
 }
 
 impl Signing {
-    /// Signs what is sent with `key` and refuses what is not signed with it, unless `allow_unsigned`.
+    /// Signs outgoing frames with `key` and refuses frames without its signature, unless `allow_unsigned`.
     pub fn new(key: [u8; 32], link_id: u8, allow_unsigned: bool) -> Self {
         Self(Arc::new(Inner {
             key,
@@ -82,7 +82,7 @@ impl Signing {
         self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Goes on from what an earlier run kept.
+    /// Continues from the saved timestamps of an earlier run.
     pub fn go_on_from(&self, kept: &Timestamps) {
         let mut state = self.state();
         state.sent = state.sent.max(kept.sent);
@@ -93,7 +93,7 @@ impl Signing {
         }
     }
 
-    /// What a later run has to know.
+    /// The timestamps for a later run.
     pub fn timestamps(&self) -> Timestamps {
         let state = self.state();
         Timestamps {
@@ -108,7 +108,7 @@ impl Signing {
         }
     }
 
-    /// Whether a frame is to be believed; a signed one is heard by this.
+    /// Whether to believe a frame; a believed signed frame counts as heard.
     pub fn accepts(&self, raw: &MAVLinkV2MessageRaw) -> bool {
         if raw.incompatibility_flags() & FLAG_SIGNED == 0 {
             return self.0.allow_unsigned;
@@ -139,7 +139,7 @@ impl Signing {
         is_new
     }
 
-    /// Signs a frame that was serialized for it.
+    /// Signs a serialized frame.
     pub fn sign(&self, raw: &mut MAVLinkV2MessageRaw) {
         let timestamp = {
             let mut state = self.state();
@@ -184,7 +184,7 @@ mod tests {
         let kept = before.timestamps();
         assert!(heard.iter().all(|raw| before.accepts(raw)));
         let kept_later = before.timestamps();
-        // Without what was kept, all of it would be new.
+        // Without the saved timestamps, all of it would be new.
         let forgetful = Signing::new([7; 32], 1, false);
         forgetful.go_on_from(&kept);
         assert!(forgetful.accepts(&heard[99]));
@@ -192,7 +192,7 @@ mod tests {
         after.go_on_from(&kept_later);
         assert!(!heard.iter().any(|raw| after.accepts(raw)));
         assert!(!after.accepts(&overheard));
-        // Also what was heard after the last keeping, within a second.
+        // Also frames from after the last saving, within a second.
         let later = frame(&vehicle, 1);
         assert!(before.accepts(&later));
         assert!(!after.accepts(&later));

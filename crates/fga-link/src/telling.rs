@@ -1,4 +1,4 @@
-//! Telling the world: texts, collision messages, values, and the decision log.
+//! Outgoing reports: texts, collision messages, values, and the decision log.
 
 use fga::avoider::Decision;
 use fga::situation::Obstacle;
@@ -55,7 +55,7 @@ pub fn collision(
 ) -> Option<MavMessage> {
     let threat = decision.record.threat?;
     let obstacle = obstacles.iter().find(|obstacle| obstacle.id == threat.id)?;
-    // Where both would be on straight lines when it is closest.
+    // Their positions on straight lines at the closest approach.
     let own_then_m = own.ownship.position_m + own.ground_velocity_mps * threat.closest_s;
     let offset_m = obstacle.position_after_m(threat.closest_s) - own_then_m;
     let horizontal_m = libm::hypot(offset_m.x, offset_m.y);

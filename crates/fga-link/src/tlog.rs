@@ -14,7 +14,7 @@ pub struct TlogWriter<W: Write> {
 }
 
 impl<W: Write> TlogWriter<W> {
-    /// A log that goes to `to`.
+    /// A log that writes to `to`.
     pub const fn new(to: W) -> Self {
         Self { to }
     }
@@ -22,16 +22,16 @@ impl<W: Write> TlogWriter<W> {
     /// Appends a frame.
     ///
     /// # Errors
-    /// What the writer underneath says.
+    /// Errors of the writer.
     pub fn write(&mut self, unix_us: u64, frame: &[u8]) -> io::Result<()> {
         self.to.write_all(&unix_us.to_be_bytes())?;
         self.to.write_all(frame)
     }
 
-    /// Hands what is buffered to the system.
+    /// Hands buffered data to the system.
     ///
     /// # Errors
-    /// What the writer underneath says.
+    /// Errors of the writer.
     pub fn flush(&mut self) -> io::Result<()> {
         self.to.flush()
     }
@@ -46,11 +46,11 @@ pub struct Logged {
     pub frame: Frame,
 }
 
-/// Reads a telemetry log; frames that are not understood are left out.
+/// Reads a telemetry log; skips unintelligible frames.
 #[derive(Debug)]
 pub struct TlogReader<R: Read> {
     from: R,
-    /// Frames that were not understood.
+    /// Number of unintelligible frames.
     pub skipped: u64,
 }
 
@@ -59,15 +59,15 @@ const VERSION_1: u8 = 0xFE;
 const VERSION_2: u8 = 0xFD;
 
 impl<R: Read> TlogReader<R> {
-    /// A log that comes from `from`.
+    /// A log that reads from `from`.
     pub const fn new(from: R) -> Self {
         Self { from, skipped: 0 }
     }
 
-    /// The next frame; `None` at the end, also at one that was cut.
+    /// The next frame; `None` at the end, also at a cut frame.
     ///
     /// # Errors
-    /// What the reader underneath says, or that this is no telemetry log.
+    /// Errors of the reader, or data that is no telemetry log.
     pub fn next_frame(&mut self) -> io::Result<Option<Logged>> {
         loop {
             let mut stamp = [0; 8];

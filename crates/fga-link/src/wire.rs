@@ -1,8 +1,8 @@
 //! Bytes to MAVLink 2 messages and back.
 //!
-//! [`Framer`] takes bytes as a socket or a serial port gives them, in pieces of any size, with
-//! noise between the frames, and yields whole messages whose checksum (and signature, where a key
-//! is set) is right. It never holds more than one frame and a read.
+//! [`Framer`] takes bytes from a socket or a serial port, in pieces of any size, with
+//! noise between the frames, and yields whole messages with a right checksum (and signature, if a key
+//! is set). It never holds more than one frame and a read.
 
 use mavlink::dialects::ardupilotmega::MavMessage;
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message};
@@ -15,7 +15,7 @@ const START: u8 = 0xFD;
 const HEADER_LENGTH: usize = 10;
 const CHECKSUM_LENGTH: usize = 2;
 const SIGNATURE_LENGTH: usize = 13;
-/// Flag of a signed frame; a frame with any other incompatibility flag must not be processed.
+/// Flag of a signed frame; a frame with any other incompatibility flag must be ignored.
 const FLAG_SIGNED: u8 = 0x01;
 /// Longest frame, bytes.
 pub const LONGEST_FRAME: usize = mavlink::consts::MAX_FRAME_SIZE;
@@ -37,16 +37,16 @@ impl Frame {
     }
 }
 
-/// What a [`Framer`] met.
+/// The counts of a [`Framer`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FrameCounts {
-    /// Messages handed on.
+    /// Messages passed on.
     pub good: u64,
     /// Bytes that belonged to no valid frame.
     pub skipped_bytes: u64,
     /// Frames with a wrong or missing signature.
     pub refused: u64,
-    /// Frames with a right checksum whose content is not of the dialect.
+    /// Frames with a right checksum and content outside of the dialect.
     pub not_understood: u64,
 }
 
@@ -68,12 +68,12 @@ impl Framer {
         }
     }
 
-    /// What was met so far.
+    /// The counts so far.
     pub const fn counts(&self) -> FrameCounts {
         self.counts
     }
 
-    /// Forgets a frame that was begun: for the end of a datagram or a connection.
+    /// Forgets a begun frame: for the end of a datagram or a connection.
     pub fn reset(&mut self) {
         self.counts.skipped_bytes += self.buffer.len() as u64;
         self.buffer.clear();
@@ -161,7 +161,7 @@ impl Framer {
     }
 }
 
-/// The bytes of a message, signed where a key is set.
+/// The bytes of a message, signed if a key is set.
 pub fn encode(
     header: MavHeader,
     message: &MavMessage,

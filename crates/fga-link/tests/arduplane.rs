@@ -1,15 +1,15 @@
 //! A real ArduPlane, where there is one:
 //! `FGA_SITL=tcp:127.0.0.1:5760 cargo test -p fga-link --test arduplane -- --ignored --nocapture`.
 //!
-//! A mission is uploaded, the vehicle is armed and takes off in AUTO. On one leg it meets an obstacle
+//! The test uploads a mission, arms the vehicle and takes off in AUTO. On one leg it meets an obstacle
 //! at rest, a head-on and an overtaking aircraft; then Algorithm 4 flies round a disc in CRUISE.
-//! Separation, recovery, mode and mission item are judged by the vehicle's own telemetry. Software in
+//! The vehicle's own telemetry shows separation, recovery, mode and mission item. Software in
 //! the loop only: never with an aircraft. A second flight meets a fence, a pilot who changes the mode
-//! in a manoeuvre, and the death of the companion; each flight needs an ArduPlane that has just been
-//! started (name the test to fly one of them).
+//! in a manoeuvre, and the death of the companion; each flight needs a freshly started ArduPlane
+//! (name the test to fly one of them).
 //!
-//! The same courses are flown against the ArduPlane-like emulator over TCP, step by step, in every run
-//! of the tests.
+//! Every run of the tests flies the same courses against the ArduPlane-like emulator over TCP, step by
+//! step.
 #![allow(
     deprecated,
     clippy::cast_possible_truncation,
@@ -36,16 +36,16 @@ use ground::{ALTITUDE_M, AUTO, CRUISE, FBWB, GUIDED, Ground, listen};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
 
-/// The leg on which all is met ends at this item.
+/// The leg of all encounters ends at this item.
 const LEG_ITEM: u16 = 3;
 const PROTECTED_M: f64 = 60.0;
 /// The disc that Algorithm 4 flies round.
 const DISC_M: f64 = 150.0;
 /// The throttle stick that asks for 22 m/s between 10 and 30 m/s.
 const CRUISE_THROTTLE_US: u16 = 1600;
-/// The fence stands so far east of the leg, metres.
+/// Distance of the fence to the east of the leg, metres.
 const FENCE_EAST_M: f64 = 45.0;
-/// Without its companion the vehicle stays within this of where it was taken over, metres: it
+/// Without its companion the vehicle stays within this distance of the take-over, metres: it
 /// circles there.
 const STAYS_M: f64 = 150.0;
 /// Back on the leg: this close, this well aligned, this soon after the threat has passed.
@@ -66,7 +66,7 @@ enum Clock {
     },
 }
 
-/// What is met: a path, and whether it is reported as traffic.
+/// An encounter: a path, and whether traffic reports it.
 struct Threat {
     path: Played,
     reported: bool,
@@ -86,7 +86,7 @@ struct Bench {
     least_m: (f64, f64),
     /// When the companion last commanded anything, seconds.
     commanded_s: f64,
-    /// The pilot's throttle stick, where it is held.
+    /// The pilot's throttle stick, if held.
     throttle_us: Option<u16>,
     /// The companion is dead: it hears and sends nothing.
     dead: bool,
@@ -322,7 +322,7 @@ fn take_off(bench: &mut Bench) -> Geodetic {
     home
 }
 
-/// The mission is left once and resumed, the threat is kept clear of, the leg is flown again.
+/// The vehicle leaves the mission once and resumes it, keeps clear of the threat, and flies the leg again.
 fn judge_encounter(bench: &mut Bench, home: Geodetic, what: &str) {
     bench.run(90.0, "the take-over", |b| b.ground.mode == GUIDED);
     bench.run(120.0, "the return", |b| b.ground.mode == AUTO);
@@ -341,7 +341,7 @@ fn judge_encounter(bench: &mut Bench, home: Geodetic, what: &str) {
     assert_eq!(bench.ground.modes, [GUIDED, AUTO], "{what}");
     assert_eq!(bench.ground.item, LEG_ITEM, "{what}");
     bench.threat = None;
-    // The track is dropped, and all is quiet.
+    // The track is dropped, and nothing more happens.
     bench.run_for(25.0);
     assert_eq!(bench.ground.mode, AUTO, "{what}");
 }
@@ -405,7 +405,7 @@ fn fly_the_course(bench: &mut Bench) {
     fly_algorithm_4(bench);
 }
 
-/// The fence is in the way of the nearer turn; it is kept, and so is the distance.
+/// The fence blocks the nearer turn; the aircraft keeps clear of it and of the threat.
 fn meet_a_fence(bench: &mut Bench, home: Geodetic) {
     let corners = [
         (-500.0, -1000.0),
@@ -429,8 +429,8 @@ fn meet_a_fence(bench: &mut Bench, home: Geodetic) {
     assert!(bench.east_m < FENCE_EAST_M);
 }
 
-/// Something at rest in the way, and the aircraft in the turn that avoids it; hands back where it
-/// was taken over.
+/// An obstacle at rest ahead, and the aircraft in the turn that avoids it; returns the place of the
+/// take-over.
 fn turn_away(bench: &mut Bench) -> Geodetic {
     let track_rad = bench.ground.track_rad();
     let ahead = Vec3::new(track_rad.sin(), track_rad.cos(), 0.0);
@@ -443,7 +443,7 @@ fn turn_away(bench: &mut Bench) -> Geodetic {
     here
 }
 
-/// The pilot changes the mode in the turn: from that message on nothing is commanded any more.
+/// The pilot changes the mode in the turn: from that message on the companion commands nothing.
 fn obey_the_pilot(bench: &mut Bench) {
     turn_away(bench);
     bench.change_mode(CRUISE);
@@ -460,7 +460,7 @@ fn obey_the_pilot(bench: &mut Bench) {
     bench.run_for(30.0);
 }
 
-/// The companion dies in the turn: the autopilot goes back to where it was taken over, and stays.
+/// The companion dies in the turn: the autopilot returns to the place of the take-over, and stays.
 fn die(bench: &mut Bench) {
     let here = turn_away(bench);
     let height_m = bench.ground.above_home_m;

@@ -16,16 +16,16 @@ use mavlink::dialects::ardupilotmega::{MavMessage, MavMissionType, MavParamType,
 const OWN_MPS: f64 = 25.0;
 const MEET_S: f64 = 70.0;
 const PROTECTED_M: f64 = 60.0;
-/// Back on the leg within this after the last intruder has passed, seconds: one intruder, and two, each of
-/// which may turn towards the way back.
+/// Back on the leg within this time after the last intruder has passed, seconds: for one intruder, and for two,
+/// each of which may turn towards the way back.
 const BACK_S: [f64; 2] = [35.0, 60.0];
-/// What no decision can gain, seconds: the first report that reaches the companion comes when the network
-/// lets it (measured), the next decision is this long after it at most, …
+/// Delays that no decision avoids, seconds: the first report arrives at the network's (measured) delay, the
+/// next decision comes at most this long after it, …
 const DECISION_PERIOD_S: f64 = 0.1;
-/// … and the mode and a target take the network's longest delay, with a step at either end. That a heartbeat
-/// is waited for is the companion's own loss.
+/// … and the mode and a target take the network's longest delay, with a step at either end. The wait for a
+/// heartbeat is the companion's own loss.
 const ONE_WAY_S: f64 = 0.24;
-/// Where the network lost a request for the mode, the next one comes this much later. More copies of it would
+/// After the network lost a request for the mode, the next one comes this much later. More copies of it would
 /// be faster, and one of them would arrive after the pilot's change more often.
 const SENT_AGAIN_S: f64 = 0.4;
 /// The first-order lag that comes closest to the roll of the emulator.
@@ -101,10 +101,10 @@ fn intruder(random: &mut Random, kind: Kind, icao: u32, shown_m: f64) -> Intrude
     other
 }
 
-/// What the oracle is asked.
+/// The input of the oracle.
 type Scene = (OracleStart, OracleVehicle, Vec<OracleObstacle>);
 
-/// The aircraft with its real limits, and the intruders, now.
+/// The aircraft with its real limits, and the present intruders.
 fn scene(world: &World, bank_rad: f64) -> Scene {
     let plant = world.emulator.plant();
     let settings = PlantSettings::default();
@@ -145,8 +145,8 @@ fn scene(world: &World, bank_rad: f64) -> Scene {
 
 #[derive(Debug)]
 struct Result {
-    /// Where separation was lost: the largest margin that is possible from the moment at which
-    /// all intruders are shown; `None` where that is not known (one that turns).
+    /// After a loss of separation: the largest possible margin from the moment when all intruders are
+    /// shown; `None` if unknown (one that turns).
     best_m: Option<f64>,
     seed: u32,
     kind: Kind,
@@ -160,7 +160,7 @@ struct Result {
     in_need: bool,
 }
 
-/// The vehicle's own limit, degrees: more than the bank that is normally commanded, or no more.
+/// The vehicle's own limit, degrees: steeper than the normal bank, or not.
 const NORMAL_LIMIT_DEG: f32 = 45.0;
 const STEEP_LIMIT_DEG: f32 = 65.0;
 
@@ -271,7 +271,7 @@ fn run(count: u32, shown: (f64, f64), limit_deg: f32) -> Vec<Result> {
 /// When the ground station uploads another mission on its own link, seconds.
 const UPLOAD_S: f64 = 20.0;
 
-/// How one encounter on a mission that is new ended.
+/// The end of one encounter on a new mission.
 #[derive(Debug)]
 struct OnNewMission {
     seed: u32,
@@ -282,8 +282,8 @@ struct OnNewMission {
     changes: usize,
 }
 
-/// An encounter on a leg that was uploaded on another link 50 s before: from where the aircraft is,
-/// turned by up to 25° to either side.
+/// An encounter on a leg that was uploaded on another link 50 s before: from the aircraft's position,
+/// rotated by up to 25° to either side.
 fn fly_new_mission(seed: u32) -> OnNewMission {
     let kind = KINDS[(seed % 6) as usize];
     let mut random = Random::new(u64::from(seed) * 7919 + 13);
@@ -309,7 +309,7 @@ fn fly_new_mission(seed: u32) -> OnNewMission {
     );
     let mut add = |world: &mut World, kind, icao, shown_m| {
         let mut other = intruder(&mut random, kind, icao, shown_m);
-        // It was laid on the old leg; where it would be now is turned with the leg.
+        // It belongs to the old leg; it rotates with the leg.
         let [x, y, z] = other.position_m;
         let [vx, vy, vz] = other.velocity_mps;
         let [x, y] = turned([x + vx * UPLOAD_S - from_m[0], y + vy * UPLOAD_S - from_m[1]]);

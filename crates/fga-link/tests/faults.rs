@@ -1,5 +1,5 @@
-//! Ways in which the vehicle or its mode was once lost, against the emulator in scaled time: each test
-//! is named after what was seen. What needs threads, files and signals is in `program.rs` and in the
+//! Faults in which an earlier version lost the vehicle or its mode, against the emulator in scaled time: each
+//! test is named after the observation. Tests with threads, files and signals are in `program.rs` and in the
 //! tests of the command line.
 
 mod common;
@@ -43,7 +43,7 @@ fn own_changes(world: &World) -> usize {
     changes.iter().filter(|c| c.component_id == 196).count()
 }
 
-/// What `FGA_STATE` said since a moment.
+/// The values of `FGA_STATE` since a moment.
 fn states_since(world: &World, since_s: f64) -> Vec<f32> {
     world
         .sent
@@ -195,7 +195,7 @@ fn roll_limit_deg_5_set_in_command() {
         states.iter().all(|state| [0.0, 5.0].contains(state)),
         "{states:?}"
     );
-    // A limit that can be flown again: it is ready again by itself.
+    // A flyable limit again: it is ready again by itself.
     set_parameter(&mut world, "ROLL_LIMIT_DEG", 55.0);
     world.run_while(6.0, "ready", |w| {
         w.companion.authority() != Authority::Ready
@@ -271,7 +271,7 @@ fn fga_enable_0_from_any_system() {
 fn a_step_that_comes_late_is_no_fault() {
     let mut world = in_command();
     for _ in 0..3 {
-        // The whole machine is busy: nothing is read and nothing decided.
+        // The whole machine is busy: it reads nothing and decides nothing.
         world.killed = true;
         world.run_until(world.time_s + 0.7);
         world.killed = false;
@@ -286,7 +286,7 @@ fn a_step_that_comes_late_is_no_fault() {
     assert_eq!(own_changes(&world), 2);
 }
 
-/// The program is killed, and another one begins after a while with the note that it left.
+/// The program is killed, and another one begins after a while with its note.
 fn restart(world: &mut World, after_s: f64, note: Option<Note>) {
     world.killed = true;
     world.run_until(world.time_s + after_s);
@@ -357,7 +357,7 @@ fn silences_of_ten_and_sixty_seconds_are_survived() {
         if silence_s > 30.0 {
             world.run_while(5.0, "AUTO", |w| w.mode() != Mode::Auto);
         }
-        // After ten seconds the manoeuvre is gone on with instead.
+        // After ten seconds the manoeuvre goes on instead.
         world.run_until(150.0);
         assert_eq!(world.mode(), Mode::Auto);
         assert_eq!(world.emulator.mode_changes().len(), 2);

@@ -1,5 +1,5 @@
 //! Whole flights against the emulator beyond the seeded encounters: manoeuvres in height, the floor,
-//! wind, the vehicle's fence, and the modes that may be taken over.
+//! wind, the vehicle's fence, and the modes of `take_over`.
 
 mod common;
 
@@ -18,7 +18,7 @@ fn head_on(mut world: World) -> World {
     world
 }
 
-/// What a flight was like.
+/// The observations of a flight.
 #[derive(Debug)]
 struct Flown {
     /// Least margin to a cylinder of 60 m by ±30 m around the first intruder, metres.
@@ -103,7 +103,7 @@ fn the_floor_bounds_the_manoeuvre() {
 
 #[test]
 fn between_floor_and_ceiling_it_climbs_and_levels_off() {
-    // In the corridor the only way leads over or under, and no climb angle can be held for long.
+    // In the corridor the only way leads over or under, and the aircraft can hold no climb angle for long.
     let limits = "[safety]\nfloor_m = 50.0\nceiling_m = 150.0\n";
     let mut world = head_on(World::new(&format!("{VERTICAL}{limits}"), GOOD, 6));
     let fence = inclusion(&world, -45.0, 45.0);
@@ -165,7 +165,7 @@ fn inclusion(world: &World, west_m: f64, east_m: f64) -> Vec<Item> {
     .to_vec()
 }
 
-/// Which side it turns to by itself: the fence is put there.
+/// Its free choice of side: the fence goes there.
 fn free_side(network: Network) -> f64 {
     let mut world = head_on(World::new("", network, 8));
     let flown = fly(&mut world, 130.0);
@@ -271,7 +271,7 @@ fn other_modes_are_taken_over_only_where_that_is_allowed() {
     }
 }
 
-/// Near the stall the autopilot lets less bank, and the turn is planned with that.
+/// Near the stall the autopilot allows less bank, and the plan uses that.
 #[test]
 fn a_slow_aircraft_begins_earlier() {
     let mut settings = Settings::default();
@@ -286,7 +286,7 @@ fn a_slow_aircraft_begins_earlier() {
     assert!(is_back(&world), "{:?}", world.off_leg());
 }
 
-/// The roll of an ArduPlane comes late and fast: a law that expects a slow one rocks the wings.
+/// The roll of an ArduPlane comes late and fast: a law for a slow roll rocks the wings.
 #[test]
 fn turns_end_without_rocking() {
     for network in [GOOD, BAD] {
@@ -301,7 +301,7 @@ fn turns_end_without_rocking() {
             bank_rad = now_rad;
         }
         eprintln!("rolled through {travel_rad:.1} rad");
-        // Without an account of the commands under way it was 32 rad over the bad network.
+        // An earlier version ignored the commands under way: 32 rad over the bad network.
         assert!(travel_rad < 9.0);
     }
 }

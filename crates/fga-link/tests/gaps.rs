@@ -1,4 +1,4 @@
-//! Gaps in the telemetry, in every state of an encounter: a proven manoeuvre is flown on.
+//! Gaps in the telemetry, in every state of an encounter: the companion flies on a proven manoeuvre.
 
 mod common;
 
@@ -9,11 +9,11 @@ use fga_link::authority::Authority;
 
 const GAPS_S: [f64; 5] = [0.5, 1.0, 2.0, 3.0, 5.0];
 
-/// Beyond this a vehicle that hears nothing turns back by itself (`GUIDED_TIMEOUT`), and nothing proves the
+/// After a longer time a vehicle that hears nothing turns back by itself (`GUIDED_TIMEOUT`), and nothing proves the
 /// separation; seconds.
 const PROVEN_S: f64 = 3.0;
 
-/// What is gone for a while.
+/// The part that fails for a while.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Gap {
     /// All that the companion hears, heartbeats included; the vehicle hears it.
@@ -26,7 +26,7 @@ enum Gap {
     Cut,
 }
 
-/// When the gap begins.
+/// The start of the gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum When {
     Cruise,
@@ -72,7 +72,7 @@ fn set(world: &mut World, gap: Gap, on: bool) {
     }
 }
 
-/// Flies an encounter with a gap; what went wrong, in words.
+/// Flies an encounter with a gap; returns the fault, in words.
 fn fly(gap: Gap, when: When, gap_s: f64) -> Vec<String> {
     let name = format!("{gap:?} of {gap_s} s in {when:?}");
     let mut wrong = Vec::new();
@@ -100,7 +100,7 @@ fn fly(gap: Gap, when: When, gap_s: f64) -> Vec<String> {
             world.companion.authority()
         ));
     }
-    // With no target for long the vehicle circles, and the way back is a long one.
+    // Without a target for long the vehicle circles, and the way back is long.
     world.run_until(if gap == Gap::Cut { 200.0 } else { 150.0 });
     if std::env::var("FGA_GAP").is_ok_and(|wanted| wanted == name) {
         for line in world.companion.take_log() {

@@ -1,5 +1,5 @@
-//! Missions of more than waypoints, with a manoeuvre where it matters: each row of the table of missions in
-//! `docs/how-to-arduplane.md`. Head-on traffic is met 1,500 m north of the start.
+//! Missions of more than waypoints, with a manoeuvre at the critical place: each row of the table of missions in
+//! `docs/how-to-arduplane.md`. Head-on traffic comes 1,500 m north of the start.
 
 mod common;
 
@@ -43,7 +43,7 @@ const fn waypoint(x: f64, y: f64) -> Row {
     (MavCmd::MAV_CMD_NAV_WAYPOINT, [0.0; 4], Some([x, y]))
 }
 
-/// Flies until the traffic has passed and the mode was given back: kept clear, one change out, one back.
+/// Flies until the traffic has passed and the mode is back: kept clear, one change out, one back.
 fn avoids(what: &str, world: &mut World) {
     world.run_while(90.0, what, |w| w.mode() != Mode::Guided);
     world.run_while(90.0, what, |w| w.mode() != Mode::Auto);
@@ -57,7 +57,7 @@ fn avoids(what: &str, world: &mut World) {
 
 #[test]
 fn a_jump_for_ever_is_followed() {
-    // Between two waypoints, over and over; the first is behind the place where they meet.
+    // Between two waypoints, over and over; the first is behind the meeting point.
     let jump = (MavCmd::MAV_CMD_DO_JUMP, [2.0, -1.0, 0.0, 0.0], None);
     let mut world = world(&[
         waypoint(0.0, 0.0),

@@ -1,4 +1,4 @@
-//! The mission that is really flown: uploads on another link, and items that are no waypoints.
+//! The mission that the vehicle really flies: uploads on another link, and items that are no waypoints.
 
 mod common;
 
@@ -27,7 +27,7 @@ fn leads_to(world: &World, to_m: [f64; 2]) -> bool {
     way(world).iter().skip(1).any(near)
 }
 
-/// The same number of items, and the same one flown to: nothing but the target tells it.
+/// The same number of items, and the same present one: only the target shows it.
 #[test]
 fn another_mission_uploaded_on_another_link_is_noticed_within_two_seconds() {
     for current in [None, Some(2)] {
@@ -53,7 +53,7 @@ fn another_mission_uploaded_on_another_link_is_noticed_within_two_seconds() {
     }
 }
 
-/// Until the list is known, the way leads to the vehicle's own target.
+/// Until the companion knows the list, the way leads to the vehicle's own target.
 #[test]
 fn while_nobody_may_read_the_list_the_way_leads_to_the_vehicles_own_target() {
     let mut world = World::new("", GOOD, 1);
@@ -135,7 +135,7 @@ fn another_fence_uploaded_on_another_link_is_read_again() {
     );
 }
 
-/// A circle that was moved: the same number of items, and no message tells it.
+/// A moved circle: the same number of items, and no message reports it.
 #[test]
 fn a_fence_with_as_many_items_as_before_is_noticed_within_two_seconds() {
     let mut world = World::new("", GOOD, 1);

@@ -1,5 +1,5 @@
 //! Heights of other aircraft are pressure altitudes, and the weather moves them by hundreds of
-//! metres: pressure is compared with pressure.
+//! metres: the companion compares pressure with pressure.
 
 mod common;
 
@@ -48,7 +48,7 @@ fn without_the_own_pressure_the_weather_is_bounded() {
     }
 }
 
-/// Knowing the pressure, traffic well above is let pass.
+/// With a known pressure, traffic well above passes.
 #[test]
 fn traffic_well_above_is_no_threat_where_the_pressure_is_told() {
     let settings = Settings {

@@ -1,5 +1,5 @@
-//! The program around the companion, in real time: what is taken away from it in a manoeuvre, and who
-//! wins then. Each test is named after the way in which the vehicle or its mode was once lost.
+//! The program around the companion, in real time: each test removes something in a manoeuvre and checks who
+//! wins. Each is named after a way in which an earlier version lost the vehicle or its mode.
 #![allow(
     clippy::std_instead_of_alloc,
     clippy::std_instead_of_core,
@@ -203,7 +203,7 @@ fn the_mode_that_is_owed_is_noted_before_it_is_taken_and_until_it_is_given_back(
     assert!(live.was_told("fga: program ends"));
 }
 
-/// A folder in which nothing can be written, for root also: its parent is a file.
+/// An unwritable folder, also for root: its parent is a file.
 fn impossible(name: &str) -> PathBuf {
     let file = live::folder(name).join("file");
     std::fs::write(&file, "").expect("a file");

@@ -1,5 +1,5 @@
-//! The codec against an independent one: pymavlink decodes what is sent here, encodes it again, and the
-//! result is decoded here.
+//! The codec against an independent one: pymavlink decodes our messages and encodes them again, and our
+//! codec decodes the result.
 //!
 //! Needs Python with `pymavlink`; `FGA_PYTHON` names the interpreter. Without it the test is skipped,
 //! except in CI.
@@ -61,8 +61,8 @@ fn messages() -> Vec<MavMessage> {
     ]
 }
 
-/// What pymavlink makes of frames: their fields, and its own frames with the same messages. `None`
-/// where it is not installed.
+/// pymavlink's view of frames: their fields, and its own frames with the same messages. `None`
+/// if it is not installed.
 fn echoed(bytes: &[u8], key: Option<&str>) -> Option<(Vec<serde_json::Value>, Vec<u8>)> {
     let python = std::env::var("FGA_PYTHON").unwrap_or_else(|_| "python3".into());
     let present = Command::new(&python)

@@ -1,5 +1,5 @@
-//! Message rates: asked for until they are measured to arrive, whatever the order of the start and
-//! whatever gets lost; and what happens where the vehicle does not give them.
+//! Message rates: requested until measured, whatever the order of the start and whatever gets lost; and the
+//! reaction to a vehicle that does not send them.
 
 mod common;
 
@@ -26,7 +26,7 @@ fn texts(world: &World, part: &str) -> usize {
     texts.filter(|text| text.contains(part)).count()
 }
 
-/// Only the heartbeat was asked for: the others were heard, if once a second.
+/// An earlier version requested only the heartbeat if the others came once a second.
 #[test]
 fn rates_never_asked() {
     let settings = Settings {
@@ -43,8 +43,8 @@ fn rates_never_asked() {
     assert!(is_ready(&world));
 }
 
-/// Every start is another one: what the vehicle sends before it is asked, when it has initialised,
-/// whether it starts again or falls silent meanwhile. 30 % of all messages are lost.
+/// Every start is different: the messages that the vehicle sends unasked, the time of its initialisation,
+/// whether it restarts or falls silent meanwhile. 30 % of all messages are lost.
 fn start(seed: u64) {
     let mut random = Random::new(seed * 6364 + 1442);
     let settings = Settings {
@@ -60,7 +60,7 @@ fn start(seed: u64) {
     };
     let begins_s = settings.initialising_until_s - 20.0;
     let mut world = World::with(settings, "", network, seed);
-    // What of the start happened last: from then on it has 10 s.
+    // The last event of the start: from then on it has 10 s.
     let mut last_s = begins_s;
     match seed % 3 {
         0 => {
@@ -97,7 +97,7 @@ fn five_hundred_starts_are_ready_within_ten_seconds_at_the_asked_rates() {
     }
 }
 
-/// 1 Hz is all that the radio gives: not ready, steadily, and told in words.
+/// The radio gives only 1 Hz: steadily not ready, and reported in words.
 #[test]
 fn a_rate_that_nothing_can_be_flown_by_is_told_and_never_ready() {
     let settings = Settings {

@@ -1,5 +1,5 @@
-//! Receivers over TCP on loopback: what a server sends arrives as reports, whole and in order, and
-//! says what an independent decode says.
+//! Receivers over TCP on loopback: a server's data arrives as reports, whole and in order, and
+//! agrees with an independent decode.
 
 extern crate alloc;
 
@@ -13,7 +13,7 @@ use std::net::TcpListener;
 use fga_link::traffic::Report;
 use fga_link::traffic::receiver;
 
-/// What a receiver makes of bytes that a server sends in pieces of `piece` bytes, up to the report
+/// A receiver's reports from bytes that a server sends in pieces of `piece` bytes, up to the report
 /// of `last`, all at one moment.
 fn received(kind: &str, bytes: Vec<u8>, piece: usize, last: u32) -> Vec<Report> {
     let server = TcpListener::bind("127.0.0.1:0").expect("a port");
@@ -45,7 +45,7 @@ fn received(kind: &str, bytes: Vec<u8>, piece: usize, last: u32) -> Vec<Report> 
     reports
 }
 
-/// An aircraft of our own behind the recording tells that it is over.
+/// One of our own aircraft behind the recording marks its end.
 const LAST: u32 = 0x00FF_FFFF;
 
 #[test]

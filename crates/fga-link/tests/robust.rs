@@ -1,7 +1,7 @@
 //! Rubbish from the network: random bytes, random payloads under right checksums, random
 //! configurations. Nothing may panic or grow without bound.
 //!
-//! A fixed number of rounds by default; `FGA_FUZZ_SECONDS` makes each target run so long instead.
+//! A fixed number of rounds by default; `FGA_FUZZ_SECONDS` runs each target for that time instead.
 #![allow(
     clippy::cast_possible_truncation,
     reason = "random numbers are cut to size"

@@ -1,4 +1,4 @@
-//! Every fault against the emulator: what does the vehicle do, and what is the operator told?
+//! Every fault against the emulator: the vehicle's behaviour, and the operator's messages.
 
 mod common;
 
@@ -67,7 +67,7 @@ fn the_pilot_takes_over_in_every_state() {
                 "{state} {:?}",
                 world.emulator.mode_changes()
             );
-            // Else a request was on its way already, and the pilot's mode was set again after it.
+            // Else a request was on its way already, and the companion restored the pilot's mode after it.
             if state == "in-command" {
                 assert_eq!(own_changes(&world), changes);
             }
@@ -154,21 +154,21 @@ fn a_lost_link_is_told_and_paid_back() {
     let mut world = head_on("", GOOD, 3);
     until_in_command(&mut world);
     world.cut = true;
-    // Longer than any manoeuvre is flown on without telemetry.
+    // Longer than any manoeuvre flies on without telemetry.
     world.run_until(world.time_s + 9.0);
     assert!(is_released(&world, Fault::LinkLost) || is_released(&world, Fault::TelemetryStale));
     world.cut = false;
     world.run_while(6.0, "flown on", |w| {
         !matches!(w.companion.authority(), Authority::InCommand { .. })
     });
-    // Given back once, at the end: AUTO would have led back to the intruder, and to another take-over.
+    // Restored once, at the end: AUTO would have led back to the intruder, and to another take-over.
     world.run_until(world.time_s + 90.0);
     let changes = world.emulator.mode_changes().iter();
     let modes: Vec<Mode> = changes.map(|change| change.mode).collect();
     assert_eq!(modes, [Mode::Guided, Mode::Auto]);
 }
 
-/// Flown on as long as it is proven, and no longer than eight seconds.
+/// It flies on as long as the manoeuvre is proven, and at most eight seconds.
 #[test]
 fn stale_telemetry_restores_the_mode() {
     let mut world = head_on("", GOOD, 3);
@@ -365,8 +365,8 @@ fn algorithm_4_flies_round_a_static_obstacle() {
     }
 }
 
-/// The dead time is learned in the first turns: 0.25 s are expected, and the vehicle answers sooner. What was
-/// planned for a later moment than the next decision would be forgotten.
+/// The companion learns the dead time in the first turns: the configuration says 0.25 s, and the vehicle answers
+/// sooner. The avoider would forget a plan for a later moment than the next decision.
 #[test]
 fn the_moment_that_is_decided_for_never_goes_back() {
     let mut world = paper_world(GOOD);

@@ -1,6 +1,6 @@
-//! The recorded BaseStation log through the tracks: every aircraft with positions is tracked, and
-//! positions agree with a decode that shares no code with the program. Memory stays bounded when it
-//! is played over and over.
+//! The recorded BaseStation log through the tracks: every aircraft with positions has a track, and
+//! positions agree with a decode that shares no code with the program. Memory stays bounded over many
+//! rounds.
 
 extern crate alloc;
 

@@ -1,8 +1,8 @@
 //! Seeded sequences of faults: random ones at random moments, two at once in half of them, in scaled
 //! time. The companion, the watchdog and the check at the moment of sending fly against the emulator;
-//! what must never happen is watched from outside of all three.
+//! code outside of all three watches for what must never happen.
 //!
-//! `FGA_SEQUENCES` sets how many are flown, `FGA_SEQUENCE` flies one seed with a trace.
+//! `FGA_SEQUENCES` sets their number, `FGA_SEQUENCE` flies one seed with a trace.
 #![allow(
     clippy::std_instead_of_alloc,
     clippy::std_instead_of_core,
@@ -35,7 +35,7 @@ const LENGTH_S: f64 = 75.0;
 /// The companion is ready by then; faults come later, and none lasts beyond [`LAST_FAULT_S`].
 const FIRST_FAULT_S: f64 = 12.0;
 const LAST_FAULT_S: f64 = 45.0;
-/// A manoeuvre is flown on without telemetry for no longer than this, seconds.
+/// Longest flight of a manoeuvre without telemetry, seconds.
 const LONGEST_PROOF_S: f64 = 10.0;
 /// The companion reports a lost ability within this, s.
 const TOLD_WITHIN_S: f64 = 3.0;
@@ -61,7 +61,7 @@ enum Fault {
     Telemetry,
     /// The deciding thread stands still.
     Stalled,
-    /// The whole program is stopped; what is sent to it waits.
+    /// The whole program is stopped; messages to it wait.
     Stopped,
     /// The program is killed, and started again at the end.
     Killed,
@@ -78,7 +78,7 @@ enum Fault {
     Late,
 }
 
-/// A fault and when it begins and ends, seconds.
+/// A fault with its start and end, seconds.
 #[derive(Debug, Clone, Copy)]
 struct Planned {
     fault: Fault,
@@ -137,11 +137,11 @@ struct Packet {
     message: MavMessage,
 }
 
-/// What is watched, and since when.
+/// The watched facts, and their start.
 struct Judge {
     /// The pilot's last mode, and when it was chosen, seconds.
     pilot: Option<(Mode, f64)>,
-    /// When a true heartbeat that tells it had reached the program.
+    /// Arrival of a true heartbeat with it at the program.
     known_s: Option<f64>,
     telemetry_s: f64,
     able: bool,
@@ -167,13 +167,13 @@ struct Rig {
     forge_s: f64,
     to_vehicle: VecDeque<Packet>,
     to_companion: VecDeque<Packet>,
-    /// What the reading thread has handed on to one that stands still.
+    /// Data that the reading thread has passed to a thread that stands still.
     inbox: VecDeque<Packet>,
     report_s: f64,
     intruder_m: [f64; 3],
     planned: Vec<Planned>,
     judge: Judge,
-    /// What was said to the operator, whether or not it arrived.
+    /// Texts to the operator, arrived or not.
     texts: Vec<String>,
     trace: bool,
 }
@@ -229,7 +229,7 @@ impl Rig {
             .any(|row| row.fault == fault && time_s >= row.begin_s && time_s < row.end_s)
     }
 
-    /// Whether a fault with any mode is on; gives it.
+    /// Whether a fault of any mode is on; returns it.
     fn forged(&self) -> Option<(u32, u8)> {
         let time_s = self.time_s;
         self.planned.iter().find_map(|row| match row.fault {
@@ -251,7 +251,7 @@ impl Rig {
         self.judge.failures.push(words);
     }
 
-    /// Begins what is due.
+    /// Starts due faults.
     fn begin_faults(&mut self) {
         let (before_s, now_s) = (self.time_s - STEP_S, self.time_s);
         for row in self.planned.clone() {
@@ -382,7 +382,7 @@ impl Rig {
         self.judge();
     }
 
-    /// What the vehicle and the receiver send goes on its way.
+    /// Sends the messages of the vehicle and the receiver on their way.
     fn telemetry(&mut self) {
         let lost = self.is_on(Fault::Deaf) || self.is_on(Fault::Cut);
         let delay_s = if self.is_on(Fault::Late) { 1.5 } else { 0.02 };
@@ -504,7 +504,7 @@ impl Rig {
         self.companion.take_log();
     }
 
-    /// The writing thread: what leaves a mode is checked at the last moment.
+    /// The writing thread: checks at the last moment what leaves a mode.
     fn send(&mut self, change: Option<ModeChange>, message: MavMessage) {
         if change.is_some_and(|change| !self.hearing.ask(change, self.time_s)) {
             return;
@@ -604,14 +604,14 @@ impl Rig {
         }
     }
 
-    /// What must hold when all faults are long over.
+    /// Conditions that must hold long after all faults.
     fn at_the_end(&mut self) {
         let owns = matches!(
             self.companion.authority(),
             Authority::Taking { .. } | Authority::InCommand { .. } | Authority::Returning { .. }
         );
         let texts = &self.texts;
-        // What the operator was told to see to, is the operator's.
+        // Tasks given to the operator remain the operator's.
         let left_to_pilot = texts.iter().any(|text| {
             [
                 "fga: mode changed by others, released",

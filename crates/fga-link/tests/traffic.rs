@@ -1,4 +1,4 @@
-//! Traffic that deceives or overwhelms: the aircraft that threatens is avoided all the same.
+//! Traffic that deceives or overwhelms: the companion still avoids the threatening aircraft.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -33,7 +33,7 @@ fn head_on() -> World {
     world
 }
 
-/// Flies on until the encounter is over, with something said in each step.
+/// Flies on until the encounter is over, with reports in each step.
 fn fly(world: &mut World, until_s: f64, mut say: impl FnMut(&mut World)) {
     while world.time_s < until_s {
         say(world);
@@ -55,7 +55,7 @@ fn times_told(world: &World, text: &str) -> usize {
     texts.filter(|told| told.contains(text)).count()
 }
 
-/// Where an aircraft on a straight line is, as an aircraft to be reported.
+/// The position of an aircraft on a straight line, as an aircraft to report.
 fn at(icao: u32, from_m: [f64; 3], velocity_mps: [f64; 3], time_s: f64) -> Intruder {
     let mut position_m = from_m;
     for (place, rate) in position_m.iter_mut().zip(velocity_mps) {
@@ -64,7 +64,7 @@ fn at(icao: u32, from_m: [f64; 3], velocity_mps: [f64; 3], time_s: f64) -> Intru
     Intruder::straight(icao, position_m, velocity_mps)
 }
 
-/// Reports as many of a crowd in this step as come at its rate; `next` counts them.
+/// Reports this step's part of a crowd; `next` counts them.
 fn report_crowd(world: &mut World, crowd: &[([f64; 3], [f64; 3])], rate_hz: f64, next: &mut f64) {
     let before = *next as usize;
     *next += rate_hz * fga_emulator::STEP_S;
@@ -204,7 +204,7 @@ fn the_own_transponder_is_no_obstacle() {
             }
         });
         assert_kept(&world);
-        // Unnamed, it is another aircraft until it has been believed.
+        // Unnamed, it is another aircraft until the belief begins.
         assert!(config.is_empty() || before == 0);
         assert_eq!(world.companion.counts().maneuvers, before + 1);
         assert_eq!(world.mode(), Mode::Auto);
@@ -330,7 +330,7 @@ fn a_track_that_jumps_is_avoided_in_both_places_until_one_dies() {
     });
     count_at.dedup();
     assert_eq!(count_at, [1, 2, 1]);
-    // One stray report is taken for an aircraft too, for some seconds.
+    // One stray report also counts as an aircraft, for some seconds.
     say(&mut world, 800.0);
     let mut due_s = world.time_s;
     fly(&mut world, 70.0, |world| {
@@ -385,7 +385,7 @@ fn another_sender_erases_no_track() {
     assert!(tracks.iter().any(|track| track.icao == INTRUDER));
 }
 
-/// The head-on intruder, which nobody reports but what is said in the test.
+/// The head-on intruder, with no reports except those of the test.
 fn unreported(config: &str) -> World {
     let mut world = World::new(config, GOOD, 3);
     let mut intruder = Intruder::straight(INTRUDER, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
@@ -485,7 +485,7 @@ fn what_a_radar_sees_is_avoided_with_its_own_uncertainty() {
     }
 }
 
-/// An aircraft whose navigation is poor is kept clear of by more.
+/// The companion keeps clear by more of an aircraft with poor navigation.
 #[test]
 fn the_quality_of_a_report_widens_the_volume() {
     let mut least_m = Vec::new();

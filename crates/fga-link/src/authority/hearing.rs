@@ -1,38 +1,38 @@
-//! The mode that the vehicle itself tells, and whether another one may be commanded now.
+//! The mode that the vehicle itself reports, and whether the program may command another one now.
 //!
-//! This is the one place that decides it. The companion, the watchdog and the thread that sends each
-//! ask [`Hearing::permits`]: a mode is commanded only as an answer to a heartbeat that has just told
-//! the mode which the command leaves. A mode that the pilot chose meanwhile is therefore kept, by
-//! whichever thread and after whichever pause the command would be sent.
+//! Only this code decides it. The companion, the watchdog and the thread that sends each ask
+//! [`Hearing::permits`]: a command of a mode is only an answer to a heartbeat that has just reported
+//! the mode which the command leaves. So a mode that the pilot chose meanwhile stays, whichever thread
+//! sends the command and after whatever pause.
 //!
-//! Heartbeats of one system may contradict each other: somebody else sends under its id. The mode that
-//! differs from what was believed counts then, because it may be the pilot's, and nothing is commanded
+//! Heartbeats of one system may contradict each other: somebody else sends under its id. Then the mode that
+//! differs from the believed one counts, because it may be the pilot's, and the program commands nothing
 //! until they have agreed for a while.
 
 use crate::clock::{BootClock, Stamp};
 use crate::mode::{Mode, ModeChange};
 
-/// A heartbeat with a lower sequence number so soon after another was overtaken by it, seconds.
+/// A heartbeat with a lower sequence number this soon after another was overtaken by it, seconds.
 const OVERTAKEN_S: f64 = 0.45;
-/// Two heartbeats that look overtaken and tell the same other mode within this contradict, seconds.
+/// Two apparently overtaken heartbeats that report the same other mode within this time contradict, seconds.
 const SUSPECT_S: f64 = 1.5;
-/// This many changes of the mode, or of the armed flag, within this time contradict, seconds: no switch is
-/// moved so fast.
+/// This many changes of the mode, or of the armed flag, within this time contradict, seconds: no switch
+/// moves that fast.
 const CHANGES: usize = 3;
 const CHANGES_S: f64 = 2.0;
-/// Heartbeats that contradicted are believed again after this time without a contradiction, seconds.
+/// After a contradiction heartbeats count again after this time without another, seconds.
 const QUIET_S: f64 = 3.0;
-/// Intervals between heartbeats, of which the longest counts.
+/// Number of intervals between heartbeats, of which the longest counts.
 const INTERVALS: usize = 4;
-/// Shortest and longest interval that is assumed, seconds.
+/// Shortest and longest assumed interval, seconds.
 const SHORTEST_INTERVAL_S: f64 = 0.25;
 const LONGEST_INTERVAL_S: f64 = 1.1;
 /// A mode is known for this many intervals after its heartbeat, and this time for the network, seconds.
 const FRESH_INTERVALS: f64 = 1.5;
 const FRESH_S: f64 = 0.15;
-/// Telemetry that is late by more than this comes from a queue: its modes are history, seconds.
+/// Telemetry that is later than this comes from a queue: its modes are history, seconds.
 const LATE_S: f64 = 1.0;
-/// The mode that a heartbeat tells, and its sequence number.
+/// The mode in a heartbeat, and its sequence number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Beat {
     /// Sequence number of the frame.
@@ -49,28 +49,28 @@ impl Beat {
     }
 }
 
-/// What a heartbeat is to those who heard the ones before.
+/// The relation of a heartbeat to the earlier ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// The newest one.
     New,
-    /// A newer one came before it, or it is a copy: it says nothing.
+    /// A newer one came before it, or it is a copy: it has no meaning.
     Overtaken,
-    /// It is the newest one, and does not go with those before: two senders use one system id.
+    /// It is the newest one, but contradicts the earlier ones: two senders use one system id.
     Contradicts,
 }
 
-/// What is known of the vehicle's mode.
+/// The knowledge about the vehicle's mode.
 #[derive(Debug, Clone)]
 pub struct Hearing {
     last: Option<(Beat, f64)>,
-    /// Whether the heartbeat before the last one was disarmed as well.
+    /// Whether the previous heartbeat was also disarmed.
     disarmed_before: bool,
     intervals_s: [f64; INTERVALS],
     mode_changes_s: [f64; CHANGES],
     armed_changes_s: [f64; CHANGES],
     suspect: Option<(Beat, f64)>,
-    /// The mode that was asked for last and has not been heard since.
+    /// The last requested mode, until a heartbeat reports it.
     asked: Option<Mode>,
     contradicted_s: f64,
     clock: BootClock,
@@ -117,7 +117,7 @@ impl Hearing {
             }
             self.contradicted_s = now_s;
         }
-        // What was asked for and is heard once is nobody else's.
+        // The first report of a requested mode is no change by others.
         let changed = last.mode != beat.mode && self.asked.take_if(|to| *to == beat.mode).is_none();
         let too_often = (changed && too_many(&mut self.mode_changes_s, now_s))
             | (last.armed != beat.armed && too_many(&mut self.armed_changes_s, now_s));
@@ -143,7 +143,7 @@ impl Hearing {
         self.last = Some((beat, now_s));
     }
 
-    /// Takes the vehicle's boot time of a regular message: it tells how late the link is.
+    /// Takes the vehicle's boot time of a regular message, which shows how late the link is.
     pub fn stamp(&mut self, boot_ms: u32, now_s: f64) {
         match self.clock.stamp(boot_ms, now_s) {
             Stamp::New { measured_s } | Stamp::Restarted { measured_s } => {
@@ -158,18 +158,18 @@ impl Hearing {
         self.clock.round_trip(sent_s, boot_s, now_s);
     }
 
-    /// The mode told last.
+    /// The last reported mode.
     pub fn mode(&self) -> Option<Mode> {
         self.last.map(|(beat, _)| beat.mode)
     }
 
-    /// Whether the vehicle is armed: one heartbeat that says otherwise is not believed.
+    /// Whether the vehicle is armed: a single heartbeat that says otherwise does not count.
     pub fn is_armed(&self) -> bool {
         self.last
             .is_some_and(|(beat, _)| beat.armed || !self.disarmed_before)
     }
 
-    /// When the last heartbeat was heard, seconds.
+    /// Time of the last heartbeat, seconds.
     pub fn heard_s(&self) -> Option<f64> {
         self.last.map(|(_, heard_s)| heard_s)
     }
@@ -179,7 +179,7 @@ impl Hearing {
         now_s - self.contradicted_s < QUIET_S
     }
 
-    /// How long a heartbeat tells the present mode, seconds.
+    /// How long a heartbeat is valid for the present mode, seconds.
     fn fresh_s(&self) -> f64 {
         let longest_s = self.intervals_s.iter().copied().fold(0.0, f64::max);
         FRESH_INTERVALS * longest_s.clamp(SHORTEST_INTERVAL_S, LONGEST_INTERVAL_S) + FRESH_S
@@ -196,13 +196,13 @@ impl Hearing {
         fresh && !doubted && !self.is_contradicted(now_s) && self.late_s <= LATE_S
     }
 
-    /// Whether a command that takes the vehicle out of the mode `from` may be sent now.
+    /// Whether the program may now send a command that takes the vehicle out of the mode `from`.
     pub fn permits(&self, from: Mode, now_s: f64) -> bool {
         self.mode() == Some(from) && self.is_sure(now_s)
     }
 
-    /// Whether a change of the mode may be commanded now. Where it may, it is taken to be commanded: the
-    /// heartbeat that tells it does not contradict those before.
+    /// Whether the program may now command a change of the mode. If so, it counts as commanded: the
+    /// heartbeat that reports it does not contradict the earlier ones.
     pub fn ask(&mut self, change: ModeChange, now_s: f64) -> bool {
         let may = self.permits(change.from, now_s);
         if may {
@@ -211,14 +211,14 @@ impl Hearing {
         may
     }
 
-    /// Forgets all that was heard before a pause of this program: the next heartbeat counts as the first.
+    /// Forgets everything before a pause of this program: the next heartbeat counts as the first.
     pub fn forget(&mut self) {
         self.last = None;
         self.suspect = None;
     }
 }
 
-/// Whether a change that is seen now is one too many.
+/// Whether a change now is one too many.
 fn too_many(changes_s: &mut [f64; CHANGES], now_s: f64) -> bool {
     changes_s.rotate_left(1);
     if let Some(newest_s) = changes_s.last_mut() {
@@ -264,8 +264,8 @@ mod tests {
         assert!(!hearing.permits(Mode(0), 2.25));
     }
 
-    /// Both directions of the link were cut while the mode was taken; GUIDED, AUTO and GUIDED again were
-    /// all asked for here and told within a second.
+    /// An earlier version saw a contradiction when both directions of the link were cut during the take-over:
+    /// it requested GUIDED, AUTO and GUIDED again, and heard all three within a second.
     #[test]
     fn changes_that_were_asked_for_do_not_contradict() {
         let change = |from, to| ModeChange { from, to };

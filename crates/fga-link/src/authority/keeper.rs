@@ -7,20 +7,20 @@ use crate::mode::Mode;
 const TAKE_OVER_S: f64 = 3.0;
 /// Time for the return to be confirmed, seconds.
 const RETURN_S: f64 = 5.0;
-/// A request that was on its way when the pilot changed the mode arrives within this, seconds. If it
-/// does, the pilot's mode is set again.
+/// A request that was on its way when the pilot changed the mode arrives within this time, seconds. If it
+/// does, the keeper restores the pilot's mode.
 const LATE_S: f64 = 0.8;
 /// All must be well for this long before it is ready again by itself, seconds.
 const SETTLE_S: f64 = 3.0;
-/// A restarted program, or one that hears the vehicle again, restores the mode when it is not ready within
-/// this, seconds.
+/// A restarted program, or one that hears the vehicle again, restores the mode if it is not ready within
+/// this time, seconds.
 const RESUME_S: f64 = 5.0;
-/// A vehicle that is heard again in the owned mode within this after the link was lost is flown on,
-/// seconds; later it has circled for long, and what was avoided has passed.
+/// The companion flies on a vehicle that it hears again in the owned mode within this time after losing the
+/// link, seconds; later the vehicle has circled for long, and the threat has passed.
 const LOST_FOR_S: f64 = 10.0;
-/// Heartbeats that are answered with a request for the mode that is owed.
+/// Most heartbeats answered with a request for the owed mode.
 const MOST_TRIES: u8 = 24;
-/// A vehicle that stays disarmed for this long has landed: nothing is owed any more, seconds.
+/// A vehicle that stays disarmed for this long has landed, and the debt of a mode ends, seconds.
 const LANDED_S: f64 = 5.0;
 
 /// The same after a gap in the telemetry, which ends as suddenly as it began, seconds.
@@ -34,22 +34,22 @@ const fn settle_s(fault: Fault) -> f64 {
     }
 }
 
-/// The state machine of authority. It reads no clock and sends nothing itself.
+/// The state machine of authority. It reads no clock and sends no message.
 #[derive(Debug)]
 pub struct Keeper {
     state: Authority,
-    /// The mode that manoeuvres are flown in.
+    /// The mode for manoeuvres.
     target: Mode,
     enabled: bool,
     well_since_s: Option<f64>,
-    /// Requests for the mode that is owed, since the fault.
+    /// Requests for the owed mode since the fault.
     tries: u8,
-    /// Since when every heartbeat says that the vehicle is disarmed, seconds.
+    /// Start of an unbroken series of disarmed heartbeats, seconds.
     disarmed_s: Option<f64>,
 }
 
 impl Keeper {
-    /// A keeper that flies manoeuvres in `target`; `enabled` lets it act without being armed.
+    /// A keeper with `target` as its mode for manoeuvres; `enabled` lets it act before the operator arms it.
     pub const fn new(target: Mode, enabled: bool) -> Self {
         Self {
             state: Authority::Waiting,
@@ -61,12 +61,12 @@ impl Keeper {
         }
     }
 
-    /// The mode that manoeuvres are flown in: the one that it owns.
+    /// The mode for manoeuvres: the one that it owns.
     pub const fn target(&self) -> Mode {
         self.target
     }
 
-    /// The mode to restore should the program stop now.
+    /// The mode to restore if the program stops now.
     pub const fn owed(&self) -> Option<Mode> {
         match self.state {
             Authority::Taking { previous, .. }
@@ -78,7 +78,7 @@ impl Keeper {
         }
     }
 
-    /// The program was restarted in a manoeuvre that it had begun from the mode `previous`.
+    /// The program restarted in a manoeuvre that began in the mode `previous`.
     pub fn resume(&mut self, previous: Mode, now_s: f64) {
         if self.state == Authority::Waiting {
             self.state = Authority::Resuming {
@@ -103,7 +103,7 @@ impl Keeper {
         }
     }
 
-    /// Where it stands.
+    /// The present state.
     pub const fn state(&self) -> Authority {
         self.state
     }
@@ -113,7 +113,7 @@ impl Keeper {
         self.enabled
     }
 
-    /// Whether attitude targets and the like are to be sent.
+    /// Whether to send attitude targets and the like.
     pub const fn commands(&self) -> bool {
         matches!(
             self.state,
@@ -121,7 +121,7 @@ impl Keeper {
         )
     }
 
-    /// Whether the companion has the flight mode, or asks for it.
+    /// Whether the companion has the flight mode, or has requested it.
     pub const fn is_engaged(&self) -> bool {
         matches!(
             self.state,
@@ -223,8 +223,8 @@ impl Keeper {
         vec![self.restore(previous)]
     }
 
-    /// A heartbeat told the mode and whether the vehicle is armed. What is owed is restored to an armed
-    /// vehicle only: on the ground a mode is the pilot's business.
+    /// A heartbeat reported the mode and whether the vehicle is armed. The keeper restores an owed mode only
+    /// on an armed vehicle: on the ground the mode is the pilot's business.
     pub fn heartbeat(&mut self, mode: Mode, armed: bool, now_s: f64) -> Vec<Action> {
         if armed {
             self.disarmed_s = None;
@@ -242,7 +242,7 @@ impl Keeper {
         }
     }
 
-    /// A heartbeat of an armed vehicle told the mode.
+    /// A heartbeat of an armed vehicle reported the mode.
     pub fn mode(&mut self, mode: Mode, now_s: f64) -> Vec<Action> {
         match self.state {
             Authority::Taking { previous, .. } if mode == self.target => {
@@ -334,7 +334,7 @@ impl Keeper {
         }
     }
 
-    /// The vehicle stays in the mode that is owned, whatever is asked for.
+    /// The vehicle stays in the owned mode despite the requests.
     fn give_up(&mut self, now_s: f64) -> Vec<Action> {
         let row = reaction(Fault::ReturnRefused);
         self.enabled = false;
@@ -356,7 +356,7 @@ impl Keeper {
         actions
     }
 
-    /// A request for a mode was refused, or not answered.
+    /// A request for a mode was refused or not answered.
     pub fn mode_refused(&mut self, now_s: f64) -> Vec<Action> {
         match self.state {
             Authority::Taking { .. } => self.fault(Fault::TakeOverRefused, now_s),
@@ -374,7 +374,7 @@ impl Keeper {
         }
     }
 
-    /// Time passes.
+    /// Advances the time.
     pub fn tick(&mut self, now_s: f64) -> Vec<Action> {
         match self.state {
             Authority::Taking { since_s, .. } if now_s - since_s > TAKE_OVER_S => {
@@ -385,7 +385,7 @@ impl Keeper {
             }
             Authority::Resuming { since_s, after, .. } if now_s - since_s > RESUME_S => {
                 let fault = if after == Fault::LinkLost {
-                    // Heard, but nothing can be flown by it.
+                    // Heard, but not enough to fly by.
                     Fault::TelemetryStale
                 } else {
                     after
@@ -405,7 +405,7 @@ impl Keeper {
             | Authority::Returning { previous, .. }
             | Authority::Resuming { previous, .. } => previous,
             Authority::Ready | Authority::Waiting => {
-                // Nothing is flown: what matters is only whether it may act, and readiness says.
+                // No manoeuvre: only readiness matters, which decides whether it may act.
                 let is_told = matches!(fault, Fault::OperatorOff | Fault::Contradiction);
                 if row.rearm == Rearm::Operator && !is_told {
                     return Vec::new();
@@ -423,8 +423,8 @@ impl Keeper {
                 late,
                 ..
             } => {
-                // A link that is lost or telemetry that stays away changes nothing any more; what
-                // only the operator can undo does.
+                // A lost link or missing telemetry changes nothing more; a fault that only the operator can clear
+                // does.
                 if row.rearm == Rearm::Automatic || reaction(before).rearm == Rearm::Operator {
                     return Vec::new();
                 }

@@ -1,9 +1,9 @@
-//! What can go wrong, and what is done about it.
+//! Faults and the reactions to them.
 
-/// What can go wrong, or be taken over by others.
+/// A fault, or a take-over by others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Fault {
-    /// A mode that was not asked for here: the pilot, the ground station or a failsafe.
+    /// A mode that the companion did not request: from the pilot, the ground station or a failsafe.
     ModeChanged,
     /// The vehicle was disarmed.
     Disarmed,
@@ -17,34 +17,34 @@ pub enum Fault {
     TakeOverRefused,
     /// The return to the previous mode was refused, or not answered in time.
     ReturnRefused,
-    /// The vehicle does not do what is commanded.
+    /// The vehicle does not follow its commands.
     NotFollowing,
     /// The autopilot restarted.
     AutopilotRestarted,
     /// The operator ended it by parameter or command.
     OperatorOff,
-    /// No decision could be made: limits that cannot be flown, a clock that stands.
+    /// No decision is possible: limits that cannot be flown, a clock that stands.
     NoDecision,
     /// Heartbeats of one system contradict each other.
     Contradiction,
-    /// The program was told to end.
+    /// The program got a signal to end.
     ProgramEnds,
-    /// The program was restarted in a manoeuvre and could not go on with it.
+    /// The program restarted in a manoeuvre and could not continue it.
     Restarted,
 }
 
-/// What is done about the mode.
+/// The reaction on the mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HandBack {
-    /// The mode from before the manoeuvre is set.
+    /// Restores the mode from before the manoeuvre.
     Restore,
-    /// The mode from before the manoeuvre is set as soon as the vehicle is heard again, unless it
+    /// Restores the mode from before the manoeuvre as soon as the vehicle is heard again, unless the mode
     /// has changed meanwhile.
     RestoreWhenHeard,
-    /// The manoeuvre is gone on with when the vehicle is heard again soon in the mode of manoeuvres; later
-    /// the mode from before is set.
+    /// Continues the manoeuvre if the vehicle is soon heard again in the mode for manoeuvres; later restores
+    /// the mode from before.
     ResumeWhenHeard,
-    /// Nothing is sent.
+    /// Sends nothing.
     LeaveAlone,
 }
 
@@ -57,7 +57,7 @@ pub enum Rearm {
     Operator,
 }
 
-/// How grave it is, for the operator's screen.
+/// The severity on the operator's screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
     /// Act now.
@@ -73,9 +73,9 @@ pub enum Severity {
 /// The reaction to a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reaction {
-    /// What happened.
+    /// The fault.
     pub fault: Fault,
-    /// What is done about the mode, where a manoeuvre was under way.
+    /// The reaction on the mode during a manoeuvre.
     pub hand_back: HandBack,
     /// When it may act again.
     pub rearm: Rearm,
@@ -189,7 +189,7 @@ pub const REACTIONS: [Reaction; 14] = [
 
 /// The reaction to a fault.
 pub fn reaction(fault: Fault) -> &'static Reaction {
-    // The table holds every fault (tested); the first row is the most careful answer.
+    // The table holds every fault (tested); the first row is the most cautious reaction.
     REACTIONS
         .iter()
         .find(|row| row.fault == fault)

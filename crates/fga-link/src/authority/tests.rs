@@ -25,7 +25,7 @@ const RESTORE: Action = Action::SetMode {
     from: Mode::GUIDED,
 };
 
-/// A keeper, what it hears, and a vehicle that does what is permitted.
+/// A keeper, its hearing, and a vehicle that obeys permitted commands.
 #[derive(Debug)]
 struct Bench {
     keeper: Keeper,
@@ -142,7 +142,7 @@ fn engaged() -> [Bench; 4] {
     [taking, in_command(), returning, resuming]
 }
 
-/// What a fault does in command, as the vehicle sees it.
+/// A fault in command, as the vehicle shows it.
 fn observed_hand_back(fault: Fault) -> HandBack {
     let mut bench = in_command();
     bench.fault(fault);
@@ -240,7 +240,7 @@ fn the_pilot_wins_in_every_state_with_one_message() {
             bench.pilot(mode);
             let commands = bench.commands;
             assert!(bench.told.contains(&reaction(Fault::ModeChanged).text));
-            // Nothing is taken over again, however well all is.
+            // It does not take over again, even if all is well.
             bench.beats(60);
             bench.take_over();
             assert_eq!((bench.vehicle, bench.commands), (mode, commands));
@@ -343,7 +343,7 @@ fn a_lost_link_is_paid_back_when_the_vehicle_is_heard() {
     assert_eq!((other.vehicle, other.commands), (Mode::RTL, commands));
 }
 
-/// A vehicle in GUIDED that is heard again while what was avoided is still there: AUTO would lead back to it,
+/// The vehicle is heard again in GUIDED while the threat still exists: AUTO would lead back to the threat,
 /// and the next decision would take the mode once more.
 #[test]
 fn a_manoeuvre_is_gone_on_with_when_the_link_comes_back_soon() {
@@ -447,7 +447,7 @@ fn it_is_ready_again_after_three_seconds_of_all_well_since_fault_and_trouble() {
     assert!((7.0..=7.75).contains(&later), "{later}");
 }
 
-/// Taking was asked for, and the pilot chose before the vehicle did it.
+/// The companion requested the take-over, and the pilot chose before the vehicle obeyed.
 fn crossed() -> Bench {
     let mut bench = Bench::ready();
     bench.obeys = false;

@@ -1,39 +1,39 @@
-//! What is done when the thread that decides stands still.
+//! The reaction when the deciding thread stands still.
 //!
 //! The watchdog counts its own looks, not time: a program that is stopped as a whole (`SIGSTOP`, a
-//! debugger, a suspended computer) counts none, and its threads go on together.
+//! debugger, a suspended computer) counts none, and its threads continue together.
 
 use super::Hearing;
 use crate::mode::Mode;
 
 /// Time between two looks, seconds.
 pub const LOOK_EVERY_S: f64 = 0.2;
-/// The thread stands still when it did nothing between this many looks: 1.6 s.
+/// The thread stands still if it took no step between this many looks: 1.6 s.
 const STILL: u32 = 8;
-/// Most times that the mode is commanded, one every other look.
+/// Most commands of the mode, one every other look.
 const MOST_TRIES: u32 = 6;
-/// Looks after which the program ends, whatever was reached: 5 s.
+/// Looks after which the program ends in any case: 5 s.
 const LAST: u32 = STILL + 25;
 
-/// The mode to restore, should the program stop now.
+/// The mode to restore if the program stops now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Owed {
     /// System id of the vehicle.
     pub system_id: u8,
-    /// The mode that the companion owns: nothing is commanded in any other.
+    /// The mode that the companion owns: the watchdog commands nothing in any other.
     pub owned: Mode,
     /// The mode from before.
     pub previous: Mode,
 }
 
-/// What a look asks for.
+/// The result of a look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
     /// Nothing.
     Wait,
     /// Command the mode from before.
     Restore(Owed),
-    /// End the program, so that whoever started it starts it again.
+    /// End the program, so that the service manager starts it again.
     EndProgram,
 }
 
@@ -55,8 +55,8 @@ impl Watchdog {
         }
     }
 
-    /// Looks, every [`LOOK_EVERY_S`]: `ticks` counts what the thread did, `owed` is what it left, and
-    /// `hearing` is what the vehicle tells.
+    /// Looks, every [`LOOK_EVERY_S`]: `ticks` counts the thread's steps, `owed` is the mode that it owes, and
+    /// `hearing` is the vehicle's reported mode.
     pub fn look(&mut self, ticks: u64, owed: Option<Owed>, hearing: &Hearing, now_s: f64) -> Order {
         if ticks != self.ticks {
             *self = Self {

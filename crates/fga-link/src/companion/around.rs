@@ -1,4 +1,4 @@
-//! What is around the aircraft: virtual obstacles, tracks, the fence, floor and ceiling.
+//! The surroundings of the aircraft: virtual obstacles, tracks, the fence, floor and ceiling.
 
 use fga::Vec3;
 use fga::situation::{Movement, Obstacle, ProtectedVolume};
@@ -16,7 +16,7 @@ use crate::traffic::{AltitudeReference, Report, Source};
 
 /// Identifier of the first virtual obstacle.
 pub(super) const FIRST_VIRTUAL_ID: usize = 1_000;
-/// Tracks that one decision takes into account.
+/// Most tracks of one decision.
 const MOST_TRACKS: usize = 64;
 /// The configuration's obstacles: a report each, the volume, and when they were at that place.
 pub(super) fn virtual_reports(config: &Config) -> Vec<(Report, ProtectedVolume, f64)> {

@@ -11,18 +11,17 @@ use crate::authority::{Authority, Fault, Severity};
 use crate::ownship::State;
 use crate::telling;
 
-/// Back on the leg for so long, the vehicle is given back, seconds.
+/// The vehicle gets its mode back after this long on the leg, seconds.
 const ON_LEG_FOR_S: f64 = 0.4;
-/// A manoeuvre that begins within this is prepared for by taking over, seconds.
+/// The companion takes over when a manoeuvre begins within this time, seconds.
 const PREPARE_S: f64 = 0.6;
-/// A difference of airspeed or response that makes new limits worth while, as a share.
+/// A change of airspeed or response that requires new limits, as a share.
 const LIMITS_CHANGE: f64 = 0.02;
-/// How fast the moment that decisions are made for follows the estimated dead time, as a share of the
-/// clock's pace.
+/// How fast the moment of a decision follows the estimated dead time, as a share of the clock's pace.
 const AHEAD_PACE: f64 = 0.5;
-/// Telemetry is stale after this many of its measured intervals, where these are long.
+/// Telemetry is stale after this many of its measured intervals, if these are long.
 const STALE_INTERVALS: f64 = 2.5;
-/// After this many refusals in a row the operator has to arm it again.
+/// After this many refusals in a row the operator must arm it again.
 const MOST_REFUSALS: u32 = 3;
 
 impl Companion {
@@ -33,7 +32,7 @@ impl Companion {
             .state_at(now_s + self.ahead_s, &self.commanded_lately, &response)
     }
 
-    /// Whether the last decision is flown with the bank in need.
+    /// Whether the last decision uses the bank in need.
     pub(super) fn is_in_need(&self) -> bool {
         self.decided
             .is_some_and(|decided| decided.decision.record.in_need)
@@ -44,7 +43,7 @@ impl Companion {
         self.steep_response.steep_response(self.response.response())
     }
 
-    /// How the vehicle follows what is flown now.
+    /// How the vehicle follows its present commands.
     pub(super) fn flown_response(&self) -> Response {
         if self.is_in_need() {
             self.steep_response()
@@ -53,8 +52,8 @@ impl Companion {
         }
     }
 
-    /// Follows the dead time as it is estimated, slower than the clock: the moment that decisions are made
-    /// for never goes back, or what is planned would be forgotten.
+    /// Follows the estimated dead time, slower than the clock: the moment of a decision never goes back,
+    /// because the avoider would forget its plan.
     fn follow_dead_time(&mut self, now_s: f64) {
         let most_s = AHEAD_PACE * (now_s - self.ahead_at_s).max(0.0);
         let off_s = self.response.response().dead_time_s - self.ahead_s;
@@ -111,7 +110,7 @@ impl Companion {
     }
 
     /// Telemetry older than this is stale, seconds: as configured, or more than two messages late
-    /// where the vehicle sends them slowly.
+    /// if the vehicle sends them slowly.
     pub(super) fn stale_s(&self) -> f64 {
         let configured_s = self.config.safety.telemetry_stale_s;
         let interval_s = self.rates.interval_s().filter(|_| self.rates.is_usable());
@@ -133,25 +132,25 @@ impl Companion {
         Some(self.decider.as_mut()?.step(&situation))
     }
 
-    /// Airspeed as measured, or the one of cruise, metres per second.
+    /// Measured airspeed, or cruise airspeed, metres per second.
     fn airspeed_mps(&self) -> Option<f64> {
         let measured = self.ownship.airspeed_mps().filter(|v| *v > 5.0);
         measured.or_else(|| self.parameters.get("AIRSPEED_CRUISE"))
     }
 
-    /// The largest bank that is commanded now, radians.
+    /// The largest bank to command now, radians.
     pub(super) fn bank_limit_rad(&self) -> Option<f64> {
         self.parameters
             .bank_limit_rad(&self.config, self.airspeed_mps()?)
     }
 
-    /// The largest bank that is commanded in need, radians; `None` where there is none of its own.
+    /// The largest bank to command in need, radians; `None` without a separate one.
     pub(super) fn bank_in_need_rad(&self) -> Option<f64> {
         self.parameters
             .bank_in_need_rad(&self.config, self.airspeed_mps()?)
     }
 
-    /// The limits in need: only a bank that is commanded can be steeper.
+    /// The limits in need: only a hand that commands a bank can bank more.
     fn vehicle_in_need(&self, airspeed_mps: f64) -> Option<Vehicle> {
         if !self.hand.commands_bank() {
             return None;
@@ -164,10 +163,10 @@ impl Companion {
             .vehicle_in_need(&self.config, airspeed_mps, response)
     }
 
-    /// Makes the decider, or gives it the vehicle's limits as they are known now.
+    /// Makes the decider, or gives it the vehicle's present limits.
     fn renew_decider(&mut self, now_s: f64) -> Option<()> {
         let mut response = self.response.response();
-        // The dead time is spent before the state that the decider is given; the rest is planned.
+        // The decider's state is after the dead time, so its response has none; the rest stays in the plan.
         response.dead_time_s = 0.0;
         response.bank_time_constant_s += self.hand.lag_s();
         let airspeed_mps = self.airspeed_mps()?;
@@ -178,7 +177,7 @@ impl Companion {
         if let Some(decider) = &mut self.decider {
             decider.set_vehicle_in_need(in_need);
             let known = decider.vehicle();
-            // Limits that get worse count at once; better ones only between manoeuvres.
+            // Worse limits count at once; better ones only between manoeuvres.
             let worse = wanted.course_rate_radps() < known.course_rate_radps();
             let idle = decider.state() == AvoiderState::Cruise;
             if differs(&wanted, known) && (worse || idle) {
@@ -253,12 +252,12 @@ impl Companion {
         );
     }
 
-    /// Whether the way is met again and nothing threatens.
+    /// Whether the aircraft is back on its way and nothing threatens.
     fn is_back(&mut self, decision: &Decision, state: &State, now_s: f64) -> bool {
         if decision.state != AvoiderState::Cruise {
             self.resumed = false;
         }
-        // The way back of a manoeuvre that an earlier run began is the vehicle's own.
+        // The way back of a manoeuvre from an earlier run is the vehicle's own.
         let on_way =
             decision.state == AvoiderState::Cruise && (self.resumed || self.is_on_leg(state));
         if !on_way {
@@ -293,10 +292,10 @@ impl Companion {
     }
 }
 
-/// Whether limits differ by so much that they are worth planning with.
+/// Whether limits differ enough to plan with the new ones.
 fn differs(wanted: &Vehicle, known: &Vehicle) -> bool {
     let off = |a: f64, b: f64| (a - b).abs() > LIMITS_CHANGE * b.abs();
-    // Also the limits of a climb: the parameters for them may come later than the others.
+    // Also the limits of a climb: their parameters may come later than the others.
     off(wanted.airspeed_mps, known.airspeed_mps)
         || off(wanted.climb_max_rad, known.climb_max_rad)
         || off(wanted.climb_min_rad, known.climb_min_rad)

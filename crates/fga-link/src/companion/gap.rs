@@ -1,9 +1,9 @@
-//! Gaps in the telemetry: a proven manoeuvre is flown on, from the last state that was heard.
+//! Gaps in the telemetry: the companion flies on a proven manoeuvre, from the last known state.
 //!
-//! What was commanded since is known, so is how the aircraft follows; the prediction is worth less with
-//! every second, and the obstacles grow by as much. Decisions go on with that. The mode is given back
-//! when nothing is proven any more, unless the course that it would be given back to is known to
-//! collide: that is the last choice.
+//! The commands since then are known, and so is the vehicle's response; the prediction loses value with
+//! every second, and the obstacles grow by the same amount. Decisions continue with that. The companion
+//! restores the mode when nothing is proven any more, unless the restored course is known to collide: then
+//! that is the last choice.
 
 use fga::Vec3;
 use fga::angle::wrap_pi;
@@ -16,30 +16,29 @@ use crate::authority::{Fault, Severity};
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::State;
 
-/// A manoeuvre is flown on for at least this long, seconds …
+/// Least time to fly on, seconds …
 const LEAST_BLIND_S: f64 = 3.0;
-/// … and no longer than this, seconds.
+/// … and longest time, seconds.
 const MOST_BLIND_S: f64 = 8.0;
 /// The companion reports a gap that lasts this long, s.
 const TOLD_S: f64 = 1.5;
-/// Acceleration that the prediction may be wrong by, metres per second squared: gusts, and a turn rate
+/// Possible error of the prediction's acceleration, metres per second squared: gusts, and a turn rate
 /// known to a few per cent.
 const UNKNOWN_MPS2: f64 = 0.8;
 /// Without a heartbeat for this long the vehicle is silent, seconds.
 pub(super) const SILENT_S: f64 = 1.2;
-/// How far ahead a course that would be given back to is looked along, and in which steps, seconds.
+/// How far ahead the check of the restored course looks, and its steps, seconds.
 const GIVEN_BACK_S: f64 = 30.0;
 const GIVEN_BACK_STEP_S: f64 = 0.2;
-/// Round trips of the vehicle's clock are asked for this often, and more often when telemetry is late,
-/// seconds.
+/// Interval of requests for a round trip of the vehicle's clock, shorter while telemetry is late, seconds.
 const ROUND_TRIP_S: f64 = 1.0;
 const LATE_ROUND_TRIP_S: f64 = 0.2;
 /// Telemetry is late when it is older than this, seconds.
 const LATE_S: f64 = 0.3;
-/// An answer that took longer than this is not ours, seconds.
+/// A slower answer is not ours, seconds.
 const LONGEST_TRIP_S: f64 = 5.0;
 
-/// The round trip that an answer tells: when it was asked for, and what the vehicle's clock read then;
+/// The round trip of an answer: the time of the request, and the reading of the vehicle's clock;
 /// seconds. `None` for the answer to somebody else.
 pub(crate) fn round_trip_of(data: &TIMESYNC_DATA, now_s: f64) -> Option<(f64, f64)> {
     #[expect(
@@ -53,7 +52,7 @@ pub(crate) fn round_trip_of(data: &TIMESYNC_DATA, now_s: f64) -> Option<(f64, f6
     (for_us && plausible).then(|| (sent_s, seconds(data.tc1)))
 }
 
-/// What was told of the present gap.
+/// The reports about the present gap.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Gap {
     begun: bool,
@@ -61,17 +60,17 @@ pub(super) struct Gap {
 }
 
 impl Companion {
-    /// Age of the telemetry, seconds; infinite before any has come.
+    /// Age of the telemetry, seconds; infinite before the first.
     fn telemetry_age_s(&self, now_s: f64) -> f64 {
         self.ownship.age_s(now_s).unwrap_or(f64::INFINITY)
     }
 
-    /// Whether the telemetry is too old to be taken as it is.
+    /// Whether the telemetry is too old to use unchanged.
     pub(super) fn is_blind(&self, now_s: f64) -> bool {
         self.telemetry_age_s(now_s) > self.stale_s()
     }
 
-    /// Whether the manoeuvre is flown on though no telemetry comes.
+    /// Whether the companion flies on without telemetry.
     pub(super) fn flies_blind(&self, now_s: f64) -> bool {
         self.keeper.commands()
             && self.decider.as_ref().is_some_and(Decider::certifies)
@@ -80,7 +79,7 @@ impl Companion {
             && self.telemetry_age_s(now_s) <= MOST_BLIND_S
     }
 
-    /// Whether no heartbeat tells what the vehicle makes of a request.
+    /// Whether heartbeats are missing, so that requests have no visible effect.
     pub(super) fn is_silent(&self, now_s: f64) -> bool {
         self.heard
             .is_some_and(|heard| now_s - heard.heartbeat_s > SILENT_S)
@@ -105,7 +104,7 @@ impl Companion {
         }
     }
 
-    /// Decides whether the gap is still flown through.
+    /// Decides whether to fly on through the gap.
     pub(super) fn judge_gap(&mut self, decision: &Decision, state: &State, now_s: f64) {
         if !self.flies_blind(now_s) {
             self.gap = Gap::default();
@@ -145,7 +144,7 @@ impl Companion {
         self.fault(fault, now_s);
     }
 
-    /// Whether the vehicle is known to enter a volume when it is given back now: it turns to its next
+    /// Whether the vehicle, with its mode restored now, is known to enter a volume: it turns to its next
     /// waypoint and flies there.
     fn given_back_collides(&self, state: &State, now_s: f64) -> bool {
         let Some(decider) = &self.decider else {

@@ -1,10 +1,9 @@
-//! Whether the mission that is believed in is the one that the vehicle flies.
+//! Whether the vehicle still flies the known mission.
 //!
-//! A ground station may upload another mission on another link, and no message says so. What the
-//! vehicle tells of its own doing does: the item that it begins, the target that it flies to, the
-//! numbers of its lists. Any such hint, and the clock, ask for the present item alone; when it is
-//! not the item that is known, the list is read again. Until that is done the way leads to the
-//! vehicle's own target.
+//! A ground station may upload another mission on another link, and no message says so. The vehicle's
+//! behaviour shows it: the item that it begins, its target, the numbers of its lists. Any such hint, and the
+//! clock, trigger a request for the present item alone; if that differs from the known item, the companion
+//! reads the list again. Until then the way leads to the vehicle's own target.
 
 use fga::Vec3;
 use fga_formats::geodesy::Geodetic;
@@ -19,27 +18,27 @@ use crate::mode::Mode;
 use crate::number::degrees_from_e7;
 use crate::outgoing::OWN_COMPONENT;
 
-/// The present item is asked for this often without a hint, seconds.
+/// Interval of requests for the present item without a hint, seconds.
 const PROBE_S: f64 = 1.0;
-/// … and no more often than this with one, seconds.
+/// … and the least interval with one, seconds.
 const HINTED_PROBE_S: f64 = 0.3;
-/// The number of the fence's items is asked for this often, seconds.
+/// Interval of requests for the number of the fence's items, seconds.
 const FENCE_COUNT_S: f64 = 2.0;
-/// The fence's items are asked for one after the other, all of them in this time, …
+/// Time for requesting the fence's items one after the other, all of them, …
 const FENCE_SEEN_S: f64 = 1.2;
-/// … but no faster than one in this time, seconds.
+/// … with at least this interval, seconds.
 const FENCE_ITEM_S: f64 = 0.1;
 /// The vehicle's target belongs to its present mode from this long after a change of mode, s.
 const MODE_SETTLES_S: f64 = 0.7;
-/// A target older than this is not known, seconds.
+/// An older target is unknown, seconds.
 const TARGET_LIFETIME_S: f64 = 2.5;
-/// A target this far from the place of the item is another one, metres.
+/// A target this far from the position of the item is another one, metres.
 const OTHER_TARGET_M: f64 = 15.0;
-/// Distance and bearing in whole metres and degrees tell a target this well, metres and as a share
+/// Accuracy of a target from distance and bearing in whole metres and degrees, metres and as a share
 /// of the distance.
 const BEARING_TARGET_M: f64 = 60.0;
 const BEARING_TARGET_SHARE: f64 = 0.03;
-/// The target disagrees once it has done so for this long: item and target arrive at different moments,
+/// The target disagrees only after this time: item and target arrive at different moments,
 /// seconds.
 const DISAGREES_S: f64 = 1.2;
 
@@ -48,11 +47,11 @@ const DISAGREES_S: f64 = 1.2;
 struct Target {
     position_m: Vec3,
     heard_s: f64,
-    /// How well it is known, metres.
+    /// Its accuracy, metres.
     within_m: f64,
 }
 
-/// What was seen of the vehicle's lists.
+/// Observations of the vehicle's lists.
 #[derive(Debug, Clone)]
 pub(super) struct MissionWatch {
     target: Option<Target>,
@@ -64,7 +63,7 @@ pub(super) struct MissionWatch {
     fence_counted_s: f64,
     fence_item_s: f64,
     fence_items: u16,
-    /// Numbers of the vehicle's lists, where it tells them.
+    /// Numbers of the vehicle's lists, if it sends them.
     ids: [Option<u32>; 3],
 }
 
@@ -86,7 +85,7 @@ impl Default for MissionWatch {
 }
 
 impl MissionWatch {
-    /// Something speaks of another mission: the present item is asked for.
+    /// A hint of another mission: requests the present item.
     pub(super) fn hint(&mut self) {
         self.hinted = true;
     }
@@ -98,7 +97,7 @@ impl MissionWatch {
         self.disagrees_since_s = None;
     }
 
-    /// Whether item and target have disagreed for too long to be told at different moments.
+    /// Whether item and target have disagreed for too long to be only messages from different moments.
     fn disagrees(&self, now_s: f64) -> bool {
         self.disagrees_since_s
             .is_some_and(|since_s| now_s - since_s >= DISAGREES_S)
@@ -106,13 +105,13 @@ impl MissionWatch {
 }
 
 impl Companion {
-    /// Where the vehicle flies to by its own word, metres, local frame, in the mode that it is in.
+    /// The vehicle's own target in its present mode, metres, local frame.
     pub(super) fn own_target_m(&self, now_s: f64) -> Option<Vec3> {
         let target = self.watch.target?;
         (now_s - target.heard_s <= TARGET_LIFETIME_S).then_some(target.position_m)
     }
 
-    /// Whether the way cannot be taken from the mission: it is being read again, or the vehicle flies
+    /// Whether the mission cannot give the way: the companion is reading it again, or the vehicle flies
     /// elsewhere.
     pub(super) fn mission_in_doubt(&self, now_s: f64) -> bool {
         self.mission.is_busy() || self.watch.disagrees(now_s) || self.item_place_m().is_none()
@@ -184,7 +183,7 @@ impl Companion {
         if before.is_some_and(|before| data.seq != before) {
             self.watch.hint();
         }
-        // Newer autopilots tell the number of items: another one is another mission.
+        // Newer autopilots send the number of items: another number is another mission.
         if data.total != 0 && data.total != u16::MAX {
             let changed = self.mission_total.is_some_and(|total| total != data.total);
             self.mission_total = Some(data.total);
@@ -195,7 +194,7 @@ impl Companion {
         let told = [data.mission_id, data.fence_id, data.rally_points_id];
         let mut changed = [false; 3];
         for ((known, told), changed) in self.watch.ids.iter_mut().zip(told).zip(&mut changed) {
-            // 0 is what a vehicle tells that has no such number.
+            // A vehicle without such a number sends 0.
             if told != 0 {
                 *changed = known.replace(told).is_some_and(|known| known != told);
             }
@@ -209,7 +208,7 @@ impl Companion {
         }
     }
 
-    /// The vehicle says what it does in words.
+    /// The vehicle describes its actions in words.
     pub(super) fn take_vehicle_text(&mut self, data: &STATUSTEXT_DATA) {
         let Ok(text) = data.text.to_str() else { return };
         if text.starts_with("Mission:") || text.contains("light plan") {
@@ -220,8 +219,8 @@ impl Companion {
         }
     }
 
-    /// The vehicle refuses an item that the list which is known has, or lets nobody read because
-    /// somebody uploads: either way the list is another one.
+    /// The vehicle refuses an item of the known list, or lets nobody read because somebody uploads: either way
+    /// the list is another one.
     pub(super) fn take_mission_refusal(&mut self, data: &MISSION_ACK_DATA) {
         let accepted = data.mavtype == MavMissionResult::MAV_MISSION_ACCEPTED;
         if accepted || data.target_component != OWN_COMPONENT {
@@ -255,7 +254,7 @@ impl Companion {
         }
     }
 
-    /// Asks for what would show another list.
+    /// Requests messages that would show another list.
     pub(super) fn probe_lists(&mut self, system: u8, now_s: f64) {
         let since_s = now_s - self.watch.probed_s;
         let due = since_s >= PROBE_S || (self.watch.hinted && since_s >= HINTED_PROBE_S);
@@ -269,7 +268,7 @@ impl Companion {
             self.watch.probes = self.watch.probes.wrapping_add(1);
             let last = u16::try_from(items.len() - 1).unwrap_or(u16::MAX);
             let item = self.mission_item.unwrap_or(0);
-            // The one that is flown to and the one after it in turn.
+            // The present item and the next one in turn.
             let item = (item + self.watch.probes % 2).min(last);
             self.outbox.send(self.mission.item_request(item, system));
         }
@@ -284,7 +283,7 @@ impl Companion {
         self.probe_fence_items(system, now_s);
     }
 
-    /// Asks for the fence's items in turn: one that was moved changes no number of items.
+    /// Requests the fence's items in turn: a moved item does not change their number.
     fn probe_fence_items(&mut self, system: u8, now_s: f64) {
         let count = self.fence_download.items().map_or(0, <[_]>::len);
         let busy = self.fence_download.is_busy() || self.mission.is_busy();

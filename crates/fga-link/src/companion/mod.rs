@@ -1,9 +1,9 @@
 //! The companion itself: telemetry and traffic in, commands out.
 //!
 //! It reads no clock, no socket and no file: [`Companion::receive`] takes a message,
-//! [`Companion::take_report`] a report of traffic, [`Companion::tick`] lets time pass,
-//! [`Companion::outbox`] holds what is to be sent and [`Companion::take_log`] what happened. The
-//! program, the replay of a recording and the tests in scaled time all drive the same thing.
+//! [`Companion::take_report`] a report of traffic, [`Companion::tick`] advances the time,
+//! [`Companion::outbox`] holds the messages to send and [`Companion::take_log`] the log. The
+//! program, the replay of a recording and the tests in scaled time all drive the same code.
 
 mod around;
 mod decide;
@@ -45,14 +45,14 @@ use crate::traffic::{Report, TrackTable};
 pub(crate) use gap::round_trip_of;
 pub use picture::Picture;
 
-/// System id of the first heartbeats, until a vehicle is heard: that of most vehicles.
+/// System id of the first heartbeats, before the first one of a vehicle: the id of most vehicles.
 const FIRST_SYSTEM: u8 = 1;
-/// The bank before a manoeuvre is taken to have been kept for so long, seconds.
+/// Assumed duration of the bank before a manoeuvre, seconds.
 const KEPT_BEFORE_S: f64 = 2.0;
-/// Most lines of the log that wait to be taken.
+/// Most log lines in the queue.
 const MOST_LOG_LINES: usize = 4096;
 
-/// The vehicle as its heartbeats tell it.
+/// The vehicle according to its heartbeats.
 #[derive(Debug, Clone, Copy)]
 struct Heard {
     system_id: u8,
@@ -76,11 +76,11 @@ struct Due {
     round_trip_s: f64,
 }
 
-/// The last decision and what goes with it.
+/// The last decision and its context.
 #[derive(Debug, Clone, Copy)]
 struct Decided {
     decision: Decision,
-    /// Moment of the state it was made for, seconds.
+    /// Time of the state that it is based on, seconds.
     for_s: f64,
     own: State,
 }
@@ -90,7 +90,7 @@ struct Decided {
 pub struct Counts {
     /// Manoeuvres begun.
     pub maneuvers: u32,
-    /// Decisions made.
+    /// Number of decisions.
     pub decisions: u64,
     /// Texts sent.
     pub texts: u32,
@@ -106,15 +106,15 @@ pub struct Companion {
     outbox: Outbox,
     log: Vec<Value>,
     heard: Option<Heard>,
-    /// What decides whether a mode may be commanded.
+    /// Decides whether the companion may command a mode.
     hearing: Hearing,
-    /// What an earlier run of the program left owed.
+    /// The debt of an earlier run of the program.
     notes: Vec<Note>,
     /// The vehicle's clock when the mode was taken.
     noted_boot_ms: Option<u32>,
-    /// A manoeuvre of an earlier run is flown on.
+    /// Whether it flies on a manoeuvre of an earlier run.
     resumed: bool,
-    /// Since when no decision can be made, seconds; a step that comes late is none of that.
+    /// Start of a time without possible decisions, seconds; a late step does not count.
     undecided_s: Option<f64>,
     told: readiness::Told,
     rates: Rates,
@@ -124,16 +124,16 @@ pub struct Companion {
     mission: Download,
     fence_download: Download,
     fence: Fence,
-    /// Which of the downloaded fences is laid into the local frame.
+    /// The number of the fence download in the local frame.
     fence_laid: u32,
-    /// Which of the downloaded missions the way is taken from.
+    /// The number of the mission download behind the way.
     mission_laid: u32,
     watch: mission_watch::MissionWatch,
     mission_item: Option<u16>,
     mission_total: Option<u16>,
     ownship: OwnshipEstimate,
     response: ResponseEstimate,
-    /// The same of banks steeper than the normal one.
+    /// The same for banks steeper than the normal one.
     steep_response: ResponseEstimate,
     tracks: TrackTable,
     virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
@@ -144,15 +144,15 @@ pub struct Companion {
     way_mode: Option<Mode>,
     /// The vehicle's mission item when the way was laid.
     way_item: Option<u16>,
-    /// Which of the downloaded missions it was laid along; `None` where it leads to the vehicle's own
+    /// The number of the mission download behind the way; `None` if it leads to the vehicle's own
     /// target.
     way_mission: Option<u32>,
     obstacles: Vec<Obstacle>,
     decided: Option<Decided>,
-    /// The bank that was commanded last, radians.
+    /// The last commanded bank, radians.
     commanded_rad: f64,
     commanded_lately: Commanded,
-    /// How far ahead of the clock decisions are made, seconds, and when that was set.
+    /// How far ahead of the clock decisions are, seconds, and the time of that setting.
     ahead_s: f64,
     ahead_at_s: f64,
     following_since_s: Option<f64>,
@@ -166,10 +166,10 @@ pub struct Companion {
 }
 
 impl Companion {
-    /// A companion that has heard nothing yet; with `dry_run` it only reports.
+    /// A companion without any messages yet; with `dry_run` it only reports.
     ///
     /// # Errors
-    /// A configuration that cannot be used.
+    /// An unusable configuration.
     pub fn new(config: Config, dry_run: bool) -> Result<Self, ConfigError> {
         config.check()?;
         let hand = hand::of(config.command.mode);
@@ -255,13 +255,13 @@ impl Companion {
         })
     }
 
-    /// From now on the vehicle is a recorded one: it follows the commands of its own flight, which
-    /// need not be these, so that not following is no fault.
+    /// Marks the vehicle as recorded: it follows the commands of its own flight, which
+    /// need not be these, so that a difference is no fault.
     pub fn set_recorded(&mut self) {
         self.recorded = true;
     }
 
-    /// What is to be sent, oldest first.
+    /// The messages to send, oldest first.
     pub fn outbox(&mut self) -> Vec<Outgoing> {
         self.outbox.take()
     }
@@ -271,7 +271,7 @@ impl Companion {
         core::mem::take(&mut self.log)
     }
 
-    /// Where the authority stands.
+    /// The state of the authority.
     pub const fn authority(&self) -> Authority {
         self.keeper.state()
     }
@@ -286,7 +286,7 @@ impl Companion {
         &self.tracks
     }
 
-    /// The vehicle's limits as they are planned with.
+    /// The vehicle's planned limits.
     pub fn vehicle(&self) -> Option<&Vehicle> {
         self.decider.as_ref().map(decider::Decider::vehicle)
     }
@@ -301,17 +301,17 @@ impl Companion {
         self.decided.as_ref().map(|decided| &decided.decision)
     }
 
-    /// System id of the vehicle, once it is heard.
+    /// System id of the vehicle, once heard.
     pub fn vehicle_system(&self) -> Option<u8> {
         self.heard.map(|heard| heard.system_id)
     }
 
-    /// Mode to restore should this program stop now; `None` while nothing is flown.
+    /// Mode to restore if this program stops now; `None` without a manoeuvre.
     pub fn owed_mode(&self) -> Option<Mode> {
         self.keeper.owed()
     }
 
-    /// What to restore, and to whom, should this program stop now.
+    /// The mode to restore, and the vehicle, if this program stops now.
     pub fn owed(&self) -> Option<Owed> {
         Some(Owed {
             system_id: self.vehicle_system().filter(|_| !self.dry_run)?,
@@ -320,14 +320,14 @@ impl Companion {
         })
     }
 
-    /// Tells what an earlier run of this program left owed, before anything is received.
+    /// Passes the debt of an earlier run of this program, before any message.
     pub fn set_notes(&mut self, notes: Vec<Note>) {
         if !self.dry_run {
             self.notes = notes;
         }
     }
 
-    /// The note that a later run must find, should this one stop now.
+    /// The note for a later run, if this one stops now.
     pub fn restart_note(&self) -> Option<Note> {
         if let Some(note) = self.notes.last() {
             return Some(*note);
@@ -344,7 +344,7 @@ impl Companion {
         self.perform(&actions, now_s);
     }
 
-    /// Hands back in an orderly way before the program ends.
+    /// Restores the mode in an orderly way before the program ends.
     pub fn shut_down(&mut self, now_s: f64) {
         if self.keeper.owed().is_some() {
             self.fault(Fault::ProgramEnds, now_s);
@@ -354,7 +354,7 @@ impl Companion {
         self.send_commands(now_s);
     }
 
-    /// Takes note of trouble of the program around it, for the operator and the log.
+    /// Records trouble of the surrounding program, for the operator and the log.
     pub fn tell_trouble(&mut self, words: &str, now_s: f64) {
         self.tell(Severity::Warning, words, now_s);
     }
@@ -366,7 +366,7 @@ impl Companion {
         }
     }
 
-    /// Lets time pass: sends what is due and decides where no telemetry prompted it.
+    /// Advances the time: sends due messages and decides if no telemetry prompted it.
     pub fn tick(&mut self, now_s: f64) {
         self.watch_link(now_s);
         if !self.is_silent(now_s) {
@@ -400,7 +400,7 @@ impl Companion {
 
     fn watch_link(&mut self, now_s: f64) {
         let Some(heard) = self.heard else { return };
-        // While it is asked to go back nothing is flown, and a restarted program has to wait: only the
+        // While it requests the return nothing flies, and a restarted program must wait: only the
         // heartbeat matters.
         let flies = matches!(
             self.keeper.state(),
@@ -421,7 +421,7 @@ impl Companion {
         self.perform(&actions, now_s);
     }
 
-    /// Carries out what the keeper of authority asks for.
+    /// Carries out the actions of the keeper of authority.
     fn perform(&mut self, actions: &[Action], now_s: f64) {
         use mavlink::dialects::ardupilotmega::MavCmd;
         for action in actions {
@@ -472,7 +472,7 @@ impl Companion {
         self.due.command_s = f64::NEG_INFINITY;
     }
 
-    /// Until the first command takes effect, the aircraft keeps the bank that it has.
+    /// Until the first command takes effect, the aircraft keeps its bank.
     fn begin_commanding(&mut self, now_s: f64) {
         self.commanded_lately.clear();
         if let Some(bank_rad) = self.ownship.bank_rad() {

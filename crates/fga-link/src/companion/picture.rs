@@ -1,4 +1,4 @@
-//! What a picture of the moment shows: for whoever watches the flight.
+//! A picture of the moment, for viewers of the flight.
 
 use fga::Vec3;
 use fga::avoider::Decision;
@@ -9,33 +9,33 @@ use super::Companion;
 use crate::authority::Authority;
 use crate::ownship::State;
 
-/// The last decision and what it was made from.
+/// The last decision and its input.
 #[derive(Debug, Clone)]
 pub struct Picture {
-    /// Moment that the decision was made for, seconds since the companion began.
+    /// Time of the decision's state, seconds since the companion began.
     pub time_s: f64,
     /// The aircraft at that moment.
     pub own: State,
-    /// What was decided.
+    /// The decision.
     pub decision: Decision,
-    /// Name of the threat, where there is one.
+    /// Name of the threat, if any.
     pub threat_name: Option<String>,
     /// Who flies.
     pub authority: Authority,
-    /// The limits that were planned with.
+    /// The planned limits.
     pub vehicle: Vehicle,
     /// Other aircraft and virtual obstacles with their names; without fence, floor and ceiling.
     pub obstacles: Vec<(Obstacle, String)>,
     /// The way ahead, metres, local frame.
     pub waypoints_m: Vec<Vec3>,
-    /// How far ahead separation is certified, seconds.
+    /// Horizon of the certificate, seconds.
     pub horizon_s: f64,
-    /// What is kept beyond a protected volume, metres.
+    /// Distance kept beyond a protected volume, metres.
     pub margin_m: f64,
 }
 
 impl Companion {
-    /// The moment that the last decision was made for, seconds.
+    /// Time of the last decision's state, seconds.
     pub fn decided_for_s(&self) -> Option<f64> {
         self.decided.map(|decided| decided.for_s)
     }

@@ -1,18 +1,18 @@
-//! Whether it may act, and the words for what is missing.
+//! Whether it may act, and the words for a missing condition.
 
 use super::Companion;
 use crate::authority::{Authority, Severity};
 use crate::mode::Mode;
 use crate::ownship::State;
 
-/// Without a decision for this long none can be made, seconds.
+/// After this long without a decision none is possible, seconds.
 const NO_DECISION_S: f64 = 0.5;
 /// The companion reports what is missing after this long, s …
 const LOST_S: f64 = 1.0;
-/// … and where it never was ready, for this long, seconds.
+/// … and if it was never ready, after this long, seconds.
 const NEVER_READY_S: f64 = 8.0;
 
-/// What is missing.
+/// A missing condition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lacking {
     Link,
@@ -46,7 +46,7 @@ impl Lacking {
         }
     }
 
-    /// What the operator did is no news for the operator.
+    /// The operator's own action is no news for the operator.
     const fn severity(self) -> Severity {
         match self {
             Self::Mode | Self::Disarmed => Severity::Info,
@@ -55,16 +55,16 @@ impl Lacking {
     }
 }
 
-/// What was told about readiness and need.
+/// The reports about readiness and need.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Told {
     /// Missing now, and since when, seconds.
     lacking: Option<(Lacking, f64)>,
-    /// The operator believes that it is ready.
+    /// Whether the operator believes that it is ready.
     ready: bool,
-    /// What was told last.
+    /// The last report.
     last: Option<Lacking>,
-    /// That the bank in need is flown.
+    /// Whether the bank in need was reported.
     pub(super) need: bool,
 }
 
@@ -84,7 +84,7 @@ impl Companion {
             .is_none_or(|since_s| now_s - since_s <= NO_DECISION_S)
     }
 
-    /// What is missing to take over, or to go on.
+    /// The missing condition for a take-over, or for flying on.
     pub(super) fn lacking(&self, now_s: f64, state: Option<&State>) -> Option<Lacking> {
         let Some(heard) = self.heard else {
             return Some(Lacking::Link);
@@ -106,7 +106,7 @@ impl Companion {
         }
         let engaged = self.keeper.is_engaged();
         let floor_m = self.config.safety.floor_m;
-        // A little above the floor to begin with, so that it is not crossed at once.
+        // A little above the floor at first, so that the manoeuvre does not cross it at once.
         let high_enough = state.above_home_m >= floor_m + 5.0
             || (engaged && state.above_home_m >= floor_m - 10.0);
         if !high_enough {
@@ -128,7 +128,7 @@ impl Companion {
         (!self.can_decide(now_s)).then_some(Lacking::Decision)
     }
 
-    /// Tells the operator that an ability is lost, or why it does not come.
+    /// Reports to the operator a lost ability, or why it does not come.
     pub(super) fn tell_readiness(&mut self, lacking: Option<Lacking>, now_s: f64) {
         if self.keeper.state() == Authority::Ready {
             self.told.ready = true;

@@ -1,4 +1,4 @@
-//! What each message does.
+//! The effect of each message.
 
 use fga::avoider::{Reason, State as AvoiderState};
 use fga_formats::geodesy::LocalFrame;
@@ -24,10 +24,10 @@ const ENABLE: &str = "FGA_ENABLE";
 /// Interval between reports of contradicting heartbeats, s.
 const CONTRADICTION_AGAIN_S: f64 = 5.0;
 
-/// A bank that exceeds the normal limit by this is a steep one, radians (1°).
+/// A bank beyond the normal limit by this is a steep one, radians (1°).
 const STEEPER_RAD: f64 = 0.017;
 
-/// The heartbeat of a fixed-wing autopilot; `None` for everybody else's.
+/// The heartbeat of a fixed-wing autopilot; `None` for all others.
 pub(crate) fn beat_of_plane(header: MavHeader, data: &HEARTBEAT_DATA) -> Option<Beat> {
     let is_plane = data.autopilot == MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA
         && matches!(data.mavtype, MavType::MAV_TYPE_FIXED_WING)
@@ -130,7 +130,7 @@ impl Companion {
         if silent_s > super::gap::SILENT_S {
             self.keeper.excuse(silent_s);
         }
-        // The mode first: whoever changed it wins, whatever else this message says.
+        // The mode first: whoever changed it wins, whatever else this message contains.
         let actions = self.keeper.heartbeat(mode, armed, now_s);
         self.perform(&actions, now_s);
         if verdict == Verdict::Contradicts && now_s >= self.due.contradiction_s {
@@ -150,8 +150,8 @@ impl Companion {
         }
     }
 
-    /// A program that was restarted in a manoeuvre goes on with it, once the vehicle's clock says
-    /// that the note of it counts.
+    /// A program that was restarted in a manoeuvre continues it once the vehicle's clock shows
+    /// that its note counts.
     fn take_note(&mut self, boot_ms: u32, now_s: f64) {
         let Some(note) = self.notes.pop() else { return };
         self.notes.clear();
@@ -256,8 +256,8 @@ impl Companion {
         }
     }
 
-    /// Moves the local frame where the aircraft is far from its origin and nothing threatens;
-    /// whatever is known in the old one is learnt again.
+    /// Moves the local frame if the aircraft is far from its origin and nothing threatens;
+    /// the companion then learns everything in the old frame again.
     fn renew_frame(&mut self, now_s: f64) {
         let busy = self
             .decider
@@ -307,7 +307,7 @@ impl Companion {
         );
     }
 
-    /// Somebody else has just uploaded a list: it is read again.
+    /// Somebody else has just uploaded a list: reads it again.
     fn list_uploaded(&mut self, kind: MavMissionType) {
         if kind == self.mission.kind() {
             self.read_mission_again();
@@ -488,7 +488,7 @@ impl Companion {
         MavResult::MAV_RESULT_ACCEPTED
     }
 
-    /// Telemetry has come: decide and command where it is time.
+    /// After telemetry: decides and commands when due.
     fn prompted(&mut self, now_s: f64) {
         // The target that follows the plan goes out first: a search may take longer.
         if now_s >= self.due.command_s - 0.2 / self.config.command.rate_hz {

@@ -1,4 +1,4 @@
-//! What is sent: heartbeat, requests, targets, values.
+//! The outgoing messages: heartbeat, requests, targets, values.
 
 use fga::situation::Obstacle;
 use mavlink::dialects::ardupilotmega::{
@@ -11,7 +11,7 @@ use crate::hand::{Hand, Reach, Target};
 use crate::ownship::State;
 use crate::telling;
 
-/// The fence is downloaded again this long after the last time, seconds.
+/// Interval between downloads of the fence, seconds.
 const FENCE_AGAIN_S: f64 = 10.0;
 /// Time between targets until the vehicle has confirmed the mode, seconds.
 const TAKING_PERIOD_S: f64 = 0.02;
@@ -20,7 +20,7 @@ impl Companion {
     pub(super) fn send_regular(&mut self, now_s: f64) {
         if now_s >= self.due.heartbeat_s {
             self.due.heartbeat_s = now_s + 1.0;
-            // From the beginning: a peer that waits on a UDP port answers only who spoke first.
+            // From the beginning: a peer that waits on a UDP port answers only to a first message.
             self.outbox.send(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
                 custom_mode: 0,
                 mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
@@ -52,7 +52,7 @@ impl Companion {
         }
     }
 
-    /// Downloads the fence now and then: no message tells every change of it.
+    /// Downloads the fence now and then: no message reports every change of it.
     fn look_for_fence(&mut self, now_s: f64) {
         if self.fence_download.is_busy() {
             self.due.fence_s = now_s + FENCE_AGAIN_S;
@@ -76,7 +76,7 @@ impl Companion {
         }
     }
 
-    /// Where the authority stands; it neither is ready nor commands while nothing can be decided.
+    /// The state of the authority; without possible decisions it is neither ready nor in command.
     fn send_state(&mut self, now_s: f64) {
         let state = match self.keeper.state() {
             Authority::Ready | Authority::Taking { .. } | Authority::InCommand { .. }
@@ -148,7 +148,7 @@ impl Companion {
         }
     }
 
-    /// Sends targets that follow the last decision, where it has the authority to.
+    /// Sends targets that follow the last decision, if it has the authority.
     pub(super) fn command(&mut self, now_s: f64) {
         self.due.command_s = now_s + self.command_period_s();
         if matches!(self.keeper.state(), Authority::Returning { .. }) {
@@ -169,7 +169,7 @@ impl Companion {
         self.watch_following(now_s);
     }
 
-    /// Commands what was decided; returns the bank that the vehicle should take up, radians.
+    /// Commands the decision; returns the bank that the vehicle should take up, radians.
     fn fly(&mut self, state: &State, now_s: f64) -> Option<f64> {
         let decided = self.decided?;
         let normal_rad = self.bank_limit_rad()?;
@@ -195,17 +195,17 @@ impl Companion {
         })?
     }
 
-    /// Flies straight on while the mode is given back.
+    /// Flies straight while the vehicle changes back its mode.
     pub(super) fn fly_straight(&mut self, now_s: f64) {
         self.with_hand(now_s, |hand, reach| hand.fly_straight(reach));
     }
 
-    /// Takes back what the vehicle would go on following.
+    /// Cancels commands that the vehicle would go on following.
     pub(super) fn let_go(&mut self, now_s: f64) {
         self.with_hand(now_s, |hand, reach| hand.let_go(reach));
     }
 
-    /// Lets the hand do something, once a vehicle is heard; never in a dry run.
+    /// Lets the hand act, once a vehicle is known; never in a dry run.
     fn with_hand<T>(
         &mut self,
         now_s: f64,
@@ -225,8 +225,8 @@ impl Companion {
         Some(act(self.hand.as_mut(), &mut reach))
     }
 
-    /// Time from one target to the next, seconds: short until the mode is confirmed. Targets that reach
-    /// the vehicle before its mode has changed count for nothing, and without one GUIDED circles.
+    /// Time from one target to the next, seconds: short until the vehicle confirms the mode. Targets that arrive
+    /// before the change of the mode do not count, and without a target GUIDED circles.
     pub(super) fn command_period_s(&self) -> f64 {
         let period_s = 1.0 / self.config.command.rate_hz;
         if matches!(self.keeper.state(), Authority::Taking { .. }) {

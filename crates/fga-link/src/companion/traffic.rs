@@ -1,4 +1,4 @@
-//! Messages about other aircraft: ADS-B, Remote ID, and what a radar or a camera on board sees.
+//! Messages about other aircraft: ADS-B, Remote ID, and radars or cameras on board.
 
 use fga::Vec3;
 use fga::situation::Movement;
@@ -13,7 +13,7 @@ use crate::outgoing::AUTOPILOT;
 use crate::traffic::report::{Key, Quality};
 use crate::traffic::{AltitudeReference, Report, Sender, Source};
 
-/// σ of a place that a sensor tells without a configuration, metres, and with its distance.
+/// σ of a sensor's position without a configuration, metres, and as a share of its distance.
 const SENSOR_SIGMA_M: f64 = 10.0;
 const SENSOR_SIGMA_SHARE: f64 = 0.02;
 /// Largest range of a sensor, m.
@@ -39,7 +39,7 @@ impl Companion {
                 remote_id.take_basic_id(data, sender(Source::RemoteId), now_s);
                 None
             }
-            // Without an identity of the transmitter, what the vehicle's system tells is about the
+            // Without an identity of the transmitter, messages of the vehicle's system describe the
             // vehicle itself.
             MavMessage::OPEN_DRONE_ID_LOCATION(data) if on_board && data.id_or_mac == [0; 20] => {
                 None
@@ -60,7 +60,7 @@ impl Companion {
             MavMessage::OBSTACLE_DISTANCE_3D(data) => {
                 let sender = sender(Source::Sensor);
                 let sigma_m = self.sensor_sigma_m(system, header.component_id);
-                // A stranger's sensor sees from somewhere else.
+                // A stranger's sensor sees from another place.
                 if on_board || sigma_m.is_some() {
                     self.sensor_report(data, sender, sigma_m.unwrap_or(SENSOR_SIGMA_M), now_s)
                 } else {
@@ -93,7 +93,7 @@ impl Companion {
         let sender = Sender::mavlink(source, system, header.component_id);
         let mut report = Report::from_adsb(data, sender, now_s, sigma_m)?;
         if source == Source::Sensor && report.icao != 0 {
-            // A sensor numbers what it sees; its numbers are no addresses.
+            // A sensor numbers its detections; its numbers are no addresses.
             let number = u16::try_from(report.icao & 0xFFFF).unwrap_or(UNNUMBERED);
             report.key = Some(Key::Seen(sender, number));
             report.icao = 0;
@@ -101,7 +101,7 @@ impl Companion {
         Some(report)
     }
 
-    /// σ of a sensor that the configuration names, metres.
+    /// σ of a configured sensor, metres.
     fn sensor_sigma_m(&self, system: u8, component: u8) -> Option<f64> {
         let sensors = self.config.traffic.sensor.iter();
         sensors
@@ -155,7 +155,7 @@ impl Companion {
             place,
             velocity_mps: None,
             valid_s: now_s,
-            // It may be anything that flies.
+            // It may be any flying object.
             movement: Movement::SMALL_UAS,
             quality: Quality {
                 position_m: libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m),
@@ -166,10 +166,10 @@ impl Companion {
         })
     }
 
-    /// A receiver that tells both altitudes tells the height of the geoid.
+    /// A receiver that sends both altitudes gives the height of the geoid.
     pub(super) fn take_geoid(&mut self, data: &GPS_RAW_INT_DATA) {
         let fixed = data.fix_type as u32 >= GpsFixType::GPS_FIX_TYPE_3D_FIX as u32;
-        // Zero: the extension field was not sent.
+        // Zero: the extension field is missing.
         if fixed && data.alt_ellipsoid != 0 {
             self.tracks.levels_mut().take_geoid(
                 f64::from(data.alt_ellipsoid) * 1e-3,

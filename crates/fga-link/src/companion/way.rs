@@ -1,4 +1,4 @@
-//! The way that the vehicle means to fly, and whether it is back on it.
+//! The vehicle's intended way, and whether it is back on it.
 
 use fga::Vec3;
 use fga::angle::{course_of, wrap_pi};
@@ -14,7 +14,7 @@ use crate::mode::Mode;
 use crate::number::single;
 use crate::ownship::State;
 
-/// Length of the line that is flown on in CRUISE, metres.
+/// Length of the line in CRUISE, metres.
 const CRUISE_AHEAD_M: f64 = 50_000.0;
 /// In CRUISE a new line begins when the aircraft is off the old one by this, m and rad.
 const CRUISE_OFF_M: f64 = 12.0;
@@ -23,16 +23,16 @@ const CRUISE_OFF_RAD: f64 = 0.05;
 const ON_LEG_M: f64 = 12.0;
 const ON_LEG_RAD: f64 = 0.06;
 const ON_LEG_HEIGHT_M: f64 = 12.0;
-/// Targets closer together than this are one, metres.
+/// Targets closer together than this count as one, metres.
 const SAME_TARGET_M: f64 = 5.0;
 
 impl Companion {
-    /// The way ahead as the vehicle would fly it by itself; not touched while the companion flies, but
+    /// The way that the vehicle would fly by itself; unchanged while the companion flies, except
     /// for another mission.
     pub(super) fn renew_way(&mut self, state: &State, now_s: f64) {
         let Some(heard) = self.heard else { return };
         let engaged = self.keeper.is_engaged() && self.decider.is_some();
-        // In a manoeuvre the way is the one of the mode that was left.
+        // In a manoeuvre the way belongs to the mode from before.
         let left = self.keeper.owed().filter(|_| self.keeper.is_engaged());
         let mode = left.unwrap_or(heard.mode);
         if engaged && (mode != Mode::AUTO || self.way_mode != Some(Mode::AUTO)) {
@@ -51,7 +51,7 @@ impl Companion {
                 }
             }
             Mode::RTL => {
-                // Home, or a rally point: the vehicle's own word is better than the list.
+                // Home, or a rally point: the vehicle's own target is better than the list.
                 let told_m = self.own_target_m(now_s).map(|at_m| at_m.with_z(own_m.z));
                 let moved = told_m.is_some_and(|told_m| {
                     let laid_m = self.way.waypoints_m.last();
@@ -104,7 +104,7 @@ impl Companion {
     }
 
     /// Lays the way along the mission, or to the vehicle's own target while the mission is in doubt;
-    /// `false` where it stays as it is.
+    /// `false` if it stays the same.
     fn renew_mission_way(&mut self, own_m: Vec3, engaged: bool, busy: bool, now_s: f64) -> bool {
         let laid = self.way_mode == Some(Mode::AUTO);
         let in_doubt = self.mission_in_doubt(now_s);
@@ -127,11 +127,11 @@ impl Companion {
             return true;
         }
         let same_mission = self.way_mission == Some(self.mission_laid);
-        // The decider and the vehicle pass a waypoint at somewhat different moments.
+        // The decider and the vehicle pass a waypoint at slightly different moments.
         let same_item =
             self.way_item == self.mission_item || self.current_leg_item() == self.mission_item;
         let goes_on = same_item || engaged || (busy && self.item_is_ahead());
-        // The old way is no worse than none while the new one is read.
+        // The old way is no worse than none while reading the new one.
         if laid && ((same_mission && goes_on) || (engaged && in_doubt)) {
             return false;
         }
@@ -156,14 +156,14 @@ impl Companion {
         Some(home_m)
     }
 
-    /// The mission item at the end of the leg that the decider is on.
+    /// The mission item at the end of the decider's leg.
     fn current_leg_item(&self) -> Option<u16> {
         let leg = self.decider.as_ref().map_or(0, Decider::leg_index);
         let last = self.way.items.len().saturating_sub(1);
         self.way.items.get((leg + 1).min(last)).copied().flatten()
     }
 
-    /// What is left of the way: its point nearest to the aircraft on the leg of now, and the waypoints after it.
+    /// The rest of the way: the point of the present leg nearest to the aircraft, and the waypoints after it.
     pub(super) fn way_left(&self, own_m: Vec3) -> (Vec3, &[Vec3]) {
         let leg = self.decider.as_ref().map_or(0, Decider::leg_index);
         let Some((from_m, left_m)) = self
@@ -179,7 +179,7 @@ impl Companion {
         (*from_m + along_m * share.clamp(0.0, 1.0), left_m)
     }
 
-    /// Whether the vehicle's item is one of the way's.
+    /// Whether the vehicle's item belongs to the way.
     fn item_is_ahead(&self) -> bool {
         self.mission_item.is_some() && self.way.items.contains(&self.mission_item)
     }
@@ -209,7 +209,7 @@ impl Companion {
             && (!climbs || (state.ownship.position_m.z - height_m).abs() < ON_LEG_HEIGHT_M)
     }
 
-    /// Tells the vehicle which item to fly to, where waypoints were passed meanwhile.
+    /// Sets the vehicle's mission item, if the aircraft passed waypoints meanwhile.
     pub(super) fn resume_item(&mut self, now_s: f64) {
         if self.owed_mode() != Some(Mode::AUTO) {
             return;

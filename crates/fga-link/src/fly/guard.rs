@@ -1,4 +1,4 @@
-//! The thread that watches the one that decides, and what is done when that one has ended.
+//! The thread that watches the deciding one, and the reaction when that one has ended.
 
 use core::sync::atomic::Ordering;
 use core::time::Duration;
@@ -10,8 +10,8 @@ use super::shared::{Shared, locked};
 use crate::authority::{LOOK_EVERY_S, Order, Watchdog};
 use crate::wire::Signing;
 
-/// Looks until the flight is over. `end_program` is called when the deciding thread stands still and
-/// all was tried.
+/// Looks until the flight is over. Calls `end_program` when the deciding thread stands still and
+/// all attempts are over.
 pub(super) fn watch(
     shared: &Shared,
     to: &SyncSender<Parcel>,
@@ -28,7 +28,7 @@ pub(super) fn watch(
     }
 }
 
-/// Restores the mode for a deciding thread that has ended.
+/// Restores the mode after the deciding thread has ended.
 pub(super) fn stand_in(shared: &Shared, to: &SyncSender<Parcel>, signing: Option<&Signing>) {
     let mut watchdog = Watchdog::of_ended(shared.ticks.load(Ordering::Relaxed));
     while look(shared, &mut watchdog, to, signing) {
@@ -36,7 +36,7 @@ pub(super) fn stand_in(shared: &Shared, to: &SyncSender<Parcel>, signing: Option
     }
 }
 
-/// One look; `false` when nothing is left to be done.
+/// One look; `false` when nothing is left to do.
 fn look(
     shared: &Shared,
     watchdog: &mut Watchdog,

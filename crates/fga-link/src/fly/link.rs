@@ -14,10 +14,10 @@ use crate::mode::ModeChange;
 use crate::outgoing::OWN_COMPONENT;
 use crate::wire::{Frame, Framer, Signing, encode};
 
-/// A turn of the reading thread that took longer was a pause of the whole program: what waits in the
+/// A longer turn of the reading thread was a pause of the whole program: the data that waits in the
 /// socket is history.
 const PAUSED: Duration = Duration::from_secs(1);
-/// How often the writing thread looks whether the flight is over.
+/// Interval at which the writing thread checks for the end of the flight.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// A frame on its way out.
@@ -25,12 +25,12 @@ const LOOK: Duration = Duration::from_millis(100);
 pub(super) struct Parcel {
     /// The frame.
     pub(super) raw: MAVLinkV2MessageRaw,
-    /// A command of another mode: it is sent only while the vehicle is in the one that it leaves.
+    /// A command of another mode, sent only while the vehicle is in the mode that it leaves.
     pub(super) change: Option<ModeChange>,
 }
 
 impl Parcel {
-    /// The command that restores what is owed, outside of the companion.
+    /// The command that restores the owed mode, outside of the companion.
     pub(super) fn restoring(owed: Owed, signing: Option<&Signing>) -> Self {
         let message = Command::set_mode(owed.previous, owed.owned).message(owed.system_id, 0);
         let header = MavHeader {
@@ -48,7 +48,7 @@ impl Parcel {
     }
 }
 
-/// Reads the link until the flight is over; `sink` takes each valid frame and when it came.
+/// Reads the link until the flight is over; `sink` takes each valid frame and its time.
 pub(super) fn read(
     shared: &Shared,
     mut reader: Reader,
@@ -90,7 +90,7 @@ pub(super) fn read(
     }
 }
 
-/// Writes frames until the flight is over. A command of another mode is checked here, at the last moment.
+/// Writes frames until the flight is over. Checks a command of another mode here, at the last moment.
 pub(super) fn write(shared: &Shared, writer: &Writer, parcels: &Receiver<Parcel>) {
     loop {
         match parcels.recv_timeout(LOOK) {
@@ -105,7 +105,7 @@ pub(super) fn write(shared: &Shared, writer: &Writer, parcels: &Receiver<Parcel>
     }
 }
 
-/// Hands a frame to the writing thread; what does not fit is dropped.
+/// Hands a frame to the writing thread, or drops it if the queue is full.
 pub(super) fn post(to: &SyncSender<Parcel>, parcel: Parcel) -> bool {
     to.try_send(parcel).is_ok()
 }

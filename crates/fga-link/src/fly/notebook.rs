@@ -1,5 +1,5 @@
-//! What a later run of the program must know, kept on the disk by a thread of its own: the mode that
-//! is owed, and the timestamps of signed frames.
+//! Notes for a later run of the program, kept on the disk by a separate thread: the owed mode, and the
+//! timestamps of signed frames.
 
 use alloc::sync::Arc;
 use core::sync::atomic::{AtomicU64, Ordering};
@@ -16,11 +16,11 @@ use super::shared::{Shared, spawn};
 use crate::restart::Note;
 use crate::wire::{Signing, Timestamps};
 
-/// How often the timestamps of signed frames are kept.
+/// Interval for saving the timestamps of signed frames.
 const KEEP_TIMESTAMPS: Duration = Duration::from_millis(500);
-/// How long a take-over waits until it is noted; then it goes on without a note.
+/// Longest wait of a take-over for its note; then it goes on without one.
 const LONGEST_WAIT: Duration = Duration::from_millis(250);
-/// How long the end of a flight waits for the disk.
+/// Longest wait for the disk at the end of a flight.
 const LAST_WORDS: Duration = Duration::from_secs(1);
 const TIMESTAMPS: &str = "signing.json";
 
@@ -28,7 +28,7 @@ fn note_path(folder: &Path, system_id: u8) -> PathBuf {
     folder.join(format!("owed-{system_id}.json"))
 }
 
-/// Writes a file whole: under another name, then renamed.
+/// Writes a file completely: under another name, then renamed.
 fn write_whole(path: &Path, content: &str) -> io::Result<()> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)?;
@@ -39,12 +39,12 @@ fn write_whole(path: &Path, content: &str) -> io::Result<()> {
     fs::rename(&begun, path)
 }
 
-/// Waits until a file would outlive a loss of power.
+/// Waits until a file would survive a loss of power.
 fn settle(path: &Path) -> io::Result<()> {
     File::open(path)?.sync_data()
 }
 
-/// The notes that an earlier run left in a folder.
+/// The notes of an earlier run in a folder.
 pub(super) fn read_notes(folder: &Path) -> Vec<Note> {
     (1..=u8::MAX)
         .filter_map(|system_id| fs::read_to_string(note_path(folder, system_id)).ok())
@@ -52,13 +52,13 @@ pub(super) fn read_notes(folder: &Path) -> Vec<Note> {
         .collect()
 }
 
-/// The timestamps that an earlier run kept in a folder.
+/// The timestamps of an earlier run in a folder.
 pub(super) fn read_timestamps(folder: &Path) -> Option<Timestamps> {
     let text = fs::read_to_string(folder.join(TIMESTAMPS)).ok()?;
     serde_json::from_str(&text).ok()
 }
 
-/// The hand that the flight has on the notebook.
+/// The flight's side of the notebook.
 pub(super) struct Notebook {
     to: SyncSender<(u64, Option<Note>)>,
     thread: JoinHandle<()>,
@@ -71,7 +71,7 @@ pub(super) struct Notebook {
 }
 
 impl Notebook {
-    /// Begins with an empty page.
+    /// Starts with an empty page.
     pub(super) fn begin(
         shared: &Arc<Shared>,
         folder: &Path,
@@ -94,7 +94,7 @@ impl Notebook {
         })
     }
 
-    /// The note that is to be on the disk from now on.
+    /// Sets the note that the disk must hold from now on.
     pub(super) fn set(&mut self, note: Option<Note>) {
         if note != self.wanted {
             self.wanted = note;
@@ -107,12 +107,12 @@ impl Notebook {
         }
     }
 
-    /// Whether the disk has what is wanted, or was waited for long enough.
+    /// Whether the disk has the note, or the wait was long enough.
     pub(super) fn is_kept(&self) -> bool {
         self.kept.load(Ordering::Acquire) >= self.number || self.changed.elapsed() >= LONGEST_WAIT
     }
 
-    /// Waits a moment until all is written.
+    /// Waits a moment until everything is written.
     pub(super) fn end(self) {
         let Self { to, thread, .. } = self;
         drop(to);
@@ -150,7 +150,7 @@ fn keep(
             };
             written = note;
             done.store(number, Ordering::Release);
-            // The program's sudden end is provided for from here on; the disk may take its time.
+            // From here on the note covers a sudden end of the program; the disk may take its time.
             let result = match note {
                 Some(note) => result.and_then(|()| settle(&note_path(folder, note.system_id))),
                 None => result,

@@ -1,7 +1,7 @@
-//! The two logs of a flight, written by a thread of their own.
+//! The two logs of a flight, written by a separate thread.
 //!
-//! The flight never waits for a disk: what the thread cannot take in time is dropped, and where it
-//! cannot write the log stops. The companion reports each once.
+//! The flight never waits for a disk: entries that the thread cannot take in time are dropped, and when it
+//! cannot write, the log stops. The companion reports each once.
 
 use alloc::sync::Arc;
 use core::time::Duration;
@@ -16,21 +16,21 @@ use super::shared::{Shared, spawn};
 use crate::number::to_u64;
 use crate::tlog::TlogWriter;
 
-/// Entries that wait to be written: more than ten seconds of a busy link.
+/// Most entries in the queue: more than ten seconds of a busy link.
 const WAITING: usize = 4096;
-/// How often the files are handed to the system.
+/// Interval for handing the files to the system.
 const FLUSH: Duration = Duration::from_secs(1);
-/// How long the end of a flight waits for the disk.
+/// Longest wait for the disk at the end of a flight.
 const LAST_WORDS: Duration = Duration::from_secs(2);
 
-/// What is logged.
+/// An entry of the log.
 #[derive(Debug)]
 enum Entry {
     Frame(u64, Box<[u8]>),
     Line(String),
 }
 
-/// What may be said of an error of the disk in one message.
+/// A short text for an error of the disk.
 pub(super) fn reason(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::StorageFull => "disk full".to_owned(),
@@ -43,7 +43,7 @@ pub(super) fn reason(error: &io::Error) -> String {
     }
 }
 
-/// The hand that the flight has on its logs.
+/// The flight's side of its logs.
 pub(super) struct Recorder {
     to: SyncSender<Entry>,
     thread: Option<JoinHandle<()>>,
@@ -74,7 +74,7 @@ impl Recorder {
         })
     }
 
-    /// Logs a frame that came or went at a time of the flight, seconds.
+    /// Logs a frame, received or sent at a time of the flight, seconds.
     pub(super) fn frame(&mut self, shared: &Shared, at_s: f64, bytes: &[u8]) {
         let unix_us = self.begin_us + to_u64(at_s * 1e6);
         self.put(shared, Entry::Frame(unix_us, bytes.into()));
@@ -96,7 +96,7 @@ impl Recorder {
         }
     }
 
-    /// Waits a moment until all is written.
+    /// Waits a moment until everything is written.
     pub(super) fn end(self) {
         let Self { to, thread, .. } = self;
         drop(to);
@@ -135,7 +135,7 @@ impl Files {
         }
     }
 
-    /// Hands what waits to the system; an error where somebody has removed the files.
+    /// Hands waiting data to the system; an error if somebody has removed the files.
     fn flush(&mut self) -> io::Result<()> {
         self.tlog.flush()?;
         self.decisions.flush()?;

@@ -1,4 +1,4 @@
-//! What the threads of a flight know together.
+//! The shared knowledge of the threads of a flight.
 
 use alloc::sync::Arc;
 use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -13,18 +13,18 @@ use crate::companion::{beat_of_plane, round_trip_of};
 use crate::mode::ModeChange;
 use crate::outgoing::AUTOPILOT;
 
-/// Most troubles that wait to be told.
+/// Most troubles in the queue.
 const MOST_TROUBLES: usize = 8;
 
-/// The lock of a mutex, also after a panic elsewhere: the data are single values.
+/// Locks a mutex, also after a panic elsewhere: the data are single values.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The vehicle as the thread hears it that reads the link.
+/// The vehicle as the reading thread hears it.
 #[derive(Debug, Default)]
 struct Vehicle {
-    /// System id; 0 until one is heard.
+    /// System id; 0 before the first heartbeat.
     system_id: u8,
     hearing: Hearing,
 }
@@ -33,22 +33,22 @@ struct Vehicle {
 #[derive(Debug)]
 pub(super) struct Shared {
     start: Instant,
-    /// Set when the flight is to end.
+    /// Set to end the flight.
     pub(super) stop: Arc<AtomicBool>,
-    /// Set when all threads are to end: the flight has ended.
+    /// Set to end all threads, after the flight.
     pub(super) over: AtomicBool,
-    /// Steps of the thread that decides.
+    /// Steps of the deciding thread.
     pub(super) ticks: AtomicU64,
-    /// What that thread would leave owed.
+    /// The mode that the deciding thread would leave owed.
     pub(super) owed: Mutex<Option<Owed>>,
-    /// A thread that is needed has ended by a panic.
+    /// A needed thread has ended by a panic.
     pub(super) failed: Mutex<Option<&'static str>>,
     vehicle: Mutex<Vehicle>,
     troubles: Mutex<Vec<String>>,
 }
 
 impl Shared {
-    /// Nothing heard yet; `system_id` is the vehicle's where it is configured, else 0.
+    /// Nothing heard yet; `system_id` is the vehicle's if configured, else 0.
     pub(super) fn new(stop: Arc<AtomicBool>, system_id: u8) -> Self {
         Self {
             start: Instant::now(),
@@ -74,7 +74,7 @@ impl Shared {
         self.over.load(Ordering::Relaxed)
     }
 
-    /// Takes a valid frame; whether it is from the vehicle.
+    /// Takes a valid frame; returns whether it is from the vehicle.
     pub(super) fn hear(&self, header: MavHeader, message: &MavMessage, now_s: f64) -> bool {
         let Ok(system_id) = u8::try_from(header.system_id) else {
             return false;
@@ -107,23 +107,23 @@ impl Shared {
         true
     }
 
-    /// What was heard before a pause of this program is history.
+    /// Messages from before a pause of this program are history.
     pub(super) fn forget_heard(&self) {
         locked(&self.vehicle).hearing.forget();
     }
 
-    /// Whether a command of another mode may be sent now; it is taken to be sent.
+    /// Whether the program may now send a command of another mode; if so, it counts as sent.
     pub(super) fn asks(&self, change: ModeChange) -> bool {
         let now_s = self.now_s();
         locked(&self.vehicle).hearing.ask(change, now_s)
     }
 
-    /// What the vehicle tells of its mode, for the watchdog.
+    /// The vehicle's reported mode, for the watchdog.
     pub(super) fn hearing(&self) -> Hearing {
         locked(&self.vehicle).hearing.clone()
     }
 
-    /// Something that the operator has to know of this program.
+    /// Records a trouble of this program for the operator.
     pub(super) fn trouble(&self, words: String) {
         let mut troubles = locked(&self.troubles);
         if troubles.len() < MOST_TROUBLES {
@@ -137,7 +137,7 @@ impl Shared {
     }
 }
 
-/// Starts a thread; where a needed one panics, the flight ends and the mode is handed back.
+/// Starts a thread; a panic of a needed one ends the flight and restores the mode.
 pub(super) fn spawn(
     shared: &Arc<Shared>,
     name: &'static str,

@@ -1,5 +1,5 @@
-//! The status line, written by a thread of its own: a terminal that is held (Ctrl-S), a pipe that
-//! nobody reads or a closed one holds nothing else.
+//! The status line, written by a separate thread: a terminal that is held (Ctrl-S), a pipe that
+//! nobody reads or a closed one delays nothing else.
 
 use alloc::sync::Arc;
 use core::time::Duration;
@@ -9,12 +9,12 @@ use std::time::Instant;
 
 use super::shared::{Shared, spawn};
 
-/// How often the line is renewed.
+/// Interval between lines.
 const EVERY: Duration = Duration::from_millis(500);
-/// How long the end of a flight waits for the terminal.
+/// Longest wait for the terminal at the end of a flight.
 const LAST_WORDS: Duration = Duration::from_millis(200);
 
-/// The hand that the flight has on its status line.
+/// The flight's side of its status line.
 pub(super) struct Status {
     to: Option<SyncSender<String>>,
     shown: Instant,
@@ -24,11 +24,11 @@ impl Status {
     /// A status line on standard error, or none.
     pub(super) fn begin(shared: &Arc<Shared>, wanted: bool) -> io::Result<Self> {
         let to = if wanted {
-            // One line waits: an older one is of no use to anybody.
+            // One line waits: an older one is useless.
             let (to, lines) = sync_channel::<String>(1);
             spawn(shared, "fga-status", move |_| {
                 while let Ok(line) = lines.recv() {
-                    // Nobody can be told that nobody listens.
+                    // Without a reader there is nobody to report to.
                     let _ = write!(io::stderr(), "\r\x1b[K{line}");
                 }
                 let _ = writeln!(io::stderr());
@@ -43,7 +43,7 @@ impl Status {
         })
     }
 
-    /// Shows a line where it is time.
+    /// Shows a line if it is due.
     pub(super) fn show(&mut self, line: impl FnOnce() -> String) {
         if let Some(to) = &self.to
             && self.shown.elapsed() >= EVERY

@@ -14,9 +14,9 @@ use crate::number::single;
 use crate::outgoing::AUTOPILOT;
 use crate::ownship::State;
 
-/// The rest of a turn is rolled out over this many bank time constants.
+/// A turn rolls out over this many bank time constants …
 const ROLL_OUT_LAGS: f64 = 1.0;
-/// … and over no less than this, seconds.
+/// … and over at least this time, seconds.
 const SHORTEST_ROLL_OUT_S: f64 = 0.6;
 /// Pitch per metre of altitude error in level stages, radians; and its limit.
 const PITCH_PER_METRE: f64 = 0.012;
@@ -29,14 +29,14 @@ const LEVEL_RAD: f64 = 0.004;
 pub struct AttitudeCommand {
     /// Bank, radians, positive to the left.
     pub bank_rad: f64,
-    /// Climb angle wanted, radians; `None` leaves the altitude to the autopilot.
+    /// Wanted climb angle, radians; `None` leaves the altitude to the autopilot.
     pub climb_rad: Option<f64>,
 }
 
-/// What a manoeuvre asks for, some time after it was decided.
+/// The target of a manoeuvre some time after its decision.
 ///
-/// The bank is that of the full rate until what is left to turn is what the roll-out itself turns;
-/// from there it falls in proportion.
+/// Full bank until the remaining turn equals the turn made while rolling out; then bank proportional
+/// to what remains.
 pub fn attitude_for(
     maneuver: &Maneuver,
     elapsed_s: f64,
@@ -53,7 +53,7 @@ pub fn attitude_for(
     let flyer = Flyer::new(vehicle);
     let lag_s = vehicle.response.bank_time_constant_s;
     let turn_left = stage.course_rad - ownship.course_rad;
-    // Turned while the bank decays to level: f g τ (φ + φ³/9 + …) / V.
+    // Turn made while the bank decays to level: f g τ (φ + φ³/9 + …) / V.
     let rolling_out = lag_s * flyer.rate_radps(ownship.bank_rad);
     let rest = turn_left - rolling_out;
     let over_s = (ROLL_OUT_LAGS * lag_s).max(SHORTEST_ROLL_OUT_S);
@@ -67,7 +67,7 @@ pub fn attitude_for(
     }
 }
 
-/// Keeps the altitude in level stages once the pitch is commanded, and remembers the pitch angle
+/// Keeps the altitude in level stages once it commands the pitch, and remembers the pitch angle
 /// of level flight.
 #[derive(Debug, Default)]
 pub struct PitchKeeper {
@@ -103,7 +103,7 @@ impl PitchKeeper {
         if !self.in_command {
             return None;
         }
-        // GUIDED would go back to the altitude at which it was entered: hold this one instead.
+        // GUIDED would return to the altitude of its entry: hold the present one instead.
         let held = *self.held_altitude_m.get_or_insert(altitude_m);
         let correction = PITCH_PER_METRE * (held - altitude_m);
         Some(level + correction.clamp(-MOST_PITCH_CORRECTION_RAD, MOST_PITCH_CORRECTION_RAD))
@@ -152,7 +152,7 @@ impl Hand for AttitudeHand {
 ///
 /// A cleared rate bit selects that axis of the attitude, and the bit of the attitude itself stays
 /// set: cleared, it selects all axes, and ArduPlane would hold pitch and rudder at zero. Throttle
-/// and the other axes are left to the autopilot.
+/// and the other axes stay with the autopilot.
 pub fn attitude_message(
     bank_rad: f64,
     pitch_rad: Option<f64>,

@@ -13,23 +13,23 @@ use crate::mode::Mode;
 use crate::number::single;
 use crate::ownship::State;
 
-/// A heading target is sent again when it changes by this, radians, or after this time, seconds.
+/// A heading target is repeated when it changes by this, radians, or after this time, seconds.
 const STEP_RAD: f64 = 0.035;
 const AGAIN_S: f64 = 1.0;
-/// Farthest ahead of the present heading that a heading target may lie, radians: less than half a turn,
-/// so that the autopilot turns to the side that is meant.
+/// Farthest heading target from the present heading, radians: less than half a turn,
+/// so that the autopilot turns to the intended side.
 const FARTHEST_RAD: f64 = 2.6;
-/// A climb is commanded as an altitude this far ahead, seconds.
+/// A climb becomes an altitude this far ahead, seconds.
 const CLIMB_AHEAD_S: f64 = 4.0;
 /// A climb angle this small is level flight, radians.
 const LEVEL_RAD: f64 = 0.01;
-/// Heading commands are followed with a slow tail, seconds.
+/// Slow tail of heading commands, seconds.
 const TAIL_S: f64 = 0.6;
 
 /// Flies by `MAV_CMD_GUIDED_CHANGE_HEADING` and `MAV_CMD_GUIDED_CHANGE_ALTITUDE`.
 #[derive(Debug, Default)]
 pub struct HeadingHand {
-    /// The last heading, radians, and when it is sent again, seconds.
+    /// The last heading, radians, and the time of its repetition, seconds.
     last: Option<(f64, f64)>,
 }
 
@@ -104,7 +104,7 @@ impl Hand for HeadingHand {
     }
 
     fn fly(&mut self, target: &Target<'_>, reach: &mut Reach<'_>) -> Option<f64> {
-        // Outside of GUIDED the commands are refused: the confirmation is waited for.
+        // Outside of GUIDED the vehicle refuses the commands: wait for the confirmation.
         if target.is_confirmed
             && let Some(stage) = target.maneuver.stage_at(target.elapsed_s).copied()
             && self.turn(&stage, target, reach)
@@ -113,7 +113,7 @@ impl Hand for HeadingHand {
         {
             climb(&stage, target.own, reach);
         }
-        // The autopilot chooses the bank: whatever it flies is what was asked for.
+        // The autopilot chooses the bank: whatever it flies is the requested one.
         Some(target.own.ownship.bank_rad)
     }
 

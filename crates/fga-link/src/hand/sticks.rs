@@ -1,4 +1,4 @@
-//! Roll by `RC_CHANNELS_OVERRIDE` in FBWB, as Algorithm 4 flies.
+//! Roll by `RC_CHANNELS_OVERRIDE` in FBWB, as in Algorithm 4.
 
 use fga::maneuver::Maneuver;
 use fga::prediction::Flyer;
@@ -11,9 +11,9 @@ use super::{Hand, Reach, Target};
 use crate::mode::Mode;
 use crate::number::to_u16;
 
-/// A turn is over this close to its course, radians.
+/// A turn ends this close to its course, radians.
 const REACHED_RAD: f64 = 0.01;
-/// Ground station's system id where the vehicle's parameter is not known.
+/// Ground station's system id if the vehicle's parameter is unknown.
 const GROUND_SYSTEM: f64 = 255.0;
 
 /// Flies by the roll stick; full stick is the vehicle's own bank limit.
@@ -67,14 +67,14 @@ impl Hand for StickHand {
         Self::roll(to_u16(PWM_NEUTRAL_US), reach);
     }
 
-    /// The vehicle would hold the sticks for seconds, and CRUISE would turn on.
+    /// The vehicle would hold the sticks for seconds, and CRUISE would go on turning.
     fn let_go(&mut self, reach: &mut Reach<'_>) {
         Self::send(None, reach);
     }
 }
 
-/// The bank that a manoeuvre asks for, radians, positive to the left: that of the stage until rolling out
-/// ends on its course.
+/// The bank of a manoeuvre, radians, positive to the left: the stage's bank until rolling out ends on its
+/// course.
 fn bank_for(maneuver: &Maneuver, elapsed_s: f64, own: &Ownship, vehicle: &Vehicle) -> f64 {
     let Some(stage) = maneuver.stage_at(elapsed_s) else {
         return 0.0;
@@ -88,9 +88,9 @@ fn bank_for(maneuver: &Maneuver, elapsed_s: f64, own: &Ownship, vehicle: &Vehicl
     flyer.bank_rad(rate_radps.copysign(left_rad))
 }
 
-/// Leaves a channel as it is.
+/// Leaves a channel unchanged.
 const LEAVE: u16 = u16::MAX;
-/// Gives a channel back to the pilot's transmitter.
+/// Returns a channel to the pilot's transmitter.
 const RELEASE: u16 = 0;
 
 /// The message that holds roll, pitch and throttle; `None` releases them.
@@ -111,7 +111,7 @@ pub fn override_message(sticks: Option<[u16; 3]>, target_system: u8) -> MavMessa
     })
 }
 
-/// Throttle stick that asks for an airspeed in FBWB, microseconds.
+/// Throttle stick for an airspeed in FBWB, microseconds.
 pub fn throttle_us(airspeed_mps: f64, lowest_mps: f64, highest_mps: f64) -> u16 {
     let span = highest_mps - lowest_mps;
     let share = if span > 0.1 {

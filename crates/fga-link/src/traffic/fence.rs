@@ -2,8 +2,8 @@
 //!
 //! An exclusion circle is a cylinder. The edges of polygons, and an inclusion circle, are rows of
 //! cylinders on the forbidden side: the aircraft flies along the row with a ripple of at most
-//! [`RIPPLE_M`] metres. The ground below the floor and the sky above the ceiling are cylinders so
-//! wide that nothing is beside them.
+//! [`RIPPLE_M`] metres. The ground below the floor and the sky above the ceiling are very wide
+//! cylinders.
 
 use fga::Vec3;
 use fga::situation::{Movement, Obstacle, ObstacleKind, ProtectedVolume};
@@ -20,11 +20,11 @@ pub const RIPPLE_M: f64 = 4.0;
 const POST_SPACING_M: f64 = 50.0;
 /// Taller than anything flies, metres.
 const TALL_M: f64 = 50_000.0;
-/// Most posts of a whole fence; a longer one is not taken.
+/// Most posts of a whole fence; a longer one is refused.
 const MOST_POSTS: usize = 4096;
 /// Posts farther from the aircraft than this do not matter yet, metres.
 const NEAR_M: f64 = 700.0;
-/// Most of them in one step.
+/// Most posts in one step.
 const MOST_NEAR: usize = 48;
 const FIRST_ID: u32 = 10_000;
 /// Identifiers of floor and ceiling.
@@ -32,11 +32,11 @@ pub const FLOOR_ID: u32 = 1;
 /// See [`FLOOR_ID`].
 pub const CEILING_ID: u32 = 2;
 
-/// A fence laid into the local frame.
+/// A fence in the local frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Fence {
     posts: Vec<(Vec3, f64)>,
-    /// Items that were not understood, or too many of them.
+    /// Items that were unintelligible, or too many.
     pub incomplete: bool,
 }
 
@@ -62,7 +62,7 @@ impl Fence {
                 MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
                 | MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION => {
                     polygon.push(at_m);
-                    // Each vertex tells how many the polygon has.
+                    // Each vertex has the number of the polygon's vertices.
                     if (polygon.len() as f64) >= number {
                         let inside =
                             item.command == MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION;
@@ -247,7 +247,7 @@ mod tests {
             assert!(!fence.incomplete);
             assert!(clearance(&fence, Vec3::ZERO) > 499.0);
             for at in [-480.0, -237.0, 0.0, 123.0, 499.0] {
-                // Across the edge the way is barred, at the latest a ripple beyond it.
+                // The edge blocks the way, at the latest a ripple beyond it.
                 assert!(clearance(&fence, Vec3::new(at, 500.0 + RIPPLE_M + 0.1, 0.0)) < 0.0);
                 assert!(clearance(&fence, Vec3::new(at, 499.0, 0.0)) > 0.0);
             }

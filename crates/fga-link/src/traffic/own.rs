@@ -1,25 +1,25 @@
 //! Is a received aircraft the vehicle's own transponder?
 //!
-//! A belief that is checked with each report: reports of our transponder lie on the way that the
-//! vehicle has just flown, at its speed, some seconds late. Once they do not, it is another aircraft.
+//! Each report checks that belief: reports of our transponder lie on the way that the
+//! vehicle has just flown, at its speed, some seconds late. When they do not, it is another aircraft.
 
 use alloc::collections::VecDeque;
 
 use fga::Vec3;
 
-/// How far back the flown way is kept, seconds, and how finely.
+/// Memory of the flown way, seconds, and its resolution.
 const KEPT_S: f64 = 8.0;
 const SPACING_S: f64 = 0.2;
 /// A report of our transponder is at most this late, and this early by the prediction of our own
 /// state, seconds.
 const LATE_S: f64 = 4.0;
 const EARLY_S: f64 = 0.6;
-/// To be believed, reports lie this near for so long.
+/// The belief begins when reports lie this near for this long.
 const PLACE_M: f64 = 40.0;
 const HEIGHT_M: f64 = 30.0;
 const VELOCITY_MPS: f64 = 5.0;
 const FOR_S: f64 = 8.0;
-/// To be believed on, they lie this near; a second report that does not ends the belief.
+/// The belief continues while they lie this near; a second report that does not ends it.
 const KEPT_PLACE_M: f64 = 60.0;
 const KEPT_HEIGHT_M: f64 = 50.0;
 const KEPT_VELOCITY_MPS: f64 = 8.0;
@@ -31,20 +31,20 @@ pub struct Flown {
     samples: VecDeque<(f64, Vec3, Vec3)>,
 }
 
-/// A report as it is compared with the flown way.
+/// A report for the comparison with the flown way.
 #[derive(Debug, Clone, Copy)]
 pub struct Seen {
-    /// When it was true, seconds.
+    /// Its time of validity, seconds.
     pub valid_s: f64,
     /// Position, metres, local frame.
     pub position_m: Vec3,
     /// Velocity over the ground, metres per second.
     pub velocity_mps: Vec3,
-    /// What its height may be wrong by, metres.
+    /// Possible error of its height, metres.
     pub height_bound_m: f64,
 }
 
-/// What is believed of one track.
+/// The belief about one track.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Belief {
     since_s: Option<f64>,
@@ -93,12 +93,12 @@ impl Flown {
 }
 
 impl Belief {
-    /// Whether it is believed to be our transponder.
+    /// Whether it counts as our transponder.
     pub const fn holds(&self) -> bool {
         self.held
     }
 
-    /// Checks it with a new report; `named` where the configuration names this aircraft as ours.
+    /// Checks it with a new report; `named` if the configuration names this aircraft as ours.
     pub fn check(&mut self, seen: &Seen, flown: &Flown, named: bool, now_s: f64) {
         if self.held {
             let kept = flown.holds(seen, KEPT_PLACE_M, KEPT_HEIGHT_M, KEPT_VELOCITY_MPS);

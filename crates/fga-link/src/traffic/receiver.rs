@@ -17,13 +17,13 @@ use crate::endpoint::{Endpoint, Received, open};
 /// A receiver: `sbs:HOST:PORT` or `beast:HOST:PORT`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReceiverEndpoint {
-    /// Which wire it speaks.
+    /// The kind of wire.
     pub source: Source,
     /// Host and port.
     pub address: String,
 }
 
-/// A text that names no receiver.
+/// Text that names no receiver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "'{0}' is no receiver, expected sbs:HOST:PORT, or beast:HOST:PORT where the program was built with it"
@@ -52,32 +52,31 @@ impl FromStr for ReceiverEndpoint {
     }
 }
 
-/// A receiver without a word for this long is connected to again: the air may be empty.
+/// A receiver silent for this long is connected again: the air may be empty.
 const SILENT: Duration = Duration::from_mins(1);
-/// Aircraft whose messages are joined; those not heard for longest make room.
+/// Most aircraft with joined messages; those not heard for longest make room.
 const MOST_AIRCRAFT: usize = 32_768;
-/// An altitude or a velocity is used with positions for so long, seconds.
+/// Validity of an altitude or a velocity for later positions, seconds.
 const PART_LIFETIME_S: f64 = 15.0;
 /// σ of a position without quality figures, metres.
 const UNKNOWN_SIGMA_M: f64 = 15.0;
-/// A radius of containment holds the position with near certainty: four σ and more.
+/// A radius of containment means near certainty: at least four σ.
 const SIGMAS_IN_CONTAINMENT: f64 = 4.0;
-/// A circle of this many σ holds 95 of 100 positions: √(−2 ln 0.05).
+/// A circle of this many σ contains 95 of 100 positions: √(−2 ln 0.05).
 const SIGMAS_IN_95: f64 = 2.4477;
-/// A position whose source has no integrity is known by this many times less, and no better than
-/// this, metres.
+/// A position without source integrity is worse by this factor, and at least by this, metres.
 const WITHOUT_INTEGRITY: f64 = 2.0;
 const WITHOUT_INTEGRITY_M: f64 = 30.0;
-/// σ is never larger than this, metres: an aircraft that knows nothing would fill the sky.
+/// σ is at most this, metres: an aircraft that knows nothing would fill the sky.
 const MOST_SIGMA_M: f64 = 300.0;
-/// σ of a velocity without quality figures, and of one that is known for not known, metres per
+/// σ of a velocity without quality figures, and of one with a known lack of quality, metres per
 /// second.
 const UNKNOWN_VELOCITY_MPS: f64 = 1.0;
 const POOR_VELOCITY_MPS: f64 = 8.0;
 /// A velocity ages by this, metres per second squared.
 const VELOCITY_AGES_MPS2: f64 = 1.5;
 
-/// What is known of one aircraft between its messages.
+/// The parts known of one aircraft between its messages.
 #[derive(Debug, Clone, Copy, Default)]
 struct Parts {
     altitude: Option<(Altitude, f64)>,
@@ -97,7 +96,7 @@ impl Parts {
         let by_error = self.error_m.map(|m| m / SIGMAS_IN_95);
         let by_containment = self.containment_m.map(|m| m / SIGMAS_IN_CONTAINMENT);
         let sigma_m = match self.integrity {
-            // The accuracy holds as long as nothing fails, and nothing says how often it does.
+            // The accuracy holds only while nothing fails, and nothing says how often it does.
             Some(0) => by_error
                 .map_or(UNKNOWN_SIGMA_M, |m| m * WITHOUT_INTEGRITY)
                 .max(by_containment.unwrap_or(0.0))
@@ -107,7 +106,7 @@ impl Parts {
         sigma_m.min(MOST_SIGMA_M)
     }
 
-    /// σ of the velocity along an axis, told `age_s` ago, metres per second.
+    /// σ of the velocity along an axis, `age_s` after its report, metres per second.
     fn velocity_sigma_mps(&self, age_s: f64) -> f64 {
         let told = self.velocity_error_mps.map(|mps| mps / SIGMAS_IN_95);
         let sigma_mps = told.unwrap_or(UNKNOWN_VELOCITY_MPS).min(POOR_VELOCITY_MPS);
@@ -136,12 +135,12 @@ impl Joiner {
         }
     }
 
-    /// Aircraft held in memory.
+    /// Number of aircraft in memory.
     pub fn aircraft(&self) -> usize {
         self.aircraft.len()
     }
 
-    /// Takes a message; gives a report where it held a position and the altitude is known.
+    /// Takes a message; returns a report if it has a position and the altitude is known.
     pub fn take(&mut self, message: &TrafficReport, now_s: f64) -> Option<Report> {
         let parts = self.aircraft.entry(message.address);
         if let Some(altitude) = message.altitude {
@@ -198,8 +197,8 @@ impl Joiner {
     }
 }
 
-/// Reads a receiver until `stop` is set, connecting again where the connection is lost; each report
-/// goes to `take`, which says whether to go on. `clock_s` tells the time of what was just read,
+/// Reads a receiver until `stop` is set, and connects again after a loss; `take` gets each report
+/// and says whether to go on. `clock_s` gives the time of the data just read,
 /// seconds.
 pub fn read(
     endpoint: &ReceiverEndpoint,
@@ -215,7 +214,7 @@ pub fn read(
     let mut reader = None;
     while !stop.load(Ordering::Relaxed) {
         let Some(open_reader) = &mut reader else {
-            // The name may become known later.
+            // The name may become resolvable later.
             match open(&Endpoint::Tcp(endpoint.address.clone())) {
                 Ok((mut new, _)) => {
                     new.set_silent(SILENT);

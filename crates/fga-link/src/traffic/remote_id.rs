@@ -1,5 +1,5 @@
-//! Remote ID (ASTM F3411): unmanned aircraft that broadcast where they are, as a receiver passes
-//! them on in `OPEN_DRONE_ID_LOCATION`, `OPEN_DRONE_ID_BASIC_ID` and packs of both.
+//! Remote ID (ASTM F3411): unmanned aircraft that broadcast their position, as a receiver passes
+//! it on in `OPEN_DRONE_ID_LOCATION`, `OPEN_DRONE_ID_BASIC_ID` and packs of both.
 
 use alloc::collections::BTreeMap;
 
@@ -15,27 +15,27 @@ use super::report::{AltitudeReference, Key, Quality, Report, Sender, tidy_callsi
 use super::vertical::Levels;
 use crate::number::degrees_from_e7;
 
-/// What tells one transmitter from another: its hardware address or its identifier.
+/// The identity of a transmitter: its hardware address or its identifier.
 pub type Transmitter = [u8; 20];
 
-/// Aircraft whose names and clocks are remembered.
+/// Most aircraft with a remembered name and clock.
 const MOST_AIRCRAFT: usize = 1024;
-/// One that was not heard for so long makes room, seconds.
+/// One not heard for this long makes room, seconds.
 const FORGOTTEN_S: f64 = 60.0;
 /// Bytes of a broadcast message, and of the messages in a pack.
 const MESSAGE: usize = 25;
 /// Timestamps count tenths of a second from the full hour.
 const HOUR_S: f64 = 3600.0;
-/// A message that comes later than this behind the fastest one has another clock, seconds.
+/// A message this much later than the fastest one has another clock, seconds.
 const LATEST_S: f64 = 60.0;
-/// A circle of this many σ holds 95 of 100 positions.
+/// A circle of this many σ contains 95 of 100 positions.
 const SIGMAS_IN_95: f64 = 2.4477;
-/// What is taken for an accuracy that is not told: metres, metres, metres per second.
+/// Assumed accuracies if missing: metres, metres, metres per second.
 const UNKNOWN_SIGMA_M: f64 = 30.0;
 const UNKNOWN_HEIGHT_M: f64 = 50.0;
 const UNKNOWN_VELOCITY_MPS: f64 = 4.0;
 
-/// Where an aircraft says that it is.
+/// An aircraft's reported state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Location {
     on_ground: bool,
@@ -65,14 +65,14 @@ struct Aircraft {
     last_timestamp_s: Option<f64>,
 }
 
-/// What is remembered of the transmitters.
+/// The remembered transmitters.
 #[derive(Debug, Clone, Default)]
 pub struct RemoteId {
     aircraft: BTreeMap<Transmitter, Aircraft>,
 }
 
 impl RemoteId {
-    /// Aircraft held in memory.
+    /// Number of aircraft in memory.
     pub fn aircraft(&self) -> usize {
         self.aircraft.len()
     }
@@ -87,7 +87,7 @@ impl RemoteId {
         self.name(transmitter(data.id_or_mac, sender), &data.uas_id, now_s);
     }
 
-    /// Takes a location; `None` where it holds no position in the air.
+    /// Takes a location; `None` without a position in the air.
     pub fn take_location(
         &mut self,
         data: &OPEN_DRONE_ID_LOCATION_DATA,
@@ -151,7 +151,7 @@ impl RemoteId {
         self.report(from, &found?, sender, levels, now_s)
     }
 
-    /// What is remembered of a transmitter; `None` where there is no room for another one.
+    /// The entry of a transmitter; `None` without room for another one.
     fn entry(&mut self, from: Transmitter, now_s: f64) -> Option<&mut Aircraft> {
         if !self.aircraft.contains_key(&from) && self.aircraft.len() >= MOST_AIRCRAFT {
             self.aircraft
@@ -167,7 +167,7 @@ impl RemoteId {
 
     fn name(&mut self, from: Transmitter, name: &[u8; 20], now_s: f64) {
         let text: String = name.iter().map(|byte| char::from(*byte)).collect();
-        // The end of a serial number tells more than the maker's code at its beginning.
+        // The end of a serial number is more specific than the maker's code at its beginning.
         let text: String = text.chars().filter(char::is_ascii_graphic).collect();
         let tail = text.len().saturating_sub(super::report::LONGEST_CALLSIGN);
         if let Some(aircraft) = self.entry(from, now_s) {
@@ -214,7 +214,7 @@ impl RemoteId {
     }
 }
 
-/// Zeros name the sender's own aircraft: one for each system.
+/// Zeros mean the sender's own aircraft: one for each system.
 fn transmitter(id: Transmitter, sender: Sender) -> Transmitter {
     if id != [0; 20] {
         return id;
@@ -226,8 +226,8 @@ fn transmitter(id: Transmitter, sender: Sender) -> Transmitter {
 }
 
 impl Aircraft {
-    /// How old a location is, seconds, by its timestamp against the fastest one; `None` where it was
-    /// told before or is older than the last.
+    /// The age of a location, seconds, by its timestamp against the fastest one; `None` for a repetition
+    /// or one older than the last.
     fn age_s(&mut self, timestamp_s: Option<f64>, now_s: f64) -> Option<f64> {
         let Some(timestamp_s) = timestamp_s else {
             return Some(0.0);
@@ -315,7 +315,7 @@ impl Location {
     }
 }
 
-/// Radius that holds 95 of 100 positions, metres.
+/// Radius that contains 95 of 100 positions, metres.
 const fn horizontal_m(category: u8) -> Option<f64> {
     Some(match category {
         1 => 18_520.0,

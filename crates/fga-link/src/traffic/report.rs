@@ -9,7 +9,7 @@ use mavlink::dialects::ardupilotmega::{
 
 use crate::number::degrees_from_e7;
 
-/// Where a report came from.
+/// The source of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Source {
     /// A receiver or a player on the MAVLink network.
@@ -43,7 +43,7 @@ impl Source {
     }
 }
 
-/// Who sent a report. Each sender has its own share of the table of tracks.
+/// The sender of a report. Each sender has its share of the table of tracks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Sender {
     /// Kind of source.
@@ -70,22 +70,22 @@ impl Sender {
     }
 }
 
-/// What tells one aircraft from another. Several tracks can have one key: an address is a claim.
+/// The identity of an aircraft. Several tracks can have one key: an address is a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Key {
     /// A 24-bit ICAO address.
     Address(u32),
-    /// A call sign without an address, as one sender tells it.
+    /// A call sign without an address, of one sender.
     Callsign(Sender, [u8; LONGEST_CALLSIGN]),
     /// A transmitter of Remote ID.
     Transmitter(super::remote_id::Transmitter),
-    /// What a sensor sees under a number of its own.
+    /// A sensor's detection, with the sensor's number.
     Seen(Sender, u16),
-    /// Neither: the place alone tells.
+    /// Neither: only the position identifies it.
     Unnamed(Sender),
 }
 
-/// What an altitude is measured from.
+/// The datum of an altitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AltitudeReference {
     /// Mean sea level, measured by satellites.
@@ -96,47 +96,47 @@ pub enum AltitudeReference {
     Pressure,
 }
 
-/// How well a report knows.
+/// The quality of a report.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
     /// σ of the horizontal position along an axis, metres.
     pub position_m: f64,
-    /// σ of the velocity along an axis, metres per second; the position grows worse by it with age.
+    /// σ of the velocity along an axis, metres per second; with age the position gets worse by it.
     pub velocity_mps: f64,
-    /// Bound of the altitude's error, metres, beyond what is known of its reference.
+    /// Bound of the altitude's error, metres, besides the error of its datum.
     pub height_m: f64,
-    /// What the altitude is measured from.
+    /// The altitude's datum.
     pub altitude: AltitudeReference,
 }
 
-/// What one message said.
+/// The content of one message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Where it came from.
+    /// Its source.
     pub source: Source,
-    /// Who sent it.
+    /// Its sender.
     pub sender: Sender,
-    /// ICAO address; 0 where none was given.
+    /// ICAO address; 0 if unknown.
     pub icao: u32,
-    /// Which aircraft it claims to be of, where neither address nor call sign tells.
+    /// The claimed identity, if neither address nor call sign gives one.
     pub key: Option<Key>,
     /// Call sign, without blanks.
     pub callsign: String,
-    /// Where; the altitude above what [`Quality::altitude`] says.
+    /// Position; the altitude above the datum in [`Quality::altitude`].
     pub place: Geodetic,
-    /// Velocity east, north, up, metres per second; `None` where it was not given.
+    /// Velocity east, north, up, metres per second; `None` if unknown.
     pub velocity_mps: Option<Vec3>,
-    /// When that was true, seconds on the local clock.
+    /// Time of validity, seconds on the local clock.
     pub valid_s: f64,
     /// How such an aircraft may move.
     pub movement: Movement,
-    /// How well it is known.
+    /// Its quality.
     pub quality: Quality,
 }
 
-/// σ of a velocity along an axis that tells nothing of its quality, metres per second.
+/// σ of a velocity along an axis without quality figures, metres per second.
 const VELOCITY_SIGMA_MPS: f64 = 1.0;
-/// Longest call sign that is kept.
+/// Longest stored call sign.
 pub const LONGEST_CALLSIGN: usize = 9;
 
 /// A call sign without blanks and control characters, of bounded length.
@@ -148,7 +148,7 @@ pub fn tidy_callsign(text: &str) -> String {
 }
 
 impl Report {
-    /// Which aircraft it claims to be of.
+    /// The claimed identity.
     pub fn key(&self) -> Key {
         if let Some(key) = self.key {
             return key;
@@ -166,7 +166,7 @@ impl Report {
         Key::Callsign(self.sender, name)
     }
 
-    /// What an `ADSB_VEHICLE` message says; `None` without a usable position and altitude.
+    /// The report in an `ADSB_VEHICLE` message; `None` without a usable position and altitude.
     pub fn from_adsb(
         data: &ADSB_VEHICLE_DATA,
         sender: Sender,

@@ -1,11 +1,11 @@
-//! Tracks: reports of the same aircraft joined, aged, carried forward; the threatening ones kept.
+//! Tracks: reports of the same aircraft joined, aged, extrapolated; keeps the threatening ones.
 //!
 //! - Each sender has a share of the table. Within it the least urgent track makes room, never
 //!   another sender's.
-//! - Reports under one key that do not continue each other open a track each, a hypothesis. All of
-//!   them are avoided until one dies: its reports have ended while another of the same sender goes on.
-//! - Work for one report does not grow with the number of tracks, but for the choice of the least
-//!   urgent one, which is made among [`MOST_OF_A_SENDER`] at most.
+//! - Reports under one key that do not continue each other open a track each, a hypothesis. The companion
+//!   avoids all of them until one dies: its reports have ended while another of the same sender goes on.
+//! - Work for one report does not grow with the number of tracks, except for the choice of the least
+//!   urgent one among at most [`MOST_OF_A_SENDER`].
 
 use alloc::collections::BTreeMap;
 
@@ -23,26 +23,26 @@ use crate::config::TrafficConfig;
 
 /// Most tracks of one sender.
 pub const MOST_OF_A_SENDER: usize = 512;
-/// Senders with a share of their own; all others have one together, the last.
+/// Senders with a separate share; all others share one, the last.
 const MOST_SENDERS: usize = 8;
-/// Most tracks that are kept.
+/// Most tracks.
 pub const MOST_TRACKS: usize = MOST_OF_A_SENDER * MOST_SENDERS;
-/// Most hypotheses under one key, and under the key of what has no name.
+/// Most hypotheses under one key, and under the key of nameless aircraft.
 const MOST_HYPOTHESES: usize = 8;
 const MOST_UNNAMED: usize = 32;
-/// The autopilot's own list is not listened to where another source spoke of late, seconds.
+/// The autopilot's own list does not count after a recent report of another source, seconds.
 const BETTER_SOURCE_S: f64 = 3.0;
-/// Its places are this late at most, seconds, and otherwise this far off, metres.
+/// Its positions are at most this late, seconds, and otherwise this far off, metres.
 const LIST_LATE_S: f64 = 4.0;
 const LIST_OFF_M: f64 = 60.0;
-/// A hypothesis whose reports have ended lives on for this long at least, seconds.
+/// Least remaining life of a hypothesis whose reports have ended, seconds.
 const SILENT_S: f64 = 3.0;
-/// Reports that make a line of them.
+/// Number of reports that make a line.
 const LINE: u32 = 3;
-/// Overload is over after this long without, seconds.
+/// Overload ends after this long without, seconds.
 const OVERLOAD_S: f64 = 60.0;
 
-/// Whom to list as obstacles.
+/// The request for a list of obstacles.
 #[derive(Debug, Clone, Copy)]
 pub struct Wanted {
     /// The moment, seconds.
@@ -51,11 +51,11 @@ pub struct Wanted {
     pub own_m: Vec3,
     /// Own altitude above mean sea level, metres.
     pub own_altitude_m: f64,
-    /// Tracks farther away are left out, metres.
+    /// Farther tracks do not count, metres.
     pub within_m: f64,
-    /// What is protected around each.
+    /// The protected volume around each.
     pub volume: ProtectedVolume,
-    /// Most of them.
+    /// Largest number.
     pub most: usize,
 }
 
@@ -66,7 +66,7 @@ pub struct TrackTable {
     own_icao: Option<u32>,
     own_callsign: Option<String>,
     tracks: Vec<Track>,
-    /// Places in `tracks` of all hypotheses under a key.
+    /// Indices in `tracks` of all hypotheses under a key.
     index: BTreeMap<Key, Vec<usize>>,
     senders: [Option<(Sender, f64)>; MOST_SENDERS - 1],
     shares: [usize; MOST_SENDERS],
@@ -76,14 +76,14 @@ pub struct TrackTable {
     remote_id: RemoteId,
     /// Own height in the frame and own altitude above mean sea level, metres.
     own_height_m: Option<(f64, f64)>,
-    /// What was last protected around each.
+    /// The last protected volume around each.
     volume: ProtectedVolume,
     overload_s: Option<f64>,
     overload_told: bool,
     next_id: u32,
 }
 
-/// Identifiers from here on are tracks; below are virtual obstacles, the fence and the floor.
+/// Identifiers from here on are tracks; lower ones are virtual obstacles, the fence and the floor.
 const FIRST_ID: u32 = 100_000;
 
 impl TrackTable {
@@ -128,7 +128,7 @@ impl TrackTable {
         self.tracks.iter().find(|track| track.id == id)
     }
 
-    /// When anything was last heard, seconds.
+    /// Time of the last report, seconds.
     pub fn last_heard_s(&self) -> Option<f64> {
         self.tracks
             .iter()
@@ -136,22 +136,22 @@ impl TrackTable {
             .reduce(f64::max)
     }
 
-    /// What is known of the transmitters of Remote ID, and of the levels that altitudes refer to.
+    /// The transmitters of Remote ID, and the datums of altitudes.
     pub const fn remote_id(&mut self) -> (&mut RemoteId, &Levels) {
         (&mut self.remote_id, &self.levels)
     }
 
-    /// Where the levels lie that altitudes refer to.
+    /// The datums of altitudes.
     pub const fn levels_mut(&mut self) -> &mut Levels {
         &mut self.levels
     }
 
-    /// The way that the vehicle flies from now on: what threatens follows from it.
+    /// Sets the vehicle's way from now on, which determines the threats.
     pub fn set_ahead(&mut self, ahead: Ahead) {
         self.ahead = ahead;
     }
 
-    /// Whether there has been more traffic than is taken into account: `true` once, when it begins.
+    /// Whether there is more traffic than the limits: `true` once, when it begins.
     pub fn is_new_overload(&mut self, now_s: f64) -> bool {
         let overloaded = self
             .overload_s
@@ -161,7 +161,7 @@ impl TrackTable {
         is_new
     }
 
-    /// Takes a report; `false` where it told nothing new.
+    /// Takes a report; `false` if it was nothing new.
     pub fn take(&mut self, report: &Report, frame: &LocalFrame, now_s: f64) -> bool {
         let position_m = frame.to_local_m(report.place);
         let velocity_mps = report
@@ -214,7 +214,7 @@ impl TrackTable {
         self.open(report, key, seen, now_s)
     }
 
-    /// Whether a better source speaks of what the autopilot's list says, late.
+    /// Whether a better source reports the aircraft that the autopilot's list reports late.
     fn is_known_better(&self, key: Key, seen: &Seen, now_s: f64) -> bool {
         let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
         members
@@ -229,7 +229,7 @@ impl TrackTable {
             })
     }
 
-    /// The share that a sender's tracks are counted in.
+    /// The share of a sender's tracks.
     fn slot(&mut self, sender: Sender, now_s: f64) -> u8 {
         let known = self
             .senders
@@ -263,7 +263,7 @@ impl TrackTable {
         };
         if members.len() >= most {
             self.overload_s = Some(now_s);
-            // A line of reports is not given up for a single one.
+            // A line of reports does not make room for a single one.
             let single = members
                 .iter()
                 .copied()
@@ -302,7 +302,7 @@ impl TrackTable {
             .map_or(f64::INFINITY, |track| track.keep_s)
     }
 
-    /// Takes a track out; the last one moves to its place.
+    /// Removes a track; the last one takes its index.
     fn remove(&mut self, place: usize) {
         if place >= self.tracks.len() {
             return;
@@ -327,8 +327,8 @@ impl TrackTable {
         }
     }
 
-    /// Altitude of a track above what its altitudes refer to comes from the height in the frame: the
-    /// vehicle's own differs by as much as the places do.
+    /// The altitude of a track above its datum comes from the height in the frame: the
+    /// vehicle's own differs by as much as the positions do.
     fn shift(&self, track: &Track, height_m: f64, now_s: f64) -> Shift {
         let (own_m, own_altitude_m) = self.own_height_m.unwrap_or((height_m, height_m));
         let altitude_m = own_altitude_m + height_m - own_m;
@@ -354,7 +354,7 @@ impl TrackTable {
             .urgency(position_m, track.velocity_mps(), now_s, reach)
     }
 
-    /// Drops what is too old or contradicted, checks which track is our transponder, and orders
+    /// Drops tracks that are too old or contradicted, checks which track is our transponder, and orders
     /// the rest by urgency; `own` is the vehicle's position and velocity.
     pub fn tidy(&mut self, now_s: f64, own: Option<(Vec3, Vec3)>) {
         if let Some((own_m, own_mps)) = own {
@@ -383,7 +383,7 @@ impl TrackTable {
         }
     }
 
-    /// Whether the reports of a hypothesis have ended while its sender's go on with another one.
+    /// Whether the reports of a hypothesis have ended while its sender's continue with another one.
     fn has_ended(&self, track: &Track, now_s: f64) -> bool {
         if now_s - track.heard_s < track.silence_s(SILENT_S) {
             return false;
@@ -400,7 +400,7 @@ impl TrackTable {
             })
     }
 
-    /// Where the address is configured, only that aircraft can be ours.
+    /// With a configured address, only that aircraft can be ours.
     fn is_named_own(&self, track: &Track) -> Option<bool> {
         let by_address = self.own_icao.filter(|_| track.icao != 0);
         let by_callsign = self

@@ -1,20 +1,20 @@
 //! Which aircraft matter most?
 //!
-//! The one that soonest enters the protected volume on the way that the aircraft flies, straight or
-//! along its mission; then the one that could come soonest whatever it does.
+//! First the aircraft that soonest enters the protected volume on the way of the own aircraft, straight or
+//! along its mission; then the one that could come soonest by any turn.
 
 use fga::Vec3;
 
 /// Most legs of the way ahead.
 const MOST_LEGS: usize = 8;
-/// A conflict later than this does not count as one yet, seconds.
+/// A later conflict does not count yet, seconds.
 const HORIZON_S: f64 = 90.0;
-/// Added to a protected volume: an aircraft that passes this near is taken for one that meets it,
+/// Added to a protected volume: an aircraft that passes this near counts as in conflict,
 /// metres.
 const NEAR_M: f64 = 40.0;
-/// Any two aircraft can close in by this, metres per second.
+/// Closing speed of any two aircraft, metres per second.
 const CLOSING_MPS: f64 = 10.0;
-/// Slower than this two aircraft do not come nearer to each other, metres per second.
+/// Below this speed two aircraft do not come nearer to each other, metres per second.
 const STEADY_MPS: f64 = 1.0;
 
 /// A straight piece of the way ahead.
@@ -26,7 +26,7 @@ struct Leg {
     ends_s: f64,
 }
 
-/// The ways that the aircraft may fly.
+/// The possible ways of the own aircraft.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ahead {
     own: Option<(Vec3, Vec3)>,
@@ -34,24 +34,24 @@ pub struct Ahead {
     legs: Vec<Leg>,
 }
 
-/// How soon an aircraft matters; smaller is more urgent.
+/// The urgency of an aircraft; smaller is more urgent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Urgency {
-    /// Time until it enters the volume on the way ahead, seconds; infinite where it does not.
+    /// Time until it enters the volume on the way ahead, seconds; infinite if it does not.
     pub conflict_s: f64,
-    /// Time until it could be there if it turned towards the aircraft, seconds.
+    /// Time until it could arrive if it turned towards the aircraft, seconds.
     pub reach_s: f64,
 }
 
 impl Urgency {
-    /// What decides who is kept where there is no room for all, seconds: a conflict, or nearness
-    /// that counts half as much.
+    /// The order for keeping tracks when there is no room for all, seconds: a conflict, or nearness
+    /// with half the weight.
     pub const fn keep_s(&self) -> f64 {
         self.conflict_s.min(2.0 * self.reach_s)
     }
 }
 
-/// A volume and how well its centre is known, metres.
+/// A volume and the uncertainty of its centre, metres.
 #[derive(Debug, Clone, Copy)]
 pub struct Reach {
     /// Horizontal, metres.
@@ -62,7 +62,7 @@ pub struct Reach {
 
 impl Ahead {
     /// From a position and velocity at `at_s`: straight on, and from `met_m`, a point of the way, along the
-    /// waypoints. In a manoeuvre that point lies beside the aircraft: what was avoided stays urgent.
+    /// waypoints. In a manoeuvre that point lies beside the aircraft, so that the avoided aircraft stays urgent.
     pub fn new(
         at_s: f64,
         (own_m, velocity_mps): (Vec3, Vec3),
@@ -102,12 +102,12 @@ impl Ahead {
         }
     }
 
-    /// Position where it is known, metres.
+    /// Known position, metres.
     pub fn own_m(&self) -> Option<Vec3> {
         self.own.map(|(own_m, _)| own_m)
     }
 
-    /// How soon an aircraft matters that is at `position_m` at `at_s`.
+    /// The urgency of an aircraft at `position_m` at `at_s`.
     pub fn urgency(
         &self,
         position_m: Vec3,
@@ -121,7 +121,7 @@ impl Ahead {
                 reach_s: f64::INFINITY,
             };
         };
-        // Where it is at the moment of the way's beginning.
+        // Its position at the start of the way.
         let position_m = position_m + velocity_mps * (self.at_s - at_s);
         let distance_m = (position_m.distance(own_m) - reach.radius_m).max(0.0);
         let reach_s = distance_m / (velocity_mps.distance(own_mps) + CLOSING_MPS);
@@ -208,7 +208,7 @@ mod tests {
         )
     }
 
-    /// Turned away from it, the aircraft has no conflict on its course any more, but on its way.
+    /// After the turn the aircraft has no conflict on its course, but still on its way.
     #[test]
     fn what_is_avoided_stays_urgent() {
         let on_leg_m = Vec3::new(0.0, 100.0, 100.0);

@@ -1,4 +1,4 @@
-//! One aircraft as one line of reports tells it: carried forward, smoothed, aged.
+//! One aircraft from one line of reports: extrapolated, smoothed, aged.
 //!
 //! An address is a claim. Where two lines of reports claim one address, there are two tracks, and
 //! each report moves the one that it continues; see [`super::table`].
@@ -11,15 +11,15 @@ use fga::situation::Movement;
 use super::own::Belief;
 use super::report::{AltitudeReference, Key, Quality, Report, Source};
 
-/// A report continues a track that is this far from it, metres, …
+/// A report continues a track if it is within this distance of it, metres, …
 const GATE_M: f64 = 25.0;
 /// … plus this many σ, …
 const GATE_SIGMAS: f64 = 3.0;
-/// … plus what it flies while a message is on its way, seconds, …
+/// … plus the distance flown while a message is on its way, seconds, …
 const GATE_DELAY_S: f64 = 0.6;
-/// … plus what a turn makes of the time between, metres per second squared …
+/// … plus the effect of a turn in the time between, metres per second squared …
 const GATE_MPS2: f64 = 5.0;
-/// … where the velocity is known; else this speed, metres per second.
+/// … if the velocity is known; else this speed, metres per second.
 const GATE_UNKNOWN_MPS: f64 = 120.0;
 /// The same for heights, metres and metres per second, …
 const GATE_HEIGHT_M: f64 = 40.0;
@@ -27,33 +27,33 @@ const GATE_CLIMB_MPS: f64 = 20.0;
 /// … and for velocities, metres per second and metres per second squared.
 const GATE_VELOCITY_MPS: f64 = 15.0;
 const GATE_TURN_MPS2: f64 = 10.0;
-/// Part of the difference between report and prediction that is taken over.
+/// Share of the difference between report and prediction that the track takes over.
 const SMOOTHING: f64 = 0.6;
-/// Part of the mean square of these differences that is remembered with each report.
+/// Share of the mean square of these differences that each report keeps.
 const REMEMBERED: f64 = 0.7;
 /// An aircraft may turn or change speed by this, metres per second squared.
 const MANEUVER_MPS2: f64 = 1.5;
-/// Age makes σ of the position no larger than this, metres.
+/// Age increases σ of the position up to this, metres.
 const MOST_SIGMA_M: f64 = 150.0;
-/// Part of the age that is not counted: the message is that fresh anyway, seconds.
+/// Part of the age that does not count: the message is that fresh anyway, seconds.
 const FRESH_S: f64 = 1.2;
-/// Reports remembered to know a repetition, and for how long, seconds.
+/// Number of remembered reports for detecting a repetition, and their age, seconds.
 const MOST_REMEMBERED: usize = 24;
 const REMEMBERED_S: f64 = 10.0;
-/// A repetition lies this near to the way that was reported, metres, with this velocity, metres per
+/// A repetition lies this near to the reported way, metres, with this velocity, metres per
 /// second.
 const REPEATED_M: f64 = 3.0;
 const REPEATED_MPS: f64 = 1.0;
-/// Repetitions alone for so long are no repetitions, seconds.
+/// Repetitions alone for this long are no repetitions, seconds.
 const REPEATED_FOR_S: f64 = 3.0;
-/// Slower than this, metres per second, an aircraft may well be where it was.
+/// Slower than this, metres per second, an aircraft may really be at its old place.
 const MOVES_MPS: f64 = 2.0;
-/// An altitude above the sea counts for so long before a pressure altitude replaces it, seconds.
+/// An altitude above the sea holds for this long against a pressure altitude, seconds.
 const BETTER_HEIGHT_S: f64 = 3.0;
-/// A velocity that is not told is estimated over so long, seconds, and from so long on.
+/// A missing velocity is estimated over this time, seconds, and from this time on.
 const ESTIMATED_OVER_S: f64 = 3.5;
 const ESTIMATED_FROM_S: f64 = 0.5;
-/// The usual time between reports is not taken for longer than this, seconds.
+/// Longest usual time between reports, seconds.
 const LONGEST_INTERVAL_S: f64 = 5.0;
 
 /// A report in the local frame.
@@ -64,22 +64,22 @@ pub(super) struct Seen {
     pub velocity_mps: Option<Vec3>,
     pub quality: Quality,
     pub source: Source,
-    /// Place of the sender in the table of senders.
+    /// Index of the sender in the table of senders.
     pub slot: u8,
 }
 
 /// One aircraft.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track {
-    /// Number in obstacles and logs; never used again.
+    /// Number in obstacles and logs; never reused.
     pub id: u32,
     /// ICAO address; 0 where unknown.
     pub icao: u32,
     /// Call sign; may be empty.
     pub callsign: String,
-    /// Who reported last.
+    /// Last sender.
     pub source: Source,
-    /// How it may move.
+    /// Its possible motion.
     pub movement: Movement,
     pub(super) key: Key,
     pub(super) own: Belief,
@@ -89,7 +89,7 @@ pub struct Track {
     /// Reports that continued it.
     pub(super) hits: u32,
     pub(super) heard_s: f64,
-    /// What decides whether it is kept, seconds.
+    /// The order for keeping it, seconds.
     pub(super) keep_s: f64,
     /// Whether the last report was compared with our own way.
     pub(super) checked: bool,
@@ -142,7 +142,7 @@ impl Track {
         track
     }
 
-    /// Where it is at `at_s`, metres, local frame; its height above what its altitudes refer to.
+    /// Its position at `at_s`, metres, local frame; its height above its datum.
     pub fn position_m(&self, at_s: f64) -> Vec3 {
         self.position_m + self.velocity_mps * (at_s - self.valid_s)
     }
@@ -152,28 +152,28 @@ impl Track {
         self.velocity_mps
     }
 
-    /// What its altitudes refer to.
+    /// The datum of its altitudes.
     pub const fn altitude_reference(&self) -> AltitudeReference {
         self.quality.altitude
     }
 
-    /// Bound of its altitude's error, metres, beyond what is known of the reference.
+    /// Bound of its altitude's error, metres, besides the error of the datum.
     pub(super) const fn height_bound_m(&self) -> f64 {
         self.quality.height_m
     }
 
-    /// Whether it is believed to be our transponder.
+    /// Whether it counts as our transponder.
     pub const fn is_own(&self) -> bool {
         self.own.holds()
     }
 
-    /// Time since the last report was true, seconds.
+    /// Time since the last report's validity, seconds.
     pub fn age_s(&self, now_s: f64) -> f64 {
         now_s - self.valid_s
     }
 
-    /// σ of the position along an axis at `at_s`, metres: what the report says of itself, how far
-    /// reports have been from their prediction, and what an aircraft may do since.
+    /// σ of the position along an axis at `at_s`, metres: the report's own figure, the distance of reports
+    /// from their prediction, and the possible motion of an aircraft since.
     pub fn sigma_m(&self, at_s: f64) -> f64 {
         let age_s = self.age_s(at_s).max(0.0);
         let drift_m = (self.quality.velocity_mps + self.estimated_mps) * age_s;
@@ -199,18 +199,18 @@ impl Track {
         }
     }
 
-    /// The last report, and whether its velocity was told.
+    /// The last report, and whether it had a velocity.
     pub(super) const fn last_seen(&self) -> &Seen {
         &self.last
     }
 
-    /// After this time without a report the line of reports has ended where another one of the same
-    /// sender goes on, seconds.
+    /// After this time without a report the line has ended if another one of the same sender goes on,
+    /// seconds.
     pub(super) fn silence_s(&self, least_s: f64) -> f64 {
         least_s.max(3.0 * self.interval_s)
     }
 
-    /// How badly a report continues this track, from 0 to 1; `None` where it does not.
+    /// How badly a report continues this track, from 0 to 1; `None` if it does not.
     pub(super) fn misfit(&self, seen: &Seen) -> Option<f64> {
         let apart_s = (seen.valid_s - self.valid_s).abs();
         let off = seen.position_m - self.position_m(seen.valid_s);
@@ -236,8 +236,8 @@ impl Track {
         (misfit <= 1.0).then_some(misfit)
     }
 
-    /// Whether a report says only what this track's reports have said before: sent again, or late by
-    /// a detour. Such a report tells nothing, unless nothing else comes.
+    /// Whether a report only repeats earlier reports of this track: sent again, or late by a detour. Such a
+    /// report has no meaning, unless nothing else comes.
     pub(super) fn is_repetition(&mut self, seen: &Seen, now_s: f64) -> bool {
         if !self.repeats(seen) {
             return false;
@@ -273,7 +273,7 @@ impl Track {
         if flat(seen.position_m - self.last.position_m).length() < 0.05 {
             return true;
         }
-        // Along the way that was reported, behind its end.
+        // Along the reported way, behind its end.
         let behind = self.reported.iter().zip(self.reported.iter().skip(1));
         for ((from_s, from_m, from_mps), (to_s, to_m, _)) in behind {
             let way = flat(*to_m - *from_m);
@@ -297,7 +297,7 @@ impl Track {
         false
     }
 
-    /// Takes a report that continues this track; `false` where it is older than what is known.
+    /// Takes a report that continues this track; `false` if it is older than the known state.
     pub(super) fn update(&mut self, seen: &Seen, now_s: f64) -> bool {
         // Another sender's clock may differ.
         if seen.slot == self.last.slot && seen.valid_s < self.last.valid_s - 0.5 {
@@ -353,7 +353,7 @@ impl Track {
         true
     }
 
-    /// The velocity as told, or from the places.
+    /// The reported velocity, or the velocity from the positions.
     fn take_velocity(&mut self, seen: &Seen) {
         match seen.velocity_mps {
             Some(velocity_mps) => {

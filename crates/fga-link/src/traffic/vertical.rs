@@ -1,8 +1,8 @@
-//! How high is it above the same level as the vehicle?
+//! The height of an aircraft above the same datum as the vehicle.
 //!
 //! A pressure altitude counts from 1013.25 hPa, wherever that pressure is today: 302 m below the
-//! sea at 1050 hPa, 540 m above at 950 hPa. The vehicle's own pressure tells where it is here, and
-//! pressures compare with pressures. Without it the level is bounded by these two.
+//! sea at 1050 hPa, 540 m above at 950 hPa. The vehicle's own pressure shows that level here, and
+//! pressures compare with pressures. Without it these two bound the level.
 
 use fga::situation::ProtectedVolume;
 
@@ -13,18 +13,18 @@ const STANDARD_HPA: f64 = 1013.25;
 /// The standard atmosphere below 11 km: 288.15 K / 6.5 K/km, metres, and R·L/(g·M).
 const SCALE_M: f64 = 44_330.77;
 const EXPONENT: f64 = 0.190_263;
-/// Pressures at sea level that occur, hectopascals: `docs/how-to-arduplane.md` states them.
+/// Possible pressures at sea level, hectopascals: `docs/how-to-arduplane.md` states them.
 const QNH_HPA: [f64; 2] = [950.0, 1050.0];
-/// What two altimeters at one place may differ by, metres: a transponder's 75 ft, rounding included.
+/// Possible difference of two altimeters at one place, metres: a transponder's 75 ft, with rounding.
 const ALTIMETERS_M: f64 = 25.0;
-/// Part of a height by which air of another temperature than the standard atmosphere's deceives.
+/// Share of a height by which air of a non-standard temperature misleads.
 const TEMPERATURE: f64 = 0.1;
-/// A comparison with the vehicle's pressure counts for this long, seconds: the weather changes by
-/// 3 hPa in an hour at most.
+/// Validity of a comparison with the vehicle's pressure, seconds: the weather changes by at most
+/// 3 hPa in an hour.
 const LIFETIME_S: f64 = 600.0;
-/// Part of the difference between two comparisons that is taken over.
+/// Share of the difference between two comparisons that counts.
 const SMOOTHING: f64 = 0.2;
-/// The geoid lies between these heights above the ellipsoid, metres.
+/// Range of the geoid above the ellipsoid, metres.
 const GEOID_M: [f64; 2] = [-107.0, 86.0];
 
 /// Altitude in the standard atmosphere, metres above 1013.25 hPa, where the pressure is
@@ -35,8 +35,8 @@ pub fn pressure_altitude_m(pressure_hpa: f64) -> Option<f64> {
         .then(|| SCALE_M * (1.0 - libm::pow(pressure_hpa / STANDARD_HPA, EXPONENT)))
 }
 
-/// What is subtracted from an altitude to get one above mean sea level, metres, and by how much
-/// that may be wrong.
+/// The difference between an altitude and the one above mean sea level, metres, and its possible
+/// error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shift {
     /// Subtracted, metres.
@@ -45,7 +45,7 @@ pub struct Shift {
     pub bound_m: f64,
 }
 
-/// Where the reference levels lie.
+/// The datums.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Levels {
     /// Pressure altitude less altitude above mean sea level at the vehicle, metres; when, seconds.
@@ -62,7 +62,7 @@ impl Levels {
         };
         let new_m = pressure_m - altitude_m;
         let [low_m, high_m] = pressure_range_m(altitude_m);
-        // A sensor that says what no weather makes is broken.
+        // A sensor beyond any weather is broken.
         if !(low_m..=high_m).contains(&new_m) {
             return;
         }
@@ -123,7 +123,7 @@ impl Levels {
     }
 }
 
-/// What a pressure altitude may exceed the true one by, metres, at an altitude.
+/// Largest excess of a pressure altitude over the true one, metres, at an altitude.
 fn pressure_range_m(altitude_m: f64) -> [f64; 2] {
     let at = |hpa| pressure_altitude_m(hpa).unwrap_or(0.0);
     let temperature_m = ALTIMETERS_M + TEMPERATURE * altitude_m.abs();
@@ -134,7 +134,7 @@ fn pressure_range_m(altitude_m: f64) -> [f64; 2] {
     ]
 }
 
-/// The volume that holds `volume` at every height within `bound_m` of its own.
+/// The volume that contains `volume` at every height within `bound_m` of its own.
 pub fn taller(volume: &ProtectedVolume, bound_m: f64) -> ProtectedVolume {
     if bound_m <= 0.0 {
         return *volume;

@@ -1,4 +1,4 @@
-//! A ground station: what the tests with an ArduPlane see and say of it.
+//! A ground station: the observations of the tests with an ArduPlane.
 #![allow(
     deprecated,
     dead_code,
@@ -42,7 +42,7 @@ pub fn listen(mut reader: Reader) -> Receiver<Frame> {
     frames
 }
 
-/// The link to the vehicle, and what the vehicle has told.
+/// The link to the vehicle, and the vehicle's reports.
 pub struct Ground {
     writer: Writer,
     sequence: u8,
@@ -53,7 +53,7 @@ pub struct Ground {
     pub modes: Vec<u32>,
     pub armed: bool,
     pub place: Option<Geodetic>,
-    /// Where the satellites see it, once there is a fix.
+    /// Its satellite position, once there is a fix.
     fix: Option<Geodetic>,
     /// East, north, up.
     pub velocity_mps: Vec3,
@@ -61,7 +61,7 @@ pub struct Ground {
     pub item: u16,
     mission: Vec<MISSION_ITEM_INT_DATA>,
     fence: Vec<MISSION_ITEM_INT_DATA>,
-    /// Whether the last upload was taken.
+    /// Whether the vehicle accepted the last upload.
     pub uploaded: bool,
 }
 
@@ -117,7 +117,7 @@ impl Ground {
         }));
     }
 
-    /// Asks for the messages that are looked at here; some are told by default, and some rarely.
+    /// Requests the messages that it needs; the vehicle sends some by default, and some rarely.
     pub fn ask_for_messages(&mut self) {
         for (message_id, interval_s) in [(24.0, 0.5), (33.0, 0.1), (42.0, 0.5)] {
             self.command(
@@ -128,7 +128,7 @@ impl Ground {
         }
     }
 
-    /// Its place, once it is where the satellites see it: before the first fix the autopilot
+    /// Its position, once it agrees with the satellites: before the first fix the autopilot
     /// dead-reckons from latitude and longitude 0.
     pub fn home(&self) -> Option<Geodetic> {
         let away_m = self.away_m(self.fix?)?;
@@ -139,7 +139,7 @@ impl Ground {
         self.command(MavCmd::MAV_CMD_DO_SET_MODE, 1.0, mode as f32);
     }
 
-    /// Holds the throttle stick, as a pilot would; the others are left alone. In CRUISE it sets the
+    /// Holds the throttle stick, as a pilot would, and leaves the others. In CRUISE it sets the
     /// airspeed.
     pub fn hold_throttle(&mut self, throttle_us: u16) {
         self.send(&MavMessage::RC_CHANNELS_OVERRIDE(
@@ -168,7 +168,7 @@ impl Ground {
         }
     }
 
-    /// Takes what the vehicle tells.
+    /// Takes a message of the vehicle.
     pub fn take(&mut self, frame: &Frame) {
         match &frame.message {
             MavMessage::HEARTBEAT(data) if frame.header.component_id == 1 => {
@@ -225,7 +225,7 @@ impl Ground {
         }
     }
 
-    /// Uploads a mission: home, a take-off to the north, and waypoints so far east and north of
+    /// Uploads a mission: home, a take-off to the north, and waypoints this far east and north of
     /// home, metres.
     pub fn upload(&mut self, home: Geodetic, waypoints_m: &[(f64, f64)]) {
         let frame = LocalFrame::new(home, Earth::Wgs84);
@@ -258,7 +258,7 @@ impl Ground {
         self.announce(self.mission.len(), MavMissionType::MAV_MISSION_TYPE_MISSION);
     }
 
-    /// Uploads a fence: a polygon that is not to be left, its corners so far east and north of home,
+    /// Uploads a fence: an inclusion polygon with corners this far east and north of home,
     /// metres.
     pub fn upload_fence(&mut self, home: Geodetic, corners_m: &[(f64, f64)]) {
         let frame = LocalFrame::new(home, Earth::Wgs84);
@@ -294,7 +294,7 @@ impl Ground {
         }));
     }
 
-    /// Where and how it flies, for one who waits in vain.
+    /// The state of the flight, for a time-out.
     pub fn told(&self, home: Option<Geodetic>) -> String {
         let off_leg = home
             .filter(|_| self.place.is_some())

@@ -25,11 +25,11 @@ use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
 /// The disc on the leg, metres ahead of the start, and its radius.
 pub const AHEAD_M: f64 = 500.0;
 pub const RADIUS_M: f64 = 60.0;
-/// A test that waits for longer has failed.
+/// Longest wait of a test.
 const LONGEST: Duration = Duration::from_mins(1);
 
-/// A configuration with the disc. The margin is for a machine that is busy with other tests: what is shown
-/// here is what stalls, not how close it flies.
+/// A configuration with the disc. The margin is for a machine that is busy with other tests: these tests
+/// are about stalls, not about the distance.
 pub fn config() -> String {
     let emulator = Emulator::new(Settings::default());
     let place = emulator.home().to_place([0.0, AHEAD_M, 100.0]);
@@ -61,11 +61,11 @@ pub struct Live {
     emulator: Arc<Mutex<Emulator>>,
     seen: Arc<Mutex<Seen>>,
     stop: Arc<AtomicBool>,
-    /// The vehicle neither reads nor writes while this is set.
+    /// While this is set the vehicle neither reads nor writes.
     pub frozen: Arc<AtomicBool>,
     /// TCP connections so far.
     pub connections: Arc<AtomicU32>,
-    /// Where the vehicle sends to, once it knows.
+    /// The vehicle's peer, once known.
     pub peer: Arc<Mutex<Option<SocketAddr>>>,
 }
 

@@ -25,7 +25,7 @@ use mavlink::dialects::ardupilotmega::{
     MavFrame, MavMessage, MavMissionType,
 };
 
-/// A file of the third-party data; where it is missing, the test is skipped, or fails in CI.
+/// A file of the third-party data; without it the test skips, or fails in CI.
 pub fn data(name: &str) -> Option<PathBuf> {
     let folder = std::env::var_os("FGA_DATA").map_or_else(
         || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
@@ -51,7 +51,7 @@ pub fn sbs_log() -> Option<Vec<LoggedLine>> {
     Some(read_sbs_log(BufReader::new(text.as_bytes())).expect("a log"))
 }
 
-/// What the network does to packets.
+/// The network's effect on packets.
 #[derive(Debug, Clone, Copy)]
 pub struct Network {
     pub loss: f64,
@@ -99,7 +99,7 @@ impl Ord for Packet {
     }
 }
 
-/// Another aircraft on a path of its own.
+/// Another aircraft on a separate path.
 #[derive(Debug, Clone, Copy)]
 pub struct Intruder {
     pub icao: u32,
@@ -111,7 +111,7 @@ pub struct Intruder {
     pub turn_rate_radps: f64,
     /// … between these times, seconds.
     pub turn_s: [f64; 2],
-    /// It is reported once it is this close, metres.
+    /// Its first report comes at this distance, metres.
     pub shown_m: f64,
 }
 
@@ -159,34 +159,34 @@ pub struct World {
     pub killed: bool,
     /// Nothing passes at all.
     pub cut: bool,
-    /// The vehicle stands still, its clock too: what is sent to it waits.
+    /// The vehicle stands still, with its clock: messages to it wait.
     pub frozen: bool,
     held: Vec<(MavHeader, MavMessage)>,
     /// The companion hears nothing of the vehicle.
     pub deaf: bool,
-    /// Nothing passes but heartbeats.
+    /// Only heartbeats pass.
     pub no_telemetry: bool,
     pub random: Random,
-    /// What happens to the packets of each sender: more of one change nothing of the others.
+    /// The packets of each sender have a separate fate: more of one change nothing of the others.
     fates: [Random; 4],
     queue: BinaryHeap<Packet>,
     number: u64,
     sequences: [u8; 4],
     next_report_s: Vec<f64>,
-    /// When the companion first heard of each intruder, seconds.
+    /// The companion's first report of each intruder, seconds.
     pub first_heard_s: Vec<Option<f64>>,
-    /// Requests for GUIDED that the network lost.
+    /// Number of requests for GUIDED that the network lost.
     pub lost_requests: u32,
     /// Least distance to each intruder, metres, and when.
     pub least_m: Vec<(f64, f64)>,
     /// Every message the companion sent, with its time.
     pub sent: Vec<(f64, MavMessage)>,
     pub keep_sent: bool,
-    /// Reports tell pressure altitudes, in air with this pressure at sea level, hectopascals.
+    /// Reports give pressure altitudes, in air with this pressure at sea level, hectopascals.
     pub sea_level_hpa: Option<f64>,
 }
 
-/// What a transponder tells at an altitude: the height at which the standard atmosphere has the
+/// A transponder's altitude: the height at which the standard atmosphere has the
 /// pressure of this air, in steps of 25 ft. By the barometric formula, layer by layer from the
 /// ground, so that it shares nothing with the program's.
 fn pressure_altitude_mm(altitude_mm: i32, sea_level_hpa: f64) -> i32 {
@@ -229,7 +229,7 @@ pub const GROUND: MavHeader = MavHeader {
     sequence: 0,
 };
 
-/// A ground station on the second link uploads a list, and lets the vehicle fly from an item on.
+/// A ground station on the second link uploads a list, and sets the vehicle's item.
 pub fn upload(
     world: &mut World,
     mission_type: MavMissionType,
@@ -452,12 +452,12 @@ impl World {
         }
     }
 
-    /// What a receiver says of an intruder now.
+    /// A receiver's present report of an intruder.
     pub fn report(&self, index: usize) -> MavMessage {
         self.report_of(&self.intruders[index])
     }
 
-    /// What a receiver would say of an aircraft.
+    /// A receiver's report of an aircraft.
     pub fn report_of(&self, intruder: &Intruder) -> MavMessage {
         let place = self.emulator.home().to_place(intruder.position_m);
         let [east, north, up] = intruder.velocity_mps;
