@@ -159,11 +159,6 @@ impl Plant {
         self.wind_mps
     }
 
-    /// Sets the wind.
-    pub fn set_wind_mps(&mut self, wind_mps: [f64; 2]) {
-        self.wind_mps = wind_mps;
-    }
-
     /// Velocity over the ground, metres per second: east, north, up.
     pub fn velocity_mps(&self) -> [f64; 3] {
         let level = self.settings.airspeed_mps * libm::cos(self.climb_rad);

@@ -28,6 +28,19 @@ pub fn pwm_us(bank_rad: f64, bank_max_rad: f64) -> Option<f64> {
     usable.then(|| PWM_NEUTRAL_US - PWM_RANGE_US * (bank_rad / bank_max_rad).limited(-1.0, 1.0))
 }
 
+/// The constant 11.26 of Eq. 60: g in knots² per foot, as FAA handbooks round it (exactly 11.294).
+pub const FAA_TURN_CONSTANT: f64 = 11.26;
+
+/// Eq. 60 as printed, which is the FAA's form: airspeed in knots, radius in feet.
+///
+/// `None` unless both are positive.
+pub fn bank_for_radius_faa_rad(airspeed_kt: f64, radius_ft: f64) -> Option<f64> {
+    let squared = airspeed_kt * airspeed_kt;
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    let usable = positive(airspeed_kt) && positive(radius_ft) && positive(squared);
+    usable.then(|| libm::atan2(squared, FAA_TURN_CONSTANT * radius_ft))
+}
+
 /// The plan to avoid the obstacle (Alg. 4 lines 6–21).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plan {

@@ -4,10 +4,7 @@ mod turn;
 
 use crate::limit::SettingsError;
 
-pub use turn::{
-    FAA_TURN_CONSTANT, bank_for_radius_faa_rad, bank_for_radius_rad, course_rate_radps,
-    turn_radius_m, turned,
-};
+pub use turn::{bank_for_radius_rad, course_rate_radps, turn_radius_m, turned};
 
 /// Standard acceleration of gravity, metres per second squared.
 pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;

@@ -128,14 +128,6 @@ impl TrackTable {
         self.tracks.iter().find(|track| track.id == id)
     }
 
-    /// Time of the last report, seconds.
-    pub fn last_heard_s(&self) -> Option<f64> {
-        self.tracks
-            .iter()
-            .map(|track| track.heard_s)
-            .reduce(f64::max)
-    }
-
     /// The transmitters of Remote ID, and the datums of altitudes.
     pub const fn remote_id(&mut self) -> (&mut RemoteId, &Levels) {
         (&mut self.remote_id, &self.levels)

@@ -1,7 +1,7 @@
 use super::*;
 use core::f64::consts::FRAC_PI_2;
 use fga::angle::direction;
-use fga::vehicle::{course_rate_radps, turned};
+use fga::vehicle::{bank_for_radius_rad, course_rate_radps, turned};
 use proptest::prelude::*;
 
 fn ownship(course_rad: f64) -> Ownship {
@@ -161,4 +161,16 @@ proptest! {
         prop_assert!(aside.abs() < 1.0, "{aside}");
         prop_assert!((trigger - plan.critical_s).abs() < 0.002);
     }
+}
+
+/// The FAA's constant is rounded: 0.3 % off in the tangent.
+#[test]
+fn faa_form_is_the_si_form_in_knots_and_feet() {
+    let (airspeed_mps, radius_m) = (40.0, 300.0);
+    let si = bank_for_radius_rad(airspeed_mps, radius_m).unwrap();
+    let faa = bank_for_radius_faa_rad(airspeed_mps * 3600.0 / 1852.0, radius_m / 0.3048);
+    assert_eq!(bank_for_radius_faa_rad(0.0, 300.0), None);
+    assert_eq!(bank_for_radius_faa_rad(f64::NAN, 300.0), None);
+    assert_eq!(bank_for_radius_faa_rad(78.0, -1.0), None);
+    assert!((f64::tan(faa.unwrap()) / f64::tan(si) - 1.003).abs() < 2e-4);
 }

@@ -8,9 +8,6 @@ use core::f64::consts::FRAC_PI_2;
 use super::STANDARD_GRAVITY_MPS2;
 use crate::situation::Ownship;
 
-/// The constant 11.26 of Eq. 60: g in knots² per foot, as FAA handbooks round it (exactly 11.294).
-pub const FAA_TURN_CONSTANT: f64 = 11.26;
-
 fn positive(value: f64) -> Option<f64> {
     (value.is_finite() && value > 0.0).then_some(value)
 }
@@ -38,16 +35,6 @@ pub fn bank_for_radius_rad(airspeed_mps: f64, radius_m: f64) -> Option<f64> {
     let radius_m = positive(radius_m)?;
     let squared = positive(airspeed_mps * airspeed_mps)?;
     Some(libm::atan2(squared, STANDARD_GRAVITY_MPS2 * radius_m))
-}
-
-/// Eq. 60 as printed, which is the FAA's form: airspeed in knots, radius in feet.
-///
-/// `None` unless both are positive.
-pub fn bank_for_radius_faa_rad(airspeed_kt: f64, radius_ft: f64) -> Option<f64> {
-    let airspeed_kt = positive(airspeed_kt)?;
-    let radius_ft = positive(radius_ft)?;
-    let squared = positive(airspeed_kt * airspeed_kt)?;
-    Some(libm::atan2(squared, FAA_TURN_CONSTANT * radius_ft))
 }
 
 /// Course rate of a coordinated turn, radians per second: ψ̇ = g tan φ / V (Eq. 9).
@@ -128,15 +115,6 @@ mod tests {
         assert!((bank.to_degrees() - 37.41).abs() < 0.01);
     }
 
-    /// The FAA's constant is rounded: 0.3 % off in the tangent.
-    #[test]
-    fn faa_form_is_the_si_form_in_knots_and_feet() {
-        let (airspeed_mps, radius_m) = (40.0, 300.0);
-        let si = bank_for_radius_rad(airspeed_mps, radius_m).unwrap();
-        let faa = bank_for_radius_faa_rad(airspeed_mps * 3600.0 / 1852.0, radius_m / 0.3048);
-        assert!((f64::tan(faa.unwrap()) / f64::tan(si) - 1.003).abs() < 2e-4);
-    }
-
     #[test]
     fn a_full_turn_takes_the_circumference() {
         let (airspeed, bank) = (20.0, 0.5);
@@ -151,7 +129,6 @@ mod tests {
             assert_eq!(turn_radius_m(bad, 0.5), None);
             assert_eq!(turn_radius_m(15.0, bad), None);
             assert_eq!(bank_for_radius_rad(15.0, bad), None);
-            assert_eq!(bank_for_radius_faa_rad(bad, 15.0), None);
             assert_eq!(course_rate_radps(bad, 0.1), None);
         }
         assert_eq!(turn_radius_m(15.0, 2.0), None);
@@ -195,7 +172,6 @@ mod tests {
             for value in [
                 turn_radius_m(airspeed, other),
                 bank_for_radius_rad(airspeed, other),
-                bank_for_radius_faa_rad(airspeed, other),
                 course_rate_radps(airspeed, other),
             ].into_iter().flatten() {
                 prop_assert!(value.is_finite());
