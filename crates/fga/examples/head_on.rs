@@ -1,6 +1,6 @@
-//! A head-on, step by step: what the pilot sees.
+//! A head-on, step by step, as the pilot sees it.
 //!
-//! An aircraft flies east along its leg at 15 m/s. Another one comes straight against it at 20 m/s. Each tenth of a
+//! An aircraft flies east along its leg at 15 m/s. Another one comes head-on at 20 m/s. Each tenth of a
 //! second the avoider takes the situation and gives a decision; the aircraft flies it. Whenever a decision says something
 //! new, this program prints it as a pilot would say it.
 //!
@@ -29,7 +29,7 @@ fn main() -> Result<(), fga::avoider::SettingsError> {
         airspeed_mps: vehicle.airspeed_mps,
     };
 
-    // The intruder: a sphere of 30 m around it must not be entered.
+    // The intruder, with a protected sphere of 30 m around it.
     let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
     let mut intruder = Obstacle::new(
         7,

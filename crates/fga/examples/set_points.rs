@@ -1,4 +1,4 @@
-//! A `Decision` as set-points: bank angle, course rate and altitude, for an autopilot that takes those.
+//! A `Decision` as set-points of an autopilot: bank angle, course rate and altitude.
 //!
 //! The command of a decision is a list of stages in time. This program makes one decision against an intruder ahead and prints
 //! the set-points of the next seconds, as a flight controller would track them.
@@ -14,17 +14,17 @@ use fga::vehicle::Vehicle;
 /// Standard gravity, metres per second squared.
 const GRAVITY_MPS2: f64 = 9.806_65;
 
-/// What an autopilot tracks.
+/// The input of an autopilot.
 struct SetPoint {
-    /// Bank angle, radians, positive to the left as the course grows to the left.
+    /// Bank angle, radians, positive in a left turn.
     bank_rad: f64,
     /// Course rate, radians per second, positive to the left.
     course_rate_radps: f64,
-    /// Altitude to fly towards, metres.
+    /// Target altitude, metres.
     altitude_m: f64,
 }
 
-/// The set-point for this moment: full rate towards the course of the stage that holds now, and the altitude that its climb
+/// The set-point for this moment: full rate towards the course of the present stage, and the altitude that its climb
 /// angle reaches in `ahead_s`.
 fn set_point(
     command: &Maneuver,

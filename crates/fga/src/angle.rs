@@ -1,17 +1,17 @@
-//! Angles and sides: wrapping, directions, and the one place where a sign becomes a [`Side`].
+//! Angles and sides: wrapping, directions, and the only place where a sign becomes a [`Side`].
 //!
-//! Angles grow anticlockwise seen from above; left is the positive side.
+//! Angles increase anticlockwise from above; left is the positive side.
 
 use core::f64::consts::{PI, TAU};
 
 use crate::Vec3;
 
-/// The side of a turn, seen by the pilot.
+/// The side of a turn, as the pilot sees it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Side {
-    /// Anticlockwise seen from above: the course ψ grows.
+    /// Anticlockwise from above: the course ψ increases.
     Left,
-    /// Clockwise seen from above: the course ψ shrinks.
+    /// Clockwise from above: the course ψ decreases.
     Right,
 }
 

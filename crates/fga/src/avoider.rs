@@ -32,53 +32,53 @@ use crate::search::Proof;
 use crate::situation::Situation;
 use crate::vehicle::Vehicle;
 
-/// Work that is kept for what is still done once the limit is met: what is in hand is finished.
+/// Work reserved for finishing the step after the limit.
 const LAST_WORK: u32 = 12_000;
 
 /// The mission's geometry may take one part in this many of a step's work.
 const MISSION_SHARE: u32 = 4;
 
-/// A manoeuvre under way or waited for.
+/// A manoeuvre, flown or awaited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Plan {
     maneuver: Maneuver,
-    /// When it was decided, seconds on the situation's clock.
+    /// Time of the decision, seconds on the situation's clock.
     decided_s: f64,
-    /// When it departs from the mission, seconds on the situation's clock.
+    /// Time of its departure from the mission, seconds on the situation's clock.
     start_s: f64,
-    /// When a way back is on the mission again, or infinity.
+    /// Time of the return to the mission, or infinity.
     joined_s: f64,
-    /// What is known of its separation.
+    /// Its certificate.
     proof: Proof,
-    /// Since when nothing is certified, seconds on the situation's clock.
+    /// Start of the time without a certified manoeuvre, seconds on the situation's clock.
     open_since_s: f64,
-    /// The obstacles when it was last searched for.
+    /// The obstacles at its last search.
     picture: tracks::Picture,
     margin_m: f64,
     cost: f64,
     /// Latest certified start, seconds on the situation's clock.
     latest_start_s: Option<f64>,
     threat: Option<Threat>,
-    /// When a manoeuvre against the next encounter begins that follows the way back, seconds on the
+    /// Start of a manoeuvre against the next encounter, after the way back, seconds on the
     /// situation's clock.
     next_start_s: Option<f64>,
-    /// What it was last found certified from.
+    /// The assumptions of its last certificate.
     basis: Option<turn_aware::Basis>,
-    /// Identifiers of the obstacles that it was made against: the way back must be clear of them.
+    /// Identifiers of the obstacles that it avoids: the way back must be clear of them.
     against: Against,
-    /// Share of what aircraft may do that it withstood when it was chosen; 1 without aircraft.
+    /// Share of the bounds of aircraft that it withstood when chosen; 1 without aircraft.
     resilience: f64,
-    /// The side to which it was begun.
+    /// The side of its first turn.
     side: Option<Side>,
 }
 
-/// A way back that was taken: what it was tried against, where and when.
+/// A chosen way back: its obstacles, leg and time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Returned {
     against: Against,
     /// Index of the waypoint at the start of the leg.
     leg: usize,
-    /// When, seconds on the situation's clock.
+    /// Time, seconds on the situation's clock.
     time_s: f64,
 }
 
@@ -88,16 +88,16 @@ impl Plan {
     }
 }
 
-/// Collision avoidance for one aircraft: feed it a [`Situation`] each cycle, fly its [`Decision`].
+/// Collision avoidance for one aircraft: call it each cycle with a [`Situation`] and fly its [`Decision`].
 ///
 /// It holds its scratch space (some 170 kB) and never allocates: keep it in one place.
 #[derive(Debug, Clone)]
 pub struct Avoider {
     settings: Settings,
     vehicle: Vehicle,
-    /// The limits that it was made for.
+    /// The limits of its vehicle.
     made_for: Vehicle,
-    /// The limits where nothing is certified with the normal ones.
+    /// The limits for cases without a certified manoeuvre under the normal ones.
     in_need: Option<Vehicle>,
     flyer: Flyer,
     state: State,
@@ -105,21 +105,21 @@ pub struct Avoider {
     tracks: tracks::Tracks,
     path: FlightPath,
     plan: Option<Plan>,
-    /// The last way back that was taken.
+    /// The last chosen way back.
     returned: Option<Returned>,
     last_time_s: f64,
     cycle: u32,
     /// Counts the work of this step.
     meter: Meter,
-    /// Searches in a row that were cut: the next one goes on with other manoeuvres.
+    /// Consecutive searches that met the limit: the next one continues with other manoeuvres.
     cut: u32,
-    /// Work of the searches since there was news.
+    /// Work of the searches since the last news.
     searched: u32,
     /// The course at which the next look for a smaller departure begins.
     improved_to: u32,
-    /// How far ahead separation is certified now, seconds.
+    /// Present horizon of the certificate, seconds.
     look_s: f64,
-    /// How far ahead a maneuver is certified where it can be, seconds.
+    /// Longer horizon of a manoeuvre's certificate where possible, seconds.
     far_s: f64,
 }
 
@@ -154,7 +154,7 @@ impl Avoider {
         })
     }
 
-    /// Forgets everything but its settings and the limits that it was made for.
+    /// Forgets everything but its settings and the limits of its vehicle.
     pub(crate) fn forget_flight(&mut self) {
         self.vehicle = self.made_for;
         self.in_need = None;
@@ -169,17 +169,17 @@ impl Avoider {
         (self.cut, self.improved_to) = (0, 0);
     }
 
-    /// The vehicle's limits as they are assumed.
+    /// The assumed limits of the vehicle.
     pub const fn vehicle(&self) -> &Vehicle {
         &self.vehicle
     }
 
-    /// Where it stands.
+    /// Its state.
     pub const fn state(&self) -> State {
         self.state
     }
 
-    /// Index of the waypoint at the start of the leg that is flown.
+    /// Index of the waypoint at the start of the present leg.
     pub const fn leg_index(&self) -> usize {
         self.progress.index()
     }
@@ -203,8 +203,8 @@ impl Avoider {
         self.in_need.as_ref()
     }
 
-    /// Sets limits that are planned with only where nothing is certified with the normal ones, for
-    /// instance those of a steeper bank with its own turn-rate factor and lag; `None` for no such limits.
+    /// Sets limits for cases without a certified manoeuvre under the normal ones, for
+    /// instance a steeper bank with its own turn-rate factor and lag; `None` for no such limits.
     ///
     /// # Errors
     /// A limit that is not finite or out of range; nothing is changed then.
@@ -218,16 +218,16 @@ impl Avoider {
 
     /// Decides what to fly until the next step.
     ///
-    /// Steps are expected [`Settings::decision_period_s`] apart. The command holds stages in time
-    /// from now; it is what will be flown if nothing new is learned. Obstacles whose numbers are
-    /// not finite are left out; with an own state or time that is not usable, or beyond
-    /// [`LARGEST`](crate::limit::LARGEST), the last command's course is held ([`Reason::InvalidInput`]).
+    /// The caller steps every [`Settings::decision_period_s`]. The command holds stages in time
+    /// from now; the aircraft flies it if nothing new happens. Obstacles with numbers that are not
+    /// finite do not count. If the own state or time is unusable, or beyond
+    /// [`LARGEST`](crate::limit::LARGEST), the avoider holds the last command's course ([`Reason::InvalidInput`]).
     pub fn step(&mut self, situation: &Situation<'_>) -> Decision {
         if !situation.is_usable() {
             return self.decision(&Maneuver::hold(), Reason::InvalidInput);
         }
         if situation.time_s < self.last_time_s {
-            // The clock jumped back: what was planned in its time means nothing now.
+            // The clock jumped back, so the old plan has no meaning.
             self.plan = None;
             self.state = State::Cruise;
         }
@@ -295,7 +295,7 @@ impl Avoider {
         (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad)
     }
 
-    /// What the mission asks to fly, and the moment from which it is straight.
+    /// The guidance along the mission, and the moment from which it is straight.
     fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> (Maneuver, f64) {
         let horizon_s = self.settings.horizon_s;
         let guidance = self
@@ -305,7 +305,7 @@ impl Avoider {
         guidance
     }
 
-    /// Counts the work that the mission's geometry has taken.
+    /// Counts the work of the mission's geometry.
     fn count_mission(&mut self) {
         self.meter.count(self.progress.take_work() as usize);
     }

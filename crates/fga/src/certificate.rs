@@ -1,8 +1,8 @@
 //! A proven lower bound of the separation along a predicted flight, in continuous time.
 //!
 //! Between two nodes the flight bows from its chord by at most A·h²/8, where A bounds the
-//! acceleration; the chord, taken at constant speed, and an obstacle that moves in a straight line
-//! have a relative motion that is a straight line too, on which the least separation has a closed
+//! acceleration. The chord, at constant speed, and an obstacle that moves in a straight line
+//! have a straight relative motion, on which the least separation has a closed
 //! form for a sphere and is the minimum of a convex function for a cylinder. Chord minimum less
 //! bow is a lower bound; chords that decide the answer are split until the bow no longer matters.
 
@@ -18,7 +18,7 @@ use crate::prediction::{FlightPath, Flyer, MotionState, Node};
 /// A chord that decides the answer is split into this many.
 const SPLITS: u32 = 5;
 
-/// What flying to the ends of those takes, in units of work.
+/// Work for flying to the ends of those.
 const SPLIT_WORK: usize = 12;
 
 /// Whether the bound is proven.
@@ -26,29 +26,29 @@ const SPLIT_WORK: usize = 12;
 pub enum Status {
     /// The separation is at least the margin over the whole horizon.
     Proven,
-    /// The margin is below the floor that was asked for; the rest was not looked at.
+    /// The margin is below the requested floor; the rest was not examined.
     BelowFloor,
-    /// The path does not follow the manoeuvre up to the horizon, or the work that the step may take was
-    /// done before all of it was looked at: nothing is proven.
+    /// The path does not follow the manoeuvre up to the horizon, or the step's work ended before the whole path was
+    /// examined: nothing is proven.
     LimitMet,
 }
 
-/// What is known of the separation along a path.
+/// The certified separation along a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Certificate {
     /// Lower bound of the separation beyond the volumes, metres; infinite without obstacles.
-    /// No larger than the `enough_m` that was asked for.
+    /// At most the requested `enough_m`.
     pub margin_m: f64,
-    /// Index of the hazard that sets it.
+    /// Index of the hazard that determines it.
     pub hazard: Option<u32>,
-    /// When it is least, seconds from the decision.
+    /// Time of the least separation, seconds from the decision.
     pub at_s: f64,
     /// Whether it is proven.
     pub status: Status,
 }
 
 impl Certificate {
-    /// Nothing known yet: as good as asked for.
+    /// Nothing known yet: the requested margin.
     pub const fn clear(enough_m: f64) -> Self {
         Self {
             margin_m: enough_m,
@@ -58,7 +58,7 @@ impl Certificate {
         }
     }
 
-    /// The margin that is proven, metres: minus infinity where the path ended before the horizon.
+    /// The proven margin, metres: minus infinity if the path ended before the horizon.
     pub fn proven_m(&self) -> f64 {
         if self.status == Status::LimitMet {
             f64::NEG_INFINITY
@@ -105,18 +105,18 @@ pub fn certify_all(
     certify_set(flyer, path, hazards, &asked, &Meter::unlimited())
 }
 
-/// What is asked of a certificate.
+/// The requirements on a certificate.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Asked {
-    /// How far ahead, seconds.
+    /// Horizon, seconds.
     pub(crate) horizon_s: f64,
-    /// Margins below this are not told, metres.
+    /// Margins below this stop the search, metres.
     pub(crate) floor_m: f64,
-    /// Margins are capped at this, metres.
+    /// Margins are capped at this value, metres.
     pub(crate) enough_m: f64,
 }
 
-/// [`certify_all`] of hazards that may be held in blocks, as far as a meter allows.
+/// [`certify_all`] for hazards that may be in blocks, as far as a meter allows.
 pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     flyer: &Flyer,
     path: &FlightPath,
@@ -125,11 +125,11 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     meter: &Meter,
 ) -> Certificate {
     let horizon_s = asked.horizon_s;
-    // The prediction errs by no more than this: looked for is so much more.
+    // The prediction errs by at most this, so the certificate asks for that much more.
     let remainder_m = path.remainder_m();
     let (floor_m, enough_m) = (asked.floor_m + remainder_m, asked.enough_m + remainder_m);
-    // First the chords as they are: none whose margin less its bow is above this can decide. That
-    // is nothing new where one mark is floor and ceiling.
+    // First the unsplit chords: none whose margin less its bow is above this can decide. That is nothing
+    // new if floor and ceiling are equal.
     let mut worst = Certificate::clear(enough_m);
     let one_mark = floor_m >= enough_m;
     let above = one_mark
@@ -143,7 +143,7 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
                 worst.margin_m >= floor_m
             }) && !meter.is_met()
         });
-    // Then those that can, split until the bow no longer matters.
+    // Then the deciding ones, split until the bow no longer matters.
     let above = above
         && for_each_chord(flyer, path, horizon_s, |chord| {
             let below_m = worst.margin_m + chord.bow_m;
@@ -174,7 +174,7 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
                 })
         });
     let below_floor = worst.margin_m < floor_m;
-    // What was found to be enough is what was asked for, whatever rounding says.
+    // A sufficient margin is exactly the requested one, despite rounding.
     worst.margin_m = if worst.margin_m >= enough_m {
         asked.enough_m
     } else {
@@ -191,7 +191,7 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
 }
 
 /// Marks the hazards that may come closer than `below_m` anywhere along a path up to `horizon_s`, by
-/// spheres about them: the margins of all others are no less.
+/// spheres about them: the margins of all others are at least that.
 pub(crate) fn mark_close(
     flyer: &Flyer,
     path: &FlightPath,
@@ -222,19 +222,19 @@ pub(crate) fn mark_close(
     marks
 }
 
-/// The straight line between two moments of a flight, taken at constant speed.
+/// The straight line between two moments of a flight, at constant speed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chord<'a> {
     node: &'a Node,
     end_m: Vec3,
     /// The line.
     pub(crate) line: Line,
-    /// How far the flight may bow from it, metres.
+    /// Largest bow of the flight from it, metres.
     pub(crate) bow_m: f64,
 }
 
 impl<'a> Chord<'a> {
-    /// From a node to a later moment on its piece; `None` where no time passes.
+    /// From a node to a later moment on its piece; `None` without a duration.
     #[inline]
     pub(crate) fn new(node: &'a Node, end_m: Vec3, end_s: f64) -> Option<Self> {
         let duration_s = end_s - node.state.time_s;
@@ -290,7 +290,7 @@ impl<'a> Chord<'a> {
         }
     }
 
-    /// A bound of the margin, no finer than it takes to tell whether it is at least `floor_m`:
+    /// A bound of the margin, just fine enough to decide whether it is at least `floor_m`:
     /// lowers `worst` to it.
     #[inline]
     pub(crate) fn bound(
@@ -314,7 +314,7 @@ impl<'a> Chord<'a> {
 }
 
 /// Shows the chords of a path up to `horizon_s`, the last one cut there, until `visit` is false;
-/// says whether it never was.
+/// returns whether it never was.
 #[inline]
 fn for_each_chord(
     flyer: &Flyer,

@@ -2,9 +2,9 @@
 //!
 //! The crate decides; it reads no clock, no file and no network, allocates nothing and cannot
 //! panic on any input. It predicts the turn that the aircraft will really fly, and certifies the
-//! separation from every obstacle in continuous time. It grew out of the paper "Fast 3D Collision
-//! Avoidance Algorithm for Fixed Wing UAS", whose equation numbers stand in these pages; the paper's
-//! own rules are the crate `fga-paper`.
+//! separation from every obstacle in continuous time. Its origin is the paper "Fast 3D Collision
+//! Avoidance Algorithm for Fixed Wing UAS", whose equation numbers these pages use; the crate
+//! `fga-paper` has the paper's own rules.
 //!
 //! # Which module answers which question
 //!
@@ -12,7 +12,7 @@
 //! |---|---|
 //! | [`situation`] | what is around the aircraft? |
 //! | [`vehicle`] | what can the vehicle do? |
-//! | [`maneuver`] | what is commanded, and when? |
+//! | [`maneuver`] | what does a command say, and when? |
 //! | [`prediction`] | where would that take the aircraft? |
 //! | [`certificate`] | how close to the obstacles, in continuous time? |
 //! | [`search`] | which way? |
@@ -22,13 +22,13 @@
 //!
 //! # Conventions
 //!
-//! Local tangent plane: x east, y north, z up. Metres, seconds, radians. Course ψ is measured from
-//! +x towards +y (anticlockwise seen from above), so a **left** turn makes it grow; climb angle θ
+//! Local tangent plane: x east, y north, z up. Metres, seconds, radians. Course ψ counts from
+//! +x towards +y (anticlockwise from above), so a **left** turn increases it; climb angle θ
 //! is positive upwards (Eq. 10–12). Names carry their units. A
 //! [`Situation`](situation::Situation) and its obstacles are over the ground. A
-//! [`Hazard`](certificate::Hazard), a prediction and all that is made of them are in the air mass:
-//! there the aircraft flies its airspeed along its course, and what stands on the ground moves with
-//! minus the wind.
+//! [`Hazard`](certificate::Hazard), a prediction and everything computed from them are in the air mass:
+//! there the aircraft flies its airspeed along its course, and an obstacle at rest moves against the
+//! wind.
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(

@@ -1,13 +1,13 @@
-//! Keeping a number within limits without a panic, and what is said of one that is out of them.
+//! Limits a number without a panic, and describes a value out of range.
 
-/// Largest magnitude of a coordinate (metres) or a velocity (metres per second) that is accepted:
+/// Largest accepted magnitude of a coordinate (metres) or a velocity (metres per second):
 /// far beyond any flight, and small enough that no product of four overflows.
 pub const LARGEST: f64 = 1e15;
 
-/// Numbers that can be kept within limits.
+/// Numbers with limits.
 pub trait Limit {
     /// Within [low, high]. Unlike `f64::clamp` it never panics: limits in the wrong order give the
-    /// upper one, a limit that is not a number does not bind.
+    /// upper one, and a limit that is not a number has no effect.
     fn limited(self, low: f64, high: f64) -> f64;
 }
 
@@ -17,14 +17,14 @@ impl Limit for f64 {
     }
 }
 
-/// A setting that cannot be used.
+/// An unusable setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SettingsError {
     /// Name of the setting or limit.
     pub name: &'static str,
     /// Its value.
     pub value: f64,
-    /// What was expected, in words.
+    /// The expected range, in words.
     pub expected: &'static str,
 }
 

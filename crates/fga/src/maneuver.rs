@@ -1,16 +1,16 @@
-//! What is commanded, and when: a [`Maneuver`], a list of [`Stage`]s.
+//! The content of a command: a [`Maneuver`], a list of [`Stage`]s.
 
 /// Most stages of a manoeuvre: the corners of a mission of short legs up to the horizon, and two turns
 /// with their climbs after them.
 pub const MAX_STAGES: usize = 20;
 
-/// What is commanded from a moment on, until the next stage begins.
+/// A command from a moment on, until the next stage begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stage {
-    /// When it begins, seconds from the moment of the decision.
+    /// Its start, seconds from the moment of the decision.
     pub start_s: f64,
     /// Course to turn to, radians. Not wrapped: the aircraft turns by the plain difference to its
-    /// own course, so that a turn to either side and beyond 180° can be told apart.
+    /// own course, which distinguishes the side and turns beyond 180°.
     pub course_rad: f64,
     /// Climb angle to take up, radians.
     pub climb_rad: f64,
@@ -20,7 +20,7 @@ pub struct Stage {
 
 /// A sequence of stages, first to last; empty means: hold course and climb angle.
 ///
-/// It is what will be flown if nothing new is learned. A plant without lag flies it exactly:
+/// The aircraft flies it if nothing new happens. A plant without lag flies it exactly:
 /// course and climb angle move at their rate limits to the commanded values and stay there.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Maneuver {
@@ -72,8 +72,8 @@ impl Maneuver {
         maneuver
     }
 
-    /// Appends a stage. A stage beyond the capacity, one that begins before the last, or one with a
-    /// number that is not finite, is refused: the manoeuvre is no longer [whole](Self::is_whole).
+    /// Appends a stage. It refuses a stage beyond the capacity, one that begins before the last, and one with a
+    /// number that is not finite; then the manoeuvre is no longer [whole](Self::is_whole).
     pub fn push(&mut self, stage: Stage) -> bool {
         let numbers = [
             stage.start_s,
@@ -96,13 +96,13 @@ impl Maneuver {
         }
     }
 
-    /// Whether every stage that was pushed was taken. What is left of a manoeuvre that lost a stage
-    /// is another flight, and no certificate covers it.
+    /// Whether it took every pushed stage. A manoeuvre that lost a stage is another flight, and no certificate
+    /// covers it.
     pub const fn is_whole(&self) -> bool {
         self.whole
     }
 
-    /// How many more stages there is room for.
+    /// Number of free stages.
     pub const fn room(&self) -> usize {
         MAX_STAGES - self.len
     }
@@ -112,7 +112,7 @@ impl Maneuver {
         self.stages.get(..self.len).unwrap_or(&[])
     }
 
-    /// The same commands seen `elapsed_s` later: what is past keeps only its last stage.
+    /// The same commands `elapsed_s` later: of the past stages only the last one stays.
     #[must_use]
     pub fn after(&self, elapsed_s: f64) -> Self {
         let mut later = Self {
@@ -132,7 +132,7 @@ impl Maneuver {
         later
     }
 
-    /// What is commanded `at_s` seconds from the decision; `None` before the first stage.
+    /// The command `at_s` seconds from the decision; `None` before the first stage.
     pub fn stage_at(&self, at_s: f64) -> Option<&Stage> {
         self.stages()
             .iter()

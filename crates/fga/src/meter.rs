@@ -1,7 +1,7 @@
-//! How much work a step has done, in one unit for everything whose length depends on the input.
+//! Counts the work of a step, in one unit for everything whose length depends on the input.
 //!
-//! The unit is a test of a straight line against four obstacles. What else takes time is weighed
-//! against it with the constants below, which were measured on a 2020s desktop core, where a unit is some 12 ns.
+//! The unit is a test of a straight line against four obstacles. The constants below weigh other work
+//! against it; they were measured on a 2020s desktop core, where a unit is some 12 ns.
 
 use core::cell::Cell;
 
@@ -14,28 +14,28 @@ pub(crate) const LAGGED_PIECE: usize = 12;
 /// A step along an arc with bank lag.
 pub(crate) const LAGGED_STEP: usize = 8;
 
-/// A node of a path, where the course rate stands still.
+/// A node of a path with a constant course rate.
 pub(crate) const NODE: usize = 1;
 
 /// The same with bank lag.
 pub(crate) const LAGGED_NODE: usize = 6;
 
-/// A closer look at one obstacle than whether a line may come near it.
+/// A closer look at one obstacle, beyond the test of a line.
 pub(crate) const LOOK: usize = 1;
 
-/// A step towards the least margin where it has no closed form.
+/// A step towards the least margin without a closed form.
 pub(crate) const LEAST_STEP: usize = 2;
 
-/// What a line that is set up by hand takes: a sweep, a manoeuvre in the terms of the search.
+/// A line that is set up by hand: a sweep, a manoeuvre in the terms of the search.
 pub(crate) const SETUP: usize = 15;
 
-/// A shortest path of three turns that is tried.
+/// A trial of a shortest path of three turns.
 pub(crate) const WORD: usize = 12;
 
-/// What making the hazard of a motion takes.
+/// Making the hazard of a motion.
 pub(crate) const MOTION: usize = 4;
 
-/// Counts work up to a limit. Count work that was done; loops ask [`Self::is_met`] first.
+/// Counts work up to a limit. Count finished work; loops ask [`Self::is_met`] first.
 #[derive(Debug, Clone)]
 pub(crate) struct Meter {
     done: Cell<u32>,
@@ -51,7 +51,7 @@ impl Meter {
         }
     }
 
-    /// Without a limit, for whoever asks outside of a step.
+    /// Without a limit, for callers outside of a step.
     pub(crate) const fn unlimited() -> Self {
         Self::new(u32::MAX)
     }
@@ -89,7 +89,7 @@ impl Meter {
         self.limit -= self.limit / parts;
     }
 
-    /// Gives what was kept back.
+    /// Releases the reserve.
     pub(crate) const fn extend(&mut self, parts: u32) {
         self.limit += self.limit / (parts - 1);
     }

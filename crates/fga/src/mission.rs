@@ -2,12 +2,12 @@
 //!
 //! | question | answer |
 //! |---|---|
-//! | which leg, and what to fly along it? | [`Progress`] |
-//! | where does it stand on a leg? | [`leg`] |
+//! | which leg, and which command along it? | [`Progress`] |
+//! | where is the aircraft on a leg? | [`leg`] |
 //! | how does it get from one leg onto the next? | [`mod@corner`] |
 //! | which way onto the leg? | [`mod@join`] |
 //! | which way onto the beginning of the leg? | [`mod@turnaround`] |
-//! | which line is flown where nothing is in the way? | [`planned_line`] |
+//! | which line does the aircraft fly without obstacles? | [`planned_line`] |
 
 pub mod corner;
 mod departure;
@@ -29,24 +29,24 @@ use crate::meter::Meter;
 use crate::prediction::{Flyer, MotionState, flown};
 use crate::situation::{Mission, Passing};
 
-/// Stages that corners leave for the turns of an avoidance.
+/// Stages that corners leave free for the turns of an avoidance.
 const ROOM_TO_AVOID: usize = 2;
 
 /// Intercept angle of the guidance along the mission, radians.
 const GUIDANCE_INTERCEPT_RAD: f64 = 0.785;
 
-/// A leg of this many turn radii that was not begun is never left out: a way onto the mission goes
-/// to its beginning.
+/// A leg of at least this many turn radii that the aircraft has not begun is never skipped: a way onto the
+/// mission goes to its beginning.
 const LONG_RADII: f64 = 4.0;
 
-/// Most legs that a way onto the mission looks at one by one; after them it looks at one in each
+/// Most legs that a search for a way onto the mission examines one by one; after them one in each
 /// half turn radius.
 const ONE_BY_ONE: usize = 8;
 
-/// Most legs that a way onto the mission looks along.
+/// Most legs of a search for a way onto the mission.
 const MOST_LEGS: usize = 96;
 
-/// A leg is not joined farther before its beginning than this, turn radii.
+/// A way joins a leg at most this far before its beginning, turn radii.
 const BEFORE_RADII: f64 = 4.0;
 
 /// A turn round is planned again when the aircraft is off it by this, turn radii.
@@ -59,21 +59,21 @@ pub struct Bend {
     pub index: usize,
     /// The moment, seconds from the decision.
     pub straight_s: f64,
-    /// How far along the leg it is then, metres.
+    /// Distance along the leg at that time, metres.
     pub along_m: f64,
 }
 
-/// A turn round that is being flown.
+/// A turn round in progress.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Turn {
     maneuver: Maneuver,
     from: MotionState,
-    /// When it began and when it arrives, seconds on the situation's clock.
+    /// Its start and its arrival, seconds on the situation's clock.
     begun_s: f64,
     arrives_s: f64,
 }
 
-/// The mission's legs as they are flown at an airspeed in a wind.
+/// The mission's legs at an airspeed in a wind.
 struct Laid<'a> {
     mission: &'a Mission<'a>,
     airspeed_mps: f64,
@@ -100,14 +100,14 @@ impl Legs for Laid<'_> {
     }
 }
 
-/// The leg that is flown, and the corner at its end.
+/// The present leg, and the corner at its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Index of the waypoint at the start of the leg.
     index: usize,
     leg: Option<Leg>,
     corner: Option<Corner>,
-    /// Whether the leg is still to be entered at its beginning, by a turn round.
+    /// Whether the aircraft must still enter the leg at its beginning, by a turn round.
     from_start: bool,
     turn: Option<Turn>,
     time_s: f64,
@@ -115,9 +115,9 @@ pub struct Progress {
     airspeed_mps: f64,
     climb_limits_rad: (f64, f64),
     complete: bool,
-    /// Work that may be done in this step, and what was.
+    /// Allowed and finished work of this step.
     work: (u32, u32),
-    /// The leg at which the next look for a way onto the mission begins, where the last one was cut.
+    /// The leg at which the next search for a way onto the mission begins after a cut.
     looked_to: usize,
 }
 
@@ -128,7 +128,7 @@ impl Default for Progress {
 }
 
 impl Progress {
-    /// At the start of a mission that is not known yet.
+    /// At the start of an unknown mission.
     pub const fn new() -> Self {
         Self {
             index: 0,
@@ -146,19 +146,19 @@ impl Progress {
         }
     }
 
-    /// Begins a step: how much work it may do.
+    /// Begins a step with its allowed work.
     pub(crate) const fn allow_work(&mut self, most: u32) {
         self.work = (most, 0);
     }
 
-    /// Work done in this step since this was asked last.
+    /// Work since the last call in this step.
     pub(crate) const fn take_work(&mut self) -> u32 {
         let (most, done) = self.work;
         self.work = (most.saturating_sub(done), 0);
         done
     }
 
-    /// A meter for what is left of the work.
+    /// A meter for the remaining work.
     const fn meter(&self) -> Meter {
         Meter::new(self.work.0.saturating_sub(self.work.1))
     }
@@ -173,12 +173,12 @@ impl Progress {
         self.index
     }
 
-    /// Whether the last waypoint was passed.
+    /// Whether the aircraft passed the last waypoint.
     pub const fn is_complete(&self) -> bool {
         self.complete
     }
 
-    /// The leg that is flown.
+    /// The present leg.
     pub fn leg(&self, state: &MotionState) -> Leg {
         self.leg.unwrap_or_else(|| {
             Leg::endless(
@@ -208,7 +208,7 @@ impl Progress {
         }
     }
 
-    /// How far before the leg's end the corner begins, metres.
+    /// Distance of the corner's start before the leg's end, metres.
     fn lead_m(&self) -> f64 {
         self.corner.map_or(0.0, |corner| corner.lead_m)
     }
@@ -234,7 +234,7 @@ impl Progress {
         }
     }
 
-    /// Goes on to the leg that is to be flown from `state` at `time_s` on the situation's clock.
+    /// Advances to the leg for `state` at `time_s` on the situation's clock.
     pub fn update(
         &mut self,
         mission: &Mission<'_>,
@@ -284,7 +284,7 @@ impl Progress {
         self.load(mission, state, flyer);
     }
 
-    /// Ends a turn round that has arrived; forgets one that is not flown as it was planned.
+    /// Ends a turn round that has arrived; forgets one that the aircraft does not follow.
     fn update_turn(&mut self, state: &MotionState, flyer: &Flyer) {
         let Some(leg) = self.leg.filter(|_| self.from_start) else {
             return;
@@ -322,10 +322,10 @@ impl Progress {
         })
     }
 
-    /// A way onto the mission: onto the leg, or onto the first one after it that is joined before
-    /// it ends, at most `skipped` legs on. Returns the index of its first waypoint too, `None`
-    /// where there is none. A leg that is to be entered at its beginning, and a long one that was
-    /// not begun, is not joined behind it.
+    /// A way onto the mission: onto the leg, or onto the first one after it that it joins before
+    /// its end, at most `skipped` legs on. Also returns the index of its first waypoint; `None`
+    /// if there is none. A way enters a leg with a required beginning, and a long one that was not
+    /// begun, only at its beginning.
     pub fn way_back(
         &mut self,
         mission: &Mission<'_>,
@@ -337,12 +337,12 @@ impl Progress {
         let meter = self.meter();
         let found = self.way_onto(mission, state, (&self.air(flyer, &meter), limits), skipped);
         self.note(&meter);
-        // Where a cut look got to the same place as the last one, the next begins again.
+        // If a cut search got to the same leg as the last one, the next begins again.
         self.looked_to = found.as_ref().err().copied().unwrap_or(0);
         found.ok().flatten()
     }
 
-    /// [`Self::way_back`], or how many legs were looked at before the work was done.
+    /// [`Self::way_back`], or the number of legs examined before the work ended.
     fn way_onto(
         &self,
         mission: &Mission<'_>,
@@ -400,7 +400,7 @@ impl Progress {
         Ok(None)
     }
 
-    /// Goes on to the leg that begins at a waypoint.
+    /// Advances to the leg that begins at a waypoint.
     pub fn advance_to(
         &mut self,
         index: usize,
@@ -413,8 +413,8 @@ impl Progress {
         }
     }
 
-    /// Points of the mission ahead of `position_m`, nearest first: every `spacing_m` along the leg
-    /// that is flown, then the waypoints. Returns how many of `points` were filled.
+    /// Points of the mission ahead of `position_m`, nearest first: every `spacing_m` along the present leg,
+    /// then the waypoints. Returns the number of filled `points`.
     pub fn points_ahead(
         &self,
         mission: &Mission<'_>,
@@ -440,7 +440,7 @@ impl Progress {
         count
     }
 
-    /// The course to hold where the aircraft is on its leg and no corner comes within `horizon_s`.
+    /// The course to hold if the aircraft is on its leg and no corner comes within `horizon_s`.
     pub fn straight_on_rad(
         &self,
         state: &MotionState,
@@ -454,8 +454,8 @@ impl Progress {
             .then(|| state.course_rad + leg.turn_onto_rad(state))
     }
 
-    /// What to fly along the mission from `state`: onto the leg, and round the corners up to
-    /// `horizon_s`. Returns it with the moment from which it is straight.
+    /// The guidance along the mission from `state`: onto the leg, and round the corners up to
+    /// `horizon_s`, with the moment from which it is straight.
     pub fn guidance(
         &mut self,
         mission: &Mission<'_>,
@@ -502,7 +502,7 @@ impl Progress {
             .map_or((maneuver, straight_s), |straight_s| (maneuver, straight_s))
     }
 
-    /// What is left of the turn round to the beginning of the leg; it begins now if none is flown.
+    /// The rest of the turn round to the beginning of the leg; it begins now if none is in progress.
     fn turning(&mut self, state: &MotionState, flyer: &Flyer) -> Option<Join> {
         let leg = self.leg.filter(|_| self.from_start)?;
         let meter = self.meter();
@@ -531,7 +531,7 @@ impl Progress {
     }
 
     /// Appends the corners up to `horizon_s` to a manoeuvre that flies along a leg from `bend` on.
-    /// Returns the moment from which it is straight, `None` where there is no corner.
+    /// Returns the moment from which it is straight, `None` without a corner.
     pub fn round_corners(
         &mut self,
         mission: &Mission<'_>,
@@ -573,7 +573,7 @@ impl Progress {
             let left_m = leg.length_m - here.lead_m - along_m;
             let corner_s = straight_s + (left_m / leg.ground_speed_mps.max(0.1)).max(0.0);
             let stages = here.maneuver.stages();
-            // Corners beyond the room are for a later cycle: straight on is a whole flight too.
+            // Corners beyond the room are for a later cycle: straight on is also a complete flight.
             let is_full = maneuver.room() < stages.len() + ROOM_TO_AVOID;
             if corner_s > horizon_s || is_full || air.meter.is_met() {
                 break;

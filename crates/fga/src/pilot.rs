@@ -1,4 +1,4 @@
-//! Whatever decides: a situation in, a decision out.
+//! The seam between decisions and flights: a situation in, a decision out.
 //!
 //! Simulator, campaigns and autopilot links fly any [`Pilot`]: the [`Avoider`], the mission alone
 //! ([`MissionPilot`]), the paper's rules, a peer, or one of your own.
@@ -11,17 +11,17 @@ use crate::prediction::{Flyer, MotionState};
 use crate::situation::Situation;
 use crate::vehicle::Vehicle;
 
-/// Whatever decides: one step a cycle, from a situation to what is flown until the next.
+/// Decides step by step: from a situation to a command until the next step.
 pub trait Pilot {
-    /// Decides what to fly until the next step.
+    /// Decides the command until the next step.
     fn step(&mut self, situation: &Situation<'_>) -> Decision;
 
-    /// Takes over changed limits of the vehicle; called only before it has maneuvered. Limits that
-    /// are not usable change nothing.
+    /// Applies changed limits of the vehicle; called only before it has manoeuvred. Unusable limits
+    /// change nothing.
     fn retune(&mut self, vehicle: &Vehicle);
 
-    /// Forgets the last flight: the next step is the first of another one, with a vehicle of the
-    /// limits that the pilot was made for.
+    /// Forgets the last flight: the next step is the first of another one, with the original limits of
+    /// the vehicle.
     fn restart(&mut self);
 }
 
@@ -31,7 +31,7 @@ impl Pilot for Avoider {
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {
-        // Limits that it refuses leave it with those that it has.
+        // If it refuses the limits, it keeps its present ones.
         let _ = self.set_vehicle(*vehicle);
     }
 
@@ -52,7 +52,7 @@ pub struct MissionPilot {
 }
 
 impl MissionPilot {
-    /// A pilot on the first leg, which looks `horizon_s` seconds ahead for corners.
+    /// A pilot on the first leg, with a horizon of `horizon_s` seconds for corners.
     ///
     /// # Errors
     /// A horizon that is not a positive number, or a limit of the vehicle that is not finite or out
@@ -110,7 +110,7 @@ impl Pilot for MissionPilot {
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {
-        // Limits that it refuses leave it with those that it has.
+        // If it refuses the limits, it keeps its present ones.
         let _ = self.set_vehicle(*vehicle);
     }
 

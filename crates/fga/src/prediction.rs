@@ -1,9 +1,9 @@
-//! Where would a maneuver take the aircraft?
+//! The path of the aircraft under a manoeuvre.
 //!
 //! | question | answer |
 //! |---|---|
 //! | how does the vehicle move under one command? | [`Flyer`] |
-//! | where does the maneuver lead? | [`FlightPath`] |
+//! | where does the manoeuvre lead? | [`FlightPath`] |
 
 mod motion;
 mod path;

@@ -1,10 +1,10 @@
-//! The turn-aware search: of the manoeuvres that will really be flown and are certified to stay
-//! clear, the cheapest.
+//! The turn-aware search: the cheapest of the manoeuvres that the aircraft will really fly and that are
+//! certified to stay clear.
 //!
 //! A manoeuvre is a wait on the mission, a turn to either side with a change of climb angle, and
-//! where that does not do, a second turn with a climb target of its own ([`Turns`]). Turns to one
+//! if that does not suffice, a second turn with its own climb target ([`Turns`]). Turns to one
 //! side at one climb target share their arc, so one sweep along it, leaving it
-//! at every node on the tangent, tells the margins of them all.
+//! at every node on the tangent, gives the margins of them all.
 
 mod ascent;
 mod start;
@@ -22,19 +22,19 @@ use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::prediction::{FlightPath, Flyer, MotionState, flown, whole};
 
-/// Largest single turn that is searched, radians: short of a full circle.
+/// Largest single turn of a search, radians: short of a full circle.
 pub const MAX_TURN_RAD: f64 = 6.0;
 
 /// A search for the largest margin caps margins at this value, m.
 const ENOUGH_M: f64 = 1e3;
 
-/// Step of the climb targets that are searched, radians, as in Table 7.
+/// Step of the climb targets of a search, radians, as in Table 7.
 const CLIMB_STEP_RAD: f64 = 0.03;
 
 /// A search keeps one part in this many of its work for the certificate of its answer.
 const ANSWER_SHARE: u32 = 16;
 
-/// An obstacle that takes longer than this to pass is taken to have passed then, seconds.
+/// Obstacles are treated as passed after at most this long, s.
 const LONGEST_PASS_S: f64 = 60.0;
 
 /// A manoeuvre in the terms of the search.
@@ -61,7 +61,7 @@ pub struct SecondTurn {
     pub climb_rad: f64,
 }
 
-/// A manoeuvre that was found.
+/// A manoeuvre with its certificate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
     /// The manoeuvre.
@@ -72,41 +72,41 @@ pub struct Found {
     pub cost: f64,
 }
 
-/// How far a manoeuvre departs from the mission.
+/// The departure of a manoeuvre from the mission.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
     /// Distance from the mission when the last threatening obstacle has passed, metres.
     pub aside_m: f64,
-    /// How far it lags behind the mission then, metres.
+    /// Its lag behind the mission at that time, metres.
     pub behind_m: f64,
 }
 
 impl Departure {
-    /// Where there was no work left to measure it: farther than any that was.
+    /// Without work left to measure it: farther than any measured one.
     const UNKNOWN: Self = Self {
         aside_m: f64::MAX,
         behind_m: 0.0,
     };
 
-    /// What it adds to the path until the aircraft is back, metres: a way back at a moderate
-    /// intercept angle takes about a quarter of the distance more.
+    /// Its addition to the path until the aircraft is back, metres: a way back at a moderate
+    /// intercept angle adds about a quarter of the distance.
     pub fn extra_path_m(&self) -> f64 {
         self.behind_m + 0.27 * self.aside_m
     }
 }
 
-/// What is known of the best manoeuvre that was found.
+/// The status of the best manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Proof {
-    /// It keeps the separation that was asked for.
+    /// It keeps the requested separation.
     Certified,
-    /// It does not, and another may be found by looking again.
+    /// It does not, and another search may find one that does.
     Open,
     /// It does not, and no other one will.
     Hopeless,
 }
 
-/// What the cheapest manoeuvre is.
+/// The measure of the cheapest manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Objective {
     /// `η_ψ` |Δψ| + `η_θ` |Δθ| (Alg. 2).
@@ -118,20 +118,20 @@ pub enum Objective {
     ShortestPath,
 }
 
-/// What a search is made in.
+/// The input of a search.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
     /// The vehicle's motion.
     pub flyer: &'a Flyer,
     /// The aircraft now.
     pub start: MotionState,
-    /// What would be flown without avoidance.
+    /// The command without avoidance.
     pub nominal: &'a Maneuver,
-    /// Course and climb angle from which deviations are counted, `ψ_ori` and `θ_ori`, radians.
+    /// Course and climb angle from which deviations count, `ψ_ori` and `θ_ori`, radians.
     pub original: (f64, f64),
     /// The obstacles.
     pub hazards: &'a Hazards,
-    /// How far ahead separation is certified, seconds.
+    /// Horizon of the certificate, seconds.
     pub horizon_s: f64,
     /// Separation beyond the volumes that a certified manoeuvre keeps, metres.
     pub target_m: f64,
@@ -139,7 +139,7 @@ pub struct Scene<'a> {
     pub climb_limits_rad: (f64, f64),
     /// `η_ψ` and `η_θ`, per radian.
     pub costs: (f64, f64),
-    /// What the cheapest manoeuvre is.
+    /// The measure of the cheapest manoeuvre.
     pub objective: Objective,
 }
 
@@ -150,7 +150,7 @@ impl Scene<'_> {
             + self.costs.1 * (climb_rad - self.original.1).abs()
     }
 
-    /// Radius of the tightest turn that is really flown, metres.
+    /// Radius of the tightest real turn, metres.
     fn turn_radius_m(&self) -> f64 {
         self.flyer.airspeed_mps() / self.flyer.course_rate_radps()
     }
@@ -196,7 +196,7 @@ impl Scene<'_> {
     }
 }
 
-/// A search under way: the scene, scratch space and a count of the work done.
+/// A search in progress: the scene, scratch space and a count of the work.
 #[derive(Debug)]
 pub struct Search<'a> {
     scene: Scene<'a>,
@@ -204,16 +204,16 @@ pub struct Search<'a> {
     /// Manoeuvres evaluated so far.
     pub evaluated: u32,
     meter: Meter,
-    /// Whether what was kept of the work for the answer is in use.
+    /// Whether the reserve of work for the answer is in use.
     answering: bool,
-    /// After this much work it goes on only if it is near.
+    /// Beyond this much work it continues only if it is near.
     patience: u32,
-    /// The hazard that decided last: looked at first, it decides most often again.
+    /// The hazard that decided last: checked first, because it decides most often again.
     culprit: usize,
 }
 
 impl<'a> Search<'a> {
-    /// A search that makes at most about `limit` tests of a line against four obstacles, and more than
+    /// A search with about `limit` tests of a line against four obstacles at most, and more than
     /// `patience` only if it has come near.
     pub fn new(scene: Scene<'a>, path: &'a mut FlightPath, limit: u32, patience: u32) -> Self {
         Self {
@@ -247,7 +247,7 @@ impl<'a> Search<'a> {
         self.meter.is_met()
     }
 
-    /// Takes what was kept of the work for the answer.
+    /// Releases the reserve of work for the answer.
     const fn answer(&mut self) {
         if !self.answering {
             self.answering = true;
@@ -255,7 +255,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether the share of the work that sweeps may take is used up.
+    /// Whether sweeps have used up their share of the work.
     const fn sweeps_done(&self) -> bool {
         self.meter.left() <= self.meter.done() / 4
     }
@@ -316,7 +316,7 @@ impl<'a> Search<'a> {
         flown(flyer, &start, nominal, wait_s, &self.meter)
     }
 
-    /// Margin along the mission up to a wait's end, metres; the least there is once the limit of work
+    /// Margin along the mission up to a wait's end, metres; minus infinity once the limit of work
     /// is met.
     fn margin_before(&mut self, wait_s: f64) -> f64 {
         let scene = self.scene;
@@ -348,12 +348,12 @@ impl<'a> Search<'a> {
         self.scene.target_m
     }
 
-    /// What the cheapest manoeuvre is.
+    /// The measure of the cheapest manoeuvre.
     pub const fn objective(&self) -> Objective {
         self.scene.objective
     }
 
-    /// How far a manoeuvre departs from the mission until the obstacles that it avoids have passed.
+    /// The departure of a manoeuvre from the mission until the obstacles that it avoids have passed.
     pub fn departure_of(&mut self, turns: &Turns) -> Departure {
         let scene = self.scene;
         if self.limit_met() {
@@ -435,8 +435,8 @@ impl<'a> Search<'a> {
     /// The cheapest certified single turn that begins after `wait_s`.
     ///
     /// Sweeps the climb targets from the cheapest on, both sides, up to the cost of a manoeuvre
-    /// already found; then halves the step between the last turn that fails and the first that
-    /// does.
+    /// already found; then halves the step between the last turn that fails and the first certified
+    /// one.
     pub fn cheapest(&mut self, wait_s: f64) -> Option<Found> {
         self.cheapest_to(&Side::BOTH, wait_s)
     }
@@ -464,7 +464,7 @@ impl<'a> Search<'a> {
             if place == 1 && best.is_none() && !self.has_steep_turn(&departure, before_m, sides) {
                 return None;
             }
-            // The least that the paper's objective gives at this climb target.
+            // The least cost of the paper's objective at this climb target.
             let climb_cost = match scene.objective {
                 Objective::PaperCost => scene.costs.1 * (climb_rad - scene.original.1).abs(),
                 Objective::LeastDeviation | Objective::ShortestPath => f64::MIN,
@@ -480,7 +480,7 @@ impl<'a> Search<'a> {
                     MAX_TURN_RAD
                 };
                 let offset = (scene.original.0 - departure.course_rad) * side.sign();
-                // A step more: its last part may be taken back again.
+                // A step more: halving may shorten its last part again.
                 let step_rad = sweep::LONGEST_STEP_RAD;
                 let max_turn_rad = (room + offset + step_rad).min(MAX_TURN_RAD);
                 if max_turn_rad < 0.0 {

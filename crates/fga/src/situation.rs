@@ -1,4 +1,4 @@
-//! What is around the aircraft: its own state, the obstacles, their protected volumes.
+//! The surroundings of the aircraft: its own state, the obstacles, their protected volumes.
 
 mod columns;
 mod movement;
@@ -42,7 +42,7 @@ impl Ownship {
     }
 }
 
-/// The volume around an obstacle that the aircraft must not enter.
+/// The protected volume around an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ProtectedVolume {
     /// A sphere of radius `d_m`.
@@ -75,7 +75,7 @@ impl ProtectedVolume {
         }
     }
 
-    /// Radius of the smallest sphere about the centre that holds the volume, metres.
+    /// Radius of the smallest sphere about the centre that contains the volume, metres.
     pub fn bounding_radius_m(&self) -> f64 {
         match *self {
             Self::Sphere { radius_m } => radius_m,
@@ -88,7 +88,7 @@ impl ProtectedVolume {
 
     /// The volume with its surface moved outwards by `by_m` metres everywhere.
     ///
-    /// A cylinder grows in radius and half height, which holds the exact offset surface.
+    /// A cylinder grows in radius and half height, which contains the exact offset surface.
     #[must_use]
     pub fn grown(&self, by_m: f64) -> Self {
         match *self {
@@ -126,20 +126,20 @@ impl ProtectedVolume {
     }
 }
 
-/// What an obstacle is; it sets the safety score `C_s` of §3.3, which the paper's rules follow. The
+/// The nature of an obstacle; it sets the safety score `C_s` of §3.3, which the paper's rules follow. The
 /// avoider plans by [`Movement`] instead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ObstacleKind {
     /// Carries people: `C_s` = 0, the avoidance begins at once.
     Passengers,
-    /// Nothing is known: `C_s` as the policy is set.
+    /// Unknown: `C_s` of the policy's setting.
     #[default]
     Unknown,
     /// A natural barrier or a building: `C_s` = 1, the avoidance may begin at the critical time.
     NaturalBarrier,
 }
 
-/// How well an obstacle is known: standard deviations along any one axis.
+/// The uncertainty of an obstacle: standard deviations along any one axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Uncertainty {
     /// σ of the position along an axis, metres.
@@ -155,15 +155,15 @@ pub struct Obstacle {
     pub id: u32,
     /// Centre of the volume now, metres, local frame.
     pub position_m: Vec3,
-    /// Velocity over the ground, metres per second; zero for what stands.
+    /// Velocity over the ground, metres per second; zero for an obstacle at rest.
     pub velocity_mps: Vec3,
-    /// The volume that must not be entered.
+    /// The protected volume.
     pub volume: ProtectedVolume,
-    /// What it is.
+    /// Its nature.
     pub kind: ObstacleKind,
-    /// How well it is known; it widens the volume.
+    /// Its uncertainty; it widens the volume.
     pub uncertainty: Uncertainty,
-    /// How it may move from now on.
+    /// Its possible motion from now on.
     pub movement: Movement,
 }
 
@@ -217,7 +217,7 @@ pub enum Passing {
     FlyOver,
 }
 
-/// Largest distance at which a fly-over waypoint is passed, metres.
+/// Largest distance at a fly-over waypoint, metres.
 pub const FLY_OVER_WITHIN_M: f64 = 5.0;
 
 /// The mission in the local frame: fly from each waypoint to the next along the straight leg.
@@ -225,12 +225,12 @@ pub const FLY_OVER_WITHIN_M: f64 = 5.0;
 pub struct Mission<'a> {
     /// Waypoints, metres, at least two for a mission; fewer mean: hold course and altitude.
     pub waypoints_m: &'a [Vec3],
-    /// How each waypoint is passed; those beyond the end of this list are flown by.
+    /// The passing of each waypoint; fly-by beyond the end of this list.
     pub passing: &'a [Passing],
 }
 
 impl<'a> Mission<'a> {
-    /// A mission whose waypoints are all flown by.
+    /// A mission of fly-by waypoints.
     pub const fn new(waypoints_m: &'a [Vec3]) -> Self {
         Self {
             waypoints_m,
@@ -242,20 +242,20 @@ impl<'a> Mission<'a> {
 /// The obstacles of one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Obstacles<'a> {
-    /// One record an obstacle: the natural form for a handful.
+    /// One record per obstacle: the natural form for a handful.
     Rows(&'a [Obstacle]),
-    /// One slice a quantity: the fast form for thousands.
+    /// One slice per quantity: the fast form for thousands.
     Columns(Columns<'a>),
 }
 
-/// All that one decision is made from. Positions and velocities are over the ground.
+/// The input of one decision. Positions and velocities are over the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Situation<'a> {
     /// Time of the state, seconds on any clock that does not run backwards.
     pub time_s: f64,
-    /// The aircraft. Its course and climb angle are those of its motion through the air.
+    /// The aircraft. Its course and climb angle describe its motion through the air.
     pub ownship: Ownship,
-    /// The obstacles known now, velocities over the ground.
+    /// The known obstacles, velocities over the ground.
     pub obstacles: Obstacles<'a>,
     /// The mission; the same at every step.
     pub mission: Mission<'a>,
@@ -264,8 +264,8 @@ pub struct Situation<'a> {
 }
 
 impl Situation<'_> {
-    /// Whether a decision can be made from it: every number of the aircraft's, the clock's and the
-    /// wind's is finite, and none is so large that a product of some of them overflows.
+    /// Whether it is usable: every number of the aircraft, the clock and the
+    /// wind is finite, and none is so large that a product of some of them overflows.
     pub fn is_usable(&self) -> bool {
         let own = &self.ownship;
         let angles = Vec3::new(own.course_rad, own.climb_rad, own.bank_rad);
@@ -279,8 +279,8 @@ impl Situation<'_> {
             && self.time_s.abs() <= LARGEST
     }
 
-    /// Whether an obstacle cannot be met within `horizon_s` seconds, however the aircraft turns. No
-    /// root is taken: what is only just out of reach counts as within it.
+    /// Whether the aircraft cannot meet an obstacle within `horizon_s` seconds, whatever its turns. Without a
+    /// root: an obstacle just out of reach counts as within it.
     pub fn is_out_of_reach(&self, obstacle: &Obstacle, horizon_s: f64) -> bool {
         let square = |x: f64| x * x;
         let own = &self.ownship;

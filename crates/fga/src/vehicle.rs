@@ -1,4 +1,4 @@
-//! What the vehicle can do: coordinated turn, limits, response (Eq. 7–14, Eq. 60).
+//! The capabilities of the vehicle: coordinated turn, limits, response (Eq. 7–14, Eq. 60).
 
 mod turn;
 
@@ -9,12 +9,12 @@ pub use turn::{bank_for_radius_rad, course_rate_radps, turn_radius_m, turned};
 /// Standard acceleration of gravity, metres per second squared.
 pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
 
-/// How the vehicle follows a command: the difference between commanded and flown.
+/// The vehicle's response: the difference between command and flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
-    /// Dead time before a command has any effect, seconds. An [`Avoider`](crate::avoider::Avoider)
-    /// is asked about the moment after it: whoever gives the situation predicts the commands under
-    /// way until then.
+    /// Dead time before a command has any effect, seconds. The caller asks an
+    /// [`Avoider`](crate::avoider::Avoider) about the moment after it, with a situation that predicts the
+    /// commands under way until then.
     pub dead_time_s: f64,
     /// Time constant of the first-order bank response, seconds; 0 for a bank that follows at once.
     pub bank_time_constant_s: f64,
@@ -45,7 +45,7 @@ pub struct Vehicle {
     pub climb_max_rad: f64,
     /// Rate limit of the climb angle, radians per second.
     pub climb_rate_radps: f64,
-    /// How commands are followed.
+    /// Its response to commands.
     pub response: Response,
 }
 
@@ -91,12 +91,12 @@ impl Vehicle {
         }
     }
 
-    /// Largest bank angle that the turn radius takes, radians (Eq. 60); `None` if it is not valid.
+    /// Largest bank angle, from the turn radius, radians (Eq. 60); `None` for an invalid one.
     pub fn bank_max_rad(&self) -> Option<f64> {
         bank_for_radius_rad(self.airspeed_mps, self.turn_radius_m)
     }
 
-    /// Checks every limit: what flies, and what a prediction can follow in bounded work.
+    /// Checks every limit: plausible for flight, and predictable in bounded work.
     ///
     /// Ranges: airspeed 1 to 1,000 m/s; turn radius 1 m to 1,000 km, and no turn of more than 10 g; climb
     /// angles to ±80°; climb rate up to 10 rad/s; dead time up to 10 s; time constant of the bank 0, or 0.01 s to
@@ -159,7 +159,7 @@ impl Vehicle {
         Ok(())
     }
 
-    /// Largest course rate that is really flown: factor · V / ρ, radians per second (Eq. 9).
+    /// Largest real course rate: factor · V / ρ, radians per second (Eq. 9).
     pub fn course_rate_radps(&self) -> f64 {
         self.response.turn_rate_factor * self.airspeed_mps / self.turn_radius_m
     }

@@ -1,7 +1,7 @@
-//! The certificate against fine sampling: it never reports clear what is not, and gives little away.
+//! The certificate against fine sampling: it never calls a path clear that is not, and is tight.
 //!
-//! 10⁵ cases by default; `FGA_CERTIFICATE_CASES` sets another number. What the sampling measures is
-//! computed here, not by the code under test: distances from spheres and upright cylinders.
+//! 10⁵ cases by default; `FGA_CERTIFICATE_CASES` sets another number. The test computes the sampled
+//! distances from spheres and upright cylinders itself, without the code under test.
 #![expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -18,11 +18,11 @@ use fga::vehicle::{Response, Vehicle};
 /// Longest step between two samples, seconds.
 const SAMPLE_S: f64 = 0.125;
 
-/// How much below the true minimum the certified margin may lie, besides the prediction's own bound,
+/// Largest distance of the certified margin below the true minimum, besides the prediction's own bound,
 /// metres.
 const SLACK_M: f64 = 0.02;
 
-/// What rounding may add, metres.
+/// Largest error by rounding, metres.
 const ROUNDING_M: f64 = 1e-7;
 
 /// `SplitMix64` (Steele, Lea and Flood 2014): the same cases on every machine.
@@ -104,7 +104,7 @@ impl Random {
         maneuver
     }
 
-    /// A hazard that passes near a point at a time, so that the answer is seldom trivial.
+    /// A hazard near a point at a time, so that the answer is seldom trivial.
     fn hazard(&mut self, near_m: Vec3, at_s: f64) -> Hazard {
         let velocity_mps = if self.chance(0.3) {
             Vec3::ZERO
@@ -146,7 +146,7 @@ impl Random {
 /// Signed distance from the hazard's surface, metres, by elementary geometry.
 fn margin_m(hazard: &Hazard, position_m: Vec3, at_s: f64) -> f64 {
     let mut offset = position_m - (hazard.position_m + hazard.velocity_mps * at_s);
-    // From the nearest point of the upright line that the centre is stretched to.
+    // From the nearest point of the stretched centre line.
     let (now_m, more_mps) = hazard.stretch_m;
     let along_m = now_m + more_mps * at_s;
     offset.z -= offset.z.max(-along_m).min(along_m);
@@ -167,7 +167,7 @@ fn margin_m(hazard: &Hazard, position_m: Vec3, at_s: f64) -> f64 {
     distance - hazard.growth_mps * at_s
 }
 
-/// Least margin from samples, every dip that could be the least one looked at closely.
+/// Least margin from samples, with a closer look at every dip that could be the least.
 fn sampled_m(margin: impl Fn(f64) -> f64, until_s: f64) -> f64 {
     let count = (until_s / SAMPLE_S).ceil().max(2.0);
     let step_s = until_s / count;
@@ -197,7 +197,7 @@ fn sampled_m(margin: impl Fn(f64) -> f64, until_s: f64) -> f64 {
     exact
 }
 
-/// Checks one case; returns how far the certified margin lies below the sampled one.
+/// Checks one case; returns the distance of the certified margin below the sampled one.
 fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
     let mut random = Random(case.wrapping_mul(0x2545_f491_4f6c_dd1d));
     let vehicle = random.vehicle();
@@ -240,7 +240,7 @@ fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
         claimed <= truth.min(enough_m) + ROUNDING_M,
         "case {case}: {claimed} m certified, {truth} m flown; {hazard:?} {maneuver:?} {vehicle:?}"
     );
-    // With a floor it says so, and only where the margin is below; all hazards are the worst one.
+    // With a floor the certificate reports it, and only if the margin is below; all hazards together give the worst one.
     let floored = certify(&flyer, path, &hazard, horizon_s, claimed + 0.5, enough_m);
     assert!(
         floored.status == Status::BelowFloor || floored.margin_m >= claimed + 0.5,
@@ -263,8 +263,8 @@ fn check(case: u64, path: &mut FlightPath) -> Option<f64> {
         given_away <= SLACK_M + path.remainder_m(),
         "case {case}: {claimed} m certified, {truth} m flown; {hazard:?} {maneuver:?} {vehicle:?}"
     );
-    // What is asked for is certified wherever there is that much, and the prediction's bound more:
-    // a way back is asked for exactly its margin.
+    // A requested margin is certified wherever that much exists plus the prediction's bound:
+    // a way back requests exactly its margin.
     if truth > enough_m + SLACK_M + path.remainder_m() {
         assert!(
             certificate.holds(enough_m),
@@ -310,7 +310,7 @@ fn a_certified_margin_is_never_above_what_is_flown() {
     assert!(proven * 10 >= total * 9, "{proven} of {total} proven");
 }
 
-/// The bound of a prediction with bank lag was taken off the largest margin that was asked about, so
+/// An earlier version subtracted the bound of a prediction with bank lag from the largest requested margin, so
 /// that no flight with lag ever had that margin.
 #[test]
 fn a_clear_flight_with_lag_has_the_margin_that_is_asked_about() {

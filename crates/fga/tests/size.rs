@@ -1,10 +1,10 @@
-//! The core stays small enough to be read: its size, its public items and its dependencies are those
-//! that ARCHITECTURE.md allows.
+//! The core stays small enough to read: ARCHITECTURE.md limits its size, its public items and its
+//! dependencies.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What was counted.
+/// The counts.
 #[derive(Default)]
 struct Size {
     lines: usize,

@@ -1,4 +1,4 @@
-//! Every step ends within its limit of work, whatever vehicle, settings and obstacles are accepted:
+//! Every step ends within its limit of work, for all accepted vehicles, settings and obstacles:
 //! counted, not timed.
 
 use fga::Vec3;
@@ -204,7 +204,7 @@ impl Random {
     }
 }
 
-/// Flies one drawn case; returns the largest work of a step as a share of its limit, and whether the
+/// Flies one random case; returns the largest work of a step as a share of its limit, and whether the
 /// limit was met.
 fn fly(seed: u64) -> (u32, u32, bool) {
     let mut random = Random(seed);
@@ -272,7 +272,8 @@ fn every_step_ends_within_its_limit_of_work() {
     assert!(met > 5, "the limit was met in {met} of {cases} cases only");
 }
 
-/// A turn radius of a centimetre with lag, or a turn-rate factor of ten thousand, took minutes a step.
+/// In an earlier version a turn radius of a centimetre with lag, or a turn-rate factor of ten thousand, took
+/// minutes a step.
 #[test]
 fn limits_of_what_does_not_fly_are_refused() {
     let good = Vehicle::table_4();

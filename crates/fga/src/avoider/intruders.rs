@@ -1,9 +1,9 @@
-//! What obstacles that are flown may do next, as hazards.
+//! The possible next motions of aircraft, as hazards.
 //!
-//! An aircraft is expected to go on as it does: straight, and, where it turns, along its turn for some
+//! The expected motion of an aircraft is straight and, if it turns, along its turn for some
 //! time. It may also turn to either side and change its climb, within its bounds. Each of these
-//! motions is a chain of hazards, one a window of time: chords of the turn, widened by how far
-//! the turn bows from them, then a straight line. A change of climb stretches the volume upwards and
+//! motions is a chain of hazards, each with a window of time: chords of the turn, widened by the
+//! turn's bow, then a straight line. A change of climb stretches the volume upwards and
 //! downwards.
 
 use crate::Vec3;
@@ -12,26 +12,26 @@ use crate::certificate::{ALWAYS, Hazard, Hazards, MAX_HAZARDS};
 use crate::limit::Limit as _;
 use crate::situation::{MovementBounds, Obstacle};
 
-/// For this long a change of climb goes on, seconds.
+/// Duration of a change of climb, seconds.
 pub(super) const CLIMB_CHANGES_S: f64 = 20.0;
 
-/// For this long an aircraft that turns is expected to turn on, seconds.
+/// Expected duration of an aircraft's present turn, seconds.
 const TURNS_ON_S: f64 = 10.0;
 
-/// Turn rates below this are straight flight, radians per second (0.5°/s).
+/// Smaller turn rates count as straight flight, radians per second (0.5°/s).
 const STRAIGHT_RADPS: f64 = 0.009;
 
 /// Longest chord of a turn, radians (15°): at 60 m/s and 3°/s it bows by 10 m.
 const CHORD_RAD: f64 = 0.27;
 
-/// Kept beyond the volumes of an aircraft for what its track and the flight along our own are
-/// off, metres.
+/// Distance kept beyond the volumes of an aircraft for errors of its track and of our own
+/// flight, metres.
 const TRACKING_M: f64 = 5.0;
 
-/// Over this time a turn rate is averaged, seconds.
+/// Averaging time of a turn rate, seconds.
 const TURN_AVERAGED_S: f64 = 1.5;
 
-/// Aircraft slower than this over the ground have no course, metres per second.
+/// Below this speed over the ground an aircraft has no course, metres per second.
 const HOVERS_MPS: f64 = 2.0;
 
 /// Turn rates below this many standard deviations are noise.
@@ -41,27 +41,27 @@ const NOISE_SIGMAS: f64 = 3.0;
 /// the line after each.
 const MOST_A_MOTION: usize = 21;
 
-/// How much of what aircraft may do is taken into account.
+/// The motions that a check covers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Freedom {
-    /// They go on as they do; climbs may change.
+    /// The expected motion; climbs may change.
     Expected,
-    /// This share of turns and changes of climb, from 0 to 1, too.
+    /// Also this share of turns and changes of climb, from 0 to 1.
     Share(f64),
 }
 
-/// How many hazards there is room for, for one aircraft.
+/// The number of hazards available for one aircraft.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Room {
     /// All its motions.
     Turns,
-    /// Straight flight, whose climb may change for a time.
+    /// Straight flight with a change of climb for a time.
     Straight,
-    /// One: straight flight, with all that its climb may change from the beginning on.
+    /// One: straight flight, stretched by the whole change of climb from the start on.
     One,
 }
 
-/// The turn rate of an aircraft as its reports tell it.
+/// The turn rate of an aircraft, learned from its reports.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Turning {
     /// Average turn rate, radians per second, left positive.
@@ -69,10 +69,10 @@ pub(super) struct Turning {
 }
 
 impl Turning {
-    /// Not turning, as far as is known.
+    /// No known turn.
     pub(super) const STRAIGHT: Self = Self { rate_radps: 0.0 };
 
-    /// Takes in how the velocity changed from one report to the next.
+    /// Adds the change of velocity from one report to the next.
     pub(super) fn learn(&mut self, before_mps: Vec3, now_mps: Vec3, passed_s: f64) {
         let slow = |v: Vec3| v.x * v.x + v.y * v.y < HOVERS_MPS * HOVERS_MPS;
         if passed_s <= 0.0 || slow(before_mps) || slow(now_mps) {
@@ -84,7 +84,7 @@ impl Turning {
         self.rate_radps += gain * (turned_rad / passed_s - self.rate_radps);
     }
 
-    /// The turn rate that is expected to go on, radians per second: zero where it may be noise.
+    /// The expected turn rate, radians per second: zero if it may be noise.
     fn expected_radps(self, obstacle: &Obstacle, bounds: &MovementBounds) -> f64 {
         let velocity = obstacle.velocity_mps;
         let speed_mps = libm::sqrt(velocity.x * velocity.x + velocity.y * velocity.y);
@@ -124,12 +124,12 @@ impl Motions {
         self.put(*hazard);
     }
 
-    /// How many aircraft have room for all their motions beside some other hazards.
+    /// The number of aircraft with room for all their motions beside some other hazards.
     pub(super) const fn room_for(others: usize) -> usize {
         MAX_HAZARDS.saturating_sub(others) / MOST_A_MOTION
     }
 
-    /// The room for each aircraft that does not turn, beside some that do and as many others.
+    /// The room for each aircraft without a turn, beside some with one and as many others.
     pub(super) const fn room_of_straight(turning: usize, others: usize) -> Room {
         if turning * MOST_A_MOTION + 2 * others <= MAX_HAZARDS {
             Room::Straight
@@ -138,8 +138,8 @@ impl Motions {
         }
     }
 
-    /// Adds what an aircraft may do, as far as there is room. `hazard` is what it is when it flies
-    /// straight on.
+    /// Adds the possible motions of an aircraft, as far as there is room. `hazard` is its straight
+    /// motion.
     pub(super) fn add_aircraft(
         &mut self,
         hazard: &Hazard,
@@ -241,7 +241,7 @@ impl Motions {
     }
 }
 
-/// What the motions of one aircraft share.
+/// The common parts of one aircraft's motions.
 struct Base {
     hazard: Hazard,
     stretch_mps: f64,
@@ -343,7 +343,7 @@ mod tests {
         position_m
     }
 
-    /// Whether the volume about a place, and nothing less, lies within a hazard that is there then.
+    /// Whether a hazard that exists at that time contains the volume about a position.
     fn is_within(motions: &Motions, place_m: Vec3, at_s: f64) -> bool {
         motions.hazards().rows().iter().any(|hazard| {
             let (from_s, until_s) = hazard.window_s;

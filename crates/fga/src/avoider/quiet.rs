@@ -1,29 +1,29 @@
-//! Is anything near the straight line ahead? The test that nearly every cycle ends with.
+//! Is anything near the straight line ahead? Nearly every cycle ends with this test.
 //!
-//! Conservative: what it lets pass cannot come closer than its volume on the line ahead. No square
-//! root, and over columns no branch an obstacle, so that the compiler makes vector code of it.
+//! Conservative: an obstacle that passes the test cannot come closer than its volume on the line ahead. No
+//! square root, and over columns no branch per obstacle, so that the compiler makes vector code of it.
 
 use crate::Vec3;
 use crate::situation::Obstacle;
 use crate::situation::{Columns, Obstacles};
 
-/// Obstacles that are tested before the first look at the result.
+/// Obstacles tested before the first check of the result.
 const BLOCK: usize = 64;
 
-/// Added to how far an aircraft may come, metres.
+/// Added to the possible distance of an aircraft, metres.
 const NEAR_M: f64 = 200.0;
 
-/// The line ahead of the aircraft and what is kept clear around it, over the ground.
+/// The line ahead of the aircraft and the clear space around it, over the ground.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LineAhead {
     pub position_m: Vec3,
     pub velocity_mps: Vec3,
     pub surveillance_radius_m: f64,
-    /// Kept beyond every volume, metres.
+    /// Distance kept beyond every volume, metres.
     pub margin_m: f64,
-    /// Standard deviations by which an uncertain volume is widened.
+    /// Standard deviations that widen an uncertain volume.
     pub sigmas: f64,
-    /// How far ahead separation is looked at, seconds.
+    /// Horizon of the separation, seconds.
     pub horizon_s: f64,
 }
 
@@ -59,7 +59,7 @@ impl LineAhead {
             )
     }
 
-    /// Whether an aircraft could come near within the horizon, wherever it turns.
+    /// Whether an aircraft could come near within the horizon, whatever its turns.
     fn may_come_near(&self, row: &Obstacle) -> bool {
         let offset = row.position_m - self.position_m;
         let distance_m = offset.length();
@@ -147,7 +147,7 @@ impl LineAhead {
 
 /// Whether a point at squared distance `distance`, seen along the relative velocity at
 /// `along = r · V_r` with `speed = V_r²`, comes within `reach_m`: `(r² − d²) V_r² < (r · V_r)²` while
-/// closing (Eq. 4 without its arc sine), or is there already. True for what is not a number.
+/// closing (Eq. 4 without its arc sine), or is already there. True for values that are not numbers.
 #[inline]
 #[expect(
     clippy::needless_bitwise_bool,

@@ -1,8 +1,8 @@
-//! What was decided, and why.
+//! The decision and its reasons.
 
 use crate::maneuver::Maneuver;
 
-/// Where the avoider stands.
+/// State of the avoider.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum State {
     /// On the mission, nothing threatens.
@@ -36,33 +36,33 @@ impl State {
     }
 }
 
-/// Why the decision is what it is.
+/// The reason of a decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Reason {
     /// Nothing comes too close on the mission.
     #[default]
     Clear,
-    /// The input is not usable (a number that is not finite); course and climb angle are held.
+    /// The input is unusable (a number is not finite); the avoider holds course and climb angle.
     InvalidInput,
     /// A threat is seen; its manoeuvre begins later.
     WaitingForStart,
     /// A certified manoeuvre begins.
     ManeuverChosen,
-    /// The manoeuvre flown is still the right one.
+    /// The manoeuvre continues.
     ManeuverKept,
-    /// The manoeuvre flown was no longer certified and another one is.
+    /// The manoeuvre was no longer certified, and another one replaces it.
     ManeuverReplaced,
-    /// No manoeuvre is certified: the one with the largest least separation is flown.
+    /// No manoeuvre is certified: the one with the largest least separation flies.
     BestAvailable,
     /// The aircraft is inside a protected volume and leaves it.
     InsideVolume,
     /// A way back to the mission begins.
     RejoinChosen,
-    /// The way back is flown.
+    /// The way back continues.
     RejoinKept,
     /// The aircraft is back on its leg.
     Rejoined,
-    /// The last waypoint was passed; course and altitude are held.
+    /// The aircraft passed the last waypoint; the avoider holds course and altitude.
     MissionComplete,
 }
 
@@ -71,39 +71,39 @@ pub enum Reason {
 pub struct Threat {
     /// The obstacle's identifier.
     pub id: u32,
-    /// When its volume would be entered on the mission, seconds from now.
+    /// Time of the entry into its volume on the mission, seconds from now.
     pub entry_s: f64,
-    /// When it would come closest, seconds from now.
+    /// Time of the closest approach, seconds from now.
     pub closest_s: f64,
-    /// Separation from its volume then, metres; negative inside.
+    /// Separation from its volume at that time, metres; negative inside.
     pub margin_m: f64,
 }
 
-/// What became of a candidate manoeuvre.
+/// The result of a candidate manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// Certified to stay clear.
     Certified,
     /// Comes too close.
     Rejected,
-    /// The one that is flown.
+    /// The flown one.
     Chosen,
 }
 
-/// A manoeuvre that was looked at.
+/// An examined manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
-    /// What would be flown.
+    /// Its commands.
     pub maneuver: Maneuver,
     /// Certified lower bound of the separation beyond every volume, metres.
     pub margin_m: f64,
     /// Its cost (Alg. 2 line 20, or the objective's).
     pub cost: f64,
-    /// What became of it.
+    /// Its result.
     pub verdict: Verdict,
 }
 
-/// How much was computed for one decision.
+/// The work for one decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Work {
     /// Obstacles within the surveillance radius.
@@ -114,48 +114,48 @@ pub struct Work {
     pub candidates: u32,
     /// Work done, in the unit of [`Settings::work_limit`](super::Settings::work_limit).
     pub work: u32,
-    /// Whether the limit of work per step was met before the search was finished.
+    /// Whether the step met its limit of work before the search ended.
     pub limit_met: bool,
 }
 
-/// Why a decision was made.
+/// The reasons of a decision.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Record {
-    /// Why.
+    /// The reason.
     pub reason: Reason,
     /// The most urgent threat.
     pub threat: Option<Threat>,
-    /// Latest start of a certified manoeuvre, seconds from now; `None` where none exists.
+    /// Latest start of a certified manoeuvre, seconds from now; `None` without one.
     pub latest_start_s: Option<f64>,
     /// Start of the chosen manoeuvre, seconds from now.
     pub start_s: Option<f64>,
-    /// The manoeuvre flown or waited for.
+    /// The manoeuvre, flown or awaited.
     pub chosen: Option<Candidate>,
-    /// The best manoeuvre to the other side, where one was looked for.
+    /// The best manoeuvre to the other side, if there was a search for it.
     pub alternative: Option<Candidate>,
-    /// Share of what aircraft may do that the manoeuvre flown withstands, from 0 (they go on as they
-    /// do) to 1 (turns and changes of climb up to their bounds); `None` where none is flown or no
-    /// obstacle is an aircraft.
+    /// Share of the bounds of aircraft that the manoeuvre withstands, from 0 (the expected motion)
+    /// to 1 (turns and changes of climb up to their bounds); `None` without a manoeuvre or without
+    /// an aircraft among the obstacles.
     pub resilience: Option<f64>,
-    /// Whether the limits in need are flown: nothing was certified with the normal ones.
+    /// Whether the limits in need apply: nothing was certified with the normal ones.
     pub in_need: bool,
-    /// How much was computed.
+    /// The work.
     pub work: Work,
 }
 
-/// What to fly until the next step, and why.
+/// The command until the next step, and its reasons.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decision {
-    /// Where the avoider stands now.
+    /// State of the avoider.
     pub state: State,
-    /// What to fly; in cruise the guidance along the mission.
+    /// The command; in cruise the guidance along the mission.
     pub command: Maneuver,
-    /// Why.
+    /// The reasons.
     pub record: Record,
 }
 
 impl Reason {
-    /// Whether nothing certifies what is flown.
+    /// Whether the command has no certificate.
     pub const fn is_unproven(self) -> bool {
         matches!(
             self,

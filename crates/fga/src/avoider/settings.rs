@@ -1,9 +1,9 @@
-//! How the avoider is set up.
+//! Settings of the avoider.
 
 use crate::limit::SettingsError;
 use crate::search::Objective;
 
-/// When a certified or chosen manoeuvre begins.
+/// The start of a certified or chosen manoeuvre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Start {
     /// Chosen with the manoeuvre for the least departure from the mission (turn-aware only).
@@ -34,17 +34,17 @@ impl Start {
 /// Settings of an [`Avoider`](super::Avoider).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// When a maneuver begins.
+    /// The start of a manoeuvre.
     pub start: Start,
     /// Time from one step to the next, seconds; manoeuvres begin at steps.
     pub decision_period_s: f64,
     /// Surveillance radius R, metres: obstacles farther away are not considered; infinity allowed.
     pub surveillance_radius_m: f64,
-    /// How far ahead separation is certified, seconds.
+    /// Horizon of the certificate, seconds.
     pub horizon_s: f64,
-    /// Kept beyond the protected volume, metres.
+    /// Distance kept beyond the protected volume, metres.
     pub margin_m: f64,
-    /// How many standard deviations of an obstacle's uncertainty widen its volume.
+    /// Standard deviations of an obstacle's uncertainty that widen its volume.
     pub confidence_sigmas: f64,
     /// Cost of a change of course `η_ψ`, per radian (Table 4).
     pub heading_cost: f64,
@@ -52,15 +52,15 @@ pub struct Settings {
     pub pitch_cost: f64,
     /// What the cheapest manoeuvre is.
     pub objective: Objective,
-    /// Work that one step may take, in tests of a line against four obstacles, some 12 to 25 ns each on a
-    /// desktop processor. Everything whose length depends on the input is counted in these, and no step takes more:
-    /// one that comes near it answers with the best that it found, and the next one goes on with other manoeuvres.
-    /// Only reading obstacles is never cut: beyond tens of thousands of them it may take more by itself.
+    /// Most work of one step, in tests of a line against four obstacles, some 12 to 25 ns each on a
+    /// desktop processor. The unit covers everything whose length depends on the input, and no step exceeds the limit:
+    /// a step near it answers with the best that it found, and the next one continues with other manoeuvres.
+    /// Only reading obstacles is never cut: beyond tens of thousands of them it may exceed the limit by itself.
     pub work_limit: u32,
 }
 
-/// Least [`Settings::work_limit`]: a look at the mission ahead among 128 obstacles, what is kept to finish
-/// the step, and one short search.
+/// Least [`Settings::work_limit`]: a look at the mission ahead among 128 obstacles, the reserve for
+/// finishing the step, and one short search.
 pub const LEAST_WORK: u32 = 40_000;
 
 impl Default for Settings {

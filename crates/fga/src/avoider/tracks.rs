@@ -6,19 +6,19 @@ use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
 use crate::situation::Situation;
 use crate::situation::{Movement, Obstacle, ProtectedVolume};
 
-/// Most obstacles that a decision takes into account: the most urgent ones.
+/// Most obstacles of a decision: the most urgent ones.
 pub const MAX_TRACKED: usize = MAX_HAZARDS;
 
-/// For this long an obstacle that is missing is taken to fly on, seconds.
+/// A missing obstacle is extrapolated for this long, seconds.
 const COASTED_S: f64 = 2.0;
 
-/// What learning how an obstacle moves takes, in units of work.
+/// Work for learning an obstacle's motion.
 const LEARN_WORK: usize = 8;
 
-/// How far inside a volume the aircraft may come again while it leaves it, as a share of its depth.
+/// How far inside a volume the aircraft may come again while leaving it, as a share of its depth.
 const LEAVING_SHARE: f64 = 0.98;
 
-/// What tells whether the obstacles still do what they did.
+/// A digest of the obstacles that shows changes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Picture {
     count: usize,
@@ -27,14 +27,14 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// Whether obstacles came, went, or turned, by more than the velocities are uncertain.
+    /// Whether obstacles came, went, or turned, by more than the uncertainty of the velocities.
     pub(super) fn differs_from(&self, other: &Self) -> bool {
         let change_mps = (self.velocity_mps - other.velocity_mps).length();
         self.count != other.count || change_mps > NEWS_MPS
     }
 }
 
-/// A change of velocities by this is not noise, metres per second.
+/// A larger change of velocities is not noise, metres per second.
 const NEWS_MPS: f64 = 3.0;
 
 /// The hazards of one step.
@@ -45,31 +45,31 @@ const NEWS_MPS: f64 = 3.0;
 )]
 pub struct Tracks {
     hazards: Hazards,
-    /// The same obstacles as they are known, over the ground.
+    /// The same obstacles as known, over the ground.
     obstacles: [Obstacle; MAX_TRACKED],
-    /// How each of them turns.
+    /// The turn of each.
     turning: [Turning; MAX_TRACKED],
-    /// What was known at the last two steps.
+    /// The obstacles at the last two steps.
     memory: [Memory; 2],
-    /// Which of the two is of the last step.
+    /// Index of the last step among the two.
     last: usize,
-    /// What they may do, where that is asked for.
+    /// Their possible motions, on demand.
     motions: Motions,
-    /// Whether `motions` take the place of the hazards.
+    /// Whether `motions` replace the hazards.
     moving: bool,
-    /// How many of them are flown.
+    /// Number of aircraft among them.
     aircraft: usize,
-    /// What taking in the obstacles of this step has taken, in units of work.
+    /// Work for taking in the obstacles of this step.
     work: usize,
-    /// The farthest hazard, where all places are taken: its place and how far it is, metres.
+    /// The farthest hazard of a full set: its index and distance, metres.
     farthest: Option<(usize, f64)>,
     /// Obstacles within the surveillance radius.
     pub seen: u32,
     /// Whether the aircraft is inside a protected volume.
     pub inside: bool,
-    /// Whether some could not be kept.
+    /// Whether some obstacles found no room.
     pub overflow: bool,
-    /// Whether any is known with an uncertainty only.
+    /// Whether any has an uncertainty.
     pub uncertain: bool,
 }
 
@@ -116,7 +116,7 @@ impl Tracks {
         (self.inside, self.overflow, self.uncertain) = (false, false, false);
     }
 
-    /// Forgets what was known at earlier steps too.
+    /// Also forgets the obstacles of earlier steps.
     pub fn forget(&mut self) {
         self.clear();
         for memory in &mut self.memory {
@@ -133,7 +133,7 @@ impl Tracks {
         }
     }
 
-    /// Whether any obstacle is flown, so that it may do something else than go on.
+    /// Whether any obstacle is an aircraft, which may depart from its expected motion.
     pub(super) const fn has_aircraft(&self) -> bool {
         self.aircraft > 0
     }
@@ -145,14 +145,14 @@ impl Tracks {
             .all(|(hazard, _)| (hazard.position_m - own_m).dot(hazard.velocity_mps - own_mps) > 0.0)
     }
 
-    /// Makes the hazards those of what aircraft may do, and that much beyond the volumes of aircraft,
-    /// metres; obstacles that keep their velocity stay what they are.
+    /// Replaces the hazards by the possible motions of aircraft, with this distance beyond their volumes,
+    /// metres; obstacles that keep their velocity stay the same.
     pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
         self.motions.clear();
         self.moving = true;
         let rows = self.hazards.rows();
         let room = Motions::room_for(rows.len()).min(self.aircraft);
-        // Where there is no room for all, the nearest ones may turn: these come before the rest.
+        // Without room for all, the nearest ones may turn: they come first.
         let mut last = (f64::NEG_INFINITY, 0);
         for _ in 0..room {
             let mut next = (f64::INFINITY, usize::MAX);
@@ -179,17 +179,17 @@ impl Tracks {
         }
     }
 
-    /// How many obstacles there are.
+    /// Number of obstacles.
     pub(super) fn obstacle_count(&self) -> usize {
         self.hazards.rows().len()
     }
 
-    /// What taking in the obstacles of this step has taken, in units of work.
+    /// Work for taking in the obstacles of this step.
     pub(super) const fn work(&self) -> usize {
         self.work
     }
 
-    /// The obstacles now, to be compared with later.
+    /// The present obstacles, for a later comparison.
     pub(super) fn picture(&self) -> Picture {
         let rows = self.hazards.rows();
         Picture {
@@ -198,7 +198,7 @@ impl Tracks {
         }
     }
 
-    /// Takes the obstacles within the surveillance radius that could be met within the horizon.
+    /// Takes the obstacles within the surveillance radius that the aircraft could meet within the horizon.
     pub fn load(
         &mut self,
         situation: &Situation<'_>,
@@ -213,7 +213,7 @@ impl Tracks {
         }
         let heard = self.hazards.rows().len();
         self.work += self.seen as usize / 2;
-        // One that is missing is where it was heading for, until it has been for long.
+        // A missing one is extrapolated, for a limited time.
         let mut place = 0;
         while let Some(known) = self.remembered().known(place) {
             place += 1;
@@ -229,13 +229,13 @@ impl Tracks {
         self.learn(situation, heard);
     }
 
-    /// What was known at the last step.
+    /// The obstacles at the last step.
     fn remembered(&self) -> &Memory {
         let [one, other] = &self.memory;
         if self.last == 0 { one } else { other }
     }
 
-    /// Learns how the obstacles turn, and remembers them; the first `heard` of them were reported now.
+    /// Learns the turns of the obstacles, and remembers them; the first `heard` were reported now.
     fn learn(&mut self, situation: &Situation<'_>, heard: usize) {
         let [one, other] = &mut self.memory;
         let (before, now) = if self.last == 0 {
@@ -246,7 +246,7 @@ impl Tracks {
         self.last = 1 - self.last;
         now.len = 0;
         let count = self.hazards.rows().len();
-        // Each is looked for among those of the last step, twice.
+        // Searches each among those of the last step, twice.
         self.work += count * (LEARN_WORK + before.len / 16);
         let tracked = self.obstacles.iter().zip(&mut self.turning).take(count);
         for (place, (known, turning)) in tracked.enumerate() {
@@ -326,8 +326,8 @@ impl Tracks {
 }
 
 impl Tracks {
-    /// The place of the farthest hazard from where the aircraft is, and how far it is, metres. It is kept until it is
-    /// replaced.
+    /// The index of the farthest hazard from the aircraft, and its distance, metres. The result is kept until
+    /// that hazard is replaced.
     fn farthest(&mut self, own_m: Vec3) -> (usize, f64) {
         if let Some(known) = self.farthest {
             return known;
@@ -345,7 +345,7 @@ impl Tracks {
     }
 }
 
-/// Obstacles that were known at the last step.
+/// The obstacles at the last step.
 #[derive(Debug, Clone)]
 struct Memory {
     known: [Known; MAX_TRACKED],
@@ -367,7 +367,7 @@ impl Memory {
         known.get(place).copied()
     }
 
-    /// The obstacle with an identifier; it is most often in the same place as before.
+    /// The obstacle with an identifier; most often it has the same index as before.
     fn of(&self, id: u32, place: usize) -> Option<Known> {
         let is_it = |known: &Known| known.obstacle.id == id;
         self.known(place)
@@ -383,7 +383,7 @@ impl Memory {
     }
 }
 
-/// An obstacle as it was last heard of, over the ground.
+/// An obstacle at its last report, over the ground.
 #[derive(Debug, Clone, Copy)]
 struct Known {
     obstacle: Obstacle,
@@ -403,7 +403,7 @@ impl Known {
         turning: Turning::STRAIGHT,
     };
 
-    /// Where it is when it was not heard of for a while: straight on, and within what its bounds allow.
+    /// Its extrapolation without reports: straight on, and within its bounds.
     fn coasted(&self, missing_s: f64) -> Obstacle {
         let mut obstacle = self.obstacle;
         obstacle.position_m = obstacle.position_after_m(missing_s);
@@ -417,8 +417,8 @@ impl Known {
     }
 }
 
-/// A widened volume that the aircraft is inside of, shrunk so that it is just outside: what is
-/// certified against it leads out. While the aircraft is outside the volume itself, it stays as large as
+/// A widened volume around the aircraft, shrunk so that the aircraft is just outside: a manoeuvre certified
+/// against it leads out. While the aircraft is outside of the volume itself, the result is at least as large as
 /// that one.
 fn relaxed(widened: &ProtectedVolume, itself: &ProtectedVolume, offset_m: Vec3) -> ProtectedVolume {
     let horizontal = libm::sqrt(offset_m.x * offset_m.x + offset_m.y * offset_m.y);
@@ -442,7 +442,7 @@ fn relaxed(widened: &ProtectedVolume, itself: &ProtectedVolume, offset_m: Vec3) 
                 let (true_m, true_half_m) = (itself.radius_m(), itself.half_height_m());
                 radius_m = radius_m.max(true_m);
                 half_height_m = half_height_m.max(true_half_m);
-                // Whichever of the two it is beyond keeps it outside.
+                // Being beyond either of the two keeps it outside.
                 if horizontal >= true_m {
                     radius_m = radius_m.min(LEAVING_SHARE * horizontal).max(true_m);
                 } else {
@@ -462,8 +462,8 @@ fn relaxed(widened: &ProtectedVolume, itself: &ProtectedVolume, offset_m: Vec3) 
 mod tests {
     use super::*;
 
-    /// Outside the volume itself but within its widened one, the aircraft was shown a smaller volume
-    /// than the true one when it was near the surface.
+    /// An earlier version used a volume smaller than the true one when the aircraft was outside of the volume
+    /// itself but inside its widened one, near the surface.
     #[test]
     fn a_relaxed_volume_is_as_large_as_the_true_one_until_that_is_entered() {
         let places = [
@@ -495,7 +495,7 @@ mod tests {
         }
     }
 
-    /// Of more than sixty aircraft some had no hazard at all.
+    /// In an earlier version some of more than sixty aircraft had no hazard at all.
     #[test]
     fn each_of_many_aircraft_keeps_a_hazard() {
         use crate::situation::{Mission, Obstacles, Ownship};

@@ -21,41 +21,41 @@ use crate::search::Objective;
 use crate::search::{Effort, Found, Proof, Scene, Search};
 use crate::situation::Situation;
 
-/// The share of a step's work that a search may take, one part in this many, unless it is the first of an
-/// encounter and has come near: what is begun then leads away from what later ones could find.
+/// Work divisor of later searches. The first search of an encounter, once it is close to a solution, may use
+/// all: the first turn decides which solutions later searches can still reach.
 const LATER_SHARE: u32 = 2;
 
-/// Where the bank lags, as many manoeuvres take this many times the work: searches that find nothing go on
-/// for this many times as many steps.
+/// With bank lag the same number of manoeuvres takes this many times the work, so searches that find nothing
+/// continue for this many times as many steps.
 const LAG_WORK: u32 = 3;
 
-/// Another uncertified manoeuvre must be better by this to be flown instead, metres.
+/// Another uncertified manoeuvre must be better by this, metres.
 const CLEARLY_BETTER_M: f64 = 0.5;
 
 /// Cycles between two searches while nothing is certified.
 const SEARCH_AGAIN: u32 = 10;
 
-/// For this long, while nothing is certified, each step searches all maneuvers, each time over other
+/// For this long without a certificate each step searches all manoeuvres, each time over other
 /// grids, seconds; later only every [`SEARCH_AGAIN`]th step does.
 const SEARCH_ALL_S: f64 = 10.0;
 
-/// Cycles between two searches over all manoeuvres while nothing is certified and obstacles are
-/// known with an uncertainty, which moves from cycle to cycle.
+/// Cycles between two searches over all manoeuvres without a certificate among uncertain obstacles,
+/// which move from cycle to cycle.
 const LOOK_AT_NOISE: u32 = 2;
 
-/// Where the margin of the manoeuvre under way has moved by this, the obstacles have, metres.
+/// When the margin of the present manoeuvre changes by this, the obstacles have moved, metres.
 const NEWS_M: f64 = 1.0;
 
-/// Starts that are compared when the start is free, as shares of the time to the first entry.
+/// The compared starts of a free start, as shares of the time to the first entry.
 const FREE_STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
-/// Halvings to the moment at which a volume is entered.
+/// Halvings for the moment of an entry.
 const ENTRY_HALVINGS: usize = 24;
 
 /// Margins are capped at this value, m.
 const ENOUGH_M: f64 = 1e3;
 
-/// An obstacle that would be met later than this after the first one belongs to another encounter,
+/// An obstacle whose entry is later than this after the first one belongs to another encounter,
 /// seconds.
 const NEXT_ENCOUNTER_S: f64 = 10.0;
 
@@ -102,7 +102,7 @@ impl Avoider {
         })
     }
 
-    /// On the mission: is it clear, and if not, when and where to turn?
+    /// On the mission: is it clear, and if not, when and where should the aircraft turn?
     fn watch(&mut self, situation: &Situation<'_>, now: &MotionState, start: Start) -> Decision {
         if self.tracks.has_aircraft() {
             return self.watch_aircraft(situation, now, start);
@@ -126,8 +126,7 @@ impl Avoider {
         self.plan_anew(situation, now, &nominal, threat, against, start)
     }
 
-    /// The obstacle that would come too close first along a manoeuvre, and those that belong to
-    /// the same encounter.
+    /// The obstacle that a manoeuvre comes too close to first, and those of the same encounter.
     fn first_threat(&mut self, nominal: &Maneuver, now: &MotionState) -> Option<(Threat, Against)> {
         let horizon_s = self.look_s;
         let target_m = self.settings.margin_m;
@@ -138,17 +137,17 @@ impl Avoider {
         let mut first: Option<Threat> = None;
         for (hazard, _) in hazards.rows().iter().zip(close).filter(|(_, close)| *close) {
             let closest = self.certify_one(hazard, horizon_s, f64::MIN);
-            // What was not looked at to its end may be anything.
+            // A hazard that was not examined to its end may be anything.
             if closest.margin_m >= target_m && !self.meter.is_met() {
                 continue;
             }
-            // The margin up to a moment only falls as the moment moves on: halve to the entry.
+            // The margin up to a moment only falls with time: halve to the entry.
             let (mut before_s, mut after_s) = (0.0, closest.at_s);
             let entered_m = (closest.margin_m + 1e-3).max(0.0).min(target_m);
             if let Some(first) = first {
                 let so_far = self.certify_one(hazard, first.entry_s, f64::MIN);
                 if so_far.margin_m > entered_m {
-                    // It is entered later than the first.
+                    // Its entry is later than the first one.
                     continue;
                 }
             }
@@ -192,7 +191,7 @@ impl Avoider {
         Some((first, against))
     }
 
-    /// Runs a search in the scene of now; hands back what it found and how much it looked at.
+    /// Runs a search in the present scene; returns its result and the number of examined manoeuvres.
     fn search<T>(
         &mut self,
         nominal: &Maneuver,
@@ -319,7 +318,7 @@ impl Avoider {
         decision
     }
 
-    /// Margin of a manoeuvre, between `floor_m`, below which it is not told, and `enough_m`.
+    /// Margin of a manoeuvre, between `floor_m`, below which it stops, and `enough_m`.
     fn margin_of(
         &mut self,
         maneuver: &Maneuver,
@@ -336,13 +335,13 @@ impl Avoider {
         certify_set(&self.flyer, &self.path, hazards, &asked, &self.meter).proven_m()
     }
 
-    /// Whether as many manoeuvres were looked at since there was news as are worth it.
+    /// Whether the searches since the last news have reached their limit.
     fn has_searched(&self) -> bool {
         let most = self.settings.work_limit.saturating_mul(2 * LAG_WORK);
         self.flyer.is_ideal() || self.searched >= most
     }
 
-    /// Flying the manoeuvre: keep it, replace it, or go back.
+    /// Flying the manoeuvre: keeps it, replaces it, or returns.
     fn avoid(&mut self, situation: &Situation<'_>, now: &MotionState, start: Start) -> Decision {
         let time_s = situation.time_s;
         let Some(plan) = self.plan else {
@@ -364,7 +363,7 @@ impl Avoider {
         }
         let kept_m = self.margin_of(&flown, now, (f64::MIN, ENOUGH_M));
         let picture = self.tracks.picture();
-        // The volume that it is inside of shrinks with its depth.
+        // The volume around the aircraft shrinks with its depth.
         let inside = self.tracks.inside;
         let is_news = plan.proof == Proof::Certified
             || (!inside && (kept_m - plan.margin_m).abs() > NEWS_M)
@@ -465,13 +464,13 @@ impl Avoider {
         against
     }
 
-    /// The decision to fly what is left of a plan.
+    /// The decision to fly the rest of a plan.
     pub(super) fn report(&self, plan: &Plan, time_s: f64, reason: Reason) -> Decision {
         let elapsed_s = time_s - plan.decided_s;
         let command = plan.remaining(time_s);
         let mut decision = self.decision(&command, reason);
         let record = &mut decision.record;
-        // Once it would have been entered, it is history.
+        // After the predicted entry the threat is history.
         let ahead = plan.threat.filter(|threat| threat.entry_s >= elapsed_s);
         record.threat = ahead.map(|threat| Threat {
             entry_s: threat.entry_s - elapsed_s,
@@ -495,13 +494,13 @@ impl Avoider {
     }
 }
 
-/// What a search chose.
+/// The result of a search.
 struct Choice {
-    /// The manoeuvre in both forms, and what is known of it.
+    /// The manoeuvre in both forms, with its certificate.
     chosen: Option<(Found, Maneuver, Proof)>,
-    /// Latest start of a certified one, seconds from now, where it was looked for.
+    /// Latest start of a certified one, seconds from now, if searched.
     latest_s: Option<f64>,
-    /// The best one to the other side, where it was looked for.
+    /// The best one to the other side, if searched.
     alternative: Option<Candidate>,
 }
 
@@ -512,7 +511,7 @@ impl Choice {
 }
 
 /// The manoeuvre and its start: certified if there is one, else the best available. After searches
-/// that were cut it begins with others.
+/// that met the limit it begins with others.
 fn choose(
     search: &mut Search<'_>,
     start: Start,
@@ -565,8 +564,8 @@ fn as_maneuver(search: &Search<'_>, found: &Found) -> Maneuver {
     search.maneuver(&found.turns, &search.departure(found.turns.wait_s))
 }
 
-/// The cheapest manoeuvre to each side at several starts: of these the one that departs least, and
-/// that to the other side.
+/// The cheapest manoeuvre to each side at several starts: returns the one that departs least, and
+/// the one to the other side.
 fn least_departure(search: &mut Search<'_>, entry_s: f64, cut: u32) -> [Option<Found>; 2] {
     let [one, other] = Side::BOTH;
     let sides = if cut.is_multiple_of(2) {

@@ -1,4 +1,4 @@
-//! The obstacles as the certificate sees them, one by one and four at a time.
+//! The obstacles for the certificate, one by one and four at a time.
 
 use glam::{BVec4, DVec4};
 
@@ -12,22 +12,22 @@ pub const MAX_HAZARDS: usize = 128;
 /// Hazards of a block.
 const LANES: usize = 4;
 
-/// So few hazards are looked at one by one sooner than in a block.
+/// Fewer hazards than this are quicker one by one than in a block.
 const FEW: usize = 3;
 
 /// Most steps to the least margin of a cylinder on a line; six are usual.
 const MOST_STEPS: u32 = 40;
 
-/// The least margin of a cylinder on a line is known within this, metres.
+/// Accuracy of a cylinder's least margin on a line, metres.
 const LEAST_KNOWN_M: f64 = 1e-9;
 
-/// An obstacle as the certificate sees it: a volume that moves straight and grows, for a time.
+/// An obstacle for the certificate: a volume that moves straight and grows, for a time.
 ///
-/// A motion that is not straight is several of these, one after the other, each there only within its
-/// own window of time.
+/// A curved motion is several of these, one after the other, each valid only within its own window of
+/// time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hazard {
-    /// Place in the caller's list of hazards.
+    /// Index in the caller's list of hazards.
     pub index: u32,
     /// The obstacle's identifier.
     pub id: u32,
@@ -37,34 +37,34 @@ pub struct Hazard {
     pub velocity_mps: Vec3,
     /// The volume at time 0, uncertainty included.
     pub volume: ProtectedVolume,
-    /// How fast its surface moves outwards as the prediction ages, metres per second.
+    /// Outward speed of its surface as the prediction ages, metres per second.
     pub growth_mps: f64,
-    /// How far the volume is stretched upwards and downwards, metres: at time 0, and what each second
-    /// adds; never negative within the window.
+    /// Stretch of the volume upwards and downwards, metres: at time 0, and the increase per
+    /// second; never negative within the window.
     pub stretch_m: (f64, f64),
-    /// When it is there: from and until, seconds from the decision.
+    /// Its window of time: from and until, seconds from the decision.
     pub window_s: (f64, f64),
 }
 
-/// The window of a hazard that is always there, seconds.
+/// The window of a permanent hazard, seconds.
 pub const ALWAYS: (f64, f64) = (0.0, f64::INFINITY);
 
-/// A point that moves straight for a while, in the air mass.
+/// A point in straight motion for a while, in the air mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Line {
-    /// Where it begins, metres.
+    /// Its first position, metres.
     pub from_m: Vec3,
     /// Its velocity, metres per second.
     pub velocity_mps: Vec3,
-    /// When it begins, seconds from the decision.
+    /// Its start, seconds from the decision.
     pub at_s: f64,
-    /// How long it lasts, seconds.
+    /// Its duration, seconds.
     pub duration_s: f64,
 }
 
 impl Hazard {
     /// The obstacle in an air mass that moves with `wind_mps`, its volume widened by `sigmas`
-    /// standard deviations of position now and of velocity as time goes on.
+    /// standard deviations of position now and of velocity over time.
     pub fn new(index: u32, obstacle: &Obstacle, wind_mps: Vec3, sigmas: f64) -> Self {
         let uncertainty = obstacle.uncertainty;
         Self {
@@ -133,7 +133,7 @@ impl Hazard {
     }
 
     /// The offset from the nearest point of the stretched centre. The size of each component is a
-    /// convex function of time where that of the offset is, and so is the margin.
+    /// convex function of time if the offset's is, and so is the margin.
     fn stretched(&self, offset: Vec3, at_s: f64) -> Vec3 {
         if !self.is_stretched() {
             return offset;
@@ -164,7 +164,7 @@ impl Hazard {
         }
     }
 
-    /// Least margin of a point that moves straight, and when, if it is below `below_m`.
+    /// Least margin of a point in straight motion, and its time, if it is below `below_m`.
     #[inline]
     pub(crate) fn least_on_line(
         &self,
@@ -222,7 +222,7 @@ impl Hazard {
         (margin < below_m).then_some((margin, at_s + when))
     }
 
-    /// Margin at an offset from the centre, metres, and its slope where the offset moves, metres per
+    /// Margin at an offset from the centre, metres, and its slope for a moving offset, metres per
     /// second.
     fn margin_and_slope(&self, offset: Vec3, velocity: Vec3, at_s: f64) -> (f64, f64) {
         let (now_m, more_mps) = self.stretch_m;
@@ -258,7 +258,7 @@ impl Hazard {
     }
 }
 
-/// When |q + w t| − g t is least on [0, duration]: where the closing speed falls to the growth.
+/// The time of the least |q + w t| − g t on [0, duration]: where the closing speed falls to the growth.
 fn growing_nearest_s(
     offset: Vec3,
     velocity: Vec3,
@@ -285,10 +285,10 @@ fn growing_nearest_s(
     }
 }
 
-/// Minimum of a convex function on [0, duration], from below, and where it is, from its values and
-/// slopes: `None` where it is not below `below`.
+/// Minimum of a convex function on [0, duration], from below, and its time, from its values and
+/// slopes: `None` if it is not below `below`.
 ///
-/// The tangents at two places with the minimum between them meet below it.
+/// The tangents at two points with the minimum between them meet below it.
 fn least_of_convex(
     function: impl Fn(f64) -> (f64, f64),
     duration: f64,
@@ -340,7 +340,7 @@ fn least_of_convex(
 /// Hazards, and which of them a line may come close to.
 pub(crate) trait HazardSet {
     /// Shows each hazard whose margin on `line` may be below `below_m`, metres, and perhaps others,
-    /// until `visit` returns false. Says whether none did.
+    /// until `visit` returns false. Returns whether none did.
     fn each_close(
         &self,
         line: &Line,
@@ -370,7 +370,7 @@ impl HazardSet for [Hazard] {
 struct Block {
     position_m: [[f64; LANES]; 3],
     velocity_mps: [[f64; LANES]; 3],
-    /// Minus infinity where there is no hazard.
+    /// Minus infinity for an empty place.
     radius_m: [f64; LANES],
     /// Growth and stretch together.
     growth_mps: [f64; LANES],
@@ -388,7 +388,7 @@ impl Block {
         until_s: [f64::INFINITY; LANES],
     };
 
-    /// Which of the four may have a margin below `below_m` on the line: the first part of
+    /// Marks the ones of the four that may have a margin below `below_m` on the line: the first part of
     /// [`Hazard::least_on_line`].
     #[inline]
     fn close(&self, line: &Line, below_m: f64) -> BVec4 {
@@ -452,7 +452,7 @@ impl Block {
     }
 }
 
-/// A set of hazards of fixed capacity, that finds the few a line comes close to in blocks of four.
+/// A set of hazards of fixed capacity; it finds those near a line in blocks of four.
 #[derive(Debug, Clone)]
 pub struct Hazards {
     rows: [Hazard; MAX_HAZARDS],
@@ -491,13 +491,13 @@ impl Hazards {
         self.rows.get(..self.len).unwrap_or(&[])
     }
 
-    /// How many blocks of four they fill.
+    /// Number of blocks of four in use.
     pub(crate) const fn block_count(&self) -> usize {
         self.len.div_ceil(LANES)
     }
 
-    /// Puts a hazard at a place: in place of one that is there, or behind the last one. False where
-    /// there is no such place.
+    /// Puts a hazard at an index: replaces one, or appends behind the last one. False for any other
+    /// index.
     pub fn put(&mut self, place: usize, hazard: Hazard) -> bool {
         if place > self.len {
             return false;

@@ -1,12 +1,12 @@
-//! From one leg of the mission onto the next: the one place where corners are planned.
+//! From one leg of the mission onto the next: the only place that plans corners.
 //!
-//! | corner | what is flown |
+//! | corner | flight |
 //! |---|---|
 //! | fly-by, room for the tangent arc | the arc |
 //! | fly-by of a sharp corner between short legs | a later turn, through the next leg and back onto it |
-//! | no room for a turn of either kind: near survey lines, turns back | over the waypoint, then a teardrop, bulb or race-track to the beginning of the next leg that is long enough |
+//! | no room for a turn of either kind: near survey lines, turns back | over the waypoint, then a teardrop, bulb or race-track to the beginning of the next sufficiently long leg |
 //! | fly-over | over the waypoint; then the turn onto the next leg where it overshoots by little, else a loop back over the waypoint on the next leg's course |
-//! | a chain of legs shorter than the turn | the first leg behind them that can be joined |
+//! | a chain of legs shorter than the turn | the first leg behind them that the aircraft can join |
 //!
 //! Course and cross-track distance as in [`super::leg`].
 
@@ -21,7 +21,7 @@ use crate::mission::turnaround::{Arrival, turnaround};
 use crate::prediction::{Flyer, MotionState, flown};
 use crate::situation::{FLY_OVER_WITHIN_M, Passing};
 
-/// A turn beyond this is never flown by, radians.
+/// A turn beyond this never uses a fly-by, radians.
 const MOST_FLY_BY_RAD: f64 = 2.4;
 
 /// A tangent arc may begin this share of the longer leg before the waypoint: it cuts off a part of
@@ -34,16 +34,16 @@ const LATE_RADII: f64 = 0.85;
 /// Overshoot comes back onto the next leg at this angle, radians.
 const INTERCEPT_RAD: f64 = 0.785;
 
-/// A leg of this many turn radii is never part of a chain of short ones.
+/// A leg of at least this many turn radii is never part of a chain of short ones.
 const LONG_RADII: f64 = 4.0;
 
-/// A leg that is shorter than this many turn radii between two corners may be flown as one turn.
+/// A leg shorter than this many turn radii between two corners may merge into one turn.
 const SHORT_RADII: f64 = 2.0;
 
-/// Most legs that one corner leaves out.
+/// Most legs that one corner skips.
 const MOST_IN_CHAIN: usize = 24;
 
-/// What a corner depends on besides the legs.
+/// The inputs of a corner besides the legs.
 #[derive(Debug, Clone, Copy)]
 pub struct Air<'a> {
     /// The vehicle's motion.
@@ -57,7 +57,7 @@ pub struct Air<'a> {
 }
 
 impl Air<'_> {
-    /// Radius of the tightest turn that is really flown, metres.
+    /// Radius of the tightest real turn, metres.
     pub fn radius_m(&self) -> f64 {
         self.flyer.airspeed_mps() / self.flyer.course_rate_radps()
     }
@@ -73,7 +73,7 @@ impl Air<'_> {
         }
         let quarter = Maneuver::turn(0.0, core::f64::consts::FRAC_PI_2, 0.0);
         let end = flown(self.flyer, &still(0.0), &quarter, f64::INFINITY, self.meter);
-        // What the lag adds to a quarter turn, at either end of it.
+        // The effect of the lag on a quarter turn, at either end of it.
         let late_m = (end.position_m.x - self.radius_m()).max(0.0);
         self.radius_m() + 4.0 * late_m
     }
@@ -92,17 +92,17 @@ fn still(course_rad: f64) -> MotionState {
 /// A corner between two legs of the mission.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corner {
-    /// How far before the leg's end it begins, metres.
+    /// Distance of its start before the leg's end, metres.
     pub lead_m: f64,
-    /// Index of the waypoint at the start of the next leg that is flown.
+    /// Index of the waypoint at the start of the next flown leg.
     pub next: usize,
-    /// Whether the next leg is entered at its beginning, after a turn round.
+    /// Whether the aircraft enters the next leg at its beginning, after a turn round.
     pub is_turnaround: bool,
-    /// What is flown, in time from where it begins, course from the leg's course through the air.
+    /// The manoeuvre, in time from its start, course from the leg's course through the air.
     pub maneuver: Maneuver,
-    /// How long, seconds.
+    /// Its duration, seconds.
     pub duration_s: f64,
-    /// How far along the next leg it ends, metres.
+    /// Distance of its end along the next leg, metres.
     pub along_m: f64,
 }
 
@@ -114,8 +114,8 @@ pub trait Legs {
     fn passing(&self, index: usize) -> Passing;
 }
 
-/// How far before the end of the leg at `index` a fly-by of the waypoint there begins, metres; 0
-/// where the waypoint is flown over.
+/// Distance of the start of a fly-by before the end of the leg at `index`, metres; 0 for a fly-over
+/// waypoint.
 fn lead_m(legs: &impl Legs, index: usize, leg: &Leg, next: &Leg, air: &Air<'_>) -> f64 {
     if legs.passing(index + 1) == Passing::FlyOver {
         return 0.0;
@@ -143,8 +143,8 @@ fn still_tangent_m(turn_rad: f64, radius_m: f64) -> f64 {
     radius_m * libm::tan(0.5 * turn_rad)
 }
 
-/// How far before the waypoint the turn from one leg onto the next begins that ends on it, metres:
-/// in wind and with bank lag from the displacement of the turn as it is flown.
+/// Distance before the waypoint of the start of the turn from one leg onto the next that ends on it, metres:
+/// in wind and with bank lag from the displacement of the real turn.
 fn tangent_m(leg: &Leg, next: &Leg, air: &Air<'_>) -> f64 {
     let turn = wrap_pi(next.course_rad - leg.course_rad);
     let plain = still_tangent_m(turn.abs(), air.radius_m());
@@ -200,7 +200,7 @@ pub fn corner(legs: &impl Legs, index: usize, leg: &Leg, air: &Air<'_>) -> Optio
     turn_round(legs, leg, target, air)
 }
 
-/// The tangent arc, where both legs have room for it.
+/// The tangent arc, if both legs have room for it.
 fn arc(
     index: usize,
     leg: &Leg,
@@ -231,7 +231,7 @@ fn arc(
     })
 }
 
-/// The first leg behind the corner that is joined before it ends.
+/// The first leg behind the corner that the aircraft joins before its end.
 fn chain(
     legs: &impl Legs,
     index: usize,
@@ -293,7 +293,7 @@ fn passes_all(
 ) -> bool {
     /// Corners up to this make a curve, radians.
     const GENTLE_RAD: f64 = 0.8;
-    /// Places on the way that are looked at.
+    /// Number of checked positions on the way.
     const PLACES: usize = 24;
     if first == last {
         return true;
@@ -346,7 +346,7 @@ fn turn_round(legs: &impl Legs, leg: &Leg, target: usize, air: &Air<'_>) -> Opti
     })
 }
 
-/// Where a turn round onto a leg arrives: at its beginning, or before it where the bank lags.
+/// The arrival of a turn round onto a leg: at its beginning, or before it with bank lag.
 pub fn arrival(leg: &Leg, air: &Air<'_>) -> Arrival {
     let (low, high) = air.climb_limits_rad;
     Arrival {

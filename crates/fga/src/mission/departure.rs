@@ -1,4 +1,4 @@
-//! How far a way back leads from the mission.
+//! The distance of a way back from the mission.
 
 use super::join::Join;
 use super::{MOST_LEGS, Progress};
@@ -9,16 +9,16 @@ use crate::situation::Mission;
 /// Moments of a way back at which its distance from the mission is measured.
 const MOMENTS: u32 = 12;
 
-/// A step with less work left than this measures no further way back: those of 96 legs take no more.
+/// A step with less work left than this measures no further way back: those of 96 legs take at most this.
 const LEAST_LEFT: u32 = 8_000;
 
 impl Progress {
-    /// Whether another way back may be measured in this step.
+    /// Whether this step has work left to measure another way back.
     pub(crate) const fn may_measure(&self) -> bool {
         self.work.0.saturating_sub(self.work.1) >= LEAST_LEFT
     }
 
-    /// How far a way onto the leg that begins at waypoint `index` leads from the mission, metres.
+    /// Largest distance of a way onto the leg that begins at waypoint `index` from the mission, metres.
     pub fn departure_m(
         &mut self,
         mission: &Mission<'_>,

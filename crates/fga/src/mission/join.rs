@@ -1,8 +1,8 @@
 //! Joining a leg: turn to an intercept course, fly straight, turn onto the leg, at its height.
 //!
 //! In the plane and in still air this is the shortest Dubins path of its kind (a turn, a straight
-//! piece, a turn) onto a line. It holds in wind and for a vehicle with lag too: the moment of the
-//! second turn and that of levelling off are shot for with the predicted flight itself.
+//! piece, a turn) onto a line. It also holds in wind and for a vehicle with lag: shooting with the predicted
+//! flight finds the moment of the second turn and of levelling off.
 
 use crate::angle::wrap_pi;
 use crate::limit::Limit as _;
@@ -11,10 +11,10 @@ use crate::meter::{Meter, SETUP};
 use crate::mission::leg::Leg;
 use crate::prediction::{Flyer, MotionState, flown};
 
-/// Cross-track and height error at which the aircraft is on its leg, metres.
+/// Largest cross-track and height error on the leg, metres.
 const ON_LEG_M: f64 = 0.05;
 
-/// Course error at which it is, radians.
+/// Largest course error on the leg, radians.
 const ON_COURSE_RAD: f64 = 1e-3;
 
 /// Corrections of the two moments with the predicted flight.
@@ -23,22 +23,22 @@ const CORRECTIONS: u32 = 3;
 /// A way onto a leg.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Join {
-    /// What to fly.
+    /// The manoeuvre.
     pub maneuver: Maneuver,
-    /// When the aircraft is on the leg, seconds from the decision.
+    /// Arrival on the leg, seconds from the decision.
     pub joined_s: f64,
-    /// How far along the leg it is then, metres.
+    /// Distance along the leg at that time, metres.
     pub along_m: f64,
-    /// Cross-track distance that is left then, metres.
+    /// Remaining cross-track distance at that time, metres.
     pub cross_m: f64,
-    /// Height above the leg that is left then, metres.
+    /// Remaining height above the leg at that time, metres.
     pub above_m: f64,
 }
 
 /// Limits that a way back keeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JoinLimits {
-    /// Angle at which the leg is intercepted, radians, in (0, π/2].
+    /// Intercept angle, radians, in (0, π/2].
     pub intercept_rad: f64,
     /// Steepest descent and climb, radians.
     pub climb_limits_rad: (f64, f64),
@@ -100,7 +100,7 @@ impl Shot {
     }
 }
 
-/// The way onto a leg from a state, at an intercept angle or a smaller one where the leg is near.
+/// The way onto a leg from a state, at an intercept angle or a smaller one if the leg is near.
 pub(crate) fn join(
     flyer: &Flyer,
     leg: &Leg,
@@ -213,7 +213,7 @@ fn aim(flyer: &Flyer, leg: &Leg, state: &MotionState, limits: &JoinLimits) -> Sh
     }
 }
 
-/// Climb angle to hold, and for how long from now, to gain `gain_m` relative to the leg.
+/// Climb angle to hold, and its duration from now, to gain `gain_m` relative to the leg.
 fn climb_back(
     flyer: &Flyer,
     now_rad: f64,
@@ -270,7 +270,7 @@ fn climb_back(
     (climb, (climb - now_rad).abs() / rate)
 }
 
-/// Where a function that has opposite signs at two places is zero (the Illinois method).
+/// The zero of a function with opposite signs at two points (the Illinois method).
 fn root(function: impl Fn(f64) -> f64, low: (f64, f64), high: (f64, f64)) -> f64 {
     let ((mut a, mut at_a), (mut b, mut at_b)) = (low, high);
     for _ in 0..24 {

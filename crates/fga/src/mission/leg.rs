@@ -1,20 +1,20 @@
-//! A leg of the mission and where the aircraft stands relative to it.
+//! A leg of the mission and the aircraft's position relative to it.
 //!
-//! Along-track distance grows from the leg's start to its end; cross-track distance is positive to
-//! the left of the leg; height is counted from the leg. All over the ground.
+//! Along-track distance increases from the leg's start to its end; cross-track distance is positive to
+//! the left of the leg; height counts from the leg. All over the ground.
 
 use crate::Vec3;
 use crate::angle::wrap_pi;
 use crate::limit::Limit as _;
 use crate::prediction::MotionState;
 
-/// A leg that is shorter over the ground than this has no direction of its own, metres.
+/// A leg shorter over the ground than this has no direction of its own, metres.
 const SHORTEST_M: f64 = 1e-3;
 
-/// A straight leg between two waypoints, and how to fly it in a wind.
+/// A straight leg between two waypoints, and its flight in a wind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Leg {
-    /// Where it begins, metres.
+    /// Its start, metres.
     pub from_m: Vec3,
     /// Unit vector along it over the ground (horizontal).
     along: Vec3,
@@ -33,7 +33,7 @@ pub struct Leg {
     wind_mps: Vec3,
 }
 
-/// Where the aircraft is relative to a leg.
+/// The aircraft's position relative to a leg.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LegPosition {
     /// Distance along the leg from its start, metres.

@@ -1,4 +1,4 @@
-//! The line that is flown where nothing is in the way.
+//! The line of the mission without obstacles.
 
 use crate::Vec3;
 use crate::mission::Progress;
@@ -9,11 +9,11 @@ use crate::vehicle::Vehicle;
 /// Most steps of a planned line.
 const MOST_STEPS: u32 = 2_000_000;
 
-/// Flies a mission without obstacles and shows every place on the way: over the ground, metres,
-/// about `spacing_m` apart. Returns whether the last waypoint was passed within `limit_s`.
+/// Flies a mission without obstacles and shows every position on the way: over the ground, metres,
+/// about `spacing_m` apart. Returns whether it passed the last waypoint within `limit_s`.
 ///
-/// Legs, corners and turns round are those that [`Progress`] flies, so the line is the same for
-/// whoever asks.
+/// Legs, corners and turns round come from [`Progress`], so the line is the same for every
+/// caller.
 pub fn planned_line(
     mission: &Mission<'_>,
     start: &Ownship,

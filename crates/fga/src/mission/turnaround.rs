@@ -1,8 +1,8 @@
 //! Turning round to the beginning of a leg: teardrop, bulb, race-track.
 //!
-//! The shortest path of at most three full-rate turns and straights (Dubins) from where the aircraft
-//! is to a place on a course. In a wind it is planned in the air mass, where the place drifts: the
-//! time of arrival and the path to where the place will be then are found together.
+//! The shortest path of at most three full-rate turns and straights (Dubins) from the aircraft
+//! to a position on a course. In a wind the plan is in the air mass, where the position drifts: an iteration
+//! finds the time of arrival and the path to the position at that time together.
 
 use core::f64::consts::{PI, TAU};
 
@@ -13,19 +13,19 @@ use crate::meter::WORD;
 use crate::mission::corner::Air;
 use crate::prediction::{Flyer, MotionState};
 
-/// Repetitions of "how long does it take, and where has the place drifted by then?".
+/// Iterations of the time of arrival and the drift until then.
 const DRIFT_STEPS: u32 = 40;
 
-/// Drift that is left when the place is met, metres.
+/// Accepted remaining drift, metres.
 const DRIFT_LEFT_M: f64 = 1e-3;
 
-/// Turns within this of a full circle are none, radians.
+/// Turns within this of a full circle count as none, radians.
 const NO_TURN_RAD: f64 = 1e-9;
 
-/// A place to arrive at.
+/// A target pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrival {
-    /// Where, over the ground, metres.
+    /// Position over the ground, metres.
     pub position_m: Vec3,
     /// Course through the air on arrival, radians.
     pub course_rad: f64,
@@ -33,12 +33,12 @@ pub struct Arrival {
     pub climb_rad: f64,
 }
 
-/// A turn round that was found.
+/// A turn round.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turnaround {
-    /// What to fly, in time from the state in which it begins.
+    /// The manoeuvre, in time from its first state.
     pub maneuver: Maneuver,
-    /// When it arrives, seconds from the decision.
+    /// Its arrival, seconds from the decision.
     pub arrives_s: f64,
 }
 
@@ -125,7 +125,7 @@ fn three_turns(x: f64, y: f64, turn: f64) -> Option<Word> {
     })
 }
 
-/// How many kinds of words there are.
+/// Number of kinds of words.
 const KINDS: usize = 6;
 
 /// The word of a kind to a pose in turn radii, relative to the start, whose course is 0.
@@ -141,7 +141,7 @@ fn word(kind: usize, x: f64, y: f64, turn: f64) -> Option<Word> {
     }
 }
 
-/// The quickest turn round from a state to a place; `None` where the wind lets none arrive.
+/// The quickest turn round from a state to a pose; `None` if the wind prevents every one.
 pub(crate) fn turnaround(air: &Air<'_>, state: &MotionState, to: &Arrival) -> Option<Turnaround> {
     let (flyer, wind_mps) = (air.flyer, air.wind_mps);
     let rate = flyer.course_rate_radps();
@@ -203,7 +203,7 @@ pub(crate) fn turnaround(air: &Air<'_>, state: &MotionState, to: &Arrival) -> Op
     })
 }
 
-/// The climb angle that brings the aircraft to the height of a place in a time, radians.
+/// The climb angle that brings the aircraft to the height of a pose in a time, radians.
 fn climb_over(
     flyer: &Flyer,
     state: &MotionState,
@@ -285,7 +285,7 @@ mod tests {
     }
 
     proptest! {
-        /// Flown with the predicted motion it arrives, in wind too.
+        /// Flown with the predicted motion it arrives, also in wind.
         #[test]
         fn it_arrives(x in -200.0..200.0f64, y in -200.0..200.0f64, course in -3.1..3.1f64, start in -3.1..3.1f64, wx in -7.0..7.0f64, wy in -7.0..7.0f64) {
             let to = Arrival { position_m: Vec3::new(x, y, 0.0), course_rad: course, climb_rad: 0.0 };

@@ -1,10 +1,10 @@
-//! How the vehicle moves under one command: Eq. 10–12 with its limits and its response.
+//! The motion of the vehicle under one command: Eq. 10–12 with its limits and its response.
 //!
 //! Without lag the motion is exact: course ψ and climb angle θ move linearly in time to their
 //! targets, and cos θ cos ψ = ½ [cos(ψ+θ) + cos(ψ−θ)] makes Eq. 10–12 integrals of cosines of
 //! linear functions. With a bank lag the bank follows its command exponentially: the command is the
-//! bank of the largest course rate until what is left to turn is what rolling out to level turns, then
-//! level. A roll is flown in a few pieces of linear course rate, its course exact at their ends.
+//! bank of the largest course rate until the remaining turn equals the turn made while rolling out to level,
+//! then level. A roll is a few pieces of linear course rate, with an exact course at their ends.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -18,22 +18,22 @@ use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 /// An angle closer to its target than this has reached it, radians.
 const REACHED_RAD: f64 = 1e-11;
 
-/// A bank below this is wings level to whoever asks, radians.
+/// A smaller bank counts as wings level for callers, radians.
 const LEVEL_BANK_RAD: f64 = 1e-3;
 
-/// A bank below this has no roll-out left, radians.
+/// A smaller bank has no roll-out left, radians.
 const ROLLED_OUT_RAD: f64 = 1e-9;
 
-/// Where no more than this is left to turn beyond what rolling out turns, the roll-out begins, radians.
+/// The roll-out begins when the remaining turn beyond the roll-out's is at most this, radians.
 const ROLL_OUT_BEGINS_RAD: f64 = 1e-7;
 
-/// Steps towards the moment at which the roll-out begins.
+/// Iterations for the start of the roll-out.
 const STEPS_TO_ROLL_OUT: u32 = 12;
 
-/// What is left to turn with the wings level is turned within this share of the time constant.
+/// A remaining turn with the wings level takes this share of the time constant.
 const LEVEL_TURN: f64 = 0.1;
 
-/// How far aside a roll to 45° moves the aircraft, metres, at which its pieces have their usual length.
+/// Sideways distance of a roll to 45° at which its pieces have their usual length, metres.
 const USUAL_SCALE_M: f64 = 1.5;
 
 /// Most pieces of a roll that a [`Flyer`] keeps.
@@ -67,7 +67,7 @@ impl MotionState {
     }
 }
 
-/// What is commanded: see [`Stage`](crate::maneuver::Stage) for the meaning of the fields.
+/// A command: see [`Stage`](crate::maneuver::Stage) for the meaning of the fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
     /// Course to turn to, radians, not wrapped.
@@ -78,14 +78,14 @@ pub struct Target {
     pub rate_share: f64,
 }
 
-/// One piece of flight: the climb rate stands still, and the course rate is linear in time.
+/// One piece of flight: a constant climb rate, and a course rate that is linear in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
-    /// How long, seconds; infinite when the aircraft flies straight on.
+    /// Duration, seconds; infinite for straight flight.
     pub duration_s: f64,
     /// Course rate at its beginning, radians per second, positive to the left.
     pub course_rate_radps: f64,
-    /// How fast the course rate grows, radians per second squared; 0 unless the bank changes.
+    /// Slope of the course rate, radians per second squared; 0 unless the bank changes.
     pub course_growth_radps2: f64,
     /// Rate of the climb angle, radians per second.
     pub climb_rate_radps: f64,
@@ -95,7 +95,7 @@ pub struct Piece {
     pub bank_end_rad: f64,
     /// Bound of the course rate within it, radians per second.
     pub fastest_radps: f64,
-    /// Bound of how far the flight is from the one with a linear course rate, metres.
+    /// Bound of the distance from the flight with a linear course rate, metres.
     pub remainder_m: f64,
 }
 
@@ -125,7 +125,7 @@ impl Piece {
     }
 }
 
-/// The pieces of a roll that is flown again and again.
+/// The pieces of a common roll.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Rolls {
     rolls: [Roll; KEPT_ROLLS],
@@ -160,7 +160,7 @@ impl Rolls {
     }
 }
 
-/// Banks at which a [`Flyer`] knows where it is once it has rolled out, from level to the largest.
+/// Banks with a tabulated roll-out, from level to the largest.
 const SETTLES: usize = 33;
 
 /// A roll-out is over after this many time constants: thousandths of the bank are left.
@@ -181,15 +181,15 @@ pub struct Flyer {
     turn_rate_factor: f64,
     /// Course rate at a bank of 45°, radians per second.
     gain_radps: f64,
-    /// Bank of the largest course rate, radians, and what rolling out from it turns.
+    /// Bank of the largest course rate, radians, and the turn made while rolling out from it.
     full_bank_rad: f64,
     full_roll_out_rad: f64,
     /// Stretches the pieces of a roll.
     pace: f64,
     rolling_in: Rolls,
     rolling_out: Rolls,
-    /// What rolling out from a bank moves the aircraft by, beyond straight flight on the course that it ends
-    /// on: forward and left of the course at its beginning, metres.
+    /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of
+    /// the course at its start, metres.
     settles_m: [(f64, f64); SETTLES],
 }
 
@@ -233,7 +233,7 @@ impl Flyer {
         flyer
     }
 
-    /// What rolling out from a bank moves the aircraft by, as in the table, by its pieces.
+    /// Displacement of a roll-out from a bank, as in the table, from its pieces.
     fn settles_m(&self, bank_rad: f64) -> (f64, f64) {
         let mut state = MotionState {
             time_s: 0.0,
@@ -259,8 +259,8 @@ impl Flyer {
         (settles.x, settles.y)
     }
 
-    /// About where the aircraft is, and how it flies, once it has rolled out from a state and taken up a
-    /// climb angle: to decimetres, for what is only to be passed over. `None` for banks beyond its largest.
+    /// The approximate state after rolling out from a state and taking up a climb angle: to decimetres, only
+    /// for skipping. `None` for banks beyond its largest.
     pub(crate) fn settled(&self, state: &MotionState, climb_rad: f64) -> Option<MotionState> {
         let place = state.bank_rad.abs() / self.full_bank_rad * (SETTLES - 1) as f64;
         if self.is_ideal() || place.is_nan() || place > (SETTLES - 1) as f64 {
@@ -345,8 +345,8 @@ impl Flyer {
         self.next_piece_within(state, target, f64::INFINITY)
     }
 
-    /// The same, where a new command comes after `limit_s` seconds: a piece in which the bank
-    /// changes ends there, with the rate and the bank that belong to it.
+    /// The same, with a new command after `limit_s` seconds: a piece with a changing bank ends there, with the
+    /// rate and the bank of that moment.
     pub(crate) fn next_piece_within(
         &self,
         state: &MotionState,
@@ -414,7 +414,7 @@ impl Flyer {
         if state.bank_rad.abs() > ROLLED_OUT_RAD {
             let mut roll = self.roll(state.bank_rad, 0.0, most);
             if roll.to_rad == 0.0 && full > 0.0 {
-                // Rounding stays behind: it ends on its course.
+                // Rounding leaves a rest: it ends on its course.
                 let turn = turn_left / (self.gain_radps * tau);
                 roll.rate += (turn - roll.turn) / roll.lasts;
             }
@@ -427,7 +427,7 @@ impl Flyer {
         Piece::steady(climb_s.min(step_s), turn_left / step_s, climb_rate, 0.0)
     }
 
-    /// The next piece of a roll, no longer than `most` time constants.
+    /// The next piece of a roll, at most `most` time constants long.
     fn roll(&self, from_rad: f64, command_rad: f64, most: f64) -> Roll {
         let (kept, side) = if command_rad == 0.0 {
             (&self.rolling_out, from_rad)
@@ -450,14 +450,14 @@ impl Flyer {
         }
     }
 
-    /// What is left to turn after a piece of a roll, beyond what rolling out turns, radians.
+    /// The remaining turn after a piece of a roll, beyond the roll-out's, radians.
     fn beyond_after(&self, roll: &Roll, turn_left: f64) -> f64 {
         let turned = self.gain_radps * self.bank_time_constant_s * roll.turn;
         turn_left - turned - self.rollout_rad(roll.to_rad)
     }
 
-    /// The part of a piece of a roll after which the roll-out begins: where what is left beyond it,
-    /// known at both ends, is zero.
+    /// The part of a piece of a roll after which the roll-out begins: the zero of the remaining turn beyond the
+    /// roll-out's, known at both ends.
     ///
     /// It falls at the rate c tan(φ)/φ, where c is the bank commanded: Newton's steps, kept between the ends.
     fn roll_to_roll_out(&self, roll: &Roll, turn_left: f64, ends: (f64, f64)) -> Roll {
@@ -515,7 +515,7 @@ impl Flyer {
         self.gain_radps * self.bank_time_constant_s * roll_out(bank_rad)
     }
 
-    /// Course rate flown at a bank, radians per second (Eq. 9 with the turn-rate factor).
+    /// Course rate at a bank, radians per second (Eq. 9 with the turn-rate factor).
     pub fn rate_radps(&self, bank_rad: f64) -> f64 {
         let bank_rad = bank_rad.limited(-FRAC_PI_2 + 0.01, FRAC_PI_2 - 0.01);
         self.turn_rate_factor * STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad) / self.airspeed_mps
@@ -547,8 +547,8 @@ impl Flyer {
 
     /// Displacement `after_s` seconds into a piece, metres.
     ///
-    /// With the course rate linear in time the course follows its mean rate plus a parabola
-    /// e(t) = a t (t − T) / 2 besides, of which this takes in the first two orders.
+    /// With a course rate linear in time the course follows its mean rate plus a parabola
+    /// e(t) = a t (t − T) / 2; this counts its first two orders.
     fn moved_m(&self, state: &MotionState, piece: &Piece, after_s: f64) -> Vec3 {
         let growth = piece.course_growth_radps2;
         let mean_radps = piece.course_rate_radps + 0.5 * growth * after_s;

@@ -1,4 +1,4 @@
-//! Where a manoeuvre leads: nodes on the predicted flight path, close enough for tight chords.
+//! The path of a manoeuvre: nodes on the predicted flight, close enough for tight chords.
 
 use core::iter::Peekable;
 use core::slice::Iter;
@@ -13,7 +13,7 @@ use crate::prediction::{Flyer, MotionState, Target};
 /// Most nodes of a path.
 pub const MAX_NODES: usize = 320;
 
-/// How far the path may bow from the chord between two nodes, metres.
+/// Largest bow of the path from the chord between two nodes, metres.
 ///
 /// The certificate subtracts this bow and splits the chords that matter, so it sets speed, not truth.
 pub(crate) const CHORD_BOW_M: f64 = 0.16;
@@ -25,7 +25,7 @@ pub struct Node {
     pub state: MotionState,
     /// Course rate from here on, radians per second.
     pub course_rate_radps: f64,
-    /// How fast it grows until the next node, radians per second squared.
+    /// Slope of the course rate until the next node, radians per second squared.
     pub course_growth_radps2: f64,
     /// Rate of the climb angle from here to the next node, radians per second.
     pub climb_rate_radps: f64,
@@ -60,7 +60,7 @@ impl Node {
     }
 }
 
-/// The least whole number of steps that is no fewer than `steps`, from 1 to `most`.
+/// The least whole number of steps that is at least `steps`, from 1 to `most`.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -70,7 +70,7 @@ pub(crate) fn whole(steps: f64, most: usize) -> usize {
     libm::ceil(steps).limited(1.0, most as f64) as usize
 }
 
-/// The pieces of constant rates of which the flight of a manoeuvre is made.
+/// The pieces of constant rates of a manoeuvre's flight.
 struct Pieces<'a> {
     flyer: &'a Flyer,
     stages: Peekable<Iter<'a, Stage>>,
@@ -90,8 +90,8 @@ impl<'a> Pieces<'a> {
         }
     }
 
-    /// The piece that begins at a state, how long it is flown, seconds (infinite for the last one),
-    /// and when at most it ends: with the next command, or at `limit_s`.
+    /// The piece that begins at a state, its duration, seconds (infinite for the last one),
+    /// and its latest end: at the next command, or at `limit_s`.
     fn next(&mut self, state: &MotionState, limit_s: f64) -> (Piece, f64, f64) {
         while let Some(stage) = self.stages.next_if(|stage| stage.start_s <= state.time_s) {
             self.target = Target {
@@ -108,11 +108,11 @@ impl<'a> Pieces<'a> {
     }
 }
 
-/// Shows the pieces of the flight of a manoeuvre up to `limit_s`, each with the state in which it
-/// begins and its duration, seconds, which is infinite for the last one where there is no limit.
-/// Hands back the state in which the last one begins, or ends at the limit.
+/// Shows the pieces of the flight of a manoeuvre up to `limit_s`, each with its first state
+/// and its duration, seconds, which is infinite for the last one without a limit.
+/// Returns the first state of the last one, or the state at the limit.
 ///
-/// Without nodes, this is the cheap way to ask for some moments of a flight.
+/// Without nodes, this is a cheap way to evaluate some moments of a flight.
 pub(crate) fn for_each_piece(
     flyer: &Flyer,
     start: &MotionState,
@@ -140,7 +140,7 @@ pub(crate) fn for_each_piece(
     state
 }
 
-/// The aircraft at the end of a manoeuvre's flight up to `limit_s`, its pieces counted.
+/// The aircraft at the end of a manoeuvre's flight up to `limit_s`, with its pieces counted.
 pub(crate) fn flown(
     flyer: &Flyer,
     start: &MotionState,
@@ -175,7 +175,7 @@ impl Default for FlightPath {
 }
 
 impl FlightPath {
-    /// A path without nodes, to be filled by [`Self::predict`]. It is large: keep and reuse it.
+    /// A path without nodes, for [`Self::predict`]. It is large: keep and reuse it.
     #[expect(
         clippy::large_stack_arrays,
         reason = "no allocation: the caller says where it lies"
@@ -213,19 +213,19 @@ impl FlightPath {
         self.end_velocity_mps
     }
 
-    /// Whether the path follows the manoeuvre up to the horizon: false where the nodes ran out, or
-    /// where the manoeuvre lost a stage ([`Maneuver::is_whole`]).
+    /// Whether the path follows the manoeuvre up to the horizon: false if the nodes ran out, or
+    /// if the manoeuvre lost a stage ([`Maneuver::is_whole`]).
     pub const fn is_complete(&self) -> bool {
         self.complete
     }
 
-    /// What its prediction takes, in units of work.
+    /// Work of its prediction.
     pub(crate) fn work(&self, flyer: &Flyer) -> usize {
         let node = if flyer.is_ideal() { NODE } else { LAGGED_NODE };
         SETUP + self.len * node
     }
 
-    /// Bound of how far the flight is from its nodes and from the pieces between them, metres: 0
+    /// Bound of the distance of the flight from its nodes and from the pieces between them, metres: 0
     /// without bank lag.
     pub const fn remainder_m(&self) -> f64 {
         self.remainder_m
@@ -262,7 +262,7 @@ impl FlightPath {
     }
 
     /// Appends the nodes of one piece of constant rates and returns the state at its end;
-    /// `None` where the nodes ran out.
+    /// `None` if the nodes ran out.
     pub(crate) fn fly_piece(
         &mut self,
         flyer: &Flyer,
@@ -318,7 +318,7 @@ impl FlightPath {
     }
 
     /// Predicts the flight of `maneuver` from `start` up to `horizon_s` (Eq. 10–12 with the
-    /// vehicle's limits and response), replacing what the path held.
+    /// vehicle's limits and response), replacing the old path.
     pub fn predict(
         &mut self,
         flyer: &Flyer,
@@ -356,7 +356,7 @@ impl FlightPath {
         let since_s = (at_s - node.state.time_s).max(0.0);
         let mut state = flyer.advance(&node.state, &piece, since_s);
         if let Some(next) = self.nodes().get(index).filter(|_| !flyer.is_ideal()) {
-            // The bank moves little from node to node: straight between them.
+            // The bank moves little from node to node: linear between them.
             let span_s = (next.state.time_s - node.state.time_s).max(f64::MIN_POSITIVE);
             state.bank_rad += (next.state.bank_rad - node.state.bank_rad) * (since_s / span_s);
         }

@@ -1,8 +1,8 @@
 //! Rolling from one bank to another: the bank follows its command exponentially.
 //!
-//! The flight of a roll is cut into a few pieces. In each the course rate is taken as linear in time,
-//! with the change of course and its integral over time exact, so that course and position at the end
-//! of a piece are right to fractions of a millimetre; what is left in between is bounded.
+//! The flight of a roll consists of a few pieces. In each the course rate is linear in time,
+//! with the exact change of course and its integral over time, so that course and position at the end
+//! of a piece are right to fractions of a millimetre; a bound covers the path in between.
 
 use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
@@ -18,40 +18,40 @@ const GAUSS: [(f64, f64); 4] = [
 /// radians.
 const LONGEST: [(f64, f64); 4] = [(0.3, 0.6), (0.1, 0.9), (0.02, 1.2), (0.004, 1.6)];
 
-/// The last piece of a roll, in time constants; what is left after it is part of it.
+/// The last piece of a roll, in time constants; it includes the whole rest.
 const LAST: f64 = 3.0;
 
-/// Share of its distance from 90° that the bank may move by in a piece.
+/// Share of its distance from 90° by which the bank may move in a piece.
 const FROM_UPRIGHT: f64 = 0.4;
 
-/// How far the flight is from the one with a linear course rate, as a share of the roll's size times
+/// Bound of the distance from the flight with a linear course rate, as a share of the roll's size times
 /// the fourth power of the piece's length.
 const BOW: f64 = 2e-3;
 
 /// The same for the last piece, as a share of the roll's size.
 const LAST_BOW: f64 = 0.12;
 
-/// A piece of a roll, with time in units of the time constant and course in units of what a bank of
-/// 45° turns in one.
+/// A piece of a roll, with time in units of the time constant and course in units of the turn at a bank of
+/// 45° in one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Roll {
     /// Bank at its beginning, radians.
     pub from_rad: f64,
-    /// The bank commanded, radians.
+    /// The commanded bank, radians.
     pub command_rad: f64,
-    /// How long it lasts.
+    /// Its duration.
     pub lasts: f64,
     /// Change of course.
     pub turn: f64,
-    /// Course rate at its beginning, as if that were linear in time.
+    /// Course rate at its beginning, for a linear course rate.
     pub rate: f64,
-    /// How fast the course rate grows.
+    /// Slope of the course rate.
     pub growth: f64,
     /// Bank at its end, radians.
     pub to_rad: f64,
     /// Largest course rate within it.
     pub fastest: f64,
-    /// Bound of how far the course may be from the linear rate's, times the duration.
+    /// Bound of the difference between the course and the linear rate's, times the duration.
     pub bow: f64,
 }
 
@@ -68,7 +68,7 @@ impl Roll {
         bow: 0.0,
     };
 
-    /// The next piece of a roll, no longer than `most`; `pace` stretches what is usual.
+    /// The next piece of a roll, at most `most` long; `pace` stretches the usual length.
     pub(super) fn new(from_rad: f64, command_rad: f64, most: f64, pace: f64) -> Self {
         let off_rad = from_rad - command_rad;
         let size = off_rad.abs();
@@ -115,7 +115,7 @@ impl Roll {
         }
     }
 
-    /// The end of a roll: small enough for its whole rest to be taken in.
+    /// The end of a roll: small enough to include its whole rest.
     fn last(from_rad: f64, command_rad: f64) -> Self {
         let off_rad = from_rad - command_rad;
         let steady = libm::tan(command_rad);
@@ -123,7 +123,7 @@ impl Roll {
         // ∫ tan(c + d e^−u) − tan c du by its series in d.
         let rest = slope * off_rad * (1.0 + 0.5 * steady * off_rad);
         let turn = steady * LAST + rest;
-        // The integral of the course over time, as if the rest were turned by then.
+        // The integral of the course over time, as if the rest were already turned.
         let growth = 12.0 * rest * (1.0 - 0.5 * LAST) / (LAST * LAST * LAST);
         Self {
             lasts: LAST,
@@ -151,7 +151,7 @@ impl Roll {
     }
 }
 
-/// ∫ tan(u)/u du from 0 to a bank: the course that rolling out to level turns, in the units of
+/// ∫ tan(u)/u du from 0 to a bank: the turn made while rolling out to level, in the units of
 /// [`Roll`].
 ///
 /// tan(u)/u is 8/(π² − 4u²), whose pole is at 90°, and a series for the rest, good to 10⁻¹¹.

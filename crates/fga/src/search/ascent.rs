@@ -1,6 +1,6 @@
 //! Climbing from a manoeuvre to one nearby with a larger margin.
 //!
-//! Near a manoeuvre the margin of each obstacle is linear in the parameters, its slope that of the
+//! Near a manoeuvre the margin of each obstacle is linear in the parameters, with the slope of the
 //! position at the moment of the closest approach. The step in a box that lifts the least of the
 //! margins most is a small linear program; the box shrinks where the truth falls short of it.
 
@@ -15,10 +15,10 @@ use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 /// Parameters of a manoeuvre: wait s, turn rad, climb rad, after s, turn rad, climb rad.
 const PARAMETERS: usize = 6;
 
-/// Natural steps of the parameters, times as the angles turned meanwhile.
+/// Natural steps of the parameters, times as the angles turned in them.
 const STEPS_RAD: Vector = [0.2, 0.2, 0.1, 0.2, 0.2, 0.1];
 
-/// Obstacles that a step takes into account: the closest ones.
+/// Most obstacles of a step: the closest ones.
 const CLOSEST: usize = 12;
 
 /// Obstacles farther than the closest one by this do not matter to a climb, turn radii.
@@ -30,13 +30,13 @@ const DIFFERENCE: f64 = 1e-4;
 /// Rounds of the linear program.
 const ROUNDS: u32 = 60;
 
-/// What they take for each obstacle, in units of work.
+/// Their work for each obstacle.
 const ROUNDS_WORK: usize = 40;
 
 /// The largest box of a step, in units of the natural steps.
 const LARGEST_BOX: f64 = 2.0;
 
-/// A climb that would gain less than this is over, metres.
+/// A climb with a smaller gain than this is over, metres.
 const LEAST_GAIN_M: f64 = 2e-3;
 
 type Vector = [f64; PARAMETERS];
@@ -74,7 +74,7 @@ impl Approaches {
         self.iter().fold(ENOUGH_M, |least, a| least.min(a.margin_m))
     }
 
-    /// Takes one in, in place of the farthest where it is full.
+    /// Adds one, or replaces the farthest if full.
     fn take(&mut self, new: Approach) {
         if let Some(slot) = self.all.get_mut(self.len) {
             *slot = new;
@@ -91,7 +91,7 @@ impl Approaches {
     }
 }
 
-/// A climb under way.
+/// A climb in progress.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ascent {
     seed: Found,
@@ -134,13 +134,13 @@ impl Ascent {
         self.approaches.least_m()
     }
 
-    /// Whether it no longer gets higher.
+    /// Whether it no longer rises.
     pub(super) const fn is_done(&self) -> bool {
         self.done
     }
 
-    /// Climbs some steps, until it is above the target, no longer gets higher, or the limit of
-    /// work is met.
+    /// Climbs some steps, until it is above the target, no longer rises, or meets the limit of
+    /// work.
     pub(super) fn climb(&mut self, search: &mut Search<'_>, steps: u32) {
         self.find_closest(search);
         // Certified margins are a little less than these.
@@ -153,14 +153,14 @@ impl Ascent {
         }
     }
 
-    /// What was reached, certified.
+    /// The result, certified.
     pub(super) fn certified(&self, search: &mut Search<'_>) -> Found {
         let turns = self.turns(&self.at);
         let departure = search.departure(turns.wait_s);
         let certificate = search.certify(&turns, &departure, f64::MIN);
         let proven_m = certificate.proven_m();
         if proven_m == f64::NEG_INFINITY && search.limit_met() {
-            // There was no work left to prove it: its seed, by what is known of that.
+            // No work was left to prove it: its seed, with the seed's margin.
             return Found {
                 margin_m: self.seed.margin_m.min(search.scene.target_m - LEAST_GAIN_M),
                 ..self.seed
@@ -226,7 +226,7 @@ impl Ascent {
         }
     }
 
-    /// Notes the obstacles that come closest now.
+    /// Notes the closest obstacles now.
     fn find_closest(&mut self, search: &mut Search<'_>) {
         let hazards = search.scene.hazards.rows();
         let mut closest = Approaches::NONE;
@@ -250,8 +250,8 @@ impl Ascent {
         }
     }
 
-    /// The approaches of the noted obstacles with other parameters; `None` where the path cannot be
-    /// predicted to its end.
+    /// The approaches of the noted obstacles with other parameters; `None` if the path has no prediction
+    /// to its end.
     fn look(&self, search: &mut Search<'_>, at: &Vector) -> Option<Approaches> {
         search.evaluated += 1;
         if !predict(search, &self.turns(at)) {
@@ -270,7 +270,7 @@ impl Ascent {
         Some(approaches)
     }
 
-    /// How each margin changes with each parameter, per natural step: that of the distance at
+    /// The slope of each margin in each parameter, per natural step: the slope of the distance at
     /// the moment of the closest approach.
     fn slopes(
         &self,
@@ -286,7 +286,7 @@ impl Ascent {
             let Some(x) = moved.get_mut(parameter) else {
                 continue;
             };
-            // Away from a limit that it stands at.
+            // Away from a limit that it has reached.
             let difference = DIFFERENCE * scale;
             let sign = if *x + difference > *high { -1.0 } else { 1.0 };
             *x += sign * difference;
@@ -324,7 +324,7 @@ impl Ascent {
     }
 
     /// The step within the box and the bounds that lifts the least margin most, to first order, and
-    /// to what: the linear program max t, mᵢ + sᵢ·d ≥ t, by subgradients.
+    /// its value: the linear program max t, mᵢ + sᵢ·d ≥ t, by subgradients.
     fn best_step(
         &self,
         slopes: &[Vector; CLOSEST],
@@ -373,7 +373,7 @@ fn maneuver(search: &Search<'_>, turns: &Turns) -> Maneuver {
     search.maneuver(turns, &search.departure(turns.wait_s))
 }
 
-/// Predicts a manoeuvre into the search's path; says whether it is complete.
+/// Predicts a manoeuvre into the search's path; returns whether it is complete.
 fn predict(search: &mut Search<'_>, turns: &Turns) -> bool {
     let maneuver = maneuver(search, turns);
     search.predict(&maneuver);

@@ -4,16 +4,16 @@ use super::{MAX_TURN_RAD, Search, Sweep};
 use crate::angle::Side;
 use crate::prediction::MotionState;
 
-/// Moments that are looked at before halving.
+/// Moments tried before halving.
 const MOMENTS: u32 = 12;
 
-/// Halvings between the last moment that does and the next that does not.
+/// Halvings between the last successful moment and the next failing one.
 const HALVINGS: u32 = 6;
 
 impl Search<'_> {
-    /// Latest wait, seconds, no longer than `until_s`, after which a certified single turn exists.
+    /// Latest wait, seconds, at most `until_s`, after which a certified single turn exists.
     ///
-    /// `until_s` is when a volume would be entered on the mission.
+    /// `until_s` is the time of the entry into a volume on the mission.
     pub fn latest_start_s(&mut self, until_s: f64) -> Option<f64> {
         let step_s = until_s.max(0.0) / f64::from(MOMENTS);
         let mut index = (0..=MOMENTS).rev();
@@ -37,7 +37,7 @@ impl Search<'_> {
         self.is_avoidable_within(wait_s, MAX_TURN_RAD)
     }
 
-    /// Whether a certified single turn of no more than `max_turn_rad` exists after a wait.
+    /// Whether a certified single turn of at most `max_turn_rad` exists after a wait.
     pub fn is_avoidable_within(&mut self, wait_s: f64, max_turn_rad: f64) -> bool {
         let target_m = self.scene.target_m;
         let before_m = self.margin_before(wait_s);
@@ -53,7 +53,7 @@ impl Search<'_> {
     }
 
     /// Whether a certified single turn to one of some sides exists at the steepest climb or descent:
-    /// where neither does, hardly ever does one in between.
+    /// if neither does, hardly ever does one in between.
     pub(super) fn has_steep_turn(
         &mut self,
         from: &MotionState,

@@ -14,48 +14,48 @@ use super::{CLIMB_STEP_RAD, Search, Turns};
 /// Longest step along an arc, radians: it bows from its chord by less than a thousandth of its radius.
 pub(super) const LONGEST_STEP_RAD: f64 = 0.1;
 
-/// Halvings of the step between the last turn that fails and the first that does.
+/// Halvings of the step between the last turn that fails and the first one that does not.
 const HALVINGS: u32 = 7;
 
-/// How far off the end of a turn with bank lag may be told, radians.
+/// Accepted error of the end of a turn with bank lag, radians.
 const ROLL_OUT_RAD: f64 = 1e-5;
 
 /// Turns to one side at one climb target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Sweep {
-    /// The aircraft where the turn begins.
+    /// The aircraft at the start of the turn.
     pub from: MotionState,
-    /// Lower bound of the separation up to there, metres.
+    /// Lower bound of the separation until then, metres.
     pub before_m: f64,
-    /// To which side.
+    /// The side of the turn.
     pub side: Side,
-    /// Climb angle taken up meanwhile, radians.
+    /// Climb angle taken up during the turn, radians.
     pub climb_rad: f64,
     /// Largest turn, radians.
     pub max_turn_rad: f64,
-    /// Turns with a margin below this are of no use, metres.
+    /// Turns with a smaller margin are useless, metres.
     pub floor_m: f64,
-    /// A turn with this margin will do, metres.
+    /// A turn with this margin is enough, metres.
     pub enough_m: f64,
 }
 
-/// A turn that ends where the arc is left.
+/// A turn that ends where it leaves the arc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Leave {
     /// The turn, radians, left positive.
     pub turn_rad: f64,
-    /// Climb angle taken up meanwhile, radians.
+    /// Climb angle taken up during the turn, radians.
     pub climb_rad: f64,
     /// Lower bound of the separation of the whole manoeuvre, metres.
     pub margin_m: f64,
-    /// The aircraft where it leaves the arc.
+    /// The aircraft at the end of the arc.
     pub state: MotionState,
-    /// Lower bound of the separation up to there, metres.
+    /// Lower bound of the separation until then, metres.
     pub before_m: f64,
 }
 
-/// A walk along the arc of a sweep, in steps of equal length but for the last of each piece, so that
-/// how far a sweep goes does not move its turns.
+/// A walk along the arc of a sweep, in steps of equal length except the last of each piece, so that
+/// the extent of a sweep does not move its turns.
 #[derive(Clone, Copy)]
 struct Walk<'a> {
     flyer: &'a Flyer,
@@ -66,7 +66,7 @@ struct Walk<'a> {
     piece: Option<WalkPiece>,
 }
 
-/// A piece of constant rates and how many steps of it are left.
+/// A piece of constant rates and the number of its remaining steps.
 #[derive(Clone, Copy)]
 struct WalkPiece {
     begin: MotionState,
@@ -82,11 +82,11 @@ struct WalkPiece {
 /// The last step of a walk.
 #[derive(Clone, Copy)]
 struct LastStep {
-    /// The aircraft where the step begins, and where its piece does.
+    /// The aircraft at the start of the step, and at the start of its piece.
     from: MotionState,
     begin: MotionState,
     piece: Piece,
-    /// When it begins, seconds from the beginning of the piece, and how long it lasts.
+    /// Start of the step, seconds from the beginning of the piece, and its duration.
     after_s: f64,
     lasts_s: f64,
 }
@@ -156,7 +156,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The last step, to be ended earlier.
+    /// The last step, to end earlier.
     fn last_step(&self) -> Option<LastStep> {
         self.piece.map(|at| LastStep {
             from: self.before,
@@ -175,14 +175,14 @@ impl<'a> Walk<'a> {
 }
 
 impl Search<'_> {
-    /// The first turn of a sweep whose margin is enough; without one, the one whose margin above the
-    /// floor is largest.
+    /// The first turn of a sweep with enough margin; without one, the one with the largest margin above the
+    /// floor.
     pub(super) fn sweep(&mut self, sweep: &Sweep) -> Option<Leave> {
         self.sweep_to(sweep).map(|(leave, _)| leave)
     }
 
-    /// The first turn of a sweep whose margin is enough, ended earlier within its last step, or with
-    /// less of a climb where it does not turn at all, as long as that does.
+    /// The first turn of a sweep with enough margin, shortened within its last step, or with
+    /// less of a climb if it does not turn at all, as long as the margin is enough.
     pub(super) fn smallest(&mut self, sweep: &Sweep) -> Option<Leave> {
         let (leave, last) = self.sweep_to(sweep)?;
         Some(match last {
@@ -193,9 +193,9 @@ impl Search<'_> {
 
     /// The answer of [`Self::sweep`], and its last step.
     ///
-    /// Where a turn fails, an obstacle comes too close at some moment. The longer that is ahead, the
-    /// farther a small change of the turn has moved the aircraft by then; turns that cannot have moved
-    /// it far enough are passed over, and the arc to them is looked at only once a turn does.
+    /// Where a turn fails, an obstacle comes too close at some moment. The farther ahead that is, the
+    /// more a small change of the turn has moved the aircraft by then. The sweep skips turns that cannot have
+    /// moved it far enough, and examines the arc to them only once a turn succeeds.
     fn sweep_to(&mut self, sweep: &Sweep) -> Option<(Leave, Option<LastStep>)> {
         let sign = sweep.side.sign();
         let mut walk = Walk::new(self.scene.flyer, sweep);
@@ -232,7 +232,7 @@ impl Search<'_> {
                     }
                 }
             }
-            // What comes too close on the arc does so however far it is followed.
+            // An obstacle too close to the arc stays so however far the turn goes.
             let arc_fails = worst.margin_m < floor_m || worst.margin_m <= best_m;
             if arc_fails || failing_rad > sweep.max_turn_rad + ROLL_OUT_RAD || self.limit_met() {
                 return best;
@@ -282,7 +282,7 @@ impl Search<'_> {
         }
     }
 
-    /// The turn when the arc of a sweep is left at a state, radians.
+    /// The turn for leaving the arc of a sweep at a state, radians.
     fn turn_at(&self, state: &MotionState, sweep: &Sweep) -> f64 {
         let flyer = self.scene.flyer;
         let rollout_rad = if flyer.is_ideal() {
@@ -293,7 +293,7 @@ impl Search<'_> {
         state.course_rad + rollout_rad - sweep.from.course_rad
     }
 
-    /// Goes along an arc up to a state and lowers `worst` by it; ends early below `floor_m`.
+    /// Flies along an arc up to a state and lowers `worst` by it; ends early below `floor_m`.
     fn follow(
         &mut self,
         walk: &mut Walk<'_>,
@@ -310,7 +310,7 @@ impl Search<'_> {
         }
     }
 
-    /// What is flown once the arc of a sweep is left at a state.
+    /// The flight after leaving the arc of a sweep at a state.
     fn tail(
         &mut self,
         state: &MotionState,
@@ -343,11 +343,11 @@ impl Search<'_> {
         self.scene.flyer.is_ideal() && (state.climb_rad - climb_rad).abs() < 1e-9
     }
 
-    /// How much farther than at a state, left with too small a margin, a turn must at least go on
-    /// until its margin can be `floor_m`, radians; infinite where it never can.
+    /// The additional turn, beyond a state with too small a margin, before a margin of `floor_m` is
+    /// possible, radians; infinite if it never is.
     ///
-    /// Turns that go on by Δψ have moved the aircraft by less than V Δψ (t − t₀) at the moment t of
-    /// the closest approach, where t₀ is when the arc is left.
+    /// Turns that are longer by Δψ have moved the aircraft by less than V Δψ (t − t₀) at the moment t of
+    /// the closest approach, where t₀ is the end of the arc.
     fn failing(&self, state: &MotionState, tail: &Certificate, sweep: &Sweep, floor_m: f64) -> f64 {
         let flyer = self.scene.flyer;
         let (slack_m, slack_rad) = if self.is_settled(state, sweep.climb_rad) {
@@ -369,7 +369,7 @@ impl Search<'_> {
         (short_m / lever_m * (1.0 - 1e-9) - slack_rad).max(0.0)
     }
 
-    /// A turn of a sweep, ended earlier within its last step.
+    /// A turn of a sweep, shortened within its last step.
     fn with_less_turn(&mut self, leave: &Leave, last: &LastStep, sweep: &Sweep) -> Leave {
         let flyer = self.scene.flyer;
         let less = self.halved(leave, |search, share| {
@@ -394,11 +394,11 @@ impl Search<'_> {
         if flyer.is_ideal() || less == *leave {
             return less;
         }
-        // Once more as it will be flown.
+        // Once more, exactly as flown.
         self.certified(&less, sweep).unwrap_or(*leave)
     }
 
-    /// A change of climb, ended earlier.
+    /// A change of climb, shortened.
     fn with_less_climb(&mut self, leave: &Leave, sweep: &Sweep) -> Leave {
         let beyond_rad = leave.climb_rad - self.scene.original.1;
         let back_rad = libm::copysign(CLIMB_STEP_RAD.min(beyond_rad.abs()), beyond_rad);
@@ -423,7 +423,7 @@ impl Search<'_> {
         })
     }
 
-    /// The last of a manoeuvre and those with the share of its last step taken back that still do.
+    /// The last successful one of a manoeuvre and its versions with a share of the last step removed.
     fn halved(
         &mut self,
         leave: &Leave,
@@ -487,7 +487,7 @@ impl Search<'_> {
         }
     }
 
-    /// `before` lowered by flying straight on.
+    /// `before` lowered by straight flight.
     fn straight_on(
         &mut self,
         state: &MotionState,
@@ -511,7 +511,7 @@ impl Search<'_> {
         worst
     }
 
-    /// Shows `look` the hazards that a line may come close to, the one that decided last first,
+    /// Shows `look` the hazards near a line, the one that decided last first,
     /// until the margin falls below `floor_m`.
     fn lower(
         &mut self,
@@ -544,7 +544,7 @@ impl Search<'_> {
         });
     }
 
-    /// `before` lowered by what follows a turn that ends at `state`: roll-out and the rest of the
+    /// `before` lowered by the flight after a turn that ends at `state`: roll-out and the rest of the
     /// climb change, then straight.
     fn rolled_out(
         &mut self,

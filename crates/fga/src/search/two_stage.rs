@@ -2,7 +2,7 @@
 //!
 //! Sweeps over a coarse grid give one seed for each combination of sides and climb targets; each
 //! seed then climbs by small linear programs: the margin of every obstacle is linear in the
-//! parameters nearby, and the step in a box that lifts the least of them most is taken.
+//! parameters nearby, and the step in a box lifts the least of them most.
 
 use crate::angle::Side;
 use crate::certificate::{Asked, Certificate, Hazard, Hazards, Status, certify_set};
@@ -13,32 +13,32 @@ use super::ascent::Ascent;
 use super::sweep::{Leave, Sweep};
 use super::{ENOUGH_M, Found, MAX_TURN_RAD, Proof, Scene, Search, SecondTurn, Turns};
 
-/// Straight flight between two turns that is searched, in turn radii.
+/// Straight flight between the two turns of a search, in turn radii.
 const GAPS: [f64; 6] = [0.0, 0.35, 0.75, 1.25, 2.0, 3.25];
 
-/// The same in the plane, where there are fewer manoeuvres to look at.
+/// The same in the plane, with fewer manoeuvres.
 const PLANAR_GAPS: [f64; 10] = [0.0, 0.25, 0.5, 0.75, 1.0, 1.3, 1.65, 2.1, 2.75, 3.75];
 
-/// Steps of an arc between two ends of first turns that are searched.
+/// Steps of an arc between two ends of first turns.
 const STRIDE: usize = 2;
 
 /// Most ends of first turns on an arc.
 const PLACES: usize = 20;
 
-/// One grid holds every n-th of them.
+/// One grid has every n-th of them.
 const COARSE: usize = 4;
 
-/// One grid holds every n-th of the straight times.
+/// One grid has every n-th of the straight times.
 const GAP_SHIFTS: usize = 2;
 
 /// Grids that interleave.
 const GRIDS: usize = COARSE * GAP_SHIFTS;
 
-/// Grids that a search looks at before its work is used up.
+/// Number of grids within a search's work.
 const GRIDS_A_SEARCH: usize = 3;
 
 /// The grids in turn, each as coarse as climbing can make up for. One climb target for both turns
-/// is what most often does; two of them take longer and come in between.
+/// is the most frequent success; two targets take longer and come in between.
 const PASSES: [(usize, Climbs); 2 * GRIDS] = {
     use Climbs::{Different, Same};
     [
@@ -64,10 +64,10 @@ const PASSES: [(usize, Climbs); 2 * GRIDS] = {
 /// When a climb or descent straight ahead levels off, in turn radii.
 const LEVEL_AFTER: [f64; 10] = [0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0];
 
-/// Widest range of first turns of which one seed is kept, radians.
+/// Widest range of first turns with one seed, radians.
 const BIN_RAD: f64 = 0.6;
 
-/// Such ranges.
+/// Number of such ranges.
 const BINS: usize = 6;
 
 /// Largest first turn of a two-stage manoeuvre, radians.
@@ -82,36 +82,36 @@ const KINDS_OF_ONE: usize = 2 * CLIMBS;
 /// Those of one stage, of two in each range of first turns, and the manoeuvre under way.
 const KINDS: usize = KINDS_OF_ONE + KINDS_OF_ONE * KINDS_OF_ONE * BINS + 1;
 
-/// Seeds that lie this far below the best one are not worth a look, turn radii.
+/// Seeds this far below the best one are not worth a climb, turn radii.
 const WORTH: f64 = 0.27;
 
-/// Where single turns stay this far short of clearing one obstacle, with nothing else about, no
-/// manoeuvre clears it, turn radii.
+/// If single turns stay this far short of clearing a lone obstacle, no manoeuvre clears it, turn
+/// radii.
 const ALONE: f64 = 0.0033;
 
-/// Where a whole search ends this far short, another one over other grids finds nothing either: those
-/// that did began no farther off than a quarter of it, turn radii.
+/// If a whole search ends this far short, another one over other grids finds nothing either: successful
+/// ones began at most a quarter of it away, turn radii.
 const FAR: f64 = 0.1;
 
-/// Seeds that climb a little; the best of them go on.
+/// Seeds that climb a little; the best of them continue.
 const CLIMBERS: usize = 16;
 
-/// How many climb on in each round, and how many steps.
+/// Number of seeds that continue in each round, and of steps.
 const ROUNDS: [(usize, u32); 4] = [(CLIMBERS, 2), (CLIMBERS / 2, 4), (CLIMBERS / 4, 8), (2, 16)];
 
 /// The same for single turns.
 const SINGLE_ROUNDS: [(usize, u32); 3] = [(CLIMBERS, 2), (3, 4), (1, 16)];
 
-/// How hard to look for the largest margin.
+/// The effort for the largest margin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
-    /// Single turns, and what is near the manoeuvre under way.
+    /// Single turns, and the surroundings of the present manoeuvre.
     Quick,
-    /// All two-stage manoeuvres of a grid too.
+    /// Also all two-stage manoeuvres of a grid.
     Full,
 }
 
-/// The cost of a seed, which nobody asks for.
+/// The cost of a seed, which does not matter.
 const UNKNOWN: f64 = f64::INFINITY;
 
 /// Whether both turns have one climb target.
@@ -159,7 +159,7 @@ impl Seeds {
         }
     }
 
-    /// Takes out the best one that is left.
+    /// Removes the best remaining one.
     fn pop(&mut self) -> Option<Found> {
         let best = self
             .found
@@ -186,8 +186,8 @@ fn keep_larger(best: &mut Option<Found>, found: Found) {
 
 impl Search<'_> {
     /// The manoeuvre with the largest margin, single or two-stage; ends as soon as one is
-    /// certified. `flown` is the one under way, from which it climbs too; with `effort`
-    /// [`Effort::Quick`] two-stage manoeuvres are looked for near that one only.
+    /// certified. `flown` is the present one, from which it also climbs; with `effort`
+    /// [`Effort::Quick`] it searches two-stage manoeuvres only near that one.
     /// Searches with another `variety` begin with another grid.
     pub fn best(
         &mut self,
@@ -204,7 +204,7 @@ impl Search<'_> {
         }
         let has_layers = self.scene.hazards.rows().iter().any(Hazard::is_cylinder);
         if effort == Effort::Full && has_layers {
-            // Few, and all that is left between layers: before the many, which may take all the work.
+            // Few, and the only ones between layers: before the many, which may take all the work.
             self.collect_levelled(&start, &mut seeds);
         }
         self.collect_single(&start, &mut seeds);
@@ -216,7 +216,7 @@ impl Search<'_> {
         if effort == Effort::Quick || self.answering {
             return Some((found, Proof::Open));
         }
-        // A volume that grows with uncertainty may be too much today and not tomorrow.
+        // A volume that grows with uncertainty may be too large today and not tomorrow.
         let is_certain = self
             .scene
             .hazards
@@ -249,7 +249,7 @@ impl Search<'_> {
         best.map(|found| (found, Proof::Open))
     }
 
-    /// A certified climb or descent straight ahead that levels off again, where there is one.
+    /// A certified climb or descent straight ahead that levels off again, if there is one.
     pub fn levelled(&mut self) -> Option<Found> {
         let start = self.scene.start;
         let mut seeds = Seeds::new(WORTH * self.scene.turn_radius_m());
@@ -259,10 +259,10 @@ impl Search<'_> {
         best.filter(|found| found.margin_m >= self.scene.target_m)
     }
 
-    /// Whether one obstacle alone is more than no second turn could avoid.
+    /// Whether a lone obstacle defeats any second turn.
     ///
-    /// From a single obstacle the hardest turn and climb lead away farthest; a second turn adds
-    /// something only between several.
+    /// From a lone obstacle the hardest turn and climb lead away farthest; a second turn helps
+    /// only between several.
     fn is_hopeless(&mut self, found: &Found) -> bool {
         let scene = self.scene;
         let departure = self.departure(found.turns.wait_s);
@@ -283,7 +283,7 @@ impl Search<'_> {
         })
     }
 
-    /// Whether an obstacle could not be avoided if there were no other.
+    /// Whether an obstacle would be unavoidable even if it were alone.
     fn is_too_much(&mut self, hazard: &Hazard) -> bool {
         let scene = self.scene;
         let mut alone = Hazards::new();
@@ -312,7 +312,7 @@ impl Search<'_> {
         !is_cut && farthest.is_some_and(|farthest| farthest.margin_m < scene.target_m - short_m)
     }
 
-    /// The manoeuvre under way in the terms of the search.
+    /// The present manoeuvre in the terms of the search.
     fn in_terms_of_search(&mut self, flown: &Maneuver) -> Option<Found> {
         let start = self.scene.start;
         let (first, second) = match flown.stages() {
@@ -338,7 +338,7 @@ impl Search<'_> {
         })
     }
 
-    /// Lets the best seeds climb, all of them a little and the best of those on; ends with the round
+    /// Climbs from the best seeds, a little from all and on from the best; ends with the round
     /// in which some are certified, with the cheapest of them.
     fn climb(
         &mut self,
@@ -417,8 +417,8 @@ impl Search<'_> {
         }
     }
 
-    /// Climbs and descents straight ahead that level off again: for layers of airspace, where no
-    /// climb angle can be kept.
+    /// Climbs and descents straight ahead that level off again: for layers of airspace, where the aircraft can
+    /// hold no climb angle.
     fn collect_levelled(&mut self, start: &MotionState, seeds: &mut Seeds) {
         let climbs = self.scene.extreme_climbs();
         let level_rad = self.scene.original.1;
@@ -454,7 +454,7 @@ impl Search<'_> {
         }
     }
 
-    /// First turns and where they end, by side and climb target.
+    /// First turns and their ends, by side and climb target.
     fn departures(&mut self, start: &MotionState, floor_m: f64) -> Departures {
         let mut departures = [[None; PLACES]; KINDS_OF_ONE];
         for ((climb_rad, side), row) in self.scene.extreme_turns().zip(&mut departures) {
@@ -499,7 +499,7 @@ impl Search<'_> {
                     return;
                 }
             }
-            // Not before both sides have been looked at, so that neither is preferred.
+            // Both sides come first, so that neither is preferred.
             if seeds.best_m >= self.scene.target_m {
                 return;
             }

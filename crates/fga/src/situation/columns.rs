@@ -1,9 +1,9 @@
-//! Obstacles as one slice a quantity.
+//! Obstacles with one slice per quantity.
 
 use crate::Vec3;
 use crate::situation::{Movement, Obstacle, ObstacleKind, Obstacles, ProtectedVolume, Uncertainty};
 
-/// Obstacles as one slice a quantity, all of one length; units as in [`Obstacle`].
+/// Obstacles with one slice per quantity, all of one length; units as in [`Obstacle`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Columns<'a> {
     /// Identifiers.
@@ -24,10 +24,10 @@ pub struct Columns<'a> {
     pub radius_m: &'a [f64],
     /// Half height of the cylinders, metres; `None` for spheres.
     pub half_height_m: Option<&'a [f64]>,
-    /// Standard deviations of position (metres) and velocity (metres per second); `None` where the
+    /// Standard deviations of position (metres) and velocity (metres per second); `None` if the
     /// obstacles are known exactly.
     pub uncertainty: Option<(&'a [f64], &'a [f64])>,
-    /// How each may move; `None` where all keep their velocity.
+    /// Possible motion of each; `None` if all keep their velocity.
     pub movement: Option<&'a [Movement]>,
 }
 
@@ -38,7 +38,7 @@ pub struct ColumnsError {
     pub column: &'static str,
     /// Its length.
     pub found: usize,
-    /// That of the identifiers.
+    /// The length of the identifiers.
     pub expected: usize,
 }
 
@@ -59,7 +59,7 @@ impl core::fmt::Display for ColumnsError {
 impl core::error::Error for ColumnsError {}
 
 impl Columns<'_> {
-    /// How many obstacles there are: the length of the shortest column.
+    /// Number of obstacles: the length of the shortest column.
     pub fn len(&self) -> usize {
         let of = |column: Option<&[f64]>| column.map_or(usize::MAX, <[f64]>::len);
         [
@@ -90,7 +90,7 @@ impl Columns<'_> {
     /// Checks that the columns have one length; a longer one would be cut.
     ///
     /// # Errors
-    /// The first column whose length is not that of the identifiers.
+    /// The first column whose length differs from the identifiers'.
     pub fn check(&self) -> Result<(), ColumnsError> {
         let expected = self.id.len();
         let columns = [
@@ -134,7 +134,7 @@ impl Columns<'_> {
         Ok(())
     }
 
-    /// The obstacle at a place.
+    /// The obstacle at an index.
     pub fn get(&self, place: usize) -> Option<Obstacle> {
         let radius_m = *self.radius_m.get(place)?;
         let volume = match self.half_height_m {
@@ -175,7 +175,7 @@ impl Columns<'_> {
 }
 
 impl<'a> Obstacles<'a> {
-    /// How many there are.
+    /// Their number.
     pub fn len(&self) -> usize {
         match self {
             Self::Rows(rows) => rows.len(),
@@ -188,7 +188,7 @@ impl<'a> Obstacles<'a> {
         self.len() == 0
     }
 
-    /// The obstacle at a place.
+    /// The obstacle at an index.
     pub fn get(&self, place: usize) -> Option<Obstacle> {
         match self {
             Self::Rows(rows) => rows.get(place).copied(),

@@ -1,15 +1,15 @@
-//! How an obstacle may move after the moment at which it is known.
+//! The possible motion of an obstacle after a report.
 
-/// How an obstacle may move from now on.
+/// The possible motion of an obstacle from now on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Movement {
-    /// It stays where it is, whatever velocity is given.
+    /// It stays at its position, whatever its velocity says.
     AtRest,
     /// It keeps its velocity over the ground. A decision relies on it.
     #[default]
     Straight,
-    /// It is flown: it may turn, climb and change its speed within bounds. A decision expects it to
-    /// go on as it does, and withstands what the bounds allow where it can.
+    /// An aircraft: it may turn, climb and change its speed within bounds. A decision expects it to
+    /// continue its motion, and withstands its bounds where possible.
     Aircraft(MovementBounds),
 }
 
@@ -20,7 +20,7 @@ impl Movement {
     /// A small unmanned aircraft: [`MovementBounds::SMALL_UAS`].
     pub const SMALL_UAS: Self = Self::Aircraft(MovementBounds::SMALL_UAS);
 
-    /// What bounds its maneuvers; `None` where it makes none.
+    /// The bounds of its manoeuvres; `None` if it makes none.
     pub const fn bounds(&self) -> Option<MovementBounds> {
         match self {
             Self::Aircraft(bounds) => Some(*bounds),
@@ -44,18 +44,18 @@ impl Movement {
     }
 }
 
-/// What an obstacle that is flown may do.
+/// The bounds of an aircraft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MovementBounds {
-    /// Turn rate that it keeps up, radians per second.
+    /// Sustained turn rate, radians per second.
     pub turn_rate_radps: f64,
-    /// Turn rate that it reaches for some seconds, radians per second.
+    /// Turn rate for some seconds, radians per second.
     pub brief_turn_rate_radps: f64,
-    /// Turn that a decision withstands where it can, radians.
+    /// Turn that a decision withstands where possible, radians.
     pub turn_rad: f64,
     /// Change of its vertical speed, metres per second.
     pub climb_change_mps: f64,
-    /// Change of its speed in a second, metres per second squared.
+    /// Change of its speed, metres per second squared.
     pub acceleration_mps2: f64,
 }
 

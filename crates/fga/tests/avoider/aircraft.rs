@@ -1,4 +1,4 @@
-//! Obstacles that are flown: what is waited for, withstood, kept, and carried on while it is missing.
+//! Aircraft as obstacles: waiting, withstanding, keeping, and extrapolating a missing one.
 
 use fga::Vec3;
 use fga::avoider::{Avoider, Settings, State};
@@ -80,7 +80,7 @@ fn an_aircraft_that_may_turn_is_avoided_with_half_of_its_bounds_in_hand_and_once
     assert_eq!(states.last(), Some(&State::Cruise), "{states:?}");
 }
 
-/// A plan past a straight line is met by an intruder that turns towards it.
+/// An intruder that turns towards a plan past a straight line.
 #[test]
 fn an_aircraft_that_turns_at_the_standard_rate_at_any_moment_is_avoided() {
     for side in [-1.0, 1.0] {
@@ -101,7 +101,7 @@ fn an_aircraft_that_passes_clear_in_every_motion_is_let_pass() {
     assert_eq!(states, [State::Cruise]);
 }
 
-/// An obstacle that every second report leaves out was forgotten and found again in turn.
+/// An earlier version forgot and found in turn an obstacle whose every second report is missing.
 #[test]
 fn reports_that_are_missing_cost_nothing() {
     let avoider = Avoider::new(Settings::default(), vehicle()).unwrap();
@@ -114,7 +114,7 @@ fn reports_that_are_missing_cost_nothing() {
     )];
     let mut least_m = f64::INFINITY;
     for step in 0..400_u32 {
-        // Every third report is heard, and none for a second in between.
+        // Every third report arrives, and none for a second in between.
         let heard = step.is_multiple_of(3) && !(60..70).contains(&step);
         if heard {
             flight.cycle(&mut rows);

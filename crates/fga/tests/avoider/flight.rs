@@ -1,4 +1,4 @@
-//! A flight of the ideal vehicle under a pilot's commands, and what is around it.
+//! A flight of the ideal vehicle under a pilot's commands, and its surroundings.
 
 use fga::Vec3;
 use fga::avoider::Decision;
@@ -80,7 +80,7 @@ impl Flight {
         })
     }
 
-    /// One step, flown; obstacles move on, unless they stand.
+    /// One step, flown; obstacles move on, unless they are at rest.
     pub(crate) fn cycle(&mut self, obstacles: &mut [Obstacle]) -> Decision {
         let decision = self.decide(obstacles);
         let start = MotionState::of(&self.own);
@@ -99,11 +99,11 @@ impl Flight {
     }
 }
 
-/// A policy that can be flown.
+/// A policy for the tests.
 pub(crate) trait Flies {
-    /// Whether it weighs the same maneuvers from wherever the situation is looked at.
+    /// Whether its decision does not depend on the frame.
     fn weighs_exactly(self) -> bool;
 
-    /// A flight by this policy, lengths `scale` times as large, that sees as far as `radius_m`.
+    /// A flight by this policy, lengths `scale` times as large, with a surveillance radius of `radius_m`.
     fn flight(self, vehicle: Vehicle, scale: f64, radius_m: f64) -> Flight;
 }

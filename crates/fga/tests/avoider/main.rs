@@ -1,4 +1,4 @@
-//! The avoider from outside: its states, its symmetries, what it does with unusable numbers.
+//! The avoider from outside: its states, its symmetries, its reaction to unusable numbers.
 
 mod aircraft;
 mod flight;

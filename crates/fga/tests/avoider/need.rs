@@ -1,4 +1,4 @@
-//! Limits in need: used only where nothing is certified with the normal ones.
+//! Limits in need: used only if nothing is certified with the normal ones.
 
 use fga::Vec3;
 use fga::avoider::{Avoider, Decision, Reason, Settings};
@@ -34,12 +34,12 @@ fn the_limits_in_need_are_used_only_where_the_normal_ones_certify_nothing() {
     assert_eq!(saved.record.reason, Reason::ManeuverChosen);
     assert!(saved.record.in_need && margin_m(&saved) >= 0.05);
     assert!(saved.record.work.work <= Settings::default().work_limit);
-    // Hopeless with both: what comes less near is flown.
+    // Hopeless with both: the one that comes less near flies.
     let lost = decision_at(50.0, Some(steep()));
     assert_eq!(lost.record.reason, Reason::BestAvailable);
     assert!(lost.record.in_need);
     assert!(margin_m(&lost) > margin_m(&decision_at(50.0, None)) + 1.0);
-    // No better than the normal ones: they are not flown.
+    // No better than the normal ones: not used.
     assert!(!decision_at(50.0, Some(planar())).record.in_need);
 }
 

@@ -1,4 +1,4 @@
-//! What the objectives of section 3.3 are for: less deviation, less path.
+//! The purpose of the objectives of section 3.3: less deviation, less path.
 
 use fga::Vec3;
 use fga::avoider::{Settings, Start, State};
@@ -7,7 +7,7 @@ use fga::search::Objective;
 use crate::flight::{sphere, vehicle};
 use crate::policies::{avoider, settings};
 
-/// Largest distance from the mission and path flown beyond it, metres, past one crossing obstacle.
+/// Largest distance from the mission and path beyond it, metres, past one crossing obstacle.
 fn flown(objective: Objective, at_m: Vec3, velocity_mps: Vec3) -> (f64, f64) {
     let settings = Settings {
         objective,

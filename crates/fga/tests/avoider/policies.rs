@@ -1,4 +1,4 @@
-//! The policies of the core, to be flown.
+//! The policies of the core, for the tests.
 
 use fga::avoider::{Avoider, Settings, Start};
 use fga::pilot::MissionPilot;
@@ -22,8 +22,8 @@ pub(crate) const POLICIES: [Policy; 5] = [
     Policy::Mission,
 ];
 
-/// Those whose decision is the same from wherever the situation is looked at: the free start compares
-/// departures that are often nearly the same.
+/// Those whose decision does not depend on the frame: the free start compares departures that are often
+/// nearly equal.
 pub(crate) const SYMMETRIC: [Policy; 4] = [
     Policy::Avoider(Start::AtDetection),
     Policy::Avoider(Start::Latest),

@@ -1,4 +1,4 @@
-//! What holds for every situation: symmetries, and finite commands from finite numbers.
+//! Properties of every situation: symmetries, and finite commands from finite numbers.
 
 use fga::Vec3;
 use fga::avoider::{Candidate, Decision, Reason, Verdict};
@@ -14,7 +14,7 @@ use crate::policies::{POLICIES, Policy, SYMMETRIC};
 /// Surveillance radius, metres.
 const RADIUS_M: f64 = 300.0;
 
-/// Threats that stand or fly, within sight and outside their volumes.
+/// Threats at rest or flying, within sight and outside their volumes.
 fn threats() -> impl Strategy<Value = Vec<Obstacle>> {
     let one = (
         80.0..280.0f64,
@@ -34,7 +34,7 @@ fn threats() -> impl Strategy<Value = Vec<Obstacle>> {
     })
 }
 
-/// The first decision in a situation that is seen through a map of places and directions.
+/// The first decision in a situation under a map of positions and directions.
 fn first(
     policy: Policy,
     obstacles: &[Obstacle],
@@ -66,9 +66,9 @@ fn first(
     flight.decide(&seen)
 }
 
-/// Whether two decisions are the same but for the way the situation is looked at: the certified
-/// single turns cost the same to within `tolerance`. Of two-stage manoeuvres and of those that are
-/// the best available the first is taken that does, so that only whether there is one is the same.
+/// Whether two decisions agree up to the map: the certified single turns cost the same to within
+/// `tolerance`. Of two-stage manoeuvres and of the best available ones the first success counts, so
+/// only their existence must agree.
 fn alike(
     policy: Policy,
     (one, other): (&Decision, &Decision),
@@ -142,8 +142,8 @@ fn is_finite(decision: &Decision) -> bool {
     })
 }
 
-/// Where two manoeuvres are nearly as good, rounding may choose between them: the situations are the
-/// same at every run, so that none of these is met by chance.
+/// If two manoeuvres are nearly as good, rounding may choose between them: the situations are the
+/// same at every run, so that none of these appears by chance.
 fn fixed() -> ProptestConfig {
     ProptestConfig {
         rng_seed: RngSeed::Fixed(1),

@@ -9,7 +9,7 @@ use crate::flight::{Flies as _, Flight, planar, sphere, vehicle};
 use crate::policies::{POLICIES, avoider, settings};
 
 impl Flight {
-    /// Flies until the decision's state is `state`; how many steps that took.
+    /// Flies until the decision's state is `state`; returns the number of steps.
     pub(crate) fn until(&mut self, state: State, obstacles: &mut [Obstacle]) -> usize {
         for steps in 0..900 {
             if self.cycle(obstacles).state == state {
@@ -19,7 +19,7 @@ impl Flight {
         panic!("never {state:?}");
     }
 
-    /// The states of a flight, each once in a row.
+    /// The states of a flight, without repetitions in a row.
     pub(crate) fn states(&mut self, obstacles: &mut [Obstacle], cycles: usize) -> Vec<State> {
         let mut states: Vec<State> = (0..cycles).map(|_| self.cycle(obstacles).state).collect();
         states.dedup();
@@ -83,7 +83,7 @@ fn a_threat_that_vanishes_before_the_start_is_forgotten() {
         state = flight.cycle(&mut obstacles).state;
         assert_ne!(state, State::Recovering);
     }
-    // What was decided may be flown to its start; no more than that.
+    // The plan may continue to its start, but no further.
     let states = flight.states(&mut [], 300);
     assert_eq!(states.last(), Some(&State::Cruise), "{state:?} {states:?}");
     assert!(flight.own.position_m.y.abs() < 1.0);
@@ -132,8 +132,8 @@ fn a_new_threat_on_the_way_back_is_avoided() {
 
 #[test]
 fn a_manoeuvre_is_kept_only_while_everything_goes_as_it_was_certified() {
-    // A flight without any noise is certified by what comes true. One in which every position is off
-    // by less than a hair is certified again each cycle: both must keep the manoeuvre.
+    // A flight without noise keeps its certificate by comparison. One in which every position is off
+    // by less than a hair certifies again each cycle: both must keep the manoeuvre.
     let reasons = |hair_m: f64| {
         let mut flight = flight(Start::AtDetection);
         let mut obstacles = [sphere(7, AHEAD, Vec3::new(-10.0, 2.0, 0.0), 30.0)];
@@ -147,7 +147,7 @@ fn a_manoeuvre_is_kept_only_while_everything_goes_as_it_was_certified() {
         reasons
     };
     assert_eq!(reasons(0.0), reasons(1e-5));
-    // Whatever changes is seen at once, however short ago the last certificate was made.
+    // Any change is noticed at once, however recent the last certificate.
     let moves: [fn(&mut Flight, &mut Obstacle); 4] = [
         |flight, obstacle| {
             obstacle.position_m = flight.own.position_m + flight.own.velocity_mps() * 4.0;

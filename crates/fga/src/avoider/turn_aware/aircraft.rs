@@ -1,7 +1,7 @@
-//! Decisions about obstacles that are flown: as late as is robust, and kept while they withstand what
-//! an aircraft may do next.
+//! Decisions about aircraft: manoeuvres start as late as is robust, and continue while they withstand the
+//! possible next motions of an aircraft.
 //!
-//! A maneuver *withstands* a share of what aircraft may do when it is certified against the expected
+//! A manoeuvre *withstands* a share of the bounds of aircraft when it is certified against the expected
 //! motion, turns of that share of the bounds to either side, and changes of climb of that share. Its
 //! **resilience** is the largest share of [`SHARES`] that it withstands.
 
@@ -18,50 +18,50 @@ use crate::situation::Situation;
 
 use super::{ENOUGH_M, as_maneuver};
 
-/// Shares of the bounds that are tried, largest first.
+/// Candidate shares of the bounds, largest first.
 const SHARES: [f64; 5] = [1.0, 0.75, 0.5, 0.25, 0.0];
 
-/// Maneuvers are looked for that withstand this share: the aircraft may turn by half of its bounds, and
-/// change its climb by half of them.
+/// Searches aim for this share: the aircraft may turn by half of its bounds, and change its climb by half of
+/// them.
 const WANTED_SHARE: f64 = 0.5;
 
-/// The mission is flown on while a maneuver that begins this much later still withstands everything,
+/// The aircraft stays on the mission while a manoeuvre that begins this much later still withstands everything,
 /// seconds.
 const WAIT_S: f64 = 2.0;
 
-/// Only maneuvers with no larger turn than this are a reason to wait, radians (90°).
+/// Only manoeuvres with at most this turn are a reason to wait, radians (90°).
 const WAIT_FOR_TURN_RAD: f64 = 1.57;
 
-/// A maneuver under way that withstands less than everything is replaced by one that withstands more by
+/// A manoeuvre that withstands less than everything is replaced by one that withstands more by
 /// this share.
 const CLEARLY_MORE: f64 = 0.45;
 
-/// A maneuver is chosen with this much more beyond the volumes of aircraft than it is kept with, metres:
-/// what their vertical speed is off by (0.2 m/s), over a quarter of a minute.
+/// Choosing a manoeuvre takes this much more distance beyond the volumes of aircraft than keeping it, metres:
+/// the error of their vertical speed (0.2 m/s), over a quarter of a minute.
 const BEYOND_M: f64 = 3.0;
 
-/// Cycles between two looks for a maneuver with a larger margin where nothing withstands much.
+/// Cycles between two searches for a larger margin if nothing withstands much.
 const LOOK_FOR_MORE: u32 = 5;
 
-/// The largest margin in the worst case must be larger by this to be flown instead, metres.
+/// The largest margin in the worst case must exceed the present one by this, metres.
 const CLEARLY_FARTHER_M: f64 = 20.0;
 
-/// Cycles between two looks for a maneuver that departs less.
+/// Cycles between two searches for a smaller departure.
 const LOOK_FOR_LESS: u32 = 10;
 
-/// A course that departs less by this is taken, radians (15°).
+/// A course that departs less by this replaces the present one, radians (15°).
 const CLEARLY_LESS_RAD: f64 = 0.26;
 
-/// A maneuver is not given up for the way back within the time of this turn, unless the aircraft passes:
-/// a course that moves to and fro would begin and end it, radians.
+/// No way back during the time of this turn, unless the aircraft passes, radians: otherwise an intruder
+/// that turns back and forth would start and end the manoeuvre.
 const BEGUN_RAD: f64 = 0.8;
 
 /// Part of a step's work for one search.
 const SEARCHES: u32 = 8;
 
 impl Avoider {
-    /// On the mission among aircraft: is it clear as far as is expected, and if not, does a maneuver that
-    /// begins later still do?
+    /// On the mission among aircraft: is the expected motion clear, and if not, does a manoeuvre that
+    /// begins later still suffice?
     pub(super) fn watch_aircraft(
         &mut self,
         situation: &Situation<'_>,
@@ -101,7 +101,7 @@ impl Avoider {
         decision
     }
 
-    /// Begins to avoid with the maneuver that withstands most.
+    /// Begins to avoid with the manoeuvre that withstands most.
     fn begin(
         &mut self,
         situation: &Situation<'_>,
@@ -150,7 +150,7 @@ impl Avoider {
         decision
     }
 
-    /// Flying a maneuver among aircraft: go back, keep it, or replace it.
+    /// Flying a manoeuvre among aircraft: returns, keeps it, or replaces it.
     pub(super) fn avoid_aircraft(
         &mut self,
         situation: &Situation<'_>,
@@ -239,10 +239,9 @@ impl Avoider {
         decision
     }
 
-    /// Where nothing withstands any share of what aircraft may do: the maneuver whose margin is largest
-    /// in the worst case, if it stays clear of the expected motion; else the cheapest that does; else the
-    /// former all the same. One is already flown: only what is clearly better; `flown` says whether that
-    /// stays clear of the expected motion.
+    /// If nothing withstands any share: the manoeuvre with the largest margin in the worst case, if it stays clear
+    /// of the expected motion; else the cheapest that does; else the former. During a manoeuvre only a clearly
+    /// better one; `flown` says whether the present one stays clear of the expected motion.
     fn farthest(
         &mut self,
         now: &MotionState,
@@ -294,8 +293,8 @@ impl Avoider {
         }
     }
 
-    /// A maneuver of two turns or climbs that stays clear of the expected motion where no single one does:
-    /// between a floor and a ceiling no climb angle can be held. It may take what is left of the step's work.
+    /// A manoeuvre of two turns or climbs that stays clear of the expected motion if no single one does:
+    /// between a floor and a ceiling the aircraft can hold no climb angle. It may take the rest of the step's work.
     fn in_two_stages(
         &mut self,
         now: &MotionState,
@@ -313,7 +312,7 @@ impl Avoider {
         (answer, looked_at)
     }
 
-    /// A maneuver that departs clearly less from the mission than the one under way, if it withstands as
+    /// A manoeuvre that departs clearly less from the mission than the present one, if it withstands as
     /// much: a course in between.
     fn improved(
         &mut self,
@@ -335,7 +334,7 @@ impl Avoider {
         let share = plan.resilience.min(WANTED_SHARE);
         self.withstand(Freedom::Share(share), now.position_m, BEYOND_M);
         let target_m = self.settings.margin_m;
-        // Where the work was done before all were looked at, the next look goes on from there.
+        // If the work ended before all were examined, the next look continues from there.
         let from = core::mem::take(&mut self.improved_to);
         for k in from..12 {
             let offset_rad = f64::from(k) * step_rad;
@@ -362,7 +361,7 @@ impl Avoider {
         None
     }
 
-    /// Makes the hazards those of what aircraft may do, that much beyond their volumes, metres.
+    /// Replaces the hazards by the possible motions of aircraft, with this distance beyond their volumes, metres.
     pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
         self.tracks.withstand(freedom, own_m, beyond_m);
         let motions = self.tracks.hazards().rows().len();
@@ -370,7 +369,7 @@ impl Avoider {
             .count(MOTION * motions + self.tracks.obstacle_count());
     }
 
-    /// The largest share that a maneuver withstands, if any.
+    /// The largest share that a manoeuvre withstands, if any.
     fn resilience_of(&mut self, maneuver: &Maneuver, now: &MotionState) -> Option<f64> {
         let target_m = super::holding::KEEP_SHARE * self.settings.margin_m;
         SHARES.into_iter().find(|share| {
@@ -379,7 +378,7 @@ impl Avoider {
         })
     }
 
-    /// The maneuver that withstands the largest share within some, above the first and up to the second,
+    /// The manoeuvre that withstands the largest share within a range, above the first and up to the second,
     /// the cheapest of those, on its side if there is one there.
     fn cheapest_within(
         &mut self,
@@ -408,7 +407,7 @@ impl Avoider {
     }
 }
 
-/// A maneuver that was found and what it withstands.
+/// A manoeuvre and the share that it withstands.
 struct Answer {
     found: Found,
     maneuver: Maneuver,
@@ -427,7 +426,7 @@ impl Answer {
     }
 }
 
-/// The side of a maneuver's turn, if it has one.
+/// The side of a manoeuvre's turn, if it has one.
 fn side_of(found: &Found) -> Option<Side> {
     (found.turns.turn_rad != 0.0).then(|| Side::of(found.turns.turn_rad))
 }

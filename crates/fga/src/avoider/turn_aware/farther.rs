@@ -1,4 +1,4 @@
-//! Looking farther ahead where obstacles move nearly as the aircraft does: a gap between them that is
+//! Certifies farther ahead among obstacles that move nearly as the aircraft does: a gap between them that is
 //! certified for a minute may close in the next.
 
 use crate::avoider::{Avoider, Plan};
@@ -14,12 +14,12 @@ use super::holding::KEEP_SHARE;
 /// near for long.
 const SLOW: f64 = 0.4;
 
-/// A maneuver among such obstacles is certified up to here where it can be, seconds.
+/// Longest horizon of a manoeuvre among such obstacles, seconds.
 const FAR_S: f64 = 240.0;
 
 impl Avoider {
-    /// How far ahead a maneuver is certified where it can be: what flies nearly as the aircraft does, or
-    /// as it would on the mission, takes long to pass.
+    /// The longer horizon of a manoeuvre's certificate: an obstacle that flies nearly as the aircraft does, now or
+    /// on the mission, takes long to pass.
     pub(super) fn far_horizon_s(&self, now: &MotionState) -> f64 {
         let horizon_s = self.settings.horizon_s;
         let airspeed_mps = self.flyer.airspeed_mps();
@@ -40,7 +40,7 @@ impl Avoider {
         }
     }
 
-    /// A maneuver that is certified farther ahead than the one that is flown, where that one is not.
+    /// A manoeuvre that is certified farther ahead than the present one, if that one is not.
     pub(super) fn farther(
         &mut self,
         plan: &Plan,

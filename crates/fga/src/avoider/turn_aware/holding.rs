@@ -1,4 +1,4 @@
-//! Whether a certified manoeuvre is still certified.
+//! Whether the certificate of a manoeuvre still holds.
 
 use crate::Vec3;
 use crate::avoider::{Avoider, Plan};
@@ -6,29 +6,29 @@ use crate::prediction::MotionState;
 use crate::search::Proof;
 use crate::situation::Situation;
 
-/// A manoeuvre under way is kept while this share of the margin is certified.
+/// A manoeuvre continues while this share of the margin is certified.
 pub(super) const KEEP_SHARE: f64 = 0.5;
 
-/// What comes true to within this comes true, metres and metres per second times ten.
+/// Tolerance when comparing a prediction with what happened, m (velocities: a tenth of it, m/s).
 const SAME_M: f64 = 1e-6;
 
-/// The same for angles, radians.
+/// The same tolerance for angles, radians.
 const SAME_RAD: f64 = 1e-9;
 
-/// A certificate is renewed after this long all the same, so that it reaches as far ahead, seconds.
+/// A certificate is renewed after this long in any case, so that its horizon moves on, seconds.
 const RENEWED_AFTER_S: f64 = 1.0;
 
-/// What a certificate was made from. While all of it comes true, as it does in a simulation without
-/// noise, what was certified then is certified still.
+/// The assumptions of a certificate. While they hold, as in a simulation without noise, the certificate
+/// holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::avoider) struct Basis {
-    /// When, seconds from the plan's decision.
+    /// Its time, seconds from the plan's decision.
     since_s: f64,
     own: MotionState,
     obstacles: Outlook,
 }
 
-/// The obstacles as they would be at the plan's decision, in sums that tell them apart.
+/// The obstacles extrapolated to the plan's decision, in sums that distinguish them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Outlook {
     count: usize,
@@ -47,7 +47,7 @@ impl Outlook {
 }
 
 impl Avoider {
-    /// Whether what is left of a plan is still certified.
+    /// Whether the rest of a plan is still certified.
     pub(super) fn still_holds(
         &mut self,
         plan: &Plan,
@@ -79,7 +79,7 @@ impl Avoider {
         holds
     }
 
-    /// Whether the aircraft is where the plan has brought it since it was certified.
+    /// Whether the aircraft has followed the plan since its certificate.
     fn flies_as(
         &self,
         plan: &Plan,
@@ -109,7 +109,7 @@ impl Avoider {
 
     fn outlook(&self, wind_mps: Vec3, since_s: f64) -> Outlook {
         let mut outlook = Outlook::default();
-        // Weights that differ, so that two obstacles cannot make up for each other.
+        // Different weights, so that two obstacles cannot compensate each other.
         let mut weight = 1.0;
         self.meter.count(self.tracks.hazards().rows().len() / 2);
         for hazard in self.tracks.hazards().rows() {

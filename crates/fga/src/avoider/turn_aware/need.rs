@@ -1,4 +1,4 @@
-//! Limits in need: a steeper bank, say, where nothing is certified with the normal ones.
+//! Limits in need, for instance a steeper bank, if nothing is certified with the normal ones.
 
 use crate::avoider::intruders::Freedom;
 use crate::avoider::{Avoider, Decision, Start};
@@ -8,15 +8,15 @@ use crate::vehicle::Vehicle;
 
 use super::ENOUGH_M;
 
-/// Uncertified, the limits in need are flown where they keep this much more, metres.
+/// Without a certificate, the limits in need must keep this much more, metres.
 const CLEARLY_MORE_M: f64 = 1.0;
 
 /// Parts of a step's work: one for the normal limits.
 const HALVES: u32 = 2;
 
 impl Avoider {
-    /// Decides with the normal limits and half of the step's work, and with those in need, at once, where
-    /// that certifies nothing. They are flown where they certify something, or keep clearly more.
+    /// Decides with the normal limits and half of the step's work; if that certifies nothing, also with the
+    /// limits in need, which apply if they certify something or keep clearly more.
     pub(in crate::avoider) fn decide_with(
         &mut self,
         in_need: Vehicle,
@@ -46,7 +46,7 @@ impl Avoider {
         steep
     }
 
-    /// What a decision keeps from the expected motion of the obstacles, metres.
+    /// The distance that a decision keeps from the expected motion of the obstacles, metres.
     fn expected_m(&mut self, decision: &Decision, now: &MotionState) -> f64 {
         self.withstand(Freedom::Share(0.0), now.position_m, 0.0);
         self.margin_of(&decision.command, now, (f64::MIN, ENOUGH_M))

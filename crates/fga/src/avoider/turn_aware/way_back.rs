@@ -14,32 +14,32 @@ use crate::situation::{Mission, Situation};
 
 use super::{ENOUGH_M, NEXT_ENCOUNTER_S};
 
-/// Most legs that a way back leaves out.
+/// Most legs that a way back may skip.
 const MAX_SKIPPED: usize = 64;
 
-/// Angles at which the way back intercepts the mission, radians, preferred first.
+/// Intercept angles of the way back, radians, preferred first.
 const INTERCEPTS_RAD: [f64; 6] = [0.52, 0.79, 0.35, 1.05, 0.17, 1.45];
 
-/// Intercept angles below this are only for a mission that is near, radians.
+/// Smaller intercept angles are only for a near mission, radians.
 const SHALLOW_RAD: f64 = 0.5;
 
-/// A way back that leaves out a leg is looked for this long after the avoidance began, seconds.
+/// A way back may skip a leg only this long after the avoidance began, seconds.
 const SKIP_AFTER_S: f64 = 4.0;
 
-/// Another intercept angle is taken where its way leads from the mission by this share less.
+/// Another intercept angle is chosen if its way departs less by this share.
 const CLEARLY_NEARER: f64 = 0.9;
 
-/// After the time of this turn without a way back one is also looked for behind an obstacle that flies
+/// After the time of this turn without a way back the search also covers ways behind an obstacle that flies
 /// alongside, radians.
 const DETOUR_AFTER_RAD: f64 = 4.0;
 
 /// An obstacle within this distance flies alongside, turn radii, ...
 const ALONGSIDE: f64 = 2.0;
 
-/// ... and no faster relative to the aircraft than this share of its airspeed.
+/// ... and at most this share of the airspeed relative to the aircraft.
 const ALONGSIDE_SPEED: f64 = 0.4;
 
-/// Turns with which such a detour begins, radians, and the straight flight after them, turn radii.
+/// The first turns of such a detour, radians, and the straight flight after them, turn radii.
 const DETOURS: [(f64, f64); 8] = [
     (PI, 0.0),
     (-PI, 0.0),
@@ -58,21 +58,21 @@ const SHALLOW_S: f64 = 15.0;
 /// it, seconds.
 const LONGEST_PASS_S: f64 = 20.0;
 
-/// A way back is remembered for this long: one that led back to the same obstacle is not taken
-/// again, seconds.
+/// Memory of a way back: one that led back to the same obstacle is not repeated within this time,
+/// seconds.
 const TRIED_S: f64 = 60.0;
 
-/// Cycles between two looks for a way back, each at one intercept angle.
+/// Cycles between two searches for a way back, each at one intercept angle.
 const LOOK_BACK_EVERY: u32 = 2;
 
-/// What a way back meets.
+/// The obstacles on a way back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum WayAhead {
     /// Nothing over the whole horizon.
     Clear,
     /// Only obstacles of another encounter, once it is back on the mission.
     NextEncounter,
-    /// An obstacle of this encounter, or any before it is back.
+    /// An obstacle of this encounter, or any before the return.
     Blocked,
 }
 
@@ -99,7 +99,7 @@ impl Avoider {
             climb_limits_rad,
         };
         let mission = &situation.mission;
-        // Leaving out a leg is for when this one cannot be joined at any angle.
+        // Skipping a leg is only for a leg that the aircraft cannot join at any angle.
         let patient = situation.time_s - plan.start_s < SKIP_AFTER_S;
         let skipped = if patient { 0 } else { MAX_SKIPPED };
         let waited_s = situation.time_s - plan.start_s;
@@ -170,8 +170,8 @@ impl Avoider {
         back
     }
 
-    /// Of the ways onto the mission at all intercept angles the one that leads least away from it; the
-    /// first, which is the preferred one, where no other is clearly nearer.
+    /// Of the ways onto the mission at all intercept angles the one that departs least; the
+    /// first, preferred one, unless another is clearly nearer.
     fn nearest_way_back(
         &mut self,
         mission: &Mission<'_>,
@@ -216,7 +216,7 @@ impl Avoider {
         })
     }
 
-    /// A turn away from what flies alongside, one of several, and the aircraft after it.
+    /// A turn away from an obstacle alongside, one of several, and the aircraft after it.
     fn detour(&self, now: &MotionState, which: usize) -> (Maneuver, MotionState) {
         let index = which % DETOURS.len();
         let (turn_rad, radii) = DETOURS.get(index).copied().unwrap_or_default();
@@ -246,7 +246,7 @@ impl Avoider {
         })
     }
 
-    /// How clear the way back in the path is.
+    /// The clearance of the way back in the path.
     fn way_ahead(&self, plan: &Plan, joined_s: f64, situation: &Situation<'_>) -> WayAhead {
         let target_m = self.settings.margin_m;
         let horizon_s = self.look_s;
@@ -271,7 +271,7 @@ impl Avoider {
                 return WayAhead::Blocked;
             }
             if plan.against.contains(hazard.id) {
-                // Before it has passed it would be this encounter over again.
+                // Before the obstacle has passed it would be the same encounter again.
                 let offset = hazard.position_m - own.position_m;
                 let relative = velocity_mps - hazard.velocity_mps;
                 let square = relative.length_squared().max(1e-9);
@@ -285,7 +285,7 @@ impl Avoider {
         ahead
     }
 
-    /// Whether a plan avoids what a way back onto the same leg led to a short time before.
+    /// Whether a plan avoids an obstacle that a recent way back onto the same leg led to.
     fn was_tried(&self, plan: &Plan, time_s: f64) -> bool {
         let first_id = plan.threat.map(|threat| threat.id);
         self.returned.zip(first_id).is_some_and(|(returned, id)| {
@@ -314,7 +314,7 @@ impl Avoider {
                 self.state = State::Threatened;
                 return self.watch(situation, now, start);
             }
-            // Beyond the mission's end there is nothing to come back to.
+            // Beyond the mission's end there is nothing to return to.
             if time_s >= plan.joined_s || self.progress.is_complete() {
                 self.plan = None;
                 self.state = State::Cruise;
