@@ -49,6 +49,7 @@
 //! - RTCA DO-365B, "Minimum Operational Performance Standards for Detect and Avoid Systems".
 //! - ASTM F3442, "Standard Specification for Detect and Avoid System Performance Requirements".
 //! - Muñoz et al., "DAIDALUS: Detect and Avoid Alerting Logic for Unmanned Systems", DASC 2015.
+//!
 //! The tables are compared with its implementation, version 2.0.4: `docs/alerts.md`.
 #![no_std]
 #![forbid(unsafe_code)]

@@ -102,6 +102,7 @@ impl Sequences {
 /// Flies until `stop` is set; restores the vehicle's mode before it returns, also after a panic. `watch`
 /// sees the companion after each step; the flight waits for it.
 ///
+/// # Errors
 /// An unusable configuration or endpoint, or a part of the program that has failed. An unwritable log
 /// is no error; the companion reports it.
 pub fn fly(
