@@ -28,149 +28,30 @@
 //! `position_deg`. A moving obstacle has `velocity_mps`, or a `track_m = [[t, x, y, z], …]`, which
 //! also bounds its existence. Optional: `seed`, `[start]`, `[wind]`, `[noise]`, `[sensor]`, with
 //! the keys of vehicle files. An unknown key is an error.
-//! the keys of vehicle files. A key that is not known is an error.
 
-use std::path::{Path, PathBuf};
+mod tables;
+
+use std::path::Path;
 
 use fga::Vec3;
 use fga::angle::direction;
-use fga::situation::{Movement, ObstacleKind, Passing, ProtectedVolume};
+use fga::situation::{Passing, ProtectedVolume};
 use fga_formats::InputError;
 use fga_formats::error::read_text;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
-use serde::Deserialize;
 use toml::Spanned;
 
 use crate::plan::Plan;
 use crate::toml_input::TomlText;
 use crate::track::{Track, TrackPoint};
-use crate::vehicle_file::{NoiseTable, SensorTable, VehicleModel, WindTable};
+use crate::vehicle_file::VehicleModel;
 use crate::wind::crab;
 use crate::world::{Ending, StartState, World, WorldObstacle};
 
+use tables::{File, MissionTable, ObstacleTable};
+
 /// Longest flight, seconds.
 const LONGEST_S: f64 = 86_400.0;
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    name: String,
-    #[serde(default)]
-    description: String,
-    duration_s: Spanned<f64>,
-    #[serde(default)]
-    seed: u64,
-    vehicle: Option<PathBuf>,
-    origin: Option<Spanned<Origin>>,
-    mission: MissionTable,
-    start: Option<StartTable>,
-    wind: Option<WindTable>,
-    noise: Option<NoiseTable>,
-    sensor: Option<SensorTable>,
-    #[serde(default)]
-    obstacle: Vec<Spanned<ObstacleTable>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Origin {
-    latitude_deg: f64,
-    longitude_deg: f64,
-    #[serde(default)]
-    altitude_m: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MissionTable {
-    waypoints_m: Option<Spanned<Vec<Spanned<[f64; 3]>>>>,
-    waypoints_deg: Option<Spanned<Vec<Spanned<[f64; 3]>>>>,
-    #[serde(default)]
-    passing: Option<Spanned<Vec<Spanned<PassingName>>>>,
-}
-
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "kebab-case")]
-enum PassingName {
-    FlyBy,
-    FlyOver,
-}
-
-impl From<PassingName> for Passing {
-    fn from(name: PassingName) -> Self {
-        match name {
-            PassingName::FlyBy => Self::FlyBy,
-            PassingName::FlyOver => Self::FlyOver,
-        }
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct StartTable {
-    position_m: Option<Spanned<[f64; 3]>>,
-    position_deg: Option<Spanned<[f64; 3]>>,
-    course_deg: Option<Spanned<f64>>,
-    climb_deg: Option<Spanned<f64>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ObstacleTable {
-    id: Option<Spanned<u32>>,
-    name: Option<String>,
-    #[serde(default)]
-    kind: KindName,
-    position_m: Option<Spanned<[f64; 3]>>,
-    position_deg: Option<Spanned<[f64; 3]>>,
-    velocity_mps: Option<Spanned<[f64; 3]>>,
-    track_m: Option<Spanned<Vec<[f64; 4]>>>,
-    radius_m: Option<Spanned<f64>>,
-    half_height_m: Option<Spanned<f64>>,
-    appears_s: Option<Spanned<f64>>,
-    #[serde(default)]
-    movement: MovementName,
-}
-
-#[derive(Deserialize, Default, Clone, Copy)]
-#[serde(rename_all = "kebab-case")]
-enum KindName {
-    Passengers,
-    #[default]
-    Unknown,
-    NaturalBarrier,
-}
-
-#[derive(Deserialize, Default, Clone, Copy)]
-#[serde(rename_all = "kebab-case")]
-enum MovementName {
-    Still,
-    #[default]
-    Straight,
-    Aircraft,
-    Uas,
-}
-
-impl From<MovementName> for Movement {
-    fn from(name: MovementName) -> Self {
-        match name {
-            MovementName::Still => Self::AtRest,
-            MovementName::Straight => Self::Straight,
-            MovementName::Aircraft => Self::CREWED,
-            MovementName::Uas => Self::SMALL_UAS,
-        }
-    }
-}
-
-impl From<KindName> for ObstacleKind {
-    fn from(name: KindName) -> Self {
-        match name {
-            KindName::Passengers => Self::Passengers,
-            KindName::Unknown => Self::Unknown,
-            KindName::NaturalBarrier => Self::NaturalBarrier,
-        }
-    }
-}
 
 /// Reads a scenario; `vehicle` replaces the vehicle in the file.
 ///
