@@ -320,7 +320,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_obstacle_is_told_when_it_is_not_where_it_was_told_to_be() {
+    fn an_obstacle_is_sent_again_when_it_leaves_its_expected_path() {
         let at = |x_m: f64, speed_mps: f64| {
             let volume = ProtectedVolume::Sphere { radius_m: 60.0 };
             Obstacle::new(7, Vec3::X * x_m, Vec3::X * speed_mps, volume)

@@ -323,7 +323,7 @@ fn a_damaged_block_is_named_and_the_rest_is_kept() {
 }
 
 #[test]
-fn what_cannot_be_flown_is_said_in_one_sentence() {
+fn unusable_campaigns_are_refused_in_one_sentence() {
     let folder = written();
     let at = folder.path();
     let changed = |from: &str, to: &str| {

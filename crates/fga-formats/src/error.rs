@@ -108,7 +108,11 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
 /// ```
 pub fn toml_sentence(message: &str) -> String {
     let mut told = message.trim().replace('\n', "; ");
-    told = told.replace("invalid type: ", "found ");
+    told = told
+        .replace("invalid type: ", "found ")
+        .replace("invalid length ", "found length ")
+        .replace("expected an array of length ", "expected length ")
+        .replace("unknown variant ", "unknown word ");
     for (kinds, word) in [
         (&["f64", "f32"][..], "a number"),
         (

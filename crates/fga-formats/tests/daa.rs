@@ -113,7 +113,7 @@ fn separations_agree_with_great_circle_and_ellipsoid() {
 }
 
 #[test]
-fn recorded_velocity_is_that_of_the_recorded_positions() {
+fn recorded_velocity_matches_the_recorded_positions() {
     for name in ["C0_0_120", "C1_0_120", "H1"] {
         let Some(path) = data(&format!("daidalus/{name}.daa")) else {
             return;

@@ -147,7 +147,7 @@ fn wrong_files_are_refused_with_file_line_and_reason() {
 
 proptest! {
     #[test]
-    fn what_is_written_is_read_back(
+    fn written_recordings_are_read_back(
         rows in proptest::collection::vec(
             (proptest::array::uniform6(-1e5..1e5_f64), 0.0..1e4_f64), 1..20),
         split in 1..5_usize, kinds in 1..5usize,

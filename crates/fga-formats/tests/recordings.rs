@@ -137,7 +137,7 @@ fn columns_of_json_are_the_same_as_rows() {
 }
 
 #[test]
-fn what_is_no_encounter_is_refused() {
+fn files_without_an_encounter_are_refused() {
     for (name, text, message) in [
         (
             "a.daa",
@@ -177,7 +177,7 @@ fn what_is_no_encounter_is_refused() {
 }
 
 #[test]
-fn what_is_written_is_read_back() {
+fn written_recordings_are_read_back() {
     let text = "NAME sx sy sz vx vy vz time\n[none] [m] [m] [m] [m/s] [m/s] [m/s] [s]\n\
         A 1.5 2 3 4 5 6 0\nB 10 20 30 -4 -5 -6 0\nA 5.5 7 9 4 5 6 1\nB 6 15 24 -4 -5 -6 1\n";
     let found = recordings::parse(text.as_bytes(), Path::new("a.daa")).unwrap();

@@ -139,7 +139,7 @@ proptest! {
     }
 
     #[test]
-    fn what_is_sent_is_read_back(
+    fn sent_reports_are_read_back(
         address in 1..0xFF_FFFF_u32, latitude in -90.0..90.0_f64, longitude in 0.1..180.0_f64,
         altitude in -300.0..15_000.0_f64, speed in 0.0..300.0_f64, course in -3.1..3.1_f64, climb in -20.0..20.0_f64,
     ) {

@@ -535,7 +535,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_plane_does_not_fly_is_passed_over() {
+    fn items_that_a_plane_does_not_fly_are_skipped() {
         for command in [
             MavCmd::MAV_CMD_NAV_SPLINE_WAYPOINT,
             MavCmd::MAV_CMD_DO_LAND_START,

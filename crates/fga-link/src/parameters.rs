@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn near_the_stall_the_bank_is_what_the_autopilot_lets() {
+    fn near_the_stall_the_autopilots_limit_bounds_the_bank() {
         let mut parameters = VehicleParameters::default();
         parameters.take(&value("ROLL_LIMIT_DEG", 65.0));
         let config = Config::default();
@@ -292,7 +292,7 @@ mod tests {
 
     /// By the vehicle's limit, by its stall prevention, and `None` if there is no more.
     #[test]
-    fn the_bank_in_need_is_what_the_vehicle_lets() {
+    fn the_bank_in_need_is_what_the_vehicle_allows() {
         let mut parameters = VehicleParameters::default();
         parameters.take(&value("ROLL_LIMIT_DEG", 65.0));
         parameters.take(&value("AIRSPEED_MIN", 12.0));

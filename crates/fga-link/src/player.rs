@@ -410,7 +410,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_sent_as_lines_is_read_back() {
+    fn sent_lines_are_read_back() {
         let line: Line = "ABC123,37.5,-122.25,500,45,50".parse().unwrap();
         let sample = line.0.at(0.0).unwrap();
         let text = sbs_lines(0x00AB_C123, "FGA1", &sample);

@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn what_arrives_too_seldom_is_asked_for_again() {
+    fn messages_that_arrive_too_seldom_are_requested_again() {
         let (mut rates, mut outbox) = (Rates::default(), Outbox::default());
         for n in 0..10_u8 {
             feed(&mut rates, f64::from(n));
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn what_arrives_is_left_alone_and_asked_for_when_it_stops() {
+    fn arriving_messages_are_requested_only_when_they_stop() {
         let (mut rates, mut outbox) = (Rates::default(), Outbox::default());
         let asks_for_attitude = |outbox: &mut Outbox| {
             outbox.take().iter().any(|outgoing| {

@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_sent_after_a_restart_is_newer_than_all_before() {
+    fn frames_sent_after_a_restart_are_newer_than_all_before() {
         let before = Signing::new([7; 32], 1, false);
         let last = frame(&before, 196);
         let after = Signing::new([7; 32], 1, false);

@@ -127,7 +127,7 @@ mod tests {
     use mavlink::dialects::ardupilotmega::{MavMessage, PING_DATA};
 
     #[test]
-    fn what_is_written_is_read_and_a_cut_end_is_an_end() {
+    fn a_written_log_is_read_and_a_cut_end_is_an_end() {
         let mut file = Vec::new();
         let mut writer = TlogWriter::new(&mut file);
         for seq in 0..3_u32 {

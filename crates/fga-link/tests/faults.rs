@@ -146,7 +146,7 @@ fn heartbeats_of_another_system_forged_at_ten_a_second_hide_no_pilot() {
 }
 
 #[test]
-fn forged_heartbeats_of_manual_while_ready_are_told() {
+fn forged_heartbeats_of_manual_while_ready_are_reported() {
     let mut world = head_on();
     world.run_while(40.0, "ready", |w| {
         w.companion.authority() != Authority::Ready
@@ -365,7 +365,7 @@ fn silences_of_ten_and_sixty_seconds_are_survived() {
 }
 
 #[test]
-fn every_lost_ability_is_told() {
+fn every_lost_ability_is_reported() {
     let ready = || {
         let mut world = head_on();
         world.intruders.clear();

@@ -28,7 +28,7 @@ fn flown(config: &str, sea_level_hpa: f64, told: bool, home_m: f64) -> World {
 }
 
 #[test]
-fn a_reported_pressure_altitude_is_compared_with_the_own_pressure() {
+fn a_reported_pressure_altitude_is_compared_with_the_vehicles_pressure() {
     for config in ["", "[protection]\nhalf_height_m = 40.0\n"] {
         for sea_level_hpa in [950.0, 970.0, 990.0, 1013.25, 1030.0, 1050.0] {
             let world = flown(config, sea_level_hpa, true, 4.0);
@@ -39,7 +39,7 @@ fn a_reported_pressure_altitude_is_compared_with_the_own_pressure() {
 }
 
 #[test]
-fn without_the_own_pressure_the_weather_is_bounded() {
+fn without_the_vehicles_pressure_the_weather_is_bounded() {
     for home_m in [4.0, 900.0] {
         for sea_level_hpa in [950.0, 990.0, 1050.0] {
             let world = flown("", sea_level_hpa, false, home_m);
@@ -50,7 +50,7 @@ fn without_the_own_pressure_the_weather_is_bounded() {
 
 /// With a known pressure, traffic well above passes.
 #[test]
-fn traffic_well_above_is_no_threat_where_the_pressure_is_told() {
+fn traffic_well_above_is_no_threat_with_a_known_pressure() {
     let settings = Settings {
         sea_level_hpa: Some(990.0),
         ..Settings::default()

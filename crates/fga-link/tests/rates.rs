@@ -99,7 +99,7 @@ fn five_hundred_starts_are_ready_within_ten_seconds_at_the_asked_rates() {
 
 /// The radio gives only 1 Hz: steadily not ready, and reported in words.
 #[test]
-fn a_rate_that_nothing_can_be_flown_by_is_told_and_never_ready() {
+fn too_low_a_rate_is_reported_and_never_ready() {
     let settings = Settings {
         fastest_interval_s: 1.0,
         ..Settings::default()

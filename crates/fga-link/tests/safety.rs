@@ -150,7 +150,7 @@ fn killed_with_the_sticks_held_the_overrides_fall_away() {
 }
 
 #[test]
-fn a_lost_link_is_told_and_paid_back() {
+fn a_lost_link_is_reported_and_the_mode_restored() {
     let mut world = head_on("", GOOD, 3);
     until_in_command(&mut world);
     world.cut = true;
@@ -192,7 +192,7 @@ fn stale_telemetry_restores_the_mode() {
 }
 
 #[test]
-fn a_refused_take_over_is_told() {
+fn a_refused_take_over_is_reported() {
     let mut world = head_on("", GOOD, 3);
     world.run_while(40.0, "ready", |w| {
         w.companion.authority() != Authority::Ready
@@ -262,7 +262,7 @@ fn the_operator_switches_it_off_in_a_manoeuvre() {
 }
 
 #[test]
-fn a_refused_return_is_told_and_left_to_the_pilot() {
+fn a_refused_return_is_reported_and_left_to_the_pilot() {
     let mut world = head_on("", GOOD, 3);
     until_in_command(&mut world);
     world.emulator.refuse_commands(true);

@@ -155,7 +155,7 @@ fn seventy_aircraft_150_m_above_do_not_hide_the_intruder() {
 }
 
 #[test]
-fn reports_at_the_own_place_under_the_address_of_a_later_intruder() {
+fn reports_at_our_place_under_the_address_of_a_later_intruder() {
     let mut world = head_on();
     let mut due_s = 10.0;
     fly(&mut world, 100.0, |world| {
@@ -173,7 +173,7 @@ fn reports_at_the_own_place_under_the_address_of_a_later_intruder() {
 
 /// Our transponder, heard by a receiver on board a second late, is no obstacle, in turns too.
 #[test]
-fn the_own_transponder_is_no_obstacle() {
+fn our_transponder_is_no_obstacle() {
     for config in ["", "[traffic]\nown_icao = \"123456\"\n"] {
         let mut world = head_on();
         let parsed = fga_link::Config::parse(config).unwrap();
@@ -438,7 +438,7 @@ fn an_unmanned_aircraft_is_avoided_by_its_remote_id() {
 }
 
 #[test]
-fn what_a_radar_sees_is_avoided_with_its_own_uncertainty() {
+fn radar_detections_are_avoided_with_their_uncertainty() {
     let config = "[[traffic.sensor]]\nsystem_id = 1\ncomponent_id = 158\nposition_sigma_m = 8.0\n";
     for number in [7, u16::MAX] {
         let mut world = unreported(config);

@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_put_in_is_not_looked_at_again() {
+    fn inserted_text_is_not_searched_again() {
         let template = "fga:connect|<!--fga:title-->|<!--fga:data-->";
         let page = fill(template, "<!--fga:data-->", "fga:connect", "'none'");
         assert_eq!(page, "'none'|&lt;!--fga:data--&gt;|fga:connect");

@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_beside_the_field_of_regard_is_not_seen() {
+    fn obstacles_outside_the_field_of_regard_are_not_seen() {
         let side = WorldObstacle::new(
             8,
             Track::straight(Vec3::new(0.0, 100.0, 0.0), Vec3::ZERO),

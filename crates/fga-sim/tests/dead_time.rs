@@ -52,7 +52,7 @@ fn lost(cell: &str, start: Start, count: u64) -> Vec<u64> {
 }
 
 #[test]
-fn what_can_be_saved_is_saved_with_a_dead_time() {
+fn avoidable_encounters_are_saved_with_a_dead_time() {
     for cell in ["threats:1:300:15-30", "threats:2:100-500:15-30,planar"] {
         for start in [Start::Free, Start::Latest] {
             let lost = lost(cell, start, 40);

@@ -98,7 +98,7 @@ fn a_gap_is_wide_enough_and_a_wall_has_none() {
 }
 
 #[test]
-fn a_wrong_cell_is_told_what_was_expected() {
+fn a_wrong_cell_names_the_expected_form() {
     for (cell, part) in [
         ("threats:3:300", "expected threats:COUNT:SEEN:SPEED"),
         ("threats:0:300:15", "from 1 to 1000"),

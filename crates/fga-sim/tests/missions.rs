@@ -135,7 +135,7 @@ fn sharp_corners_are_flown() {
 
 /// A mast on a waypoint: the aircraft passes outside its volume, and the summary names the missed waypoint.
 #[test]
-fn a_waypoint_that_cannot_be_flown_is_told() {
+fn a_missed_waypoint_is_reported() {
     let mut world = world(
         &[[0.0, 0.0], [500.0, 0.0], [500.0, 600.0], [0.0, 600.0]],
         Passing::FlyBy,

@@ -88,7 +88,7 @@ fn sample(step: u32) -> LiveMessage {
 }
 
 #[test]
-fn a_browser_that_comes_late_is_told_the_whole() {
+fn a_browser_that_comes_late_gets_the_whole_run() {
     let (server, live) = Server::live(ANY_PORT, "flight").expect("server");
     let page = ask(server.address(), "/", "localhost");
     assert!(page.contains("\"live\":\"/live\""));

@@ -287,7 +287,7 @@ fn a_request_that_arrives_after_the_pilots_change_is_undone() {
 }
 
 #[test]
-fn what_is_owed_is_asked_for_a_limited_number_of_times() {
+fn the_owed_mode_is_requested_a_limited_number_of_times() {
     let mut bench = in_command();
     bench.obeys = false;
     bench.fault(Fault::TelemetryStale);
@@ -419,7 +419,7 @@ fn a_restarted_program_goes_on_or_restores() {
 }
 
 #[test]
-fn what_is_not_well_is_not_ready() {
+fn it_is_not_ready_while_anything_is_wrong() {
     let mut bench = Bench::ready();
     assert!(bench.keeper.readiness(false, bench.now_s).is_empty());
     assert_eq!(bench.keeper.state(), Authority::Waiting);

@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn the_quaternion_is_that_of_the_right_roll() {
+    fn the_quaternion_is_the_right_roll() {
         let left_30 = 30.0_f64.to_radians();
         let MavMessage::SET_ATTITUDE_TARGET(data) = attitude_message(left_30, None, 0, 1) else {
             panic!("another message")

@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_laid_is_told() {
+    fn an_unusable_fence_is_reported() {
         let frame = frame();
         let inclusion = MavCmd::MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION;
         let half = vertex(inclusion, &frame, 0.0, 0.0, 4.0);

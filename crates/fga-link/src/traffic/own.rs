@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn what_meets_the_vehicle_is_not_its_transponder() {
+    fn an_aircraft_that_meets_the_vehicle_is_not_its_transponder() {
         let flown = flown();
         let mut belief = Belief::default();
         for now_s in 0..20_u8 {

@@ -210,7 +210,7 @@ mod tests {
 
     /// After the turn the aircraft has no conflict on its course, but still on its way.
     #[test]
-    fn what_is_avoided_stays_urgent() {
+    fn an_avoided_aircraft_stays_urgent() {
         let on_leg_m = Vec3::new(0.0, 100.0, 100.0);
         let own = (on_leg_m + Vec3::X * 120.0, Vec3::new(25.0, 0.0, 0.0));
         let ahead = Ahead::new(10.0, own, on_leg_m, &[Vec3::new(0.0, 2000.0, 100.0)]);

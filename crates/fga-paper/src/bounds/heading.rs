@@ -311,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn two_gates_leave_what_is_common() {
+    fn two_gates_leave_the_intersection() {
         let obstacles = [
             ball(100.0, 0.0, 0.0, 0.0, 30.0),
             ball(0.0, 100.0, 0.0, 0.0, 30.0),

@@ -87,7 +87,7 @@ mod tests {
 
     /// The climb angles within ±30° make up sin 30° = half of the sphere.
     #[test]
-    fn what_the_vehicle_can_reach_is_a_band() {
+    fn the_reachable_directions_are_a_band() {
         let band = (-FRAC_PI_2 / 3.0, FRAC_PI_2 / 3.0);
         let fraction = admissible_fraction(Vec3::ZERO, 15.0, band, &[], 40_000).unwrap();
         assert!((fraction - 0.5).abs() < 1e-3);

@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn each_kind_is_told_apart() {
+    fn each_kind_has_its_case() {
         let kind = |r, v| assess(&relative(r, v), &BALL);
         let inside = kind([10.0, 0.0, 0.0], [0.0; 3]);
         assert_eq!(inside, Conflict::Inside { margin_m: -20.0 });

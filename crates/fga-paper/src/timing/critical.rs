@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_threaten_has_no_times() {
+    fn obstacles_without_a_threat_have_no_times() {
         for harmless in [
             geometry(300.0, 30.0, 30.0, 15.0),
             geometry(-300.0, 0.0, 30.0, 15.0),

@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn what_moves_apart_is_not_merged() {
+    fn obstacles_that_move_apart_are_not_merged() {
         let mut obstacles = [sphere(1, 200.0, 0.0, 30.0), sphere(2, 210.0, 0.0, 30.0)];
         obstacles[1].velocity_mps = Vec3::Y * 5.0;
         assert_eq!(merge_overlapping(&mut obstacles, 0.0, 0.1), 2);

@@ -46,7 +46,7 @@ fn the_tangent_cone_opens_by_the_arcsine() {
 }
 
 #[test]
-fn what_flies_away_is_no_threat() {
+fn receding_obstacles_are_no_threat() {
     let behind = Relative::of(&ownship(), &ball(-200.0, 0.0, Vec3::ZERO)).unwrap();
     assert!(printed::is_dangerous(
         200.0,

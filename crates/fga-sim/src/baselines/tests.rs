@@ -122,7 +122,7 @@ fn each_avoids_a_mast_ahead_and_comes_back() {
 }
 
 #[test]
-fn nobody_manoeuvres_for_what_flies_away() {
+fn no_method_manoeuvres_for_receding_obstacles() {
     // Behind, as fast and slower, and far to the side of the line.
     let world = world(&[
         (Vec3::new(-150.0, 0.0, 0.0), Vec3::new(-20.0, 0.0, 0.0)),

@@ -138,7 +138,7 @@ struct Grid {
 
 /// A number, or a range.
 #[derive(Deserialize, Clone, Copy)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number or [from, to]")]
 enum Interval {
     One(f64),
     FromTo([f64; 2]),

@@ -174,7 +174,7 @@ fn a_manoeuvre_is_kept_only_while_everything_goes_as_it_was_certified() {
 }
 
 #[test]
-fn a_flight_after_another_begins_anew() {
+fn a_second_flight_starts_over() {
     let mut first = flight(Start::Latest);
     first.until(State::Avoiding, &mut standing(AHEAD));
     first.pilot.restart();
@@ -187,7 +187,7 @@ fn a_flight_after_another_begins_anew() {
 }
 
 #[test]
-fn a_clock_that_jumps_back_begins_anew() {
+fn a_clock_that_jumps_back_starts_over() {
     let mut flight = flight(Start::Latest);
     flight.time_s = 1000.0;
     flight.until(State::Avoiding, &mut standing(AHEAD));
