@@ -1,4 +1,4 @@
-//! Many encounters that somebody made: `fga batch` and `fga oracle`.
+//! Flies encounters from files or tables: `fga batch` and `fga oracle`.
 
 use core::sync::atomic::Ordering;
 use std::path::PathBuf;
@@ -24,7 +24,7 @@ use crate::pilot::model_of;
 use crate::table::{Column, Table, batches_of};
 use crate::work::{interruptible, pool};
 
-/// Encounters searched between two looks at Ctrl-C.
+/// Encounters searched between two checks of Ctrl-C.
 const BLOCK: usize = 64;
 
 /// A column of whole numbers from 0.
@@ -91,7 +91,7 @@ fn column<'a>(batch: &'a RecordBatch, name: &str) -> PyResult<&'a dyn Array> {
     Ok(array.as_ref())
 }
 
-/// The words of the column `kind`, where there is one.
+/// The words of the column `kind`, if it exists.
 fn kinds(batch: &RecordBatch) -> PyResult<Option<Vec<String>>> {
     let Some(array) = batch.column_by_name(KIND_COLUMN) else {
         return Ok(None);
@@ -172,7 +172,7 @@ fn model_or_built_in(vehicle: Option<&Bound<'_, PyAny>>) -> PyResult<VehicleMode
         .map_err(input)
 }
 
-/// A positive number of seconds, at most a day, as the program takes it.
+/// A positive number of seconds, at most a day, as in the program.
 fn checked_horizon(horizon_s: f64) -> PyResult<f64> {
     if horizon_s > 0.0 && horizon_s <= 86_400.0 {
         return Ok(horizon_s);
@@ -182,15 +182,15 @@ fn checked_horizon(horizon_s: f64) -> PyResult<f64> {
     )))
 }
 
-/// As it is written, with six decimals.
+/// As written, with six decimals.
 fn written(value: f64) -> f64 {
     (value * 1e6).round_ties_even() / 1e6 + 0.0
 }
 
 /// Flies many encounters: `fga batch`.
 ///
-/// `encounters` is the path of a CSV file or a table with its columns. The numbers of the table are those of
-/// results.csv, whose bytes `to_csv` gives. `progress(done, total)` is called while it runs.
+/// `encounters` is the path of a CSV file or a table with its columns. The table has the numbers of
+/// results.csv, whose bytes `to_csv` gives. `progress(done, total)` is called during the work.
 #[pyfunction]
 #[pyo3(signature = (
     encounters, policy = "turn-aware", vehicle = None, horizon_s = 60.0, seed = 0, threads = None,
@@ -281,7 +281,7 @@ pub(crate) fn batch(
     Ok(table.with_csv(csv))
 }
 
-/// Says of each encounter whether any manoeuvre could save it: `fga oracle`.
+/// Finds for each encounter whether any manoeuvre could save it: `fga oracle`.
 #[pyfunction]
 #[pyo3(signature = (encounters, vehicle = None, horizon_s = 60.0, threads = None, progress = None))]
 pub(crate) fn oracle(

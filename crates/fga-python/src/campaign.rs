@@ -24,10 +24,10 @@ use crate::failure::{campaign as failed, input, output};
 use crate::table::{Column, Table};
 use crate::work::{interruptible, pool};
 
-/// A campaign as its file describes it: encounters drawn by number, flown by every policy, in blocks.
+/// A campaign from its file: encounters drawn by number, flown under every policy, in blocks.
 ///
 /// `Campaign(file)` reads a campaign file as the program does. It pickles as its configuration, so workers
-/// need neither the file nor the folder it lies in; files of encounters that it names must be where they were.
+/// need neither the file nor its folder; files of encounters in it must keep their paths.
 #[pyclass(frozen, module = "fga")]
 pub(crate) struct Campaign(CoreCampaign);
 
@@ -47,7 +47,7 @@ impl Campaign {
         }
     }
 
-    /// Puts the blocks of a folder together.
+    /// Merges the blocks of a folder.
     fn finish(&self, folder: &Folder, csv: bool) -> Result<String, CampaignError> {
         let blocks = folder.blocks()?;
         let assembled = assemble(&blocks, &self.0, &Self::stamp(), folder, csv)?;
@@ -101,7 +101,7 @@ impl Campaign {
         .map_err(failed)
     }
 
-    /// The campaign of a configuration that `to_json` gave.
+    /// The campaign of a configuration from `to_json`.
     #[staticmethod]
     fn from_json(text: &str) -> PyResult<Self> {
         let wrong =
@@ -117,7 +117,7 @@ impl Campaign {
         self.0.configuration.to_json()
     }
 
-    /// What a folder of this campaign says about itself: the text of campaign.json.
+    /// The text of campaign.json for a folder of this campaign.
     fn manifest_json(&self) -> PyResult<String> {
         serde_json::to_string_pretty(&self.manifest())
             .map(|text| text + "\n")
@@ -130,13 +130,13 @@ impl Campaign {
         &self.0.configuration.name
     }
 
-    /// Fingerprint of all that the results depend on.
+    /// Fingerprint of everything that determines the results.
     #[getter]
     fn hash(&self) -> &str {
         &self.0.hash
     }
 
-    /// Encounters in all.
+    /// Number of encounters.
     #[getter]
     fn encounters(&self) -> u64 {
         self.0.configuration.encounters
@@ -213,7 +213,7 @@ impl Campaign {
         number_of(name)
     }
 
-    /// Makes a folder ready for blocks: writes campaign.json, or checks that the one there is of this
+    /// Prepares a folder for blocks: writes campaign.json, or checks that the existing one belongs to this
     /// campaign.
     fn open(&self, folder: PathBuf) -> PyResult<()> {
         Folder::at(&folder)
@@ -221,16 +221,16 @@ impl Campaign {
             .map_err(failed)
     }
 
-    /// Puts the blocks of a folder together: results.parquet, the summary and run.json as the program
-    /// writes them. The SHA-256 of results.parquet.
+    /// Merges the blocks of a folder: results.parquet, the summary and run.json, as from the program.
+    /// Returns the SHA-256 of results.parquet.
     #[pyo3(signature = (folder, csv = false))]
     fn merge(&self, py: Python<'_>, folder: PathBuf, csv: bool) -> PyResult<String> {
         py.detach(|| self.finish(&Folder::at(&folder), csv))
             .map_err(failed)
     }
 
-    /// Flies what is missing in a folder and puts it together: `fga campaign run`. The SHA-256 of
-    /// results.parquet. Ctrl-C keeps the finished blocks, and the next call goes on with them.
+    /// Flies the missing blocks of a folder and merges them: `fga campaign run`. Returns the SHA-256 of
+    /// results.parquet. Ctrl-C keeps the finished blocks, and the next call continues with them.
     #[pyo3(signature = (out, threads = None, resume = true, csv = false, progress = None))]
     fn run(
         &self,
@@ -270,7 +270,7 @@ impl Campaign {
         .map_err(failed)
     }
 
-    /// Flies one encounter again with everything logged: a policy's name, else the first policy.
+    /// Flies one encounter again with everything logged, under the named policy or the first one.
     #[pyo3(signature = (encounter, policy = None))]
     fn decisions(
         &self,

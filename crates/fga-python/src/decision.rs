@@ -1,4 +1,4 @@
-//! What was decided, and why.
+//! A decision and its reasons.
 
 use fga::avoider::{
     Candidate as CoreCandidate, Decision as CoreDecision, Reason, State, Threat as CoreThreat,
@@ -13,7 +13,7 @@ use pyo3::types::PyDict;
 
 use crate::value::{NewArguments, Ownship, Vehicle, expect, shown};
 
-/// What is commanded from a moment on, until the next stage begins.
+/// A command from a moment on, until the next stage begins.
 ///
 /// `course_rad` is not wrapped: the aircraft turns by the plain difference to its own course.
 #[pyclass(frozen, eq, module = "fga")]
@@ -49,7 +49,7 @@ impl Stage {
         }))
     }
 
-    /// When it begins, seconds from the moment of the decision.
+    /// Its start, seconds from the moment of the decision.
     #[getter]
     fn start_s(&self) -> f64 {
         self.0.start_s
@@ -106,19 +106,19 @@ impl Threat {
         self.0.id
     }
 
-    /// When its volume would be entered on the mission, seconds from now.
+    /// Time of the entry into its volume on the mission, seconds from now.
     #[getter]
     fn entry_s(&self) -> f64 {
         self.0.entry_s
     }
 
-    /// When it would come closest, seconds from now.
+    /// Time of the closest approach, seconds from now.
     #[getter]
     fn closest_s(&self) -> f64 {
         self.0.closest_s
     }
 
-    /// Separation from its volume then, metres; negative inside.
+    /// Separation from its volume at that time, metres; negative inside.
     #[getter]
     fn margin_m(&self) -> f64 {
         self.0.margin_m
@@ -133,14 +133,14 @@ impl Threat {
     }
 }
 
-/// A manoeuvre that was looked at.
+/// An examined manoeuvre.
 #[pyclass(frozen, eq, module = "fga")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Candidate(CoreCandidate);
 
 #[pymethods]
 impl Candidate {
-    /// What would be flown.
+    /// Its commands.
     #[getter]
     fn stages(&self) -> Vec<Stage> {
         stages(&self.0.maneuver)
@@ -183,14 +183,14 @@ fn stages(maneuver: &Maneuver) -> Vec<Stage> {
     maneuver.stages().iter().copied().map(Stage).collect()
 }
 
-/// What to fly until the next step, and why.
+/// The command until the next step, and its reasons.
 ///
 /// `Decision(stages, state)` makes one, for a policy of your own. It does not pickle; `to_dict` does.
 #[pyclass(frozen, module = "fga")]
 #[derive(Debug)]
 pub(crate) struct Decision {
     pub(crate) decision: CoreDecision,
-    /// The aircraft for which it was made.
+    /// The aircraft of the decision.
     ownship: Option<fga::situation::Ownship>,
 }
 
@@ -240,13 +240,13 @@ impl Decision {
         })
     }
 
-    /// Where the avoider stands: cruise, threatened, avoiding or recovering.
+    /// State of the avoider: cruise, threatened, avoiding or recovering.
     #[getter]
     fn state(&self) -> &'static str {
         self.decision.state.name()
     }
 
-    /// Why, as the key that files have.
+    /// The reason, by its key in files.
     #[getter]
     fn reason(&self) -> &'static str {
         reason_key(self.decision.record.reason)
@@ -265,20 +265,20 @@ impl Decision {
         decision_words(&self.decision, &ownship, |id| format!("obstacle {id}"))
     }
 
-    /// What to fly: stages in order of their start; none means: hold course and climb angle.
+    /// The command: stages in order of their start; without any: hold course and climb angle.
     #[getter]
     fn command(&self) -> Vec<Stage> {
         stages(&self.decision.command)
     }
 
-    /// The stage that is commanded so long after the decision, seconds; None before the first one.
+    /// The commanded stage this long after the decision, seconds; None before the first one.
     #[pyo3(signature = (after_s = 0.0))]
     fn stage_at(&self, after_s: f64) -> Option<Stage> {
         self.decision.command.stage_at(after_s).copied().map(Stage)
     }
 
-    /// Where the command takes an aircraft of these limits from the state in which it was decided, if nothing
-    /// new is learned: its state some seconds later, in still air.
+    /// The predicted state of an aircraft with these limits some seconds after the decision, if nothing new
+    /// happens, in still air.
     ///
     /// Raises ValueError for a decision of your own, which knows no aircraft, or a time that is not from 0 to
     /// 600.
@@ -332,19 +332,19 @@ impl Decision {
         self.decision.record.start_s
     }
 
-    /// The manoeuvre flown or waited for.
+    /// The manoeuvre, flown or awaited.
     #[getter]
     fn chosen(&self) -> Option<Candidate> {
         self.decision.record.chosen.map(Candidate)
     }
 
-    /// The best manoeuvre to the other side, where one was looked for.
+    /// The best manoeuvre to the other side, if there was a search for it.
     #[getter]
     fn alternative(&self) -> Option<Candidate> {
         self.decision.record.alternative.map(Candidate)
     }
 
-    /// Share of what aircraft may do that the manoeuvre withstands.
+    /// Share of the bounds of aircraft that the manoeuvre withstands.
     #[getter]
     fn resilience(&self) -> Option<f64> {
         self.decision.record.resilience
@@ -374,7 +374,7 @@ impl Decision {
         self.decision.record.work.work
     }
 
-    /// Whether the limit of work was met before the search was finished.
+    /// Whether the step met its limit of work before the search ended.
     #[getter]
     fn limit_met(&self) -> bool {
         self.decision.record.work.limit_met

@@ -2,15 +2,15 @@
 //!
 //! | module | question |
 //! |---|---|
-//! | [`mod@value`], [`situation`] | what is a decision made from? |
-//! | [`decision`] | what was decided? |
+//! | [`mod@value`], [`situation`] | what is the input of a decision? |
+//! | [`decision`] | what is a decision? |
 //! | [`pilot`] | who decides? |
-//! | [`simulation`] | what comes of one flight? |
-//! | [`batch`], [`campaign`] | what comes of many? |
+//! | [`simulation`] | what is the result of one flight? |
+//! | [`batch`], [`campaign`] | what is the result of many? |
 //! | [`worlds`] | what do policies that learn see, and what keeps them safe? |
 //! | [`table`] | how do tables come in and go out? |
-//! | [`work`] | how does long work meet Ctrl-C? |
-//! | [`failure`] | which exception is an error? |
+//! | [`work`] | how does Ctrl-C end long work? |
+//! | [`failure`] | which exception does an error become? |
 
 #![deny(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! Whatever decides, step by step.
+//! The pilots: they decide step by step.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
@@ -15,7 +15,7 @@ use crate::failure::input;
 use crate::situation::Situation;
 use crate::value::{Settings, Vehicle, refused, tuple, volume_of};
 
-/// An aircraft as its TOML file describes it: limits, settings, protected volume, wind.
+/// An aircraft from its TOML file: limits, settings, protected volume, wind.
 ///
 /// `VehicleModel.read(path)` reads a file as the program does, `VehicleModel()` is the aircraft of the
 /// paper's Table 4. Raises ValueError with the sentence of the program.
@@ -38,7 +38,7 @@ impl VehicleModel {
             .map_err(input)
     }
 
-    /// What people call it.
+    /// Its name for people.
     #[getter]
     fn name(&self) -> &str {
         &self.0.name
@@ -50,7 +50,7 @@ impl VehicleModel {
         Vehicle(self.0.vehicle)
     }
 
-    /// What it says about deciding.
+    /// The decision settings.
     #[getter]
     fn settings(&self) -> Settings {
         Settings(self.0.settings.avoider)
@@ -92,7 +92,7 @@ impl VehicleModel {
     }
 }
 
-/// A vehicle model: one that was read, the path of a file, or None for the built-in one.
+/// A vehicle model: a model, the path of a file, or None for the built-in one.
 pub(crate) fn model_of(model: Option<&Bound<'_, PyAny>>) -> PyResult<Option<CoreModel>> {
     let Some(object) = model else {
         return Ok(None);
@@ -106,13 +106,13 @@ pub(crate) fn model_of(model: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Core
     CoreModel::read(&path).map(Some).map_err(input)
 }
 
-/// Whoever decides, for one thread at a time.
+/// A pilot for one thread at a time.
 pub(crate) type Decider = Mutex<Box<dyn CorePilot + Send>>;
 
 fn locked(decider: &Decider) -> PyResult<MutexGuard<'_, Box<dyn CorePilot + Send>>> {
     match decider.try_lock() {
         Ok(guard) => Ok(guard),
-        // It is whole: the core does not panic.
+        // It is complete: the core does not panic.
         Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
         Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err(
             "another thread steps it now, expected one for each thread",
@@ -128,7 +128,7 @@ fn step(py: Python<'_>, decider: &Decider, situation: &Bound<'_, Situation>) -> 
     Ok(Decision::of(decision, situation.ownship))
 }
 
-/// Lets a pilot look at a situation of the simulator.
+/// Gives a situation of the simulator to a pilot.
 pub(crate) fn with_pilot<T>(
     object: &Bound<'_, PyAny>,
     work: impl FnOnce(&mut dyn CorePilot) -> T,
@@ -145,9 +145,9 @@ pub(crate) fn with_pilot<T>(
     )))
 }
 
-/// Collision avoidance for one aircraft: feed it a Situation each cycle, fly its Decision.
+/// Collision avoidance for one aircraft: call it each cycle with a Situation and fly its Decision.
 ///
-/// Call `step` every `settings.decision_period_s` seconds. It remembers the manoeuvre under way, so one
+/// Call `step` every `settings.decision_period_s` seconds. It remembers its present manoeuvre, so one
 /// aircraft needs one avoider. A step releases the interpreter's lock; a second thread that steps the same
 /// avoider meanwhile gets RuntimeError. It cannot be pickled; after a fork each process has its own copy.
 #[pyclass(frozen, module = "fga")]
@@ -173,12 +173,12 @@ impl Avoider {
         Ok(Self(Mutex::new(avoider)))
     }
 
-    /// Decides what to fly until the next step.
+    /// Decides the command until the next step.
     fn step(&self, py: Python<'_>, situation: &Bound<'_, Situation>) -> PyResult<Decision> {
         step(py, &self.0, situation)
     }
 
-    /// Takes over changed limits of the vehicle.
+    /// Applies changed limits of the vehicle.
     fn retune(&self, vehicle: &Bound<'_, Vehicle>) -> PyResult<()> {
         locked(&self.0)?.retune(&vehicle.get().0);
         Ok(())
@@ -234,12 +234,12 @@ impl Pilot {
         &self.name
     }
 
-    /// Decides what to fly until the next step.
+    /// Decides the command until the next step.
     fn step(&self, py: Python<'_>, situation: &Bound<'_, Situation>) -> PyResult<Decision> {
         step(py, &self.decider, situation)
     }
 
-    /// Takes over changed limits of the vehicle.
+    /// Applies changed limits of the vehicle.
     fn retune(&self, vehicle: &Bound<'_, Vehicle>) -> PyResult<()> {
         locked(&self.decider)?.retune(&vehicle.get().0);
         Ok(())

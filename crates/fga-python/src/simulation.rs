@@ -1,4 +1,4 @@
-//! A flight that is flown decision by decision, and one that is flown at once.
+//! Flights decision by decision, and flights at once.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, TryLockError};
@@ -21,7 +21,7 @@ use crate::situation::{Around, Mission, Situation};
 use crate::table::{Column, Table};
 use crate::value::{Ownship, Vehicle, refused};
 
-/// What came of a flight, by the names of the columns of `results.csv`.
+/// The result of a flight, by the names of the columns of `results.csv`.
 pub(crate) fn outcome_dict<'py>(
     py: Python<'py>,
     outcome: &Outcome,
@@ -50,7 +50,7 @@ fn read_plan(
     Plan::read_as(path, model_of(vehicle)?, ownship).map_err(input)
 }
 
-/// A scenario (.toml) or recording (.daa) that stands still until it is given a decision.
+/// A scenario (.toml) or recording (.daa) that waits for each decision.
 ///
 /// `step(pilot)` lets a pilot decide and flies on; `situation` and `advance(decision)` are for a policy of
 /// your own. Flown with the same policy, it is the flight of `fga run`, bit for bit.
@@ -109,7 +109,7 @@ impl Simulation {
         &self.plan.name
     }
 
-    /// The aircraft that flies it.
+    /// Its aircraft.
     #[getter]
     fn model(&self) -> VehicleModel {
         VehicleModel(self.plan.model.clone())
@@ -121,7 +121,7 @@ impl Simulation {
         self.plan.names.clone()
     }
 
-    /// Time of the decision that is due, seconds; at the end the time of the end.
+    /// Time of the next decision, seconds; at the end the time of the end.
     #[getter]
     fn time_s(&self) -> PyResult<f64> {
         Ok(self.flight()?.time_s())
@@ -133,20 +133,20 @@ impl Simulation {
         Ok(Ownship(*self.flight()?.ownship()))
     }
 
-    /// What is known now; None once the flight has ended.
+    /// The present situation; None once the flight has ended.
     #[getter]
     fn situation(&self, py: Python<'_>) -> PyResult<Option<Situation>> {
         let flight = self.flight()?;
         Ok(flight.situation().map(|situation| self.of(py, &situation)))
     }
 
-    /// Changed limits of the vehicle since the last decision, once; a pilot takes them over by `retune`
+    /// Changed limits of the vehicle since the last decision, once; a pilot applies them by `retune`
     /// before it decides.
     fn take_retuned(&self) -> PyResult<Option<Vehicle>> {
         Ok(self.flight()?.take_retuned().map(Vehicle))
     }
 
-    /// Flies a decision until the next one is due. Whether the flight goes on.
+    /// Flies a decision until the next one is due. Returns whether the flight goes on.
     fn advance(&self, py: Python<'_>, decision: &Bound<'_, Decision>) -> PyResult<bool> {
         let mut guard = self.flight()?;
         let flight = &mut *guard;
@@ -154,7 +154,7 @@ impl Simulation {
         Ok(py.detach(|| flight.advance(&decision.decision, &mut ())))
     }
 
-    /// Lets a pilot decide and flies on. Its decision; None once the flight has ended.
+    /// Lets a pilot decide and flies on. Returns its decision; None once the flight has ended.
     fn step(&self, pilot: &Bound<'_, PyAny>) -> PyResult<Option<Decision>> {
         let mut guard = self.flight()?;
         let retuned = guard.take_retuned();
@@ -172,7 +172,7 @@ impl Simulation {
         Ok(Some(Decision::of(decision, ownship)))
     }
 
-    /// What came of the flight until now, by the names of the columns of results.csv.
+    /// The result of the flight so far, by the names of the columns of results.csv.
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         outcome_dict(py, &self.flight()?.outcome())
     }
@@ -198,7 +198,7 @@ impl Simulation {
     }
 }
 
-/// One flight with everything logged: what `fga run` writes.
+/// One flight with everything logged, as in the files of `fga run`.
 #[pyclass(frozen, module = "fga")]
 pub(crate) struct Run {
     log: RunLog,
@@ -216,7 +216,7 @@ impl Run {
         py.import("json")?.call_method1("loads", (text,))
     }
 
-    /// Whether no protected volume was entered.
+    /// Whether the flight entered no protected volume.
     #[getter]
     fn separated(&self) -> bool {
         self.log.outcome.separated()
@@ -273,7 +273,7 @@ impl Run {
         replay_page::page(core::iter::once(&self.log).chain(&self.overlaid))
     }
 
-    /// Writes what `fga run` writes into a folder.
+    /// Writes the files of `fga run` into a folder.
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         let source = (self.input.as_path(), self.input_sha256.as_str());
         py.detach(|| flight::write(&folder, source, &self.log, &self.overlaid))
@@ -301,7 +301,7 @@ impl Run {
 
 /// Flies a scenario (.toml) or a recording (.daa) to its end: `fga run`.
 ///
-/// `overlay` names policies that are flown too and laid over the replay page.
+/// `overlay` names further policies whose flights the replay page shows too.
 #[pyfunction]
 #[pyo3(signature = (file, policy = "turn-aware", vehicle = None, ownship = None, overlay = Vec::new()))]
 pub(crate) fn run(

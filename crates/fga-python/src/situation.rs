@@ -1,4 +1,4 @@
-//! What one decision is made from.
+//! The input of one decision.
 
 use fga::Vec3;
 use fga::situation::{
@@ -62,7 +62,7 @@ fn identifiers(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
         .map_err(|_| wrong())
 }
 
-/// Many obstacles, one column a quantity: arrays of numpy, copied once.
+/// Many obstacles, one column per quantity: arrays of numpy, copied once.
 ///
 /// Units as in `Obstacle`; every column has the length of `id`.
 ///
@@ -207,7 +207,7 @@ impl Obstacles {
 /// A mission: straight legs from waypoint to waypoint.
 ///
 /// `waypoints_m` holds (east, north, up) triples or an array of shape (n, 3); `fly_over` the indices of the
-/// waypoints that are passed themselves before the turn. No waypoint at all means: hold course and altitude.
+/// waypoints that the aircraft passes over before the turn. No waypoint at all means: hold course and altitude.
 ///
 /// Raises ValueError for a single waypoint or a number that is not finite.
 #[pyclass(frozen, eq, module = "fga")]
@@ -258,7 +258,7 @@ impl Mission {
         self.waypoints_m.iter().copied().map(tuple).collect()
     }
 
-    /// Indices of the waypoints that are flown over.
+    /// Indices of the fly-over waypoints.
     #[getter]
     fn fly_over(&self) -> Vec<usize> {
         (0..)
@@ -303,7 +303,7 @@ pub(crate) enum Around {
     Columns(Py<Obstacles>),
 }
 
-/// All that one decision is made from.
+/// The input of one decision.
 ///
 /// `time_s` is the time of the state on any clock that does not run backwards. `obstacles` are a sequence of
 /// `Obstacle` or one `Obstacles`, over the ground. `wind_mps` is the velocity of the air over the ground.
@@ -403,7 +403,7 @@ impl Situation {
     }
 }
 
-/// A sequence of obstacles with identifiers of their own.
+/// A sequence of obstacles with distinct identifiers.
 fn rows(object: &Bound<'_, PyAny>) -> PyResult<Vec<CoreObstacle>> {
     let wrong = |found: &Bound<'_, PyAny>| {
         PyTypeError::new_err(format!(
@@ -420,7 +420,7 @@ fn rows(object: &Bound<'_, PyAny>) -> PyResult<Vec<CoreObstacle>> {
 }
 
 impl Situation {
-    /// Shows the situation as the core takes it.
+    /// Passes the situation to the core.
     pub(crate) fn with<T>(&self, show: impl FnOnce(&CoreSituation<'_>) -> T) -> T {
         let mission = self.mission.get();
         show(&CoreSituation {

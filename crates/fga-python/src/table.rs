@@ -12,7 +12,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyCapsule};
 
-/// The name that the Arrow PyCapsule interface gives to a stream.
+/// The name of a stream in the Arrow PyCapsule interface.
 const STREAM: &core::ffi::CStr = c"arrow_array_stream";
 
 /// One column.
@@ -64,7 +64,7 @@ impl Table {
         Ok(Self { batch, csv: None })
     }
 
-    /// The same with the file that the program writes.
+    /// The same with the file of the program.
     pub(crate) fn with_csv(self, csv: Vec<u8>) -> Self {
         Self {
             csv: Some(csv),
@@ -82,7 +82,7 @@ impl Table {
         py: Python<'py>,
         requested_schema: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // Another schema is a wish that need not be met.
+        // Another schema is a wish that we may ignore.
         let _ = requested_schema;
         let schema = self.batch.schema();
         let batches = [Ok::<_, ArrowError>(self.batch.clone())];
@@ -105,7 +105,7 @@ impl Table {
         self.batch.num_rows()
     }
 
-    /// The bytes of the file that the program writes of the same.
+    /// The bytes of the program's file with the same content.
     ///
     /// Raises ValueError for a table that the program does not write as CSV.
     fn to_csv<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
@@ -142,7 +142,7 @@ pub(crate) fn batches_of(object: &Bound<'_, PyAny>) -> PyResult<Vec<RecordBatch>
         .pointer_checked(Some(STREAM))?
         .cast::<FFI_ArrowArrayStream>();
     // SAFETY: a capsule of this name holds such a structure, by the Arrow PyCapsule interface; the
-    // structure is moved out, and what is left says that it was released.
+    // structure is moved out, and the rest is marked as released.
     let reader = unsafe { RecordBatchStreamReader::from_raw(stream.as_ptr()) };
     let wrong =
         |error: ArrowError| PyValueError::new_err(format!("the table cannot be read: {error}"));

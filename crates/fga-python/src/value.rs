@@ -1,4 +1,4 @@
-//! What a decision is made from, as frozen Python classes.
+//! The input of a decision, as frozen Python classes.
 
 use fga::Vec3;
 use fga::avoider::{Settings as CoreSettings, SettingsError, Start};
@@ -40,12 +40,12 @@ pub(crate) fn tuple(vector: Vec3) -> (f64, f64, f64) {
     (vector.x, vector.y, vector.z)
 }
 
-/// A wrong value as the core says it.
+/// A wrong value, in the words of the core.
 pub(crate) fn refused(error: SettingsError) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// Refuses a number that is not what is expected.
+/// Refuses a number that differs from the expectation.
 pub(crate) fn expect(holds: bool, name: &str, found: f64, expected: &str) -> PyResult<()> {
     if holds {
         return Ok(());
@@ -75,13 +75,13 @@ pub(crate) fn shown(name: &str, arguments: &Bound<'_, PyDict>) -> PyResult<Strin
     Ok(format!("{name}({})", parts.join(", ")))
 }
 
-/// What pickling calls the class with.
+/// The arguments of the class for pickling.
 pub(crate) type NewArguments<'py> = ((), Bound<'py, PyDict>);
 
-/// State of the aircraft: place over the ground, motion through the air.
+/// State of the aircraft: position over the ground, motion through the air.
 ///
-/// Frame: x east, y north, z up, metres. Courses are radians from +x towards +y (a left turn makes the
-/// course grow), climb angles positive upwards, bank angles positive in a left turn.
+/// Frame: x east, y north, z up, metres. Courses are radians from +x towards +y (a left turn increases the
+/// course), climb angles positive upwards, bank angles positive in a left turn.
 ///
 /// Raises ValueError for a number that is not finite or an airspeed that is not positive.
 #[pyclass(frozen, eq, module = "fga")]
@@ -169,7 +169,7 @@ impl Ownship {
     }
 }
 
-/// How an obstacle may move, by the words of a batch file.
+/// The possible motion of an obstacle for a word of a batch file.
 pub(crate) fn movement_of(word: &str) -> PyResult<Movement> {
     match word {
         "straight" => Ok(Movement::Straight),
@@ -182,7 +182,7 @@ pub(crate) fn movement_of(word: &str) -> PyResult<Movement> {
     }
 }
 
-/// The word for how an obstacle may move.
+/// The word for the possible motion of an obstacle.
 pub(crate) fn movement_word(movement: Movement) -> &'static str {
     match movement {
         Movement::Straight => "straight",
@@ -202,7 +202,7 @@ pub(crate) fn volume_of(radius_m: f64, half_height_m: Option<f64>) -> ProtectedV
     })
 }
 
-/// One obstacle: a volume that must not be entered, its place and velocity over the ground.
+/// One obstacle: a protected volume, its position and its velocity over the ground.
 ///
 /// Without `half_height_m` the volume is a sphere, with it an upright cylinder. `kind` says how it may move:
 /// `still`, `straight`, `aircraft` (crewed) or `uas`. The sigmas are standard deviations along an axis.
@@ -297,7 +297,7 @@ impl Obstacle {
         self.0.uncertainty.velocity_mps
     }
 
-    /// How it may move: still, straight, aircraft or uas.
+    /// Its possible motion: still, straight, aircraft or uas.
     #[getter]
     fn kind(&self) -> &'static str {
         movement_word(self.0.movement)
@@ -327,7 +327,7 @@ impl Obstacle {
     }
 }
 
-/// Limits of an aircraft at its airspeed, and how it follows commands.
+/// Limits of an aircraft at its airspeed, and its response to commands.
 ///
 /// Raises ValueError, with the sentence of the program, for a limit out of range.
 #[pyclass(frozen, eq, module = "fga")]
@@ -414,7 +414,7 @@ impl Vehicle {
         self.0.response.bank_time_constant_s
     }
 
-    /// Flown course rate over that of the ideal coordinated turn.
+    /// Flown course rate over the ideal coordinated turn's.
     #[getter]
     fn turn_rate_factor(&self) -> f64 {
         self.0.response.turn_rate_factor
@@ -426,7 +426,7 @@ impl Vehicle {
         self.0.bank_max_rad()
     }
 
-    /// Largest course rate that is really flown, radians per second.
+    /// Largest real course rate, radians per second.
     #[getter]
     fn course_rate_radps(&self) -> f64 {
         self.0.course_rate_radps()
@@ -467,7 +467,7 @@ impl Vehicle {
 /// Settings of the avoider.
 ///
 /// `start` is `free`, `t0`, `latest` or `Cs=0` to `Cs=1`; `objective` is `paper-cost`, `least-deviation` or
-/// `shortest-path`. What each means and its range stand in the pages of the crate `fga`.
+/// `shortest-path`. The pages of the crate `fga` have their meanings and ranges.
 ///
 /// Raises ValueError, with the sentence of the program, for a setting out of range.
 #[pyclass(frozen, eq, module = "fga")]
@@ -527,7 +527,7 @@ impl Settings {
         Ok(Self(settings))
     }
 
-    /// When a manoeuvre begins.
+    /// The start of a manoeuvre.
     #[getter]
     fn start(&self) -> String {
         match self.0.start {
@@ -544,25 +544,25 @@ impl Settings {
         self.0.decision_period_s
     }
 
-    /// Obstacles farther away are not considered, metres.
+    /// Obstacles farther away do not count, metres.
     #[getter]
     fn surveillance_radius_m(&self) -> f64 {
         self.0.surveillance_radius_m
     }
 
-    /// How far ahead separation is certified, seconds.
+    /// Horizon of the certificate, seconds.
     #[getter]
     fn horizon_s(&self) -> f64 {
         self.0.horizon_s
     }
 
-    /// Kept beyond the protected volume, metres.
+    /// Distance kept beyond the protected volume, metres.
     #[getter]
     fn margin_m(&self) -> f64 {
         self.0.margin_m
     }
 
-    /// How many standard deviations widen an obstacle's volume.
+    /// Standard deviations that widen an obstacle's volume.
     #[getter]
     fn confidence_sigmas(&self) -> f64 {
         self.0.confidence_sigmas
@@ -580,7 +580,7 @@ impl Settings {
         self.0.pitch_cost
     }
 
-    /// What the cheapest manoeuvre is.
+    /// The measure of the cheapest manoeuvre.
     #[getter]
     fn objective(&self) -> &'static str {
         match self.0.objective {
@@ -590,7 +590,7 @@ impl Settings {
         }
     }
 
-    /// Work that one step may take.
+    /// Most work of one step.
     #[getter]
     fn work_limit(&self) -> u32 {
         self.0.work_limit

@@ -1,4 +1,4 @@
-//! Long work without the interpreter's lock: Ctrl-C ends it, progress is shown while it runs.
+//! Long work without the interpreter's lock: Ctrl-C ends it, a function shows its progress.
 
 use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use core::time::Duration;
@@ -8,28 +8,28 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Pause between two looks at Ctrl-C.
+/// Pause between two checks of Ctrl-C.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// What work and interpreter tell each other.
+/// The shared state of work and interpreter.
 #[derive(Debug, Default)]
 pub(crate) struct Shared {
     stop: AtomicBool,
-    /// How much is done.
+    /// Finished part.
     pub(crate) done: AtomicU64,
-    /// Of how much.
+    /// Total.
     pub(crate) total: AtomicU64,
 }
 
 impl Shared {
-    /// Whether the work is to go on.
+    /// Whether the work should continue.
     pub(crate) fn goes_on(&self) -> bool {
         !self.stop.load(Ordering::Relaxed)
     }
 }
 
-/// A pool of threads for one call: nothing outlives it, so a fork finds no lock held by a thread that is
-/// not there.
+/// A pool of threads for one call: nothing survives it, so a fork finds no lock of a thread that does not
+/// exist.
 pub(crate) fn pool(threads: Option<usize>) -> PyResult<ThreadPool> {
     if threads == Some(0) {
         return Err(PyValueError::new_err("threads is 0, expected at least 1"));
@@ -40,8 +40,8 @@ pub(crate) fn pool(threads: Option<usize>) -> PyResult<ThreadPool> {
         .map_err(|error| PyValueError::new_err(format!("threads cannot be started: {error}")))
 }
 
-/// Does work on a thread of its own. `progress(done, total)` is called on this one, some times a second;
-/// what it raises, and Ctrl-C, ends the work and is raised.
+/// Runs work on a separate thread. This thread calls `progress(done, total)` some times a second;
+/// its exceptions, and Ctrl-C, end the work and are raised.
 pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,

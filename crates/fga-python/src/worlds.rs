@@ -1,4 +1,4 @@
-//! Many worlds side by side, for `fga.gym`, and the shield by itself.
+//! Many worlds side by side, for `fga.gym`, and the shield alone.
 
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
@@ -17,7 +17,7 @@ use crate::pilot::model_of;
 use crate::situation::Situation;
 use crate::value::{Settings, Vehicle, refused};
 
-/// Observations, rewards, terminated, truncated, engaged: what a step gives, one row a world.
+/// The result of a step, one row per world: observations, rewards, terminated, truncated, engaged.
 type Steps<'py> = (
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray1<f64>>,
@@ -95,7 +95,7 @@ impl Worlds {
         Ok(self.worlds()?.observed())
     }
 
-    /// Puts encounters by their numbers into worlds by their places.
+    /// Loads encounters by their numbers into worlds by their indices.
     fn reset(&self, py: Python<'_>, places: Vec<usize>, numbers: Vec<u64>) -> PyResult<()> {
         let mut guard = self.worlds()?;
         let worlds = &mut *guard;
@@ -121,7 +121,7 @@ impl Worlds {
         Ok(())
     }
 
-    /// What the worlds show, one row each.
+    /// The observations of the worlds, one row each.
     fn observe<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let mut guard = self.worlds()?;
         let worlds = &mut *guard;
@@ -130,8 +130,8 @@ impl Worlds {
         PyArray1::from_vec(py, values).reshape([count, width])
     }
 
-    /// Flies one action in each world, an array of shape (worlds, 2), until the next decision; those that
-    /// `held` marks stand still.
+    /// Flies one action in each world, an array of shape (worlds, 2), until the next decision; worlds in
+    /// `held` stand still.
     #[pyo3(signature = (actions, held = None))]
     fn step<'py>(
         &self,
@@ -207,11 +207,11 @@ fn observed(worlds: &mut CoreWorlds) -> Vec<f32> {
     values
 }
 
-/// Run-time assurance: any policy flies, as long as a certified way out remains.
+/// Run-time assurance: any policy may fly as long as a certified way out remains.
 ///
 /// `step(situation, stages)` gives the decision to fly and whether it is the shield's own. It passes the
-/// stages on while, from where they lead until the next decision, a certified manoeuvre exists, and flies
-/// the avoider in their place otherwise.
+/// stages while a certified manoeuvre exists at the end of their path to the next decision, and flies
+/// the avoider instead otherwise.
 #[pyclass(frozen, module = "fga")]
 pub(crate) struct Shield(Mutex<CoreShield>);
 
@@ -243,7 +243,7 @@ impl Shield {
             .map_err(refused)
     }
 
-    /// Lets the wish of a policy through, or decides in its place.
+    /// Passes the wish of a policy, or decides instead.
     fn step(
         &self,
         py: Python<'_>,
