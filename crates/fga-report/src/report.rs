@@ -349,7 +349,7 @@ impl Reading {
             ("published gives", &self.published),
             ("turn-aware gives", &self.turn_aware),
             ("The oracle allows", &self.oracle),
-            ("Honest reading", &self.reading),
+            ("Interpretation", &self.reading),
         ] {
             if !text.is_empty() {
                 let _ = writeln!(page, "<dt>{name}</dt><dd>{}</dd>", escape(text));

@@ -241,7 +241,7 @@ fn shares(setting: &Setting<'_>) -> Result<Section, ReproduceError> {
             },
             Block::Figure {
                 svg: chart(&bounds, FAILS, "Where the bound does not hold").to_svg(),
-                caption: "The same of the encounters outside it; a gap where there are none.".into(),
+                caption: "The same for the encounters outside of it; a gap means that there are none.".into(),
             },
             Block::Table(Table {
                 caption: "Kept separated (%), with 95 % intervals.".into(),
@@ -441,7 +441,7 @@ fn distances(setting: &Setting<'_>, model: &VehicleModel) -> Result<Section, Rep
                     .into(),
             ),
             Block::Table(Table {
-                caption: "Least initial distance, as bound 1 has it and as it is flown.".into(),
+                caption: "Least initial distance by bound 1 and in flight.".into(),
                 columns: columns.map(Column::number).into(),
                 rows: rows
                     .iter()

@@ -144,7 +144,7 @@ fn side_by_side(setting: &Setting<'_>, groups: &[Group<'_>]) -> Result<Section, 
                     .into(),
             },
             Block::Table(Table {
-                caption: "Saved of what the oracle can save (%), with 95 % intervals.".into(),
+                caption: "Share saved of the encounters that the oracle saves (%), with 95 % intervals.".into(),
                 columns: columns
                     .into_iter()
                     .chain(METHODS.iter().skip(1).map(|name| Column::number(name)))
@@ -171,7 +171,7 @@ fn chart(groups: &[Group<'_>]) -> BarChart {
         Estimate::wilson(saved, avoidable)
     };
     BarChart {
-        title: "Saved of what can be saved".into(),
+        title: "Share saved of the avoidable encounters".into(),
         groups_label: "method, as in the table".into(),
         groups: SHORT.map(str::to_owned).into(),
         y: Axis::percent("saved of the avoidable (%)"),

@@ -340,7 +340,7 @@ fn reading(flown: &[[Flown; 2]]) -> Reading {
         paper: "L_1 < L_3: a manoeuvre started at t_c leaves the heading for a shorter time than one started at t_0; so FGA has the shorter path.".into(),
         published: both(0),
         turn_aware: both(1),
-        oracle: "Not asked: a margin, not a length, is what it looks for.".into(),
+        oracle: "Not asked: it looks for a margin, not a length.".into(),
         reading: format!(
             "By geometry the claim holds for the time away from the heading in {away} of {of} points of \
              the sweep, and for the whole path in {whole} of them{example}: waiting keeps the heading \

@@ -114,7 +114,7 @@ fn section(
     blocks.insert(
         0,
         Block::Table(Table {
-            caption: "What came of it.".into(),
+            caption: "Results of the flights.".into(),
             columns: vec![
                 Column::text("policy"),
                 Column::number("least margin (m)"),
@@ -132,7 +132,7 @@ fn section(
     atomic::write(&setting.data().join(&file), page)?;
     let mut files = vec![(
         format!("data/{file}"),
-        "the flights one over the other, to look at in a browser".into(),
+        "the flights in one scene, for a browser".into(),
     )];
     for (name, log) in &flown {
         // Only flights with an origin on the globe.

@@ -171,14 +171,14 @@ fn reading(compared: &[Compared]) -> Reading {
     let reached = all().filter(|e| e.high >= 0.67).count();
     let longer = all().filter(|e| e.high < 0.0).count();
     Reading {
-        paper: "The path of FGA is 67 % shorter than that of an optimal path planning method (one clause in section 1; neither the length nor the encounters are given).".into(),
+        paper: "FGA's path is 67 % shorter than an optimal path planning method's (one clause in section 1, which names neither the length nor the encounters).".into(),
         published: format!(
             "Extra path shorter than {}; started at t_0 than {}.",
             told("published --start tc"),
             told("published --start t0")
         ),
         turn_aware: format!("Extra path shorter than {}.", told("turn-aware")),
-        oracle: "Not asked: a margin, not a length, is what it looks for.".into(),
+        oracle: "Not asked: it looks for a margin, not a length.".into(),
         reading: format!(
             "Of {} comparisons {reached} reach 67 % within their interval and {longer} are longer beyond \
              it; the planners are this project's reading of one sentence with the settings found best, so \
