@@ -29,12 +29,14 @@ impl Emulator {
         let for_us = |system: u8, component: u8| (system == own || system == 0) && (component <= 1);
         match message {
             MavMessage::COMMAND_LONG(data) if for_us(data.target_system, data.target_component) => {
+                let before = self.outbox.len();
                 let result = self.command_long(data, from);
-                self.acknowledge(data.command, result, from);
+                self.answer(data.command, result, from, before);
             }
             MavMessage::COMMAND_INT(data) if for_us(data.target_system, data.target_component) => {
+                let before = self.outbox.len();
                 let result = self.command_int(data, from);
-                self.acknowledge(data.command, result, from);
+                self.answer(data.command, result, from, before);
             }
             MavMessage::SET_MODE(data) if data.target_system == own => {
                 if let Some(mode) = Mode::from_number(data.custom_mode)
@@ -253,6 +255,14 @@ impl Emulator {
             param_id: row.0.into(),
             param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
         }));
+    }
+
+    /// Answers a command before what it made to be sent, as ArduPlane does: it only queues the heartbeat
+    /// that tells a new mode.
+    fn answer(&mut self, command: MavCmd, result: MavResult, to: (u8, u8), before: usize) {
+        let made = self.outbox.split_off(before);
+        self.acknowledge(command, result, to);
+        self.outbox.extend(made);
     }
 
     fn acknowledge(&mut self, command: MavCmd, result: MavResult, to: (u8, u8)) {

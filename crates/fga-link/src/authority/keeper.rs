@@ -1,7 +1,8 @@
 //! The state machine.
 
+use super::stray::{Origin, Requests};
 use super::{Action, Authority, Fault, HandBack, Late, Rearm, Severity, reaction};
-use crate::mode::Mode;
+use crate::mode::{Mode, ModeChange};
 
 /// Time for the take-over to be confirmed, seconds.
 const TAKE_OVER_S: f64 = 3.0;
@@ -22,6 +23,9 @@ const LOST_FOR_S: f64 = 10.0;
 const MOST_TRIES: u8 = 24;
 /// A vehicle that stays disarmed for this long has landed, and the debt of a mode ends, seconds.
 const LANDED_S: f64 = 5.0;
+
+/// What the operator reads where nothing tells who chose the mode.
+const WHOSE_MODE: &str = "fga: mode is perhaps our late request: set one";
 
 /// The same after a gap in the telemetry, which ends as suddenly as it began, seconds.
 const GAP_SETTLE_S: f64 = 0.4;
@@ -46,6 +50,9 @@ pub struct Keeper {
     tries: u8,
     /// Start of an unbroken series of disarmed heartbeats, seconds.
     disarmed_s: Option<f64>,
+    /// The mode that the last heartbeat told.
+    told: Option<Mode>,
+    requests: Requests,
 }
 
 impl Keeper {
@@ -58,6 +65,8 @@ impl Keeper {
             well_since_s: None,
             tries: 0,
             disarmed_s: None,
+            told: None,
+            requests: Requests::NONE,
         }
     }
 
@@ -242,8 +251,102 @@ impl Keeper {
         }
     }
 
+    /// A request for a mode was sent.
+    pub fn asked(&mut self, change: ModeChange, now_s: f64) {
+        // What undoes a late request is not undone.
+        if change.to == self.target || change.from == self.target {
+            self.requests.asked(change, now_s);
+        }
+    }
+
+    /// The vehicle answered a request of ours for a mode.
+    pub const fn answered(&mut self, accepted: bool, now_s: f64) {
+        self.requests.answered(accepted, now_s);
+    }
+
     /// A heartbeat of an armed vehicle reported the mode.
     pub fn mode(&mut self, mode: Mode, now_s: f64) -> Vec<Action> {
+        let before = self.told.replace(mode);
+        let changed = before.filter(|before| *before != mode);
+        if let Some(before) = changed {
+            let origin = self.requests.origin(mode, now_s);
+            // Back from the owned mode is where it was to go.
+            let unwanted = !self.is_engaged() && self.owed().is_none() && before != self.target;
+            if unwanted && let Some(actions) = self.stray(origin, mode, before, now_s) {
+                return actions;
+            }
+            if before == self.target && origin != Origin::Ours && self.ends_what_is_owed(mode) {
+                self.requests.doubt(before, now_s);
+            }
+        }
+        self.mode_told(mode, now_s)
+    }
+
+    /// The vehicle changed the mode, and nothing is waited for.
+    fn stray(
+        &mut self,
+        origin: Origin,
+        mode: Mode,
+        before: Mode,
+        now_s: f64,
+    ) -> Option<Vec<Action>> {
+        match origin {
+            Origin::Ours if mode == self.target => {
+                self.state = Authority::InCommand {
+                    since_s: now_s,
+                    previous: before,
+                };
+                Some(self.fault(Fault::LateRequest, now_s))
+            }
+            Origin::Ours => {
+                let row = reaction(Fault::LateRequest);
+                self.state = Authority::Released {
+                    since_s: now_s,
+                    fault: Fault::LateRequest,
+                    owed: None,
+                    late: Some(Late {
+                        asked: mode,
+                        chosen: before,
+                    }),
+                };
+                Some(vec![
+                    Action::SetMode {
+                        to: before,
+                        from: mode,
+                    },
+                    Action::Tell(row.severity, row.text),
+                ])
+            }
+            Origin::Unknown if !self.undoes(mode, now_s) => {
+                Some(vec![Action::Tell(Severity::Critical, WHOSE_MODE)])
+            }
+            Origin::Unknown | Origin::Others => None,
+        }
+    }
+
+    /// Whether nothing is owed any more once the vehicle is heard in a mode.
+    fn ends_what_is_owed(&self, mode: Mode) -> bool {
+        match self.state {
+            Authority::Returning { previous, .. } => mode == previous,
+            Authority::Released { owed, .. } => owed.is_some(),
+            _ => false,
+        }
+    }
+
+    /// Whether a mode that is told now is taken for a request that crossed the pilot's choice.
+    fn undoes(&self, mode: Mode, now_s: f64) -> bool {
+        let Authority::Released {
+            since_s,
+            late: Some(late),
+            ..
+        } = self.state
+        else {
+            return false;
+        };
+        late.asked == mode && now_s - since_s <= LATE_S
+    }
+
+    fn mode_told(&mut self, mode: Mode, now_s: f64) -> Vec<Action> {
         match self.state {
             Authority::Taking { previous, .. } if mode == self.target => {
                 self.state = Authority::InCommand {

@@ -17,6 +17,7 @@
 mod hearing;
 mod keeper;
 mod reactions;
+mod stray;
 #[cfg(test)]
 mod tests;
 mod watchdog;

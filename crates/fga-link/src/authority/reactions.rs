@@ -31,6 +31,8 @@ pub enum Fault {
     ProgramEnds,
     /// The program restarted in a manoeuvre and could not continue it.
     Restarted,
+    /// The vehicle carried out a request of ours for the owned mode after the manoeuvre was called off.
+    LateRequest,
 }
 
 /// The reaction on the mode.
@@ -86,7 +88,7 @@ pub struct Reaction {
 }
 
 /// Every fault and its reaction: the table of `docs/fly-safety.md`.
-pub const REACTIONS: [Reaction; 14] = [
+pub const REACTIONS: [Reaction; 15] = [
     Reaction {
         fault: Fault::ModeChanged,
         hand_back: HandBack::LeaveAlone,
@@ -184,6 +186,13 @@ pub const REACTIONS: [Reaction; 14] = [
         rearm: Rearm::Automatic,
         severity: Severity::Critical,
         text: "fga: restarted, mode restored",
+    },
+    Reaction {
+        fault: Fault::LateRequest,
+        hand_back: HandBack::Restore,
+        rearm: Rearm::Automatic,
+        severity: Severity::Critical,
+        text: "fga: late request carried out, mode restored",
     },
 ];
 

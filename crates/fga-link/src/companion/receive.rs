@@ -239,6 +239,13 @@ impl Companion {
             }
             MavMessage::MISSION_ACK(data) => self.take_mission_refusal(data),
             MavMessage::COMMAND_ACK(data) => {
+                // An answer to nobody in particular may be to somebody else's request.
+                if data.command == MavCmd::MAV_CMD_DO_SET_MODE
+                    && data.target_component == OWN_COMPONENT
+                {
+                    let accepted = data.result == MavResult::MAV_RESULT_ACCEPTED;
+                    self.keeper.answered(accepted, now_s);
+                }
                 let for_us = data.target_component == OWN_COMPONENT || data.target_component == 0;
                 if for_us && let Some(outcome) = self.commands.acknowledge(data) {
                     self.command_ended(outcome, now_s);

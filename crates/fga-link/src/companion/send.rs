@@ -68,8 +68,14 @@ impl Companion {
         let Some(system) = self.vehicle_system() else {
             return;
         };
-        let hearing = &mut self.hearing;
-        let asks = |change| hearing.ask(change, now_s);
+        let (hearing, keeper) = (&mut self.hearing, &mut self.keeper);
+        let asks = |change| {
+            let may = hearing.ask(change, now_s);
+            if may {
+                keeper.asked(change, now_s);
+            }
+            may
+        };
         let outcome = self.commands.tick(now_s, system, asks, &mut self.outbox);
         if let Some(outcome) = outcome {
             self.command_ended(outcome, now_s);
