@@ -242,7 +242,8 @@ impl Emulator {
         let Some(to_m) = self.item_place_m(self.guidance.item) else {
             let item = self.mission.get(usize::from(self.guidance.item));
             if item.is_some_and(|item| item.command == MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH) {
-                self.guided.point_m = [0.0, 0.0, 100.0];
+                // The nearest one stays the nearest on the way to it.
+                self.guided.point_m = self.return_place_m();
                 self.guided.altitude_m = 100.0;
             }
             self.guidance.done = true;

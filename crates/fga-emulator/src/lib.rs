@@ -62,10 +62,12 @@ pub struct Settings {
     pub armed: bool,
     /// Wind velocity east and north, metres per second.
     pub wind_mps: [f64; 2],
-    /// Time since boot of the receiver's first fix, seconds; the emulation begins at 20.
+    /// Time since boot of the receiver's first fix, seconds.
     pub fix_s: f64,
     /// Pressure at sea level, hectopascals; `None`: the vehicle does not send its pressure.
     pub sea_level_hpa: Option<f64>,
+    /// Time since boot at which the emulation begins, seconds.
+    pub boot_s: f64,
     /// Time since boot until which the autopilot initialises, seconds: it sends heartbeats in mode
     /// INITIALISING and ignores messages.
     pub initialising_until_s: f64,
@@ -93,6 +95,7 @@ impl Default for Settings {
             wind_mps: [0.0, 0.0],
             fix_s: 0.0,
             sea_level_hpa: Some(1013.25),
+            boot_s: 20.0,
             initialising_until_s: 0.0,
             default_interval_s: None,
             fastest_interval_s: 0.0,
@@ -125,6 +128,7 @@ pub struct Emulator {
     mode_changes: Vec<ModeChange>,
     mission: Vec<Item>,
     fence: Vec<Item>,
+    rally: Vec<Item>,
     guidance: Guidance,
     guided: Guided,
     overrides: Overrides,
@@ -159,13 +163,14 @@ impl Emulator {
         let mut emulator = Self {
             parameters: Parameters::default(),
             plant,
-            time_s: 20.0,
+            time_s: settings.boot_s,
             left_over_s: 0.0,
             mode: settings.mode,
             armed: settings.armed,
             mode_changes: Vec::new(),
             mission: Vec::new(),
             fence: Vec::new(),
+            rally: Vec::new(),
             guidance: Guidance::default(),
             guided: Guided::default(),
             overrides: Overrides::default(),
@@ -203,6 +208,28 @@ impl Emulator {
     /// Sets the fence.
     pub fn set_fence(&mut self, items: Vec<Item>) {
         self.fence = items;
+    }
+
+    /// Sets the rally points.
+    pub fn set_rally(&mut self, items: Vec<Item>) {
+        self.rally = items;
+    }
+
+    /// Where a return leads from here, metres, local frame: as ArduPlane chooses, to the nearest rally point
+    /// within `RALLY_LIMIT_KM` (0: any), with `RALLY_INCL_HOME` only where it is nearer than home; else home.
+    pub(crate) fn return_place_m(&self) -> [f64; 3] {
+        const HOME_M: [f64; 3] = [0.0, 0.0, 100.0];
+        let here_m = self.plant.position_m();
+        let away_m = |at_m: &[f64; 3]| geometry::distance_m(here_m, *at_m);
+        let limit_m = 1e3 * self.parameters.value("RALLY_LIMIT_KM");
+        let with_home = self.parameters.value("RALLY_INCL_HOME") != 0.0;
+        self.rally
+            .iter()
+            .filter_map(|item| item.position_m(&self.settings.home))
+            .min_by(|a, b| away_m(a).total_cmp(&away_m(b)))
+            .filter(|at_m| limit_m <= 0.0 || away_m(at_m) <= limit_m)
+            .filter(|at_m| !with_home || away_m(at_m) < away_m(&HOME_M))
+            .unwrap_or(HOME_M)
     }
 
     /// Advances the time, in steps of the plant; a remainder waits for the next call.
@@ -383,7 +410,7 @@ impl Emulator {
             }
             Mode::Rtl => {
                 self.guided = Guided::at(&self.plant, self.time_s);
-                self.guided.point_m = [0.0, 0.0, 100.0];
+                self.guided.point_m = self.return_place_m();
             }
             Mode::Cruise | Mode::FlyByWireB => self.guidance.enter_stick_mode(&self.plant),
             _ => {}

@@ -24,6 +24,8 @@ impl Default for Parameters {
             ("NAVL1_PERIOD", 17.0),
             ("PTCH_LIM_MAX_DEG", 20.0),
             ("PTCH_LIM_MIN_DEG", -25.0),
+            ("RALLY_INCL_HOME", 0.0),
+            ("RALLY_LIMIT_KM", 5.0),
             ("RC_OVERRIDE_TIME", 3.0),
             ("ROLL_LIMIT_DEG", 45.0),
             ("TECS_CLMB_MAX", 5.0),

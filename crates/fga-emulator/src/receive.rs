@@ -198,7 +198,8 @@ impl Emulator {
         match mission_type {
             MavMissionType::MAV_MISSION_TYPE_MISSION => &self.mission,
             MavMissionType::MAV_MISSION_TYPE_FENCE => &self.fence,
-            _ => &[],
+            MavMissionType::MAV_MISSION_TYPE_RALLY => &self.rally,
+            MavMissionType::MAV_MISSION_TYPE_ALL => &[],
         }
     }
 
@@ -222,13 +223,14 @@ impl Emulator {
         }
         match mission_type {
             MavMissionType::MAV_MISSION_TYPE_FENCE => self.fence = upload.items,
+            MavMissionType::MAV_MISSION_TYPE_RALLY => self.rally = upload.items,
             MavMissionType::MAV_MISSION_TYPE_MISSION => {
                 self.set_mission(upload.items, 1);
                 if self.mode == Mode::Auto {
                     self.say_item();
                 }
             }
-            _ => {}
+            MavMissionType::MAV_MISSION_TYPE_ALL => {}
         }
         self.outbox.push(MavMessage::MISSION_ACK(MISSION_ACK_DATA {
             target_system,

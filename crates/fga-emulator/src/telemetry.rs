@@ -108,10 +108,10 @@ impl Emulator {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "milliseconds since boot fit 32 bits for 49 days"
+        reason = "milliseconds since boot run over after 49 days, as the autopilot's do"
     )]
     pub(crate) fn boot_ms(&self) -> u32 {
-        (self.time_s * 1e3).round() as u32
+        (self.time_s * 1e3).round() as u64 as u32
     }
 
     pub(crate) fn send_heartbeat(&mut self) {

@@ -254,6 +254,14 @@ fn item_request(kind: MavMissionType, seq: u16, target_system: u8) -> MavMessage
     })
 }
 
+/// Latitude and longitude of an item, at an altitude in metres; `None` for an item without a place.
+pub fn place_of(item: &MISSION_ITEM_INT_DATA, altitude_m: f64) -> Option<Geodetic> {
+    if item.x == 0 && item.y == 0 {
+        return None;
+    }
+    Geodetic::new(degrees_from_e7(item.x), degrees_from_e7(item.y), altitude_m)
+}
+
 /// The target of an item in the local frame, metres.
 ///
 /// `level_m` is the height, local frame, for altitudes above terrain, which are unknown here.

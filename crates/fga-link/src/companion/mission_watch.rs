@@ -9,7 +9,7 @@ use fga::Vec3;
 use fga_formats::geodesy::Geodetic;
 use mavlink::dialects::ardupilotmega::{
     MISSION_ACK_DATA, MISSION_CURRENT_DATA, MISSION_ITEM_INT_DATA, MavMissionResult,
-    NAV_CONTROLLER_OUTPUT_DATA, POSITION_TARGET_GLOBAL_INT_DATA, STATUSTEXT_DATA,
+    MavMissionType, NAV_CONTROLLER_OUTPUT_DATA, POSITION_TARGET_GLOBAL_INT_DATA, STATUSTEXT_DATA,
 };
 
 use super::Companion;
@@ -199,12 +199,15 @@ impl Companion {
                 *changed = known.replace(told).is_some_and(|known| known != told);
             }
         }
-        let [mission, fence, _] = changed;
+        let [mission, fence, rally] = changed;
         if mission {
             self.read_mission_again();
         }
         if fence {
             self.read_fence_again();
+        }
+        if rally {
+            self.read_rally_again();
         }
     }
 
@@ -230,6 +233,8 @@ impl Companion {
             self.read_mission_again();
         } else if data.mission_type == self.fence_download.kind() {
             self.read_fence_again();
+        } else if data.mission_type == MavMissionType::MAV_MISSION_TYPE_RALLY {
+            self.take_rally_refusal(data.mavtype);
         }
     }
 

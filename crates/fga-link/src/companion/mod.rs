@@ -11,6 +11,7 @@ mod decider;
 mod gap;
 mod mission_watch;
 mod picture;
+mod rally;
 mod readiness;
 mod receive;
 mod send;
@@ -128,6 +129,7 @@ pub struct Companion {
     fence_laid: u32,
     /// The number of the mission download behind the way.
     mission_laid: u32,
+    rally: rally::Rally,
     watch: mission_watch::MissionWatch,
     mission_item: Option<u16>,
     mission_total: Option<u16>,
@@ -212,6 +214,7 @@ impl Companion {
             fence: Fence::default(),
             fence_laid: 0,
             mission_laid: 0,
+            rally: rally::Rally::default(),
             watch: mission_watch::MissionWatch::default(),
             mission_item: None,
             mission_total: None,

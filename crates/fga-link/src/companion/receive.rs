@@ -92,6 +92,7 @@ impl Companion {
             if self.config.safety.use_fence {
                 self.fence_download.begin();
             }
+            self.read_rally_again();
             let words = if self.dry_run {
                 "fga: connected, dry run"
             } else {
@@ -216,6 +217,8 @@ impl Companion {
                     self.mission_arrived(now_s);
                 } else if self.fence_download.take_count(data) {
                     self.fence_arrived(now_s);
+                } else {
+                    self.take_rally_count(data, now_s);
                 }
             }
             MavMessage::MISSION_ITEM_INT(data) => {
@@ -226,6 +229,7 @@ impl Companion {
                 if self.fence_download.take_item(data) {
                     self.fence_arrived(now_s);
                 }
+                self.take_rally_point(data, now_s);
             }
             MavMessage::MISSION_CURRENT(data) => self.take_mission_current(data),
             MavMessage::POSITION_TARGET_GLOBAL_INT(data) => self.take_position_target(data, now_s),
@@ -321,6 +325,9 @@ impl Companion {
         }
         if kind == self.fence_download.kind() {
             self.read_fence_again();
+        }
+        if kind == MavMissionType::MAV_MISSION_TYPE_RALLY {
+            self.read_rally_again();
         }
     }
 

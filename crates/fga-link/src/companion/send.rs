@@ -44,6 +44,7 @@ impl Companion {
             self.fence_arrived(now_s);
         }
         self.probe_lists(system, now_s);
+        self.look_at_rally(system, now_s);
         self.ask_for_round_trip(system, now_s);
         self.look_for_fence(now_s);
         if now_s >= self.due.values_s {

@@ -24,7 +24,7 @@ const ON_LEG_M: f64 = 12.0;
 const ON_LEG_RAD: f64 = 0.06;
 const ON_LEG_HEIGHT_M: f64 = 12.0;
 /// Targets closer together than this count as one, metres.
-const SAME_TARGET_M: f64 = 5.0;
+pub(super) const SAME_TARGET_M: f64 = 5.0;
 
 impl Companion {
     /// The way that the vehicle would fly by itself; unchanged while the companion flies, except
@@ -35,10 +35,17 @@ impl Companion {
         // In a manoeuvre the way belongs to the mode from before.
         let left = self.keeper.owed().filter(|_| self.keeper.is_engaged());
         let mode = left.unwrap_or(heard.mode);
+        let own_m = state.ownship.position_m;
+        if engaged && mode == Mode::RTL && self.way_mode == Some(Mode::RTL) {
+            if let Some(to_m) = self.other_return_place_m(own_m) {
+                self.lay_return(own_m, Some(to_m));
+                self.way_laid(mode, now_s);
+            }
+            return;
+        }
         if engaged && (mode != Mode::AUTO || self.way_mode != Some(Mode::AUTO)) {
             return;
         }
-        let own_m = state.ownship.position_m;
         let track_rad = course_of(state.ground_velocity_mps);
         let busy = self
             .decider
@@ -61,11 +68,7 @@ impl Companion {
                 if self.way_mode == Some(Mode::RTL) && (busy || !moved) {
                     return;
                 }
-                let to_m = told_m.or_else(|| self.home_m(own_m));
-                self.way = Way {
-                    waypoints_m: to_m.map_or_else(Vec::new, |to_m| vec![own_m, to_m]),
-                    items: vec![None, None],
-                };
+                self.lay_return(own_m, told_m.or_else(|| self.return_place_m(own_m)));
             }
             mode => {
                 let off = self.way.waypoints_m.first().is_none_or(|from| {
@@ -89,6 +92,18 @@ impl Companion {
                 };
             }
         }
+        self.way_laid(mode, now_s);
+    }
+
+    fn lay_return(&mut self, own_m: Vec3, to_m: Option<Vec3>) {
+        self.way = Way {
+            waypoints_m: to_m.map_or_else(Vec::new, |to_m| vec![own_m, to_m]),
+            items: vec![None, None],
+        };
+    }
+
+    /// Another way counts from here on.
+    fn way_laid(&mut self, mode: Mode, now_s: f64) {
         self.way_mode = Some(mode);
         self.way_item = self.mission_item;
         self.decider = None;
@@ -148,7 +163,7 @@ impl Companion {
         true
     }
 
-    fn home_m(&self, own_m: Vec3) -> Option<Vec3> {
+    pub(super) fn home_m(&self, own_m: Vec3) -> Option<Vec3> {
         let item = self.mission.items()?.first()?.as_ref()?;
         let frame = self.ownship.frame()?;
         let mut home_m = item_position_m(item, frame, self.ownship.home_altitude_m()?, own_m.z)?;
