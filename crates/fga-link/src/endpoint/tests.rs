@@ -1,0 +1,125 @@
+//! Endpoints as they are written, and sockets and ports that come and go.
+
+use super::*;
+
+#[test]
+fn endpoints_are_read() {
+    assert_eq!(
+        "udpin:0.0.0.0:14550".parse(),
+        Ok(Endpoint::UdpIn("0.0.0.0:14550".into()))
+    );
+    assert_eq!(
+        "tcp:127.0.0.1:5760".parse(),
+        Ok(Endpoint::Tcp("127.0.0.1:5760".into()))
+    );
+    assert_eq!(
+        "serial:/dev/ttyAMA0:921600".parse(),
+        Ok(Endpoint::Serial {
+            path: "/dev/ttyAMA0".into(),
+            baud: 921_600
+        })
+    );
+    assert_eq!(
+        "serial:/dev/ttyS1".parse(),
+        Ok(Endpoint::Serial {
+            path: "/dev/ttyS1".into(),
+            baud: 115_200
+        })
+    );
+    for wrong in [
+        "",
+        "udpin",
+        "udpin:host",
+        "tcp:host:port",
+        "serial::9600",
+        "smoke:a:1",
+    ] {
+        assert!(wrong.parse::<Endpoint>().is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn a_waiting_port_answers_its_senders() {
+    let (mut waiting, answer) = open(&Endpoint::UdpIn("127.0.0.1:0".into())).unwrap();
+    let ReaderKind::Udp { socket, .. } = &waiting.kind else {
+        panic!("not a UDP port")
+    };
+    let port = socket.local_addr().unwrap();
+    assert!(!answer.write(b"nobody"));
+    let (mut calling, call) = open(&Endpoint::UdpOut(port.to_string())).unwrap();
+    assert!(call.write(b"here"));
+    let mut buffer = [0; 64];
+    while waiting.read(&mut buffer) == Received::Nothing {}
+    assert!(answer.write(b"there"));
+    while calling.read(&mut buffer) == Received::Nothing {}
+    assert_eq!(&buffer[..5], b"there");
+}
+
+#[cfg(all(feature = "serial", unix))]
+#[test]
+fn a_serial_port_carries_bytes_both_ways() {
+    use serialport::{SerialPort as _, TTYPort};
+
+    let (mut other_end, port) = TTYPort::pair().unwrap();
+    let path = port.name().unwrap();
+    let (mut reader, writer) = open(&format!("serial:{path}:57600").parse().unwrap()).unwrap();
+    other_end.write_all(b"from the vehicle").unwrap();
+    let (mut buffer, mut heard) = ([0; 64], Vec::new());
+    while heard.len() < 16 {
+        if let Received::Bytes(count) = reader.read(&mut buffer) {
+            heard.extend_from_slice(&buffer[..count]);
+        }
+    }
+    assert_eq!(heard, b"from the vehicle");
+    assert!(writer.write(b"to the vehicle"));
+    let mut heard = [0; 14];
+    other_end.read_exact(&mut heard).unwrap();
+    assert_eq!(&heard, b"to the vehicle");
+}
+
+/// An adapter that is pulled out and comes back is another device under the same name.
+#[cfg(all(feature = "serial", unix))]
+#[test]
+fn a_serial_port_that_was_pulled_out_is_opened_again() {
+    use serialport::{SerialPort as _, TTYPort};
+
+    let name = format!("fga-serial-{}", std::process::id());
+    let link = std::env::temp_dir().join(name);
+    let plug_in = || {
+        let (vehicle, port) = TTYPort::pair().unwrap();
+        let _ = std::fs::remove_file(&link);
+        std::os::unix::fs::symlink(port.name().unwrap(), &link).unwrap();
+        (vehicle, port)
+    };
+    let first = plug_in();
+    let endpoint = format!("serial:{}:57600", link.display());
+    let (mut reader, writer) = open(&endpoint.parse().unwrap()).unwrap();
+    drop(first);
+    let (mut vehicle, _port) = plug_in();
+    let mut buffer = [0; 64];
+    while reader.read(&mut buffer) != Received::NewConnection {}
+    vehicle.write_all(b"again").unwrap();
+    while reader.read(&mut buffer) == Received::Nothing {}
+    assert_eq!(&buffer[..5], b"again");
+    assert!(writer.write(b"heard"));
+    let mut heard = [0; 5];
+    vehicle.read_exact(&mut heard).unwrap();
+    assert_eq!(&heard, b"heard");
+    std::fs::remove_file(&link).unwrap();
+}
+
+#[test]
+fn a_lost_connection_is_made_again() {
+    let server = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = server.local_addr().unwrap().to_string();
+    let (mut reader, writer) = open(&Endpoint::Tcp(address)).unwrap();
+    let mut buffer = [0; 8];
+    for word in [b"one", b"two"] {
+        while reader.read(&mut buffer) != Received::NewConnection {}
+        let (mut stream, _) = server.accept().unwrap();
+        stream.write_all(word).unwrap();
+        while reader.read(&mut buffer) != Received::Bytes(3) {}
+        assert_eq!(&buffer[..3], word);
+        assert!(writer.write(b"heard"));
+    }
+}
