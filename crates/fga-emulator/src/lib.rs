@@ -215,8 +215,8 @@ impl Emulator {
         self.rally = items;
     }
 
-    /// Where a return leads from here, metres, local frame: as ArduPlane chooses, to the nearest rally point
-    /// within `RALLY_LIMIT_KM` (0: any), with `RALLY_INCL_HOME` only where it is nearer than home; else home.
+    /// The target of a return from here, metres, local frame: as in ArduPlane the nearest rally point
+    /// within `RALLY_LIMIT_KM` (0: any), with `RALLY_INCL_HOME` only if it is nearer than home; else home.
     pub(crate) fn return_place_m(&self) -> [f64; 3] {
         const HOME_M: [f64; 3] = [0.0, 0.0, 100.0];
         let here_m = self.plant.position_m();

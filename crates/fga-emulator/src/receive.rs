@@ -260,7 +260,7 @@ impl Emulator {
     }
 
     /// Answers a command before what it made to be sent, as ArduPlane does: it only queues the heartbeat
-    /// that tells a new mode.
+    /// with a new mode.
     fn answer(&mut self, command: MavCmd, result: MavResult, to: (u8, u8), before: usize) {
         let made = self.outbox.split_off(before);
         self.acknowledge(command, result, to);

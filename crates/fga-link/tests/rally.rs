@@ -8,7 +8,7 @@ use fga_link::authority::Authority;
 use mavlink::dialects::ardupilotmega::{MavCmd, MavMissionType};
 
 const RALLY: MavMissionType = MavMissionType::MAV_MISSION_TYPE_RALLY;
-/// The start is this far north of home, metres.
+/// Distance of the start north of home, metres.
 const START_M: f64 = 3400.0;
 const RTL_TOO: &str = "[vehicle]\ntake_over = [\"AUTO\", \"RTL\"]\n";
 
@@ -34,7 +34,7 @@ fn world(places_m: &[[f64; 2]]) -> World {
     world
 }
 
-/// Where the way ends, east and north, metres.
+/// The end of the way, east and north, metres.
 fn end(world: &World) -> Option<[f64; 2]> {
     let picture = world.companion.picture()?;
     picture.waypoints_m.last().map(|at| [at.x, at.y])
@@ -91,7 +91,7 @@ fn after_a_manoeuvre_in_rtl_it_flies_on_to_the_rally_point() {
     assert!(leads_to(&world, [0.0, 200.0]));
 }
 
-/// The number of points is another one, or one was moved: no message tells either.
+/// Another number of points, or a moved one: no message reports either.
 #[test]
 fn other_rally_points_uploaded_on_another_link_are_noticed_within_two_seconds() {
     for new_m in [
@@ -120,7 +120,7 @@ fn upload_all(world: &mut World, items: &[Item]) {
     }
 }
 
-/// The vehicle chooses again when RTL is given back: the way back leads there.
+/// The vehicle chooses again when RTL resumes: the way back leads there.
 #[test]
 fn rally_points_uploaded_in_a_manoeuvre_are_where_it_comes_back_to() {
     let mut world = world(&[[0.0, 200.0]]);
@@ -142,7 +142,7 @@ fn rally_points_uploaded_in_a_manoeuvre_are_where_it_comes_back_to() {
     assert!(leads_to(&world, new_m), "{:?}", end(&world));
 }
 
-/// Where RTL is not to be taken over, the list is nobody's business.
+/// Without RTL in `take_over` the list does not matter.
 #[test]
 fn rally_points_are_read_only_where_rtl_may_be_taken_over() {
     let mut world = World::new("", GOOD, 2);

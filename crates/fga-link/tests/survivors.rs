@@ -1,5 +1,5 @@
-//! What `fga fly` has always survived, and must go on surviving: absurd reports, hostile messages and a boot
-//! time that runs over, each while a head-on intruder is avoided.
+//! Inputs that `fga fly` must survive: absurd reports, hostile messages and a boot time that overflows, each
+//! while it avoids a head-on intruder.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
@@ -24,8 +24,8 @@ fn head_on(settings: Settings) -> World {
     world
 }
 
-/// Flies past the intruder, with something said in each step: it is kept clear of, and the mode is taken and
-/// given back once.
+/// Flies past the intruder, with a message in each step: the aircraft keeps clear, with one change of the mode
+/// out and one back.
 fn survives(mut world: World, mut say: impl FnMut(&mut World)) {
     while world.time_s < 75.0 {
         say(&mut world);
@@ -38,7 +38,7 @@ fn survives(mut world: World, mut say: impl FnMut(&mut World)) {
     assert_eq!(world.companion.authority(), Authority::Ready);
 }
 
-/// Numbers that are often extremes.
+/// Numbers, often extreme.
 fn absurd(random: &mut Random) -> u32 {
     match random.next() % 6 {
         0 => 0,
@@ -77,8 +77,8 @@ fn absurd_adsb_vehicle_messages() {
     assert_eq!(said, 484);
 }
 
-/// Messages of every kind that is listened to, with random payloads under right checksums, from other systems
-/// than the vehicle's: 250 a second.
+/// Messages of every kind that the companion reads, with random payloads under right checksums, from other
+/// systems than the vehicle's: 250 per second.
 #[test]
 fn hostile_messages_at_250_a_second() {
     const IDS: [u32; 28] = [
@@ -107,7 +107,7 @@ fn hostile_messages_at_250_a_second() {
     });
 }
 
-/// The count of milliseconds since boot runs over after 49.7 days: in the middle of the manoeuvre.
+/// The count of milliseconds since boot overflows after 49.7 days, here in the middle of the manoeuvre.
 #[test]
 fn boot_time_wrap_in_a_manoeuvre() {
     let settings = Settings {

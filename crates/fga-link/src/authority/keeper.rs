@@ -24,7 +24,7 @@ const MOST_TRIES: u8 = 24;
 /// A vehicle that stays disarmed for this long has landed, and the debt of a mode ends, seconds.
 const LANDED_S: f64 = 5.0;
 
-/// What the operator reads where nothing tells who chose the mode.
+/// The operator's text when nothing shows who chose the mode.
 const WHOSE_MODE: &str = "fga: mode is perhaps our late request: set one";
 
 /// The same after a gap in the telemetry, which ends as suddenly as it began, seconds.
@@ -50,7 +50,7 @@ pub struct Keeper {
     tries: u8,
     /// Start of an unbroken series of disarmed heartbeats, seconds.
     disarmed_s: Option<f64>,
-    /// The mode that the last heartbeat told.
+    /// The mode in the last heartbeat.
     told: Option<Mode>,
     requests: Requests,
 }
@@ -324,7 +324,7 @@ impl Keeper {
         }
     }
 
-    /// Whether nothing is owed any more once the vehicle is heard in a mode.
+    /// Whether the debt ends once the vehicle reports a mode.
     fn ends_what_is_owed(&self, mode: Mode) -> bool {
         match self.state {
             Authority::Returning { previous, .. } => mode == previous,
@@ -333,7 +333,7 @@ impl Keeper {
         }
     }
 
-    /// Whether a mode that is told now is taken for a request that crossed the pilot's choice.
+    /// Whether a mode reported now counts as a request that crossed the pilot's choice.
     fn undoes(&self, mode: Mode, now_s: f64) -> bool {
         let Authority::Released {
             since_s,

@@ -7,9 +7,9 @@
 
 use crate::mode::{Mode, ModeChange};
 
-/// A mode that is heard within this after the vehicle accepted a request is the accepted one, seconds.
+/// A mode reported within this time after the vehicle accepted a request is the accepted one, seconds.
 const ACCEPTED_FOR_S: f64 = 1.5;
-/// A request without an answer may be on its way for this long, seconds.
+/// Longest time that an unanswered request may be on its way, seconds.
 const ON_ITS_WAY_S: f64 = 30.0;
 
 /// Why the vehicle has changed to a mode.
@@ -26,7 +26,7 @@ pub(super) enum Origin {
 /// The requests for one mode, and the vehicle's answers.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Requests {
-    /// The mode that was asked for last.
+    /// The last requested mode.
     to: Option<Mode>,
     asked_s: f64,
     unanswered: u8,

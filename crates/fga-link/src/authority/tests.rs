@@ -546,7 +546,7 @@ fn a_restarted_program_has_five_seconds() {
     assert!(keeper.tick(105.1).contains(&RESTORE));
 }
 
-/// A request that was on its way reaches the vehicle now, and its answer comes.
+/// A request that was on its way now reaches the vehicle, and its answer comes.
 fn arrives(bench: &mut Bench, mode: Mode) {
     bench.keeper.answered(true, bench.now_s);
     bench.vehicle = mode;
@@ -632,7 +632,7 @@ fn a_return_that_arrives_after_the_pilots_choice_is_undone() {
     assert_eq!((bench.vehicle, bench.commands), (Mode(12), commands));
 }
 
-/// The answer was lost: it may as well be the pilot's own choice, which wins.
+/// The answer was lost: the mode may also be the pilot's choice, which wins.
 #[test]
 fn where_nothing_tells_whose_mode_it_is_the_operator_is_asked() {
     let mut bench = called_off();

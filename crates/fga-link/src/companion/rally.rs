@@ -1,8 +1,8 @@
 //! Rally points: where RTL leads instead of home.
 //!
-//! ArduPlane chooses when RTL begins: the nearest rally point, where it is within `RALLY_LIMIT_KM` and, with
-//! `RALLY_INCL_HOME`, nearer than home. It chooses again when RTL is given back after a manoeuvre. The list
-//! is read only where RTL may be taken over, and read again when its number, one of its items or the
+//! ArduPlane chooses when RTL begins: the nearest rally point, if it is within `RALLY_LIMIT_KM` and, with
+//! `RALLY_INCL_HOME`, nearer than home. It chooses again when RTL resumes after a manoeuvre. The list
+//! matters only if the companion may take over RTL; it is read again when its number, one of its items or the
 //! vehicle's number for it changes.
 
 use fga::Vec3;
@@ -17,13 +17,13 @@ use crate::authority::Severity;
 use crate::mission::Download;
 use crate::mode::Mode;
 
-/// The number of points is asked for this often, seconds.
+/// Interval of requests for the number of points, seconds.
 const COUNT_S: f64 = 1.5;
-/// The points are asked for one after the other, all of them in this time, …
+/// Time for requesting the points one after the other, all of them, …
 const SEEN_S: f64 = 1.2;
-/// … but no faster than one in this time, seconds.
+/// … with at least this interval, seconds.
 const POINT_S: f64 = 0.15;
-/// A rally point that is nearer than the one that is led to by less than this changes nothing, metres.
+/// A rally point must be nearer than the present target by this to replace it, metres.
 const NEARER_M: f64 = 50.0;
 /// ArduPlane's own value of `RALLY_LIMIT_KM`.
 const LIMIT_KM: f64 = 5.0;
@@ -32,7 +32,7 @@ const LIMIT_KM: f64 = 5.0;
 #[derive(Debug)]
 pub(super) struct Rally {
     download: Download,
-    /// Which of the downloaded lists was told to the operator.
+    /// The number of the list download that the operator read about.
     told: u32,
     counted_s: f64,
     point_s: f64,
@@ -115,7 +115,7 @@ impl Companion {
         }
     }
 
-    /// The vehicle refuses a point that is known, or knows no such list.
+    /// The vehicle refuses a known point, or has no such list.
     pub(super) fn take_rally_refusal(&mut self, result: MavMissionResult) {
         if result == MavMissionResult::MAV_MISSION_UNSUPPORTED {
             self.rally.unsupported = true;
@@ -141,7 +141,7 @@ impl Companion {
         }
     }
 
-    /// Where RTL would lead from here by the lists, metres, local frame, at the own height.
+    /// The target of RTL from here by the lists, metres, local frame, at the aircraft's height.
     pub(super) fn return_place_m(&self, own_m: Vec3) -> Option<Vec3> {
         let away_m = |place_m: &Vec3| (*place_m - own_m).truncate().length();
         let home_m = self.home_m(own_m);
@@ -157,9 +157,9 @@ impl Companion {
         rally_m.or(home_m)
     }
 
-    /// Where RTL leads once it is given back, where that is another place than the way leads to now.
+    /// The target of RTL once it is restored, if it differs from the present way's.
     pub(super) fn other_return_place_m(&self, own_m: Vec3) -> Option<Vec3> {
-        // Without a list, what the vehicle told before the manoeuvre is all that is known.
+        // Without a list only the vehicle's report from before the manoeuvre is known.
         self.rally.download.items()?;
         let to_m = self.return_place_m(own_m)?;
         let away_m = |place_m: Vec3| (place_m - own_m).truncate().length();
@@ -174,7 +174,7 @@ impl Companion {
         (!still_there || nearer).then_some(to_m)
     }
 
-    /// The points, metres, local frame, at the own height.
+    /// The points, metres, local frame, at the aircraft's height.
     fn rally_points_m(&self, own_m: Vec3) -> impl Iterator<Item = Vec3> + '_ {
         let items = self.rally.download.items().unwrap_or_default();
         let frame = self.ownship.frame();

@@ -1,4 +1,4 @@
-//! What must never happen, watched from outside of the companion.
+//! Watches from outside of the companion for what must never happen.
 
 use fga_emulator::Mode;
 use fga_link::authority::Authority;

@@ -1,4 +1,4 @@
-//! What goes wrong in a sequence, and when.
+//! The faults of a sequence, and their times.
 
 use fga_emulator::Mode;
 
