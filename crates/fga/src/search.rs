@@ -7,20 +7,23 @@
 //! at every node on the tangent, gives the margins of them all.
 
 mod ascent;
+mod departure;
+mod front;
 mod start;
 mod sweep;
 mod two_stage;
 
+pub use departure::Departure;
 pub use two_stage::Effort;
 
-use sweep::Sweep;
+use departure::Conflicts;
 
 use crate::angle::Side;
-use crate::certificate::{Asked, Certificate, Hazards, certify_set, mark_close};
+use crate::certificate::{Asked, Certificate, Hazards, certify_set};
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
-use crate::prediction::{FlightPath, Flyer, MotionState, flown, whole};
+use crate::prediction::{Bend, FlightPath, Flyer, MotionState, flown, whole};
 
 /// Largest single turn of a search, radians: short of a full circle.
 pub const MAX_TURN_RAD: f64 = 6.0;
@@ -31,11 +34,11 @@ const ENOUGH_M: f64 = 1e3;
 /// Step of the climb targets of a search, radians, as in Table 7.
 const CLIMB_STEP_RAD: f64 = 0.03;
 
+/// What the table of a [`Bend`] takes, in units of work.
+const BEND: usize = 60;
+
 /// A search keeps one part in this many of its work for the certificate of its answer.
 const ANSWER_SHARE: u32 = 16;
-
-/// Obstacles are treated as passed after at most this long, s.
-const LONGEST_PASS_S: f64 = 60.0;
 
 /// A manoeuvre in the terms of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,29 +73,6 @@ pub struct Found {
     pub margin_m: f64,
     /// Its cost by the scene's objective.
     pub cost: f64,
-}
-
-/// The departure of a manoeuvre from the mission.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Departure {
-    /// Distance from the mission when the last threatening obstacle has passed, metres.
-    pub aside_m: f64,
-    /// Its lag behind the mission at that time, metres.
-    pub behind_m: f64,
-}
-
-impl Departure {
-    /// Without work left to measure it: farther than any measured one.
-    const UNKNOWN: Self = Self {
-        aside_m: f64::MAX,
-        behind_m: 0.0,
-    };
-
-    /// Its addition to the path until the aircraft is back, metres: a way back at a moderate
-    /// intercept angle adds about a quarter of the distance.
-    pub fn extra_path_m(&self) -> f64 {
-        self.behind_m + 0.27 * self.aside_m
-    }
 }
 
 /// The status of the best manoeuvre.
@@ -210,6 +190,10 @@ pub struct Search<'a> {
     patience: u32,
     /// The hazard that decided last: checked first, because it decides most often again.
     culprit: usize,
+    /// Turns to the left and to the right from the banks that were looked at last.
+    bends: [Option<Bend>; 2],
+    /// What comes too close on the mission, once that was asked.
+    conflicts: Option<Conflicts>,
 }
 
 impl<'a> Search<'a> {
@@ -228,6 +212,8 @@ impl<'a> Search<'a> {
             answering: false,
             patience,
             culprit: 0,
+            bends: [None; 2],
+            conflicts: None,
         }
     }
 
@@ -353,67 +339,6 @@ impl<'a> Search<'a> {
         self.scene.objective
     }
 
-    /// The departure of a manoeuvre from the mission until the obstacles that it avoids have passed.
-    pub fn departure_of(&mut self, turns: &Turns) -> Departure {
-        let scene = self.scene;
-        if self.limit_met() {
-            return Departure::UNKNOWN;
-        }
-        let departure = self.departure(turns.wait_s);
-        let maneuver = self.maneuver(turns, &departure);
-        self.predict(&maneuver);
-        let end = self
-            .path
-            .nodes()
-            .last()
-            .map_or(scene.start, |node| node.state);
-        let end_velocity_mps = self.path.end_velocity_mps();
-        self.predict(scene.nominal);
-        let mut until_s = turns.wait_s;
-        let marks = mark_close(
-            scene.flyer,
-            self.path,
-            scene.hazards,
-            (scene.horizon_s, scene.target_m),
-            &self.meter,
-        );
-        for (hazard, close) in scene.hazards.rows().iter().zip(marks) {
-            if !close || self.limit_met() {
-                continue;
-            }
-            let asked = Asked {
-                horizon_s: scene.horizon_s,
-                floor_m: f64::MIN,
-                enough_m: scene.target_m,
-            };
-            let one = core::slice::from_ref(hazard);
-            let closest = certify_set(scene.flyer, self.path, one, &asked, &self.meter);
-            if closest.margin_m < scene.target_m {
-                let offset = end.position_m - hazard.position_m - hazard.velocity_mps * end.time_s;
-                let relative = end_velocity_mps - hazard.velocity_mps;
-                let after_s = -offset.dot(relative) / relative.length_squared().max(1e-9);
-                let passes_s = end.time_s + after_s.max(0.0);
-                until_s = until_s.max(closest.at_s).max(passes_s.min(LONGEST_PASS_S));
-            }
-        }
-        let planned = self
-            .path
-            .state_at(scene.flyer, until_s)
-            .unwrap_or(scene.start);
-        self.predict(&maneuver);
-        let flown = self
-            .path
-            .state_at(scene.flyer, until_s)
-            .unwrap_or(scene.start);
-        let offset = flown.position_m - planned.position_m;
-        let along = crate::angle::direction(scene.original.0, scene.original.1);
-        let behind_m = -offset.dot(along);
-        Departure {
-            aside_m: (offset + along * behind_m).length(),
-            behind_m,
-        }
-    }
-
     /// Its cost by the scene's objective.
     pub fn cost(&mut self, turns: &Turns, departure: &MotionState) -> f64 {
         match self.scene.objective {
@@ -434,86 +359,9 @@ impl<'a> Search<'a> {
 
     /// The cheapest certified single turn that begins after `wait_s`.
     ///
-    /// Sweeps the climb targets from the cheapest on, both sides, up to the cost of a manoeuvre
-    /// already found; then halves the step between the last turn that fails and the first certified
-    /// one.
+    /// Rules out turns and climb targets by the lines on which turns end, and sweeps what could be cheapest; then
+    /// halves the step between the last turn that fails and the first that does.
     pub fn cheapest(&mut self, wait_s: f64) -> Option<Found> {
         self.cheapest_to(&Side::BOTH, wait_s)
-    }
-
-    /// The cheapest certified single turn to one of some sides, as in [`Self::cheapest`].
-    pub fn cheapest_to(&mut self, sides: &[Side], wait_s: f64) -> Option<Found> {
-        let scene = self.scene;
-        let before_m = self.margin_before(wait_s);
-        if before_m < scene.target_m {
-            return None;
-        }
-        let departure = self.departure(wait_s);
-        let any = Turns {
-            wait_s,
-            turn_rad: 0.0,
-            climb_rad: 0.0,
-            second: None,
-        };
-        // The corners before it may leave no room for the turn.
-        if !self.maneuver(&any, &departure).is_whole() {
-            return None;
-        }
-        let mut best: Option<Found> = None;
-        for (place, climb_rad) in scene.climb_targets().enumerate() {
-            if place == 1 && best.is_none() && !self.has_steep_turn(&departure, before_m, sides) {
-                return None;
-            }
-            // The least cost of the paper's objective at this climb target.
-            let climb_cost = match scene.objective {
-                Objective::PaperCost => scene.costs.1 * (climb_rad - scene.original.1).abs(),
-                Objective::LeastDeviation | Objective::ShortestPath => f64::MIN,
-            };
-            if best.is_some_and(|found| climb_cost >= found.cost) || self.limit_met() {
-                break;
-            }
-            for side in sides.iter().copied() {
-                let left_cost = best.map_or(f64::INFINITY, |found| found.cost) - climb_cost;
-                let room = if scene.costs.0 > 0.0 && scene.objective == Objective::PaperCost {
-                    left_cost / scene.costs.0
-                } else {
-                    MAX_TURN_RAD
-                };
-                let offset = (scene.original.0 - departure.course_rad) * side.sign();
-                // A step more: halving may shorten its last part again.
-                let step_rad = sweep::LONGEST_STEP_RAD;
-                let max_turn_rad = (room + offset + step_rad).min(MAX_TURN_RAD);
-                if max_turn_rad < 0.0 {
-                    continue;
-                }
-                let Some(leave) = self.smallest(&Sweep {
-                    from: departure,
-                    before_m,
-                    side,
-                    climb_rad,
-                    max_turn_rad,
-                    floor_m: scene.target_m,
-                    enough_m: scene.target_m,
-                }) else {
-                    continue;
-                };
-                let turns = Turns {
-                    wait_s,
-                    turn_rad: leave.turn_rad,
-                    climb_rad: leave.climb_rad,
-                    second: None,
-                };
-                let cost = self.cost(&turns, &departure);
-                let found = Found {
-                    turns,
-                    margin_m: leave.margin_m,
-                    cost,
-                };
-                if best.is_none_or(|best| found.cost < best.cost) {
-                    best = Some(found);
-                }
-            }
-        }
-        best
     }
 }

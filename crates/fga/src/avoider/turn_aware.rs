@@ -8,7 +8,6 @@ mod way_back;
 
 pub(super) use holding::Basis;
 
-use crate::angle::Side;
 use crate::avoider::quiet::LineAhead;
 use crate::avoider::{
     Against, Avoider, Candidate, Decision, Plan, Reason, Start, State, Threat, Verdict,
@@ -17,7 +16,6 @@ use crate::certificate::{Asked, certify_set, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
-use crate::search::Objective;
 use crate::search::{Effort, Found, Proof, Scene, Search};
 use crate::situation::Situation;
 
@@ -45,9 +43,6 @@ const LOOK_AT_NOISE: u32 = 2;
 
 /// When the margin of the present manoeuvre changes by this, the obstacles have moved, metres.
 const NEWS_M: f64 = 1.0;
-
-/// The compared starts of a free start, as shares of the time to the first entry.
-const FREE_STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
 /// Halvings for the moment of an entry.
 const ENTRY_HALVINGS: usize = 24;
@@ -198,6 +193,7 @@ impl Avoider {
         now: &MotionState,
         look: impl FnOnce(&mut Search<'_>) -> T,
     ) -> (T, u32, bool) {
+        self.flyer.keep_rolls_from(now.bank_rad);
         let limit = self.settings.work_limit;
         let later = limit / LATER_SHARE;
         let is_ideal = self.flyer.is_ideal();
@@ -522,7 +518,7 @@ fn choose(
     let found = match start {
         Start::AtDetection => search.cheapest(0.0),
         Start::Free => {
-            let [found, other] = least_departure(search, entry_s, cut);
+            let [found, other] = search.least_departure(entry_s, cut);
             alternative = other.map(|other| Candidate {
                 maneuver: as_maneuver(search, &other),
                 margin_m: other.margin_m,
@@ -562,42 +558,4 @@ fn choose(
 
 fn as_maneuver(search: &Search<'_>, found: &Found) -> Maneuver {
     search.maneuver(&found.turns, &search.departure(found.turns.wait_s))
-}
-
-/// The cheapest manoeuvre to each side at several starts: returns the one that departs least, and
-/// the one to the other side.
-fn least_departure(search: &mut Search<'_>, entry_s: f64, cut: u32) -> [Option<Found>; 2] {
-    let [one, other] = Side::BOTH;
-    let sides = if cut.is_multiple_of(2) {
-        [one, other]
-    } else {
-        [other, one]
-    };
-    let [mut left, mut right] = sides.map(|side| {
-        let mut best: Option<(f64, Found)> = None;
-        let starts = FREE_STARTS
-            .iter()
-            .cycle()
-            .skip(cut as usize % FREE_STARTS.len());
-        for share in starts.take(FREE_STARTS.len()) {
-            let Some(found) = search.cheapest_to(&[side], share * entry_s) else {
-                continue;
-            };
-            let departure = search.departure_of(&found.turns);
-            let departure_m = match search.objective() {
-                Objective::PaperCost => departure.aside_m + departure.extra_path_m(),
-                Objective::LeastDeviation => departure.aside_m,
-                Objective::ShortestPath => departure.extra_path_m(),
-            };
-            if best.is_none_or(|(least_m, _)| departure_m < least_m) {
-                best = Some((departure_m, found));
-            }
-        }
-        best
-    });
-    let departure_m = |best: &Option<(f64, Found)>| best.map_or(f64::INFINITY, |best| best.0);
-    if departure_m(&right) < departure_m(&left) {
-        (left, right) = (right, left);
-    }
-    [left, right].map(|best| best.map(|(_, found)| found))
 }

@@ -3,7 +3,7 @@
 use super::join::Join;
 use super::{MOST_LEGS, Progress};
 use crate::limit::Limit as _;
-use crate::prediction::{Flyer, MotionState, flown};
+use crate::prediction::{Flyer, MotionState, for_each_piece};
 use crate::situation::Mission;
 
 /// Moments of a way back at which its distance from the mission is measured.
@@ -30,23 +30,40 @@ impl Progress {
         let legs = legs.take(index.saturating_sub(self.index).min(MOST_LEGS) + 1);
         let meter = self.meter();
         let mut farthest_m: f64 = 0.0;
-        for moment in 1..=MOMENTS {
-            if meter.is_met() {
-                farthest_m = f64::INFINITY;
-                break;
-            }
-            let after_s = joined.joined_s * f64::from(moment) / f64::from(MOMENTS);
-            let there = flown(flyer, state, &joined.maneuver, after_s, &meter);
-            meter.count(legs.len() / 2);
-            let place_m = there.position_m + self.wind_mps * after_s;
-            let mut nearest_m = f64::INFINITY;
-            for leg in legs.clone() {
-                let [from_m, to_m] = leg else { continue };
-                let (along, offset) = (*to_m - *from_m, place_m - *from_m);
-                let share = offset.dot(along) / along.length_squared().max(1e-9);
-                nearest_m = nearest_m.min((offset - along * share.limited(0.0, 1.0)).length());
-            }
-            farthest_m = farthest_m.max(nearest_m);
+        let moment_s = |moment: u32| joined.joined_s * f64::from(moment) / f64::from(MOMENTS);
+        let piece_work = flyer.piece_work();
+        let mut moment = 1;
+        for_each_piece(
+            flyer,
+            state,
+            &joined.maneuver,
+            joined.joined_s,
+            |from, piece, lasts_s| {
+                meter.count(piece_work);
+                while moment <= MOMENTS && !meter.is_met() {
+                    let after_s = moment_s(moment);
+                    let since_s = after_s - from.time_s;
+                    if since_s > lasts_s && moment < MOMENTS {
+                        return;
+                    }
+                    meter.count(legs.len() / 2);
+                    let there = flyer.advance(from, piece, since_s.min(lasts_s));
+                    let place_m = there.position_m + self.wind_mps * after_s;
+                    let mut nearest_m = f64::INFINITY;
+                    for leg in legs.clone() {
+                        let [from_m, to_m] = leg else { continue };
+                        let (along, offset) = (*to_m - *from_m, place_m - *from_m);
+                        let share = offset.dot(along) / along.length_squared().max(1e-9);
+                        nearest_m =
+                            nearest_m.min((offset - along * share.limited(0.0, 1.0)).length());
+                    }
+                    farthest_m = farthest_m.max(nearest_m);
+                    moment += 1;
+                }
+            },
+        );
+        if meter.is_met() {
+            farthest_m = f64::INFINITY;
         }
         self.note(&meter);
         farthest_m

@@ -17,6 +17,10 @@ const ON_LEG_M: f64 = 0.05;
 /// Largest course error on the leg, radians.
 const ON_COURSE_RAD: f64 = 1e-3;
 
+/// A way onto a leg is corrected until no more than this is left, metres: without bank lag and with it.
+const EXACT_M: f64 = 1e-6;
+const LAGGED_M: f64 = 1e-3;
+
 /// Corrections of the two moments with the predicted flight.
 const CORRECTIONS: u32 = 3;
 
@@ -111,8 +115,9 @@ pub(crate) fn join(
     meter.count(SETUP);
     let mut shot = aim(flyer, leg, state, limits);
     let mut join = fly(flyer, leg, state, &shot, meter);
+    let near_m = if flyer.is_ideal() { EXACT_M } else { LAGGED_M };
     for _ in 0..CORRECTIONS {
-        if join.cross_m.abs() < 1e-6 && join.above_m.abs() < 1e-6 {
+        if join.cross_m.abs() < near_m && join.above_m.abs() < near_m {
             break;
         }
         let closing = leg.cross_speed_mps(

@@ -11,6 +11,7 @@ use core::f64::consts::FRAC_PI_2;
 use crate::Vec3;
 use crate::angle::direction;
 use crate::limit::Limit as _;
+use crate::meter::{LAGGED_PIECE, PIECE};
 use crate::prediction::roll::{Roll, roll_out};
 use crate::situation::Ownship;
 use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
@@ -152,6 +153,14 @@ impl Rolls {
         kept
     }
 
+    fn begin_at(&self, bank_rad: f64) -> bool {
+        self.len > 0
+            && self
+                .rolls
+                .first()
+                .is_some_and(|roll| roll.from_rad == bank_rad)
+    }
+
     fn from(&self, bank_rad: f64) -> Option<&Roll> {
         self.rolls
             .iter()
@@ -188,6 +197,8 @@ pub struct Flyer {
     pace: f64,
     rolling_in: Rolls,
     rolling_out: Rolls,
+    /// Rolls from the bank of now: to level, and to the largest to the left and to the right.
+    rolling_now: [Rolls; 3],
     /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of
     /// the course at its start, metres.
     settles_m: [(f64, f64); SETTLES],
@@ -211,6 +222,7 @@ impl Flyer {
             pace: 1.0,
             rolling_in: Rolls::NONE,
             rolling_out: Rolls::NONE,
+            rolling_now: [Rolls::NONE; 3],
             settles_m: [(0.0, 0.0); SETTLES],
         };
         if !flyer.is_ideal() {
@@ -259,10 +271,10 @@ impl Flyer {
         (settles.x, settles.y)
     }
 
-    /// The approximate state after rolling out from a state and taking up a climb angle: to decimetres, only
-    /// for skipping. `None` for banks beyond its largest.
-    pub(crate) fn settled(&self, state: &MotionState, climb_rad: f64) -> Option<MotionState> {
-        let place = state.bank_rad.abs() / self.full_bank_rad * (SETTLES - 1) as f64;
+    /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the
+    /// course at its start, metres, to decimetres. `None` for banks beyond its largest.
+    pub(crate) fn roll_out_m(&self, bank_rad: f64) -> Option<(f64, f64)> {
+        let place = bank_rad.abs() / self.full_bank_rad * (SETTLES - 1) as f64;
         if self.is_ideal() || place.is_nan() || place > (SETTLES - 1) as f64 {
             return None;
         }
@@ -270,8 +282,22 @@ impl Flyer {
         let below = above - 1;
         let (low, high) = (self.settles_m.get(below)?, self.settles_m.get(above)?);
         let share = place - below as f64;
-        let forward = low.0 + share * (high.0 - low.0);
-        let left = libm::copysign(1.0, state.bank_rad) * (low.1 + share * (high.1 - low.1));
+        let left = low.1 + share * (high.1 - low.1);
+        Some((
+            low.0 + share * (high.0 - low.0),
+            libm::copysign(1.0, bank_rad) * left,
+        ))
+    }
+
+    /// Time constant of the bank, seconds.
+    pub(crate) const fn bank_time_constant_s(&self) -> f64 {
+        self.bank_time_constant_s
+    }
+
+    /// The approximate state after rolling out from a state and taking up a climb angle: to decimetres, only
+    /// for skipping. `None` for banks beyond its largest.
+    pub(crate) fn settled(&self, state: &MotionState, climb_rad: f64) -> Option<MotionState> {
+        let (forward, left) = self.roll_out_m(state.bank_rad)?;
         let change_rad = climb_rad - state.climb_rad;
         let climbs_s = if change_rad.abs() < REACHED_RAD {
             0.0
@@ -325,6 +351,11 @@ impl Flyer {
     /// Whether the bank follows its command at once.
     pub fn is_ideal(&self) -> bool {
         self.bank_time_constant_s <= 0.0
+    }
+
+    /// What a piece of a predicted flight takes, in units of work.
+    pub(crate) fn piece_work(&self) -> usize {
+        if self.is_ideal() { PIECE } else { LAGGED_PIECE }
     }
 
     /// Whether the wings are level.
@@ -427,6 +458,21 @@ impl Flyer {
         Piece::steady(climb_s.min(step_s), turn_left / step_s, climb_rate, 0.0)
     }
 
+    /// Keeps the rolls from a bank at which many predictions are about to begin.
+    pub(crate) fn keep_rolls_from(&mut self, bank_rad: f64) {
+        let is_kept = self.is_ideal()
+            || bank_rad == 0.0
+            || self
+                .rolling_now
+                .iter()
+                .any(|rolls| rolls.begin_at(bank_rad));
+        if !is_kept {
+            let full_rad = self.full_bank_rad;
+            self.rolling_now =
+                [0.0, full_rad, -full_rad].map(|to_rad| Rolls::new(bank_rad, to_rad, self.pace));
+        }
+    }
+
     /// The next piece of a roll, at most `most` time constants long.
     fn roll(&self, from_rad: f64, command_rad: f64, most: f64) -> Roll {
         let (kept, side) = if command_rad == 0.0 {
@@ -446,7 +492,17 @@ impl Flyer {
                 to_rad: sign * roll.to_rad,
                 ..*roll
             },
-            _ => Roll::new(from_rad, command_rad, most, self.pace),
+            _ => {
+                let mut now = self.rolling_now.iter();
+                now.find_map(|rolls| {
+                    rolls
+                        .from(from_rad)
+                        .filter(|r| r.command_rad == command_rad)
+                })
+                .filter(|roll| roll.lasts <= most)
+                .copied()
+                .unwrap_or_else(|| Roll::new(from_rad, command_rad, most, self.pace))
+            }
         }
     }
 
@@ -554,17 +610,18 @@ impl Flyer {
         let mean_radps = piece.course_rate_radps + 0.5 * growth * after_s;
         let climb_radps = piece.climb_rate_radps;
         let (course_rad, climb_rad) = (state.course_rad, state.climb_rad);
-        let chord_m = self.displacement_m(course_rad, climb_rad, mean_radps, climb_radps, after_s);
+        let rates_radps = (mean_radps, climb_radps);
+        let (chord_m, course, climb) = self.chord(course_rad, climb_rad, rates_radps, after_s);
         if growth == 0.0 {
             return chord_m;
         }
         let turn_rad = mean_radps * after_s;
         let square = after_s * after_s;
-        let speed_mps = self.airspeed_mps * libm::cos(climb_rad + 0.5 * climb_radps * after_s);
+        let speed_mps = self.airspeed_mps * climb.0;
         let left_m =
             -speed_mps * growth * square * after_s / 12.0 * (1.0 - turn_rad * turn_rad / 40.0);
         let behind_m = speed_mps * growth * growth * square * square * after_s / 240.0;
-        let (cos, sin) = unit(course_rad + 0.5 * turn_rad);
+        let (cos, sin) = course;
         chord_m
             + Vec3::new(
                 -left_m * sin - behind_m * cos,
@@ -582,6 +639,18 @@ impl Flyer {
         climb_rate_radps: f64,
         after_s: f64,
     ) -> Vec3 {
+        let rates_radps = (course_rate_radps, climb_rate_radps);
+        self.chord(course_rad, climb_rad, rates_radps, after_s).0
+    }
+
+    /// The same, with course and climb angle halfway as unit complex numbers.
+    fn chord(
+        &self,
+        course_rad: f64,
+        climb_rad: f64,
+        (course_rate_radps, climb_rate_radps): (f64, f64),
+        after_s: f64,
+    ) -> (Vec3, Complex, Complex) {
         let half_course = 0.5 * course_rate_radps * after_s;
         let half_climb = 0.5 * climb_rate_radps * after_s;
         let scale = self.airspeed_mps * after_s;
@@ -590,11 +659,12 @@ impl Flyer {
         let course_half = unit(half_course);
         if climb_rate_radps == 0.0 {
             let chord = scale * sinc(half_course, course_half);
-            return Vec3::new(
+            let moved_m = Vec3::new(
                 chord * climb.0 * course.0,
                 chord * climb.0 * course.1,
                 scale * climb.1,
             );
+            return (moved_m, course, climb);
         }
         let climb_half = unit(half_climb);
         let sum = times(course, climb);
@@ -605,11 +675,12 @@ impl Flyer {
                 half_course - half_climb,
                 times(course_half, conjugate(climb_half)),
             );
-        Vec3::new(
+        let moved_m = Vec3::new(
             scale * (sum_chord * sum.0 + difference_chord * difference.0),
             scale * (sum_chord * sum.1 + difference_chord * difference.1),
             scale * sinc(half_climb, climb_half) * climb.1,
-        )
+        );
+        (moved_m, course, climb)
     }
 
     /// Bound of the acceleration of a piece, metres per second squared: V √(ψ̇² + θ̇²).

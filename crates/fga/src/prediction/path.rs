@@ -6,7 +6,7 @@ use core::slice::Iter;
 use crate::Vec3;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
-use crate::meter::{LAGGED_NODE, LAGGED_PIECE, Meter, NODE, PIECE, SETUP};
+use crate::meter::{LAGGED_NODE, Meter, NODE, SETUP};
 use crate::prediction::motion::{ArcSteps, Piece};
 use crate::prediction::{Flyer, MotionState, Target};
 
@@ -148,11 +148,7 @@ pub(crate) fn flown(
     limit_s: f64,
     meter: &Meter,
 ) -> MotionState {
-    let piece = if flyer.is_ideal() {
-        PIECE
-    } else {
-        LAGGED_PIECE
-    };
+    let piece = flyer.piece_work();
     for_each_piece(flyer, start, maneuver, limit_s, |_, _, _| {
         meter.count(piece);
     })

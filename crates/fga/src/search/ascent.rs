@@ -7,7 +7,7 @@
 use crate::certificate::{Hazard, Line};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
-use crate::meter::{LAGGED_PIECE, Meter, PIECE};
+use crate::meter::Meter;
 use crate::prediction::{Flyer, MotionState, for_each_piece};
 
 use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
@@ -292,11 +292,7 @@ impl Ascent {
             *x += sign * difference;
             let maneuver = maneuver(search, &self.turns(&moved));
             let start = search.scene.start;
-            let work = if flyer.is_ideal() {
-                PIECE
-            } else {
-                LAGGED_PIECE
-            };
+            let work = flyer.piece_work();
             for_each_piece(
                 flyer,
                 &start,

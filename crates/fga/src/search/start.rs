@@ -1,6 +1,7 @@
 //! The latest moment at which a certified manoeuvre still exists: the exact counterpart of `t_c`.
 
-use super::{MAX_TURN_RAD, Search, Sweep};
+use super::sweep::Sweep;
+use super::{MAX_TURN_RAD, Search};
 use crate::angle::Side;
 use crate::prediction::MotionState;
 
@@ -52,15 +53,15 @@ impl Search<'_> {
         has_turn(level_rad) || climbs.any(has_turn)
     }
 
-    /// Whether a certified single turn to one of some sides exists at the steepest climb or descent:
-    /// if neither does, hardly ever does one in between.
-    pub(super) fn has_steep_turn(
+    /// Whether a certified single turn to one of some sides exists at the original climb angle, or at the steepest
+    /// climb or descent: where neither does, hardly ever does one in between.
+    pub(super) fn has_extreme_turn(
         &mut self,
         from: &MotionState,
         before_m: f64,
         sides: &[Side],
     ) -> bool {
-        let mut climbs = self.scene.extreme_climbs().skip(1);
+        let mut climbs = self.scene.extreme_climbs();
         climbs.any(|climb_rad| self.has_turn(from, before_m, sides, (climb_rad, MAX_TURN_RAD)))
     }
 
@@ -73,11 +74,15 @@ impl Search<'_> {
     ) -> bool {
         let target_m = self.scene.target_m;
         sides.iter().any(|side| {
+            let Some(from_rad) = self.first_turn_rad(from, *side, climb_rad) else {
+                return false;
+            };
             self.sweep(&Sweep {
                 from: *from,
                 before_m,
                 side: *side,
                 climb_rad,
+                from_rad,
                 max_turn_rad,
                 floor_m: target_m,
                 enough_m: target_m,

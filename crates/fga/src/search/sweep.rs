@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::angle::Side;
 use crate::certificate::{Certificate, Chord, Hazard, HazardSet as _, Line};
 use crate::limit::Limit as _;
-use crate::meter::{LAGGED_PIECE, LAGGED_STEP, Meter, PIECE, SETUP};
+use crate::meter::{LAGGED_STEP, Meter, SETUP};
 use crate::prediction::{
     ArcSteps, CHORD_BOW_M, Flyer, MAX_NODES, MotionState, Node, Piece, Target, whole,
 };
@@ -14,8 +14,8 @@ use super::{CLIMB_STEP_RAD, Search, Turns};
 /// Longest step along an arc, radians: it bows from its chord by less than a thousandth of its radius.
 pub(super) const LONGEST_STEP_RAD: f64 = 0.1;
 
-/// Halvings of the step between the last turn that fails and the first one that does not.
-const HALVINGS: u32 = 7;
+/// The step between the last turn that fails and the first that does is halved down to this share of it.
+const FINEST: f64 = 1.0 / 128.0;
 
 /// Accepted error of the end of a turn with bank lag, radians.
 const ROLL_OUT_RAD: f64 = 1e-5;
@@ -31,6 +31,8 @@ pub(super) struct Sweep {
     pub side: Side,
     /// Climb angle taken up during the turn, radians.
     pub climb_rad: f64,
+    /// Smaller turns are known to be of no use, radians.
+    pub from_rad: f64,
     /// Largest turn, radians.
     pub max_turn_rad: f64,
     /// Turns with a smaller margin are useless, metres.
@@ -204,7 +206,7 @@ impl Search<'_> {
         let mut floor_m = sweep.floor_m;
         let mut best = None;
         let mut best_m = f64::MIN;
-        let mut failing_rad = f64::MIN;
+        let mut failing_rad = sweep.from_rad;
         self.meter.count(SETUP);
         loop {
             let turn_rad = self.turn_at(&walk.state, sweep);
@@ -372,7 +374,10 @@ impl Search<'_> {
     /// A turn of a sweep, shortened within its last step.
     fn with_less_turn(&mut self, leave: &Leave, last: &LastStep, sweep: &Sweep) -> Leave {
         let flyer = self.scene.flyer;
-        let less = self.halved(leave, |search, share| {
+        let between_rad = (leave.turn_rad - self.turn_at(&last.from, sweep)).abs();
+        let useless_rad = sweep.side.sign() * leave.turn_rad - sweep.from_rad;
+        let most = (useless_rad / between_rad.max(f64::MIN_POSITIVE)).limited(0.0, 1.0);
+        let less = self.halved(leave, most, |search, share| {
             let part_s = (1.0 - share) * last.lasts_s;
             let (turn_rad, state) = if flyer.is_ideal() {
                 let between_rad = leave.turn_rad - search.turn_at(&last.from, sweep);
@@ -405,7 +410,7 @@ impl Search<'_> {
         if back_rad == 0.0 {
             return *leave;
         }
-        self.halved(leave, |search, share| {
+        self.halved(leave, 1.0, |search, share| {
             let climb_rad = leave.climb_rad - share * back_rad;
             let left = Leave {
                 climb_rad,
@@ -416,25 +421,29 @@ impl Search<'_> {
                 ..*sweep
             };
             if search.scene.flyer.is_ideal() {
-                search.evaluated_at(&left, &sweep)
-            } else {
+                return search.evaluated_at(&left, &sweep);
+            }
+            let turn_rad = sweep.side.sign() * leave.turn_rad;
+            let may_do = search.may_do(&sweep.from, (climb_rad, sweep.side), turn_rad);
+            if may_do {
                 search.certified(&left, &sweep)
+            } else {
+                None
             }
         })
     }
 
-    /// The last successful one of a manoeuvre and its versions with a share of the last step removed.
+    /// The last of a manoeuvre and those with the share of its last step taken back that still do, up to `most`
+    /// of it.
     fn halved(
         &mut self,
         leave: &Leave,
+        most: f64,
         mut look: impl FnMut(&mut Self, f64) -> Option<Leave>,
     ) -> Leave {
         let mut best = *leave;
-        let (mut share, mut width) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            if self.limit_met() {
-                break;
-            }
+        let (mut share, mut width) = (0.0, most);
+        while width > FINEST && !self.limit_met() {
             width *= 0.5;
             if let Some(leave) = look(self, share + width) {
                 (best, share) = (leave, share + width);
@@ -488,7 +497,7 @@ impl Search<'_> {
     }
 
     /// `before` lowered by straight flight.
-    fn straight_on(
+    pub(super) fn straight_on(
         &mut self,
         state: &MotionState,
         velocity_mps: Vec3,
@@ -496,15 +505,25 @@ impl Search<'_> {
         floor_m: f64,
     ) -> Certificate {
         self.evaluated += 1;
-        let mut worst = *before;
         let line = Line {
             from_m: state.position_m,
             velocity_mps,
             at_s: state.time_s,
             duration_s: (self.scene.horizon_s - state.time_s).max(0.0),
         };
-        self.lower(&line, 0.0, floor_m, &mut worst, |hazard, worst, meter| {
-            if let Some((least_m, at_s)) = hazard.least_on_line(&line, worst.margin_m, meter) {
+        self.on_line(&line, before, floor_m)
+    }
+
+    /// `before` lowered by a straight line.
+    pub(super) fn on_line(
+        &mut self,
+        line: &Line,
+        before: &Certificate,
+        floor_m: f64,
+    ) -> Certificate {
+        let mut worst = *before;
+        self.lower(line, 0.0, floor_m, &mut worst, |hazard, worst, meter| {
+            if let Some((least_m, at_s)) = hazard.least_on_line(line, worst.margin_m, meter) {
                 (worst.margin_m, worst.at_s) = (least_m, at_s);
             }
         });
@@ -611,11 +630,7 @@ impl Search<'_> {
             let longest_s = libm::sqrt(8.0 * CHORD_BOW_M / acceleration_mps2);
             let duration_s = piece.duration_s.min(until_s - state.time_s);
             let step_s = duration_s / whole(duration_s / longest_s, MAX_NODES) as f64;
-            self.meter.count(if flyer.is_ideal() {
-                PIECE
-            } else {
-                LAGGED_PIECE
-            });
+            self.meter.count(flyer.piece_work());
             let node = Node::on(flyer, &state, &piece, 0.0);
             let end = flyer.advance(&state, &piece, step_s);
             self.along(&node, &end, floor_m, worst);

@@ -89,6 +89,7 @@ impl Avoider {
         if !self.cycle.is_multiple_of(LOOK_BACK_EVERY) || self.meter.is_met() {
             return None;
         }
+        self.flyer.keep_rolls_from(now.bank_rad);
         let turn = (self.cycle / LOOK_BACK_EVERY) as usize;
         let other = 1 + turn / 2 % (INTERCEPTS_RAD.len() - 1);
         let place = if turn.is_multiple_of(2) { 0 } else { other };

@@ -1,0 +1,286 @@
+//! Where a turn leads once it is over, without flying it.
+//!
+//! A turn ends on a straight line. Without lag that is the tangent of a circle; with a bank lag it is still close to
+//! one: rolling in delays the turn and shifts the circle, rolling out shifts the tangent, by what both move the aircraft
+//! however far it turns in between. Only turns that end while the aircraft still rolls in are looked up in a table.
+
+use crate::Vec3;
+use crate::prediction::motion::{Flyer, MotionState, Target};
+
+/// Most ends of the pieces of a roll-in.
+const NODES: usize = 24;
+
+/// Farther than any turn, radians.
+const FAR_RAD: f64 = 100.0;
+
+/// A roll-out is nearly over after this many time constants.
+const ROLLS_OUT: f64 = 4.0;
+
+/// How far the line at the end of a turn may be from the true one, turn radii.
+const INEXACT: f64 = 0.02;
+
+/// A turn whose roll-out begins at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct End {
+    /// The turn once rolled out, radians.
+    turn_rad: f64,
+    /// When the roll-out begins, seconds.
+    time_s: f64,
+    /// Where the aircraft is then, in the frame of the course at the beginning, metres: forward and to the side of the
+    /// turn.
+    at_m: (f64, f64),
+    /// From where it seems to have flown straight since then, once it has rolled out.
+    from_m: (f64, f64),
+}
+
+/// The line on which a turn ends: where the aircraft would have begun it when the roll-out began.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Exit {
+    /// When the roll-out begins, and when it is over, seconds.
+    pub begins_s: f64,
+    pub over_s: f64,
+    /// Where the aircraft is when it begins, forward and to the side of the turn, metres.
+    pub at_m: (f64, f64),
+    /// From where it seems to have flown straight since then, once it has rolled out.
+    pub from_m: (f64, f64),
+    /// Cosine and sine of the turn.
+    pub turned: (f64, f64),
+    /// What the aircraft has flown by then, metres.
+    pub path_m: f64,
+}
+
+impl Exit {
+    /// How far rolling out moves the aircraft from straight flight at most, metres.
+    pub(crate) fn rolls_out_m(&self) -> f64 {
+        (self.from_m.0 - self.at_m.0).abs() + (self.from_m.1 - self.at_m.1).abs()
+    }
+}
+
+/// Turns to one side from a bank, in level flight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bend {
+    /// Bank at the beginning, radians, positive towards the side of the turn.
+    bank_rad: f64,
+    rate_radps: f64,
+    radius_m: f64,
+    settles_s: f64,
+    nodes: [End; NODES],
+    len: usize,
+    /// Cosine and sine of the course at the end of the roll-in.
+    rolled_in: (f64, f64),
+    /// Cosine and sine of the turn that ends there.
+    least_full: (f64, f64),
+    /// What rolling out from the largest bank moves the aircraft by, forward and to the side, metres.
+    roll_out_m: (f64, f64),
+}
+
+impl Bend {
+    /// Turns from a bank towards their side; `None` where that is larger than the vehicle's largest.
+    pub(crate) fn new(flyer: &Flyer, bank_rad: f64) -> Option<Self> {
+        let none = End {
+            turn_rad: 0.0,
+            time_s: 0.0,
+            at_m: (0.0, 0.0),
+            from_m: (0.0, 0.0),
+        };
+        let mut bend = Self {
+            bank_rad,
+            rate_radps: flyer.course_rate_radps(),
+            radius_m: flyer.airspeed_mps() / flyer.course_rate_radps(),
+            settles_s: 0.0,
+            nodes: [none; NODES],
+            len: 1,
+            rolled_in: (1.0, 0.0),
+            least_full: (1.0, 0.0),
+            roll_out_m: (0.0, 0.0),
+        };
+        if flyer.is_ideal() {
+            return Some(bend);
+        }
+        bend.settles_s = ROLLS_OUT * flyer.bank_time_constant_s();
+        let mut state = MotionState {
+            time_s: 0.0,
+            position_m: Vec3::ZERO,
+            course_rad: 0.0,
+            climb_rad: 0.0,
+            bank_rad,
+        };
+        let target = Target {
+            course_rad: FAR_RAD,
+            climb_rad: 0.0,
+            rate_share: 1.0,
+        };
+        bend.len = 0;
+        for slot in &mut bend.nodes {
+            let (forward, left) = flyer.roll_out_m(state.bank_rad)?;
+            let (sin, cos) = libm::sincos(state.course_rad);
+            *slot = End {
+                turn_rad: state.course_rad + flyer.rollout_rad(state.bank_rad),
+                time_s: state.time_s,
+                at_m: (state.position_m.x, state.position_m.y),
+                from_m: (
+                    state.position_m.x + cos * forward - sin * left,
+                    state.position_m.y + sin * forward + cos * left,
+                ),
+            };
+            bend.len += 1;
+            let piece = flyer.next_piece(&state, &target);
+            if piece.bank_command_rad == state.bank_rad {
+                bend.rolled_in = (cos, sin);
+                let (sin, cos) = libm::sincos(slot.turn_rad);
+                bend.least_full = (cos, sin);
+                bend.roll_out_m = (forward, left);
+                return Some(bend);
+            }
+            state = flyer.advance(&state, &piece, piece.duration_s);
+        }
+        None
+    }
+
+    /// Whether it holds for a bank.
+    pub(crate) fn is_from(&self, bank_rad: f64) -> bool {
+        self.bank_rad == bank_rad
+    }
+
+    /// The least turn: rolling out at once, radians.
+    pub(crate) fn least_rad(&self) -> f64 {
+        self.nodes.first().map_or(0.0, |first| first.turn_rad)
+    }
+
+    /// How far its lines may be from the true ones, metres.
+    pub(crate) fn inexact_m(&self) -> f64 {
+        if self.settles_s > 0.0 {
+            INEXACT * self.radius_m
+        } else {
+            0.0
+        }
+    }
+
+    /// The line on which a turn ends.
+    pub(crate) fn exit(&self, turn_rad: f64) -> Option<Exit> {
+        let nodes = self.nodes.get(..self.len)?;
+        let last = nodes.last()?;
+        let (begins_s, at_m, from_m, turned) = if turn_rad >= last.turn_rad {
+            let beyond_rad = turn_rad - last.turn_rad;
+            let (sin, cos) = libm::sincos(beyond_rad);
+            // Along the circle, with what rolling out adds turned with it.
+            let (cos_in, sin_in) = self.rolled_in;
+            let (cos_end, sin_end) = (cos_in * cos - sin_in * sin, sin_in * cos + cos_in * sin);
+            let (more_cos, more_sin) = (cos_end - cos_in, sin_end - sin_in);
+            let (forward, side) = self.roll_out_m;
+            let (cos_full, sin_full) = self.least_full;
+            (
+                last.time_s + beyond_rad / self.rate_radps,
+                (
+                    last.at_m.0 + more_sin * self.radius_m,
+                    last.at_m.1 - more_cos * self.radius_m,
+                ),
+                (
+                    last.from_m.0 + more_sin * (self.radius_m - side) + more_cos * forward,
+                    last.from_m.1 - more_cos * (self.radius_m - side) + more_sin * forward,
+                ),
+                (
+                    cos_full * cos - sin_full * sin,
+                    sin_full * cos + cos_full * sin,
+                ),
+            )
+        } else {
+            let next = nodes.iter().position(|node| node.turn_rad > turn_rad)?;
+            let after = nodes.get(next)?;
+            let before = nodes.get(next.saturating_sub(1))?;
+            let span = (after.turn_rad - before.turn_rad).max(f64::MIN_POSITIVE);
+            let share = ((turn_rad - before.turn_rad) / span).max(0.0);
+            let between = |a: f64, b: f64| a + share * (b - a);
+            let (sin, cos) = libm::sincos(turn_rad);
+            (
+                between(before.time_s, after.time_s),
+                (
+                    between(before.at_m.0, after.at_m.0),
+                    between(before.at_m.1, after.at_m.1),
+                ),
+                (
+                    between(before.from_m.0, after.from_m.0),
+                    between(before.from_m.1, after.from_m.1),
+                ),
+                (cos, sin),
+            )
+        };
+        Some(Exit {
+            begins_s,
+            over_s: begins_s + self.settles_s,
+            at_m,
+            from_m,
+            turned,
+            path_m: self.rate_radps * self.radius_m * begins_s,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maneuver::Maneuver;
+    use crate::prediction::FlightPath;
+    use crate::vehicle::{Response, Vehicle};
+
+    #[test]
+    fn a_turn_ends_on_the_line_that_was_told() {
+        for (lag_s, speed_mps, radius_m) in [
+            (0.0, 15.0, 30.0),
+            (0.25, 12.0, 20.0),
+            (0.6, 15.0, 30.0),
+            (1.0, 22.0, 60.0),
+            (1.2, 50.0, 400.0),
+        ] {
+            let vehicle = Vehicle {
+                airspeed_mps: speed_mps,
+                turn_radius_m: radius_m,
+                response: Response {
+                    dead_time_s: 0.0,
+                    bank_time_constant_s: lag_s,
+                    turn_rate_factor: 0.8,
+                },
+                ..Vehicle::table_4()
+            };
+            let flyer = Flyer::new(&vehicle);
+            let full_rad = if lag_s > 0.0 {
+                flyer.bank_rad(flyer.course_rate_radps())
+            } else {
+                0.0
+            };
+            for share in [0.0, 0.4, -0.6, 1.0] {
+                let bank_rad = share * full_rad;
+                let bend = Bend::new(&flyer, bank_rad).unwrap();
+                for k in 0..40 {
+                    let turn_rad = bend.least_rad() + 0.1 * f64::from(k);
+                    let exit = bend.exit(turn_rad).unwrap();
+                    let start = MotionState {
+                        time_s: 0.0,
+                        position_m: Vec3::ZERO,
+                        course_rad: 0.0,
+                        climb_rad: 0.0,
+                        bank_rad,
+                    };
+                    let mut path = FlightPath::new();
+                    path.predict(&flyer, &start, &Maneuver::turn(0.0, turn_rad, 0.0), 200.0);
+                    for after_s in [0.0, 2.0, 30.0] {
+                        let at_s = exit.over_s + after_s;
+                        let there = path.state_at(&flyer, at_s).unwrap();
+                        let straight_m = speed_mps * (at_s - exit.begins_s);
+                        let told = Vec3::new(
+                            exit.from_m.0 + straight_m * exit.turned.0,
+                            exit.from_m.1 + straight_m * exit.turned.1,
+                            0.0,
+                        );
+                        let off_m = (told - there.position_m).length();
+                        let most_m = bend.inexact_m() + 1e-6;
+                        assert!(
+                            off_m <= most_m,
+                            "lag {lag_s}, bank {bank_rad}, turn {turn_rad}: {off_m} of {most_m}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! How far a manoeuvre departs from the mission, and which single turn departs least.
+
+use crate::Vec3;
+use crate::angle::{Side, direction};
+use crate::certificate::{Asked, MAX_HAZARDS, certify_set, mark_close};
+use crate::prediction::{MotionState, flown};
+
+use super::front::{Entry, Fronts};
+use super::{Found, Objective, Search, Turns};
+
+/// Starts that are compared, as shares of the time to the first entry.
+const STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
+
+/// Obstacles are treated as passed after at most this long, s.
+const LONGEST_PASS_S: f64 = 60.0;
+
+/// A start that may be better by no more than this is not looked at: a share, and turn radii.
+const CLOSE: (f64, f64) = (0.02, 0.02);
+
+/// The departure of a manoeuvre from the mission.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Departure {
+    /// Distance from the mission when the last threatening obstacle has passed, metres.
+    pub aside_m: f64,
+    /// Its lag behind the mission at that time, metres.
+    pub behind_m: f64,
+}
+
+impl Departure {
+    /// Without work left to measure it: farther than any measured one.
+    const UNKNOWN: Self = Self {
+        aside_m: f64::MAX,
+        behind_m: 0.0,
+    };
+
+    /// Its addition to the path until the aircraft is back, metres: a way back at a moderate
+    /// intercept angle adds about a quarter of the distance.
+    pub fn extra_path_m(&self) -> f64 {
+        self.behind_m + 0.27 * self.aside_m
+    }
+}
+
+impl Departure {
+    /// Between where the aircraft is and where the mission would have brought it, on a mission's direction.
+    fn between(offset_m: Vec3, along: Vec3) -> Self {
+        let behind_m = -offset_m.dot(along);
+        Self {
+            aside_m: (offset_m + along * behind_m).length(),
+            behind_m,
+        }
+    }
+
+    /// What an objective counts, metres.
+    fn length_m(&self, objective: Objective) -> f64 {
+        match objective {
+            Objective::PaperCost => self.aside_m + self.extra_path_m(),
+            Objective::LeastDeviation => self.aside_m,
+            Objective::ShortestPath => self.extra_path_m(),
+        }
+    }
+}
+
+/// The hazards that come too close on the mission, and when each is closest, seconds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Conflicts {
+    all: [(usize, f64); MAX_HAZARDS],
+    count: usize,
+}
+
+/// A start and a side, and about how far the cheapest turn departs, metres.
+#[derive(Debug, Clone, Copy)]
+struct Prospect {
+    wait_s: f64,
+    side: Side,
+    departure_m: f64,
+}
+
+impl Search<'_> {
+    /// The cheapest certified single turn to each side, of several starts up to a first entry that which departs
+    /// least; the side that departs least first.
+    ///
+    /// The lines on which turns end tell about how far each start and side would depart: only the best is certified,
+    /// and others that could be better then. After searches that were `cut` it begins with others.
+    pub fn least_departure(&mut self, entry_s: f64, cut: u32) -> [Option<Found>; 2] {
+        let objective = self.scene.objective;
+        let mut prospects = [None; 2 * STARTS.len()];
+        let mut fronts = Fronts::new();
+        for (share, pair) in STARTS.iter().zip(prospects.chunks_mut(2)) {
+            let Some(entry) = self.entry(share * entry_s) else {
+                continue;
+            };
+            for (side, slot) in Side::BOTH.into_iter().zip(pair) {
+                *slot = self.prospect(&entry, side, &mut fronts);
+            }
+        }
+        let length_m =
+            |prospect: &Option<Prospect>| prospect.map_or(f64::INFINITY, |p| p.departure_m);
+        prospects.sort_unstable_by(|a, b| length_m(a).total_cmp(&length_m(b)));
+        let others = cut as usize % prospects.len();
+        prospects.rotate_left(others);
+        let mut best: [Option<(f64, Found)>; 2] = [None; 2];
+        let slack_m = CLOSE.1 * self.scene.turn_radius_m();
+        for prospect in prospects.into_iter().flatten() {
+            let Some(best) = best.get_mut(usize::from(prospect.side == Side::Right)) else {
+                continue;
+            };
+            let enough_m = prospect.departure_m * (1.0 + CLOSE.0) + slack_m;
+            if best.is_some_and(|(least_m, _)| least_m <= enough_m) {
+                continue;
+            }
+            let Some(found) = self.cheapest_to(&[prospect.side], prospect.wait_s) else {
+                continue;
+            };
+            let departure_m = self.departure_of(&found.turns).length_m(objective);
+            if best.is_none_or(|(least_m, _)| departure_m < least_m) {
+                *best = Some((departure_m, found));
+            }
+        }
+        let [left, right] = best;
+        let departure_m = |best: Option<(f64, Found)>| best.map_or(f64::INFINITY, |best| best.0);
+        let ordered = if departure_m(right) < departure_m(left) {
+            [right, left]
+        } else {
+            [left, right]
+        };
+        ordered.map(|best| best.map(|(_, found)| found))
+    }
+
+    /// About how far the cheapest turn to a side departs; `None` where there is none.
+    fn prospect(&mut self, entry: &Entry, side: Side, fronts: &mut Fronts) -> Option<Prospect> {
+        let wait_s = entry.wait_s();
+        if !self.open(entry, &[side], fronts) {
+            return None;
+        }
+        let objective = self.scene.objective;
+        // What is cheapest by another objective lines do not tell.
+        let departure_m = match objective {
+            Objective::PaperCost => self.likely(entry, fronts).map(|tangent| {
+                let until_s = self.passed_s(wait_s, &tangent.state, tangent.velocity_mps);
+                let after_s = until_s - tangent.state.time_s;
+                let there_m = tangent.state.position_m + tangent.velocity_mps * after_s;
+                self.departure_at(there_m, until_s).length_m(objective)
+            }),
+            Objective::LeastDeviation | Objective::ShortestPath => None,
+        };
+        Some(Prospect {
+            wait_s,
+            side,
+            departure_m: departure_m.unwrap_or(f64::MIN),
+        })
+    }
+
+    /// How far a manoeuvre departs from the mission until the obstacles that it avoids have passed.
+    pub fn departure_of(&mut self, turns: &Turns) -> Departure {
+        if self.limit_met() {
+            return Departure::UNKNOWN;
+        }
+        let scene = self.scene;
+        let departure = self.departure(turns.wait_s);
+        let maneuver = self.maneuver(turns, &departure);
+        self.conflicts();
+        self.predict(&maneuver);
+        let last = self.path.nodes().last();
+        let end = last.map_or(scene.start, |node| node.state);
+        let until_s = self.passed_s(turns.wait_s, &end, self.path.end_velocity_mps());
+        let there = self.path.state_at(scene.flyer, until_s);
+        self.departure_at(there.unwrap_or(scene.start).position_m, until_s)
+    }
+
+    /// How far a place is from where the mission would have brought the aircraft by then.
+    fn departure_at(&self, there_m: Vec3, at_s: f64) -> Departure {
+        let scene = self.scene;
+        let planned = flown(scene.flyer, &scene.start, scene.nominal, at_s, &self.meter);
+        let along = direction(scene.original.0, scene.original.1);
+        Departure::between(there_m - planned.position_m, along)
+    }
+
+    /// When a manoeuvre that ends straight has passed what comes too close on the mission, seconds.
+    fn passed_s(&mut self, wait_s: f64, end: &MotionState, end_velocity_mps: Vec3) -> f64 {
+        let conflicts = self.conflicts();
+        let mut until_s = wait_s;
+        for (place, closest_s) in conflicts.all.iter().take(conflicts.count) {
+            let Some(hazard) = self.scene.hazards.rows().get(*place) else {
+                continue;
+            };
+            let offset = end.position_m - hazard.position_after_m(end.time_s);
+            let relative = end_velocity_mps - hazard.velocity_mps;
+            let after_s = -offset.dot(relative) / relative.length_squared().max(1e-9);
+            let passes_s = end.time_s + after_s.max(0.0);
+            until_s = until_s.max(*closest_s).max(passes_s.min(LONGEST_PASS_S));
+        }
+        until_s
+    }
+
+    /// What comes too close on the mission. Uses the path once.
+    fn conflicts(&mut self) -> Conflicts {
+        if let Some(conflicts) = self.conflicts {
+            return conflicts;
+        }
+        let scene = self.scene;
+        let mut conflicts = Conflicts {
+            all: [(0, 0.0); MAX_HAZARDS],
+            count: 0,
+        };
+        self.predict(scene.nominal);
+        let reach = (scene.horizon_s, scene.target_m);
+        let marks = mark_close(scene.flyer, self.path, scene.hazards, reach, &self.meter);
+        let asked = Asked {
+            horizon_s: scene.horizon_s,
+            floor_m: f64::MIN,
+            enough_m: scene.target_m,
+        };
+        let rows = scene.hazards.rows().iter().zip(marks).enumerate();
+        for (place, (hazard, _)) in rows.filter(|(_, (_, close))| *close) {
+            if self.limit_met() {
+                break;
+            }
+            let one = core::slice::from_ref(hazard);
+            let closest = certify_set(scene.flyer, self.path, one, &asked, &self.meter);
+            if closest.margin_m < scene.target_m
+                && let Some(slot) = conflicts.all.get_mut(conflicts.count)
+            {
+                *slot = (place, closest.at_s);
+                conflicts.count += 1;
+            }
+        }
+        self.conflicts = Some(conflicts);
+        conflicts
+    }
+}
