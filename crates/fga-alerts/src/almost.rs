@@ -30,11 +30,28 @@ impl Closeness {
         }
     }
 
-    /// Whether `a` and `b` count as one.
-    pub(crate) fn same(self, a: f64, b: f64) -> bool {
-        if a == b {
-            return true;
+    /// A part of two numbers' sizes by which numbers that count as one never differ.
+    const fn far_part(self) -> f64 {
+        match self {
+            Self::Rounding => 1e-11,
+            Self::Edge => 1e-3,
         }
+    }
+
+    /// Whether two finite numbers surely do not count as one; most do not, and this is quick.
+    #[inline]
+    pub(crate) fn is_far(self, a: f64, b: f64) -> bool {
+        let apart = (a - b).abs();
+        apart > self.far_part() * (a.abs() + b.abs()) && apart > 4.0 * self.beside_zero()
+    }
+
+    /// Whether `a` and `b` count as one.
+    #[inline]
+    pub(crate) fn same(self, a: f64, b: f64) -> bool {
+        a == b || (!self.is_far(a, b) && self.is_same_place(a, b))
+    }
+
+    fn is_same_place(self, a: f64, b: f64) -> bool {
         if !a.is_finite() || !b.is_finite() {
             return false;
         }
@@ -45,11 +62,13 @@ impl Closeness {
     }
 
     /// Whether `a` is below `b` by more than the resolution.
+    #[inline]
     pub(crate) fn less(self, a: f64, b: f64) -> bool {
         a < b && !self.same(a, b)
     }
 
     /// Whether `a` is below `b` or counts as the same.
+    #[inline]
     pub(crate) fn at_most(self, a: f64, b: f64) -> bool {
         a <= b || self.same(a, b)
     }

@@ -4,8 +4,11 @@
 //! |---|---|
 //! | [`span`] | which values can a manoeuvre reach? |
 //! | [`path`] | where does the ownship fly meanwhile? |
-//! | [`search`] | which steps lead into a conflict? |
-//! | [`pool`] | what did this step already compute? |
+//! | [`ways`] | along which lines does it reach the values of a span? |
+//! | [`met`] | when does a line meet a volume of an intruder? |
+//! | [`search`] | which steps meet a conflict? |
+//! | [`level`] | which altitudes meet a conflict? |
+//! | [`pool`] | what was computed already in this step? |
 //! | [`intervals`] | which values are free? |
 //! | [`colors`] | how do regions cover each other? |
 //! | [`memory`] | which bands and which preferred side does the display show? |
@@ -13,22 +16,27 @@
 
 pub(crate) mod colors;
 pub(crate) mod intervals;
+mod level;
 pub(crate) mod memory;
+pub(crate) mod met;
 pub(crate) mod path;
 mod pool;
 pub(crate) mod recovery;
 pub(crate) mod search;
 pub(crate) mod span;
+mod ways;
 
 use crate::aircraft::{Aircraft, PairDeviation, State};
 use crate::bands::colors::{Band, Colors, band_at};
 use crate::bands::intervals::Intervals;
+use crate::bands::level::LevelSearch;
 use crate::bands::memory::{Memory, Resolution, Step, Way};
-use crate::bands::path::Fan;
+use crate::bands::met::{Meeting, Met, meetings_once};
 use crate::bands::pool::{Key, WindowPool, level_key};
 use crate::bands::recovery::{Recovery, WaysOut};
-use crate::bands::search::{FanSearch, LevelSearch, Met, Task, Windows, is_level};
+use crate::bands::search::{FanSearch, Task};
 use crate::bands::span::{Quantity, Span};
+use crate::bands::ways::Ways;
 use crate::loss::Loss;
 use crate::settings::{Region, Settings, TerminalGuidance};
 use crate::volume::{Cylinder, Volume};
@@ -114,7 +122,7 @@ pub struct QuantityBands {
     peripheral: [Vec<Contribution>; 3],
     recovery: Recovery,
     memory: Memory,
-    fan: Fan,
+    ways: Ways,
     pool: WindowPool,
     span: Option<Span>,
 }
@@ -138,7 +146,7 @@ impl QuantityBands {
             peripheral: Default::default(),
             recovery: Recovery::NotNeeded,
             memory: Memory::default(),
-            fan: Fan::default(),
+            ways: Ways::default(),
             pool: WindowPool::default(),
             span: None,
         }
@@ -214,18 +222,16 @@ impl QuantityBands {
         let Some(span) = self.span else {
             return;
         };
-        if !is_level(self.quantity) {
-            self.fan.fill(
-                self.quantity,
-                settings,
-                ownship,
-                &span,
-                picture.turns_at_once(),
-            );
-        }
+        self.ways.fill(
+            self.quantity,
+            settings,
+            ownship,
+            &span,
+            picture.turns_at_once(),
+        );
         for (index, region) in Region::CONFLICTS.into_iter().enumerate() {
             if picture.paints(region) {
-                self.find_peripheral(picture, &span, index, region);
+                self.find_peripheral(picture, index, region);
             }
         }
         let (colors, recovers) = self.paint(picture, &span);
@@ -242,7 +248,7 @@ impl QuantityBands {
     }
 
     /// Finds aircraft that only a manoeuvre brings into conflict.
-    fn find_peripheral(&mut self, picture: &Picture, span: &Span, index: usize, region: Region) {
+    fn find_peripheral(&mut self, picture: &Picture, index: usize, region: Region) {
         let settings = picture.settings;
         for (intruder, alerter_index) in picture.alerters.iter().enumerate() {
             let Some(alerter_index) = *alerter_index else {
@@ -269,15 +275,12 @@ impl QuantityBands {
                 continue;
             }
             let task = Task {
-                volume: &level.volume,
-                before: None,
                 from_s: 0.0,
                 until_s: horizon_s,
             };
-            let key = level_key(settings, alerter_index, number);
-            let meets = self.with_search(picture, intruder, &met, key, None, |search| {
-                search.any_conflict(&task, span)
-            });
+            let later = (&level.volume, level_key(settings, alerter_index, number));
+            let meets = Self::search(&self.ways, &mut self.pool, intruder, &met, later, None)
+                .any_conflict(&task);
             if meets && let Some(aircraft) = self.peripheral.get_mut(index) {
                 aircraft.push(Contribution {
                     intruder,
@@ -287,54 +290,6 @@ impl QuantityBands {
                 });
             }
         }
-    }
-
-    /// Runs a search against one intruder with its windows computed once. Task, intruder and question come
-    /// together only here.
-    fn with_search<T>(
-        &mut self,
-        picture: &Picture,
-        intruder: usize,
-        met: &Met,
-        key: Key,
-        before: Option<Cylinder>,
-        ask: impl FnOnce(&Search) -> T,
-    ) -> T {
-        let settings = picture.settings;
-        if is_level(self.quantity) {
-            return ask(&Search::Level(LevelSearch {
-                met: *met,
-                ownship: &picture.ownship.state,
-                instantaneous: self.quantity.is_instantaneous(settings, false),
-            }));
-        }
-        let place = match key {
-            Key::Cylinder(cylinder) => {
-                let volume = Volume::Cylinder(cylinder);
-                self.pool.ensure(intruder, key, met, &volume, &self.fan)
-            }
-            Key::Level { alerter, level } => settings
-                .alerters
-                .get(alerter)
-                .and_then(|alerter| alerter.level(level))
-                .map_or(0, |level| {
-                    self.pool
-                        .ensure(intruder, key, met, &level.volume, &self.fan)
-                }),
-        };
-        let before_place = before.map(|cylinder| {
-            let volume = Volume::Cylinder(cylinder);
-            let key = Key::Cylinder(cylinder);
-            self.pool.ensure(intruder, key, met, &volume, &self.fan)
-        });
-        let nothing = Windows::default();
-        let windows = self.pool.get(place).unwrap_or(&nothing);
-        ask(&Search::Fan(FanSearch {
-            met: *met,
-            fan: &self.fan,
-            windows,
-            before: before_place.and_then(|place| self.pool.get(place)),
-        }))
     }
 
     /// The values free of conflicts with these aircraft.
@@ -359,38 +314,86 @@ impl QuantityBands {
             };
             let own_key = level_key(settings, contribution.alerter, contribution.level);
             let horizon_s = contribution.horizon_s;
-            let (cylinder, key, from_s, until_s) = match instead {
-                Instead::Own => (None, own_key, 0.0, horizon_s),
-                Instead::Cylinder(cylinder) => {
-                    (Some(cylinder), Key::Cylinder(cylinder), 0.0, horizon_s)
-                }
+            let (cylinder, is_own, from_s) = match instead {
+                Instead::Own => (None, true, 0.0),
+                Instead::Cylinder(cylinder) => (Some(cylinder), false, 0.0),
                 // Beyond the aircraft's horizon only the cylinder counts.
                 Instead::Until(cylinder, time_s) if time_s > horizon_s => {
-                    (Some(cylinder), Key::Cylinder(cylinder), 0.0, horizon_s)
+                    (Some(cylinder), false, 0.0)
                 }
-                Instead::Until(cylinder, time_s) => (Some(cylinder), own_key, time_s, horizon_s),
+                Instead::Until(cylinder, time_s) => (Some(cylinder), true, time_s),
             };
             let cylinder_volume = cylinder.map(Volume::Cylinder);
-            let counts_before = matches!(key, Key::Level { .. });
-            let task = Task {
-                volume: match (&key, &cylinder_volume) {
-                    (Key::Cylinder(_), Some(volume)) => volume,
-                    _ => &level.volume,
-                },
-                before: cylinder_volume.as_ref().filter(|_| counts_before),
-                from_s,
-                until_s,
+            let cylinder = cylinder_volume.as_ref().zip(cylinder.map(Key::Cylinder));
+            let own = is_own.then_some((&level.volume, own_key));
+            // The cylinder counts before the own volume, or alone.
+            let (Some(later), before) = (match own {
+                Some(own) => (Some(own), cylinder),
+                None => (cylinder, None),
+            }) else {
+                continue;
             };
-            let before = cylinder.filter(|_| counts_before);
-            self.with_search(picture, intruder, &met, key, before, |search| {
-                search.free(&task, span, &mut of_one);
-            });
+            let task = Task {
+                from_s,
+                until_s: horizon_s,
+            };
+            let search = Self::search(&self.ways, &mut self.pool, intruder, &met, later, before);
+            search.free(&task, span, &mut of_one);
             free.intersect(&of_one);
             if free.is_empty() {
                 break;
             }
         }
         free
+    }
+
+    /// Whether an intruder is in a cylinder already, or is met before a maneuver begins: then
+    /// nothing is free of it.
+    fn is_blocked_at_once(
+        &self,
+        picture: &Picture,
+        aircraft: &[Contribution],
+        cylinder: Cylinder,
+    ) -> bool {
+        let volume = Volume::Cylinder(cylinder);
+        let lines = self.ways.lines();
+        aircraft.iter().any(|contribution| {
+            let task = Task {
+                from_s: 0.0,
+                until_s: contribution.horizon_s,
+            };
+            picture.met(contribution.intruder).is_some_and(|met| {
+                let meetings = meetings_once(&met, &volume, lines);
+                self.ways.search(meetings, None).is_blocked_at_once(&task)
+            })
+        })
+    }
+
+    /// A search against one intruder, its windows computed once.
+    fn search<'a>(
+        ways: &'a Ways,
+        pool: &'a mut WindowPool,
+        intruder: usize,
+        met: &Met<'a>,
+        later: (&'a Volume, Key),
+        before: Option<(&'a Volume, Key)>,
+    ) -> Search<'a> {
+        let lines = ways.lines();
+        let mut place =
+            |(volume, key): (&Volume, Key)| pool.ensure(intruder, key, met, volume, lines);
+        let (later_place, before_place) = (place(later), before.map(place));
+        let pool = &*pool;
+        let meeting = |place: Option<usize>, volume| {
+            place.and_then(|place| pool.get(place)).map_or_else(
+                || meetings_once(met, volume, lines),
+                |windows| windows.of(met, volume, lines),
+            )
+        };
+        let before = before.zip(before_place);
+        ways.search(
+            meeting(later_place, later.0),
+            before.map(|((volume, _), place)| meeting(place, volume)),
+        )
     }
 
     /// The aircraft that paint a region: in conflict, or only after a manoeuvre.
@@ -500,36 +503,19 @@ impl QuantityBands {
             return true;
         };
         let task = Task {
-            volume,
-            before: None,
             from_s: 0.0,
             until_s: settings.lookahead_s,
         };
-        if is_level(self.quantity) {
-            return LevelSearch {
-                met: *met,
-                ownship,
-                instantaneous: self.quantity.is_instantaneous(settings, false),
-            }
-            .all_conflict(&task, &base);
-        }
-        let mut fan = Fan::default();
-        fan.fill(
+        let mut ways = Ways::default();
+        ways.fill(
             self.quantity,
             settings,
             ownship,
             &base,
             picture.turns_at_once(),
         );
-        let mut windows = Windows::default();
-        windows.fill(met, volume, &fan);
-        FanSearch {
-            met: *met,
-            fan: &fan,
-            windows: &windows,
-            before: None,
-        }
-        .all_conflict(&task)
+        ways.search(meetings_once(met, volume, ways.lines()), None)
+            .all_conflict(&task)
     }
 }
 
@@ -539,11 +525,50 @@ enum Search<'a> {
     Level(LevelSearch<'a>),
 }
 
+impl Ways {
+    /// A search along the ways, past the task's volume and its earlier one.
+    fn search<'a>(
+        &'a self,
+        later: [Meeting<'a>; 2],
+        before: Option<[Meeting<'a>; 2]>,
+    ) -> Search<'a> {
+        match self {
+            Self::Fan(fan) => Search::Fan(FanSearch {
+                later,
+                before,
+                step_s: fan.step_s,
+            }),
+            Self::Levels(levels) => {
+                let [later, _] = later;
+                Search::Level(LevelSearch {
+                    levels,
+                    later,
+                    before: before.map(|[before, _]| before),
+                })
+            }
+        }
+    }
+}
+
 impl Search<'_> {
-    fn any_conflict(&self, task: &Task, span: &Span) -> bool {
+    fn any_conflict(&self, task: &Task) -> bool {
         match self {
             Self::Fan(search) => search.any_conflict(task),
-            Self::Level(search) => search.any_conflict(task, span),
+            Self::Level(search) => search.any_conflict(task),
+        }
+    }
+
+    fn is_blocked_at_once(&self, task: &Task) -> bool {
+        match self {
+            Self::Fan(search) => search.is_blocked_at_once(task),
+            Self::Level(search) => search.is_blocked_at_once(task),
+        }
+    }
+
+    fn all_conflict(&self, task: &Task) -> bool {
+        match self {
+            Self::Fan(search) => search.all_conflict(task),
+            Self::Level(search) => search.all_conflict(task),
         }
     }
 
@@ -569,34 +594,17 @@ pub(crate) fn meets_within_spread(
         return false;
     };
     let task = Task {
-        volume,
-        before: None,
         from_s: 0.0,
         until_s,
     };
-    if is_level(quantity) {
-        return LevelSearch {
-            met: *met,
-            ownship,
-            instantaneous: quantity.is_instantaneous(picture.settings, false),
-        }
-        .any_conflict(&task, &span);
-    }
-    let mut fan = Fan::default();
-    fan.fill(
+    let mut ways = Ways::default();
+    ways.fill(
         quantity,
         picture.settings,
         ownship,
         &span,
         picture.turns_at_once(),
     );
-    let mut windows = Windows::default();
-    windows.fill(met, volume, &fan);
-    FanSearch {
-        met: *met,
-        fan: &fan,
-        windows: &windows,
-        before: None,
-    }
-    .any_conflict(&task)
+    ways.search(meetings_once(met, volume, ways.lines()), None)
+        .any_conflict(&task)
 }

@@ -36,6 +36,12 @@ impl Loss {
         }
     }
 
+    /// Whether the end lies after the begin at all, be it within rounding.
+    #[inline]
+    pub(crate) fn lasts(self) -> bool {
+        self.entry_s < self.exit_s
+    }
+
     /// Whether the violation has a duration.
     pub fn is_conflict(self) -> bool {
         Closeness::Rounding.less(self.entry_s, self.exit_s)
@@ -53,6 +59,23 @@ impl Loss {
             self.entry_s.max(other.entry_s),
             self.exit_s.min(other.exit_s),
         )
+    }
+
+    /// Whether rounding has no say in whether a part between two times, far apart, lasts; this one
+    /// lasts.
+    #[inline]
+    pub(crate) fn is_clear(self, from_s: f64, to_s: f64) -> bool {
+        let begin_s = if from_s > self.entry_s {
+            from_s
+        } else {
+            self.entry_s
+        };
+        let end_s = if to_s < self.exit_s {
+            to_s
+        } else {
+            self.exit_s
+        };
+        begin_s >= end_s || Closeness::Rounding.is_far(begin_s, end_s)
     }
 
     /// Whether the part between two times has a duration.

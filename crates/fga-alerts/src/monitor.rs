@@ -2,7 +2,7 @@
 
 use crate::aircraft::{Aircraft, AircraftId, Pair, PairDeviation, State};
 use crate::almost::Closeness::Rounding;
-use crate::bands::search::Met;
+use crate::bands::met::Met;
 use crate::bands::span::Quantity;
 use crate::bands::{Contribution, Picture, QuantityBands, Terminal, meets_within_spread};
 use crate::hysteresis::{Held, HysteresisSettings};

@@ -25,6 +25,7 @@ impl Crossing {
 }
 
 /// `v × s` as a number: positive where `b` is anticlockwise of `a`.
+#[inline]
 pub(crate) fn cross(a: DVec2, b: DVec2) -> f64 {
     a.x * b.y - a.y * b.x
 }
@@ -67,6 +68,19 @@ pub(crate) fn half_root(a: f64, b: f64, c: f64, crossing: Crossing) -> Option<f6
         .then(|| (-b + crossing.sign() * libm::sqrt((square - product).max(0.0))) / a)
 }
 
+/// Both roots of `a t² + 2 b t + c`, the earlier one first where `a` is positive.
+#[inline]
+pub(crate) fn half_roots(a: f64, b: f64, c: f64) -> Option<(f64, f64)> {
+    if a == 0.0 {
+        return (b != 0.0).then(|| (-c / (2.0 * b), -c / (2.0 * b)));
+    }
+    let (square, product) = (b * b, a * c);
+    (square > product || Closeness::Rounding.same(square, product)).then(|| {
+        let root = libm::sqrt((square - product).max(0.0));
+        ((-b - root) / a, (-b + root) / a)
+    })
+}
+
 /// Root of `a t² + b t + c`.
 pub(crate) fn root(a: f64, b: f64, c: f64, crossing: Crossing) -> Option<f64> {
     if a == 0.0 {
@@ -77,12 +91,8 @@ pub(crate) fn root(a: f64, b: f64, c: f64, crossing: Crossing) -> Option<f64> {
         .then(|| (-b + crossing.sign() * libm::sqrt((square - product).max(0.0))) / (2.0 * a))
 }
 
-/// Whether `s` lies inside the circle by more than rounding.
-pub(crate) fn inside(s: DVec2, radius_m: f64) -> bool {
-    Closeness::Rounding.less(s.length_squared(), radius_m * radius_m)
-}
-
 /// Whether two velocities count as one, component by component.
+#[inline]
 pub(crate) fn same_velocity(a: DVec2, b: DVec2) -> bool {
     Closeness::Rounding.same(a.x, b.x) && Closeness::Rounding.same(a.y, b.y)
 }

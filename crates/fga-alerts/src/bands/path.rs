@@ -23,6 +23,7 @@ pub(crate) struct Line {
 
 impl Line {
     /// The line of a state at a time.
+    #[inline]
     fn at(since_s: f64, position_m: DVec3, velocity_mps: DVec3) -> Self {
         let position_m = if since_s == 0.0 {
             position_m
@@ -37,15 +38,18 @@ impl Line {
             },
         }
     }
-
-    /// Whether the manoeuvre is possible at all.
-    pub(crate) fn exists(&self) -> bool {
-        self.state.is_finite()
-    }
 }
 
 /// Standard gravity, m/s².
 const GRAVITY_MPS2: f64 = 9.806_65;
+
+/// The lines of ways, as volumes are looked for along them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lines<'a> {
+    pub(crate) sides: [&'a [Line]; 2],
+    /// Time from one line to the next, seconds.
+    pub(crate) step_s: f64,
+}
 
 /// Lines step by step, to the low and to the high side; index 0 is the current state.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -53,6 +57,27 @@ pub(crate) struct Fan {
     pub(crate) sides: [Vec<Line>; 2],
     /// Time of one step, seconds; 0 for an instantaneous manoeuvre.
     pub(crate) step_s: f64,
+    /// Sines and cosines of the multiples of a step, the same from time to time.
+    turns: Turns,
+}
+
+/// Sines and cosines of the multiples of an angle.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Turns {
+    step_rad: f64,
+    table: Vec<(f64, f64)>,
+}
+
+impl Turns {
+    fn fill(&mut self, step_rad: f64, count: usize) {
+        if self.step_rad.to_bits() != step_rad.to_bits() {
+            self.step_rad = step_rad;
+            self.table.clear();
+        }
+        for k in self.table.len()..=count {
+            self.table.push(libm::sincos(k as f64 * step_rad));
+        }
+    }
 }
 
 /// Speed for the computation of turns: a standing aircraft turns nowhere.
@@ -65,6 +90,14 @@ fn turning_speed_mps(settings: &Settings, ownship: &State) -> f64 {
 }
 
 impl Fan {
+    pub(crate) fn lines(&self) -> Lines<'_> {
+        let [low, high] = &self.sides;
+        Lines {
+            sides: [low, high],
+            step_s: self.step_s,
+        }
+    }
+
     /// The lines of a direction or speed maneuver.
     pub(crate) fn fill(
         &mut self,
@@ -84,28 +117,48 @@ impl Fan {
         low.clear();
         high.clear();
         let steps = span.steps_down.max(span.steps_up);
-        let starting = match quantity {
-            Quantity::Direction => with_speed(ownship, turning_speed_mps(settings, ownship)),
-            _ => ownship.velocity_mps,
+        if quantity == Quantity::Direction {
+            self.turns.fill(span.step, steps);
+        }
+        let now_mps = ownship.speed_mps();
+        let maneuver = Maneuver {
+            position_m: ownship.position_m,
+            velocity_mps: match quantity {
+                Quantity::Direction => {
+                    with_speed(ownship, now_mps, turning_speed_mps(settings, ownship))
+                }
+                _ => ownship.velocity_mps,
+            },
+            ownship,
+            now_mps,
+            instantaneous,
         };
-        for (count, tries_low, tries_high) in
-            (0..=steps).map(|k| (k, k <= span.steps_down, k <= span.steps_up))
-        {
-            let time_s = self.step_s * count as f64;
-            let maneuver = Maneuver {
-                quantity,
-                settings,
-                ownship,
-                starting,
-                change: count as f64 * span.step,
-                time_s,
-                instantaneous,
+        for k in 0..=steps {
+            let change = k as f64 * span.step;
+            let time_s = self.step_s * k as f64;
+            let lines = if change == 0.0 {
+                [maneuver.unchanged(); 2]
+            } else {
+                match quantity {
+                    Quantity::Direction => {
+                        let turn = self.turns.table.get(k).copied().unwrap_or_default();
+                        maneuver.turns(change, time_s, turn)
+                    }
+                    Quantity::HorizontalSpeed => {
+                        let acceleration = settings.horizontal_acceleration_mps2;
+                        maneuver.accelerates(change, time_s, acceleration)
+                    }
+                    Quantity::VerticalSpeed => {
+                        maneuver.climbs(change, time_s, settings.vertical_acceleration_mps2)
+                    }
+                    Quantity::Altitude => [maneuver.unchanged(); 2],
+                }
             };
-            let [to_low, to_high] = maneuver.lines();
-            if tries_low {
+            let [to_low, to_high] = lines;
+            if k <= span.steps_down {
                 low.push(to_low);
             }
-            if tries_high {
+            if k <= span.steps_up {
                 high.push(to_high);
             }
         }
@@ -134,10 +187,9 @@ fn step_s(quantity: Quantity, settings: &Settings, ownship: &State) -> f64 {
     }
 }
 
-/// The velocity with another horizontal speed.
-fn with_speed(state: &State, speed_mps: f64) -> DVec3 {
+/// The velocity with another horizontal speed than it has now.
+fn with_speed(state: &State, now_mps: f64, speed_mps: f64) -> DVec3 {
     let v = state.velocity_mps;
-    let now_mps = state.speed_mps();
     if now_mps > 0.0 {
         let factor = speed_mps / now_mps;
         DVec3::new(v.x * factor, v.y * factor, v.z)
@@ -147,39 +199,31 @@ fn with_speed(state: &State, speed_mps: f64) -> DVec3 {
     }
 }
 
-/// One step of a manoeuvre.
+/// Where a maneuver begins; its lines go to the low and to the high side.
 struct Maneuver<'a> {
-    quantity: Quantity,
-    settings: &'a Settings,
+    position_m: DVec3,
+    velocity_mps: DVec3,
     ownship: &'a State,
-    starting: DVec3,
-    /// Change of the quantity so far, SI unit.
-    change: f64,
-    time_s: f64,
+    now_mps: f64,
     instantaneous: bool,
 }
 
+/// The same to the low and to the high side.
+#[inline]
+fn both(line: impl Fn(f64) -> Line) -> [Line; 2] {
+    [line(-1.0), line(1.0)]
+}
+
 impl Maneuver<'_> {
-    /// The lines to the low and to the high side.
-    fn lines(&self) -> [Line; 2] {
-        let s = self.ownship.position_m;
-        if self.change == 0.0 {
-            return [Line::at(0.0, s, self.starting); 2];
-        }
-        match self.quantity {
-            Quantity::Direction => self.turns(),
-            Quantity::HorizontalSpeed => [-1.0, 1.0].map(|sign| self.accelerates(sign)),
-            Quantity::VerticalSpeed => [-1.0, 1.0].map(|sign| self.climbs(sign)),
-            Quantity::Altitude => [Line::at(0.0, s, self.starting); 2],
-        }
+    fn unchanged(&self) -> Line {
+        Line::at(0.0, self.position_m, self.velocity_mps)
     }
 
-    fn turns(&self) -> [Line; 2] {
-        let (s, v, t) = (self.ownship.position_m, self.starting, self.time_s);
-        let rate = self.change / t;
-        let (sin, cos) = libm::sincos(self.change);
+    fn turns(&self, change: f64, t: f64, (sin, cos): (f64, f64)) -> [Line; 2] {
+        let (s, v) = (self.position_m, self.velocity_mps);
+        let rate = change / t;
         // Right turns are clockwise from above; a left turn mirrors the sine.
-        [-1.0, 1.0].map(|side| {
+        both(|side| {
             let sin = sin * side;
             let turned = DVec3::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin, v.z);
             if self.instantaneous {
@@ -195,35 +239,39 @@ impl Maneuver<'_> {
         })
     }
 
-    fn accelerates(&self, sign: f64) -> Line {
-        let (s, v, t) = (self.ownship.position_m, self.starting, self.time_s);
-        let now_mps = self.ownship.speed_mps();
-        let faster_mps = now_mps + sign * self.change;
-        if faster_mps < 0.0 {
-            // No aircraft flies backwards: the line never meets anything.
-            return Line::at(t, s, DVec3::NAN);
-        }
-        let faster = with_speed(self.ownship, faster_mps);
-        if self.instantaneous {
-            return Line::at(0.0, s, faster);
-        }
-        let ahead = if now_mps > 0.0 { v / now_mps } else { DVec3::Y };
-        let acceleration = sign * self.settings.horizontal_acceleration_mps2;
-        let way_m = now_mps * t + 0.5 * acceleration * t * t;
-        let position_m = DVec3::new(s.x + ahead.x * way_m, s.y + ahead.y * way_m, s.z + v.z * t);
-        Line::at(t, position_m, faster)
+    fn accelerates(&self, change: f64, t: f64, acceleration_mps2: f64) -> [Line; 2] {
+        let (s, v, now_mps) = (self.position_m, self.velocity_mps, self.now_mps);
+        both(|sign| {
+            let faster_mps = now_mps + sign * change;
+            if faster_mps < 0.0 {
+                // No aircraft flies backwards: the line never meets anything.
+                return Line::at(t, s, DVec3::NAN);
+            }
+            let faster = with_speed(self.ownship, now_mps, faster_mps);
+            if self.instantaneous {
+                return Line::at(0.0, s, faster);
+            }
+            let ahead = if now_mps > 0.0 { v / now_mps } else { DVec3::Y };
+            let acceleration = sign * acceleration_mps2;
+            let way_m = now_mps * t + 0.5 * acceleration * t * t;
+            let position_m =
+                DVec3::new(s.x + ahead.x * way_m, s.y + ahead.y * way_m, s.z + v.z * t);
+            Line::at(t, position_m, faster)
+        })
     }
 
-    fn climbs(&self, sign: f64) -> Line {
-        let (s, v, t) = (self.ownship.position_m, self.starting, self.time_s);
-        let turned = DVec3::new(v.x, v.y, v.z + sign * self.change);
-        if self.instantaneous {
-            return Line::at(0.0, s, turned);
-        }
-        let acceleration = sign * self.settings.vertical_acceleration_mps2;
-        let climbed_m = v.z * t + 0.5 * acceleration * t * t;
-        let position_m = DVec3::new(s.x + v.x * t, s.y + v.y * t, s.z + climbed_m);
-        Line::at(t, position_m, turned)
+    fn climbs(&self, change: f64, t: f64, acceleration_mps2: f64) -> [Line; 2] {
+        let (s, v) = (self.position_m, self.velocity_mps);
+        both(|sign| {
+            let turned = DVec3::new(v.x, v.y, v.z + sign * change);
+            if self.instantaneous {
+                return Line::at(0.0, s, turned);
+            }
+            let acceleration = sign * acceleration_mps2;
+            let climbed_m = v.z * t + 0.5 * acceleration * t * t;
+            let position_m = DVec3::new(s.x + v.x * t, s.y + v.y * t, s.z + climbed_m);
+            Line::at(t, position_m, turned)
+        })
     }
 }
 

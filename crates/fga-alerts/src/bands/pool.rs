@@ -1,7 +1,7 @@
-//! Windows of fans, computed once for each intruder and volume of a step.
+//! Windows of lines, computed once for each intruder and volume of a step.
 
-use crate::bands::path::Fan;
-use crate::bands::search::{Met, Windows};
+use crate::bands::met::{Approaches, Met, Windows};
+use crate::bands::path::Lines;
 use crate::settings::Settings;
 use crate::volume::{Cylinder, Volume};
 use alloc::vec::Vec;
@@ -13,39 +13,67 @@ pub(super) enum Key {
     Cylinder(Cylinder),
 }
 
-/// Windows of fans, computed once for each intruder and volume of a step.
+/// Windows of lines, computed once for each intruder and volume of a step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct WindowPool {
     keys: Vec<(usize, Key)>,
     windows: Vec<Windows>,
+    /// Aircraft of which the approaches are known.
+    known: Vec<usize>,
+    approaches: Vec<Approaches>,
 }
 
 impl WindowPool {
     pub(super) fn clear(&mut self) {
         self.keys.clear();
+        self.known.clear();
     }
 
-    /// The index of the windows of an intruder and a volume.
+    /// The place of the windows of an intruder and a volume; `None` where these depend on the time
+    /// that is asked for.
     pub(super) fn ensure(
         &mut self,
         intruder: usize,
         key: Key,
         met: &Met,
         volume: &Volume,
-        fan: &Fan,
-    ) -> usize {
-        if let Some(place) = self.keys.iter().position(|known| *known == (intruder, key)) {
-            return place;
+        lines: Lines,
+    ) -> Option<usize> {
+        if volume.depends_on_time() {
+            return None;
+        }
+        let known = self.keys.iter().position(|known| *known == (intruder, key));
+        if known.is_some() {
+            return known;
         }
         let place = self.keys.len();
         if self.windows.len() <= place {
             self.windows.push(Windows::default());
         }
-        if let Some(windows) = self.windows.get_mut(place) {
-            windows.fill(met, volume, fan);
+        let at = self.approached(intruder, met, lines);
+        if let (Some(windows), Some(approaches)) =
+            (self.windows.get_mut(place), self.approaches.get(at))
+        {
+            windows.fill(met, volume, lines, approaches);
         }
         self.keys.push((intruder, key));
-        place
+        Some(place)
+    }
+
+    /// The place of an intruder's approaches.
+    fn approached(&mut self, intruder: usize, met: &Met, lines: Lines) -> usize {
+        if let Some(at) = self.known.iter().position(|known| *known == intruder) {
+            return at;
+        }
+        let at = self.known.len();
+        if self.approaches.len() <= at {
+            self.approaches.push(Approaches::default());
+        }
+        if let Some(approaches) = self.approaches.get_mut(at) {
+            approaches.fill(met, lines);
+        }
+        self.known.push(intruder);
+        at
     }
 
     /// The windows at an index.

@@ -66,6 +66,9 @@ impl QuantityBands {
         let nmac = Cylinder::new(settings.nmac_distance_m, settings.nmac_height_m);
         let mut shrinkings = 0;
         self.recovery = Recovery::Impossible { shrinkings };
+        if self.is_blocked_at_once(picture, &painting, nmac) {
+            return Intervals::default();
+        }
         let past_nmac = self.free_of(picture, span, &painting, Instead::Cylinder(nmac));
         if past_nmac.is_empty() {
             return past_nmac;
@@ -78,7 +81,11 @@ impl QuantityBands {
         while (kept.radius_m > nmac.radius_m || kept.half_height_m > nmac.half_height_m)
             && shrinkings < MOST_SHRINKINGS
         {
-            ways_out = self.free_of(picture, span, &painting, Instead::Cylinder(kept));
+            ways_out = if self.is_blocked_at_once(picture, &painting, kept) {
+                Intervals::default()
+            } else {
+                self.free_of(picture, span, &painting, Instead::Cylinder(kept))
+            };
             if !ways_out.is_empty() {
                 let time_s = self.recovery_time_s(picture, span, &painting, kept);
                 ways_out = self.free_of(picture, span, &painting, Instead::Until(kept, time_s));

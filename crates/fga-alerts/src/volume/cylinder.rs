@@ -3,7 +3,8 @@
 use crate::aircraft::Pair;
 use crate::almost::Closeness;
 use crate::loss::Loss;
-use crate::plane::{Crossing, circle_crossing_s, inside, room, same_velocity};
+use crate::plane::{Crossing, same_velocity};
+use crate::volume::approach::Approach;
 
 /// A cylinder, its flat sides level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,24 +41,22 @@ impl Cylinder {
         s.length_squared() < self.radius_m * self.radius_m && height_m.abs() < self.half_height_m
     }
 
-    pub(super) fn window(&self, pair: &Pair) -> Loss {
-        let (s, v) = pair.plane();
-        let (height_m, _) = pair.vertical();
+    #[inline]
+    pub(super) fn window(&self, approach: &Approach, pair: impl FnOnce() -> Pair) -> Loss {
+        let reach_m2 = self.radius_m * self.radius_m;
+        let is_inside = Closeness::Rounding.less(approach.square_m2, reach_m2);
+        if !is_inside && approach.room(reach_m2) <= 0.0 {
+            return Loss::NEVER;
+        }
+        let pair = pair();
         let (own, other) = (pair.ownship.velocity_mps, pair.intruder.velocity_mps);
-        let horizontal =
-            if same_velocity(own.truncate(), other.truncate()) && inside(s, self.radius_m) {
-                Loss::ALWAYS
-            } else if room(s, v, self.radius_m) > 0.0 {
-                let crossing = |which| circle_crossing_s(s, v, self.radius_m, which);
-                match (crossing(Crossing::Entry), crossing(Crossing::Exit)) {
-                    (Some(entry_s), Some(exit_s)) => Loss::new(entry_s, exit_s),
-                    _ => return Loss::NEVER,
-                }
-            } else {
-                return Loss::NEVER;
-            };
+        let stays = is_inside && same_velocity(own.truncate(), other.truncate());
+        let crosses = approach.room(reach_m2) > 0.0;
+        if !stays && !crosses {
+            return Loss::NEVER;
+        }
+        let (height_m, climb_mps) = (approach.height_m, approach.climb_mps);
         let vertical = if !Closeness::Rounding.same(own.z, other.z) {
-            let climb_mps = own.z - other.z;
             Loss::new(
                 slab_crossing_s(height_m, climb_mps, self.half_height_m, Crossing::Entry),
                 slab_crossing_s(height_m, climb_mps, self.half_height_m, Crossing::Exit),
@@ -67,14 +66,22 @@ impl Cylinder {
         } else {
             return Loss::NEVER;
         };
-        horizontal.and(vertical)
+        if stays {
+            return vertical;
+        }
+        approach
+            .crossings_s(reach_m2)
+            .map_or(Loss::NEVER, |(entry_s, exit_s)| {
+                Loss::new(entry_s, exit_s).and(vertical)
+            })
     }
 
     pub(super) fn violation(&self, pair: &Pair, from_s: f64, to_s: f64) -> Loss {
         if from_s < 0.0 || from_s >= to_s {
             return Loss::NEVER;
         }
-        self.window(pair).and(Loss::new(from_s, to_s))
+        self.window(&Approach::of(&pair.ownship, &pair.intruder), || *pair)
+            .and(Loss::new(from_s, to_s))
     }
 }
 

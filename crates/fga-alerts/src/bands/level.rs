@@ -1,0 +1,307 @@
+//! Altitude maneuvers: which lines lead to each altitude, and which altitudes meet a conflict.
+
+use crate::aircraft::State;
+use crate::bands::intervals::Intervals;
+use crate::bands::met::Meeting;
+use crate::bands::path::{LevelChange, Line};
+use crate::bands::search::Task;
+use crate::bands::span::Span;
+use crate::settings::Settings;
+use alloc::vec::Vec;
+use core::ops::Range;
+
+/// The lines that lead to the altitudes of a span.
+///
+/// Altitudes beyond the horizon are represented by one on each side: on the way to any of them
+/// the same is met.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Levels {
+    /// Lines of every target, in the order in which they are flown.
+    pub(crate) lines: Vec<Line>,
+    targets: Vec<Target>,
+    /// Steps and the target that each of them is judged by, in growing order.
+    parts: Vec<Part>,
+    /// Steps from the current altitude upwards and downwards; none where it lies outside.
+    around: Option<(i32, i32)>,
+}
+
+/// Neighbouring steps that one target stands for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Part {
+    first: i32,
+    last: i32,
+    target: usize,
+}
+
+/// How an altitude is reached.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Target {
+    first_line: usize,
+    /// `None` where the altitude is flown along one line from the begin.
+    way: Option<Way>,
+}
+
+/// A way of three parts: to the rate, along the rate, to the altitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Way {
+    /// Lines until the rate is reached.
+    early: usize,
+    /// Lines after the rate is left.
+    late: usize,
+    /// When the rate is reached and left, seconds.
+    rate_since_s: f64,
+    rate_until_s: f64,
+    /// When it flies level, seconds.
+    level_since_s: f64,
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "casts of floats saturate, and more steps than i32 holds are never asked for"
+)]
+const fn int(value: f64) -> i32 {
+    value as i32
+}
+
+/// Whole seconds from one to another, within the horizon.
+fn seconds(first_s: f64, last_s: f64, horizon_s: f64) -> impl Iterator<Item = f64> {
+    let (first_s, last_s) = (first_s.max(0.0), last_s.min(horizon_s));
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "not negative and at most the horizon"
+    )]
+    let count = if last_s < first_s {
+        0
+    } else {
+        (last_s - first_s) as usize + 1
+    };
+    (0..count).map(move |i| first_s + i as f64)
+}
+
+/// Heights farther away than this are reached after the horizon, metres.
+///
+/// Stopping, accelerating and levelling out take less than three braking ways.
+fn horizon_m(settings: &Settings, ownship: &State) -> f64 {
+    let rate_mps = settings.vertical_rate_mps.max(ownship.velocity_mps.z.abs());
+    let braking_m = rate_mps * rate_mps / settings.vertical_acceleration_mps2;
+    rate_mps * settings.lookahead_s + 3.0 * braking_m
+}
+
+impl Levels {
+    /// Finds the lines that lead to the altitudes of a span.
+    pub(crate) fn fill(
+        &mut self,
+        settings: &Settings,
+        ownship: &State,
+        span: &Span,
+        instantaneous: bool,
+    ) {
+        self.lines.clear();
+        self.targets.clear();
+        self.parts.clear();
+        let height_m = ownship.position_m.z;
+        let last = int(libm::floor((span.max - span.min) / span.step)) + 1;
+        let inside = height_m >= span.min && height_m <= span.max;
+        self.around = inside.then(|| {
+            (
+                int(libm::ceil(height_m - span.min) / span.step),
+                int(libm::floor((height_m - span.min) / span.step)),
+            )
+        });
+        let beyond_m = horizon_m(settings, ownship);
+        let target_m = |step: i32| span.min + f64::from(step) * span.step;
+        // Up or down beyond the horizon, else within it.
+        let side = |step: i32| {
+            let target_m = target_m(step);
+            let is_beyond = !instantaneous && (target_m - height_m).abs() > beyond_m;
+            is_beyond.then_some(target_m >= height_m)
+        };
+        let mut before = None;
+        for step in 0..=last {
+            let side = side(step);
+            if let (Some(before), Some(part)) = (before, self.parts.last_mut())
+                && side == Some(before)
+            {
+                part.last = step;
+                continue;
+            }
+            before = side;
+            let target = self.targets.len();
+            self.add(target_m(step), settings, ownship, instantaneous);
+            self.parts.push(Part {
+                first: step,
+                last: step,
+                target,
+            });
+        }
+    }
+
+    /// Adds the lines to an altitude.
+    fn add(&mut self, target_m: f64, settings: &Settings, ownship: &State, instantaneous: bool) {
+        let first_line = self.lines.len();
+        let one = |line| (line, None);
+        let (line, way) = if instantaneous {
+            one(LevelChange::instantly(target_m, ownship))
+        } else {
+            let change = LevelChange::to(target_m, settings, ownship);
+            let (t1, t2) = (change.rate_since_s, change.rate_until_s);
+            let t3 = change.level_since_s + 1.0;
+            if t1.is_finite() && t2.is_finite() && t3.is_finite() {
+                let horizon_s = settings.lookahead_s;
+                let early = seconds(0.0, libm::floor(t1), horizon_s);
+                self.lines
+                    .extend(early.map(|time_s| change.line_at(time_s)));
+                let early = self.lines.len() - first_line;
+                self.lines.push(change.line_at(t1.max(0.0)));
+                let late = seconds(libm::ceil(t2), libm::floor(t3), horizon_s);
+                self.lines.extend(late.map(|time_s| change.line_at(time_s)));
+                let way = Way {
+                    early,
+                    late: self.lines.len() - first_line - early - 1,
+                    rate_since_s: t1,
+                    rate_until_s: t2,
+                    level_since_s: t3,
+                };
+                (change.line_at(t3.max(0.0)), Some(way))
+            } else {
+                one(change.line_at(0.0))
+            }
+        };
+        self.lines.push(line);
+        self.targets.push(Target { first_line, way });
+    }
+}
+
+/// Altitude maneuvers against one intruder.
+pub(crate) struct LevelSearch<'a> {
+    pub(crate) levels: &'a Levels,
+    /// The task's volume.
+    pub(crate) later: Meeting<'a>,
+    /// The task's earlier volume.
+    pub(crate) before: Option<Meeting<'a>>,
+}
+
+impl LevelSearch<'_> {
+    /// Whether one of these lines meets a conflict at the time at which the ownship is on it.
+    fn violates(&self, lines: Range<usize>, task: &Task) -> bool {
+        let begin = lines.start;
+        let lines = self.levels.lines.get(lines).unwrap_or_default();
+        lines.iter().zip(begin..).any(|(line, index)| {
+            let time_s = line.since_s;
+            let meets = |meeting: &Meeting| meeting.meets_on_the_way(index, 0.0);
+            (task.from_s <= time_s && meets(&self.later))
+                || (time_s <= task.from_s && self.before.as_ref().is_some_and(meets))
+        })
+    }
+
+    fn line_leads_past(&self, index: usize, task: &Task, until_s: f64) -> bool {
+        !self.later.meets_later(index, task.from_s, until_s)
+            && !self
+                .before
+                .is_some_and(|before| before.meets_later(index, 0.0, task.from_s))
+    }
+
+    /// Whether flying to an altitude meets no conflict.
+    fn leads_past(&self, target: &Target, task: &Task) -> bool {
+        let begin = target.first_line;
+        let Some(way) = &target.way else {
+            return self.line_leads_past(begin, task, task.until_s);
+        };
+        let rate = begin + way.early;
+        let level = rate + 1 + way.late;
+        let may_meet = |meeting: &Meeting| {
+            let live = meeting.live();
+            live.start <= level && begin < live.end
+        };
+        if !may_meet(&self.later) && !self.before.as_ref().is_some_and(may_meet) {
+            return true;
+        }
+        if self.violates(begin..rate, task) {
+            return false;
+        }
+        let (t1, t2, t3) = (way.rate_since_s, way.rate_until_s, way.level_since_s);
+        let met = &self.later.met;
+        let until_s = met.horizon_s(task.until_s, t1.max(0.0)).min(t2);
+        if (t2 >= task.from_s && self.later.meets_later(rate, task.from_s, until_s))
+            || (t2 >= 0.0
+                && self
+                    .before
+                    .is_some_and(|before| before.meets_later(rate, 0.0, task.from_s.min(t2))))
+        {
+            return false;
+        }
+        !self.violates(rate + 1..level, task)
+            && self.line_leads_past(level, task, met.horizon_s(task.until_s, t3.max(0.0)))
+    }
+
+    fn part_leads_past(&self, part: &Part, task: &Task) -> bool {
+        let target = self.levels.targets.get(part.target);
+        target.is_none_or(|target| self.leads_past(target, task))
+    }
+
+    /// Calls `take` with the first and last step of each run that meets no conflict, until it
+    /// says that it has enough.
+    fn free_runs(&self, task: &Task, mut take: impl FnMut(i32, i32) -> bool) {
+        let mut run: Option<(i32, i32)> = None;
+        for part in &self.levels.parts {
+            if self.part_leads_past(part, task) {
+                let first = run.map_or(part.first, |(first, _)| first);
+                run = Some((first, part.last));
+            } else if let Some((first, last)) = run.take()
+                && first != last
+                && take(first, last)
+            {
+                return;
+            }
+        }
+        if let Some((first, last)) = run
+            && first != last
+        {
+            take(first, last);
+        }
+    }
+
+    /// The altitudes that meet no conflict.
+    pub(crate) fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
+        free.clear();
+        self.free_runs(task, |first, last| {
+            let value = |step| span.step * f64::from(step) + span.min;
+            span.add_free(free, value(first), value(last));
+            false
+        });
+    }
+
+    /// Whether some altitude from the current one upwards, or downwards, is `wanted`: free or not.
+    fn finds(&self, task: &Task, wanted_free: bool) -> bool {
+        let Some((up_from, down_from)) = self.levels.around else {
+            return false;
+        };
+        let reaches = |part: &Part| part.last >= up_from || part.first <= down_from;
+        self.levels
+            .parts
+            .iter()
+            .any(|part| reaches(part) && self.part_leads_past(part, task) == wanted_free)
+    }
+
+    /// Whether no maneuver can begin: each begins on the current line, which meets the volume at
+    /// once.
+    pub(crate) fn is_blocked_at_once(&self, task: &Task) -> bool {
+        task.from_s == 0.0
+            && self.before.is_none()
+            && self
+                .levels
+                .targets
+                .iter()
+                .all(|target| target.way.is_some_and(|way| way.early > 0))
+            && self.later.meets_on_the_way(0, 0.0)
+    }
+
+    pub(crate) fn any_conflict(&self, task: &Task) -> bool {
+        self.finds(task, false)
+    }
+
+    pub(crate) fn all_conflict(&self, task: &Task) -> bool {
+        !self.finds(task, true)
+    }
+}

@@ -1,0 +1,222 @@
+//! When the ownship's lines meet a volume of one intruder.
+
+use crate::aircraft::{Pair, PairDeviation, State};
+use crate::almost::Closeness::Rounding;
+use crate::bands::path::{Line, Lines};
+use crate::loss::Loss;
+use crate::settings::Settings;
+use crate::volume::{Approach, Volume};
+use alloc::vec::Vec;
+use core::ops::Range;
+
+/// An intruder as the ownship's maneuvers meet it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Met<'a> {
+    pub(crate) settings: &'a Settings,
+    pub(crate) intruder: &'a State,
+    pub(crate) deviation: PairDeviation,
+}
+
+impl Met<'_> {
+    fn pair(&self, line: &Line) -> Pair {
+        Pair {
+            ownship: line.state,
+            intruder: *self.intruder,
+            deviation: self.deviation,
+        }
+    }
+
+    /// When the line meets a volume of which the violation does not depend on the time asked for.
+    #[inline]
+    fn window(&self, volume: &Volume, line: &Line, approach: &Approach) -> Loss {
+        if !approach.is_finite() {
+            return Loss::NEVER;
+        }
+        let horizon_s = self.settings.lookahead_s + 1.0;
+        volume.window(approach, || self.pair(line), horizon_s)
+    }
+
+    /// Until when a maneuver that ends at a time is looked at.
+    pub(super) fn horizon_s(&self, until_s: f64, maneuver_s: f64) -> f64 {
+        if self.settings.counts_maneuver_time {
+            until_s
+        } else {
+            until_s + maneuver_s
+        }
+    }
+}
+
+/// How lines approach one intruder, the same for every volume.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Approaches {
+    sides: [Vec<Approach>; 2],
+}
+
+impl Approaches {
+    pub(crate) fn fill(&mut self, met: &Met, lines: Lines) {
+        for (approaches, lines) in self.sides.iter_mut().zip(lines.sides) {
+            approaches.clear();
+            approaches.extend(
+                lines
+                    .iter()
+                    .map(|line| Approach::of(&line.state, met.intruder)),
+            );
+        }
+    }
+}
+
+/// The windows in which lines meet one volume of one intruder.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Windows {
+    sides: [SideWindows; 2],
+}
+
+/// The windows of one side.
+#[derive(Debug, Clone, Default)]
+struct SideWindows {
+    losses: Vec<Loss>,
+    /// Lines outside of it meet nothing at any time that is asked for.
+    live: Range<usize>,
+}
+
+impl SideWindows {
+    fn fill(
+        &mut self,
+        met: &Met,
+        volume: &Volume,
+        lines: &[Line],
+        approaches: &[Approach],
+        coast_s: f64,
+    ) {
+        self.losses.clear();
+        // Nothing later is asked for: not by a horizon, and not by a step that begins before it.
+        let latest_s = met.settings.lookahead_s + 1.0 + coast_s;
+        let (mut first, mut end) = (lines.len(), 0);
+        let lines = lines.iter().zip(approaches).enumerate();
+        self.losses.extend(lines.map(|(index, (line, approach))| {
+            let loss = met.window(volume, line, approach);
+            if loss.lasts() && line.since_s < loss.exit_s && loss.entry_s < latest_s {
+                first = first.min(index);
+                end = index + 1;
+            }
+            loss
+        }));
+        self.live = if first < end { first..end } else { 0..0 };
+    }
+}
+
+impl Windows {
+    /// Finds the windows of lines.
+    pub(crate) fn fill(
+        &mut self,
+        met: &Met,
+        volume: &Volume,
+        lines: Lines,
+        approaches: &Approaches,
+    ) {
+        let sides = lines.sides.into_iter().zip(&approaches.sides);
+        for (windows, (side, approaches)) in self.sides.iter_mut().zip(sides) {
+            windows.fill(met, volume, side, approaches, lines.step_s);
+        }
+    }
+
+    /// How lines meet a volume of an intruder, by sides.
+    pub(super) fn of<'a>(
+        &'a self,
+        met: &Met<'a>,
+        volume: &'a Volume,
+        lines: Lines<'a>,
+    ) -> [Meeting<'a>; 2] {
+        let [low, high] = &self.sides;
+        meetings([Some(low), Some(high)], met, volume, lines)
+    }
+}
+
+/// How lines meet a volume of an intruder, where no window is worth remembering.
+pub(super) fn meetings_once<'a>(
+    met: &Met<'a>,
+    volume: &'a Volume,
+    lines: Lines<'a>,
+) -> [Meeting<'a>; 2] {
+    meetings([None, None], met, volume, lines)
+}
+
+fn meetings<'a>(
+    [low, high]: [Option<&'a SideWindows>; 2],
+    met: &Met<'a>,
+    volume: &'a Volume,
+    lines: Lines<'a>,
+) -> [Meeting<'a>; 2] {
+    let [low_lines, high_lines] = lines.sides;
+    let side = |lines, windows| Meeting {
+        met: *met,
+        volume,
+        lines,
+        windows,
+    };
+    [side(low_lines, low), side(high_lines, high)]
+}
+
+/// When the lines of one side meet a volume of an intruder.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Meeting<'a> {
+    pub(super) met: Met<'a>,
+    volume: &'a Volume,
+    pub(super) lines: &'a [Line],
+    /// What is known; nothing where windows depend on the time that is asked for.
+    windows: Option<&'a SideWindows>,
+}
+
+impl Meeting<'_> {
+    /// Lines outside of it meet nothing.
+    pub(super) fn live(&self) -> Range<usize> {
+        self.windows
+            .map_or(0..self.lines.len(), |windows| windows.live.clone())
+    }
+
+    /// When a line meets the volume; `None` where that depends on the time asked for.
+    #[inline]
+    fn window(&self, index: usize, line: &Line) -> Option<Loss> {
+        if let Some(windows) = self.windows {
+            return windows.losses.get(index).copied();
+        }
+        if self.volume.depends_on_time() {
+            return None;
+        }
+        let approach = Approach::of(&line.state, self.met.intruder);
+        Some(self.met.window(self.volume, line, &approach))
+    }
+
+    fn meets(&self, index: usize, line: &Line, from_s: f64, to_s: f64) -> bool {
+        match self.window(index, line) {
+            Some(window) if !window.lasts() => false,
+            // Most answers are clear, and then rounding is not asked for.
+            Some(window) if Rounding.is_far(from_s, to_s) && window.is_clear(from_s, to_s) => {
+                from_s < to_s && window.entry_s < to_s && from_s < window.exit_s
+            }
+            Some(window) if Rounding.same(from_s, to_s) => window.is_on_at(from_s),
+            Some(window) => from_s <= to_s && window.conflicts_within(from_s, to_s),
+            None => self.volume.conflicts(&self.met.pair(line), from_s, to_s),
+        }
+    }
+
+    /// Whether the volume is violated on the line between two times, once the ownship is on it.
+    pub(super) fn meets_later(&self, index: usize, from_s: f64, until_s: f64) -> bool {
+        let Some(line) = self.lines.get(index) else {
+            return false;
+        };
+        let until_s = until_s.min(self.met.settings.lookahead_s);
+        line.since_s <= until_s
+            && from_s <= until_s
+            && self.meets(index, line, from_s.max(line.since_s), until_s)
+    }
+
+    /// Whether the volume is violated at the time at which the ownship comes onto the line, or in
+    /// the `coast_s` after it.
+    pub(super) fn meets_on_the_way(&self, index: usize, coast_s: f64) -> bool {
+        self.lines.get(index).is_some_and(|line| {
+            line.since_s < self.met.settings.lookahead_s
+                && self.meets(index, line, line.since_s, line.since_s + coast_s)
+        })
+    }
+}
