@@ -52,6 +52,21 @@ export interface Outcome {
   id: number;
 }
 
+/** Alert levels and bands from a moment on. */
+export interface Guidance {
+  t: number;
+  /** The highest alert level; 0 for no alert. */
+  level: number;
+  /** Obstacle, its alert level, seconds until the corrective volume is violated. */
+  who: [number, number, number | null][];
+  /** Direction clockwise from north, speed, climb, altitude: SI units. */
+  values: number[];
+  /** For each of them the parts of its scale: from, to, region. */
+  bands: [number, number, number][][];
+  /** For each of them the time until well clear is regained; -1 for never, null for no need. */
+  recovery: (number | null)[];
+}
+
 export interface RawRun {
   name: string;
   samples: RawSamples;
@@ -64,6 +79,8 @@ export interface RawRun {
   times: { t: string; us: string };
   events: RunEvent[];
   outcome: Outcome | null;
+  levels?: number;
+  guidance?: Guidance[];
 }
 
 export interface RawPage {
@@ -220,6 +237,10 @@ export class Run {
   events: RunEvent[];
   outcome: Outcome | null;
   interval: number;
+  /** The most alert levels there are. */
+  levels: number;
+  guidance: Guidance[];
+  private readonly guidanceStarts: number[];
   ended = true;
 
   constructor(raw: RawRun) {
@@ -248,6 +269,9 @@ export class Run {
     this.events = raw.events;
     this.outcome = raw.outcome;
     this.interval = raw.interval;
+    this.levels = raw.levels ?? 0;
+    this.guidance = raw.guidance ?? [];
+    this.guidanceStarts = this.guidance.map((record) => record.t);
     this.margin = new Float32Array(this.n);
     this.nearest = new Int32Array(this.n);
     for (let i = 0; i < this.n; i++) this.measure(i);
@@ -358,6 +382,10 @@ export class Run {
 
   decisionAt(t: number): number {
     return lastAtMost(this.decisionStarts, this.decisions.length, t + 1e-6);
+  }
+
+  guidanceAt(t: number): number {
+    return lastAtMost(this.guidanceStarts, this.guidanceStarts.length, t + 1e-6);
   }
 
   obstacle(id: number | null): Obstacle | undefined {

@@ -2,6 +2,7 @@
 
 import { MODES, type Mode } from "./camera";
 import { type RawPage, Run } from "./data";
+import { GuidancePanel } from "./guidance";
 import { fillHelp, type Key, listen } from "./keys";
 import { apply, type Change, liveAddress } from "./live";
 import {
@@ -45,6 +46,7 @@ class App {
   private readonly plots: Plots;
   private readonly timeline: Timeline;
   private readonly decision: DecisionPanel;
+  private readonly guidance: GuidancePanel;
 
   constructor(page: RawPage) {
     this.runs = page.runs.map((raw) => new Run(raw));
@@ -56,6 +58,7 @@ class App {
     const band = document.querySelector<HTMLCanvasElement>("#timeline canvas")!;
     this.timeline = new Timeline(band, slider, (t) => this.seek(t));
     this.decision = new DecisionPanel($("decision"));
+    this.guidance = new GuidancePanel($("guidance-box"), $("guidance"));
     try {
       this.scene = new Scene($("view"), $<HTMLCanvasElement>("scene"), () => this.redraw());
     } catch {
@@ -397,6 +400,7 @@ class App {
     const waiting = decision && decision.latest !== null && decision.state === 1;
     this.timeline.update(this.t, waiting ? decision.t + decision.latest! : null);
     this.decision.update(run, index, this.theme, this.visible[this.focus] === true);
+    this.guidance.update(run, this.t, this.theme);
     $("time").textContent = `${this.t.toFixed(1)} s`;
     $("readout").textContent = pose
       ? `x ${whole(pose.x)} y ${whole(pose.y)} z ${whole(pose.z)} m`

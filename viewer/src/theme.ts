@@ -19,6 +19,8 @@ export interface Theme {
   aircraft: string;
   /** To tell runs apart. */
   runs: string[];
+  /** By region of a band: none, far, mid, near, recovery, not flown. */
+  regions: string[];
 }
 
 const LIGHT: Theme = {
@@ -35,6 +37,7 @@ const LIGHT: Theme = {
   mission: "#5a6672",
   aircraft: "#33424f",
   runs: ["#a3527f", "#2a8fcb", "#222222", "#b87a00", "#009e73", "#d55e00", "#0072b2"],
+  regions: ["#cfd8e1", "#d9b400", "#e69f00", "#d55e00", "#009e73", "#a9b4bf"],
 };
 
 const DARK: Theme = {
@@ -51,6 +54,7 @@ const DARK: Theme = {
   mission: "#93a1ae",
   aircraft: "#ffffff",
   runs: ["#dd8fb9", "#56b4e9", "#ffffff", "#e6c229", "#1fc796", "#ff8a3d", "#f0e442"],
+  regions: ["#2d3a47", "#f0e442", "#e69f00", "#ff6a2b", "#1fc796", "#56616c"],
 };
 
 export function themeOf(dark: boolean): Theme {

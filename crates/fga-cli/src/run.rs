@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga::situation::ProtectedVolume;
+use fga_formats::conf;
 use fga_formats::number::fixed;
 use fga_results::flight::{document, summary};
 use fga_results::flight_files;
@@ -34,6 +35,9 @@ pub(crate) struct RunArgs {
     vehicle: VehicleArgs,
     #[command(flatten)]
     overlay: OverlayArgs,
+    /// Alerts and bands on the replay page, by a configuration in the .conf format of DAIDALUS.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
     #[command(flatten)]
     out: OutArgs,
     #[command(flatten)]
@@ -60,6 +64,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let provenance = Provenance::begin();
     let policy = args.policy.choice()?;
     let overlay = args.overlay.choices(&policy)?;
+    let guidance = args.config.as_deref().map(conf::read).transpose()?;
     let plan = Plan::read_as(&args.file, args.vehicle.given()?, args.ownship.as_deref())?;
     if args.vehicle.vehicle.is_none() && args.file.extension().is_some_and(|is| is == "daa") {
         eprintln!(
@@ -82,7 +87,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         fly(plan, &policy, &mut |_| ())?
     };
     let document = document(&provenance, (&args.file, &input_hash), &log, &overlaid);
-    flight_files::write(&folder, &log, &overlaid, &document)?;
+    let guidance = guidance.as_ref().map(|read| &read.settings);
+    flight_files::write_guided(&folder, &log, &overlaid, &document, guidance)?;
     args.answer
         .print(|| in_words(&log, &overlaid, &folder), &summary(&log))?;
     Ok(if log.outcome.separated() {

@@ -64,6 +64,88 @@ pub struct ReplayRun {
     /// The least margin from the simulator, in continuous time. Without it the page takes the
     /// least one at the samples.
     pub outcome: Option<ReplayOutcome>,
+    /// Alerts and bands in the order of time; each holds until the next one. Without any the page
+    /// has no display for them.
+    pub guidance: Vec<ReplayGuidance>,
+    /// The most alert levels that an aircraft can have.
+    pub alert_levels: usize,
+}
+
+/// What a detect-and-avoid display shows from a time on.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReplayGuidance {
+    /// From when on, seconds.
+    pub t_s: f64,
+    /// The highest alert level; 0 for no alert.
+    pub level: usize,
+    /// The aircraft that are looked at.
+    pub aircraft: Vec<ReplayAlert>,
+    /// Direction, horizontal speed, vertical speed, altitude.
+    pub quantities: [ReplayBands; 4],
+}
+
+/// The alert about one aircraft.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReplayAlert {
+    /// Identifier of the obstacle.
+    pub obstacle: u32,
+    /// Its alert level; 0 for no alert.
+    pub level: usize,
+    /// Time until the corrective volume is violated, seconds; `None` for no violation ahead.
+    pub violation_s: Option<f64>,
+}
+
+/// The bands of one quantity.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReplayBands {
+    /// The ownship's value: radians clockwise from north, metres, metres per second.
+    pub value: f64,
+    /// Parts of the scale in growing order.
+    pub bands: Vec<ReplayBand>,
+    /// Time until well clear is regained, seconds, where every value meets a conflict; negative
+    /// where nothing regains it.
+    pub recovery_s: Option<f64>,
+}
+
+/// A part of the scale.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReplayBand {
+    /// Lower edge, in the unit of the value.
+    pub low: f64,
+    /// Upper edge.
+    pub high: f64,
+    /// What a maneuver into it meets.
+    pub region: ReplayRegion,
+}
+
+/// What a maneuver into a band meets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReplayRegion {
+    /// No conflict.
+    Free,
+    /// A conflict far ahead.
+    Far,
+    /// A conflict, most often the corrective one.
+    Mid,
+    /// A conflict close ahead.
+    Near,
+    /// A way out of a conflict that is certain.
+    Recovery,
+    /// It cannot be flown.
+    Outside,
+}
+
+impl ReplayRegion {
+    const fn code(self) -> u8 {
+        match self {
+            Self::Free => 0,
+            Self::Far => 1,
+            Self::Mid => 2,
+            Self::Near => 3,
+            Self::Recovery => 4,
+            Self::Outside => 5,
+        }
+    }
 }
 
 impl ReplayRun {

@@ -28,6 +28,20 @@ pub fn write(
     overlaid: &[RunLog],
     document: &Value,
 ) -> Result<(), OutputError> {
+    write_guided(folder, log, overlaid, document, None)
+}
+
+/// The same; the replay page also shows alerts and bands, where settings for them are given.
+///
+/// # Errors
+/// A folder that cannot be written.
+pub fn write_guided(
+    folder: &Path,
+    log: &RunLog,
+    overlaid: &[RunLog],
+    document: &Value,
+    guidance: Option<&fga_alerts::Settings>,
+) -> Result<(), OutputError> {
     atomic::write(&folder.join("track.csv"), track_csv(log))?;
     let events = events(log);
     atomic::write(&folder.join("events.jsonl"), events_jsonl(&events))?;
@@ -35,7 +49,7 @@ pub fn write(
     atomic::write(&folder.join("overview.svg"), overview(log).to_svg())?;
     atomic::write(
         &folder.join("replay.html"),
-        replay_page::page(core::iter::once(log).chain(overlaid)),
+        replay_page::guided_page(core::iter::once(log).chain(overlaid), guidance),
     )?;
     atomic::write(&folder.join("run.json"), format!("{document:#}\n"))
 }

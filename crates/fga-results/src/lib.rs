@@ -5,6 +5,7 @@
 //! | [`flight`] | how did a flight end? |
 //! | [`flight_files`] | which files tell of a flight? |
 //! | [`flight_file`] | what does another program get of a flight? |
+//! | `replay_guidance` | which alerts and bands does that page show? |
 //! | [`replay_page`] | what does the page show that replays a flight? |
 //! | [`campaign`] | which files tell of a campaign? |
 //! | [`provenance`] | where do results come from? |
@@ -20,4 +21,5 @@ pub mod flight_file;
 pub mod flight_files;
 mod named_rows;
 pub mod provenance;
+mod replay_guidance;
 pub mod replay_page;

@@ -16,6 +16,7 @@ use fga_sim::run::{DecisionLog, Plan, RunLog};
 use fga_sim::track::Track;
 
 use crate::flight_files::missed_words;
+use crate::replay_guidance;
 
 /// The text of the records of a flight without a policy.
 const NO_POLICY: &str = "no policy decides, the mission is flown";
@@ -34,12 +35,28 @@ const FAN_DEG: [f64; 11] = [
 
 /// The page of an encounter: its flights in one scene; the first one is in focus.
 pub fn page<'a>(logs: impl IntoIterator<Item = &'a RunLog>) -> String {
+    guided_page(logs, None)
+}
+
+/// The same with alerts and bands as settings give them.
+pub fn guided_page<'a>(
+    logs: impl IntoIterator<Item = &'a RunLog>,
+    settings: Option<&fga_alerts::Settings>,
+) -> String {
     let mut logs = logs.into_iter().peekable();
+    let title = logs
+        .peek()
+        .map_or_else(String::new, |log| log.plan.name.clone());
+    let runs = logs.map(|log| {
+        let mut run = replay_run(log);
+        if let Some(settings) = settings {
+            replay_guidance::add(&mut run, log, settings);
+        }
+        run
+    });
     render(&Replay {
-        title: logs
-            .peek()
-            .map_or_else(String::new, |log| log.plan.name.clone()),
-        runs: logs.map(replay_run).collect(),
+        title,
+        runs: runs.collect(),
     })
 }
 
@@ -65,6 +82,7 @@ fn replay_run(log: &RunLog) -> ReplayRun {
             t_s: obstacle.margin.time_s,
             obstacle: obstacle.id,
         }),
+        ..ReplayRun::default()
     };
     if log.policy == "none" {
         say_no_policy(&mut run);

@@ -7,7 +7,9 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
 use super::thin;
-use super::{Replay, ReplayDecision, ReplayObstacle, ReplayPathKind, ReplayRun, ReplaySample};
+use super::{
+    Replay, ReplayBands, ReplayDecision, ReplayGuidance, ReplayObstacle, ReplayPathKind, ReplayRun, ReplaySample,
+};
 use crate::page::json;
 
 /// The built viewer; `npm run build` in `viewer/` writes it.
@@ -32,6 +34,27 @@ pub(super) struct Run<'a> {
     times: Times,
     events: Vec<Event<'a>>,
     outcome: Option<Outcome>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    guidance: Vec<Guidance>,
+    #[serde(skip_serializing_if = "is_zero")]
+    levels: usize,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+const fn is_zero(levels: &usize) -> bool {
+    *levels == 0
+}
+
+/// Alerts and bands: `who` holds obstacle, level and time to the violation; `bands` from, to and
+/// region.
+#[derive(Serialize)]
+struct Guidance {
+    t: f64,
+    level: usize,
+    who: Vec<(u32, usize, Option<f64>)>,
+    values: [f64; 4],
+    bands: [Vec<(f64, f64, u8)>; 4],
+    recovery: [Option<f64>; 4],
 }
 
 /// Columns as base64: `f32` little endian, the state one byte.
@@ -146,6 +169,34 @@ pub(super) fn run(run: &ReplayRun, runs: usize) -> Run<'_> {
             t: o.t_s,
             id: o.obstacle,
         }),
+        guidance: run.guidance.iter().map(guidance).collect(),
+        levels: run.alert_levels,
+    }
+}
+
+/// Four decimals: a display shows no more.
+fn short(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
+}
+
+fn guidance(guidance: &ReplayGuidance) -> Guidance {
+    let aircraft = guidance.aircraft.iter();
+    let quantities = guidance.quantities.each_ref();
+    let parts = |bands: &ReplayBands| {
+        let parts = bands.bands.iter();
+        parts
+            .map(|band| (short(band.low), short(band.high), band.region.code()))
+            .collect()
+    };
+    Guidance {
+        t: guidance.t_s,
+        level: guidance.level,
+        who: aircraft
+            .map(|alert| (alert.obstacle, alert.level, alert.violation_s.map(short)))
+            .collect(),
+        values: quantities.map(|bands| short(bands.value)),
+        bands: quantities.map(parts),
+        recovery: quantities.map(|bands| bands.recovery_s.map(short)),
     }
 }
 
