@@ -30,6 +30,8 @@ pub struct Config {
     pub response: ResponseConfig,
     /// Tracks of other aircraft.
     pub traffic: TrafficConfig,
+    /// Alert levels.
+    pub alerts: AlertsConfig,
     /// Identity and signing on the link.
     pub link: LinkConfig,
     /// Virtual obstacles.
@@ -240,6 +242,42 @@ impl Default for TrafficConfig {
     }
 }
 
+/// Which alert levels are reported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AlertScheme {
+    /// None.
+    #[default]
+    Off,
+    /// Four levels around the volume of ASTM F3442.
+    F3442,
+    /// Three levels of RTCA DO-365B, en route.
+    #[serde(rename = "do-365b")]
+    Do365b,
+}
+
+/// Alert levels as the standards give them.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AlertsConfig {
+    /// Which levels are reported.
+    pub levels: AlertScheme,
+    /// The level from which on a manoeuvre begins at once; below it the latest certified start is
+    /// waited for. 0 leaves the start to `protection.safety_score`.
+    pub act_at_level: u8,
+}
+
+impl AlertScheme {
+    /// How many levels there are.
+    pub const fn most(self) -> u8 {
+        match self {
+            Self::Off => 0,
+            Self::F3442 => 4,
+            Self::Do365b => 3,
+        }
+    }
+}
+
 /// Identity and signing on the link.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -397,6 +435,9 @@ impl Config {
                 0.0,
                 1000.0,
             );
+        let most = f64::from(self.alerts.levels.most());
+        let act_at = f64::from(self.alerts.act_at_level);
+        checked.within("alerts.act_at_level", act_at, 0.0, most);
         self.check_optional(&mut checked);
         checked.finish().map_err(ConfigError)?;
         self.own_icao()?;

@@ -62,8 +62,13 @@ fn ownship(log: &RunLog, sample: &Sample, after: &Sample) -> Option<Aircraft> {
     let lasts_s = after.time_s - sample.time_s;
     let velocity_mps = (after.position_m - sample.position_m) / lasts_s;
     // Obstacles are numbered below 2^32.
-    (lasts_s > 0.0)
-        .then(|| aircraft(u64::MAX, sample.position_m, velocity_mps - log.plan.world.wind_mps))
+    (lasts_s > 0.0).then(|| {
+        aircraft(
+            u64::MAX,
+            sample.position_m,
+            velocity_mps - log.plan.world.wind_mps,
+        )
+    })
 }
 
 /// The aircraft that are there and have been seen.
@@ -75,7 +80,11 @@ fn traffic(log: &RunLog, time_s: f64) -> Vec<Aircraft> {
         .filter_map(|(obstacle, _)| {
             let (position_m, velocity_mps) = obstacle.track.at(time_s)?;
             let id = u64::from(obstacle.id);
-            Some(aircraft(id, position_m, velocity_mps - log.plan.world.wind_mps))
+            Some(aircraft(
+                id,
+                position_m,
+                velocity_mps - log.plan.world.wind_mps,
+            ))
         })
         .collect()
 }
@@ -94,7 +103,9 @@ fn guidance(
         Some(ReplayAlert {
             obstacle: u32::try_from(aircraft.id.0).ok()?,
             level: alert.level.unwrap_or(0),
-            violation_s: loss.filter(|loss| loss.is_conflict()).map(|loss| loss.entry_s),
+            violation_s: loss
+                .filter(|loss| loss.is_conflict())
+                .map(|loss| loss.entry_s),
         })
     });
     ReplayGuidance {

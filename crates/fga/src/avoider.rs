@@ -216,6 +216,23 @@ impl Avoider {
         Ok(())
     }
 
+    /// Sets when a manoeuvre begins; one that is flown goes on.
+    ///
+    /// # Errors
+    /// A score that is not in [0, 1]; nothing is changed then.
+    pub fn set_start(&mut self, start: Start) -> Result<(), SettingsError> {
+        start.check()?;
+        if start != self.settings.start
+            && self.state == State::Threatened
+            && let Some(plan) = &mut self.plan
+        {
+            // A start that was waited for may not be the right one any more.
+            plan.basis = None;
+        }
+        self.settings.start = start;
+        Ok(())
+    }
+
     /// Decides what to fly until the next step.
     ///
     /// The caller steps every [`Settings::decision_period_s`]. The command holds stages in time

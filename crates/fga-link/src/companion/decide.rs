@@ -122,6 +122,7 @@ impl Companion {
         self.renew_decider(now_s)?;
         self.gather_obstacles(state, now_s);
         self.grow_obstacles(now_s);
+        self.watch_alerts(state, now_s);
         let situation = Situation {
             time_s: now_s + self.ahead_s,
             ownship: state.ownship,

@@ -100,6 +100,14 @@ impl Decider {
         }
     }
 
+    /// Sets when a manoeuvre begins; Algorithm 4 has its own rule.
+    pub(super) fn set_start(&mut self, start: Start) {
+        if let Self::Avoider(avoider) = self {
+            // Only a score can be out of range.
+            let _ = avoider.set_start(start);
+        }
+    }
+
     /// Takes over other limits in need; those that cannot be flown change nothing.
     pub(super) fn set_vehicle_in_need(&mut self, vehicle: Option<Vehicle>) {
         if let Self::Avoider(avoider) = self {

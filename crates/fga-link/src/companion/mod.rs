@@ -5,6 +5,7 @@
 //! [`Companion::outbox`] holds the messages to send and [`Companion::take_log`] the log. The
 //! program, the replay of a recording and the tests in scaled time all drive the same code.
 
+mod alerts;
 mod around;
 mod decide;
 mod decider;
@@ -141,6 +142,7 @@ pub struct Companion {
     virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
     keeper: Keeper,
     decider: Option<decider::Decider>,
+    alerts: Option<alerts::Watch>,
     hand: Box<dyn Hand>,
     way: Way,
     way_mode: Option<Mode>,
@@ -225,6 +227,7 @@ impl Companion {
             virtual_reports: around::virtual_reports(&config),
             keeper: Keeper::new(target, config.safety.armed_at_start),
             decider: None,
+            alerts: alerts::Watch::new(&config.alerts),
             hand,
             way: Way::default(),
             way_mode: None,

@@ -8,7 +8,8 @@ use serde::Serialize;
 
 use super::thin;
 use super::{
-    Replay, ReplayBands, ReplayDecision, ReplayGuidance, ReplayObstacle, ReplayPathKind, ReplayRun, ReplaySample,
+    Replay, ReplayBands, ReplayDecision, ReplayGuidance, ReplayObstacle, ReplayPathKind, ReplayRun,
+    ReplaySample,
 };
 use crate::page::json;
 
@@ -40,7 +41,10 @@ pub(super) struct Run<'a> {
     levels: usize,
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde asks for a reference"
+)]
 const fn is_zero(levels: &usize) -> bool {
     *levels == 0
 }
