@@ -137,3 +137,57 @@ fn wrong_input_is_one_sentence_and_exit_code_1() {
         }
     }
 }
+
+#[test]
+fn the_replay_page_shows_alerts_and_bands_where_a_configuration_is_given() {
+    let mut recording = String::from(
+        "NAME, sx, sy, sz, vx, vy, vz, time\n[none], [m], [m], [m], [m/s], [m/s], [m/s], [s]\n",
+    );
+    for second in 0..=60 {
+        let along_m = 50.0 * f64::from(second);
+        recording.push_str(&format!("own, 0, {along_m}, 1000, 0, 50, 0, {second}\n"));
+        let ahead_m = 8000.0 - along_m;
+        recording.push_str(&format!("other, 0, {ahead_m}, 1000, 0, -50, 0, {second}\n"));
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(at.join("r.daa"), recording).unwrap();
+    fs::write(at.join("c.conf"), CONFIGURATION).unwrap();
+    let page = |more: &[&str]| {
+        let vehicle = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../vehicles/general-aviation.toml"
+        );
+        let command = [
+            "run",
+            "r.daa",
+            "--policy",
+            "none",
+            "--vehicle",
+            vehicle,
+            "--out",
+            "out",
+        ];
+        fga_in(at, &[&command, more].concat());
+        let page = fs::read_to_string(at.join("out/replay.html")).unwrap();
+        let (_, data) = page.split_once("id=\"data\">").unwrap();
+        let (data, _) = data.split_once("</script>").unwrap();
+        serde_json::from_str::<serde_json::Value>(data).unwrap()
+    };
+    assert!(page(&[])["runs"][0]["guidance"].is_null());
+    let run = &page(&["--config", "c.conf"])["runs"][0];
+    assert_eq!(run["levels"], 1);
+    let records = run["guidance"].as_array().unwrap();
+    // The volume of 2,000 ft is violated in 60 s from 6,609.6 m on, 13.9 s after the begin.
+    let rose_s = records.iter().find(|record| record["level"] == 1).unwrap()["t"].as_f64();
+    assert!((13.8..15.2).contains(&rose_s.unwrap()), "{rose_s:?}");
+    let later = records
+        .iter()
+        .find(|record| record["t"].as_f64() > Some(25.0))
+        .unwrap();
+    // North lies in a band that is near (3).
+    let directions = later["bands"][0].as_array().unwrap();
+    assert_eq!(directions[0][0], 0.0);
+    assert_eq!(directions[0][2], 3, "{directions:?}");
+    assert_eq!(later["who"][0][1], 1);
+}
