@@ -55,15 +55,17 @@ def recording(path):
 
 
 def cartesian(lat, lon):
-    """Geocentric place on the WGS 84 ellipsoid, metres."""
-    a, f = 6378137.0, 1 / 298.257223563
-    e2 = f * (2 - f)
+    """Geocentric place on a sphere with a nautical mile for each minute of arc, metres.
+
+    That is the Earth of `.daa` files, in DAIDALUS as in fga. On the WGS 84 ellipsoid distances
+    from west to east are 0.35 % longer at 45 degrees; the counts are the same on both.
+    """
+    radius = 1852 * 60 * 180 / math.pi
     lat, lon = math.radians(lat), math.radians(lon)
-    n = a / math.sqrt(1 - e2 * math.sin(lat) ** 2)
     return (
-        n * math.cos(lat) * math.cos(lon),
-        n * math.cos(lat) * math.sin(lon),
-        n * (1 - e2) * math.sin(lat),
+        radius * math.cos(lat) * math.cos(lon),
+        radius * math.cos(lat) * math.sin(lon),
+        radius * math.sin(lat),
     )
 
 

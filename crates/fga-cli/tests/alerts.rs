@@ -2,6 +2,7 @@
 
 mod support;
 
+use core::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -145,9 +146,9 @@ fn the_replay_page_shows_alerts_and_bands_where_a_configuration_is_given() {
     );
     for second in 0..=60 {
         let along_m = 50.0 * f64::from(second);
-        recording.push_str(&format!("own, 0, {along_m}, 1000, 0, 50, 0, {second}\n"));
+        let _ = writeln!(recording, "own, 0, {along_m}, 1000, 0, 50, 0, {second}");
         let ahead_m = 8000.0 - along_m;
-        recording.push_str(&format!("other, 0, {ahead_m}, 1000, 0, -50, 0, {second}\n"));
+        let _ = writeln!(recording, "other, 0, {ahead_m}, 1000, 0, -50, 0, {second}");
     }
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
