@@ -64,7 +64,7 @@ function compass(guidance: Guidance, theme: Theme): SVGElement {
   const needle = { d: "M0-48L5-34H-5ZM0-34V14M-11-8H11M-5 14H5", transform: `rotate(${heading})` };
   root.append(svg("path", { ...needle, fill: theme.foreground, stroke: theme.foreground, "stroke-width": 2 }));
   const degrees = String(Math.round(heading) % 360).padStart(3, "0");
-  root.append(svg("text", { x: 0, y: 30, class: "value", "text-anchor": "middle" }, `${degrees}°`));
+  root.append(svg("text", { x: -68, y: -56, class: "value" }, `${degrees}°`));
   return root;
 }
 

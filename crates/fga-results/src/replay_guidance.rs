@@ -49,9 +49,12 @@ pub(crate) fn add(run: &mut ReplayRun, log: &RunLog, settings: &Settings) {
     run.events.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
 }
 
-fn aircraft(id: u64, position_m: Vec3, velocity_mps: Vec3) -> Aircraft {
+/// An aircraft of a place in the local frame; bands count altitudes from sea level.
+fn aircraft(log: &RunLog, id: u64, place_m: Vec3, velocity_mps: Vec3) -> Aircraft {
+    let frame = log.plan.frame.as_ref();
+    let above_sea_m = frame.map_or(0.0, |frame| frame.origin().altitude_m);
     let state = State {
-        position_m,
+        position_m: place_m + Vec3::new(0.0, 0.0, above_sea_m),
         velocity_mps,
     };
     Aircraft::new(AircraftId(id), state)
@@ -64,6 +67,7 @@ fn ownship(log: &RunLog, sample: &Sample, after: &Sample) -> Option<Aircraft> {
     // Obstacles are numbered below 2^32.
     (lasts_s > 0.0).then(|| {
         aircraft(
+            log,
             u64::MAX,
             sample.position_m,
             velocity_mps - log.plan.world.wind_mps,
@@ -81,6 +85,7 @@ fn traffic(log: &RunLog, time_s: f64) -> Vec<Aircraft> {
             let (position_m, velocity_mps) = obstacle.track.at(time_s)?;
             let id = u64::from(obstacle.id);
             Some(aircraft(
+                log,
                 id,
                 position_m,
                 velocity_mps - log.plan.world.wind_mps,
