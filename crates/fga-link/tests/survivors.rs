@@ -44,7 +44,7 @@ fn absurd(random: &mut Random) -> u32 {
         0 => 0,
         1 => u32::MAX,
         2 => i32::MAX as u32,
-        3 => i32::MIN as u32,
+        3 => i32::MIN.cast_unsigned(),
         4 => 1,
         _ => random.next() as u32,
     }
