@@ -13,6 +13,9 @@ use alloc::collections::VecDeque;
 
 use common::{GOOD, Intruder, Random, World};
 use fga_emulator::Mode;
+use fga_formats::traffic::{Altitude, TrafficReport};
+use fga_link::traffic::Source;
+use fga_link::traffic::receiver::Joiner;
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, MavFrame, MavMessage, MavOdidHorAcc, MavOdidSpeedAcc, MavOdidVerAcc,
     OBSTACLE_DISTANCE_3D_DATA, OPEN_DRONE_ID_LOCATION_DATA,
@@ -496,4 +499,46 @@ fn the_quality_of_a_report_widens_the_volume() {
         least_m.push(world.least_m[0].0);
     }
     assert!(least_m[1] > least_m[0] + 60.0, "{least_m:?}");
+}
+
+/// The same for its velocity (NACv of a transponder): what is known badly is kept clear of by more, the further
+/// ahead the more.
+#[test]
+fn the_accuracy_of_the_velocity_widens_the_volume_ahead() {
+    let least_m = [0.3, 3.0].map(|error_mps| {
+        let mut world = unreported("");
+        let mut joiner = Joiner::new(Source::Beast);
+        let mut due_s = 0.0;
+        fly(&mut world, 75.0, |world| {
+            let own_m = world.emulator.plant().position_m();
+            let range_m = common::distance(own_m, world.intruders[0].position_m);
+            if world.time_s < due_s || range_m > 1200.0 {
+                return;
+            }
+            due_s = world.time_s + 0.5;
+            let place = world
+                .emulator
+                .home()
+                .to_place(world.intruders[0].position_m);
+            let message = TrafficReport {
+                address: INTRUDER,
+                place_deg: Some(
+                    [place.latitude_e7, place.longitude_e7].map(|e7| f64::from(e7) * 1e-7),
+                ),
+                altitude: Some(Altitude::Pressure(f64::from(place.altitude_mm) * 1e-3)),
+                ground_speed_mps: Some(25.0),
+                course_rad: Some(-core::f64::consts::FRAC_PI_2),
+                climb_mps: Some(0.0),
+                position_error_m: Some(10.0),
+                velocity_error_mps: Some(error_mps),
+                ..TrafficReport::default()
+            };
+            if let Some(report) = joiner.take(&message, world.time_s) {
+                world.companion.take_report(&report, world.time_s);
+            }
+        });
+        assert_kept(&world);
+        world.least_m[0].0
+    });
+    assert!(least_m[1] > least_m[0] + 5.0, "{least_m:?}");
 }

@@ -64,6 +64,7 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
         quality: Quality {
             position_m: 0.0,
             velocity_mps: 0.0,
+            velocity_is_told: true,
             height_m: 0.0,
             altitude: AltitudeReference::MeanSeaLevel,
         },

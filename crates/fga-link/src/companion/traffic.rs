@@ -160,6 +160,7 @@ impl Companion {
             quality: Quality {
                 position_m: libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m),
                 velocity_mps: 0.0,
+                velocity_is_told: false,
                 height_m: 0.0,
                 altitude: AltitudeReference::MeanSeaLevel,
             },

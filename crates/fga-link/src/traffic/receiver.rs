@@ -169,6 +169,7 @@ impl Joiner {
             .velocity_mps
             .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S)
             .map(|([east, north], heard_s)| (Vec3::new(east, north, parts.climb_mps), heard_s));
+        let velocity_is_told = parts.velocity_error_mps.is_some();
         let altitude_m = altitude.metres() + parts.climb_mps * (now_s - altitude_s).max(0.0);
         Some(Report {
             source: self.sender.source,
@@ -187,6 +188,7 @@ impl Joiner {
                 velocity_mps: velocity.map_or(0.0, |(_, heard_s)| {
                     parts.velocity_sigma_mps(now_s - heard_s)
                 }),
+                velocity_is_told: velocity_is_told && velocity.is_some(),
                 height_m: 0.0,
                 altitude: match altitude {
                     Altitude::Pressure(_) => AltitudeReference::Pressure,

@@ -453,7 +453,7 @@ impl TrackTable {
             movement: track.movement,
             uncertainty: Uncertainty {
                 position_m: track.sigma_m(wanted.at_s),
-                velocity_mps: 0.0,
+                velocity_mps: track.velocity_sigma_mps(),
             },
         };
         Some((self.urgency(track, wanted.at_s), obstacle))

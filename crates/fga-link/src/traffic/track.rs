@@ -188,6 +188,17 @@ impl Track {
         grown_m.min(MOST_SIGMA_M.max(self.quality.position_m))
     }
 
+    /// σ of the velocity along an axis for the time ahead, metres per second: what was told of it, or how well
+    /// the places tell it. Zero where nothing was told: how it may move bounds it then.
+    pub fn velocity_sigma_mps(&self) -> f64 {
+        let told_mps = if self.quality.velocity_is_told {
+            self.quality.velocity_mps
+        } else {
+            0.0
+        };
+        told_mps + self.estimated_mps
+    }
+
     /// Name for the operator: call sign, else address, else number.
     pub fn name(&self) -> String {
         if !self.callsign.is_empty() {
