@@ -501,7 +501,7 @@ fn the_quality_of_a_report_widens_the_volume() {
     assert!(least_m[1] > least_m[0] + 60.0, "{least_m:?}");
 }
 
-/// The same for its velocity (NACv of a transponder): what is known badly is kept clear of by more, the further
+/// The same for its velocity: a poorly known one is kept clear of by more, the further
 /// ahead the more.
 #[test]
 fn the_accuracy_of_the_velocity_widens_the_volume_ahead() {
