@@ -291,6 +291,9 @@ impl Keeper {
         now_s: f64,
     ) -> Option<Vec<Action>> {
         match origin {
+            Origin::Others => None,
+            // The request crossed the pilot's choice: that is undone without another fault.
+            _ if self.undoes(mode, now_s) => None,
             Origin::Ours if mode == self.target => {
                 self.state = Authority::InCommand {
                     since_s: now_s,
@@ -317,10 +320,7 @@ impl Keeper {
                     Action::Tell(row.severity, row.text),
                 ])
             }
-            Origin::Unknown if !self.undoes(mode, now_s) => {
-                Some(vec![Action::Tell(Severity::Critical, WHOSE_MODE)])
-            }
-            Origin::Unknown | Origin::Others => None,
+            Origin::Unknown => Some(vec![Action::Tell(Severity::Critical, WHOSE_MODE)]),
         }
     }
 
