@@ -150,7 +150,7 @@ class Flight:
         self.settle_s = vehicle.dead_time_s + vehicle.bank_time_constant_s + 0.3
         self.period_s = model.settings.decision_period_s
 
-    def fly(self, obstacles, for_s: float, seen=lambda decision, flown: None) -> float:
+    def fly(self, obstacles, for_s: float, seen=lambda decision, own, time_s: None) -> float:
         """Flies a mission straight ahead past straight-flying obstacles; the least margin, metres."""
         start = self.aircraft.ownship
         x, y, z = start.position_m

@@ -17,10 +17,21 @@ import jsbsim_loop  # noqa: E402
 
 ENCOUNTERS = int(os.environ.get("FGA_JSBSIM", "6"))
 RADIUS_M = 150.0
+CLEAR_M = 500.0
+"""Kept from the volume at the start: nobody can keep out of a volume that it begins in."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def elsewhere(tmp_path_factory):
+    """JSBSim writes files of its own into the folder that it runs in."""
+    before = os.getcwd()
+    os.chdir(tmp_path_factory.mktemp("jsbsim-output"))
+    yield
+    os.chdir(before)
 
 
 @pytest.fixture(scope="module")
-def model(tmp_path_factory):
+def model(elsewhere, tmp_path_factory):
     """The c172x according to its own step responses."""
     log = jsbsim_loop.step_responses(jsbsim_loop.Aircraft(), 30.0)
     found = identification.identify(log)
@@ -31,14 +42,16 @@ def model(tmp_path_factory):
 
 
 def encounter(number, airspeed_mps):
-    """An intruder that meets the aircraft on its line after 40 to 60 s, from any side."""
+    """An intruder that meets the aircraft on its line after 40 to 60 s, from any side, and begins clear of it."""
     rng = np.random.default_rng(number)
-    meet_s, course = rng.uniform(40, 60), rng.uniform(-math.pi, math.pi)
-    speed, climb = rng.uniform(25, 65), rng.uniform(-1.0, 1.0)
-    beside = rng.uniform(-0.8, 0.8) * RADIUS_M
-    vx, vy = speed * math.cos(course), speed * math.sin(course)
-    place = (airspeed_mps * meet_s - vx * meet_s, beside - vy * meet_s, -climb * meet_s)
-    return fga.Obstacle(1, place, RADIUS_M, (vx, vy, climb))
+    while True:
+        meet_s, course = rng.uniform(40, 60), rng.uniform(-math.pi, math.pi)
+        speed, climb = rng.uniform(25, 65), rng.uniform(-1.0, 1.0)
+        beside = rng.uniform(-0.8, 0.8) * RADIUS_M
+        vx, vy = speed * math.cos(course), speed * math.sin(course)
+        place = (airspeed_mps * meet_s - vx * meet_s, beside - vy * meet_s, -climb * meet_s)
+        if math.hypot(*place) >= RADIUS_M + CLEAR_M:
+            return fga.Obstacle(1, place, RADIUS_M, (vx, vy, climb))
 
 
 def turned(obstacle, own):
