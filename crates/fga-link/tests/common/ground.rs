@@ -63,6 +63,10 @@ pub struct Ground {
     fence: Vec<MISSION_ITEM_INT_DATA>,
     /// Whether the vehicle accepted the last upload.
     pub uploaded: bool,
+    /// Positions told so far.
+    pub positions: u64,
+    /// Texts since the list was cleared.
+    pub texts: Vec<String>,
 }
 
 impl Ground {
@@ -82,6 +86,8 @@ impl Ground {
             mission: Vec::new(),
             fence: Vec::new(),
             uploaded: false,
+            positions: 0,
+            texts: Vec::new(),
         }
     }
 
@@ -181,6 +187,7 @@ impl Ground {
                 }
             }
             MavMessage::GLOBAL_POSITION_INT(data) => {
+                self.positions += 1;
                 self.above_home_m = f64::from(data.relative_alt) * 1e-3;
                 self.velocity_mps = Vec3::new(
                     f64::from(data.vy) * 0.01,
@@ -210,7 +217,11 @@ impl Ground {
                 self.hand_over_item(data.mission_type, data.seq);
             }
             MavMessage::MISSION_ACK(data) if data.target_system == 255 => self.uploaded = true,
-            MavMessage::STATUSTEXT(data) => eprintln!("  {}", data.text.to_str().unwrap_or("?")),
+            MavMessage::STATUSTEXT(data) => {
+                let text = data.text.to_str().unwrap_or("?");
+                eprintln!("  {text}");
+                self.texts.push(text.to_owned());
+            }
             _ => {}
         }
     }
@@ -312,9 +323,23 @@ impl Ground {
 
     /// Distance from a line north through home, metres, and angle to it, radians.
     pub fn off_leg(&self, home: Geodetic) -> (f64, f64) {
+        self.off_line(home, (0.0, 0.0), 0.0)
+    }
+
+    /// Distance from a line through a point so far east and north of home, metres, and angle to it,
+    /// radians. The course is clockwise from north.
+    pub fn off_line(
+        &self,
+        home: Geodetic,
+        (east_m, north_m): (f64, f64),
+        course_rad: f64,
+    ) -> (f64, f64) {
         let frame = LocalFrame::new(home, Earth::Wgs84);
         let at_m = frame.to_local_m(self.place.expect("a position"));
-        (at_m.x.abs(), self.track_rad().abs())
+        let (sin, cos) = course_rad.sin_cos();
+        let across_m = (at_m.x - east_m) * cos - (at_m.y - north_m) * sin;
+        let (turned_sin, turned_cos) = (self.track_rad() - course_rad).sin_cos();
+        (across_m.abs(), turned_sin.atan2(turned_cos).abs())
     }
 
     /// Distance to a place, metres.

@@ -4,6 +4,7 @@ mod aircraft;
 mod farther;
 mod holding;
 mod need;
+mod sooner;
 mod way_back;
 
 pub(super) use holding::Basis;

@@ -5,7 +5,7 @@ use fga::avoider::{Reason, Settings, SettingsError, Start, State};
 
 use fga::situation::{Obstacle, ProtectedVolume};
 
-use crate::flight::{Flies as _, Flight, planar, sphere, vehicle};
+use crate::flight::{Flies as _, Flight, PERIOD_S, planar, sphere, vehicle};
 use crate::policies::{POLICIES, avoider, settings};
 
 impl Flight {
@@ -338,4 +338,32 @@ fn between_floor_and_ceiling_it_descends_and_levels_off() {
     }
     assert!(lowest_m < -40.0, "{lowest_m}");
     assert!(flight.own.position_m.z.abs() < 1.0);
+}
+
+/// A wide obstacle at rest, a little to the left: the way back is long.
+fn wide() -> [Obstacle; 1] {
+    [sphere(7, Vec3::new(700.0, 5.0, 0.0), Vec3::ZERO, 160.0)]
+}
+
+/// An earlier version turned onto the mission at the planned moment, up to 46 m beyond it.
+#[test]
+fn an_aircraft_that_is_faster_than_planned_does_not_fly_past_the_mission_on_its_way_back() {
+    let mut flight = flight(Start::Free);
+    let mut obstacles = wide();
+    flight.until(State::Recovering, &mut obstacles);
+    let side = flight.own.position_m.y.signum();
+    let (mut past_m, mut cycles) = (0.0_f64, 0);
+    loop {
+        let state = flight.cycle(&mut obstacles).state;
+        let (sin, cos) = flight.own.course_rad.sin_cos();
+        let faster_m = 0.1 * flight.own.airspeed_mps * PERIOD_S;
+        flight.own.position_m += Vec3::new(cos, sin, 0.0) * faster_m;
+        past_m = past_m.max(-side * flight.own.position_m.y);
+        cycles += 1;
+        if state == State::Cruise && cycles > 10 {
+            break;
+        }
+        assert!(cycles < 900);
+    }
+    assert!(past_m < 5.0, "{past_m} m beyond the mission");
 }

@@ -46,6 +46,9 @@ const LOOK_FOR_MORE: u32 = 5;
 /// The largest margin in the worst case must exceed the present one by this, metres.
 const CLEARLY_FARTHER_M: f64 = 20.0;
 
+/// The same against the expected motion, metres.
+const EXPECTED_FARTHER_M: f64 = 5.0;
+
 /// Cycles between two searches for a smaller departure.
 const LOOK_FOR_LESS: u32 = 10;
 
@@ -240,8 +243,8 @@ impl Avoider {
     }
 
     /// If nothing withstands any share: the manoeuvre with the largest margin in the worst case, if it stays clear
-    /// of the expected motion; else the cheapest that does; else the former. During a manoeuvre only a clearly
-    /// better one; `flown` says whether the present one stays clear of the expected motion.
+    /// of the expected motion; else the cheapest that does; else the one with the largest margin against it. During a
+    /// manoeuvre only a clearly better one; `flown` says whether the present one stays clear of the expected motion.
     fn farthest(
         &mut self,
         now: &MotionState,
@@ -278,7 +281,7 @@ impl Avoider {
             Some(best) if best.proof == Proof::Certified => {
                 ((!is_clear || better(&best)).then_some(best), candidates)
             }
-            best if !is_clear => {
+            _ if !is_clear => {
                 let (mut answer, looked_at) = self.cheapest_within(now, side, (-1.0, 0.0));
                 candidates += looked_at;
                 let again = flown.is_none() || self.cycle.is_multiple_of(LOOK_FOR_MORE);
@@ -287,27 +290,33 @@ impl Avoider {
                     answer = found;
                     candidates += looked_at;
                 }
-                (answer.or_else(|| best.filter(better)), candidates)
+                (answer, candidates)
             }
             _ => (None, candidates),
         }
     }
 
     /// A manoeuvre of two turns or climbs that stays clear of the expected motion if no single one does:
-    /// between a floor and a ceiling the aircraft can hold no climb angle. It may take the rest of the step's work.
+    /// between a floor and a ceiling the aircraft can hold no climb angle. If none does, the one with the largest margin
+    /// against the expected motion, clearly larger than that of the present one: in the worst case all are lost alike.
+    /// It may take the rest of the step's work.
     fn in_two_stages(
         &mut self,
         now: &MotionState,
         flown: Option<&Maneuver>,
     ) -> (Option<Answer>, u32) {
         self.withstand(Freedom::Share(0.0), now.position_m, 0.0);
+        let kept_m = flown.map_or(f64::MIN, |flown| {
+            self.margin_of(flown, now, (f64::MIN, ENOUGH_M))
+        });
         let variety = self.cycle;
         let (answer, looked_at, _) = self.search(&Maneuver::hold(), now, |search| {
             if let Some(found) = search.levelled() {
                 return Some(Answer::new(search, found, Proof::Certified, 0.0));
             }
             let (found, proof) = search.best(flown, Effort::Full, variety)?;
-            (proof == Proof::Certified).then(|| Answer::new(search, found, proof, 0.0))
+            let better = found.margin_m > kept_m + EXPECTED_FARTHER_M;
+            (proof == Proof::Certified || better).then(|| Answer::new(search, found, proof, 0.0))
         });
         (answer, looked_at)
     }

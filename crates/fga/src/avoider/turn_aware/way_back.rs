@@ -326,6 +326,10 @@ impl Avoider {
                 return decision;
             }
             if self.still_holds(&plan, situation, now) {
+                if let Some(sooner) = self.sooner_back(situation, now, &plan) {
+                    self.plan = Some(sooner);
+                    return self.report(&sooner, time_s, Reason::RejoinChosen);
+                }
                 return self.report(&plan, time_s, Reason::RejoinKept);
             }
         }
