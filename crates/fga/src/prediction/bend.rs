@@ -8,7 +8,10 @@ use crate::Vec3;
 use crate::prediction::motion::{Flyer, MotionState, Target};
 
 /// Most ends of the pieces of a roll-in.
-const NODES: usize = 24;
+const NODES: usize = 48;
+
+/// Most turn between two of them, radians: a chord of it lies within 0.016 turn radii of its arc.
+const NODE_RAD: f64 = 0.35;
 
 /// Farther than any turn, radians.
 const FAR_RAD: f64 = 100.0;
@@ -132,7 +135,8 @@ impl Bend {
                 bend.roll_out_m = (forward, left);
                 return Some(bend);
             }
-            state = flyer.advance(&state, &piece, piece.duration_s);
+            let for_s = piece.duration_s.min(NODE_RAD / bend.rate_radps);
+            state = flyer.advance(&state, &piece, for_s);
         }
         None
     }
