@@ -4,7 +4,6 @@
 mod common;
 
 use common::{GOOD, Intruder, World};
-use fga_emulator::Mode;
 use fga_link::Config;
 use mavlink::dialects::ardupilotmega::{MavCollisionThreatLevel, MavMessage};
 
@@ -35,11 +34,16 @@ fn told(world: &World) -> Vec<(f64, usize)> {
     texts.collect()
 }
 
-/// When the companion took the vehicle, seconds.
+/// When the companion said that it avoids, seconds on the clock of [`told`].
 fn taken_s(world: &World) -> f64 {
-    let changes = world.emulator.mode_changes();
-    let taken = changes.iter().find(|change| change.mode == Mode::Guided);
-    taken.expect("it avoids").time_s
+    let avoids = world.sent.iter().find(|(_, message)| match message {
+        MavMessage::STATUSTEXT(data) => data
+            .text
+            .to_str()
+            .is_ok_and(|text| text.starts_with("fga: avoiding")),
+        _ => false,
+    });
+    avoids.expect("it avoids").0
 }
 
 #[test]
