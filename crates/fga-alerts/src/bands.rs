@@ -326,7 +326,7 @@ impl QuantityBands {
             let cylinder_volume = cylinder.map(Volume::Cylinder);
             let cylinder = cylinder_volume.as_ref().zip(cylinder.map(Key::Cylinder));
             let own = is_own.then_some((&level.volume, own_key));
-            // The cylinder counts before the own volume, or alone.
+            // The cylinder counts before the alerter's volume, or without it.
             let (Some(later), before) = (match own {
                 Some(own) => (Some(own), cylinder),
                 None => (cylinder, None),

@@ -34,6 +34,17 @@ fn world(places_m: &[[f64; 2]]) -> World {
     world
 }
 
+/// Flying home to a rally point 200 m north of it, with an intruder ahead on the way.
+fn meeting_an_intruder_in_rtl() -> World {
+    let mut world = world(&[[0.0, 200.0]]);
+    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, -100.0, 100.0], [0.0, 25.0, 0.0]);
+    intruder.shown_m = 1200.0;
+    world.add(intruder);
+    world.run_until(1.0);
+    world.emulator.pilot_mode(Mode::Rtl);
+    world
+}
+
 /// The end of the way, east and north, metres.
 fn end(world: &World) -> Option<[f64; 2]> {
     let picture = world.companion.picture()?;
@@ -77,12 +88,7 @@ fn rtl_leads_to_the_rally_point_that_the_vehicle_chooses() {
 
 #[test]
 fn after_a_manoeuvre_in_rtl_it_flies_on_to_the_rally_point() {
-    let mut world = world(&[[0.0, 200.0]]);
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, -100.0, 100.0], [0.0, 25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
-    world.run_until(1.0);
-    world.emulator.pilot_mode(Mode::Rtl);
+    let mut world = meeting_an_intruder_in_rtl();
     world.run_until(115.0);
     assert!(world.least_m[0].0 >= 60.0, "{:?}", world.least_m);
     let changes = world.emulator.mode_changes().iter();
@@ -123,12 +129,7 @@ fn upload_all(world: &mut World, items: &[Item]) {
 /// The vehicle chooses again when RTL resumes: the way back leads there.
 #[test]
 fn rally_points_uploaded_in_a_manoeuvre_are_where_it_comes_back_to() {
-    let mut world = world(&[[0.0, 200.0]]);
-    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, -100.0, 100.0], [0.0, 25.0, 0.0]);
-    intruder.shown_m = 1200.0;
-    world.add(intruder);
-    world.run_until(1.0);
-    world.emulator.pilot_mode(Mode::Rtl);
+    let mut world = meeting_an_intruder_in_rtl();
     world.run_while(90.0, "command", |w| {
         !matches!(w.companion.authority(), Authority::InCommand { .. })
     });

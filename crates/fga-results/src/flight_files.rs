@@ -6,9 +6,9 @@ use fga::avoider::State;
 use fga_formats::OutputError;
 use fga_formats::atomic;
 use fga_formats::decision;
-use fga_formats::number::push_fixed;
 use fga_formats::words::decision_words;
 use fga_report::overview::{self, Closest, Moment, MomentKind, Overview};
+use fga_sim::batch::push_sample;
 use fga_sim::progress::MissedWaypoint;
 use fga_sim::run::{DecisionLog, RunLog};
 use fga_sim::track::Track;
@@ -58,18 +58,8 @@ pub fn write_guided(
 pub fn track_csv(log: &RunLog) -> Vec<u8> {
     let mut text = b"t_s,x_m,y_m,z_m,course_rad,climb_rad,bank_rad,state\n".to_vec();
     for sample in &log.samples {
-        for value in [
-            sample.time_s,
-            sample.position_m.x,
-            sample.position_m.y,
-            sample.position_m.z,
-            sample.course_rad,
-            sample.climb_rad,
-            sample.bank_rad,
-        ] {
-            push_fixed(&mut text, value, 6);
-            text.push(b',');
-        }
+        push_sample(&mut text, sample);
+        text.push(b',');
         text.extend_from_slice(sample.state.name().as_bytes());
         text.push(b'\n');
     }

@@ -280,15 +280,16 @@ impl Observer for TrackRows {
     fn sample(&mut self, sample: &Sample) {
         self.rows
             .extend_from_slice(self.encounter.to_string().as_bytes());
+        self.rows.push(b',');
         push_sample(&mut self.rows, sample);
         self.rows.push(b'\n');
     }
 }
 
-/// Appends `,t_s,x_m,y_m,z_m,course_rad,climb_rad,bank_rad` of a sample, six decimals each.
+/// Appends `t_s,x_m,y_m,z_m,course_rad,climb_rad,bank_rad` of a sample, six decimals each.
 pub fn push_sample(row: &mut Vec<u8>, sample: &Sample) {
+    push_fixed(row, sample.time_s, 6);
     for value in [
-        sample.time_s,
         sample.position_m.x,
         sample.position_m.y,
         sample.position_m.z,

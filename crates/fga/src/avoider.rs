@@ -236,9 +236,10 @@ impl Avoider {
     /// Decides what to fly until the next step.
     ///
     /// The caller steps every [`Settings::decision_period_s`]. The command holds stages in time
-    /// from now; the aircraft flies it if nothing new happens. Obstacles with numbers that are not
-    /// finite do not count. If the own state or time is unusable, or beyond
-    /// [`LARGEST`](crate::limit::LARGEST), the avoider holds the last command's course ([`Reason::InvalidInput`]).
+    /// from now; the aircraft flies it if nothing new happens. The avoider
+    /// ignores obstacles with numbers that are not finite. It holds the present course
+    /// ([`Reason::InvalidInput`]) while the ownship's state or the time is unusable or beyond
+    /// [`LARGEST`](crate::limit::LARGEST).
     pub fn step(&mut self, situation: &Situation<'_>) -> Decision {
         if !situation.is_usable() {
             return self.decision(&Maneuver::hold(), Reason::InvalidInput);

@@ -1,7 +1,7 @@
 //! Which aircraft matter most?
 //!
-//! First the aircraft that soonest enters the protected volume on the way of the own aircraft, straight or
-//! along its mission; then the one that could come soonest by any turn.
+//! An aircraft matters more the sooner it enters the protected volume on our way, straight ahead or along the
+//! mission. Nearness comes second: the time in which it could reach us by any turn.
 
 use fga::Vec3;
 
@@ -26,7 +26,7 @@ struct Leg {
     ends_s: f64,
 }
 
-/// The possible ways of the own aircraft.
+/// Our possible ways: straight ahead, and along the mission.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ahead {
     own: Option<(Vec3, Vec3)>,
