@@ -35,7 +35,7 @@ use crate::bands::pool::{Key, WindowPool, level_key};
 use crate::bands::recovery::{Recovery, WaysOut};
 use crate::bands::search::Task;
 use crate::bands::span::{Quantity, Span};
-use crate::bands::ways::{Search, Ways};
+use crate::bands::ways::{Range, Search, Ways};
 use crate::loss::Loss;
 use crate::settings::{Region, Settings, TerminalGuidance};
 use crate::volume::{Cylinder, Volume};
@@ -221,13 +221,13 @@ impl QuantityBands {
         let Some(span) = self.span else {
             return;
         };
-        self.ways.fill(
-            self.quantity,
+        self.ways.fill(&Range {
+            quantity: self.quantity,
             settings,
             ownship,
-            &span,
-            picture.turns_at_once(),
-        );
+            span: &span,
+            turns_at_once: picture.turns_at_once(),
+        });
         for (index, region) in Region::CONFLICTS.into_iter().enumerate() {
             if picture.paints(region) {
                 self.find_peripheral(picture, index, region);
@@ -506,13 +506,13 @@ impl QuantityBands {
             until_s: settings.lookahead_s,
         };
         let mut ways = Ways::default();
-        ways.fill(
-            self.quantity,
+        ways.fill(&Range {
+            quantity: self.quantity,
             settings,
             ownship,
-            &base,
-            picture.turns_at_once(),
-        );
+            span: &base,
+            turns_at_once: picture.turns_at_once(),
+        });
         ways.search(meetings_once(met, volume, ways.lines()), None)
             .all_conflict(&task)
     }
@@ -536,13 +536,13 @@ pub(crate) fn meets_within_spread(
         until_s,
     };
     let mut ways = Ways::default();
-    ways.fill(
+    ways.fill(&Range {
         quantity,
-        picture.settings,
+        settings: picture.settings,
         ownship,
-        &span,
-        picture.turns_at_once(),
-    );
+        span: &span,
+        turns_at_once: picture.turns_at_once(),
+    });
     ways.search(meetings_once(met, volume, ways.lines()), None)
         .any_conflict(&task)
 }

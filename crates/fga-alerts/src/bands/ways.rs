@@ -9,6 +9,17 @@ use crate::bands::search::{FanSearch, Task};
 use crate::bands::span::{Quantity, Span};
 use crate::settings::Settings;
 
+/// The values of a quantity that an ownship flies to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Range<'a> {
+    pub(crate) quantity: Quantity,
+    pub(crate) settings: &'a Settings,
+    pub(crate) ownship: &'a State,
+    pub(crate) span: &'a Span,
+    /// Whether turns take no time.
+    pub(crate) turns_at_once: bool,
+}
+
 /// The ways to the values of a span.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Ways {
@@ -25,28 +36,21 @@ impl Default for Ways {
 }
 
 impl Ways {
-    /// Finds the ways of a quantity; `slow` where turns take no time.
-    pub(crate) fn fill(
-        &mut self,
-        quantity: Quantity,
-        settings: &Settings,
-        ownship: &State,
-        span: &Span,
-        slow: bool,
-    ) {
-        match (quantity, self) {
+    /// Finds the ways to the values of a range.
+    pub(crate) fn fill(&mut self, range: &Range<'_>) {
+        match (range.quantity, self) {
             (Quantity::Altitude, Self::Levels(levels)) => {
-                let instantaneous = quantity.is_instantaneous(settings, false);
-                levels.fill(settings, ownship, span, instantaneous);
+                let instantaneous = range.quantity.is_instantaneous(range.settings, false);
+                levels.fill(range.settings, range.ownship, range.span, instantaneous);
             }
             (Quantity::Altitude, ways) => {
                 *ways = Self::Levels(Levels::default());
-                ways.fill(quantity, settings, ownship, span, slow);
+                ways.fill(range);
             }
-            (_, Self::Fan(fan)) => fan.fill(quantity, settings, ownship, span, slow),
+            (_, Self::Fan(fan)) => fan.fill(range),
             (_, ways) => {
                 *ways = Self::default();
-                ways.fill(quantity, settings, ownship, span, slow);
+                ways.fill(range);
             }
         }
     }
