@@ -26,7 +26,10 @@ const CHORD_RAD: f64 = 0.27;
 
 /// Distance kept beyond the volumes of an aircraft for errors of its track and of our own
 /// flight, metres.
-const TRACKING_M: f64 = 5.0;
+pub(super) const TRACKING_M: f64 = 5.0;
+
+/// Duration of a change of speed, seconds: that of a turn of 60° at 6 °/s.
+const SPEED_CHANGES_S: f64 = 10.0;
 
 /// Averaging time of a turn rate, seconds.
 const TURN_AVERAGED_S: f64 = 1.5;
@@ -48,6 +51,8 @@ pub(super) enum Freedom {
     Expected,
     /// Also this share of turns and changes of climb, from 0 to 1.
     Share(f64),
+    /// All turns at the brief rate, all changes of climb and of speed: a way back withstands these.
+    Brief,
 }
 
 /// The number of hazards available for one aircraft.
@@ -150,12 +155,17 @@ impl Motions {
         let Some(bounds) = obstacle.movement.bounds() else {
             return self.add_straight(hazard);
         };
-        let (climbs, turns) = match freedom {
-            Freedom::Expected => (1.0, 0.0),
-            Freedom::Share(share) => (share, share),
+        let (climbs, turns, turn_radps, speeds_m) = match freedom {
+            Freedom::Expected => (1.0, 0.0, 0.0, 0.0),
+            Freedom::Share(share) => (share, share, bounds.turn_rate_radps, 0.0),
+            Freedom::Brief => {
+                let speeds_m = 0.5 * bounds.acceleration_mps2 * SPEED_CHANGES_S * SPEED_CHANGES_S;
+                (1.0, 1.0, bounds.brief_turn_rate_radps, speeds_m)
+            }
         };
         let mut hazard = *hazard;
-        hazard.volume = hazard.volume.grown((TRACKING_M + beyond_m) * climbs);
+        let more_m = (TRACKING_M + beyond_m) * climbs + speeds_m;
+        hazard.volume = hazard.volume.grown(more_m);
         let base = Base {
             hazard,
             stretch_mps: climbs * bounds.climb_change_mps,
@@ -175,9 +185,9 @@ impl Motions {
         if expected_radps != 0.0 {
             self.add_motion(&base, expected_radps, TURNS_ON_S);
         }
-        if turns > 0.0 && bounds.turn_rate_radps > 0.0 {
-            let for_s = turns * bounds.turn_rad / bounds.turn_rate_radps;
-            for rate_radps in [bounds.turn_rate_radps, -bounds.turn_rate_radps] {
+        if turns > 0.0 && turn_radps > 0.0 {
+            let for_s = turns * bounds.turn_rad / turn_radps;
+            for rate_radps in [turn_radps, -turn_radps] {
                 self.add_motion(&base, rate_radps, for_s);
             }
         }

@@ -138,6 +138,11 @@ impl Tracks {
         self.aircraft > 0
     }
 
+    /// Whether there are aircraft and nothing else.
+    pub(super) fn only_aircraft(&self) -> bool {
+        self.aircraft > 0 && self.aircraft == self.hazards.rows().len()
+    }
+
     /// Whether every aircraft of some moves away from ours.
     pub(super) fn all_pass(&self, own_m: Vec3, own_mps: Vec3, of: impl Fn(u32) -> bool) -> bool {
         let rows = self.hazards.rows().iter().zip(&self.obstacles);
@@ -147,7 +152,12 @@ impl Tracks {
 
     /// Replaces the hazards by the possible motions of aircraft, with this distance beyond their volumes,
     /// metres; obstacles that keep their velocity stay the same.
-    pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
+    pub(super) fn withstand(
+        &mut self,
+        freedom: impl Fn(&Hazard) -> Freedom,
+        own_m: Vec3,
+        beyond_m: f64,
+    ) {
         self.motions.clear();
         self.moving = true;
         let rows = self.hazards.rows();
@@ -174,8 +184,9 @@ impl Tracks {
         {
             let may_turn = room > 0 && (hazard.margin_m(own_m, 0.0), place) <= last;
             let room = if may_turn { Room::Turns } else { straight };
+            let freedom = (freedom(hazard), beyond_m);
             self.motions
-                .add_aircraft(hazard, (known, *turning), (freedom, beyond_m), room);
+                .add_aircraft(hazard, (known, *turning), freedom, room);
         }
     }
 
@@ -528,7 +539,7 @@ mod tests {
             };
             let mut tracks = Tracks::new();
             tracks.load(&situation, f64::INFINITY, 60.0, 3.0);
-            tracks.withstand(Freedom::Share(1.0), Vec3::ZERO, 0.0);
+            tracks.withstand(|_| Freedom::Share(1.0), Vec3::ZERO, 0.0);
             for id in 0..count {
                 let has = tracks.hazards().rows().iter().any(|hazard| hazard.id == id);
                 assert!(has, "{id} of {count}");
