@@ -10,7 +10,6 @@ mod way_back;
 
 pub(super) use holding::Basis;
 
-use crate::avoider::intruders::TRACKING_M;
 use crate::avoider::quiet::LineAhead;
 use crate::avoider::{
     Against, Avoider, Candidate, Decision, Plan, Reason, Start, State, Threat, Verdict,
@@ -69,17 +68,14 @@ impl Avoider {
         now: &MotionState,
         start: Start,
     ) -> Decision {
-        self.want(self.drift_m);
+        self.wanted_m = self.settings.margin_m + self.drift_m;
+        self.target_m = self.wanted_m;
         if self.state == State::Cruise
             && let Some(decision) = self.quiet(situation, now)
         {
             return decision;
         }
         self.load_tracks(situation);
-        if self.tracks.only_aircraft() {
-            // Their volumes are wider by this already.
-            self.want((self.drift_m - TRACKING_M).max(0.0));
-        }
         self.look_s = self.settings.horizon_s;
         self.far_s = self.far_horizon_s(now);
         match self.state {
@@ -90,12 +86,6 @@ impl Avoider {
             State::Avoiding => self.avoid(situation, now, start),
             State::Recovering => self.come_back(situation, now, start),
         }
-    }
-
-    /// Sets the wanted margin: that of the settings and this much for drift, metres.
-    fn want(&mut self, drift_m: f64) {
-        self.wanted_m = self.settings.margin_m + drift_m;
-        self.target_m = self.wanted_m;
     }
 
     /// The decision of the many cycles in which the leg ahead is straight and clear.

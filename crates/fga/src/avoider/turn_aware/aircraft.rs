@@ -381,6 +381,7 @@ impl Avoider {
 
     /// Replaces the hazards by the possible motions of aircraft, with this distance beyond their volumes, metres.
     pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
+        let beyond_m = (beyond_m, self.target_m);
         self.tracks.withstand(|_| freedom, own_m, beyond_m);
         self.count_motions();
     }
@@ -418,7 +419,7 @@ impl Avoider {
                 Freedom::Brief
             }
         };
-        self.tracks.withstand(freedom, own_m, 0.0);
+        self.tracks.withstand(freedom, own_m, (0.0, self.target_m));
         self.count_motions();
         self.look_s = BACK_WITHSTANDS_S;
         let target_m = self.target_m;
