@@ -480,7 +480,7 @@ impl Settings {
     #[pyo3(signature = (
         *, start = "free", decision_period_s = 0.1, surveillance_radius_m = 300.0, horizon_s = 60.0,
         margin_m = 0.05, confidence_sigmas = 3.0, heading_cost = 0.2, pitch_cost = 0.5,
-        objective = "paper-cost", work_limit = 160_000,
+        objective = "paper-cost", work_limit = 160_000, drift_mps = 0.0,
     ))]
     #[expect(
         clippy::too_many_arguments,
@@ -497,6 +497,7 @@ impl Settings {
         pitch_cost: f64,
         objective: &str,
         work_limit: u32,
+        drift_mps: f64,
     ) -> PyResult<Self> {
         let settings = CoreSettings {
             start: match PolicyChoice::parse("turn-aware", Some(start)) {
@@ -508,6 +509,7 @@ impl Settings {
             surveillance_radius_m,
             horizon_s,
             margin_m,
+            drift_mps,
             confidence_sigmas,
             heading_cost,
             pitch_cost,
@@ -560,6 +562,12 @@ impl Settings {
     #[getter]
     fn margin_m(&self) -> f64 {
         self.0.margin_m
+    }
+
+    /// Standard deviation of the velocity that carries the aircraft off its prediction, m/s.
+    #[getter]
+    fn drift_mps(&self) -> f64 {
+        self.0.drift_mps
     }
 
     /// Standard deviations that widen an obstacle's volume.
@@ -615,6 +623,7 @@ impl Settings {
             ("surveillance_radius_m", settings.surveillance_radius_m),
             ("horizon_s", settings.horizon_s),
             ("margin_m", settings.margin_m),
+            ("drift_mps", settings.drift_mps),
             ("confidence_sigmas", settings.confidence_sigmas),
             ("heading_cost", settings.heading_cost),
             ("pitch_cost", settings.pitch_cost),
