@@ -215,6 +215,8 @@ fn simplified(points: &[TrackPoint]) -> Vec<Vec3> {
 
 #[cfg(test)]
 mod tests {
+    use core::fmt::Write as _;
+
     use super::*;
 
     #[test]
@@ -251,11 +253,17 @@ mod tests {
         );
         for k in 0..60 {
             let x = 50.0 * f64::from(k);
-            text += &format!("own, {x}, 0, 1000, 50, 0, 0, 100, 55, {k}, 0, 0, 0, 0, 0, 0\n");
-            text += &format!(
-                "other, {}, 0, 1000, -40, 0, 0, -, -, {k}, {deviations}\n",
-                4800.0 - 40.0 * f64::from(k)
-            );
+            writeln!(
+                text,
+                "own, {x}, 0, 1000, 50, 0, 0, 100, 55, {k}, 0, 0, 0, 0, 0, 0"
+            )
+            .unwrap();
+            let x = 4800.0 - 40.0 * f64::from(k);
+            writeln!(
+                text,
+                "other, {x}, 0, 1000, -40, 0, 0, -, -, {k}, {deviations}"
+            )
+            .unwrap();
         }
         let recording = daa::parse(&text, Path::new("a.daa")).unwrap();
         let model = VehicleModel::built_in().unwrap();
