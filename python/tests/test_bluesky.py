@@ -1,0 +1,76 @@
+"""The plugin in BlueSky itself, headless: conflicts of BlueSky's own generator, with MVP and with fga.
+
+FGA_BLUESKY names more scenarios, one a line: commands of the generator, or scenario files.
+"""
+
+import os
+
+import pytest
+
+pytest.importorskip("bluesky")
+import bluesky_flights  # noqa: E402
+
+SCENARIOS = [("SYN SIMPLE", 600.0), ("SYN SUPER 4", 700.0)]
+SCENARIOS += [(line, 1200.0) for line in os.environ.get("FGA_BLUESKY", "").splitlines() if line]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return str(tmp_path_factory.mktemp("bluesky"))
+
+
+@pytest.mark.parametrize(("scenario", "for_s"), SCENARIOS)
+def test_no_separation_is_lost_that_mvp_keeps(folder, scenario, for_s):
+    flown = {method: bluesky_flights.flown_apart(folder, scenario, method, for_s) for method in ("OFF", "MVP", "FGA")}
+    for method, told in flown.items():
+        assert told["simulated_s"] >= for_s - 1.0, f"{method} runs to the end"
+    assert flown["OFF"]["lost"], "they would lose separation"
+    mvp, fga = (
+        {frozenset(pair) for pair in flown[method]["lost"]} for method in ("MVP", "FGA")
+    )
+    assert fga <= mvp
+    away = bluesky_flights.departures_m(flown["FGA"]["tracks"], flown["OFF"]["tracks"])
+    assert max(away.values()) < 15 * bluesky_flights.NAUTICAL_MILE_M, "nobody flies away"
+
+
+def test_the_plugin_is_installed_by_a_command(tmp_path, capsys):
+    from fga import bluesky
+
+    assert bluesky.main([str(tmp_path)]) == 0
+    path = tmp_path / "plugins" / "fga.py"
+    # BlueSky prints what it loads before.
+    assert capsys.readouterr().out.splitlines()[-1] == str(path)
+    compile(path.read_text(), str(path), "exec")
+    assert bluesky.main([]) == 1
+    assert "usage" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("bearings", "gives_way"),
+    [
+        # East of a northbound aircraft, westbound: the northbound one has it on its right.
+        (((0.0, 0.0, 0.0), (0.1, 0.1, 270.0)), True),
+        (((0.1, 0.1, 270.0), (0.0, 0.0, 0.0)), False),
+        # Overtaking: behind on the same track.
+        (((0.0, 0.0, 0.0), (0.1, 0.0, 5.0)), True),
+        (((0.1, 0.0, 0.0), (0.0, 0.0, 355.0)), False),
+    ],
+)
+def test_right_of_way_is_that_of_the_rules_of_the_air(bearings, gives_way):
+    from types import SimpleNamespace
+
+    from fga.bluesky import _gives_way
+
+    lat, lon, trk = zip(*bearings)
+    traffic = SimpleNamespace(lat=lat, lon=lon, trk=trk, id=["A", "B"])
+    assert _gives_way(traffic, 0, 1) is gives_way
+    assert _gives_way(traffic, 1, 0) is not gives_way
+
+
+def test_a_pair_dead_ahead_has_one_that_gives_way():
+    from types import SimpleNamespace
+
+    from fga.bluesky import _gives_way
+
+    traffic = SimpleNamespace(lat=(0.0, 0.5), lon=(0.0, 0.0), trk=(0.0, 180.0), id=["A", "B"])
+    assert _gives_way(traffic, 0, 1) != _gives_way(traffic, 1, 0)
