@@ -1,4 +1,9 @@
 //! Logs that are made here, byte by byte, from a flight whose figures are known.
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "logs hold small whole numbers"
+)]
 
 use fga_formats::flight_log::{COLUMNS, FlightLog, parse};
 use std::path::Path;
