@@ -208,10 +208,10 @@ impl Monitor {
         py: Python<'py>,
         situation: &Bound<'py, Situation>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let mut monitor = self.locked()?;
         let situation = situation.get();
         let levels = py
-            .detach(|| {
+            .detach(|| -> PyResult<Vec<_>> {
+                let mut monitor = self.locked()?;
                 situation.with(|situation| {
                     let own = &situation.ownship;
                     // The ownship has an identifier that no obstacle can have.
@@ -228,14 +228,15 @@ impl Monitor {
                             Aircraft::new(AircraftId(u64::from(obstacle.id)), state)
                         })
                         .collect();
-                    monitor.step(situation.time_s, &ownship, &traffic)?;
+                    monitor
+                        .step(situation.time_s, &ownship, &traffic)
+                        .map_err(|error: StepError| PyValueError::new_err(error.to_string()))?;
                     let levels = traffic.iter().zip(monitor.alerts());
                     Ok(levels
                         .map(|(aircraft, alert)| (aircraft.id.0, alert.level.unwrap_or(0)))
                         .collect::<Vec<_>>())
                 })
-            })
-            .map_err(|error: StepError| PyValueError::new_err(error.to_string()))?;
+            })?;
         let shown = PyDict::new(py);
         for (id, level) in levels {
             shown.set_item(id, level)?;
