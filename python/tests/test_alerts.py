@@ -81,7 +81,7 @@ def test_a_monitor_follows_situations(config):
 
 def test_wrong_input_of_a_monitor_is_an_exception(config, tmp_path):
     monitor = fga.Monitor(config)
-    with pytest.raises(ValueError, match="quantity is 'course', expected one of direction_rad"):
+    with pytest.raises(ValueError, match='quantity is "course", expected one of direction_rad'):
         monitor.bands("course")
     with pytest.raises(ValueError):
         monitor.step(situation(0.0, 4_000.0, ids=(7, 7)))

@@ -11,7 +11,7 @@ use fga_sim::toml_input::TomlText;
 use fga_sim::vehicle_file::VehicleModel;
 use serde_json::{Map, Value, json};
 
-use crate::common::{AnswerArgs, print};
+use crate::common::AnswerArgs;
 use crate::failure::Failure;
 
 /// Options of `fga identify`.
@@ -26,10 +26,15 @@ pub(crate) struct IdentifyArgs {
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
     /// Radius of the volume to protect, metres.
-    #[arg(long, value_name = "M", default_value_t = 150.0)]
+    #[arg(
+        long,
+        value_name = "M",
+        default_value_t = 150.0,
+        allow_negative_numbers = true
+    )]
     radius_m: f64,
     /// Half height of that volume, metres; without it the volume is a sphere.
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
     half_height_m: Option<f64>,
     #[command(flatten)]
     answer: AnswerArgs,
@@ -43,18 +48,21 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<ExitCode, Failure> {
         let stem = args.log.file_stem().unwrap_or("identified".as_ref());
         stem.to_string_lossy().into_owned()
     });
-    let text = identified.to_toml(&name, args.radius_m, args.half_height_m);
+    let text = identified
+        .to_toml(&name, args.radius_m, args.half_height_m)
+        .map_err(Failure::Input)?;
     let path = args.out.clone().unwrap_or_else(|| "vehicle.toml".into());
     // What no vehicle file may hold is said before anything is written.
     VehicleModel::parse(TomlText::new(&path, &text))?;
-    let Some(out) = &args.out else {
-        print(&text)?;
-        return Ok(ExitCode::SUCCESS);
-    };
-    atomic::write(out, &text)?;
-    let file = out.display().to_string();
-    args.answer
-        .print(|| table(&identified, &file), &answer(&identified, &file))?;
+    if let Some(out) = &args.out {
+        atomic::write(out, &text)?;
+    }
+    let file = args.out.as_ref().map(|out| out.display().to_string());
+    let answer = answer(&identified, file.as_deref());
+    args.answer.print(
+        || file.map_or(text, |file| table(&identified, &file)),
+        &answer,
+    )?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -77,7 +85,7 @@ fn table(identified: &Identified, file: &str) -> String {
 }
 
 /// The figures as JSON.
-fn answer(identified: &Identified, file: &str) -> Value {
+fn answer(identified: &Identified, file: Option<&str>) -> Value {
     let mut figures = Map::new();
     for (key, estimate, _) in identified.figures() {
         let interval =

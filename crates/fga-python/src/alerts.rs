@@ -209,34 +209,33 @@ impl Monitor {
         situation: &Bound<'py, Situation>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let situation = situation.get();
-        let levels = py
-            .detach(|| -> PyResult<Vec<_>> {
-                let mut monitor = self.locked()?;
-                situation.with(|situation| {
-                    let own = &situation.ownship;
-                    // The ownship has an identifier that no obstacle can have.
-                    let ownship = Aircraft::new(
-                        AircraftId(u64::MAX),
-                        state(own.position_m, through_the_air(own)),
-                    );
-                    let traffic: Vec<Aircraft> = situation
-                        .obstacles
-                        .iter()
-                        .map(|obstacle| {
-                            let velocity_mps = obstacle.velocity_mps - situation.wind_mps;
-                            let state = state(obstacle.position_m, velocity_mps);
-                            Aircraft::new(AircraftId(u64::from(obstacle.id)), state)
-                        })
-                        .collect();
-                    monitor
-                        .step(situation.time_s, &ownship, &traffic)
-                        .map_err(|error: StepError| PyValueError::new_err(error.to_string()))?;
-                    let levels = traffic.iter().zip(monitor.alerts());
-                    Ok(levels
-                        .map(|(aircraft, alert)| (aircraft.id.0, alert.level.unwrap_or(0)))
-                        .collect::<Vec<_>>())
-                })
-            })?;
+        let levels = py.detach(|| -> PyResult<Vec<_>> {
+            let mut monitor = self.locked()?;
+            situation.with(|situation| {
+                let own = &situation.ownship;
+                // The ownship has an identifier that no obstacle can have.
+                let ownship = Aircraft::new(
+                    AircraftId(u64::MAX),
+                    state(own.position_m, through_the_air(own)),
+                );
+                let traffic: Vec<Aircraft> = situation
+                    .obstacles
+                    .iter()
+                    .map(|obstacle| {
+                        let velocity_mps = obstacle.velocity_mps - situation.wind_mps;
+                        let state = state(obstacle.position_m, velocity_mps);
+                        Aircraft::new(AircraftId(u64::from(obstacle.id)), state)
+                    })
+                    .collect();
+                monitor
+                    .step(situation.time_s, &ownship, &traffic)
+                    .map_err(|error: StepError| PyValueError::new_err(error.to_string()))?;
+                let levels = traffic.iter().zip(monitor.alerts());
+                Ok(levels
+                    .map(|(aircraft, alert)| (aircraft.id.0, alert.level.unwrap_or(0)))
+                    .collect::<Vec<_>>())
+            })
+        })?;
         let shown = PyDict::new(py);
         for (id, level) in levels {
             shown.set_item(id, level)?;

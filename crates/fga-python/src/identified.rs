@@ -55,7 +55,7 @@ impl Identified {
         Estimate(self.0.airspeed_mps)
     }
 
-    /// Steepest bank that is held, degrees.
+    /// Steepest bank that is held, or mean bank of 3 s where none is held, degrees.
     #[getter]
     fn max_bank_deg(&self) -> Estimate {
         Estimate(self.0.max_bank_deg)
@@ -116,9 +116,13 @@ impl Identified {
     }
 
     /// The text of a vehicle file. The protected volume is no property of the log.
+    ///
+    /// Raises ValueError for a radius or a half height that is not positive.
     #[pyo3(signature = (name, radius_m, half_height_m = None))]
-    fn to_toml(&self, name: &str, radius_m: f64, half_height_m: Option<f64>) -> String {
-        self.0.to_toml(name, radius_m, half_height_m)
+    fn to_toml(&self, name: &str, radius_m: f64, half_height_m: Option<f64>) -> PyResult<String> {
+        self.0
+            .to_toml(name, radius_m, half_height_m)
+            .map_err(PyValueError::new_err)
     }
 
     fn __repr__(&self) -> String {

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | dead time, bank time constant | the first-order lag that follows best, window by window, where the command moves |
 //! | turn-rate factor | course turned over that of the ideal coordinated turn at the flown bank |
-//! | largest bank | banks that are held |
+//! | largest bank | banks that are held; where none is, means of 3 s |
 //! | climb limits and rate | the climb angle, smoothed over a second |
 //! | margin | where the aircraft is after 5 s, against where these figures put it |
 //!
@@ -75,7 +75,7 @@ impl Estimate {
 pub struct Identified {
     /// Airspeed.
     pub airspeed_mps: Estimate,
-    /// Steepest bank that is held.
+    /// Steepest bank that is held, or mean bank of 3 s where none is held.
     pub max_bank_deg: Estimate,
     /// Time before a command has any effect.
     pub dead_time_s: Estimate,
@@ -121,6 +121,7 @@ struct Turns {
     speeds_mps: Vec<f64>,
     factors: Vec<f64>,
     held_deg: Vec<f64>,
+    mean_deg: Vec<f64>,
 }
 
 impl Turns {
@@ -139,6 +140,7 @@ impl Turns {
             let spread = banks
                 .iter()
                 .fold(0.0, |most: f64, bank| most.max((bank - middle).abs()));
+            self.mean_deg.push(middle.abs().to_degrees());
             if spread < HELD_RAD {
                 self.held_deg.push(middle.abs().to_degrees());
             }
@@ -159,14 +161,19 @@ impl Turns {
         }
     }
 
-    /// The steepest banks that are held.
+    /// The steepest banks that are held; where none is, the steepest means: a guidance loop holds none, and the
+    /// aircraft has turned as if it had held the mean.
     fn steepest_deg(&self) -> Vec<f64> {
-        let most = self.held_deg.iter().copied().fold(0.0, f64::max);
-        self.held_deg
-            .iter()
-            .copied()
-            .filter(|held| *held > 0.9 * most && *held > TURNING_RAD.to_degrees())
-            .collect()
+        let steepest = |banks: &[f64]| -> Vec<f64> {
+            let most = banks.iter().copied().fold(0.0, f64::max);
+            let near = |bank: &f64| *bank > 0.9 * most && *bank > TURNING_RAD.to_degrees();
+            banks.iter().copied().filter(near).collect()
+        };
+        let held = steepest(&self.held_deg);
+        if held.is_empty() {
+            return steepest(&self.mean_deg);
+        }
+        held
     }
 }
 
@@ -233,7 +240,7 @@ pub fn identify(log: &FlightLog) -> Result<Identified, String> {
             fitted.left_out
         ));
     }
-    let no_turn = || "has no turn that is held for 3 s, expected turns".to_owned();
+    let no_turn = || "has no 3 s with a mean bank above 5 degrees, expected turns".to_owned();
     let steepest_deg = turns.steepest_deg();
     let level = || Estimate {
         value: 0.0,

@@ -79,10 +79,10 @@ impl Format {
 
     /// A field as a number.
     fn number(&self, message: &[u8], name: &str) -> Option<f64> {
-        let (_, code, begin) = self.fields.iter().find(|(label, ..)| label == name)?;
         fn bytes<const N: usize>(message: &[u8], begin: usize) -> Option<[u8; N]> {
             message.get(begin..begin + N)?.try_into().ok()
         }
+        let (_, code, begin) = self.fields.iter().find(|(label, ..)| label == name)?;
         let begin = *begin;
         Some(match code {
             b'b' => f64::from(i8::from_le_bytes(bytes(message, begin)?)),

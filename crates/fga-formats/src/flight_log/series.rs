@@ -6,6 +6,8 @@ use core::f64::consts::{PI, TAU};
 const SLOWEST_BANK_S: f64 = 0.25;
 /// Longest time between two samples of the other signals, seconds.
 const SLOWEST_OTHER_S: f64 = 1.0;
+/// Share by which the median of a stream's periods may be longer: messages come with jitter.
+const JITTER: f64 = 0.05;
 /// A log is brought to at most this rate, seconds from row to row.
 const SHORTEST_PERIOD_S: f64 = 0.05;
 /// A signal without a sample for longer has a gap, seconds.
@@ -196,7 +198,7 @@ impl Signals {
                 SLOWEST_OTHER_S
             };
             let found_s = series.period_s();
-            if found_s > slowest_s {
+            if found_s > slowest_s * (1.0 + JITTER) {
                 return Err(format!(
                     "has the {name} every {found_s:.3} s ({source}), expected it at least every {slowest_s} s"
                 ));

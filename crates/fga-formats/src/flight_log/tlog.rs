@@ -33,7 +33,8 @@ fn checksum(bytes: &[u8], seed: u8) -> u16 {
         .iter()
         .chain(core::iter::once(&seed))
         .fold(0xffff, |crc: u16, byte| {
-            let mut low = byte ^ (crc as u8);
+            let [_, crc_low] = crc.to_be_bytes();
+            let mut low = byte ^ crc_low;
             low ^= low << 4;
             (crc >> 8) ^ (u16::from(low) << 8) ^ (u16::from(low) << 3) ^ (u16::from(low) >> 4)
         })

@@ -25,7 +25,24 @@ impl Identified {
 
     /// The text of a vehicle file, each figure with its interval. The protected volume is no property of the
     /// log: its radius and, for a cylinder, its half height are given.
-    pub fn to_toml(&self, name: &str, radius_m: f64, half_height_m: Option<f64>) -> String {
+    ///
+    /// # Errors
+    /// A radius or a half height that is not positive, as one sentence.
+    pub fn to_toml(
+        &self,
+        name: &str,
+        radius_m: f64,
+        half_height_m: Option<f64>,
+    ) -> Result<String, String> {
+        let lengths = [
+            ("radius_m", Some(radius_m)),
+            ("half_height_m", half_height_m),
+        ];
+        for (key, length) in lengths {
+            if let Some(length) = length.filter(|length| !(length.is_finite() && *length > 0.0)) {
+                return Err(format!("{key} is {length}, expected a positive number"));
+            }
+        }
         let mut text = format!(
             "# Identified from {} windows in which the bank followed its command; {} were left out.\n\
              # Behind each figure stands what the middle 90 % of the windows give.\n\
@@ -65,6 +82,6 @@ impl Identified {
             error.1.value,
             error.1.high.max(0.1)
         );
-        text
+        Ok(text)
     }
 }
