@@ -29,14 +29,13 @@ mod ways;
 use crate::aircraft::{Aircraft, PairDeviation, State};
 use crate::bands::colors::{Band, Colors, band_at};
 use crate::bands::intervals::Intervals;
-use crate::bands::level::LevelSearch;
 use crate::bands::memory::{Memory, Resolution, Step, Way};
-use crate::bands::met::{Meeting, Met, meetings_once};
+use crate::bands::met::{Met, meetings_once};
 use crate::bands::pool::{Key, WindowPool, level_key};
 use crate::bands::recovery::{Recovery, WaysOut};
-use crate::bands::search::{FanSearch, Task};
+use crate::bands::search::Task;
 use crate::bands::span::{Quantity, Span};
-use crate::bands::ways::Ways;
+use crate::bands::ways::{Range, Search, Ways};
 use crate::loss::Loss;
 use crate::settings::{Region, Settings, TerminalGuidance};
 use crate::volume::{Cylinder, Volume};
@@ -222,13 +221,13 @@ impl QuantityBands {
         let Some(span) = self.span else {
             return;
         };
-        self.ways.fill(
-            self.quantity,
+        self.ways.fill(&Range {
+            quantity: self.quantity,
             settings,
             ownship,
-            &span,
-            picture.turns_at_once(),
-        );
+            span: &span,
+            turns_at_once: picture.turns_at_once(),
+        });
         for (index, region) in Region::CONFLICTS.into_iter().enumerate() {
             if picture.paints(region) {
                 self.find_peripheral(picture, index, region);
@@ -507,76 +506,15 @@ impl QuantityBands {
             until_s: settings.lookahead_s,
         };
         let mut ways = Ways::default();
-        ways.fill(
-            self.quantity,
+        ways.fill(&Range {
+            quantity: self.quantity,
             settings,
             ownship,
-            &base,
-            picture.turns_at_once(),
-        );
+            span: &base,
+            turns_at_once: picture.turns_at_once(),
+        });
         ways.search(meetings_once(met, volume, ways.lines()), None)
             .all_conflict(&task)
-    }
-}
-
-/// A search of either kind.
-enum Search<'a> {
-    Fan(FanSearch<'a>),
-    Level(LevelSearch<'a>),
-}
-
-impl Ways {
-    /// A search along the ways, past the task's volume and its earlier one.
-    fn search<'a>(
-        &'a self,
-        later: [Meeting<'a>; 2],
-        before: Option<[Meeting<'a>; 2]>,
-    ) -> Search<'a> {
-        match self {
-            Self::Fan(fan) => Search::Fan(FanSearch {
-                later,
-                before,
-                step_s: fan.step_s,
-            }),
-            Self::Levels(levels) => {
-                let [later, _] = later;
-                Search::Level(LevelSearch {
-                    levels,
-                    later,
-                    before: before.map(|[before, _]| before),
-                })
-            }
-        }
-    }
-}
-
-impl Search<'_> {
-    fn any_conflict(&self, task: &Task) -> bool {
-        match self {
-            Self::Fan(search) => search.any_conflict(task),
-            Self::Level(search) => search.any_conflict(task),
-        }
-    }
-
-    fn is_blocked_at_once(&self, task: &Task) -> bool {
-        match self {
-            Self::Fan(search) => search.is_blocked_at_once(task),
-            Self::Level(search) => search.is_blocked_at_once(task),
-        }
-    }
-
-    fn all_conflict(&self, task: &Task) -> bool {
-        match self {
-            Self::Fan(search) => search.all_conflict(task),
-            Self::Level(search) => search.all_conflict(task),
-        }
-    }
-
-    fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
-        match self {
-            Self::Fan(search) => search.free(task, span, free),
-            Self::Level(search) => search.free(task, span, free),
-        }
     }
 }
 
@@ -598,13 +536,13 @@ pub(crate) fn meets_within_spread(
         until_s,
     };
     let mut ways = Ways::default();
-    ways.fill(
+    ways.fill(&Range {
         quantity,
-        picture.settings,
+        settings: picture.settings,
         ownship,
-        &span,
-        picture.turns_at_once(),
-    );
+        span: &span,
+        turns_at_once: picture.turns_at_once(),
+    });
     ways.search(meetings_once(met, volume, ways.lines()), None)
         .any_conflict(&task)
 }

@@ -1,6 +1,8 @@
 //! Alert levels and bands over time.
 
-use crate::aircraft::{Aircraft, AircraftId, Pair, PairDeviation, State};
+mod input;
+
+use crate::aircraft::{Aircraft, AircraftId, Pair, State};
 use crate::almost::Closeness::Rounding;
 use crate::bands::met::Met;
 use crate::bands::span::Quantity;
@@ -9,29 +11,9 @@ use crate::hysteresis::{Held, HysteresisSettings};
 use crate::loss::Loss;
 use crate::settings::{AlertLevel, Region, Settings, TerminalGuidance};
 use alloc::vec::Vec;
+use input::{check, pair_of};
 
-/// The reason for refusing a step; the monitor is unchanged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StepError {
-    /// The time is not finite.
-    Time,
-    /// A number of an aircraft is not finite.
-    Aircraft(AircraftId),
-    /// Two aircraft have the same id.
-    Twice(AircraftId),
-}
-
-impl core::fmt::Display for StepError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Time => write!(f, "the time is not finite"),
-            Self::Aircraft(id) => write!(f, "aircraft {} has a number that is not finite", id.0),
-            Self::Twice(id) => write!(f, "aircraft {} appears twice", id.0),
-        }
-    }
-}
-
-impl core::error::Error for StepError {}
+pub use input::StepError;
 
 /// The alert about one aircraft.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -575,31 +557,4 @@ impl Monitor {
             LastTime::In(possible_s)
         })
     }
-}
-
-fn pair_of(ownship: &Aircraft, intruder: &Aircraft) -> Pair {
-    Pair {
-        ownship: ownship.state,
-        intruder: intruder.state,
-        deviation: PairDeviation::of(&ownship.deviation, &intruder.deviation),
-    }
-}
-
-fn check(time_s: f64, ownship: &Aircraft, traffic: &[Aircraft]) -> Result<(), StepError> {
-    if !time_s.is_finite() {
-        return Err(StepError::Time);
-    }
-    for (index, aircraft) in core::iter::once(ownship).chain(traffic).enumerate() {
-        let place_is_finite = aircraft
-            .terminal_distance_m
-            .is_none_or(|distance_m| !distance_m.is_nan());
-        if !aircraft.state.is_finite() || !aircraft.deviation.is_finite() || !place_is_finite {
-            return Err(StepError::Aircraft(aircraft.id));
-        }
-        let others = core::iter::once(ownship).chain(traffic).skip(index + 1);
-        if others.into_iter().any(|other| other.id == aircraft.id) {
-            return Err(StepError::Twice(aircraft.id));
-        }
-    }
-    Ok(())
 }

@@ -7,8 +7,10 @@
 //! at every node on the tangent, gives the margins of them all.
 
 mod ascent;
+mod cheapest;
 mod departure;
 mod front;
+mod line;
 mod start;
 mod sweep;
 mod two_stage;

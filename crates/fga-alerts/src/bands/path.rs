@@ -6,7 +6,8 @@
 //! Systems", DASC 2015.
 
 use crate::aircraft::State;
-use crate::bands::span::{Quantity, Span};
+use crate::bands::span::Quantity;
+use crate::bands::ways::Range;
 use crate::plane::{Crossing, root};
 use crate::settings::Settings;
 use alloc::vec::Vec;
@@ -99,15 +100,15 @@ impl Fan {
     }
 
     /// The lines of a direction or speed maneuver.
-    pub(crate) fn fill(
-        &mut self,
-        quantity: Quantity,
-        settings: &Settings,
-        ownship: &State,
-        span: &Span,
-        slow: bool,
-    ) {
-        let instantaneous = quantity.is_instantaneous(settings, slow);
+    pub(crate) fn fill(&mut self, range: &Range<'_>) {
+        let Range {
+            quantity,
+            settings,
+            ownship,
+            span,
+            turns_at_once,
+        } = *range;
+        let instantaneous = quantity.is_instantaneous(settings, turns_at_once);
         self.step_s = if instantaneous {
             0.0
         } else {

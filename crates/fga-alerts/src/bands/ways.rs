@@ -1,10 +1,24 @@
 //! The ways to the values of a span.
 
 use crate::aircraft::State;
-use crate::bands::level::Levels;
+use crate::bands::intervals::Intervals;
+use crate::bands::level::{LevelSearch, Levels};
+use crate::bands::met::Meeting;
 use crate::bands::path::{Fan, Lines};
+use crate::bands::search::{FanSearch, Task};
 use crate::bands::span::{Quantity, Span};
 use crate::settings::Settings;
+
+/// The values of a quantity that an ownship flies to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Range<'a> {
+    pub(crate) quantity: Quantity,
+    pub(crate) settings: &'a Settings,
+    pub(crate) ownship: &'a State,
+    pub(crate) span: &'a Span,
+    /// Whether turns take no time.
+    pub(crate) turns_at_once: bool,
+}
 
 /// The ways to the values of a span.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,28 +36,21 @@ impl Default for Ways {
 }
 
 impl Ways {
-    /// Finds the ways of a quantity; `slow` where turns take no time.
-    pub(crate) fn fill(
-        &mut self,
-        quantity: Quantity,
-        settings: &Settings,
-        ownship: &State,
-        span: &Span,
-        slow: bool,
-    ) {
-        match (quantity, self) {
+    /// Finds the ways to the values of a range.
+    pub(crate) fn fill(&mut self, range: &Range<'_>) {
+        match (range.quantity, self) {
             (Quantity::Altitude, Self::Levels(levels)) => {
-                let instantaneous = quantity.is_instantaneous(settings, false);
-                levels.fill(settings, ownship, span, instantaneous);
+                let instantaneous = range.quantity.is_instantaneous(range.settings, false);
+                levels.fill(range.settings, range.ownship, range.span, instantaneous);
             }
             (Quantity::Altitude, ways) => {
                 *ways = Self::Levels(Levels::default());
-                ways.fill(quantity, settings, ownship, span, slow);
+                ways.fill(range);
             }
-            (_, Self::Fan(fan)) => fan.fill(quantity, settings, ownship, span, slow),
+            (_, Self::Fan(fan)) => fan.fill(range),
             (_, ways) => {
                 *ways = Self::default();
-                ways.fill(quantity, settings, ownship, span, slow);
+                ways.fill(range);
             }
         }
     }
@@ -55,6 +62,67 @@ impl Ways {
                 sides: [&levels.lines, &[]],
                 step_s: 0.0,
             },
+        }
+    }
+}
+
+/// A search of either kind.
+pub(super) enum Search<'a> {
+    Fan(FanSearch<'a>),
+    Level(LevelSearch<'a>),
+}
+
+impl Ways {
+    /// A search along the ways, past the task's volume and its earlier one.
+    pub(super) fn search<'a>(
+        &'a self,
+        later: [Meeting<'a>; 2],
+        before: Option<[Meeting<'a>; 2]>,
+    ) -> Search<'a> {
+        match self {
+            Self::Fan(fan) => Search::Fan(FanSearch {
+                later,
+                before,
+                step_s: fan.step_s,
+            }),
+            Self::Levels(levels) => {
+                let [later, _] = later;
+                Search::Level(LevelSearch {
+                    levels,
+                    later,
+                    before: before.map(|[before, _]| before),
+                })
+            }
+        }
+    }
+}
+
+impl Search<'_> {
+    pub(super) fn any_conflict(&self, task: &Task) -> bool {
+        match self {
+            Self::Fan(search) => search.any_conflict(task),
+            Self::Level(search) => search.any_conflict(task),
+        }
+    }
+
+    pub(super) fn is_blocked_at_once(&self, task: &Task) -> bool {
+        match self {
+            Self::Fan(search) => search.is_blocked_at_once(task),
+            Self::Level(search) => search.is_blocked_at_once(task),
+        }
+    }
+
+    pub(super) fn all_conflict(&self, task: &Task) -> bool {
+        match self {
+            Self::Fan(search) => search.all_conflict(task),
+            Self::Level(search) => search.all_conflict(task),
+        }
+    }
+
+    pub(super) fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
+        match self {
+            Self::Fan(search) => search.free(task, span, free),
+            Self::Level(search) => search.free(task, span, free),
         }
     }
 }

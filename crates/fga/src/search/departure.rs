@@ -5,7 +5,8 @@ use crate::angle::{Side, direction};
 use crate::certificate::{Asked, MAX_HAZARDS, certify_set, mark_close};
 use crate::prediction::{MotionState, flown};
 
-use super::front::{Entry, Fronts};
+use super::front::Fronts;
+use super::line::Entry;
 use super::{Found, Objective, Search, Turns};
 
 /// Starts that are compared, as shares of the time to the first entry.

@@ -1,0 +1,269 @@
+//! The straight line on which a turn ends, and how close to obstacles it comes.
+
+use crate::Vec3;
+use crate::angle::Side;
+use crate::certificate::Certificate;
+use crate::limit::Limit as _;
+use crate::prediction::{Bend, Exit, MotionState};
+
+use super::{BEND, Search, Turns};
+
+/// What a line takes to be set up, in units of work.
+const LINE: usize = 4;
+
+/// Where a turn begins.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    pub from: MotionState,
+    /// Margin up to there, metres.
+    pub before_m: f64,
+    /// Cosine and sine of the course and of the climb angle.
+    course: (f64, f64),
+    climb: (f64, f64),
+}
+
+impl Entry {
+    /// When it is, seconds.
+    pub(super) const fn wait_s(&self) -> f64 {
+        self.from.time_s
+    }
+
+    /// Where a turn's roll-out begins, metres.
+    pub(super) fn place_m(&self, exit: &Exit, side: Side, climbing: &Climbing) -> Vec3 {
+        let Climbing {
+            climbs_s,
+            level,
+            along_m,
+            ..
+        } = *climbing;
+        let share = if exit.begins_s < climbs_s {
+            exit.begins_s / climbs_s
+        } else {
+            1.0
+        };
+        let ahead_m = level * exit.at_m.0 + share * along_m;
+        let left_m = level * side.sign() * exit.at_m.1;
+        let (cos, sin) = self.course;
+        // While it climbs, by the angle halfway.
+        let path_m = exit.path_m;
+        let up_m = if share < 1.0 {
+            path_m * (self.climb.1 + 0.5 * share * (climbing.up - self.climb.1))
+        } else {
+            path_m * climbing.up + climbing.up_m
+        };
+        self.from.position_m
+            + Vec3::new(
+                ahead_m * cos - left_m * sin,
+                ahead_m * sin + left_m * cos,
+                up_m,
+            )
+    }
+
+    pub(super) const fn turns(&self, turn_rad: f64, climb_rad: f64) -> Turns {
+        Turns {
+            wait_s: self.from.time_s,
+            turn_rad,
+            climb_rad,
+            second: None,
+        }
+    }
+}
+
+/// A change of climb angle, and what it moves the aircraft by beyond flying at its target at once.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Climbing {
+    /// Sine and cosine of the target.
+    up: f64,
+    level: f64,
+    /// How long it takes, seconds.
+    climbs_s: f64,
+    /// Along the course and up, metres.
+    along_m: f64,
+    up_m: f64,
+}
+
+/// The straight line on which a turn ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tangent {
+    /// The aircraft on it, all of its turn and climb over.
+    pub state: MotionState,
+    pub velocity_mps: Vec3,
+    /// When turns that go on leave this one, seconds.
+    pub parts_s: f64,
+    /// How far the line may be from the true one, metres.
+    pub inexact_m: f64,
+}
+
+/// What the line on which a turn ends tells.
+#[derive(Debug, Clone, Copy)]
+#[expect(clippy::struct_field_names, reason = "the postfix is the unit")]
+pub(super) struct Look {
+    pub margin_m: f64,
+    /// How far turning on by a radian moves the aircraft at most by the closest approach, metres.
+    pub lever_m: f64,
+    pub inexact_m: f64,
+}
+
+impl Search<'_> {
+    /// Where turns begin after a wait; `None` where that comes too close before.
+    pub(super) fn entry(&mut self, wait_s: f64) -> Option<Entry> {
+        let before_m = self.margin_before(wait_s);
+        if before_m < self.scene.target_m {
+            return None;
+        }
+        let from = self.departure(wait_s);
+        let any = Turns {
+            wait_s,
+            turn_rad: 0.0,
+            climb_rad: 0.0,
+            second: None,
+        };
+        // The corners before it may leave no room for the turn.
+        let is_whole = self.maneuver(&any, &from).is_whole();
+        is_whole.then(|| Self::entry_at(&from, before_m))
+    }
+
+    pub(super) fn entry_at(from: &MotionState, before_m: f64) -> Entry {
+        let unit = |angle_rad| {
+            let (sin, cos) = libm::sincos(angle_rad);
+            (cos, sin)
+        };
+        Entry {
+            from: *from,
+            before_m,
+            course: unit(from.course_rad),
+            climb: unit(from.climb_rad),
+        }
+    }
+
+    /// Whether a turn may do as far as the line tells on which it ends.
+    pub(super) fn may_do(
+        &mut self,
+        from: &MotionState,
+        (climb_rad, side): (f64, Side),
+        turn_rad: f64,
+    ) -> bool {
+        let entry = Self::entry_at(from, f64::INFINITY);
+        let target_m = self.scene.target_m;
+        self.look(&entry, (climb_rad, side), turn_rad, target_m)
+            .is_none_or(|look| look.margin_m + look.inexact_m >= target_m)
+    }
+
+    /// The margin on the line on which a turn ends, up to `enough_m`; once it is below the target it may be that of any
+    /// hazard. `None` where the turn is not over before the horizon.
+    pub(super) fn look(
+        &mut self,
+        entry: &Entry,
+        what: (f64, Side),
+        turn_rad: f64,
+        enough_m: f64,
+    ) -> Option<Look> {
+        let tangent = self.tangent(entry, what, turn_rad)?;
+        if tangent.state.time_s >= self.scene.horizon_s {
+            return None;
+        }
+        let clear = Certificate::clear(enough_m);
+        let (state, velocity_mps) = (&tangent.state, tangent.velocity_mps);
+        let line = self.straight_on(state, velocity_mps, &clear, self.scene.target_m);
+        Some(Look {
+            margin_m: line.margin_m,
+            lever_m: self.scene.flyer.airspeed_mps() * (line.at_s - tangent.parts_s),
+            inexact_m: tangent.inexact_m,
+        })
+    }
+
+    /// The line on which a turn to a side at a climb target ends.
+    pub(super) fn tangent(
+        &mut self,
+        entry: &Entry,
+        (climb_rad, side): (f64, Side),
+        turn_rad: f64,
+    ) -> Option<Tangent> {
+        self.meter.count(LINE);
+        let Entry { from, course, .. } = entry;
+        let sign = side.sign();
+        let bend = self.bend(sign * from.bank_rad, side)?;
+        let turn_rad = turn_rad.max(bend.least_rad());
+        let exit = bend.exit(turn_rad)?;
+        let inexact_m = bend.inexact_m();
+        let Climbing {
+            up,
+            level,
+            climbs_s,
+            along_m,
+            up_m,
+        } = self.climbing(entry, climb_rad);
+        let speed_mps = self.scene.flyer.airspeed_mps();
+        let turned = (exit.turned.0, sign * exit.turned.1);
+        let end = (
+            course.0 * turned.0 - course.1 * turned.1,
+            course.1 * turned.0 + course.0 * turned.1,
+        );
+        let after_s = exit.over_s.max(climbs_s);
+        let straight_m = level * speed_mps * (after_s - exit.begins_s);
+        // On which course it climbs is not told: half on either.
+        let half_m = 0.5 * along_m;
+        let (ahead_m, left_m) = (level * exit.from_m.0 + half_m, level * sign * exit.from_m.1);
+        let end_m = straight_m + half_m;
+        let moved_m = Vec3::new(
+            ahead_m * course.0 - left_m * course.1 + end_m * end.0,
+            ahead_m * course.1 + left_m * course.0 + end_m * end.1,
+            up * speed_mps * after_s + up_m,
+        );
+        Some(Tangent {
+            state: MotionState {
+                time_s: from.time_s + after_s,
+                position_m: from.position_m + moved_m,
+                course_rad: from.course_rad + sign * turn_rad,
+                climb_rad,
+                bank_rad: 0.0,
+            },
+            velocity_mps: Vec3::new(level * end.0, level * end.1, up) * speed_mps,
+            parts_s: from.time_s + exit.begins_s,
+            inexact_m: inexact_m + along_m.abs(),
+        })
+    }
+
+    /// What changing the climb angle moves the aircraft by, by the means of cos θ and sin θ while θ changes.
+    pub(super) fn climbing(&self, entry: &Entry, climb_rad: f64) -> Climbing {
+        let flyer = self.scene.flyer;
+        let (low, high) = self.scene.climb_limits_rad;
+        let climb_rad = climb_rad.limited(low, high);
+        let change_rad = climb_rad - entry.from.climb_rad;
+        let (level_now, up_now) = entry.climb;
+        let mut climbing = Climbing {
+            up: up_now,
+            level: level_now,
+            climbs_s: 0.0,
+            along_m: 0.0,
+            up_m: 0.0,
+        };
+        if change_rad.abs() > 1e-9 && flyer.climb_rate_radps() > 0.0 {
+            let (up, level) = libm::sincos(climb_rad);
+            let climbs_s = change_rad.abs() / flyer.climb_rate_radps();
+            let path_m = flyer.airspeed_mps() * climbs_s;
+            climbing = Climbing {
+                up,
+                level,
+                climbs_s,
+                along_m: path_m * ((up - up_now) / change_rad - level),
+                up_m: path_m * ((level_now - level) / change_rad - up),
+            };
+        }
+        climbing
+    }
+
+    /// Turns to a side from a bank that is positive towards it.
+    pub(super) fn bend(&mut self, bank_rad: f64, side: Side) -> Option<&Bend> {
+        let known = |bend: &Option<Bend>| bend.as_ref().is_some_and(|bend| bend.is_from(bank_rad));
+        let place = self.bends.iter().position(known).unwrap_or_else(|| {
+            let place = usize::from(side == Side::Right);
+            if let Some(slot) = self.bends.get_mut(place) {
+                self.meter.count(BEND);
+                *slot = Bend::new(self.scene.flyer, bank_rad);
+            }
+            place
+        });
+        self.bends.get(place)?.as_ref()
+    }
+}
