@@ -15,7 +15,7 @@ from fga import _fga
 HEAD = '''"""The compiled part of the package `fga`; written by python/stubs.py."""
 
 from os import PathLike
-from typing import Any, Callable, Literal, Sequence, final
+from typing import Any, Callable, Literal, Mapping, Sequence, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -168,6 +168,33 @@ TYPES = {
     "reset": "None",
     "places": "list[int]",
     "numbers": "list[int]",
+    "alerts": "Table",
+    "Monitor.bands": "list[tuple[float, float, str]]",
+    "bands": "Table",
+    "recording": "_Path",
+    "config": "_Path",
+    "Monitor.step": "dict[int, int]",
+    "highest_level": "int",
+    "resolutions": "tuple[float | None, float | None]",
+    "quantity": "str",
+    "identify": "Identified",
+    "log": "_Path | Mapping[str, ArrayLike]",
+    "Identified.airspeed_mps": "Estimate",
+    "Identified.max_bank_deg": "Estimate",
+    "Identified.dead_time_s": "Estimate",
+    "Identified.bank_time_constant_s": "Estimate",
+    "Identified.turn_rate_factor": "Estimate",
+    "Identified.climb_min_deg": "Estimate",
+    "Identified.climb_max_deg": "Estimate",
+    "Identified.climb_rate_radps": "Estimate",
+    "Identified.position_error_m": "Estimate",
+    "Identified.to_toml.half_height_m": "float | None",
+    "windows": "int",
+    "windows_left_out": "int",
+    "to_toml": "str",
+    "value": "float",
+    "low": "float",
+    "high": "float",
     "__len__": "int",
     "__repr__": "str",
     "__new__": "None",

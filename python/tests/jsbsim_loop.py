@@ -12,6 +12,7 @@ import numpy as np
 
 import fga
 
+COLUMNS = ("t_s", "airspeed_mps", "bank_command_rad", "bank_rad", "course_rad", "climb_rad")
 _FT = 0.3048
 _EARTH_M = 6_371_000.0
 
@@ -125,8 +126,6 @@ def step_responses(aircraft: Aircraft, bank_deg: float) -> dict[str, np.ndarray]
                 (aircraft.time_s, own.airspeed_mps, math.radians(bank), own.bank_rad, own.course_rad, own.climb_rad)
             )
             aircraft.fly(math.radians(bank), math.radians(climb), 0.05)
-    from fga.identify import COLUMNS
-
     return dict(zip(COLUMNS, np.array(rows).T, strict=True))
 
 

@@ -19,6 +19,7 @@ mod file_kind;
 mod fly;
 #[cfg(feature = "fly")]
 mod fly_live;
+mod identify;
 mod init;
 mod live;
 mod oracle;
@@ -78,6 +79,8 @@ enum Command {
     /// Fly by keyboard, for tests on the bench.
     #[cfg(feature = "fly")]
     Rc(rc::RcArgs),
+    /// Write a vehicle file from a flight log: lag, turn rate and limits, each with an interval.
+    Identify(identify::IdentifyArgs),
     /// Write a commented scenario, vehicle, campaign or link file.
     Init(init::InitArgs),
     /// Say whether fga can use a file, without flying it.
@@ -129,6 +132,7 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
         Command::Traffic(args) => traffic::run(&args),
         #[cfg(feature = "fly")]
         Command::Rc(args) => rc::run(&args),
+        Command::Identify(args) => identify::run(&args),
         Command::Init(args) => init::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Completions(args) => shell::completions(&args, Cli::command()),

@@ -14,6 +14,7 @@
 //! | [`traffic`] | what do receivers of ADS-B say, as BaseStation lines or Beast frames? |
 //! | [`decision`] | how does JSON hold a decision? |
 //! | [`words`] | how do words say a decision? |
+//! | [`flight_log`] | what did an aircraft do with the bank that was commanded? |
 //! | [`flight`] | what does a finished flight hold, for other programs? |
 //! | [`export`] | how does Google Earth, Cesium, a map or Foxglove get it? |
 //! | [`encounter_model`] | how do aircraft fly that meet, statistically? |
@@ -50,6 +51,7 @@ pub mod encounters;
 pub mod error;
 pub mod export;
 pub mod flight;
+pub mod flight_log;
 pub mod geodesy;
 pub mod number;
 pub mod recordings;

@@ -11,7 +11,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::value::{NewArguments, Ownship, Vehicle, expect, shown};
+use crate::value::{Ownship, Vehicle, expect, frozen};
 
 /// A command from a moment on, until the next stage begins.
 ///
@@ -72,25 +72,13 @@ impl Stage {
     fn rate_share(&self) -> f64 {
         self.0.rate_share
     }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        shown("Stage", &self.arguments(py)?)
-    }
-
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
-        Ok(((), self.arguments(py)?))
-    }
 }
 
-impl Stage {
-    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let arguments = PyDict::new(py);
-        arguments.set_item("course_rad", self.0.course_rad)?;
-        arguments.set_item("climb_rad", self.0.climb_rad)?;
-        arguments.set_item("start_s", self.0.start_s)?;
-        arguments.set_item("rate_share", self.0.rate_share)?;
-        Ok(arguments)
-    }
+frozen! { Stage, this,
+    "course_rad": this.0.course_rad,
+    "climb_rad": this.0.climb_rad,
+    "start_s": this.0.start_s,
+    "rate_share": this.0.rate_share,
 }
 
 /// The obstacle that a decision is about.

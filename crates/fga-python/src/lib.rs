@@ -8,16 +8,20 @@
 //! | [`simulation`] | what is the result of one flight? |
 //! | [`batch`], [`campaign`] | what is the result of many? |
 //! | [`worlds`] | what do policies that learn see, and what keeps them safe? |
+//! | [`alerts`] | what do the standards say of it? |
+//! | [`identified`] | which aircraft does a flight log show? |
 //! | [`table`] | how do tables come in and go out? |
 //! | [`work`] | how does Ctrl-C end long work? |
 //! | [`failure`] | which exception does an error become? |
 
 #![deny(unsafe_code)]
 
+mod alerts;
 mod batch;
 mod campaign;
 mod decision;
 mod failure;
+mod identified;
 mod pilot;
 mod simulation;
 mod situation;
@@ -54,6 +58,12 @@ fn _fga(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(simulation::run, module)?)?;
     module.add_function(wrap_pyfunction!(batch::batch, module)?)?;
     module.add_function(wrap_pyfunction!(batch::oracle, module)?)?;
+    module.add_class::<alerts::Monitor>()?;
+    module.add_class::<identified::Estimate>()?;
+    module.add_class::<identified::Identified>()?;
+    module.add_function(wrap_pyfunction!(alerts::alerts, module)?)?;
+    module.add_function(wrap_pyfunction!(alerts::bands, module)?)?;
+    module.add_function(wrap_pyfunction!(identified::identify, module)?)?;
     module.add("versions", campaign::versions(module.py())?)?;
     Ok(())
 }

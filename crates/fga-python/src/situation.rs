@@ -10,7 +10,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::value::{NewArguments, Obstacle, Ownship, Triple, expect, expect_finite, shown, tuple};
+use crate::value::{NewArguments, Obstacle, Ownship, Triple, expect, expect_finite, frozen, tuple};
 
 /// A column of numbers: an array of float64, or any sequence of numbers. Copied, so that it cannot
 /// change while a decision is made without the interpreter's lock.
@@ -270,14 +270,6 @@ impl Mission {
     fn __len__(&self) -> usize {
         self.waypoints_m.len()
     }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        shown("Mission", &self.arguments(py)?)
-    }
-
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
-        Ok(((), self.arguments(py)?))
-    }
 }
 
 impl Mission {
@@ -287,13 +279,11 @@ impl Mission {
             passing,
         }
     }
+}
 
-    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let arguments = PyDict::new(py);
-        arguments.set_item("waypoints_m", self.waypoints_m())?;
-        arguments.set_item("fly_over", self.fly_over())?;
-        Ok(arguments)
-    }
+frozen! { Mission, this,
+    "waypoints_m": this.waypoints_m(),
+    "fly_over": this.fly_over(),
 }
 
 /// The obstacles of a situation.

@@ -78,6 +78,38 @@ pub(crate) fn shown(name: &str, arguments: &Bound<'_, PyDict>) -> PyResult<Strin
 /// The arguments of the class for pickling.
 pub(crate) type NewArguments<'py> = ((), Bound<'py, PyDict>);
 
+/// How a frozen class is printed and pickled: by the arguments that make it again.
+macro_rules! frozen {
+    ($class:ident, $this:ident, $($name:literal: $value:expr),+ $(,)?) => {
+        #[pymethods]
+        impl $class {
+            fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+                $crate::value::shown(stringify!($class), &self.arguments(py)?)
+            }
+
+            fn __getnewargs_ex__<'py>(
+                &self,
+                py: Python<'py>,
+            ) -> PyResult<$crate::value::NewArguments<'py>> {
+                Ok(((), self.arguments(py)?))
+            }
+        }
+
+        impl $class {
+            fn arguments<'py>(
+                &self,
+                py: Python<'py>,
+            ) -> PyResult<Bound<'py, pyo3::types::PyDict>> {
+                let $this = self;
+                let arguments = pyo3::types::PyDict::new(py);
+                $(arguments.set_item($name, $value)?;)+
+                Ok(arguments)
+            }
+        }
+    };
+}
+pub(crate) use frozen;
+
 /// State of the aircraft: position over the ground, motion through the air.
 ///
 /// Frame: x east, y north, z up, metres. Courses are radians from +x towards +y (a left turn increases the
@@ -147,26 +179,14 @@ impl Ownship {
     fn airspeed_mps(&self) -> f64 {
         self.0.airspeed_mps
     }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        shown("Ownship", &self.arguments(py)?)
-    }
-
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
-        Ok(((), self.arguments(py)?))
-    }
 }
 
-impl Ownship {
-    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let arguments = PyDict::new(py);
-        arguments.set_item("position_m", self.position_m())?;
-        arguments.set_item("course_rad", self.0.course_rad)?;
-        arguments.set_item("airspeed_mps", self.0.airspeed_mps)?;
-        arguments.set_item("climb_rad", self.0.climb_rad)?;
-        arguments.set_item("bank_rad", self.0.bank_rad)?;
-        Ok(arguments)
-    }
+frozen! { Ownship, this,
+    "position_m": this.position_m(),
+    "course_rad": this.0.course_rad,
+    "airspeed_mps": this.0.airspeed_mps,
+    "climb_rad": this.0.climb_rad,
+    "bank_rad": this.0.bank_rad,
 }
 
 /// The possible motion of an obstacle for a word of a batch file.
@@ -302,29 +322,17 @@ impl Obstacle {
     fn kind(&self) -> &'static str {
         movement_word(self.0.movement)
     }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        shown("Obstacle", &self.arguments(py)?)
-    }
-
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
-        Ok(((), self.arguments(py)?))
-    }
 }
 
-impl Obstacle {
-    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let arguments = PyDict::new(py);
-        arguments.set_item("id", self.0.id)?;
-        arguments.set_item("position_m", self.position_m())?;
-        arguments.set_item("radius_m", self.radius_m())?;
-        arguments.set_item("velocity_mps", self.velocity_mps())?;
-        arguments.set_item("half_height_m", self.half_height_m())?;
-        arguments.set_item("position_sigma_m", self.position_sigma_m())?;
-        arguments.set_item("velocity_sigma_mps", self.velocity_sigma_mps())?;
-        arguments.set_item("kind", self.kind())?;
-        Ok(arguments)
-    }
+frozen! { Obstacle, this,
+    "id": this.0.id,
+    "position_m": this.position_m(),
+    "radius_m": this.radius_m(),
+    "velocity_mps": this.velocity_mps(),
+    "half_height_m": this.half_height_m(),
+    "position_sigma_m": this.position_sigma_m(),
+    "velocity_sigma_mps": this.velocity_sigma_mps(),
+    "kind": this.kind(),
 }
 
 /// Limits of an aircraft at its airspeed, and its response to commands.
@@ -431,37 +439,17 @@ impl Vehicle {
     fn course_rate_radps(&self) -> f64 {
         self.0.course_rate_radps()
     }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        shown("Vehicle", &self.arguments(py)?)
-    }
-
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
-        Ok(((), self.arguments(py)?))
-    }
 }
 
-impl Vehicle {
-    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let arguments = PyDict::new(py);
-        let vehicle = &self.0;
-        for (name, value) in [
-            ("airspeed_mps", vehicle.airspeed_mps),
-            ("turn_radius_m", vehicle.turn_radius_m),
-            ("climb_min_rad", vehicle.climb_min_rad),
-            ("climb_max_rad", vehicle.climb_max_rad),
-            ("climb_rate_radps", vehicle.climb_rate_radps),
-            ("dead_time_s", vehicle.response.dead_time_s),
-            (
-                "bank_time_constant_s",
-                vehicle.response.bank_time_constant_s,
-            ),
-            ("turn_rate_factor", vehicle.response.turn_rate_factor),
-        ] {
-            arguments.set_item(name, value)?;
-        }
-        Ok(arguments)
-    }
+frozen! { Vehicle, this,
+    "airspeed_mps": this.0.airspeed_mps,
+    "turn_radius_m": this.0.turn_radius_m,
+    "climb_min_rad": this.0.climb_min_rad,
+    "climb_max_rad": this.0.climb_max_rad,
+    "climb_rate_radps": this.0.climb_rate_radps,
+    "dead_time_s": this.0.response.dead_time_s,
+    "bank_time_constant_s": this.0.response.bank_time_constant_s,
+    "turn_rate_factor": this.0.response.turn_rate_factor,
 }
 
 /// Settings of the avoider.
@@ -603,35 +591,18 @@ impl Settings {
     fn work_limit(&self) -> u32 {
         self.0.work_limit
     }
-
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        shown("Settings", &self.arguments(py)?)
-    }
-
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
-        Ok(((), self.arguments(py)?))
-    }
 }
 
-impl Settings {
-    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let arguments = PyDict::new(py);
-        let settings = &self.0;
-        arguments.set_item("start", self.start())?;
-        for (name, value) in [
-            ("decision_period_s", settings.decision_period_s),
-            ("surveillance_radius_m", settings.surveillance_radius_m),
-            ("horizon_s", settings.horizon_s),
-            ("margin_m", settings.margin_m),
-            ("drift_mps", settings.drift_mps),
-            ("confidence_sigmas", settings.confidence_sigmas),
-            ("heading_cost", settings.heading_cost),
-            ("pitch_cost", settings.pitch_cost),
-        ] {
-            arguments.set_item(name, value)?;
-        }
-        arguments.set_item("objective", self.objective())?;
-        arguments.set_item("work_limit", self.0.work_limit)?;
-        Ok(arguments)
-    }
+frozen! { Settings, this,
+    "start": this.start(),
+    "decision_period_s": this.0.decision_period_s,
+    "surveillance_radius_m": this.0.surveillance_radius_m,
+    "horizon_s": this.0.horizon_s,
+    "margin_m": this.0.margin_m,
+    "drift_mps": this.0.drift_mps,
+    "confidence_sigmas": this.0.confidence_sigmas,
+    "heading_cost": this.0.heading_cost,
+    "pitch_cost": this.0.pitch_cost,
+    "objective": this.objective(),
+    "work_limit": this.0.work_limit,
 }

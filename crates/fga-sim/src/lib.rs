@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`scenario`], [`recording`] | which flight does a file describe? |
 //! | [`vehicle_file`] | which aircraft does a file describe? |
+//! | [`identification`] | which aircraft does a flight log show? |
 //! | [`plan`] | which flight, with the names of things? |
 //! | [`world`] | which parts make one flight? |
 //! | [`obstacle`] | what is in the way, and what do reports say about it? |
@@ -40,6 +41,7 @@ pub mod encounters;
 pub mod engine;
 pub mod fine;
 mod fingerprint;
+pub mod identification;
 pub mod obstacle;
 pub mod oracle;
 pub mod plan;

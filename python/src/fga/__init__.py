@@ -15,7 +15,7 @@ course). Names carry their units. Wrong input raises ValueError (TypeError for a
 sentence of the program; a path that is not writable raises OSError.
 
 The package keeps no threads or locks from one call to the next, so processes may fork. Avoider,
-Pilot, Simulation and Run cannot be pickled; the values that they take can.
+Pilot, Monitor, Simulation and Run cannot be pickled; the values that they take can.
 """
 
 import importlib
@@ -25,7 +25,10 @@ from ._fga import (
     Campaign,
     Candidate,
     Decision,
+    Estimate,
+    Identified,
     Mission,
+    Monitor,
     Obstacle,
     Obstacles,
     Ownship,
@@ -41,7 +44,10 @@ from ._fga import (
     Vehicle,
     VehicleModel,
     Worlds,
+    alerts,
+    bands,
     batch,
+    identify,
     oracle,
     run,
     versions,
@@ -64,7 +70,10 @@ __all__ = [
     "Campaign",
     "Candidate",
     "Decision",
+    "Estimate",
+    "Identified",
     "Mission",
+    "Monitor",
     "Obstacle",
     "Obstacles",
     "Ownship",
@@ -80,8 +89,11 @@ __all__ = [
     "Vehicle",
     "VehicleModel",
     "Worlds",
+    "alerts",
+    "bands",
     "batch",
     "campaign",
+    "identify",
     "oracle",
     "progress_bar",
     "replay",

@@ -1,0 +1,82 @@
+//! Flight logs: what an aircraft did with the bank that was commanded.
+//!
+//! | file | how it is known | what is read |
+//! |---|---|---|
+//! | CSV | any other text | the columns `t_s, airspeed_mps, bank_command_rad, bank_rad, course_rad, climb_rad` |
+//! | telemetry log (`.tlog`) | a time of 8 bytes before a MAVLink frame | `ATTITUDE`, `VFR_HUD`, `NAV_CONTROLLER_OUTPUT` |
+//! | dataflash log (`.bin`) | begins with the bytes A3 95 | `ATT`, `ARSP` or `CTUN`, `XKF1` or `NKF1` |
+//!
+//! A file that is compressed with gzip is read as what it holds. The signals of a log have rates of their
+//! own; they are brought to one steady rate, and split where one of them has a gap or the aircraft does not fly.
+//!
+//! Frame: banks positive in a left turn; courses through the air, from east towards north, so that a left turn
+//! makes them grow; climb angles positive upwards. Radians, seconds, metres per second.
+
+mod columns;
+mod dataflash;
+mod series;
+mod tlog;
+
+use std::fs;
+use std::io::Read as _;
+use std::path::Path;
+
+use flate2::read::MultiGzDecoder;
+
+use crate::error::InputError;
+pub use series::{FlightLog, Piece};
+
+/// The columns of a log in CSV.
+pub const COLUMNS: [&str; 6] = [
+    "t_s",
+    "airspeed_mps",
+    "bank_command_rad",
+    "bank_rad",
+    "course_rad",
+    "climb_rad",
+];
+
+/// A log unpacked is at most this long, bytes.
+const LONGEST: u64 = 4 << 30;
+
+/// Reads a log.
+///
+/// # Errors
+/// A file that cannot be read, is no log, or lacks a signal, as one sentence.
+pub fn read(path: &Path) -> Result<FlightLog, InputError> {
+    let mut bytes = fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    if bytes.starts_with(&[0x1f, 0x8b]) {
+        let mut unpacked = Vec::new();
+        MultiGzDecoder::new(bytes.as_slice())
+            .take(LONGEST)
+            .read_to_end(&mut unpacked)
+            .map_err(|error| InputError::unreadable(path, &error))?;
+        bytes = unpacked;
+    }
+    parse(&bytes, path)
+}
+
+/// Reads the bytes of a log; `path` is named in errors.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(bytes: &[u8], path: &Path) -> Result<FlightLog, InputError> {
+    let signals = if dataflash::is_one(bytes) {
+        dataflash::signals(bytes)
+    } else if tlog::is_one(bytes) {
+        tlog::signals(bytes)
+    } else {
+        columns::signals(bytes, path)?
+    };
+    signals
+        .log()
+        .map_err(|message| InputError::in_file(path, message))
+}
+
+/// A log from its columns, in the order of [`COLUMNS`].
+///
+/// # Errors
+/// Columns of different lengths, a number that is not finite, a time that does not grow or too low a rate.
+pub fn from_columns(columns: &[Vec<f64>; 6]) -> Result<FlightLog, String> {
+    columns::of(columns)?.log()
+}

@@ -1,0 +1,122 @@
+//! Logs in CSV: a head with the names of the columns, others are ignored.
+
+use std::path::Path;
+
+use super::COLUMNS;
+use super::series::Signals;
+use crate::error::{InputError, shown};
+
+const FEWEST_ROWS: usize = 50;
+
+/// The signals of a text.
+pub(super) fn signals(bytes: &[u8], path: &Path) -> Result<Signals, InputError> {
+    let expected = || format!("expected the columns {}", COLUMNS.join(","));
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(InputError::in_file(
+            path,
+            format!("is empty, {}", expected()),
+        ));
+    }
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .from_reader(bytes);
+    let unreadable = |error: csv::Error| {
+        let line = error.position().map(csv::Position::line);
+        let message = format!("is no log: {error}");
+        line.map_or_else(
+            || InputError::in_file(path, &message),
+            |line| InputError::at_line(path, line, &message),
+        )
+    };
+    let head = reader.headers().map_err(unreadable)?.clone();
+    let mut places = [0; 6];
+    for (place, name) in places.iter_mut().zip(COLUMNS) {
+        let mut found = head.iter().enumerate().filter(|(_, field)| *field == name);
+        let first = found.next();
+        let count = usize::from(first.is_some()) + found.count();
+        match first {
+            Some((index, _)) if count == 1 => *place = index,
+            _ => {
+                let message = format!("column {name} is there {count} times, expected once");
+                return Err(InputError::at_line(path, 1, message));
+            }
+        }
+    }
+    let mut columns: [Vec<f64>; 6] = Default::default();
+    for record in reader.records() {
+        let record = record.map_err(unreadable)?;
+        let line = record.position().map_or(0, csv::Position::line);
+        for ((place, name), column) in places.iter().zip(COLUMNS).zip(&mut columns) {
+            let field = record.get(*place).unwrap_or("");
+            let value: Option<f64> = field.parse().ok().filter(|value: &f64| value.is_finite());
+            let value = value.ok_or_else(|| {
+                let found = shown(field);
+                InputError::at_line(
+                    path,
+                    line,
+                    format!("column {name} holds {found}, expected a finite number"),
+                )
+            })?;
+            column.push(value);
+        }
+    }
+    of(&columns).map_err(|message| InputError::in_file(path, message))
+}
+
+/// The signals of columns.
+pub(super) fn of(columns: &[Vec<f64>; 6]) -> Result<Signals, String> {
+    let [time_s, rest @ ..] = columns;
+    let count = time_s.len();
+    for (column, name) in columns.iter().zip(COLUMNS) {
+        if column.len() != count {
+            return Err(format!(
+                "column {name} has {} rows where t_s has {count}, expected one length",
+                column.len()
+            ));
+        }
+        if let Some(place) = column.iter().position(|value| !value.is_finite()) {
+            return Err(format!(
+                "column {name} is not finite in row {place}, expected numbers"
+            ));
+        }
+    }
+    if count < FEWEST_ROWS {
+        return Err(format!("has {count} rows, expected at least {FEWEST_ROWS}"));
+    }
+    if let Some((before, after)) = time_s
+        .iter()
+        .zip(time_s.iter().skip(1))
+        .find(|(a, b)| b <= a)
+    {
+        return Err(format!(
+            "has the time {after} s after {before} s, expected times that grow"
+        ));
+    }
+    let mut signals = Signals {
+        sources: ["a column"; 5],
+        ..Signals::default()
+    };
+    let Signals {
+        airspeed_mps,
+        bank_command_rad,
+        bank_rad,
+        course_rad,
+        climb_rad,
+        ..
+    } = &mut signals;
+    let series = [
+        airspeed_mps,
+        bank_command_rad,
+        bank_rad,
+        course_rad,
+        climb_rad,
+    ];
+    for (series, column) in series.into_iter().zip(rest) {
+        for (time_s, value) in time_s.iter().zip(column) {
+            series.push(*time_s, *value);
+        }
+    }
+    Ok(signals)
+}

@@ -1,0 +1,204 @@
+//! Dataflash logs of ArduPilot, which describe themselves: `FMT` messages say what the others hold.
+//!
+//! Every message begins with A3 95 and its kind. Source: the `LogStructure` of ArduPilot.
+
+use core::f64::consts::{FRAC_PI_2, PI};
+use std::collections::HashMap;
+
+use super::series::{Series, Signals};
+
+const HEAD: [u8; 2] = [0xa3, 0x95];
+const FORMAT_KIND: u8 = 128;
+const FORMAT_LENGTH: usize = 89;
+/// Below this an airspeed says nothing about a climb angle, metres per second.
+const SLOWEST_MPS: f64 = 3.0;
+
+/// Whether a file is such a log.
+pub(super) fn is_one(bytes: &[u8]) -> bool {
+    bytes.starts_with(&HEAD)
+}
+
+/// One kind of message.
+#[derive(Debug)]
+struct Format {
+    length: usize,
+    name: String,
+    /// Names of the fields, the codes of their types, and where they begin after the head.
+    fields: Vec<(String, u8, usize)>,
+}
+
+fn text(bytes: &[u8]) -> String {
+    let end = bytes
+        .iter()
+        .position(|byte| *byte == 0)
+        .unwrap_or(bytes.len());
+    String::from_utf8_lossy(bytes.get(..end).unwrap_or(bytes)).into_owned()
+}
+
+/// Bytes that a field of a type takes.
+const fn width(code: u8) -> Option<usize> {
+    Some(match code {
+        b'b' | b'B' | b'M' => 1,
+        b'h' | b'H' | b'c' | b'C' | b'g' => 2,
+        b'i' | b'I' | b'f' | b'n' | b'e' | b'E' | b'L' => 4,
+        b'd' | b'q' | b'Q' => 8,
+        b'N' => 16,
+        b'a' | b'Z' => 64,
+        _ => return None,
+    })
+}
+
+impl Format {
+    fn of(message: &[u8]) -> Option<(u8, Self)> {
+        let kind = *message.get(3)?;
+        let length = usize::from(*message.get(4)?);
+        let codes = message.get(9..25)?;
+        let labels = text(message.get(25..FORMAT_LENGTH)?);
+        let mut fields = Vec::new();
+        let mut begin = 3;
+        for (code, label) in codes
+            .iter()
+            .take_while(|code| **code != 0)
+            .zip(labels.split(','))
+        {
+            fields.push((label.to_owned(), *code, begin));
+            begin += width(*code)?;
+        }
+        (begin <= length).then(|| {
+            let name = text(message.get(5..9).unwrap_or_default());
+            (
+                kind,
+                Self {
+                    length,
+                    name,
+                    fields,
+                },
+            )
+        })
+    }
+
+    /// A field as a number.
+    fn number(&self, message: &[u8], name: &str) -> Option<f64> {
+        fn bytes<const N: usize>(message: &[u8], begin: usize) -> Option<[u8; N]> {
+            message.get(begin..begin + N)?.try_into().ok()
+        }
+        let (_, code, begin) = self.fields.iter().find(|(label, ..)| label == name)?;
+        let begin = *begin;
+        Some(match code {
+            b'b' => f64::from(i8::from_le_bytes(bytes(message, begin)?)),
+            b'B' | b'M' => f64::from(u8::from_le_bytes(bytes(message, begin)?)),
+            b'h' => f64::from(i16::from_le_bytes(bytes(message, begin)?)),
+            b'H' => f64::from(u16::from_le_bytes(bytes(message, begin)?)),
+            b'c' => f64::from(i16::from_le_bytes(bytes(message, begin)?)) / 100.0,
+            b'C' => f64::from(u16::from_le_bytes(bytes(message, begin)?)) / 100.0,
+            b'i' => f64::from(i32::from_le_bytes(bytes(message, begin)?)),
+            b'I' => f64::from(u32::from_le_bytes(bytes(message, begin)?)),
+            b'e' => f64::from(i32::from_le_bytes(bytes(message, begin)?)) / 100.0,
+            b'E' => f64::from(u32::from_le_bytes(bytes(message, begin)?)) / 100.0,
+            b'f' => f64::from(f32::from_le_bytes(bytes(message, begin)?)),
+            b'd' => f64::from_le_bytes(bytes(message, begin)?),
+            #[expect(clippy::cast_precision_loss, reason = "microseconds of a flight")]
+            b'Q' => u64::from_le_bytes(bytes(message, begin)?) as f64,
+            #[expect(clippy::cast_precision_loss, reason = "microseconds of a flight")]
+            b'q' => i64::from_le_bytes(bytes(message, begin)?) as f64,
+            _ => return None,
+        })
+    }
+}
+
+/// Signals that several messages may hold: the first of them that is there is taken.
+#[derive(Default)]
+struct Choices {
+    attitude: [Series; 3],
+    airspeed: [Series; 2],
+    descent: [Series; 2],
+}
+
+impl Choices {
+    fn take(&mut self, format: &Format, message: &[u8]) -> Option<()> {
+        let field = |name: &str| format.number(message, name);
+        // Instance 0 of sensors and filters, where there are several.
+        let is_first = ["I", "C", "Instance"]
+            .iter()
+            .find_map(|name| field(name))
+            .is_none_or(|instance| instance == 0.0);
+        let time_s = || field("TimeUS").map(|time_us| time_us * 1e-6);
+        match format.name.as_str() {
+            "ATT" => {
+                let time_s = time_s()?;
+                let [command, bank, course] = &mut self.attitude;
+                command.push(time_s, -field("DesRoll")? * PI / 180.0);
+                bank.push(time_s, -field("Roll")? * PI / 180.0);
+                course.push(time_s, FRAC_PI_2 - field("Yaw")? * PI / 180.0);
+            }
+            "ARSP" if is_first => self.airspeed[0].push(time_s()?, field("Airspeed")?),
+            "CTUN" => {
+                let airspeed = field("As").or_else(|| field("Aspd"))?;
+                self.airspeed[1].push(time_s()?, airspeed);
+            }
+            "XKF1" if is_first => self.descent[0].push(time_s()?, field("VD")?),
+            "NKF1" if is_first => self.descent[1].push(time_s()?, field("VD")?),
+            _ => {}
+        }
+        Some(())
+    }
+}
+
+/// The signals of a log; what is damaged is skipped.
+pub(super) fn signals(bytes: &[u8]) -> Signals {
+    let mut formats: HashMap<u8, Format> = HashMap::new();
+    let mut choices = Choices::default();
+    let mut at = 0;
+    while let Some(rest) = bytes.get(at..) {
+        let Some(&kind) = rest.get(2) else {
+            break;
+        };
+        if !rest.starts_with(&HEAD) {
+            at += 1;
+            continue;
+        }
+        if kind == FORMAT_KIND {
+            if let Some((described, format)) = rest.get(..FORMAT_LENGTH).and_then(Format::of) {
+                formats.insert(described, format);
+                at += FORMAT_LENGTH;
+            } else {
+                at += 1;
+            }
+            continue;
+        }
+        let Some(format) = formats.get(&kind).filter(|format| format.length >= 3) else {
+            at += 1;
+            continue;
+        };
+        let Some(message) = rest.get(..format.length) else {
+            break;
+        };
+        // A message that lacks a field says nothing.
+        let _ = choices.take(format, message);
+        at += format.length;
+    }
+    let first = |choices: [Series; 2]| {
+        let [first, second] = choices;
+        if first.is_empty() { second } else { first }
+    };
+    let [bank_command_rad, bank_rad, course_rad] = choices.attitude;
+    let airspeed_mps = first(choices.airspeed);
+    let climb_rad = first(choices.descent).over(&airspeed_mps, |descent_mps, airspeed_mps| {
+        (airspeed_mps > SLOWEST_MPS)
+            .then(|| libm::asin((-descent_mps / airspeed_mps).clamp(-1.0, 1.0)))
+    });
+    Signals {
+        airspeed_mps,
+        bank_command_rad,
+        bank_rad,
+        course_rad,
+        climb_rad,
+        sources: [
+            "ARSP.Airspeed or CTUN.As",
+            "ATT.DesRoll",
+            "ATT.Roll",
+            "ATT.Yaw",
+            "XKF1.VD or NKF1.VD",
+        ],
+    }
+}

@@ -1,0 +1,288 @@
+//! Signals of a log at one steady rate.
+
+use core::f64::consts::{PI, TAU};
+
+/// Longest time between two samples of the bank and its command, seconds.
+const SLOWEST_BANK_S: f64 = 0.25;
+/// Longest time between two samples of the other signals, seconds.
+const SLOWEST_OTHER_S: f64 = 1.0;
+/// Share by which the median of a stream's periods may be longer: messages come with jitter.
+const JITTER: f64 = 0.05;
+/// A log is brought to at most this rate, seconds from row to row.
+const SHORTEST_PERIOD_S: f64 = 0.05;
+/// A signal without a sample for longer has a gap, seconds.
+const GAP_S: f64 = 1.5;
+/// An aircraft slower than this share of its cruise does not fly.
+const FLYING_SHARE: f64 = 0.5;
+/// Shorter pieces of flight are left out, seconds.
+const SHORTEST_PIECE_S: f64 = 5.0;
+/// A log longer than this is not brought to a steady rate, rows.
+const MOST_ROWS: f64 = 2e7;
+
+/// A signal: times and values.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Series(Vec<(f64, f64)>);
+
+impl Series {
+    pub(super) fn push(&mut self, time_s: f64, value: f64) {
+        if time_s.is_finite() && value.is_finite() {
+            self.0.push((time_s, value));
+        }
+    }
+
+    pub(super) const fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// In order of time, one value for each time.
+    fn sort(&mut self) {
+        self.0.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.0.dedup_by(|later, earlier| later.0 == earlier.0);
+    }
+
+    /// Takes out the jumps of a full turn.
+    fn unwrap(&mut self) {
+        let mut turns = 0.0;
+        let mut last = None;
+        for (_, value) in &mut self.0 {
+            if let Some(last) = last {
+                let step: f64 = *value - last;
+                if step.abs() > PI {
+                    turns -= libm::round(step / TAU) * TAU;
+                }
+            }
+            last = Some(*value);
+            *value += turns;
+        }
+    }
+
+    /// Median time from sample to sample, seconds.
+    fn period_s(&self) -> f64 {
+        let mut steps: Vec<f64> = self
+            .0
+            .iter()
+            .zip(self.0.iter().skip(1))
+            .map(|(a, b)| b.0 - a.0)
+            .collect();
+        steps.sort_by(f64::total_cmp);
+        steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// The value at a time, between two samples that are no gap apart; `from` is where the search begins
+    /// and is moved on.
+    fn at(&self, time_s: f64, from: &mut usize) -> Option<f64> {
+        while self.0.get(*from + 1).is_some_and(|next| next.0 <= time_s) {
+            *from += 1;
+        }
+        let (before_s, before) = *self.0.get(*from)?;
+        if before_s == time_s {
+            return Some(before);
+        }
+        let (after_s, after) = *self.0.get(*from + 1)?;
+        if before_s > time_s || after_s - before_s > GAP_S {
+            return None;
+        }
+        Some(before + (after - before) * (time_s - before_s) / (after_s - before_s))
+    }
+
+    /// A signal from this one and another at the same times; times at which there is no other are left out.
+    pub(super) fn over(&self, other: &Self, of: impl Fn(f64, f64) -> Option<f64>) -> Self {
+        let mut sorted = other.clone();
+        sorted.sort();
+        let mut mine = self.clone();
+        mine.sort();
+        let mut from = 0;
+        let mut result = Self::default();
+        for (time_s, value) in mine.0 {
+            let found = sorted
+                .at(time_s, &mut from)
+                .and_then(|other| of(value, other));
+            if let Some(found) = found {
+                result.push(time_s, found);
+            }
+        }
+        result
+    }
+
+    fn span_s(&self) -> Option<(f64, f64)> {
+        Some((self.0.first()?.0, self.0.last()?.0))
+    }
+}
+
+/// What a log says, each signal at its own rate.
+#[derive(Debug, Default)]
+pub(super) struct Signals {
+    pub(super) airspeed_mps: Series,
+    pub(super) bank_command_rad: Series,
+    pub(super) bank_rad: Series,
+    pub(super) course_rad: Series,
+    pub(super) climb_rad: Series,
+    /// What holds each signal in files of this kind, in the order of the fields.
+    pub(super) sources: [&'static str; 5],
+}
+
+/// A part of a log in which the aircraft flies and every signal is there, at a steady rate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Piece {
+    /// Time of the first row, seconds, as the log counts them.
+    pub start_s: f64,
+    /// Airspeed, metres per second.
+    pub airspeed_mps: Vec<f64>,
+    /// Commanded bank, radians.
+    pub bank_command_rad: Vec<f64>,
+    /// Flown bank, radians.
+    pub bank_rad: Vec<f64>,
+    /// Course through the air, radians, without jumps.
+    pub course_rad: Vec<f64>,
+    /// Climb angle of the path, radians.
+    pub climb_rad: Vec<f64>,
+}
+
+impl Piece {
+    /// Number of rows.
+    pub const fn len(&self) -> usize {
+        self.bank_rad.len()
+    }
+
+    /// Whether it has no row.
+    pub const fn is_empty(&self) -> bool {
+        self.bank_rad.is_empty()
+    }
+}
+
+/// A log at a steady rate, in pieces without gaps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlightLog {
+    /// Time from row to row, seconds.
+    pub period_s: f64,
+    /// The pieces in order of time; there is at least one.
+    pub pieces: Vec<Piece>,
+}
+
+impl Signals {
+    fn each(&mut self) -> [&mut Series; 5] {
+        [
+            &mut self.airspeed_mps,
+            &mut self.bank_command_rad,
+            &mut self.bank_rad,
+            &mut self.course_rad,
+            &mut self.climb_rad,
+        ]
+    }
+
+    /// The signals at one rate.
+    pub(super) fn log(mut self) -> Result<FlightLog, String> {
+        let names = [
+            "airspeed",
+            "commanded bank",
+            "bank",
+            "course",
+            "climb angle",
+        ];
+        let sources = self.sources;
+        for (series, (name, source)) in self.each().into_iter().zip(names.iter().zip(sources)) {
+            if series.is_empty() {
+                return Err(format!("has no {name}, expected {source}"));
+            }
+            series.sort();
+        }
+        self.course_rad.unwrap();
+        let period_s = self.bank_rad.period_s().max(SHORTEST_PERIOD_S);
+        let mut span_s = (f64::NEG_INFINITY, f64::INFINITY);
+        let told = names.iter().zip(sources);
+        for (series, (name, source)) in self.each().into_iter().zip(told) {
+            let is_bank = name.ends_with("bank");
+            let slowest_s = if is_bank {
+                SLOWEST_BANK_S
+            } else {
+                SLOWEST_OTHER_S
+            };
+            let found_s = series.period_s();
+            if found_s > slowest_s * (1.0 + JITTER) {
+                return Err(format!(
+                    "has the {name} every {found_s:.3} s ({source}), expected it at least every {slowest_s} s"
+                ));
+            }
+            if let Some((first, last)) = series.span_s() {
+                span_s = (span_s.0.max(first), span_s.1.min(last));
+            }
+        }
+        let rows = (span_s.1 - span_s.0) / period_s;
+        if rows > MOST_ROWS {
+            return Err(format!(
+                "lasts {:.0} s, expected a flight",
+                span_s.1 - span_s.0
+            ));
+        }
+        let pieces = self.pieces(span_s, period_s);
+        if pieces.is_empty() {
+            return Err(format!(
+                "has no {SHORTEST_PIECE_S} s of flight in which every signal is there without a gap"
+            ));
+        }
+        Ok(FlightLog { period_s, pieces })
+    }
+
+    /// What is flown, in pieces.
+    fn pieces(&self, span_s: (f64, f64), period_s: f64) -> Vec<Piece> {
+        let flying_mps = FLYING_SHARE * self.cruise_mps();
+        let mut places = [0; 5];
+        let mut pieces = Vec::new();
+        let mut rows: Vec<[f64; 5]> = Vec::new();
+        let mut start_s = span_s.0;
+        let mut finish = |rows: &mut Vec<[f64; 5]>, start_s: f64| {
+            #[expect(clippy::cast_precision_loss, reason = "a number of rows")]
+            let lasts_s = rows.len() as f64 * period_s;
+            if lasts_s >= SHORTEST_PIECE_S {
+                let column = |of: fn(&[f64; 5]) -> f64| rows.iter().map(of).collect();
+                pieces.push(Piece {
+                    start_s,
+                    airspeed_mps: column(|row| row[0]),
+                    bank_command_rad: column(|row| row[1]),
+                    bank_rad: column(|row| row[2]),
+                    course_rad: column(|row| row[3]),
+                    climb_rad: column(|row| row[4]),
+                });
+            }
+            rows.clear();
+        };
+        let mut step = 0.0;
+        loop {
+            let time_s = span_s.0 + step * period_s;
+            // The last row of a steady log is there whatever the rounding of its times.
+            if time_s > span_s.1 + 1e-6 {
+                break;
+            }
+            let time_s = time_s.min(span_s.1);
+            step += 1.0;
+            let [a, b, c, d, e] = &mut places;
+            let row = (|| {
+                Some([
+                    self.airspeed_mps.at(time_s, a)?,
+                    self.bank_command_rad.at(time_s, b)?,
+                    self.bank_rad.at(time_s, c)?,
+                    self.course_rad.at(time_s, d)?,
+                    self.climb_rad.at(time_s, e)?,
+                ])
+            })();
+            match row {
+                Some(row) if row[0] > flying_mps => {
+                    if rows.is_empty() {
+                        start_s = time_s;
+                    }
+                    rows.push(row);
+                }
+                _ => finish(&mut rows, start_s),
+            }
+        }
+        finish(&mut rows, start_s);
+        pieces
+    }
+
+    /// A speed that is exceeded for a tenth of the samples.
+    fn cruise_mps(&self) -> f64 {
+        let mut speeds: Vec<f64> = self.airspeed_mps.0.iter().map(|sample| sample.1).collect();
+        speeds.sort_by(f64::total_cmp);
+        speeds.get(speeds.len() * 9 / 10).copied().unwrap_or(0.0)
+    }
+}

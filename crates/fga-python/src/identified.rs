@@ -1,0 +1,178 @@
+//! Which aircraft a flight log shows: `fga identify`.
+
+use std::path::PathBuf;
+
+use fga_formats::InputError;
+use fga_formats::flight_log::{self, COLUMNS};
+use fga_sim::identification::{self, Identified as CoreIdentified};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::failure::input;
+use crate::situation::numbers;
+
+/// A figure with its interval: the middle 90 % of what windows of the log give.
+#[pyclass(frozen, eq, module = "fga")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Estimate(identification::Estimate);
+
+#[pymethods]
+impl Estimate {
+    /// The median.
+    #[getter]
+    fn value(&self) -> f64 {
+        self.0.value
+    }
+
+    /// 5 % of the windows give less.
+    #[getter]
+    fn low(&self) -> f64 {
+        self.0.low
+    }
+
+    /// 5 % of the windows give more.
+    #[getter]
+    fn high(&self) -> f64 {
+        self.0.high
+    }
+
+    fn __repr__(&self) -> String {
+        let identification::Estimate { value, low, high } = self.0;
+        format!("Estimate({value:.4}, {low:.4} to {high:.4})")
+    }
+}
+
+/// What a flight log says about its aircraft.
+#[pyclass(frozen, eq, module = "fga")]
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Identified(CoreIdentified);
+
+#[pymethods]
+impl Identified {
+    /// Airspeed, metres per second.
+    #[getter]
+    fn airspeed_mps(&self) -> Estimate {
+        Estimate(self.0.airspeed_mps)
+    }
+
+    /// Steepest bank that is held, or mean bank of 3 s where none is held, degrees.
+    #[getter]
+    fn max_bank_deg(&self) -> Estimate {
+        Estimate(self.0.max_bank_deg)
+    }
+
+    /// Time before a command has any effect, seconds.
+    #[getter]
+    fn dead_time_s(&self) -> Estimate {
+        Estimate(self.0.dead_time_s)
+    }
+
+    /// Time constant of the first-order bank response, seconds.
+    #[getter]
+    fn bank_time_constant_s(&self) -> Estimate {
+        Estimate(self.0.bank_time_constant_s)
+    }
+
+    /// Course rate over that of the ideal coordinated turn.
+    #[getter]
+    fn turn_rate_factor(&self) -> Estimate {
+        Estimate(self.0.turn_rate_factor)
+    }
+
+    /// Steepest descent, degrees.
+    #[getter]
+    fn climb_min_deg(&self) -> Estimate {
+        Estimate(self.0.climb_min_deg)
+    }
+
+    /// Steepest climb, degrees.
+    #[getter]
+    fn climb_max_deg(&self) -> Estimate {
+        Estimate(self.0.climb_max_deg)
+    }
+
+    /// Rate at which the climb angle changes, radians per second.
+    #[getter]
+    fn climb_rate_radps(&self) -> Estimate {
+        Estimate(self.0.climb_rate_radps)
+    }
+
+    /// Horizontal distance from where the figures put the aircraft after 5 s, metres.
+    #[getter]
+    fn position_error_m(&self) -> Estimate {
+        Estimate(self.0.position_error_m)
+    }
+
+    /// Windows of the log in which the command moves and the bank follows it.
+    #[getter]
+    fn windows(&self) -> usize {
+        self.0.windows
+    }
+
+    /// Windows in which the bank does not follow, which are left out.
+    #[getter]
+    fn windows_left_out(&self) -> usize {
+        self.0.windows_left_out
+    }
+
+    /// The text of a vehicle file. The protected volume is no property of the log.
+    ///
+    /// Raises ValueError for a radius or a half height that is not positive.
+    #[pyo3(signature = (name, radius_m, half_height_m = None))]
+    fn to_toml(&self, name: &str, radius_m: f64, half_height_m: Option<f64>) -> PyResult<String> {
+        self.0
+            .to_toml(name, radius_m, half_height_m)
+            .map_err(PyValueError::new_err)
+    }
+
+    fn __repr__(&self) -> String {
+        let figures: Vec<String> = self
+            .0
+            .figures()
+            .iter()
+            .map(|(key, estimate, decimals)| {
+                let identification::Estimate { value, low, high } = estimate;
+                format!("{key}={value:.decimals$} ({low:.decimals$} to {high:.decimals$})")
+            })
+            .collect();
+        format!("Identified({})", figures.join(", "))
+    }
+}
+
+/// Says which aircraft a flight log shows: `fga identify`.
+///
+/// `log` is the path of a log (CSV, .tlog, .bin), or a mapping of its columns `t_s, airspeed_mps,
+/// bank_command_rad, bank_rad, course_rad, climb_rad`. Raises ValueError for a log that cannot be used.
+#[pyfunction]
+pub(crate) fn identify(log: &Bound<'_, PyAny>) -> PyResult<Identified> {
+    let py = log.py();
+    if let Ok(path) = log.extract::<PathBuf>() {
+        return py
+            .detach(|| {
+                let log = flight_log::read(&path)?;
+                identification::identify(&log)
+                    .map_err(|message| InputError::in_file(&path, message))
+            })
+            .map(Identified)
+            .map_err(input);
+    }
+    if !log.hasattr("keys")? {
+        return Err(PyTypeError::new_err(format!(
+            "log is {}, expected the path of a log or a mapping of its columns",
+            log.get_type()
+        )));
+    }
+    let mut columns: [Vec<f64>; 6] = Default::default();
+    for (column, name) in columns.iter_mut().zip(COLUMNS) {
+        if !log.contains(name)? {
+            return Err(PyValueError::new_err(format!(
+                "the column {name} is missing, expected the columns {}",
+                COLUMNS.join(",")
+            )));
+        }
+        *column = numbers(name, &log.get_item(name)?)?;
+    }
+    py.detach(|| flight_log::from_columns(&columns).and_then(|log| identification::identify(&log)))
+        .map(Identified)
+        .map_err(|message| PyValueError::new_err(format!("the log {message}")))
+}
