@@ -7,10 +7,11 @@ import os
 
 import numpy as np
 import pytest
+from conftest import needed
 
 import fga
 
-hypothesis = pytest.importorskip("hypothesis")
+hypothesis = needed("hypothesis")
 from hypothesis import HealthCheck, given, settings, strategies as st  # noqa: E402
 
 CASES = settings(

@@ -8,10 +8,11 @@ import os
 
 import numpy as np
 import pytest
+from conftest import needed
 
 import fga
 
-pytest.importorskip("jsbsim")
+needed("jsbsim")
 import jsbsim_loop  # noqa: E402
 
 ENCOUNTERS = int(os.environ.get("FGA_JSBSIM", "6"))
