@@ -66,6 +66,16 @@ pub struct Deviation {
 }
 
 impl Deviation {
+    /// The largest standard deviation of the position in any direction, metres.
+    pub fn largest_m(&self) -> f64 {
+        self.horizontal_m().max(self.up_m)
+    }
+
+    /// The largest standard deviation of the velocity in any direction, metres per second.
+    pub fn largest_mps(&self) -> f64 {
+        self.horizontal_mps().max(self.up_mps)
+    }
+
     /// The largest standard deviation of the horizontal position in any direction, metres.
     pub(crate) fn horizontal_m(&self) -> f64 {
         largest_deviation(self.east_m, self.north_m, self.east_north_m)

@@ -1,6 +1,6 @@
 //! The experiments behind the numbers of fga's pages: each flies drawn encounters with the engine
 //! and judges them by its separation over continuous time and by the oracle. Neither shares code
-//! with the policy.
+//! with the policy. [`flown`], [`missions`] and [`intruders`] measure with code of their own.
 //!
 //! | experiment | question |
 //! |---|---|
@@ -9,11 +9,17 @@
 //! | [`robustness`] | how many does the policy save with noise, wind and bank lag? |
 //! | [`baselines`] | which settings suit the baselines, and how do all policies compare? |
 //! | [`oracle`] | how many does the oracle save, and how long does it take? |
+//! | [`flown`] | how many losses, needless manoeuvres and changes are there on recorded encounters? |
+//! | [`intruders`] | how many does the policy save when intruders turn, sight is imperfect, air is gusty? |
+//! | [`missions`] | how much of a mission is flown, and does the aircraft come back to it? |
 
 mod baselines;
 mod common;
 mod departures;
+mod flown;
+mod intruders;
 mod lost;
+mod missions;
 mod oracle;
 mod robustness;
 
@@ -41,6 +47,12 @@ enum Experiment {
     Baselines(baselines::BaselinesArgs),
     /// Measure the oracle: the share that it saves, and its time.
     Oracle(oracle::OracleArgs),
+    /// Count losses, needless manoeuvres and changes in a folder of recordings of two aircraft.
+    Flown(flown::FlownArgs),
+    /// Count the encounters that the policy saves among intruders that turn, with imperfect sight and gusts.
+    Intruders(intruders::IntrudersArgs),
+    /// Measure the share of each leg that is flown, and the way back to short and curved legs.
+    Missions(missions::MissionsArgs),
 }
 
 fn main() -> ExitCode {
@@ -50,6 +62,12 @@ fn main() -> ExitCode {
         Experiment::Robustness(args) => robustness::run(&args),
         Experiment::Baselines(args) => baselines::run(&args),
         Experiment::Oracle(args) => oracle::run(&args),
+        Experiment::Flown(args) => flown::run(&args),
+        Experiment::Intruders(args) => {
+            intruders::run(&args);
+            Ok(())
+        }
+        Experiment::Missions(args) => missions::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

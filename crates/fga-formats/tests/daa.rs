@@ -55,6 +55,32 @@ fn separations_equal_those_of_daidalus_row_by_row() {
     assert_eq!(rows, 230);
 }
 
+#[test]
+fn optional_columns_are_read_where_they_have_values() {
+    let head = "NAME sx sy sz trk gs vs heading airspeed time s_EW_std v_NS_std";
+    let units = "- [m] [m] [m] [deg] [m/s] [m/s] [deg] [kn] [s] [ft] [m/s]";
+    let text = format!(
+        "{head}\n{units}\nA, 0, 0, 0, 90, 50, 0, 90, 100, 0, 10, 2\nA, 50, 0, 0, 90, 50, 0, -, , 1, -, 0\n"
+    );
+    let samples = parse(&text).unwrap().aircraft.remove(0).samples;
+    let air_mps = samples[0].air_mps.unwrap();
+    assert!((air_mps - DVec3::X * (100.0 * KNOT_MPS)).length() < 1e-9);
+    assert!((samples[0].deviation.east_m - 10.0 * FOOT_M).abs() < 1e-12);
+    assert_eq!(samples[0].deviation.north_mps, 2.0);
+    assert_eq!(samples[1].air_mps, None);
+    assert_eq!(samples[1].deviation, fga_alerts::Deviation::default());
+    let without_units = text.replacen(units, "", 1);
+    assert_eq!(
+        parse(&without_units).unwrap_err(),
+        "a.daa, line 3: column s_ew_std has no unit, expected one such as m, ft, nmi or km in a line of units"
+    );
+    let negative = text.replace("100, 0, 10,", "100, 0, -10,");
+    assert_eq!(
+        parse(&negative).unwrap_err(),
+        "a.daa, line 3: column s_ew_std is negative, expected a deviation of 0 or more"
+    );
+}
+
 /// Distance on the ellipsoid by its radii of curvature at the mean latitude (good to 1e-5 of the
 /// distance up to 100 km), and vertical distance, metres.
 fn ellipsoid_distance_m(a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -468,7 +468,7 @@ impl Settings {
     #[pyo3(signature = (
         *, start = "free", decision_period_s = 0.1, surveillance_radius_m = 300.0, horizon_s = 60.0,
         margin_m = 0.05, confidence_sigmas = 3.0, heading_cost = 0.2, pitch_cost = 0.5,
-        objective = "paper-cost", work_limit = 160_000,
+        objective = "paper-cost", work_limit = 160_000, drift_mps = 0.0,
     ))]
     #[expect(
         clippy::too_many_arguments,
@@ -485,6 +485,7 @@ impl Settings {
         pitch_cost: f64,
         objective: &str,
         work_limit: u32,
+        drift_mps: f64,
     ) -> PyResult<Self> {
         let settings = CoreSettings {
             start: match PolicyChoice::parse("turn-aware", Some(start)) {
@@ -496,6 +497,7 @@ impl Settings {
             surveillance_radius_m,
             horizon_s,
             margin_m,
+            drift_mps,
             confidence_sigmas,
             heading_cost,
             pitch_cost,
@@ -550,6 +552,12 @@ impl Settings {
         self.0.margin_m
     }
 
+    /// Standard deviation of the velocity that carries the aircraft off its prediction, m/s.
+    #[getter]
+    fn drift_mps(&self) -> f64 {
+        self.0.drift_mps
+    }
+
     /// Standard deviations that widen an obstacle's volume.
     #[getter]
     fn confidence_sigmas(&self) -> f64 {
@@ -591,6 +599,7 @@ frozen! { Settings, this,
     "surveillance_radius_m": this.0.surveillance_radius_m,
     "horizon_s": this.0.horizon_s,
     "margin_m": this.0.margin_m,
+    "drift_mps": this.0.drift_mps,
     "confidence_sigmas": this.0.confidence_sigmas,
     "heading_cost": this.0.heading_cost,
     "pitch_cost": this.0.pitch_cost,

@@ -1,7 +1,7 @@
 //! Obstacles as they really are, and the reports about them.
 
 use fga::Vec3;
-use fga::situation::{Movement, ObstacleKind, ProtectedVolume};
+use fga::situation::{Movement, ObstacleKind, ProtectedVolume, Uncertainty};
 
 use crate::track::Track;
 
@@ -51,6 +51,28 @@ pub struct TrackReport {
     pub position_m: Vec3,
     /// Velocity over the ground then, metres per second.
     pub velocity_mps: Vec3,
+    /// Standard deviations of both.
+    pub uncertainty: Uncertainty,
+}
+
+impl TrackReport {
+    /// The report carried on in a straight line for a time, seconds.
+    #[must_use]
+    pub fn carried_on(&self, for_s: f64) -> Self {
+        let Uncertainty {
+            position_m,
+            velocity_mps,
+        } = self.uncertainty;
+        Self {
+            time_s: self.time_s + for_s,
+            position_m: self.position_m + self.velocity_mps * for_s,
+            uncertainty: Uncertainty {
+                position_m: position_m + velocity_mps * for_s,
+                velocity_mps,
+            },
+            ..*self
+        }
+    }
 }
 
 /// A report is extrapolated in a straight line for this long, seconds; then the obstacle is missing
@@ -58,22 +80,23 @@ pub struct TrackReport {
 const CARRIED_ON_S: f64 = 2.0;
 
 impl WorldObstacle {
-    /// Known position and velocity at a time; `None` if unknown.
+    /// What is known of it at a time; `None` if unknown.
     ///
     /// Later reports do not count; after the last report the obstacle is gone.
-    pub fn known_at(&self, time_s: f64) -> Option<(Vec3, Vec3)> {
+    pub fn known_at(&self, time_s: f64) -> Option<TrackReport> {
         if self.reports.is_empty() {
-            return self.track.at(time_s);
+            let (position_m, velocity_mps) = self.track.at(time_s)?;
+            return Some(TrackReport {
+                time_s,
+                position_m,
+                velocity_mps,
+                uncertainty: Uncertainty::default(),
+            });
         }
         let heard = self.reports.partition_point(|r| r.time_s <= time_s + 1e-9);
         let last = self.reports.get(heard.checked_sub(1)?)?;
         let since_s = time_s - last.time_s;
         let is_gone = heard == self.reports.len() && since_s > 1e-9;
-        (!is_gone && since_s <= CARRIED_ON_S).then(|| {
-            (
-                last.position_m + last.velocity_mps * since_s,
-                last.velocity_mps,
-            )
-        })
+        (!is_gone && since_s <= CARRIED_ON_S).then(|| last.carried_on(since_s))
     }
 }

@@ -7,13 +7,16 @@
 //!
 //! An aircraft exists from its first to its last row; separations hold along the straight lines between
 //! its rows. The avoider knows only the record so far: the last row, extrapolated with its recorded
-//! velocity for at most two seconds.
+//! velocity for at most two seconds, with the row's standard deviations: the largest in any direction.
+//!
+//! Where the ownship's rows have a velocity through the air, the wind is the mean difference of its velocities
+//! over the ground and through the air; else it is that of the vehicle file.
 
 use std::path::Path;
 
 use fga::Vec3;
 use fga::angle::{climb_of, course_of};
-use fga::situation::Movement;
+use fga::situation::{Movement, Uncertainty};
 use fga_formats::InputError;
 use fga_formats::daa::{self, TrackSample};
 
@@ -81,7 +84,8 @@ pub fn plan(
         "the first aircraft's times do not grow, expected growing times".to_owned()
     })?;
     let (position_m, velocity_mps) = recorded.at(0.0).unwrap_or((mission_m[0], Vec3::X));
-    let air_mps = velocity_mps - model.wind_mps;
+    let wind_mps = recorded_wind_mps(&ownship.samples).unwrap_or(model.wind_mps);
+    let air_mps = velocity_mps - wind_mps;
     let mut names = Vec::new();
     let mut obstacles = Vec::new();
     for (aircraft, id) in recording.intruders().iter().zip(1..) {
@@ -98,6 +102,10 @@ pub fn plan(
                     time_s: sample.time_s - time_offset_s,
                     position_m: sample.position_m,
                     velocity_mps: sample.velocity_mps,
+                    uncertainty: Uncertainty {
+                        position_m: sample.deviation.largest_m(),
+                        velocity_mps: sample.deviation.largest_mps(),
+                    },
                 })
                 .collect(),
             ..WorldObstacle::new(id, track, model.protection)
@@ -120,7 +128,7 @@ pub fn plan(
             vehicle: at_airspeed(&model.vehicle, air_mps.length()),
             autopilot: model.autopilot,
             settings: model.settings,
-            wind_mps: model.wind_mps,
+            wind_mps,
             obstacles,
             sensor: model.sensor,
             seed: 0,
@@ -150,6 +158,18 @@ fn make_ownship(recording: &mut daa::Recording, name: &str, path: &Path) -> Resu
     let ownship = recording.aircraft.remove(place);
     recording.aircraft.insert(0, ownship);
     Ok(())
+}
+
+/// The mean wind of the rows with a velocity through the air, metres per second.
+fn recorded_wind_mps(samples: &[TrackSample]) -> Option<Vec3> {
+    let winds = samples.iter().filter_map(|sample| {
+        let wind_mps = sample.velocity_mps - sample.air_mps?;
+        Some(Vec3::new(wind_mps.x, wind_mps.y, 0.0))
+    });
+    let (sum_mps, count) = winds.fold((Vec3::ZERO, 0_u32), |(sum_mps, count), wind_mps| {
+        (sum_mps + wind_mps, count + 1)
+    });
+    (count > 0).then(|| sum_mps / f64::from(count))
 }
 
 /// The corners of a track: each row in between is within half a metre of the straight legs
@@ -195,6 +215,8 @@ fn simplified(points: &[TrackPoint]) -> Vec<Vec3> {
 
 #[cfg(test)]
 mod tests {
+    use core::fmt::Write as _;
+
     use super::*;
 
     #[test]
@@ -220,5 +242,63 @@ mod tests {
                 Vec3::new(1000.0, 100.0, 0.0)
             ]
         );
+    }
+
+    /// An ownship that flies east over the ground at 100 kn with its nose to the south-east, and an intruder
+    /// with these deviations (metres, metres per second).
+    fn flown_in_wind(deviations: &str) -> Plan {
+        let mut text = String::from(
+            "NAME sx sy sz vx vy vz heading airspeed time s_EW_std s_NS_std s_EN_std sz_std v_EW_std vz_std\n\
+             - [m] [m] [m] [m/s] [m/s] [m/s] [deg] [m/s] [s] [m] [m] [m] [m] [m/s] [m/s]\n",
+        );
+        for k in 0..60 {
+            let x = 50.0 * f64::from(k);
+            writeln!(
+                text,
+                "own, {x}, 0, 1000, 50, 0, 0, 100, 55, {k}, 0, 0, 0, 0, 0, 0"
+            )
+            .unwrap();
+            let x = 4800.0 - 40.0 * f64::from(k);
+            writeln!(
+                text,
+                "other, {x}, 0, 1000, -40, 0, 0, -, -, {k}, {deviations}"
+            )
+            .unwrap();
+        }
+        let recording = daa::parse(&text, Path::new("a.daa")).unwrap();
+        let model = VehicleModel::built_in().unwrap();
+        plan(&recording, "a".into(), "a".into(), model).unwrap()
+    }
+
+    #[test]
+    fn the_wind_is_that_between_the_recorded_velocities_over_the_ground_and_through_the_air() {
+        let world = flown_in_wind("0, 0, 0, 0, 0, 0").world;
+        let (east, north) = (100.0_f64.to_radians().sin(), 100.0_f64.to_radians().cos());
+        let expected = Vec3::new(50.0 - 55.0 * east, -55.0 * north, 0.0);
+        assert!(
+            (world.wind_mps - expected).length() < 1e-9,
+            "{}",
+            world.wind_mps
+        );
+        assert!((world.vehicle.airspeed_mps - 55.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn recorded_deviations_reach_the_decision_and_grow_while_a_row_is_carried_on() {
+        let exact = flown_in_wind("0, 0, 0, 0, 0, 0").world.obstacles;
+        assert_eq!(
+            exact[0].known_at(3.5).unwrap().uncertainty,
+            Uncertainty::default()
+        );
+        // Errors in the direction of the diagonal alone: 30 m east and 40 m north are 50 m along it.
+        let joint = (30.0_f64 * 40.0).sqrt();
+        let known = flown_in_wind(&format!("30, 40, {joint}, 20, 3, 2"))
+            .world
+            .obstacles;
+        let then = known[0].known_at(3.0).unwrap().uncertainty;
+        assert!((then.position_m - 50.0).abs() < 1e-9, "{then:?}");
+        assert_eq!(then.velocity_mps, 3.0);
+        let later = known[0].known_at(3.5).unwrap().uncertainty;
+        assert!((later.position_m - 51.5).abs() < 1e-9, "{later:?}");
     }
 }

@@ -188,15 +188,20 @@ impl Sensor {
                     .as_mut()
                     .is_some_and(|misses| misses.unit() > self.settings.detection_probability);
                 let delay_s = self.settings.delay_s;
-                let Some((then_m, velocity_mps)) = obstacle.known_at(time_s - delay_s) else {
+                let Some(then) = obstacle.known_at(time_s - delay_s) else {
                     continue;
                 };
-                let position_m = if delay_s > 0.0 {
-                    then_m + velocity_mps * delay_s
+                let known = if delay_s > 0.0 {
+                    then.carried_on(delay_s)
                 } else {
-                    then_m
+                    then
                 };
-                if missed || !self.settings.regards(then_m - at_m, self.course_rad) {
+                let position_m = known.position_m;
+                if missed
+                    || !self
+                        .settings
+                        .regards(then.position_m - at_m, self.course_rad)
+                {
                     continue;
                 }
                 if time_s < obstacle.appears_s {
@@ -217,10 +222,10 @@ impl Sensor {
                 let mut seen = Obstacle {
                     id: obstacle.id,
                     position_m,
-                    velocity_mps,
+                    velocity_mps: known.velocity_mps,
                     volume: obstacle.volume,
                     kind: obstacle.kind,
-                    uncertainty: Uncertainty::default(),
+                    uncertainty: known.uncertainty,
                     movement: obstacle.movement,
                 };
                 if let Some(noise) = &mut self.noise {
@@ -238,7 +243,7 @@ impl Sensor {
                             });
                     seen.position_m = track.position_m;
                     seen.velocity_mps = track.velocity_mps;
-                    seen.uncertainty = track.uncertainty();
+                    seen.uncertainty = both(track.uncertainty(), known.uncertainty);
                     *kept = Some(track);
                 }
                 self.seen.push(seen);
@@ -253,6 +258,14 @@ impl Sensor {
         }
         self.carried_to_s = time_s;
         &self.seen
+    }
+}
+
+/// Standard deviations of the sum of two independent errors.
+fn both(a: Uncertainty, b: Uncertainty) -> Uncertainty {
+    Uncertainty {
+        position_m: libm::hypot(a.position_m, b.position_m),
+        velocity_mps: libm::hypot(a.velocity_mps, b.velocity_mps),
     }
 }
 

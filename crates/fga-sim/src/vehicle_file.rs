@@ -111,10 +111,27 @@ struct ResponseTable {
     turn_rate_factor: Option<Spanned<f64>>,
 }
 
+/// Standard deviation of the velocity by which an aircraft that is not ideal is carried off its prediction,
+/// metres per second: gusts in the light wind of a calm day, a tenth of 3 m/s (MIL-F-8785C).
+const REAL_DRIFT_MPS: f64 = 0.3;
+
+impl ResponseTable {
+    /// The drift of an aircraft with this response.
+    fn drift_mps(&self) -> f64 {
+        let given = [&self.dead_time_s, &self.bank_time_constant_s];
+        let lags = given
+            .into_iter()
+            .flatten()
+            .any(|value| *value.get_ref() > 0.0);
+        if lags { REAL_DRIFT_MPS } else { 0.0 }
+    }
+}
+
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct Avoidance {
     margin_m: Option<Spanned<f64>>,
+    drift_mps: Option<Spanned<f64>>,
     confidence_sigmas: Option<Spanned<f64>>,
     horizon_s: Option<Spanned<f64>>,
     #[serde(default)]
@@ -340,6 +357,12 @@ impl File {
                 avoidance.margin_m.as_ref(),
                 default.margin_m,
             )?,
+            drift_mps: avoidance
+                .drift_mps
+                .as_ref()
+                .map_or(Ok(self.response.drift_mps()), |value| {
+                    text.within("drift_mps", value, (0.0, 100.0))
+                })?,
             confidence_sigmas: not_negative(
                 text,
                 "confidence_sigmas",

@@ -9,6 +9,7 @@
 //! ```
 
 mod against;
+mod drift;
 mod intruders;
 mod quiet;
 mod record;
@@ -22,6 +23,7 @@ pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Wo
 pub use settings::{LEAST_WORK, Settings, Start};
 pub use tracks::{MAX_TRACKED, Tracks};
 
+use crate::Vec3;
 use crate::angle::Side;
 use crate::certificate::{Asked, Certificate, Hazard, certify_set};
 use crate::maneuver::Maneuver;
@@ -55,6 +57,8 @@ struct Plan {
     /// The obstacles at its last search.
     picture: tracks::Picture,
     margin_m: f64,
+    /// The margin that it was asked for, metres.
+    target_m: f64,
     cost: f64,
     /// Latest certified start, seconds on the situation's clock.
     latest_start_s: Option<f64>,
@@ -117,7 +121,17 @@ pub struct Avoider {
     searched: u32,
     /// The course at which the next look for a smaller departure begins.
     improved_to: u32,
-    /// Present horizon of the certificate, seconds.
+    /// Predicted velocity of the aircraft over the ground, metres per second.
+    ours_mps: Vec3,
+    /// The drift of the aircraft.
+    drift: drift::Drift,
+    /// Distance kept clear for it, metres.
+    drift_m: f64,
+    /// Wanted distance beyond every volume, metres: the margin of the settings and that for drift.
+    wanted_m: f64,
+    /// Distance beyond every volume of the present search, metres.
+    target_m: f64,
+    /// How far ahead separation is certified now, seconds.
     look_s: f64,
     /// Longer horizon of a manoeuvre's certificate where possible, seconds.
     far_s: f64,
@@ -149,6 +163,11 @@ impl Avoider {
             cut: 0,
             searched: 0,
             improved_to: 0,
+            drift: drift::Drift::default(),
+            drift_m: 0.0,
+            ours_mps: Vec3::ZERO,
+            wanted_m: settings.margin_m,
+            target_m: settings.margin_m,
             look_s: settings.horizon_s,
             far_s: settings.horizon_s,
         })
@@ -167,6 +186,7 @@ impl Avoider {
         self.last_time_s = f64::NEG_INFINITY;
         self.cycle = 0;
         (self.cut, self.improved_to) = (0, 0);
+        self.drift = drift::Drift::default();
     }
 
     /// The assumed limits of the vehicle.
@@ -273,7 +293,17 @@ impl Avoider {
             (situation.time_s, self.climb_limits_rad()),
         );
         self.count_mission();
+        self.measure_drift(situation, &now);
         self.step_turn_aware(situation, &now, self.settings.start)
+    }
+
+    /// Measures the drift and the distance kept clear for it.
+    fn measure_drift(&mut self, situation: &Situation<'_>, now: &MotionState) {
+        self.ours_mps = situation.wind_mps + self.flyer.velocity_mps(now);
+        let (time_s, position_m) = (situation.time_s, now.position_m);
+        self.drift.observe(time_s, position_m, self.ours_mps);
+        let radius_m = self.flyer.airspeed_mps() / self.flyer.course_rate_radps();
+        self.drift_m = self.drift.margin_m(self.settings.drift_mps, radius_m);
     }
 
     /// Predicts a manoeuvre into the path.
@@ -288,7 +318,7 @@ impl Avoider {
         let asked = Asked {
             horizon_s: until_s,
             floor_m,
-            enough_m: self.settings.margin_m,
+            enough_m: self.target_m,
         };
         let one = core::slice::from_ref(hazard);
         certify_set(&self.flyer, &self.path, one, &asked, &self.meter)

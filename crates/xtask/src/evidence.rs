@@ -21,7 +21,7 @@ struct Evidence {
     expected: Option<&'static str>,
 }
 
-const EVIDENCE: [Evidence; 6] = [
+const EVIDENCE: [Evidence; 9] = [
     Evidence {
         name: "lost",
         full: &["lost", "7", "1000"],
@@ -56,6 +56,24 @@ const EVIDENCE: [Evidence; 6] = [
         name: "robustness",
         full: &["robustness", "1", "10"],
         small: &["robustness", "1", "1"],
+        expected: None,
+    },
+    Evidence {
+        name: "intruders-turning",
+        full: &["intruders", "turning", "500"],
+        small: &["intruders", "turning", "20"],
+        expected: None,
+    },
+    Evidence {
+        name: "missions-survey",
+        full: &["missions", "survey"],
+        small: &["missions", "survey"],
+        expected: None,
+    },
+    Evidence {
+        name: "missions-curves",
+        full: &["missions", "curves"],
+        small: &["missions", "curves"],
         expected: None,
     },
 ];

@@ -1,20 +1,9 @@
 //! A recording time by time, with every column that alerts and bands need.
-//!
-//! Besides the columns of [`crate::daa`], in any order and any case:
-//!
-//! | column | what | unit without a unit line |
-//! |---|---|---|
-//! | `heading`, `airspeed` | direction and speed through the air; on the ownship they give the wind | deg, kn |
-//! | `alerter` | which alerter judges the aircraft, counted from 1; 0 for none | |
-//! | `s_EW_std`, `s_NS_std`, `s_EN_std`, `sz_std` | standard deviations of the position | none: a unit is required |
-//! | `v_EW_std`, `v_NS_std`, `v_EN_std`, `vz_std` | standard deviations of the velocity | none: a unit is required |
-//!
-//! An empty field or `-` is no value.
 
 use super::columns::{Layout, PositionColumns, VelocityColumns, fields};
+use super::extras::Extras;
 use super::rows::Rows;
-use crate::error::{InputError, read_text, shown};
-use crate::units::{Dimension, Unit};
+use crate::error::{InputError, read_text};
 use fga_alerts::Deviation;
 use glam::DVec3;
 use std::path::Path;
@@ -115,188 +104,6 @@ pub struct Instants {
     pub instants: Vec<Instant>,
 }
 
-/// The deviation columns, in the order of [`Extras::deviations`].
-const DEVIATIONS: [(&str, Dimension); 8] = [
-    ("s_ew_std", Dimension::Length),
-    ("s_ns_std", Dimension::Length),
-    ("s_en_std", Dimension::Length),
-    ("sz_std", Dimension::Length),
-    ("v_ew_std", Dimension::Speed),
-    ("v_ns_std", Dimension::Speed),
-    ("v_en_std", Dimension::Speed),
-    ("vz_std", Dimension::Speed),
-];
-
-/// An optional column.
-#[derive(Debug, Clone, Copy)]
-struct Extra {
-    place: usize,
-    name: &'static str,
-    dimension: Dimension,
-    unit: Option<Unit>,
-}
-
-impl Extra {
-    fn find(
-        names: &[String],
-        name: &'static str,
-        dimension: Dimension,
-        unit: Option<Unit>,
-    ) -> Option<Self> {
-        let place = names.iter().position(|known| known == name)?;
-        Some(Self {
-            place,
-            name,
-            dimension,
-            unit,
-        })
-    }
-
-    /// Takes the unit of a line of units.
-    fn take_unit(&mut self, units: &[&str]) -> Result<(), String> {
-        let text = units.get(self.place).copied().unwrap_or_default();
-        if Unit::is_unspecified(text) {
-            return Ok(());
-        }
-        let expected = self.dimension.with_article();
-        let unit = Unit::parse(text)
-            .filter(|unit| unit.dimension == self.dimension)
-            .ok_or_else(|| {
-                format!(
-                    "column {} has the unit {}, expected {expected} unit such as {}",
-                    self.name,
-                    shown(text),
-                    self.dimension.examples()
-                )
-            })?;
-        self.unit = Some(unit);
-        Ok(())
-    }
-
-    /// The number in a row, in SI units; `None` for an empty field.
-    fn value(&self, fields: &[&str]) -> Result<Option<f64>, String> {
-        let text = fields.get(self.place).copied().unwrap_or_default();
-        if text.is_empty() || text == "-" {
-            return Ok(None);
-        }
-        let number: f64 = text
-            .parse()
-            .ok()
-            .filter(|number: &f64| number.is_finite())
-            .ok_or_else(|| {
-                format!(
-                    "column {} holds {}, expected a finite number",
-                    self.name,
-                    shown(text)
-                )
-            })?;
-        let unit = self.unit.ok_or_else(|| {
-            format!(
-                "column {} has no unit, expected one such as {} in a line of units",
-                self.name,
-                self.dimension.examples()
-            )
-        })?;
-        Ok(Some(unit.to_si(number)))
-    }
-}
-
-/// The optional columns.
-struct Extras {
-    heading: Option<Extra>,
-    airspeed: Option<Extra>,
-    alerter: Option<usize>,
-    deviations: [Option<Extra>; 8],
-}
-
-impl Extras {
-    fn from_header(header: &str) -> Self {
-        let names: Vec<String> = fields(header, None)
-            .into_iter()
-            .map(str::to_ascii_lowercase)
-            .collect();
-        let find = |name, dimension, unit| Extra::find(&names, name, dimension, unit);
-        Self {
-            heading: find("heading", Dimension::Angle, Some(Unit::DEGREE)),
-            airspeed: find("airspeed", Dimension::Speed, Some(Unit::KNOT)),
-            alerter: names.iter().position(|name| name == "alerter"),
-            deviations: DEVIATIONS.map(|(name, dimension)| find(name, dimension, None)),
-        }
-    }
-
-    fn take_units(&mut self, line: &str, width: usize) -> Result<(), String> {
-        let units = fields(line, Some(width));
-        [&mut self.heading, &mut self.airspeed]
-            .into_iter()
-            .chain(&mut self.deviations)
-            .flatten()
-            .try_for_each(|extra| extra.take_unit(&units))
-    }
-
-    fn air(&self, fields: &[&str]) -> Result<Option<(f64, f64)>, String> {
-        let (Some(heading), Some(airspeed)) = (&self.heading, &self.airspeed) else {
-            return Ok(None);
-        };
-        let (heading, airspeed) = (heading.value(fields)?, airspeed.value(fields)?);
-        if airspeed.is_some_and(|speed_mps| speed_mps < 0.0) {
-            return Err("column airspeed is negative, expected 0 or more".into());
-        }
-        Ok(heading.zip(airspeed))
-    }
-
-    fn alerter(&self, fields: &[&str]) -> Result<Option<u32>, String> {
-        let Some(place) = self.alerter else {
-            return Ok(None);
-        };
-        let text = fields.get(place).copied().unwrap_or_default();
-        if text.is_empty() || text == "-" {
-            return Ok(None);
-        }
-        text.parse().map(Some).map_err(|_| {
-            format!(
-                "column alerter holds {}, expected a number of 0 or more",
-                shown(text)
-            )
-        })
-    }
-
-    fn deviation(&self, fields: &[&str]) -> Result<Deviation, String> {
-        let mut values = [0.0; 8];
-        for (value, extra) in values.iter_mut().zip(&self.deviations) {
-            if let Some(extra) = extra {
-                *value = extra.value(fields)?.unwrap_or(0.0);
-                let signed = extra.name.contains("_en_");
-                if *value < 0.0 && !signed {
-                    return Err(format!(
-                        "column {} is negative, expected a deviation of 0 or more",
-                        extra.name
-                    ));
-                }
-            }
-        }
-        let [
-            east_m,
-            north_m,
-            east_north_m,
-            up_m,
-            east_mps,
-            north_mps,
-            east_north_mps,
-            up_mps,
-        ] = values;
-        Ok(Deviation {
-            east_m,
-            north_m,
-            east_north_m,
-            up_m,
-            east_mps,
-            north_mps,
-            east_north_mps,
-            up_mps,
-        })
-    }
-}
-
 /// Reads a recording time by time.
 ///
 /// # Errors
@@ -336,7 +143,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Instants, InputError> {
             .map_err(|message| at(number, message))?;
         lines.next();
     }
-    let mut rows = Rows::new(&layout);
+    let mut rows = Rows::new(&layout, &extras);
     let mut found: Vec<(f64, Report)> = Vec::new();
     for (number, line) in lines {
         let report = rows

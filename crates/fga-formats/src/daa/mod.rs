@@ -13,6 +13,15 @@
 //! | | or `vx`, `vy`, `vz`: east, north, up | kn, kn, fpm |
 //! | time | `time`, `tm`, `st`, or `clock` as `hours:minutes:seconds` | s |
 //!
+//! Optional columns, in any order and any case; an empty field or `-` is no value:
+//!
+//! | column | what | unit without a unit line |
+//! |---|---|---|
+//! | `heading`, `airspeed` | direction and speed through the air; on the ownship they give the wind | deg, kn |
+//! | `alerter` | which alerter judges the aircraft, counted from 1; 0 for none | |
+//! | `s_EW_std`, `s_NS_std`, `s_EN_std`, `sz_std` | standard deviations of the position | none: a unit is required |
+//! | `v_EW_std`, `v_NS_std`, `v_EN_std`, `vz_std` | standard deviations of the velocity | none: a unit is required |
+//!
 //! Other columns are ignored. A name `"` repeats the previous one. The first aircraft of the file is
 //! the ownship; any aircraft may be missing at some times. Rows of one aircraft are in time order;
 //! rows of different aircraft may come in any order.
@@ -24,6 +33,7 @@
 //! instead, exactly as DAIDALUS.
 
 mod columns;
+mod extras;
 pub mod instants;
 mod rows;
 pub mod scene;
@@ -33,6 +43,8 @@ mod write;
 use crate::error::{InputError, read_text};
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
 use columns::Layout;
+use extras::Extras;
+use fga_alerts::Deviation;
 use glam::DVec3;
 use rows::Rows;
 use std::path::Path;
@@ -70,6 +82,24 @@ pub struct TrackSample {
     pub velocity_mps: DVec3,
     /// The geodetic position in the file, if it has latitudes and longitudes.
     pub place: Option<Geodetic>,
+    /// Horizontal velocity through the air, metres per second, local frame, if the file has it.
+    pub air_mps: Option<DVec3>,
+    /// Standard deviations of position and velocity; zero where the file has none.
+    pub deviation: Deviation,
+}
+
+impl TrackSample {
+    /// A row without optional columns: time (seconds), position (metres) and velocity (metres per second).
+    pub fn new(time_s: f64, position_m: DVec3, velocity_mps: DVec3) -> Self {
+        Self {
+            time_s,
+            position_m,
+            velocity_mps,
+            place: None,
+            air_mps: None,
+            deviation: Deviation::default(),
+        }
+    }
 }
 
 /// The separation of two aircraft.
@@ -152,8 +182,9 @@ impl Track {
 ///
 /// # Errors
 /// An unreadable file; a missing or doubled column; an unknown unit or a unit of another quantity; a
-/// row with too few or too many fields; a field that is not a finite number or far out of range; a time
-/// that goes back or repeats for one aircraft; no rows.
+/// row with too few or too many fields; a field that is not a finite number or far out of range; a deviation
+/// without a unit; a deviation or airspeed that is negative; a time that goes back or repeats for one aircraft;
+/// no rows.
 pub fn read(path: &Path) -> Result<Recording, InputError> {
     parse(&read_text(path)?, path)
 }
@@ -190,16 +221,18 @@ pub fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
     };
     let mut layout = Layout::from_header(header)
         .map_err(|message| InputError::at_line(path, header_line, message))?;
+    let mut extras = Extras::from_header(header);
     if let Some(&(number, line)) = lines.peek()
         && layout.is_unit_line(line)
     {
         layout
             .take_units(line)
+            .and_then(|()| extras.take_units(line, layout.width))
             .map_err(|message| InputError::at_line(path, number, message))?;
         lines.next();
     }
 
-    let mut rows = Rows::new(&layout);
+    let mut rows = Rows::new(&layout, &extras);
     for (number, line) in lines {
         rows.push(line)
             .map_err(|message| InputError::at_line(path, number, message))?;

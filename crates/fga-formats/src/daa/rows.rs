@@ -1,6 +1,7 @@
 //! The rows of a `.daa` file.
 
 use super::columns::{Column, Layout, PositionColumns, VelocityColumns, fields};
+use super::extras::Extras;
 use super::{Track, TrackSample};
 use crate::error::shown;
 use crate::geodesy::{Earth, Geodetic, LocalFrame, course_from_compass_rad};
@@ -19,6 +20,7 @@ const LARGEST_TIME_S: f64 = 1e11;
 /// The rows read so far.
 pub(super) struct Rows<'a> {
     layout: &'a Layout,
+    extras: &'a Extras,
     pub(super) aircraft: Vec<Track>,
     pub(super) frame: Option<LocalFrame>,
     index_of: HashMap<String, usize>,
@@ -26,9 +28,10 @@ pub(super) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    pub(super) fn new(layout: &'a Layout) -> Self {
+    pub(super) fn new(layout: &'a Layout, extras: &'a Extras) -> Self {
         Self {
             layout,
+            extras,
             aircraft: Vec::new(),
             frame: None,
             index_of: HashMap::new(),
@@ -50,6 +53,11 @@ impl<'a> Rows<'a> {
         limit(time_s, LARGEST_TIME_S, &layout.time, "s")?;
         let (position_m, place) = self.position(&fields)?;
         let velocity_mps = self.velocity(&fields, place)?;
+        let air_mps = self.extras.air(&fields)?.map(|(compass_rad, speed_mps)| {
+            let (east, north) = libm::sincos(compass_rad);
+            self.in_frame(DVec3::new(east, north, 0.0) * speed_mps, place)
+        });
+        let deviation = self.extras.deviation(&fields)?;
         let index = self.aircraft_index(&fields)?;
         let Some(track) = self.aircraft.get_mut(index) else {
             return Ok(());
@@ -73,6 +81,8 @@ impl<'a> Rows<'a> {
             position_m,
             velocity_mps,
             place,
+            air_mps,
+            deviation,
         });
         Ok(())
     }
@@ -163,10 +173,15 @@ impl<'a> Rows<'a> {
                 DVec3::from_array(velocity_mps)
             }
         };
-        Ok(match (self.frame, place) {
-            (Some(frame), Some(place)) => frame.velocity_mps(place, own_axes_mps),
-            _ => own_axes_mps,
-        })
+        Ok(self.in_frame(own_axes_mps, place))
+    }
+
+    /// A velocity along east, north and up at a place, in the local frame.
+    fn in_frame(&self, velocity_mps: DVec3, place: Option<Geodetic>) -> DVec3 {
+        match (self.frame, place) {
+            (Some(frame), Some(place)) => frame.velocity_mps(place, velocity_mps),
+            _ => velocity_mps,
+        }
     }
 }
 

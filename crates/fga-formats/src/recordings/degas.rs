@@ -82,12 +82,8 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
             (DVec3::new(e2, n2, h2), DVec3::new(ve2, vn2, hd2)),
         ];
         for (samples, (position_m, velocity_mps)) in samples.iter_mut().zip(states) {
-            samples.push(TrackSample {
-                time_s: samples.len() as f64,
-                position_m,
-                velocity_mps,
-                place: None,
-            });
+            let time_s = samples.len() as f64;
+            samples.push(TrackSample::new(time_s, position_m, velocity_mps));
         }
     }
     if samples.iter().any(Vec::is_empty) {

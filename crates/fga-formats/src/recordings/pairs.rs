@@ -179,10 +179,8 @@ fn local(track: &ReceivedTrack, frame: &LocalFrame) -> Track {
         .zip(&positions)
         .enumerate()
         .map(|(index, (heard, position_m))| TrackSample {
-            time_s: heard.time_s,
-            position_m: *position_m,
-            velocity_mps: velocity(index, heard),
             place: Some(heard.place),
+            ..TrackSample::new(heard.time_s, *position_m, velocity(index, heard))
         })
         .collect();
     Track {

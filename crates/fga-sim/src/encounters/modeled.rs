@@ -392,12 +392,7 @@ fn correlated_share(model: &EncounterModel, pairing: &Pairing) -> f64 {
 }
 
 fn sample_of(row: &ModelRow) -> TrackSample {
-    TrackSample {
-        time_s: row.time_s,
-        position_m: row.position_m,
-        velocity_mps: row.velocity_mps,
-        place: None,
-    }
+    TrackSample::new(row.time_s, row.position_m, row.velocity_mps)
 }
 
 /// Horizontal velocity of the intruder relative to the ownship in a second.

@@ -24,12 +24,21 @@ const STRAIGHT_RADPS: f64 = 0.009;
 /// Longest chord of a turn, radians (15°): at 60 m/s and 3°/s it bows by 10 m.
 const CHORD_RAD: f64 = 0.27;
 
-/// Distance kept beyond the volumes of an aircraft for errors of its track and of our own
-/// flight, metres.
+/// Distance kept beyond the volumes of an aircraft at least, for errors of its track and of our own
+/// flight, metres; the margin of a search counts towards it.
 const TRACKING_M: f64 = 5.0;
+
+/// Duration of a change of speed, seconds: that of a turn of 60° at 6 °/s.
+const SPEED_CHANGES_S: f64 = 10.0;
 
 /// Averaging time of a turn rate, seconds.
 const TURN_AVERAGED_S: f64 = 1.5;
+
+/// Averaging time of a climb, seconds.
+const CLIMB_AVERAGED_S: f64 = 3.0;
+
+/// A change of climb is expected again for this long, seconds.
+const CLIMB_REMEMBERED_S: f64 = 20.0;
 
 /// Below this speed over the ground an aircraft has no course, metres per second.
 const HOVERS_MPS: f64 = 2.0;
@@ -48,6 +57,8 @@ pub(super) enum Freedom {
     Expected,
     /// Also this share of turns and changes of climb, from 0 to 1.
     Share(f64),
+    /// All turns at the brief rate, all changes of climb and of speed: a way back withstands these.
+    Brief,
 }
 
 /// The number of hazards available for one aircraft.
@@ -61,27 +72,55 @@ pub(super) enum Room {
     One,
 }
 
-/// The turn rate of an aircraft, learned from its reports.
+/// The turn rate and the changes of climb of an aircraft, learned from its reports.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Turning {
+pub(super) struct Trend {
     /// Average turn rate, radians per second, left positive.
     rate_radps: f64,
+    /// Average climb, metres per second.
+    climb_mps: f64,
+    /// Largest recent change of climb from that average, metres per second.
+    climb_change_mps: f64,
 }
 
-impl Turning {
-    /// No known turn.
-    pub(super) const STRAIGHT: Self = Self { rate_radps: 0.0 };
+impl Trend {
+    /// Straight and level.
+    pub(super) const STRAIGHT: Self = Self {
+        rate_radps: 0.0,
+        climb_mps: 0.0,
+        climb_change_mps: 0.0,
+    };
+
+    /// Straight on, as first reported.
+    pub(super) fn of(obstacle: &Obstacle) -> Self {
+        Self {
+            climb_mps: obstacle.velocity_mps.z,
+            ..Self::STRAIGHT
+        }
+    }
 
     /// Adds the change of velocity from one report to the next.
     pub(super) fn learn(&mut self, before_mps: Vec3, now_mps: Vec3, passed_s: f64) {
+        if passed_s <= 0.0 {
+            return;
+        }
+        let kept = libm::exp(-passed_s / CLIMB_AVERAGED_S);
+        self.climb_mps = now_mps.z + kept * (self.climb_mps - now_mps.z);
+        let remembered_mps = self.climb_change_mps * libm::exp(-passed_s / CLIMB_REMEMBERED_S);
+        self.climb_change_mps = remembered_mps.max((now_mps.z - self.climb_mps).abs());
         let slow = |v: Vec3| v.x * v.x + v.y * v.y < HOVERS_MPS * HOVERS_MPS;
-        if passed_s <= 0.0 || slow(before_mps) || slow(now_mps) {
+        if slow(before_mps) || slow(now_mps) {
             return;
         }
         let turned_rad =
             wrap_pi(libm::atan2(now_mps.y, now_mps.x) - libm::atan2(before_mps.y, before_mps.x));
         let gain = 1.0 - libm::exp(-passed_s / TURN_AVERAGED_S);
         self.rate_radps += gain * (turned_rad / passed_s - self.rate_radps);
+    }
+
+    /// The largest recent change of climb, metres per second, without what may be noise.
+    fn climb_change_mps(self, obstacle: &Obstacle) -> f64 {
+        self.climb_change_mps - NOISE_SIGMAS * obstacle.uncertainty.velocity_mps
     }
 
     /// The expected turn rate, radians per second: zero if it may be noise.
@@ -143,22 +182,30 @@ impl Motions {
     pub(super) fn add_aircraft(
         &mut self,
         hazard: &Hazard,
-        (obstacle, turning): (&Obstacle, Turning),
-        (freedom, beyond_m): (Freedom, f64),
+        (obstacle, trend): (&Obstacle, Trend),
+        (freedom, (beyond_m, margin_m)): (Freedom, (f64, f64)),
         room: Room,
     ) {
         let Some(bounds) = obstacle.movement.bounds() else {
             return self.add_straight(hazard);
         };
-        let (climbs, turns) = match freedom {
-            Freedom::Expected => (1.0, 0.0),
-            Freedom::Share(share) => (share, share),
+        let (climbs, turns, turn_radps, speeds_m) = match freedom {
+            Freedom::Expected => (1.0, 0.0, 0.0, 0.0),
+            Freedom::Share(share) => (share, share, bounds.turn_rate_radps, 0.0),
+            Freedom::Brief => {
+                let speeds_m = 0.5 * bounds.acceleration_mps2 * SPEED_CHANGES_S * SPEED_CHANGES_S;
+                (1.0, 1.0, bounds.brief_turn_rate_radps, speeds_m)
+            }
         };
         let mut hazard = *hazard;
-        hazard.volume = hazard.volume.grown((TRACKING_M + beyond_m) * climbs);
+        let more_m = (TRACKING_M * climbs - margin_m).max(0.0) + beyond_m * climbs + speeds_m;
+        hazard.volume = hazard.volume.grown(more_m);
         let base = Base {
             hazard,
-            stretch_mps: climbs * bounds.climb_change_mps,
+            stretch_mps: climbs
+                * trend
+                    .climb_change_mps(obstacle)
+                    .max(bounds.climb_change_mps),
         };
         if room == Room::One {
             let stretch_m = (base.stretch_mps * CLIMB_CHANGES_S, 0.0);
@@ -171,13 +218,13 @@ impl Motions {
         if room == Room::Straight {
             return;
         }
-        let expected_radps = turning.expected_radps(obstacle, &bounds);
+        let expected_radps = trend.expected_radps(obstacle, &bounds);
         if expected_radps != 0.0 {
             self.add_motion(&base, expected_radps, TURNS_ON_S);
         }
-        if turns > 0.0 && bounds.turn_rate_radps > 0.0 {
-            let for_s = turns * bounds.turn_rad / bounds.turn_rate_radps;
-            for rate_radps in [bounds.turn_rate_radps, -bounds.turn_rate_radps] {
+        if turns > 0.0 && turn_radps > 0.0 {
+            let for_s = turns * bounds.turn_rad / turn_radps;
+            for rate_radps in [turn_radps, -turn_radps] {
                 self.add_motion(&base, rate_radps, for_s);
             }
         }
@@ -304,11 +351,16 @@ mod tests {
         }
     }
 
-    fn motions(freedom: Freedom, turning: Turning) -> Motions {
+    fn motions(freedom: Freedom, trend: Trend) -> Motions {
         let obstacle = intruder();
         let mut motions = Motions::new();
         let hazard = Hazard::new(0, &obstacle, Vec3::ZERO, 3.0);
-        motions.add_aircraft(&hazard, (&obstacle, turning), (freedom, 0.0), Room::Turns);
+        motions.add_aircraft(
+            &hazard,
+            (&obstacle, trend),
+            (freedom, (0.0, 0.0)),
+            Room::Turns,
+        );
         motions
     }
 
@@ -358,9 +410,34 @@ mod tests {
     }
 
     #[test]
+    fn a_large_change_of_climb_is_expected_again() {
+        let climbing = |climb_mps: f64| Obstacle {
+            velocity_mps: Vec3::new(50.0, 0.0, climb_mps),
+            ..intruder()
+        };
+        let mut trend = Trend::of(&climbing(4.0));
+        let mut fly = |climb_mps: f64, for_s: u32| {
+            for _ in 0..10 * for_s {
+                let velocity_mps = climbing(climb_mps).velocity_mps;
+                trend.learn(velocity_mps, velocity_mps, 0.1);
+            }
+            trend
+        };
+        // A steady climb is no change of it.
+        assert_eq!(fly(4.0, 60).climb_change_mps(&intruder()), 0.0);
+        let pulls_up = fly(14.0, 1).climb_change_mps(&intruder());
+        assert!((9.0..10.0).contains(&pulls_up), "{pulls_up}");
+        let later = fly(14.0, 60).climb_change_mps(&intruder());
+        assert!(later < 0.6, "{later}");
+        let mut noisy = intruder();
+        noisy.uncertainty.velocity_mps = 4.0;
+        assert!(fly(4.0, 1).climb_change_mps(&noisy) < 0.0);
+    }
+
+    #[test]
     fn a_turn_and_a_climb_within_the_share_stay_within_the_hazards() {
         for share in [0.25, 0.5, 1.0] {
-            let motions = motions(Freedom::Share(share), Turning::STRAIGHT);
+            let motions = motions(Freedom::Share(share), Trend::STRAIGHT);
             let for_s = share * BOUNDS.turn_rad / BOUNDS.turn_rate_radps;
             for side in [-1.0, 1.0] {
                 for climb in [-1.0, 0.0, 0.7, 1.0] {
@@ -380,14 +457,14 @@ mod tests {
 
     #[test]
     fn a_larger_turn_leaves_the_hazards_of_a_smaller_share() {
-        let motions = motions(Freedom::Share(0.25), Turning::STRAIGHT);
+        let motions = motions(Freedom::Share(0.25), Trend::STRAIGHT);
         let place_m = flown(BOUNDS.turn_rate_radps, 20.0, 0.0, 30.0);
         assert!(!is_within(&motions, place_m, 30.0));
     }
 
     #[test]
     fn a_turn_is_learned_from_reports_and_expected_to_go_on() {
-        let mut turning = Turning::STRAIGHT;
+        let mut trend = Trend::STRAIGHT;
         let rate = 0.05_f64;
         let velocity = |time_s: f64| {
             Vec3::new(
@@ -398,11 +475,11 @@ mod tests {
         };
         for k in 1..=60 {
             let time_s = 0.1 * f64::from(k);
-            turning.learn(velocity(time_s - 0.1), velocity(time_s), 0.1);
+            trend.learn(velocity(time_s - 0.1), velocity(time_s), 0.1);
         }
-        let expected = turning.expected_radps(&intruder(), &BOUNDS);
+        let expected = trend.expected_radps(&intruder(), &BOUNDS);
         assert!((expected - rate).abs() < 0.1 * rate, "{expected}");
-        let motions = motions(Freedom::Expected, turning);
+        let motions = motions(Freedom::Expected, trend);
         let place_m = flown(expected, TURNS_ON_S, 0.0, 14.0);
         assert!(is_within(&motions, place_m, 14.0));
         // Half of the course noise of 1 m/s in 50 m/s may be a turn of this rate.
@@ -413,6 +490,6 @@ mod tests {
             },
             ..intruder()
         };
-        assert_eq!(turning.expected_radps(&noisy, &BOUNDS), 0.0);
+        assert_eq!(trend.expected_radps(&noisy, &BOUNDS), 0.0);
     }
 }

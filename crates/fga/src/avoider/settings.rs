@@ -44,6 +44,10 @@ pub struct Settings {
     pub horizon_s: f64,
     /// Distance kept beyond the protected volume, metres.
     pub margin_m: f64,
+    /// Standard deviation of the velocity with which gusts and the autopilot carry the aircraft off its prediction,
+    /// as known beforehand, metres per second; 0 for an ideal aircraft. The avoider measures it in flight too, takes the
+    /// larger one, and keeps more clear for it where there is room.
+    pub drift_mps: f64,
     /// Standard deviations of an obstacle's uncertainty that widen its volume.
     pub confidence_sigmas: f64,
     /// Cost of a change of course `η_ψ`, per radian (Table 4).
@@ -71,6 +75,7 @@ impl Default for Settings {
             surveillance_radius_m: 300.0,
             horizon_s: 60.0,
             margin_m: 0.05,
+            drift_mps: 0.0,
             confidence_sigmas: 3.0,
             heading_cost: 0.2,
             pitch_cost: 0.5,
@@ -83,7 +88,7 @@ impl Default for Settings {
 impl Settings {
     /// Checks every setting.
     ///
-    /// Ranges: decision period 1 ms to 10 s, horizon 1 s to 600 s, margin up to 10 km, confidence up to 10
+    /// Ranges: decision period 1 ms to 10 s, horizon 1 s to 600 s, margin up to 10 km, drift up to 100 m/s, confidence up to 10
     /// standard deviations, costs up to 10⁶ per radian, work limit from [`LEAST_WORK`].
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! The obstacles that matter for a decision, in a buffer of fixed size.
 
 use crate::Vec3;
-use crate::avoider::intruders::{Freedom, Motions, Room, Turning};
+use crate::avoider::intruders::{Freedom, Motions, Room, Trend};
 use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
 use crate::situation::Situation;
 use crate::situation::{Movement, Obstacle, ProtectedVolume};
@@ -48,7 +48,7 @@ pub struct Tracks {
     /// The same obstacles as known, over the ground.
     obstacles: [Obstacle; MAX_TRACKED],
     /// The turn of each.
-    turning: [Turning; MAX_TRACKED],
+    trend: [Trend; MAX_TRACKED],
     /// The obstacles at the last two steps.
     memory: [Memory; 2],
     /// Index of the last step among the two.
@@ -89,7 +89,7 @@ impl Tracks {
         Self {
             hazards: Hazards::new(),
             obstacles: [Known::NONE.obstacle; MAX_TRACKED],
-            turning: [Turning::STRAIGHT; MAX_TRACKED],
+            trend: [Trend::STRAIGHT; MAX_TRACKED],
             memory: [Memory::NONE; 2],
             last: 0,
             motions: Motions::new(),
@@ -145,9 +145,14 @@ impl Tracks {
             .all(|(hazard, _)| (hazard.position_m - own_m).dot(hazard.velocity_mps - own_mps) > 0.0)
     }
 
-    /// Replaces the hazards by the possible motions of aircraft, with this distance beyond their volumes,
-    /// metres; obstacles that keep their velocity stay the same.
-    pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
+    /// Replaces the hazards by the possible motions of aircraft, with this distance beyond their volumes and for a
+    /// search with this margin, metres; obstacles that keep their velocity stay the same.
+    pub(super) fn withstand(
+        &mut self,
+        freedom: impl Fn(&Hazard) -> Freedom,
+        own_m: Vec3,
+        (beyond_m, margin_m): (f64, f64),
+    ) {
         self.motions.clear();
         self.moving = true;
         let rows = self.hazards.rows();
@@ -167,15 +172,16 @@ impl Tracks {
         }
         let others = rows.len() - room;
         let straight = Motions::room_of_straight(room, others);
-        for (place, (hazard, (known, turning))) in rows
+        for (place, (hazard, (known, trend))) in rows
             .iter()
-            .zip(self.obstacles.iter().zip(&self.turning))
+            .zip(self.obstacles.iter().zip(&self.trend))
             .enumerate()
         {
             let may_turn = room > 0 && (hazard.margin_m(own_m, 0.0), place) <= last;
             let room = if may_turn { Room::Turns } else { straight };
+            let freedom = (freedom(hazard), (beyond_m, margin_m));
             self.motions
-                .add_aircraft(hazard, (known, *turning), (freedom, beyond_m), room);
+                .add_aircraft(hazard, (known, *trend), freedom, room);
         }
     }
 
@@ -248,17 +254,17 @@ impl Tracks {
         let count = self.hazards.rows().len();
         // Searches each among those of the last step, twice.
         self.work += count * (LEARN_WORK + before.len / 16);
-        let tracked = self.obstacles.iter().zip(&mut self.turning).take(count);
-        for (place, (known, turning)) in tracked.enumerate() {
+        let tracked = self.obstacles.iter().zip(&mut self.trend).take(count);
+        for (place, (known, trend)) in tracked.enumerate() {
             self.aircraft += usize::from(known.movement.bounds().is_some());
             let last = before.of(known.id, place);
-            *turning = last.map_or(Turning::STRAIGHT, |last| last.turning);
+            *trend = last.map_or_else(|| Trend::of(known), |last| last.trend);
             if let Some(last) = last.filter(|_| place >= heard) {
                 now.add(last);
                 continue;
             }
             if let Some(last) = last {
-                turning.learn(
+                trend.learn(
                     last.obstacle.velocity_mps - situation.wind_mps,
                     known.velocity_mps - situation.wind_mps,
                     situation.time_s - last.heard_s,
@@ -267,7 +273,7 @@ impl Tracks {
             now.add(Known {
                 obstacle: *known,
                 heard_s: situation.time_s,
-                turning: *turning,
+                trend: *trend,
             });
         }
     }
@@ -388,7 +394,7 @@ impl Memory {
 struct Known {
     obstacle: Obstacle,
     heard_s: f64,
-    turning: Turning,
+    trend: Trend,
 }
 
 impl Known {
@@ -400,7 +406,7 @@ impl Known {
             ProtectedVolume::Sphere { radius_m: 0.0 },
         ),
         heard_s: f64::NEG_INFINITY,
-        turning: Turning::STRAIGHT,
+        trend: Trend::STRAIGHT,
     };
 
     /// Its extrapolation without reports: straight on, and within its bounds.
@@ -528,7 +534,7 @@ mod tests {
             };
             let mut tracks = Tracks::new();
             tracks.load(&situation, f64::INFINITY, 60.0, 3.0);
-            tracks.withstand(Freedom::Share(1.0), Vec3::ZERO, 0.0);
+            tracks.withstand(|_| Freedom::Share(1.0), Vec3::ZERO, (0.0, 0.0));
             for id in 0..count {
                 let has = tracks.hazards().rows().iter().any(|hazard| hazard.id == id);
                 assert!(has, "{id} of {count}");

@@ -1,6 +1,7 @@
 //! The turn-aware policy: look, plan, fly, return.
 
 mod aircraft;
+mod choice;
 mod farther;
 mod holding;
 mod need;
@@ -18,11 +19,16 @@ use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
 use crate::search::{Effort, Found, Proof, Scene, Search};
+
 use crate::situation::Situation;
+use choice::{Choice, as_maneuver, choose};
 
 /// Work divisor of later searches. The first search of an encounter, once it is close to a solution, may use
 /// all: the first turn decides which solutions later searches can still reach.
 const LATER_SHARE: u32 = 2;
+
+/// Part of a step's work for a search with more than the margin of the settings, one in this many.
+const TARGETS: u32 = 4;
 
 /// With bank lag the same number of manoeuvres takes this many times the work, so searches that find nothing
 /// continue for this many times as many steps.
@@ -62,6 +68,8 @@ impl Avoider {
         now: &MotionState,
         start: Start,
     ) -> Decision {
+        self.wanted_m = self.settings.margin_m + self.drift_m;
+        self.target_m = self.wanted_m;
         if self.state == State::Cruise
             && let Some(decision) = self.quiet(situation, now)
         {
@@ -86,9 +94,9 @@ impl Avoider {
         let course_rad = self.progress.straight_on_rad(now, &self.flyer, horizon_s)?;
         let line = LineAhead {
             position_m: now.position_m,
-            velocity_mps: situation.wind_mps + self.flyer.velocity_mps(now),
+            velocity_mps: self.ours_mps,
             surveillance_radius_m: self.settings.surveillance_radius_m,
-            margin_m: self.settings.margin_m,
+            margin_m: self.target_m,
             sigmas: self.settings.confidence_sigmas,
             horizon_s,
         };
@@ -125,7 +133,7 @@ impl Avoider {
     /// The obstacle that a manoeuvre comes too close to first, and those of the same encounter.
     fn first_threat(&mut self, nominal: &Maneuver, now: &MotionState) -> Option<(Threat, Against)> {
         let horizon_s = self.look_s;
-        let target_m = self.settings.margin_m;
+        let target_m = self.target_m;
         self.predict(nominal, now);
         let reach = (horizon_s, target_m);
         let hazards = self.tracks.hazards();
@@ -221,7 +229,7 @@ impl Avoider {
             ),
             hazards: self.tracks.hazards(),
             horizon_s: self.look_s,
-            target_m: self.settings.margin_m,
+            target_m: self.target_m,
             climb_limits_rad: (low, high),
             costs: (self.settings.heading_cost, self.settings.pitch_cost),
             objective: self.settings.objective,
@@ -253,13 +261,26 @@ impl Avoider {
         let entry_s = threat.entry_s;
         let cut = self.cut;
         self.searched = 0;
-        let (mut choice, mut candidates, mut limit_met) = self.search(nominal, now, |search| {
-            choose(search, start, (entry_s, period_s), cut)
-        });
+        let (mut candidates, mut limit_met) = (0, false);
+        let mut choice = Choice::NONE;
+        for target_m in self.targets_m() {
+            self.target_m = target_m;
+            let is_last = target_m <= self.settings.margin_m;
+            let (chosen, more, met) = self.search(nominal, now, |search| {
+                if !is_last {
+                    search.share_work(TARGETS);
+                }
+                choose(search, start, (entry_s, period_s), (cut, is_last))
+            });
+            (choice, candidates, limit_met) = (chosen, candidates + more, limit_met | met);
+            if is_last || choice.is_certified() {
+                break;
+            }
+        }
         if self.far_s > self.look_s && choice.is_certified() {
             self.look_s = self.far_s;
             let (farther, more, met) = self.search(nominal, now, |search| {
-                choose(search, start, (entry_s, period_s), cut)
+                choose(search, start, (entry_s, period_s), (cut, true))
             });
             self.look_s = self.settings.horizon_s;
             candidates += more;
@@ -279,6 +300,7 @@ impl Avoider {
                     open_since_s: situation.time_s,
                     picture: self.tracks.picture(),
                     margin_m: found.margin_m,
+                    target_m: self.target_m,
                     cost: found.cost,
                     latest_start_s: choice.latest_s.map(|latest_s| situation.time_s + latest_s),
                     threat: Some(threat),
@@ -313,6 +335,15 @@ impl Avoider {
         decision.record.work.limit_met = limit_met || self.tracks.overflow;
         decision.record.work.threats = 1;
         decision
+    }
+
+    /// The margins of one search after the other, metres: all of the wanted one, half of what drift adds to it, then
+    /// the margin of the settings. Without drift there is only the last.
+    fn targets_m(&self) -> impl Iterator<Item = f64> + use<> {
+        let (least_m, wanted_m) = (self.settings.margin_m, self.wanted_m);
+        let drift_m = wanted_m - least_m;
+        let wanted = (drift_m > 0.0).then_some([wanted_m, least_m + 0.5 * drift_m]);
+        wanted.into_iter().flatten().chain([least_m])
     }
 
     /// Margin of a manoeuvre, between `floor_m`, below which it stops, and `enough_m`.
@@ -380,15 +411,7 @@ impl Avoider {
         if rests {
             return self.report(&plan, time_s, Reason::BestAvailable);
         }
-        let hold = Maneuver::hold();
-        let variety = self.cycle;
-        let (found, candidates, limit_met) = self.search(&hold, now, |search| {
-            let single = search.cheapest(0.0);
-            let (found, proof) = single
-                .map(|found| (found, Proof::Certified))
-                .or_else(|| search.best(Some(&flown), Effort::Full, variety))?;
-            Some((found, search.maneuver(&found.turns, now), proof))
-        });
+        let (found, candidates, limit_met) = self.replacement(&flown, now);
         let proof = match found {
             Some((_, _, proof)) => proof,
             None => plan.proof,
@@ -406,6 +429,7 @@ impl Avoider {
                     open_since_s,
                     picture,
                     margin_m: found.margin_m,
+                    target_m: self.target_m,
                     cost: found.cost,
                     next_start_s: None,
                     basis: None,
@@ -438,6 +462,40 @@ impl Avoider {
         decision
     }
 
+    /// The best manoeuvre in place of the flown one with its proof, how many were looked at, and whether the work
+    /// ran out: at the wanted margin if there is one, else step by step down to the margin of the settings.
+    fn replacement(
+        &mut self,
+        flown: &Maneuver,
+        now: &MotionState,
+    ) -> (Option<(Found, Maneuver, Proof)>, u32, bool) {
+        let hold = Maneuver::hold();
+        let variety = self.cycle;
+        let (mut found, mut candidates, mut limit_met) = (None, 0, false);
+        for target_m in self.targets_m() {
+            self.target_m = target_m;
+            let is_last = target_m <= self.settings.margin_m;
+            let (answer, more, met) = self.search(&hold, now, |search| {
+                if !is_last {
+                    search.share_work(TARGETS);
+                }
+                let single = search.cheapest(0.0);
+                let single = single.map(|found| (found, Proof::Certified));
+                let (found, proof) = if is_last {
+                    single.or_else(|| search.best(Some(flown), Effort::Full, variety))?
+                } else {
+                    single?
+                };
+                Some((found, search.maneuver(&found.turns, now), proof))
+            });
+            (found, candidates, limit_met) = (answer, candidates + more, limit_met | met);
+            if is_last || found.is_some() {
+                break;
+            }
+        }
+        (found, candidates, limit_met)
+    }
+
     /// The obstacles of an encounter and those that a manoeuvre comes too close to.
     fn also_against(
         &mut self,
@@ -445,7 +503,7 @@ impl Avoider {
         now: &MotionState,
         mut against: Against,
     ) -> Against {
-        let reach = (self.settings.horizon_s, self.settings.margin_m);
+        let reach = (self.settings.horizon_s, self.target_m);
         self.predict(maneuver, now);
         let hazards = self.tracks.hazards();
         let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
@@ -489,74 +547,4 @@ impl Avoider {
         });
         decision
     }
-}
-
-/// The result of a search.
-struct Choice {
-    /// The manoeuvre in both forms, with its certificate.
-    chosen: Option<(Found, Maneuver, Proof)>,
-    /// Latest start of a certified one, seconds from now, if searched.
-    latest_s: Option<f64>,
-    /// The best one to the other side, if searched.
-    alternative: Option<Candidate>,
-}
-
-impl Choice {
-    fn is_certified(&self) -> bool {
-        matches!(self.chosen, Some((_, _, Proof::Certified)))
-    }
-}
-
-/// The manoeuvre and its start: certified if there is one, else the best available. After searches
-/// that met the limit it begins with others.
-fn choose(
-    search: &mut Search<'_>,
-    start: Start,
-    (entry_s, period_s): (f64, f64),
-    cut: u32,
-) -> Choice {
-    let (mut latest_s, mut alternative) = (None, None);
-    let found = match start {
-        Start::AtDetection => search.cheapest(0.0),
-        Start::Free => {
-            let [found, other] = search.least_departure(entry_s, cut);
-            alternative = other.map(|other| Candidate {
-                maneuver: as_maneuver(search, &other),
-                margin_m: other.margin_m,
-                cost: other.cost,
-                verdict: Verdict::Certified,
-            });
-            found
-        }
-        Start::Latest | Start::Score(_) => {
-            let score = if let Start::Score(score) = start {
-                score
-            } else {
-                1.0
-            };
-            latest_s = search.latest_start_s(entry_s);
-            latest_s.and_then(|latest_s| {
-                let mut wait_s = score * (latest_s - period_s).max(0.0);
-                loop {
-                    let found = search.cheapest(wait_s);
-                    if found.is_some() || wait_s <= 0.0 {
-                        return found;
-                    }
-                    wait_s = if wait_s > period_s { 0.8 * wait_s } else { 0.0 };
-                }
-            })
-        }
-    };
-    let found = found
-        .map(|found| (found, Proof::Certified))
-        .or_else(|| search.best(None, Effort::Full, cut));
-    Choice {
-        chosen: found.map(|(found, proof)| (found, as_maneuver(search, &found), proof)),
-        latest_s,
-        alternative,
-    }
-}
-
-fn as_maneuver(search: &Search<'_>, found: &Found) -> Maneuver {
-    search.maneuver(&found.turns, &search.departure(found.turns.wait_s))
 }

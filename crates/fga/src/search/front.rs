@@ -186,6 +186,9 @@ impl Search<'_> {
     /// The turn up to which those of a front are ruled out by the way to the line on which its first one ends, radians;
     /// `None` where that tells too little. What comes too close on the arc does so however far it is followed.
     fn way_rules_out_rad(&mut self, entry: &Entry, front: &Front) -> Option<f64> {
+        if self.limit_met() {
+            return None;
+        }
         let (from, side) = (entry.from, front.side);
         let what = (front.climb_rad, side);
         let tangent = self.tangent(entry, what, front.least_rad)?;

@@ -199,13 +199,17 @@ impl Search<'_> {
         let mut best: Option<Found> = None;
         let mut seeds = Seeds::new(WORTH * self.scene.turn_radius_m());
         let start = self.scene.start;
-        if let Some(found) = flown.and_then(|flown| self.in_terms_of_search(flown)) {
-            seeds.take(KINDS - 1, found);
-        }
         let has_layers = self.scene.hazards.rows().iter().any(Hazard::is_cylinder);
         if effort == Effort::Full && has_layers {
             // Few, and the only ones between layers: before the many, which may take all the work.
             self.collect_levelled(&start, &mut seeds);
+            self.climb(&mut seeds, 2, &SINGLE_ROUNDS, &mut best);
+            if let Some(found) = best.filter(|found| found.margin_m >= target_m) {
+                return Some((found, Proof::Certified));
+            }
+        }
+        if let Some(found) = flown.and_then(|flown| self.in_terms_of_search(flown)) {
+            seeds.take(KINDS - 1, found);
         }
         self.collect_single(&start, &mut seeds);
         self.climb(&mut seeds, KINDS_OF_ONE + 2, &SINGLE_ROUNDS, &mut best);
@@ -249,16 +253,6 @@ impl Search<'_> {
             }
         }
         best.map(|found| (found, Proof::Open))
-    }
-
-    /// A certified climb or descent straight ahead that levels off again, if there is one.
-    pub fn levelled(&mut self) -> Option<Found> {
-        let start = self.scene.start;
-        let mut seeds = Seeds::new(WORTH * self.scene.turn_radius_m());
-        let mut best = None;
-        self.collect_levelled(&start, &mut seeds);
-        self.climb(&mut seeds, 2, &SINGLE_ROUNDS, &mut best);
-        best.filter(|found| found.margin_m >= self.scene.target_m)
     }
 
     /// Whether a lone obstacle defeats any second turn.

@@ -9,6 +9,7 @@ use crate::Vec3;
 use crate::angle::Side;
 use crate::avoider::intruders::Freedom;
 use crate::avoider::{Against, Avoider, Decision, Plan, Reason, Start, State, Threat};
+use crate::certificate::Hazard;
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::meter::MOTION;
@@ -29,8 +30,8 @@ const WANTED_SHARE: f64 = 0.5;
 /// seconds.
 const WAIT_S: f64 = 2.0;
 
-/// Only manoeuvres with at most this turn are a reason to wait, radians (90°).
-const WAIT_FOR_TURN_RAD: f64 = 1.57;
+/// Only manoeuvres with at most this turn are a reason to wait, radians (74.5°).
+const WAIT_FOR_TURN_RAD: f64 = 1.3;
 
 /// A manoeuvre that withstands less than everything is replaced by one that withstands more by
 /// this share.
@@ -48,6 +49,13 @@ const CLEARLY_FARTHER_M: f64 = 20.0;
 
 /// The same against the expected motion, metres.
 const EXPECTED_FARTHER_M: f64 = 5.0;
+
+/// The same if the present one does not stay clear of the expected motion, metres.
+const FARTHER_M: f64 = 2.0;
+
+/// A way back withstands all motions of aircraft for this long, seconds: a turn of 60° at the standard
+/// rate takes as long.
+const BACK_WITHSTANDS_S: f64 = 20.0;
 
 /// Cycles between two searches for a smaller departure.
 const LOOK_FOR_LESS: u32 = 10;
@@ -114,6 +122,7 @@ impl Avoider {
         let time_s = situation.time_s;
         let (mut answer, mut candidates) = self.cheapest_within(now, None, (0.0, WANTED_SHARE));
         if answer.is_none() {
+            self.target_m = self.settings.margin_m;
             let (found, looked_at) = self.farthest(now, None, None);
             answer = found;
             candidates += looked_at;
@@ -130,6 +139,7 @@ impl Avoider {
             open_since_s: time_s,
             picture: self.tracks.picture(),
             margin_m: answer.found.margin_m,
+            target_m: self.target_m,
             cost: answer.found.cost,
             latest_start_s: None,
             threat: Some(threat),
@@ -170,12 +180,7 @@ impl Avoider {
         let passing = self
             .tracks
             .all_pass(own_m, velocity_mps, |id| against.contains(id));
-        let freedom = if passing {
-            Freedom::Expected
-        } else {
-            Freedom::Share(1.0)
-        };
-        self.withstand(freedom, own_m, 0.0);
+        self.withstand(Freedom::Expected, own_m, 0.0);
         let turned_rad = (time_s - plan.start_s) * self.flyer.course_rate_radps();
         let has_begun = passing || turned_rad >= BEGUN_RAD;
         if has_begun && let Some(back) = self.way_back(situation, now, &plan) {
@@ -184,7 +189,7 @@ impl Avoider {
             return self.report(&back, time_s, Reason::RejoinChosen);
         }
         let flown = plan.remaining(time_s);
-        let kept = self.resilience_of(&flown, now);
+        let kept = self.resilience_of(&flown, now, plan.target_m);
         let enough = kept.is_some_and(|kept| kept >= WANTED_SHARE);
         if enough {
             if let Some(plan) = self.improved(situation, now, &plan) {
@@ -205,6 +210,7 @@ impl Avoider {
         let poor = kept.is_none_or(|kept| kept <= 0.0);
         if answer.is_none() && poor && (kept.is_none() || self.cycle.is_multiple_of(LOOK_FOR_MORE))
         {
+            self.target_m = self.settings.margin_m;
             let (found, looked_at) = self.farthest(now, Some((&flown, kept.is_some())), plan.side);
             answer = found;
             candidates += looked_at;
@@ -215,6 +221,7 @@ impl Avoider {
                 decided_s: time_s,
                 proof: answer.proof,
                 margin_m: answer.found.margin_m,
+                target_m: self.target_m,
                 cost: answer.found.cost,
                 resilience: answer.resilience,
                 side: plan.side.or_else(|| side_of(&answer.found)),
@@ -264,7 +271,7 @@ impl Avoider {
             let (found, _) = search.best(flown.map(|(flown, _)| flown), Effort::Quick, variety)?;
             Some(Answer::new(search, found, Proof::Open, 0.0))
         });
-        let target_m = self.settings.margin_m;
+        let target_m = self.target_m;
         self.withstand(Freedom::Share(0.0), own_m, 0.0);
         let best = best.map(|best| {
             let expected_m = self.margin_of(&best.maneuver, now, (target_m, target_m));
@@ -276,7 +283,12 @@ impl Avoider {
             Answer { proof, ..best }
         });
         let is_clear = flown.is_some_and(|(_, is_clear)| is_clear);
-        let better = |best: &Answer| best.found.margin_m > kept_m + CLEARLY_FARTHER_M;
+        let more_m = if is_clear {
+            CLEARLY_FARTHER_M
+        } else {
+            FARTHER_M
+        };
+        let better = |best: &Answer| best.found.margin_m > kept_m + more_m;
         match best {
             Some(best) if best.proof == Proof::Certified => {
                 ((!is_clear || better(&best)).then_some(best), candidates)
@@ -311,9 +323,6 @@ impl Avoider {
         });
         let variety = self.cycle;
         let (answer, looked_at, _) = self.search(&Maneuver::hold(), now, |search| {
-            if let Some(found) = search.levelled() {
-                return Some(Answer::new(search, found, Proof::Certified, 0.0));
-            }
             let (found, proof) = search.best(flown, Effort::Full, variety)?;
             let better = found.margin_m > kept_m + EXPECTED_FARTHER_M;
             (proof == Proof::Certified || better).then(|| Answer::new(search, found, proof, 0.0))
@@ -342,7 +351,7 @@ impl Avoider {
         let level_rad = leg.climb_rad.limited(low, high);
         let share = plan.resilience.min(WANTED_SHARE);
         self.withstand(Freedom::Share(share), now.position_m, BEYOND_M);
-        let target_m = self.settings.margin_m;
+        let target_m = self.target_m;
         // If the work ended before all were examined, the next look continues from there.
         let from = core::mem::take(&mut self.improved_to);
         for k in from..12 {
@@ -372,15 +381,77 @@ impl Avoider {
 
     /// Replaces the hazards by the possible motions of aircraft, with this distance beyond their volumes, metres.
     pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
-        self.tracks.withstand(freedom, own_m, beyond_m);
+        let beyond_m = (beyond_m, self.target_m);
+        self.tracks.withstand(|_| freedom, own_m, beyond_m);
+        self.count_motions();
+    }
+
+    /// Counts the work of making the motions.
+    fn count_motions(&mut self) {
         let motions = self.tracks.hazards().rows().len();
         self.meter
             .count(MOTION * motions + self.tracks.obstacle_count());
     }
 
-    /// The largest share that a manoeuvre withstands, if any.
-    fn resilience_of(&mut self, maneuver: &Maneuver, now: &MotionState) -> Option<f64> {
-        let target_m = super::holding::KEEP_SHARE * self.settings.margin_m;
+    /// Whether a way back withstands, for a time, all motions of the aircraft that do not move away from it.
+    pub(super) fn is_robust_back(&mut self, back: &Maneuver, now: &MotionState) -> bool {
+        if !self.tracks.has_aircraft() {
+            return true;
+        }
+        let own_m = now.position_m;
+        let mission_rad = now.course_rad + self.progress.leg(now).turn_onto_rad(now);
+        let first_rad = back.stages().first().map(|stage| stage.course_rad);
+        // An aircraft moves away if it does so now, on the way back and on the mission.
+        let ours_mps = [Some(now.course_rad), first_rad, Some(mission_rad)].map(|course_rad| {
+            let course_rad = course_rad.unwrap_or(now.course_rad);
+            self.flyer.velocity_mps(&MotionState { course_rad, ..*now })
+        });
+        let leaves = |hazard: &Hazard| {
+            let offset_m = hazard.position_m - own_m;
+            ours_mps
+                .iter()
+                .all(|own_mps| offset_m.dot(hazard.velocity_mps - own_mps) > 0.0)
+        };
+        let freedom = |hazard: &Hazard| {
+            if leaves(hazard) {
+                Freedom::Expected
+            } else {
+                Freedom::Brief
+            }
+        };
+        self.tracks.withstand(freedom, own_m, (0.0, self.target_m));
+        self.count_motions();
+        self.look_s = BACK_WITHSTANDS_S;
+        let target_m = self.target_m;
+        let margin_m = self.margin_of(back, now, (target_m, target_m));
+        self.look_s = self.settings.horizon_s;
+        margin_m >= target_m
+    }
+
+    /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
+    pub(super) fn is_kept_back(
+        &mut self,
+        plan: &Plan,
+        situation: &Situation<'_>,
+        now: &MotionState,
+    ) -> bool {
+        let keep_m = super::holding::KEEP_SHARE * plan.target_m;
+        let back = plan.remaining(situation.time_s);
+        self.withstand(Freedom::Expected, now.position_m, 0.0);
+        if self.margin_of(&back, now, (keep_m, keep_m)) >= keep_m {
+            return true;
+        }
+        self.withstand(Freedom::Share(WANTED_SHARE), now.position_m, BEYOND_M);
+        let (may_wait, ..) = self.search(&back, now, |search| {
+            search.share_work(SEARCHES);
+            search.is_avoidable_within(WAIT_S, WAIT_FOR_TURN_RAD)
+        });
+        may_wait
+    }
+
+    /// The largest share that a manoeuvre planned with the margin `of_m` withstands, if any.
+    fn resilience_of(&mut self, maneuver: &Maneuver, now: &MotionState, of_m: f64) -> Option<f64> {
+        let target_m = super::holding::KEEP_SHARE * of_m;
         SHARES.into_iter().find(|share| {
             self.withstand(Freedom::Share(*share), now.position_m, 0.0);
             self.margin_of(maneuver, now, (target_m, target_m)) >= target_m

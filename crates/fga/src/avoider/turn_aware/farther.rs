@@ -51,7 +51,7 @@ impl Avoider {
         if self.far_s <= self.settings.horizon_s || !self.cycle.is_multiple_of(SEARCH_AGAIN) {
             return None;
         }
-        let keep_m = KEEP_SHARE * self.settings.margin_m;
+        let keep_m = KEEP_SHARE * plan.target_m;
         self.look_s = self.far_s;
         let found = if self.margin_of(flown, now, (keep_m, keep_m)) >= keep_m {
             None

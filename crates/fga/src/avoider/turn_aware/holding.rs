@@ -66,7 +66,7 @@ impl Avoider {
         if comes_true {
             return true;
         }
-        let keep_m = KEEP_SHARE * self.settings.margin_m;
+        let keep_m = KEEP_SHARE * plan.target_m;
         let remaining = plan.remaining(situation.time_s);
         let holds = self.margin_of(&remaining, now, (keep_m, keep_m)) >= keep_m;
         if let Some(plan) = self.plan.as_mut().filter(|_| holds) {

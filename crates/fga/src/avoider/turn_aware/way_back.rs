@@ -8,7 +8,7 @@ use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::mission::Bend;
 use crate::mission::join::{Join, JoinLimits};
-use crate::prediction::MotionState;
+use crate::prediction::{MotionState, whole};
 use crate::search::Proof;
 use crate::situation::{Mission, Situation};
 
@@ -65,6 +65,9 @@ const TRIED_S: f64 = 60.0;
 /// Cycles between two searches for a way back, each at one intercept angle.
 const LOOK_BACK_EVERY: u32 = 2;
 
+/// Time of the search for a way back with all of the wanted margin, seconds; as long again for half of it.
+const MORE_ROOM_S: f64 = 20.0;
+
 /// The obstacles on a way back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum WayAhead {
@@ -84,7 +87,23 @@ impl Avoider {
         now: &MotionState,
         plan: &Plan,
     ) -> Option<Plan> {
-        let target_m = self.settings.margin_m;
+        // After a long search without room for the wanted margin less is enough.
+        let waited_s = situation.time_s - plan.start_s;
+        let given_up = whole(waited_s / MORE_ROOM_S, 3) - 1;
+        let least_m = self.settings.margin_m;
+        self.target_m = self.targets_m().nth(given_up).unwrap_or(least_m);
+        let back = self.look_back(situation, now, plan);
+        self.target_m = self.wanted_m;
+        back
+    }
+
+    /// A certified way back that keeps the margin asked for now.
+    fn look_back(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        plan: &Plan,
+    ) -> Option<Plan> {
         let horizon_s = self.settings.horizon_s;
         if !self.cycle.is_multiple_of(LOOK_BACK_EVERY) || self.meter.is_met() {
             return None;
@@ -100,6 +119,7 @@ impl Avoider {
             climb_limits_rad,
         };
         let mission = &situation.mission;
+        let target_m = self.target_m;
         // Skipping a leg is only for a leg that the aircraft cannot join at any angle.
         let patient = situation.time_s - plan.start_s < SKIP_AFTER_S;
         let skipped = if patient { 0 } else { MAX_SKIPPED };
@@ -145,6 +165,7 @@ impl Avoider {
             joined_s: situation.time_s + joined.joined_s,
             proof: Proof::Certified,
             margin_m: target_m,
+            target_m,
             cost: 0.0,
             next_start_s: None,
             basis: None,
@@ -159,6 +180,7 @@ impl Avoider {
             WayAhead::NextEncounter => self.way_back_and_on(&back, joined.joined_s, now),
         };
         self.look_s = self.settings.horizon_s;
+        let back = back.filter(|back| self.is_robust_back(&back.maneuver, now));
         if back.is_some() {
             self.returned = Some(Returned {
                 against: plan.against,
@@ -239,6 +261,7 @@ impl Avoider {
         Some(Plan {
             maneuver,
             margin_m: found.margin_m,
+            target_m: self.target_m,
             cost: found.cost,
             next_start_s: Some(back.joined_s),
             threat: Some(threat),
@@ -249,7 +272,7 @@ impl Avoider {
 
     /// The clearance of the way back in the path.
     fn way_ahead(&self, plan: &Plan, joined_s: f64, situation: &Situation<'_>) -> WayAhead {
-        let target_m = self.settings.margin_m;
+        let target_m = self.target_m;
         let horizon_s = self.look_s;
         let own = situation.ownship;
         let velocity_mps = own.velocity_mps();
@@ -325,7 +348,12 @@ impl Avoider {
                 }
                 return decision;
             }
-            if self.still_holds(&plan, situation, now) {
+            let holds = if self.tracks.has_aircraft() {
+                self.is_kept_back(&plan, situation, now)
+            } else {
+                self.still_holds(&plan, situation, now)
+            };
+            if holds {
                 if let Some(sooner) = self.sooner_back(situation, now, &plan) {
                     self.plan = Some(sooner);
                     return self.report(&sooner, time_s, Reason::RejoinChosen);

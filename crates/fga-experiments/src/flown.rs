@@ -1,19 +1,17 @@
 //! Flies a folder of recordings of two aircraft and counts losses, needless manoeuvres and changes.
 //!
-//! `flown FOLDER VEHICLE.toml [--volume nmac|wellclear] [--policy P] [--start S]
-//! [--only odd|even] [--rows]`
-//!
-//! The example itself measures separations, on the recorded intruder and the flown samples, only
+//! The experiment itself measures separations, on the recorded intruder and the flown samples, only
 //! while the intruder was recorded. NMAC: 500 ft and 100 ft at once. `LoWC`: 2,000 ft and 250 ft at
 //! once (ASTM F3442).
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
+use clap::{Args, ValueEnum};
 use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::ProtectedVolume;
 use fga_formats::daa;
+use fga_sim::campaign::parse_policy;
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, RunLog, fly};
 use fga_sim::vehicle_file::VehicleModel;
@@ -43,37 +41,58 @@ struct Row {
     longest_us: f64,
 }
 
-fn main() -> ExitCode {
-    match run(&std::env::args().skip(1).collect::<Vec<_>>()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("{message}");
-            ExitCode::FAILURE
-        }
-    }
+/// Options of `flown`.
+#[derive(Args, Debug)]
+pub(crate) struct FlownArgs {
+    /// Folder of `.daa` files.
+    folder: PathBuf,
+    /// Vehicle file.
+    vehicle: PathBuf,
+    /// Protected volume; without it that of the vehicle file.
+    #[arg(long)]
+    volume: Option<Volume>,
+    /// The policy, as in "published --start t0".
+    #[arg(long, default_value = "turn-aware")]
+    policy: String,
+    /// Half of the files, by their numbers.
+    #[arg(long)]
+    only: Option<Half>,
+    /// Shows each flight.
+    #[arg(long)]
+    rows: bool,
 }
 
-fn option<'a>(arguments: &'a [String], name: &str) -> Option<&'a str> {
-    let place = arguments.iter().position(|a| a == name)?;
-    arguments.get(place + 1).map(String::as_str)
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Volume {
+    /// 500 ft and 100 ft.
+    Nmac,
+    /// 2,000 ft and 250 ft.
+    Wellclear,
 }
 
-fn run(arguments: &[String]) -> Result<(), String> {
-    let [folder, vehicle, ..] = arguments else {
-        return Err("usage: flown FOLDER VEHICLE.toml [--volume nmac|wellclear] [--policy P] [--only odd|even] [--rows]".into());
-    };
-    let mut model = VehicleModel::read(Path::new(vehicle)).map_err(|e| e.to_string())?;
-    if option(arguments, "--volume") == Some("wellclear") {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Half {
+    Odd,
+    Even,
+}
+
+/// Flies the folder and shows the counts.
+pub(crate) fn run(args: &FlownArgs) -> Result<(), String> {
+    let mut model = VehicleModel::read(&args.vehicle).map_err(|e| e.to_string())?;
+    if let Some(volume) = args.volume {
+        let (radius_m, half_height_m) = match volume {
+            Volume::Nmac => NMAC,
+            Volume::Wellclear => WELL_CLEAR,
+        };
         model.protection = ProtectedVolume::Cylinder {
-            radius_m: WELL_CLEAR.0,
-            half_height_m: WELL_CLEAR.1,
+            radius_m,
+            half_height_m,
         };
     }
-    let policy = option(arguments, "--policy").unwrap_or("turn-aware");
-    let policy = PolicyChoice::parse(policy, option(arguments, "--start"))?;
-    let only = option(arguments, "--only");
+    let policy = parse_policy(&args.policy)?;
+    let folder = &args.folder;
     let mut files: Vec<(u32, PathBuf)> = std::fs::read_dir(folder)
-        .map_err(|e| e.to_string())?
+        .map_err(|e| format!("{}: {e}", folder.display()))?
         .filter_map(|entry| {
             let path = entry.ok()?.path();
             let stem = path.file_stem()?.to_str()?;
@@ -82,17 +101,24 @@ fn run(arguments: &[String]) -> Result<(), String> {
         })
         .collect();
     files.sort();
-    files.retain(|(number, _)| match only {
-        Some("odd") => number / 2 % 2 == 1,
-        Some("even") => number / 2 % 2 == 0,
-        _ => true,
+    // The set's numbers are odd: every other file.
+    files.retain(|(number, _)| {
+        let half = if number / 2 % 2 == 1 {
+            Half::Odd
+        } else {
+            Half::Even
+        };
+        args.only.is_none_or(|only| only == half)
     });
+    if files.is_empty() {
+        return Err(format!("{}: no .daa file", folder.display()));
+    }
     let rows: Result<Vec<Row>, String> = files
         .par_iter()
         .map(|(_, path)| fly_one(path, model.clone(), &policy))
         .collect();
     let rows = rows?;
-    if arguments.iter().any(|a| a == "--rows") {
+    if args.rows {
         for r in &rows {
             println!(
                 "{:18} nominal {:7.1} {:7.1} flown {:7.1} {:7.1} acted {:5} changes {:2} reversals {:2} cross {:7.1} extra {:7.1} back {} work {} {:.0} us",

@@ -9,7 +9,7 @@ use fga::situation::{
 };
 use fga::vehicle::{Response, Vehicle};
 
-use crate::traffic::{Intruder, Random};
+use super::traffic::{Intruder, Random};
 
 /// Time between two decisions, seconds.
 pub(crate) const PERIOD_S: f64 = 0.1;

@@ -3,8 +3,8 @@
 
 use fga::Vec3;
 
-use crate::flight::{Own, RADIUS_M, VEHICLE};
-use crate::traffic::Intruder;
+use super::flight::{Own, RADIUS_M, VEHICLE};
+use super::traffic::Intruder;
 
 /// Horizon, seconds.
 const AHEAD_S: f64 = 40.0;

@@ -1,12 +1,6 @@
 //! Families of intruders that do not keep their velocity, with imperfect sight and air: how many of the
 //! avoidable encounters are saved?
 //!
-//! `intruders FAMILY COUNT [SEED] [straight]` with FAMILY one of `turning` (random turns up to 6 °/s,
-//! ±2 m/s², climbs; one to three intruders), `pursuit` (each half second the worst of three
-//! turns), `gusts` (σ 0.3, 0.7, 1.5 m/s), `noise` (σ 10 m, 0.5 s late, half of the reports missing),
-//! `missing` (20 and 50 % of the reports missing) and `calm` (passings 10 m and more outside of the sphere).
-//! With `straight` the situation says that intruders fly straight.
-//!
 //! For turning intruders the oracle judges lost flights. Gusty, noisy and missing cases are redrawn until
 //! it keeps 16 m (missing: 1 m). Pursuit and calm have no oracle.
 
@@ -20,12 +14,10 @@ mod flight;
 mod oracle;
 mod traffic;
 
-use core::sync::atomic::{AtomicUsize, Ordering};
-use std::process::ExitCode;
-use std::sync::Mutex;
-
+use clap::{Args, ValueEnum};
 use fga::Vec3;
 use fga::situation::Movement;
+use rayon::prelude::*;
 
 use flight::{Conditions, Flown, RADIUS_M, VEHICLE, fly};
 use traffic::{Intruder, Limits, Random, meeting, pieces};
@@ -37,28 +29,40 @@ const LIMITS: Limits = Limits {
     climb_mps: 3.0,
 };
 
+/// Options of `intruders`.
+#[derive(Args, Debug)]
+pub(crate) struct IntrudersArgs {
+    family: Family,
+    /// Number of encounters of each kind.
+    #[arg(value_parser = clap::value_parser!(u64).range(1..))]
+    count: u64,
+    /// Master seed.
+    #[arg(default_value_t = 1)]
+    seed: u64,
+    /// The situation says that intruders fly straight.
+    #[arg(long)]
+    straight: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Family {
+    /// One to three intruders with random turns up to 6 °/s, ±2 m/s², climbs.
+    Turning,
+    /// Each half second the worst of three turns.
+    Pursuit,
+    /// Gusts of σ 0.3, 0.7, 1.5 m/s.
+    Gusts,
+    /// Positions with σ 10 m, 0.5 s late, half of the reports missing.
+    Noise,
+    /// 20 and 50 % of the reports missing.
+    Missing,
+    /// Passings 10 m and more outside of the sphere.
+    Calm,
+}
+
 /// Runs `one` for each number on all cores.
-fn each<T: Send>(count: u64, one: impl Fn(u64) -> T + Sync) -> Vec<T> {
-    let next = AtomicUsize::new(0);
-    let all = Mutex::new(Vec::new());
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(|| {
-                loop {
-                    let number = next.fetch_add(1, Ordering::Relaxed) as u64;
-                    if number >= count {
-                        return;
-                    }
-                    let answer = one(number);
-                    all.lock().expect("no thread panics").push((number, answer));
-                }
-            });
-        }
-    });
-    let mut all = all.into_inner().expect("no thread panics");
-    all.sort_by_key(|(number, _)| *number);
-    all.into_iter().map(|(_, answer)| answer).collect()
+fn each<T: Send>(count: u64, one: impl Fn(u64) -> T + Sync + Send) -> Vec<T> {
+    (0..count).into_par_iter().map(one).collect()
 }
 
 fn stream(seed: u64, number: u64) -> Random {
@@ -222,44 +226,34 @@ fn calm(count: u64, seed: u64, conditions: &Conditions, beyond_m: f64) -> Vec<Ju
     })
 }
 
-fn run(arguments: &[String]) -> Result<(), String> {
-    let [family, count, rest @ ..] = arguments else {
-        return Err(
-            "usage: intruders turning|pursuit|gusts|noise|missing|calm COUNT [SEED] [straight]"
-                .into(),
-        );
-    };
-    let number = |text: &String| {
-        text.parse::<u64>()
-            .map_err(|e| format!("{text}: expected a number: {e}"))
-    };
-    let count = number(count)?;
-    let seed = rest.first().map_or(Ok(1), number)?;
+/// Flies a family and shows its counts.
+pub(crate) fn run(args: &IntrudersArgs) {
+    let IntrudersArgs { count, seed, .. } = *args;
     let mut ideal = Conditions::IDEAL;
-    if rest.iter().any(|word| word == "straight") {
+    if args.straight {
         ideal.movement = Movement::Straight;
     }
-    match family.as_str() {
-        "turning" => {
+    match args.family {
+        Family::Turning => {
             for intruders in 1..=3 {
                 let judged = turning(count, seed, &ideal, intruders);
                 show(&format!("{intruders} turning"), &judged);
             }
         }
-        "pursuit" => {
+        Family::Pursuit => {
             for degrees in [1.5_f64, 3.0, 6.0] {
                 let judged = pursuit(count, seed, &ideal, degrees.to_radians());
                 show(&format!("pursuit with {degrees} °/s"), &judged);
             }
         }
-        "gusts" => {
+        Family::Gusts => {
             for gust_mps in [0.3, 0.7, 1.5] {
                 let gusty = Conditions { gust_mps, ..ideal };
                 let judged = straight(count, seed, &gusty, (3, 16.0));
                 show(&format!("gusts of {gust_mps} m/s"), &judged);
             }
         }
-        "noise" => {
+        Family::Noise => {
             let noisy = Conditions {
                 noise_m: 10.0,
                 latency_s: 0.5,
@@ -268,25 +262,13 @@ fn run(arguments: &[String]) -> Result<(), String> {
             };
             show("noise", &straight(count, seed, &noisy, (3, 16.0)));
         }
-        "missing" => {
+        Family::Missing => {
             for missing in [0.2, 0.5] {
                 let judged = straight(count, seed, &Conditions { missing, ..ideal }, (3, 1.0));
                 show(&format!("{missing} missing"), &judged);
             }
         }
-        "calm" => show("calm", &calm(count, seed, &ideal, 10.0)),
-        other => return Err(format!("unknown family {other}")),
-    }
-    Ok(())
-}
-
-fn main() -> ExitCode {
-    match run(&std::env::args().skip(1).collect::<Vec<_>>()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("{message}");
-            ExitCode::FAILURE
-        }
+        Family::Calm => show("calm", &calm(count, seed, &ideal, 10.0)),
     }
 }
 

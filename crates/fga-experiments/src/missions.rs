@@ -1,12 +1,9 @@
-//! Families of missions: the share of each survey line that is flown, the missed waypoints, and whether
-//! the aircraft comes back in wind and past slow traffic.
-//!
-//! `missions FAMILY [VEHICLE.toml]` with `survey`, `corners`, `curves`, `wind`, `slow` or
-//! `formation`. The counts come from the flown positions alone, with code of this file.
+//! Families of missions: the share of each survey line that is flown, the missed waypoints, and the way
+//! back to curved missions. The counts come from the flown positions alone, with code of this file.
 
-use std::path::Path;
-use std::process::ExitCode;
+use std::path::PathBuf;
 
+use clap::{Args, ValueEnum};
 use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::{Passing, ProtectedVolume};
@@ -22,6 +19,24 @@ use fga_sim::world::{Ending, World, WorldObstacle};
 const FLOWN_WITHIN_M: f64 = 5.0;
 
 const PROTECTED: ProtectedVolume = ProtectedVolume::Sphere { radius_m: 30.0 };
+
+/// Options of `missions`.
+#[derive(Args, Debug)]
+pub(crate) struct MissionsArgs {
+    family: Family,
+    /// Vehicle file; without it the aircraft of Table 4.
+    vehicle: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Family {
+    /// Survey lines 10 to 100 m apart.
+    Survey,
+    /// Zigzags with corners up to 180°.
+    Corners,
+    /// Half circles in short legs with an obstacle on them.
+    Curves,
+}
 
 #[derive(Default)]
 struct Flown {
@@ -265,28 +280,17 @@ fn curves(model: &VehicleModel) {
     }
 }
 
-fn main() -> ExitCode {
-    let mut arguments = std::env::args().skip(1);
-    let family = arguments.next().unwrap_or_default();
-    let model = match arguments.next() {
-        Some(file) => VehicleModel::read(Path::new(&file)),
+/// Flies a family and shows its rows.
+pub(crate) fn run(args: &MissionsArgs) -> Result<(), String> {
+    let model = match &args.vehicle {
+        Some(file) => VehicleModel::read(file),
         None => VehicleModel::built_in(),
     };
-    let model = match model {
-        Ok(model) => model,
-        Err(error) => {
-            eprintln!("{error}");
-            return ExitCode::FAILURE;
-        }
-    };
-    match family.as_str() {
-        "survey" => survey(&model),
-        "corners" => corners(&model),
-        "curves" => curves(&model),
-        other => {
-            eprintln!("unknown family {other}, expected survey, corners or curves");
-            return ExitCode::FAILURE;
-        }
+    let model = model.map_err(|error| error.to_string())?;
+    match args.family {
+        Family::Survey => survey(&model),
+        Family::Corners => corners(&model),
+        Family::Curves => curves(&model),
     }
-    ExitCode::SUCCESS
+    Ok(())
 }
