@@ -315,6 +315,18 @@ mod tests {
         }
     }
 
+    /// Four were entered: by manoeuvres that were found with the least margin and kept while gusts took it.
+    #[test]
+    fn a_manoeuvre_without_room_for_gusts_gets_it_as_soon_as_there_is_some() {
+        let gusty = Conditions {
+            gust_mps: 1.5,
+            movement: Movement::Straight,
+            ..Conditions::IDEAL
+        };
+        let judged = straight(37, 1, &gusty, (3, 16.0));
+        assert!(lost(&judged).is_empty(), "{:?}", lost(&judged));
+    }
+
     #[test]
     fn nobody_who_passes_is_avoided() {
         let judged = calm(300, 5, &Conditions::IDEAL, 10.0);

@@ -5,6 +5,7 @@ mod choice;
 mod farther;
 mod holding;
 mod need;
+mod room;
 mod sooner;
 mod way_back;
 
@@ -386,6 +387,16 @@ impl Avoider {
             if let Some(farther) = self.farther(&plan, &flown, now, time_s) {
                 self.plan = Some(farther);
                 return self.report(&farther, time_s, Reason::ManeuverReplaced);
+            }
+            if let Some(roomier) = self.roomier(&plan, &flown, now, time_s) {
+                let is_same = roomier.decided_s == plan.decided_s;
+                self.plan = Some(roomier);
+                let reason = if is_same {
+                    Reason::ManeuverKept
+                } else {
+                    Reason::ManeuverReplaced
+                };
+                return self.report(&roomier, time_s, reason);
             }
             return self.report(&plan, time_s, Reason::ManeuverKept);
         }

@@ -9,6 +9,9 @@ use crate::situation::Situation;
 /// A manoeuvre continues while this share of the margin is certified.
 pub(super) const KEEP_SHARE: f64 = 0.5;
 
+/// The same where the manoeuvre was found with less than the wanted margin: drift takes the rest sooner.
+const KEEP_SHARE_OF_LESS: f64 = 0.8;
+
 /// Tolerance when comparing a prediction with what happened, m (velocities: a tenth of it, m/s).
 const SAME_M: f64 = 1e-6;
 
@@ -66,7 +69,12 @@ impl Avoider {
         if comes_true {
             return true;
         }
-        let keep_m = KEEP_SHARE * plan.target_m;
+        let share = if plan.target_m < self.wanted_m {
+            KEEP_SHARE_OF_LESS
+        } else {
+            KEEP_SHARE
+        };
+        let keep_m = share * plan.target_m;
         let remaining = plan.remaining(situation.time_s);
         let holds = self.margin_of(&remaining, now, (keep_m, keep_m)) >= keep_m;
         if let Some(plan) = self.plan.as_mut().filter(|_| holds) {

@@ -1,0 +1,61 @@
+//! More room for drift than the present manoeuvre has.
+
+use crate::avoider::{Avoider, Plan};
+use crate::maneuver::Maneuver;
+use crate::prediction::MotionState;
+
+use super::{SEARCH_AGAIN, TARGETS};
+
+/// A larger margin is worth another manoeuvre if it is larger by this, metres.
+const CLEARLY_MORE_M: f64 = 1.0;
+
+impl Avoider {
+    /// A manoeuvre with more of the wanted margin than the present one was found with, or the present one if it has it
+    /// by now. What drift takes from a margin without room for it, nothing gives back.
+    pub(super) fn roomier(
+        &mut self,
+        plan: &Plan,
+        flown: &Maneuver,
+        now: &MotionState,
+        time_s: f64,
+    ) -> Option<Plan> {
+        if plan.target_m >= self.wanted_m - CLEARLY_MORE_M
+            || !self.cycle.is_multiple_of(SEARCH_AGAIN)
+        {
+            return None;
+        }
+        let more = self
+            .targets_m()
+            .filter(|target_m| *target_m > plan.target_m + CLEARLY_MORE_M);
+        let mut better = None;
+        for target_m in more {
+            self.target_m = target_m;
+            let margin_m = self.margin_of(flown, now, (target_m, target_m));
+            if margin_m >= target_m {
+                better = Some(Plan { target_m, ..*plan });
+                break;
+            }
+            let (found, ..) = self.search(&Maneuver::hold(), now, |search| {
+                search.share_work(TARGETS);
+                let found = search.cheapest(0.0)?;
+                Some((found, search.maneuver(&found.turns, now)))
+            });
+            if let Some((found, maneuver)) = found {
+                better = Some(Plan {
+                    maneuver,
+                    target_m,
+                    decided_s: time_s,
+                    start_s: plan.start_s.min(time_s),
+                    margin_m: found.margin_m,
+                    cost: found.cost,
+                    next_start_s: None,
+                    basis: None,
+                    ..*plan
+                });
+                break;
+            }
+        }
+        self.target_m = self.wanted_m;
+        better
+    }
+}
