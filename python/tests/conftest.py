@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
 import os
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -16,7 +16,15 @@ def absent(what: str):
     """Skips the test because something is missing; in continuous integration it fails."""
     if os.environ.get("CI") == "true":
         pytest.fail(f"{what} is missing")
-    pytest.skip(f"{what} is missing")
+    pytest.skip(f"{what} is missing", allow_module_level=True)
+
+
+def needed(name: str):
+    """The module of that name; without it the test is skipped, in continuous integration it fails."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        absent(f"the package {name}")
 
 
 @pytest.fixture(scope="session")

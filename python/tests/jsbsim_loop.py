@@ -7,6 +7,7 @@ headings from north and right banks positive.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,44 +15,71 @@ import fga
 
 COLUMNS = ("t_s", "airspeed_mps", "bank_command_rad", "bank_rad", "course_rad", "climb_rad")
 _FT = 0.3048
-_EARTH_M = 6_371_000.0
+
+
+@dataclass(frozen=True)
+class Loop:
+    """How an aircraft is flown: gains of its bank-and-pitch loop."""
+
+    model: str
+    airspeed_mps: float
+    path_rad: float = 0.0
+    """Climb angle of the path when nothing else is asked; a glider descends."""
+    engine: bool = True
+    rate_hz: int = 60
+    aileron: float = 1.2
+    roll_rate_radps: float = 0.5
+    elevator: float = 1.5
+    elevator_trim: float = 0.6
+    rudder: float = 2.0
+    path_rate_radps: float = math.radians(3.0)
+    """Rate at which an asked climb angle is taken up."""
+
+
+C172X = Loop("c172x", 50.0)
+MINISGS = Loop(
+    "minisgs", 12.0, math.radians(-4.0), engine=False, rate_hz=240, aileron=0.8, roll_rate_radps=0.8, elevator=0.3, elevator_trim=0.2,
+    rudder=1.0,
+)
+"""A glider of 5 kg and 2.4 m span without an engine: its airspeed is what the path gives."""
 
 
 class Aircraft:
-    """A c172x that holds a bank angle, a climb angle of its path and an airspeed."""
+    """An aircraft that holds a bank angle and a climb angle of its path, and with an engine its airspeed."""
 
-    rate_hz = 60
-
-    def __init__(self, airspeed_mps: float = 50.0, altitude_m: float = 1000.0, model: str = "c172x") -> None:
+    def __init__(self, loop: Loop = C172X, airspeed_mps: float | None = None, altitude_m: float = 1000.0) -> None:
         import jsbsim
 
+        self.loop = loop
+        self.rate_hz = loop.rate_hz
+        self.asked_mps = loop.airspeed_mps if airspeed_mps is None else airspeed_mps
         jsbsim.FGJSBBase().debug_lvl = 0
         self.fdm = jsbsim.FGFDMExec(None)
         self.fdm.set_debug_level(0)
-        self.fdm.load_model(model)
+        self.fdm.load_model(loop.model)
         self.fdm.disable_output()
         self.fdm.set_dt(1.0 / self.rate_hz)
-        self.asked_mps = airspeed_mps
         for name, value in {
             "ic/h-sl-ft": altitude_m / _FT,
-            "ic/vt-fps": airspeed_mps / _FT,
+            "ic/vt-fps": self.asked_mps / _FT,
             "ic/psi-true-deg": 90.0,
+            "ic/gamma-deg": math.degrees(loop.path_rad),
             "ic/lat-geod-deg": 0.0,
             "ic/long-gc-deg": 0.0,
         }.items():
             self.fdm[name] = value
         self.fdm.run_ic()
-        self.fdm["propulsion/set-running"] = -1
-        self.fdm["fcs/mixture-cmd-norm"] = 0.87
+        if loop.engine:
+            self.fdm["propulsion/set-running"] = -1
+            self.fdm["fcs/mixture-cmd-norm"] = 0.87
         self.altitude_m = altitude_m
         self.throttle, self.pitch_trim, self.roll_trim = 0.7, 0.0, 0.0
-        self.climb_rad = 0.0
+        self.climb_rad = loop.path_rad
         self.time_s = 0.0
         self._course_rad = 0.0
-        self._origin = (self.fdm["position/lat-geod-rad"], self.fdm["position/long-gc-rad"])
         self.x_m = self.y_m = 0.0
-        # Level flight before anything is asked.
-        self.fly(0.0, 0.0, 40.0)
+        # Straight flight before anything is asked.
+        self.fly(0.0, loop.path_rad, 40.0)
         self.begin()
 
     def begin(self) -> None:
@@ -61,29 +89,30 @@ class Aircraft:
 
     def fly(self, bank_rad: float, climb_rad: float, for_s: float) -> None:
         """Holds a bank, positive to the left, and a climb angle of the path."""
-        fdm = self.fdm
+        fdm, loop = self.fdm, self.loop
         for _ in range(round(for_s * self.rate_hz)):
             dt = 1.0 / self.rate_hz
-            # The asked climb is taken up at 3 degrees a second.
-            step = math.radians(3.0) * dt
+            step = loop.path_rate_radps * dt
             self.climb_rad += max(-step, min(step, climb_rad - self.climb_rad))
             roll = -fdm["attitude/phi-rad"]
             roll_rate = -fdm["velocities/p-rad_sec"]
             # The propeller pulls to one side.
             self.roll_trim = max(-0.2, min(0.2, self.roll_trim + 0.4 * (bank_rad - roll) * dt))
-            wanted = max(-0.5, min(0.5, 2.0 * (bank_rad - roll) + self.roll_trim))
-            fdm["fcs/aileron-cmd-norm"] = max(-1.0, min(1.0, -1.2 * (wanted - roll_rate)))
+            wanted = 2.0 * (bank_rad - roll) + self.roll_trim
+            wanted = max(-loop.roll_rate_radps, min(loop.roll_rate_radps, wanted))
+            fdm["fcs/aileron-cmd-norm"] = max(-1.0, min(1.0, -loop.aileron * (wanted - roll_rate)))
             path = fdm["flight-path/gamma-rad"]
             error = self.climb_rad - path
-            self.pitch_trim = max(-0.6, min(0.6, self.pitch_trim + 0.6 * error * dt))
+            self.pitch_trim = max(-0.6, min(0.6, self.pitch_trim + loop.elevator_trim * error * dt))
             asked_rate = max(-0.2, min(0.2, 1.2 * error))
-            turning = 9.81 / max(30.0, self.airspeed_mps) * math.sin(roll) * math.tan(roll)
-            lift = self.pitch_trim + 1.5 * (asked_rate + turning - fdm["velocities/q-rad_sec"])
+            turning = 9.81 / max(0.6 * self.asked_mps, self.airspeed_mps) * math.sin(roll) * math.tan(roll)
+            lift = self.pitch_trim + loop.elevator * (asked_rate + turning - fdm["velocities/q-rad_sec"])
             fdm["fcs/elevator-cmd-norm"] = max(-1.0, min(1.0, -lift))
-            fdm["fcs/rudder-cmd-norm"] = max(-1.0, min(1.0, -2.0 * fdm["aero/beta-rad"]))
+            fdm["fcs/rudder-cmd-norm"] = max(-1.0, min(1.0, -loop.rudder * fdm["aero/beta-rad"]))
             slow = self.asked_mps - self.airspeed_mps
-            self.throttle = max(0.0, min(1.0, self.throttle + 0.03 * slow * dt))
-            fdm["fcs/throttle-cmd-norm"] = max(0.0, min(1.0, self.throttle + 0.15 * slow))
+            if loop.engine:
+                self.throttle = max(0.0, min(1.0, self.throttle + 0.03 * slow * dt))
+                fdm["fcs/throttle-cmd-norm"] = max(0.0, min(1.0, self.throttle + 0.15 * slow))
             if not fdm.run():
                 raise RuntimeError("JSBSim has stopped")
             self.x_m += fdm["velocities/v-east-fps"] * _FT * dt
@@ -115,17 +144,18 @@ class Aircraft:
 
 
 def step_responses(aircraft: Aircraft, bank_deg: float) -> dict[str, np.ndarray]:
-    """A log of bank steps to both sides, a climb and a descent, at 20 Hz."""
+    """A log of bank steps to both sides, a steeper and a flatter path, at 20 Hz."""
     rows = []
     program = [(side * share * bank_deg, 0.0, 9.0) for share in (1.0, 0.6) for side in (1, 0, -1, 0)]
-    program += [(bank_deg, 0.0, 14.0), (0.0, 5.0, 9.0), (0.0, -6.0, 9.0), (-bank_deg, 0.0, 14.0), (0.0, 0.0, 9.0)]
+    steepest = 5.0 if aircraft.loop.engine else 4.0
+    program += [(bank_deg, 0.0, 14.0), (0.0, steepest, 9.0), (0.0, -6.0, 9.0), (-bank_deg, 0.0, 14.0), (0.0, 0.0, 9.0)]
     for bank, climb, for_s in program:
         for _ in range(round(for_s * 20)):
             own = aircraft.ownship
             rows.append(
                 (aircraft.time_s, own.airspeed_mps, math.radians(bank), own.bank_rad, own.course_rad, own.climb_rad)
             )
-            aircraft.fly(math.radians(bank), math.radians(climb), 0.05)
+            aircraft.fly(math.radians(bank), aircraft.loop.path_rad + math.radians(climb), 0.05)
     return dict(zip(COLUMNS, np.array(rows).T, strict=True))
 
 
@@ -150,11 +180,11 @@ class Flight:
         self.period_s = model.settings.decision_period_s
 
     def fly(self, obstacles, for_s: float, seen=lambda decision, own, time_s: None) -> float:
-        """Flies a mission straight ahead past straight-flying obstacles; the least margin, metres."""
+        """Flies a mission straight along its path past straight-flying obstacles; the least margin, metres."""
         start = self.aircraft.ownship
         x, y, z = start.position_m
         course = start.course_rad
-        ahead = (x + 1e5 * math.cos(course), y + 1e5 * math.sin(course), z)
+        ahead = (x + 1e5 * math.cos(course), y + 1e5 * math.sin(course), z + 1e5 * math.tan(self.aircraft.loop.path_rad))
         mission = fga.Mission([start.position_m, ahead])
         least = math.inf
         begun = self.aircraft.time_s

@@ -4,6 +4,7 @@ import math
 import threading
 
 import pytest
+from conftest import needed
 
 import fga
 
@@ -45,7 +46,7 @@ def test_alerts_and_bands_are_the_bytes_of_the_program(recording, config, tmp_pa
 
 
 def test_rows_say_when_the_alert_begins(recording, config):
-    pyarrow = pytest.importorskip("pyarrow")
+    pyarrow = needed("pyarrow")
     rows = pyarrow.table(fga.alerts(recording, config)).to_pylist()
     levels = {row["time_s"]: row["level"] for row in rows}
     # They meet after 100 s at 100 m/s; the volume begins 6.1 s earlier, the alert 60 s before that.

@@ -6,8 +6,9 @@ FGA_BLUESKY names more scenarios, one a line: commands of the generator, or scen
 import os
 
 import pytest
+from conftest import needed
 
-pytest.importorskip("bluesky")
+needed("bluesky")
 import bluesky_flights  # noqa: E402
 
 SCENARIOS = [("SYN SIMPLE", 600.0), ("SYN SUPER 4", 700.0)]

@@ -3,14 +3,18 @@
 FGA_FUZZ sets the number of cases for each function; the evidence uses 10000.
 """
 
+import copy
+import io
 import os
+import pickle
+import threading
 
 import numpy as np
-import pytest
+from conftest import needed
 
 import fga
 
-hypothesis = pytest.importorskip("hypothesis")
+hypothesis = needed("hypothesis")
 from hypothesis import HealthCheck, given, settings, strategies as st  # noqa: E402
 
 CASES = settings(
@@ -20,6 +24,8 @@ CASES = settings(
     suppress_health_check=list(HealthCheck),
 )
 EXPECTED = (ValueError, TypeError, OverflowError, RuntimeError, OSError)
+# What the module pickle raises for bytes that are no pickle.
+DAMAGED = (*EXPECTED, pickle.UnpicklingError, EOFError, AttributeError, KeyError, IndexError, ImportError, MemoryError)
 
 number = st.one_of(
     st.floats(), st.integers(), st.none(), st.text(max_size=3), st.booleans(),
@@ -38,11 +44,11 @@ array = st.one_of(
 )
 
 
-def attempt(call):
+def attempt(call, expected=EXPECTED):
     try:
         return call()
-    except EXPECTED as error:
-        assert str(error)
+    except expected as error:
+        assert str(error) or expected is DAMAGED
         return None
 
 
@@ -104,3 +110,85 @@ def test_names_and_paths(one, two, three, four):
     attempt(lambda: fga.VehicleModel.read(one))
     attempt(lambda: fga.Simulation(one))
     attempt(lambda: fga.batch(np.zeros(3)))
+
+
+@CASES
+@given(st.data())
+def test_logs_and_monitors(data):
+    draw = data.draw
+    names = ["t_s", "airspeed_mps", "bank_command_rad", "bank_rad", "course_rad", "climb_rad"]
+    log = {name: draw(array) for name in names[: draw(st.integers(0, 6))]}
+    attempt(lambda: fga.identify(draw(st.sampled_from([log, list(log), None, 3, "", b"x", object()]))))
+    attempt(lambda: fga.Monitor(draw(st.text(max_size=5))))
+    attempt(lambda: fga.alerts(draw(st.text(max_size=5)), draw(number)))
+    attempt(lambda: fga.bands(draw(number), draw(st.text(max_size=5))))
+
+
+def situation(time_s, ids):
+    near = [fga.Obstacle(i, (150.0 + 10 * i, 3.0 * i, 100.0), 20.0) for i in ids]
+    ownship = fga.Ownship((0, 0, 100), 0.0, 15.0)
+    return fga.Situation(time_s, ownship, fga.Mission([(0, 0, 100), (5000, 0, 100)]), near)
+
+
+@CASES
+@given(st.lists(st.tuples(number, st.lists(st.integers(0, 4), max_size=3)), min_size=1, max_size=3))
+def test_two_threads_step_one_avoider(steps):
+    """Any order of times and identifiers, from two threads at once: a decision or an exception in each."""
+    avoider, wrong = fga.Avoider(), []
+
+    def fly():
+        for time_s, ids in steps:
+            try:
+                attempt(lambda: avoider.step(situation(time_s, ids)))
+            except BaseException as error:  # noqa: BLE001
+                wrong.append(error)
+
+    other = threading.Thread(target=fly)
+    other.start()
+    fly()
+    other.join()
+    assert not wrong
+
+
+class Own(pickle.Unpickler):
+    def find_class(self, module, name):
+        if module.split(".")[0] != "fga" or "." in name:
+            raise ValueError(f"{module}.{name} is refused")
+        return super().find_class(module, name)
+
+
+VALUES = [
+    fga.Ownship((0, 0, 100), 0.0, 15.0), fga.Vehicle(15.0, 40.0), fga.Settings(), fga.Mission([(0, 0, 0), (100, 0, 0)]),
+    fga.Obstacle(1, (1, 2, 3), 4), fga.Decision([]), situation(0.0, [1]), fga.Avoider(), fga.Avoider().step(situation(0.0, [1])),
+]  # fmt: skip
+
+
+@CASES
+@given(st.sampled_from(VALUES), st.integers(0, pickle.HIGHEST_PROTOCOL), st.integers(0, 400), st.binary(max_size=4))
+def test_pickles(value, protocol, place, noise):
+    """What is pickled comes back or is refused; a damaged pickle is an exception."""
+    data = attempt(lambda: pickle.dumps(value, protocol))
+    attempt(lambda: copy.copy(value))
+    attempt(lambda: copy.deepcopy(value))
+    if data is None:
+        return
+    assert repr(pickle.loads(data)) == repr(value)
+    damaged = data[:place] + noise + data[place + len(noise) :]
+    # Data may become another pickle: only names of this package are taken, so that nothing else is called.
+    attempt(lambda: Own(io.BytesIO(damaged)).load(), DAMAGED)
+
+
+@CASES
+@given(st.lists(st.integers(0, 4), max_size=3), number)
+def test_a_fork_between_any_steps(ids, time_s):
+    avoider = fga.Avoider()
+    attempt(lambda: avoider.step(situation(0.0, ids)))
+    child = os.fork()
+    if child == 0:
+        try:
+            attempt(lambda: avoider.step(situation(time_s, ids)))
+        except BaseException:  # noqa: BLE001
+            os._exit(1)
+        os._exit(0)
+    attempt(lambda: avoider.step(situation(time_s, ids)))
+    assert os.waitpid(child, 0)[1] == 0

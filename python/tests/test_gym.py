@@ -5,10 +5,11 @@ import resource
 
 import numpy as np
 import pytest
+from conftest import needed
 
 import fga
 
-gymnasium = pytest.importorskip("gymnasium")
+gymnasium = needed("gymnasium")
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
 import fga.gym  # noqa: E402

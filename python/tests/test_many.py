@@ -10,6 +10,7 @@ import time
 
 import numpy as np
 import pytest
+from conftest import needed
 
 import fga
 
@@ -75,9 +76,9 @@ def test_a_run_writes_the_files_of_the_program(root, fga_program, tmp_path):
 
 
 def test_tables_go_out_and_come_in_through_arrow(encounters):
-    pa = pytest.importorskip("pyarrow")
-    pl = pytest.importorskip("polars")
-    pd = pytest.importorskip("pandas")
+    pa = needed("pyarrow")
+    pl = needed("polars")
+    pd = needed("pandas")
     expected = fga.batch(encounters, threads=2)
     assert pa.table(expected).num_rows == 120
     assert pl.DataFrame(expected)["min_margin_m"].min() == pa.table(expected)["min_margin_m"].to_numpy().min()
@@ -105,8 +106,8 @@ def test_tables_go_out_and_come_in_through_arrow(encounters):
     ],
 )
 def test_wrong_tables_are_said_in_a_sentence(encounters, change, sentence):
-    pa = pytest.importorskip("pyarrow")
-    csv = pytest.importorskip("pyarrow.csv")
+    pa = needed("pyarrow")
+    csv = needed("pyarrow.csv")
     table = csv.read_csv(encounters)
     assert isinstance(table, pa.Table)
     with pytest.raises(ValueError, match=sentence):

@@ -3,10 +3,11 @@
 from pathlib import Path
 
 import pytest
+from conftest import needed
 
-nbformat = pytest.importorskip("nbformat")
-nbclient = pytest.importorskip("nbclient")
-pytest.importorskip("ipykernel")
+nbformat = needed("nbformat")
+nbclient = needed("nbclient")
+needed("ipykernel")
 
 FOLDER = Path(__file__).resolve().parents[1] / "notebooks"
 

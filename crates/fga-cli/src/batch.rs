@@ -8,46 +8,50 @@ use std::time::Instant;
 use clap::Args;
 use fga_formats::OutputError;
 use fga_formats::atomic::{self, AtomicFile};
-use fga_formats::encounters::{self, Encounter};
 use fga_sim::batch::{
-    BatchRow, BatchSettings, RESULT_COLUMNS, TIMING_COLUMNS, TRACK_COLUMNS, fly_all,
+    BatchRow, BatchSettings, NAME_COLUMN, RESULT_COLUMNS, TIMING_COLUMNS, TRACK_COLUMNS,
 };
 use serde_json::json;
 
+use crate::batch_input::Input;
 use crate::batch_replays;
 use crate::common::{
     AnswerArgs, OutArgs, PolicyArgs, ThreadArgs, VehicleArgs, interrupted, watch_for_interrupt,
 };
 use crate::failure::Failure;
 use crate::worst::Worst;
-use fga_results::provenance::{Provenance, file_fingerprint};
+use fga_results::provenance::Provenance;
 
 /// Options of `fga batch`.
 #[derive(Args, Debug)]
 pub(crate) struct BatchArgs {
-    /// Encounters: a CSV file with the columns
-    /// `encounter,obstacle,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,radius_m`.
-    encounters: PathBuf,
+    /// Encounters: a table with the columns
+    /// `encounter,obstacle,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,radius_m`, a recording, a folder of
+    /// recordings, or a folder that `fga campaign draw` wrote.
+    pub(crate) encounters: PathBuf,
     #[command(flatten)]
-    policy: PolicyArgs,
+    pub(crate) policy: PolicyArgs,
     #[command(flatten)]
-    vehicle: VehicleArgs,
+    pub(crate) vehicle: VehicleArgs,
     #[command(flatten)]
     out: OutArgs,
     #[command(flatten)]
     threads: ThreadArgs,
-    /// Longest time flown in an encounter, seconds.
-    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive_seconds, allow_negative_numbers = true)]
-    horizon: f64,
+    /// Longest time flown in an encounter, seconds; without it 60, for recordings until the way back ends.
+    #[arg(long, value_name = "S", value_parser = positive_seconds, allow_negative_numbers = true)]
+    pub(crate) horizon: Option<f64>,
+    /// Exit with 0 although damaged recordings were left out.
+    #[arg(long)]
+    skip_damaged: bool,
     /// Also write tracks.csv: the aircraft's track, at most 0.1 s between rows.
     #[arg(long)]
-    tracks: bool,
+    pub(crate) tracks: bool,
     /// Write replay pages of the N worst encounters: replay/<encounter>.html.
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     replay: usize,
     /// Master seed for the sensor noise of the vehicle file.
     #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u64,
+    pub(crate) seed: u64,
     #[command(flatten)]
     answer: AnswerArgs,
 }
@@ -70,7 +74,12 @@ struct Files {
 }
 
 impl Files {
-    fn create(folder: PathBuf, tracks: bool) -> Result<Self, OutputError> {
+    fn create(folder: PathBuf, tracks: bool, named: bool) -> Result<Self, OutputError> {
+        let columns = if named {
+            format!("{RESULT_COLUMNS},{NAME_COLUMN}")
+        } else {
+            RESULT_COLUMNS.to_owned()
+        };
         let begin = |name: &str, columns: &str| {
             let path = folder.join(name);
             let mut file = AtomicFile::create(&path)?;
@@ -78,7 +87,7 @@ impl Files {
             Ok::<_, OutputError>(file)
         };
         Ok(Self {
-            results: begin("results.csv", RESULT_COLUMNS)?,
+            results: begin("results.csv", &columns)?,
             timing: begin("timing.csv", TIMING_COLUMNS)?,
             tracks: tracks
                 .then(|| begin("tracks.csv", TRACK_COLUMNS))
@@ -88,11 +97,14 @@ impl Files {
         })
     }
 
-    fn take(&mut self, row: &BatchRow) -> Result<(), OutputError> {
+    fn take(&mut self, row: &BatchRow, name: Option<&str>) -> Result<(), OutputError> {
         let folder = &self.folder;
         let failed = |name: &'static str| move |error| OutputError::new(folder.join(name), error);
         self.line.clear();
-        row.push_result(&mut self.line);
+        match name {
+            Some(name) => row.push_named_result(&mut self.line, name),
+            None => row.push_result(&mut self.line),
+        }
         self.results
             .write_all(&self.line)
             .map_err(failed("results.csv"))?;
@@ -210,47 +222,40 @@ fn median(values: &mut [f64]) -> Option<f64> {
 /// and `replay/`.
 pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let provenance = Provenance::begin();
-    let settings = BatchSettings {
-        model: args.vehicle.model()?,
-        policy: args.policy.choice()?,
-        horizon_s: args.horizon,
-        seed: args.seed,
-        tracks: args.tracks,
-    };
-    let encounters = encounters::read(&args.encounters)?;
-    let input_hash = file_fingerprint(&args.encounters)?;
+    let input = Input::open(args)?;
+    let settings = &input.settings;
     let folder = args.out.prepare(&args.encounters)?;
     watch_for_interrupt();
-    let mut files = Files::create(folder, args.tracks)?;
+    let mut files = Files::create(folder, args.tracks, input.names().is_some())?;
     let mut totals = Totals::default();
     let mut worst = Worst::new(args.replay);
-    let mut flown = encounters.iter();
+    let mut place = 0_usize;
     let begun = Instant::now();
     args.threads.install(|| {
-        fly_all(&encounters, &settings, |row| {
+        input.fly(|row| {
             if interrupted() {
                 return Err(Failure::Interrupted);
             }
             totals.take(row);
             // Rows come in the order of the encounters.
-            if let Some(encounter) = flown.next() {
-                worst.take(row.outcome.min_margin_m, encounter);
-            }
-            Ok(files.take(row)?)
+            worst.take(row.outcome.min_margin_m, (row.encounter, place));
+            let name = input.names().and_then(|names| names.get(place));
+            place += 1;
+            Ok(files.take(row, name.map(String::as_str))?)
         })
     })??;
     let flown_s = begun.elapsed().as_secs_f64();
-    let shown: Vec<&Encounter> = worst.into_items().collect();
+    let shown: Vec<(u64, usize)> = worst.into_items().collect();
     args.threads
-        .install(|| batch_replays::write(&files.folder, &shown, &settings))??;
+        .install(|| batch_replays::write(&files.folder, &shown, &input))??;
     let folder = files.commit()?;
     batch_replays::remove_others(&folder, &shown)?;
     let configuration = json!({
         "policy": settings.policy.name(),
         "vehicle_sha256": settings.model.sha256,
-        "horizon_s": args.horizon,
+        "horizon_s": settings.horizon_s.is_finite().then_some(settings.horizon_s),
         "seed": args.seed,
-        "input_sha256": input_hash,
+        "input_sha256": input.sha256,
     });
     let (median_us, max_us) = totals.decision_us();
     let mut summary = json!({
@@ -259,6 +264,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
             "vehicle": settings.model.name,
             "seed": args.seed,
             "encounters": totals.encounters,
+            "left_out": input.damaged().len(),
             "separated": totals.separated,
             "manoeuvred": totals.manoeuvred,
             "decisions": totals.decisions,
@@ -271,7 +277,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
     summary["results"] = folder.display().to_string().into();
     args.answer.print(
         || {
-            let mut lines = totals.in_words(&settings);
+            let mut lines = totals.in_words(settings);
             if !shown.is_empty() {
                 lines.push(format!(
                     "replay pages of the {} worst encounters; fga view {} lists them",
@@ -288,5 +294,5 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
         },
         &summary,
     )?;
-    Ok(ExitCode::SUCCESS)
+    input.verdict(args.skip_damaged)
 }

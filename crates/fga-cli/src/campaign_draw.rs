@@ -1,18 +1,23 @@
 //! `fga campaign draw`: writes a campaign's encounters as files for other programs.
 
 use core::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use fga_formats::{atomic, daa, encounters};
+use fga_formats::atomic::AtomicFile;
+use fga_formats::{OutputError, atomic, daa, encounters};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{Campaign, Scene};
+use fga_sim::drawn::{Content, Origin, ROWS, TRACKS, TableWriter};
 use serde_json::json;
 
 use crate::campaign::SourceArgs;
 use crate::common::{AnswerArgs, OutArgs};
 use crate::failure::Failure;
+
+/// The list of what was drawn.
+const LIST: &str = "drawn.csv";
 
 /// Options of `fga campaign draw`.
 #[derive(Args, Debug)]
@@ -30,8 +35,8 @@ pub(crate) struct DrawArgs {
     answer: AnswerArgs,
 }
 
-/// Writes `encounters.csv` of obstacles around the line, `recordings/` of aircraft with tracks, and
-/// `drawn.csv` with the source and weight of each.
+/// Writes obstacles around the line as `encounters.csv` and `encounters.parquet`; aircraft with tracks as
+/// `recordings/` and `tracks.parquet`; and `drawn.csv` with the source and weight of each.
 pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
     let overrides = Overrides {
         encounters: args.encounters,
@@ -40,8 +45,10 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
     let configuration = file::read(&args.file, &overrides)?;
     let campaign = Campaign::new(configuration, &args.file)?;
     let folder = args.out.prepare(&args.file)?;
+    remove_earlier(&folder)?;
     let count = campaign.configuration.encounters;
     let mut rows = Vec::new();
+    let mut tracks: Option<Table> = None;
     let mut recordings = 0_u64;
     let mut list = String::from("encounter,source,source_encounter,seed,weight,file\n");
     for number in 0..count {
@@ -55,11 +62,23 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
                 rows.push(encounter);
                 "encounters.csv".to_owned()
             }
-            Scene::Tracks(recording) => {
+            Scene::Tracks(mut recording) => {
                 if recordings == 0 {
                     atomic::prepare_folder(&folder.join("recordings"))?;
                 }
                 recordings += 1;
+                let origin = Origin {
+                    number: Some(number),
+                    seed: Some(drawn.seed),
+                    weight: drawn.weight,
+                };
+                origin.mark(&mut recording);
+                let table = match &mut tracks {
+                    Some(table) => table,
+                    None => tracks.insert(Table::create(&folder, TRACKS, Content::Tracks)?),
+                };
+                let pushed = table.writer.push_tracks(&recording, &origin);
+                pushed.map_err(|error| table.failed(error))?;
                 let name = format!("recordings/{number:08}.daa");
                 daa::write(&folder.join(&name), &recording)?;
                 name
@@ -77,8 +96,17 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
     let path = folder.join("encounters.csv");
     if !rows.is_empty() {
         encounters::write(&path, &rows)?;
+        let mut table = Table::create(&folder, ROWS, Content::Rows)?;
+        for encounter in &rows {
+            let pushed = table.writer.push_rows(encounter);
+            pushed.map_err(|error| table.failed(error))?;
+        }
+        table.commit()?;
     }
-    atomic::write(&folder.join("drawn.csv"), list)?;
+    if let Some(table) = tracks {
+        table.commit()?;
+    }
+    atomic::write(&folder.join(LIST), list)?;
     let shown = if recordings == 0 { &path } else { &folder };
     args.answer.print(
         || format!("{count} encounters drawn: {}\n", shown.display()),
@@ -90,4 +118,53 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
         }),
     )?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// A Parquet file under construction.
+struct Table {
+    writer: TableWriter<AtomicFile>,
+    path: PathBuf,
+}
+
+impl Table {
+    fn create(folder: &Path, name: &str, content: Content) -> Result<Self, OutputError> {
+        let path = folder.join(name);
+        let file = AtomicFile::create(&path)?;
+        match TableWriter::new(file, content) {
+            Ok(writer) => Ok(Self { writer, path }),
+            Err(error) => Err(OutputError::new(path, std::io::Error::other(error))),
+        }
+    }
+
+    fn failed(&self, error: impl Into<Box<dyn core::error::Error + Send + Sync>>) -> OutputError {
+        OutputError::new(&self.path, std::io::Error::other(error))
+    }
+
+    fn commit(self) -> Result<(), OutputError> {
+        let path = self.path;
+        match self.writer.finish() {
+            Ok(file) => file.commit(),
+            Err(error) => Err(OutputError::new(path, std::io::Error::other(error))),
+        }
+    }
+}
+
+/// Removes what an earlier draw wrote into the folder: its encounters are other ones.
+fn remove_earlier(folder: &Path) -> Result<(), OutputError> {
+    if !folder.join(LIST).is_file() {
+        return Ok(());
+    }
+    let mut files: Vec<PathBuf> = [TRACKS, ROWS, "encounters.csv", LIST]
+        .iter()
+        .map(|name| folder.join(name))
+        .filter(|path| path.is_file())
+        .collect();
+    if let Ok(entries) = std::fs::read_dir(folder.join("recordings")) {
+        let drawn = entries.filter_map(Result::ok).map(|entry| entry.path());
+        files.extend(drawn.filter(|path| path.extension().is_some_and(|ending| ending == "daa")));
+    }
+    for path in files {
+        std::fs::remove_file(&path).map_err(|error| OutputError::new(path, error))?;
+    }
+    Ok(())
 }

@@ -52,7 +52,7 @@ impl From<BatchError<Self>> for Failure {
     fn from(error: BatchError<Self>) -> Self {
         match error {
             BatchError::Sink(failure) => failure,
-            other @ (BatchError::Settings(_) | BatchError::Wind { .. }) => {
+            other @ (BatchError::Settings(_) | BatchError::Input(_) | BatchError::Wind { .. }) => {
                 Self::Input(other.to_string())
             }
         }

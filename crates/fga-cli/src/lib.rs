@@ -5,6 +5,7 @@
 mod alerts;
 mod bands;
 mod batch;
+mod batch_input;
 mod batch_replays;
 mod campaign;
 mod campaign_catalogue;

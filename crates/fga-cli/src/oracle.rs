@@ -7,13 +7,18 @@ use std::process::ExitCode;
 use clap::Args;
 use fga_formats::OutputError;
 use fga_formats::atomic::AtomicFile;
-use fga_formats::encounters;
 use fga_formats::number::push_fixed;
-use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge};
+use fga_formats::words::push_csv_field;
+use fga_sim::batch::{BatchSettings, Tracks};
+use fga_sim::drawn::{self, Content};
+use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge, OracleSettings, best_margin_of_tracks};
+use fga_sim::policy::PolicyChoice;
+use fga_sim::vehicle_file::VehicleModel;
 use rayon::prelude::*;
 use serde_json::json;
 
 use crate::batch::positive_seconds;
+use crate::batch_input::{name_damaged, verdict};
 use crate::common::{
     AnswerArgs, OutArgs, ThreadArgs, VehicleArgs, interrupted, watch_for_interrupt,
 };
@@ -25,7 +30,7 @@ const BLOCK: usize = 64;
 /// Options of `fga oracle`.
 #[derive(Args, Debug)]
 pub(crate) struct OracleArgs {
-    /// Encounters: a CSV file as for `fga batch`.
+    /// Encounters as for `fga batch`.
     encounters: PathBuf,
     #[command(flatten)]
     vehicle: VehicleArgs,
@@ -36,38 +41,122 @@ pub(crate) struct OracleArgs {
     /// Time over which the margin counts, seconds.
     #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive_seconds, allow_negative_numbers = true)]
     horizon: f64,
+    /// Exit with 0 although damaged recordings were left out.
+    #[arg(long)]
+    skip_damaged: bool,
     #[command(flatten)]
     answer: AnswerArgs,
 }
 
+/// The oracle's answer about one encounter.
+struct Answer {
+    encounter: u64,
+    margin_m: f64,
+    /// Its name and the begin of the search, seconds, where tracks are known.
+    track: Option<(String, f64)>,
+}
+
+/// Columns for encounters around a line, whose obstacles fly straight.
+const COLUMNS: &str = "encounter,avoidable,best_margin_m";
+
+/// More columns for tracks: the oracle knows them to their end.
+const TRACK_COLUMNS: &str = "name,start_s,knows";
+
+/// What the oracle knows of aircraft with tracks.
+const WHOLE_TRACKS: &str = "whole tracks";
+
 /// Searches every encounter and writes `oracle.csv`.
 pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
-    let model = args.vehicle.model()?;
-    let encounters = encounters::read(&args.encounters)?;
-    let judge = Judge::new(&model, args.horizon).map_err(Failure::Input)?;
+    let path = &args.encounters;
+    match drawn::content(path)? {
+        Content::Rows => {
+            let model = args.vehicle.model()?;
+            let encounters = drawn::read_rows(path)?;
+            let judge = Judge::new(&model, args.horizon).map_err(Failure::Input)?;
+            let search = |place: usize| {
+                let Some(encounter) = encounters.get(place) else {
+                    return Err(Failure::Input(format!("there is no encounter {place}")));
+                };
+                Ok(Answer {
+                    encounter: encounter.id,
+                    margin_m: judge.best_margin_m(encounter),
+                    track: None,
+                })
+            };
+            search_all(args, &model, COLUMNS, encounters.len(), search)?;
+            Ok(ExitCode::SUCCESS)
+        }
+        Content::Tracks => {
+            let given = args.vehicle.given()?;
+            let model = given.map_or_else(VehicleModel::recorded, Ok)?;
+            let settings = BatchSettings {
+                model,
+                policy: PolicyChoice::default(),
+                horizon_s: f64::INFINITY,
+                seed: 0,
+                tracks: false,
+            };
+            let tracks = Tracks::find(path, &settings)?;
+            name_damaged(&tracks);
+            let oracle = OracleSettings {
+                horizon_s: args.horizon,
+                ..OracleSettings::default()
+            };
+            let search = |place: usize| {
+                let plan = tracks.plan(place, &settings)?;
+                // A plan of a recording has a recorded ownship.
+                let answer = best_margin_of_tracks(&plan.world, &oracle);
+                Ok(Answer {
+                    encounter: place as u64,
+                    margin_m: answer.map_or(f64::NEG_INFINITY, |answer| answer.best_margin_m),
+                    track: answer.map(|answer| (plan.name, answer.start_s)),
+                })
+            };
+            let columns = format!("{COLUMNS},{TRACK_COLUMNS}");
+            search_all(args, &settings.model, &columns, tracks.len(), search)?;
+            verdict(&tracks, args.skip_damaged)
+        }
+    }
+}
+
+/// Searches encounters by their places and writes their rows in that order.
+fn search_all(
+    args: &OracleArgs,
+    model: &VehicleModel,
+    columns: &str,
+    count: usize,
+    search: impl Fn(usize) -> Result<Answer, Failure> + Sync,
+) -> Result<(), Failure> {
     let folder = args.out.prepare(&args.encounters)?;
     watch_for_interrupt();
     let path = folder.join("oracle.csv");
     let failed = |error| OutputError::new(&path, error);
     let mut file = AtomicFile::create(&path)?;
-    writeln!(file, "encounter,avoidable,best_margin_m").map_err(failed)?;
+    writeln!(file, "{columns}").map_err(failed)?;
     let mut avoidable = 0_usize;
     let mut line = Vec::new();
+    let places: Vec<usize> = (0..count).collect();
     args.threads.install(|| {
-        for block in encounters.chunks(BLOCK) {
-            let margins: Vec<f64> = block
-                .par_iter()
-                .map(|encounter| judge.best_margin_m(encounter))
-                .collect();
+        for block in places.chunks(BLOCK) {
+            let answers: Vec<Result<Answer, Failure>> =
+                block.par_iter().map(|place| search(*place)).collect();
             if interrupted() {
                 return Err(Failure::Interrupted);
             }
-            for (encounter, margin_m) in block.iter().zip(margins) {
-                let is_avoidable = margin_m >= AVOIDABLE_MARGIN_M;
+            for answer in answers {
+                let answer = answer?;
+                let is_avoidable = answer.margin_m >= AVOIDABLE_MARGIN_M;
                 avoidable += usize::from(is_avoidable);
                 line.clear();
-                line.extend_from_slice(format!("{},{is_avoidable},", encounter.id).as_bytes());
-                push_fixed(&mut line, margin_m, 6);
+                line.extend_from_slice(format!("{},{is_avoidable},", answer.encounter).as_bytes());
+                push_fixed(&mut line, answer.margin_m, 6);
+                if let Some((name, start_s)) = &answer.track {
+                    line.push(b',');
+                    push_csv_field(&mut line, name.as_bytes());
+                    line.push(b',');
+                    push_fixed(&mut line, *start_s, 3);
+                    line.extend_from_slice(format!(",{WHOLE_TRACKS}").as_bytes());
+                }
                 line.push(b'\n');
                 file.write_all(&line).map_err(failed)?;
             }
@@ -75,24 +164,22 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
         Ok(())
     })??;
     file.commit()?;
-    let share = avoidable as f64 / encounters.len() as f64;
+    let share = avoidable as f64 / count.max(1) as f64;
     args.answer.print(
         || {
             format!(
-                "{} encounters, vehicle {}: {avoidable} avoidable ({:.2} %); results in {}\n",
-                encounters.len(),
+                "{count} encounters, vehicle {}: {avoidable} avoidable ({:.2} %); results in {}\n",
                 model.name,
                 100.0 * share,
                 folder.display()
             )
         },
         &json!({
-            "encounters": encounters.len(),
+            "encounters": count,
             "vehicle": model.name,
             "avoidable": avoidable,
             "avoidable_share": share,
             "results": folder.display().to_string(),
         }),
-    )?;
-    Ok(ExitCode::SUCCESS)
+    )
 }

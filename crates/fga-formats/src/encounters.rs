@@ -12,8 +12,8 @@
 //! Lines that begin with `#` and blank lines are skipped. The rows of an encounter need not stand
 //! together.
 
+use crate::atomic;
 use crate::error::{InputError, OutputError, shown};
-use crate::{atomic, number};
 use core::str::from_utf8;
 use fga::situation::{Movement, Obstacle, ProtectedVolume};
 use glam::DVec3;
@@ -413,8 +413,8 @@ impl<W: Write> Writer<W> {
                 .chain(obstacle.velocity_mps.to_array())
                 .chain([obstacle.volume.radius_m()])
             {
-                self.row.push(b',');
-                number::push_fixed(&mut self.row, value, 6);
+                // As many digits as it takes to read the same number back.
+                write!(self.row, ",{value}")?;
             }
             if self.kinds {
                 write!(self.row, ",{}", kind_name(obstacle.movement)?)?;
@@ -431,18 +431,24 @@ impl<W: Write> Writer<W> {
     }
 }
 
-/// The word of the column `kind` for a movement.
-fn kind_name(movement: Movement) -> io::Result<&'static str> {
+/// The word of the column [`KIND_COLUMN`] for a movement; `None` for bounds that have no word.
+pub fn kind_of(movement: Movement) -> Option<&'static str> {
     match movement {
-        Movement::AtRest => Ok("still"),
-        Movement::Straight => Ok("straight"),
-        Movement::CREWED => Ok("aircraft"),
-        Movement::SMALL_UAS => Ok("uas"),
-        Movement::Aircraft(_) => Err(io::Error::new(
+        Movement::AtRest => Some("still"),
+        Movement::Straight => Some("straight"),
+        Movement::CREWED => Some("aircraft"),
+        Movement::SMALL_UAS => Some("uas"),
+        Movement::Aircraft(_) => None,
+    }
+}
+
+fn kind_name(movement: Movement) -> io::Result<&'static str> {
+    kind_of(movement).ok_or_else(|| {
+        io::Error::new(
             io::ErrorKind::InvalidData,
             "an obstacle's bounds are not those of a kind, expected still, straight, aircraft or uas",
-        )),
-    }
+        )
+    })
 }
 
 /// Writes a batch file, completely or not at all; with the column `kind` if any obstacle does not fly

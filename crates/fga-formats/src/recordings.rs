@@ -114,6 +114,34 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<Named>, InputError> {
     one(daa::parse(text, path)?)
 }
 
+/// Whether the bytes of a file are those of a recording, and not a table of encounters around a line:
+/// by the first line that is neither blank nor a comment.
+pub fn is_recording(bytes: &[u8], path: &Path) -> bool {
+    let Ok(text) = text_of(bytes, path) else {
+        return true;
+    };
+    let begin = text.trim_start_matches('\u{feff}').trim_start();
+    if begin.starts_with(['[', '{']) || degas::is_degas(begin) {
+        return true;
+    }
+    // Lines `key = value` come before the names of a recording's columns.
+    let header = begin
+        .lines()
+        .map(str::trim)
+        .find(|line| !line.is_empty() && !line.starts_with('#') && !line.contains('='));
+    let has = |names: &[&str]| {
+        header.is_some_and(|header| {
+            header
+                .split([',', ';', '\t', ' '])
+                .any(|field| names.contains(&field.to_ascii_lowercase().as_str()))
+        })
+    };
+    !has(&["encounter", "obstacle", "radius_m"])
+        && (has(&["time", "tm", "st", "clock"])
+            || begin.lines().take(50).any(received::is_message)
+            || path.extension().is_none_or(|ending| ending != "csv"))
+}
+
 /// The name of a file without its endings.
 fn name_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();

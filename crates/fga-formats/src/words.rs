@@ -1,4 +1,4 @@
-//! A decision in words: the threat, the manoeuvre and the reason.
+//! Words in files: a decision (the threat, the manoeuvre and the reason), and texts as CSV fields.
 
 use fga::angle::wrap_pi;
 use fga::avoider::{Candidate, Decision, Reason};
@@ -128,6 +128,25 @@ pub fn decision_words(
         parts.push(format!("to the other side: {}", candidate_words(other)));
     }
     parts.join("; ")
+}
+
+/// A text as a CSV field; quoted where it has to be.
+pub fn push_csv_field(line: &mut Vec<u8>, text: &[u8]) {
+    if !text
+        .iter()
+        .any(|byte| matches!(byte, b',' | b'"' | b'\n' | b'\r'))
+    {
+        line.extend_from_slice(text);
+        return;
+    }
+    line.push(b'"');
+    for &byte in text {
+        if byte == b'"' {
+            line.push(b'"');
+        }
+        line.push(byte);
+    }
+    line.push(b'"');
 }
 
 #[cfg(test)]

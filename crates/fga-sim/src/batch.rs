@@ -9,8 +9,13 @@
 //! Results do not depend on the number of threads: each encounter flies alone, with its own stream of
 //! noise, and rows come out in the order of the file.
 
+mod tracks;
+
+pub use tracks::{Tracks, fly_tracks};
+
 use fga::Vec3;
 use fga::avoider::SettingsError;
+use fga_formats::InputError;
 use fga_formats::encounters::Encounter;
 use fga_formats::number::push_fixed;
 use rayon::prelude::*;
@@ -33,6 +38,9 @@ const MISSION_LENGTH_M: f64 = 1e6;
 
 /// Columns of `results.csv`.
 pub const RESULT_COLUMNS: &str = "encounter,separated,min_separation_m,min_margin_m,start_s,clear_s,max_cross_track_m,extra_path_m,waypoints_missed";
+
+/// The column after them for encounters with names.
+pub const NAME_COLUMN: &str = "name";
 
 /// Columns of `timing.csv`.
 pub const TIMING_COLUMNS: &str = "encounter,decision_median_us,decision_max_us";
@@ -88,6 +96,9 @@ pub enum BatchError<E> {
         /// The vehicle's airspeed, metres per second.
         airspeed_mps: f64,
     },
+    /// A recording that cannot be read any more.
+    #[error(transparent)]
+    Input(#[from] InputError),
     /// `take` refused a row.
     #[error(transparent)]
     Sink(E),

@@ -27,6 +27,7 @@
 //! | [`batch`] | what is the result of many encounters? |
 //! | [`baselines`] | what would others fly? |
 //! | [`campaign`] | what is the result of millions of drawn encounters, policy by policy? |
+//! | [`drawn`], [`recorded`] | which encounters do files hold? |
 //! | [`encounters`] | which encounters does a generator make? |
 //! | [`fine`] | what is the real result of a manoeuvre? |
 //! | [`oracle`] | can any manoeuvre save an encounter? |
@@ -37,6 +38,7 @@ pub mod ahead;
 pub mod baselines;
 pub mod batch;
 pub mod campaign;
+pub mod drawn;
 pub mod encounters;
 pub mod engine;
 pub mod fine;
@@ -48,6 +50,7 @@ pub mod plan;
 pub mod plant;
 pub mod policy;
 pub mod progress;
+pub mod recorded;
 pub mod recording;
 pub mod run;
 pub mod scenario;

@@ -3,38 +3,40 @@
 use super::Recording;
 use crate::OutputError;
 use crate::atomic;
-use crate::number::push_fixed;
 use std::io::Write as _;
 use std::path::Path;
 
 /// Writes a recording in Cartesian columns of metres and metres per second, whole or not at all.
 ///
-/// Names may not hold commas, semicolons or line breaks: they become `_`.
+/// Numbers have as many digits as it takes to read the same numbers back. The parameters come first, as
+/// `key = value`. Names may not hold commas, semicolons or line breaks: they become `_`.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write(path: &Path, recording: &Recording) -> Result<(), OutputError> {
     atomic::write_with(path, |out| {
+        for (key, value) in &recording.parameters {
+            writeln!(out, "{} = {}", plain(key), plain(value))?;
+        }
         out.write_all(
             b"NAME, sx, sy, sz, vx, vy, vz, time\nunitless, [m], [m], [m], [m/s], [m/s], [m/s], [s]\n",
         )?;
-        let mut row = Vec::new();
         for track in &recording.aircraft {
-            let name = track
-                .name
-                .replace([',', ';', '\n', '\r', '"', '#', '='], "_");
+            let name = plain(&track.name);
             for sample in &track.samples {
-                row.clear();
-                row.extend_from_slice(name.as_bytes());
-                let (p, v) = (sample.position_m, sample.velocity_mps);
-                for value in [p.x, p.y, p.z, v.x, v.y, v.z, sample.time_s] {
-                    row.extend_from_slice(b", ");
-                    push_fixed(&mut row, value, 6);
-                }
-                row.push(b'\n');
-                out.write_all(&row)?;
+                let (p, v, t) = (sample.position_m, sample.velocity_mps, sample.time_s);
+                writeln!(
+                    out,
+                    "{name}, {}, {}, {}, {}, {}, {}, {t}",
+                    p.x, p.y, p.z, v.x, v.y, v.z
+                )?;
             }
         }
         Ok(())
     })
+}
+
+/// A text without the characters that mean something in the format.
+fn plain(text: &str) -> String {
+    text.replace([',', ';', '\n', '\r', '"', '#', '='], "_")
 }

@@ -5,18 +5,20 @@ use std::path::{Path, PathBuf};
 use fga::Vec3;
 use fga::angle::direction;
 use fga_formats::daa::Recording;
-use fga_formats::encounters::{self, Encounter};
+use fga_formats::encounters::Encounter;
 use fga_formats::{InputError, error::shown};
 use serde::{Deserialize, Serialize};
 
 use super::CampaignError;
-use super::sources::{self, ModelFile, RecordingSource, Recordings};
+use super::sources::{self, ModelFile};
 use crate::batch::{self, BatchSettings};
+use crate::drawn::{self, Origin};
 use crate::encounters::EncounterSource;
 use crate::encounters::modeled::ModelSource;
 use crate::fingerprint::fingerprint;
 use crate::oracle::{OracleSettings, OracleStart, OracleVehicle};
 use crate::policy::PolicyChoice;
+use crate::recorded::{RecordingSource, Recordings};
 use crate::toml_input::TomlText;
 use crate::vehicle_file::VehicleModel;
 use crate::world::World;
@@ -198,6 +200,8 @@ pub struct Drawn {
     pub source_encounter: u64,
     /// Its master seed.
     pub seed: u64,
+    /// The stream of its sensor noise.
+    pub stream: u64,
     /// Its source, an index into [`Campaign::source_names`].
     pub source: u32,
     /// Its name, an index into [`Campaign::encounter_names`], if it has one.
@@ -250,7 +254,7 @@ impl Campaign {
                 )
                 .into());
             }
-            files.push(encounters::parse(bytes.as_slice(), &source.path)?);
+            files.push(drawn::rows_in(&bytes, &source.path)?);
         }
         let file_names = configuration.files.iter().map(|file| {
             file.path
@@ -304,12 +308,6 @@ impl Campaign {
         if drawn + configuration.files.len() + configuration.recordings.len() == 0 {
             return other(
                 "the grid is empty, expected at least one cell, model, recording or file of encounters",
-            );
-        }
-        let tracks = configuration.recordings.len() + configuration.models.len();
-        if configuration.oracle && tracks > 0 {
-            return other(
-                "the oracle is asked for recordings or models, expected only cells and files of encounters: it knows straight movers only",
             );
         }
         let last = configuration.encounters - 1;
@@ -415,6 +413,7 @@ impl Campaign {
                             obstacles: encounter.obstacles.clone(),
                         }),
                         seed,
+                        stream: number,
                         source,
                         name: None,
                         weight: 1.0,
@@ -423,13 +422,15 @@ impl Campaign {
                 rest -= file.len();
             }
             let (recording, folder) = self.recordings.get(rest)?.ok_or_else(past)?;
+            let origin = Origin::of(&recording).map_err(CampaignError::Other)?;
             return Ok(Drawn {
                 scene: Scene::Tracks(recording),
                 source_encounter: rest as u64,
-                seed,
+                seed: origin.seed.unwrap_or(seed),
+                stream: origin.number.unwrap_or(number),
                 source: self.source_called(folder),
                 name: u32::try_from(rest).ok(),
-                weight: 1.0,
+                weight: origin.weight,
             });
         }
         let each = configuration.cells.len() + configuration.models.len();
@@ -448,6 +449,7 @@ impl Campaign {
                 scene: Scene::Tracks(drawn.recording),
                 source_encounter: number,
                 seed: source.seed(),
+                stream: number,
                 source: u32::try_from(first + model).unwrap_or(u32::MAX),
                 name: None,
                 weight: drawn.weight,
@@ -461,6 +463,7 @@ impl Campaign {
             scene: Scene::Rows(source.encounter(number)),
             source_encounter: number,
             seed: source.seed,
+            stream: number,
             source: u32::try_from(self.files.len() + kind).unwrap_or(u32::MAX),
             name: None,
             weight: 1.0,

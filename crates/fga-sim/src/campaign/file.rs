@@ -27,7 +27,6 @@
 use std::path::{Path, PathBuf};
 
 use fga_formats::InputError;
-use fga_formats::encounters;
 use fga_formats::error::{read_text, shown};
 use serde::Deserialize;
 use toml::Spanned;
@@ -35,9 +34,11 @@ use toml::Spanned;
 use super::Configuration;
 use super::configuration::{FileSource, block_size, parse_policy};
 use super::sources::{self, ModelFile};
+use crate::drawn;
 use crate::encounters::EncounterSource;
 use crate::encounters::modeled::{OwnshipFlight, Pairing};
 use crate::fingerprint::fingerprint;
+use crate::recorded;
 use crate::toml_input::TomlText;
 use crate::vehicle_file::VehicleModel;
 
@@ -206,7 +207,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         None => 60.0,
         Some(horizon_s) => text.within("horizon_s", horizon_s, (1.0, 86_400.0))?,
     };
-    let found = sources::find(&folders, &model)?;
+    let found = recorded::find(&folders, &model)?;
     let in_files = (files.iter().map(|f| f.encounters).sum::<u64>()
         + found.sources.iter().map(|f| f.encounters).sum::<u64>())
         * seeds.len() as u64;
@@ -290,7 +291,7 @@ fn encounter_files(
         let path = beside(name.get_ref());
         let bytes = std::fs::read(&path).map_err(|error| InputError::unreadable(&path, &error))?;
         files.push(FileSource {
-            encounters: encounters::parse(bytes.as_slice(), &path)?.len() as u64,
+            encounters: drawn::rows_in(&bytes, &path)?.len() as u64,
             sha256: fingerprint(&bytes),
             path: std::path::absolute(&path).unwrap_or(path),
         });

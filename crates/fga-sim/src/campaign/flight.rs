@@ -10,14 +10,15 @@ use fga_formats::encounters::Encounter;
 use super::configuration::{Drawn, Scene};
 use super::judge::{self, Judge};
 use super::metrics::Metrics;
-use super::sources::plan_of;
 use super::{Campaign, CampaignError};
 use crate::batch::{self, BatchRow, BatchSettings};
 use crate::engine::Engine;
 use crate::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
+    best_margin_of_tracks,
 };
 use crate::policy::{Pilot, PolicyChoice};
+use crate::recorded::plan_of;
 use crate::separation::Separation;
 use crate::world::World;
 
@@ -174,7 +175,12 @@ impl<'a> Flyer<'a> {
             .map_err(CampaignError::Other)?
             .world;
         world.seed = drawn.seed;
-        world.stream = number;
+        world.stream = drawn.stream;
+        let oracle_margin_m = self
+            .oracle
+            .as_ref()
+            .and_then(|(_, _, settings)| best_margin_of_tracks(&world, settings))
+            .map(|answer| kept(answer.best_margin_m));
         let nominal = self.judge.nominal(&world);
         let mut mission = PolicyChoice::Mission.pilot(&world.settings, &world.vehicle)?;
         self.engine.fly(&world, mission.as_mut(), &mut ());
@@ -197,7 +203,7 @@ impl<'a> Flyer<'a> {
                 number,
                 drawn,
                 policy: index,
-                oracle_margin_m: None,
+                oracle_margin_m,
                 metrics: metrics.rounded(),
                 flight_ns,
             };

@@ -11,7 +11,8 @@
 //! |---|---|
 //! | what does a campaign file contain? | [`mod@file`] |
 //! | what determines one campaign? | [`Configuration`], [`Campaign`] |
-//! | which recordings and models does it draw from? | [`sources`] |
+//! | which models does it draw from? | [`sources`] |
+//! | which recordings does it fly? | [`crate::recorded`] |
 //! | what is the result of one flown encounter? | [`Row`], [`metrics`] |
 //! | how do files hold rows? | [`table`] |
 //! | what is in a folder of results? | [`folder`] |

@@ -1,10 +1,10 @@
 //! Flies one encounter of a campaign alone and logs everything.
 
 use super::configuration::Scene;
-use super::sources::plan_of;
 use super::{Campaign, CampaignError};
 use crate::batch;
 use crate::policy::PolicyChoice;
+use crate::recorded::plan_of;
 use crate::run::{Plan, RunLog, fly};
 
 impl Campaign {
@@ -33,7 +33,7 @@ impl Campaign {
                 let mut plan =
                     plan_of(&recording, &name, &self.model).map_err(CampaignError::Other)?;
                 plan.world.seed = drawn.seed;
-                plan.world.stream = number;
+                plan.world.stream = drawn.stream;
                 plan
             }
         };

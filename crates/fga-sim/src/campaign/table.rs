@@ -9,6 +9,7 @@ use core::fmt::Write as _;
 use std::io::Write;
 
 use fga_formats::number::push_fixed;
+use fga_formats::words::push_csv_field;
 use parquet::basic::{Compression, Encoding};
 use parquet::column::reader::get_typed_column_reader;
 use parquet::column::writer::ColumnWriterImpl;
@@ -517,13 +518,13 @@ pub fn push_csv(line: &mut Vec<u8>, row: &Row, campaign: &Campaign) {
             }
             Column::Text(values) => {
                 if let Some(value) = values.first() {
-                    push_field(line, value.data());
+                    push_csv_field(line, value.data());
                 }
                 None
             }
             Column::MaybeText(values) => {
                 if let Some(value) = values.iter().flatten().next() {
-                    push_field(line, value.data());
+                    push_csv_field(line, value.data());
                 }
                 None
             }
@@ -531,23 +532,4 @@ pub fn push_csv(line: &mut Vec<u8>, row: &Row, campaign: &Campaign) {
         line.extend_from_slice(shown.unwrap_or_default().as_bytes());
     }
     line.push(b'\n');
-}
-
-/// A text as a CSV field; quoted where it has to be.
-fn push_field(line: &mut Vec<u8>, text: &[u8]) {
-    if !text
-        .iter()
-        .any(|byte| matches!(byte, b',' | b'"' | b'\n' | b'\r'))
-    {
-        line.extend_from_slice(text);
-        return;
-    }
-    line.push(b'"');
-    for &byte in text {
-        if byte == b'"' {
-            line.push(b'"');
-        }
-        line.push(byte);
-    }
-    line.push(b'"');
 }

@@ -8,6 +8,7 @@
 //! | question | answer |
 //! |---|---|
 //! | what is the largest margin that a manoeuvre keeps? | [`best_margin`] |
+//! | what is it among aircraft whose tracks are known? | [`best_margin_on_tracks`], [`best_margin_of_tracks`] |
 //! | which safe manoeuvre leaves the x axis least? | [`least_departure`] |
 //! | where does a manoeuvre lead? | [`OracleFlight`] |
 //!
@@ -29,15 +30,18 @@ mod linear;
 mod pattern;
 mod search;
 mod separation;
+mod tracks;
 mod tree;
 
 pub use departure::{DepartureAnswer, least_departure};
 pub use flight::{FlightNode, OracleFlight};
 pub use judge::Judge;
+pub use tracks::{TracksAnswer, best_margin_of_tracks};
 
 use fga::Vec3;
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
 use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
+use separation::Body;
 
 /// An encounter counts as avoidable from this margin on, metres.
 pub const AVOIDABLE_MARGIN_M: f64 = 0.1;
@@ -186,6 +190,16 @@ impl OracleObstacle {
     }
 }
 
+/// An aircraft on a known track: straight from point to point, absent before and after.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OracleTrack {
+    /// Times, seconds from the start of the search, strictly increasing, and positions in the air mass,
+    /// metres.
+    pub points_m: Vec<(f64, Vec3)>,
+    /// The protected volume.
+    pub volume: ProtectedVolume,
+}
+
 /// Wait, turn, fly straight, turn again, and straight on from there.
 ///
 /// The turns are at the full rate; each climb change begins with its turn, at the climb rate.
@@ -306,5 +320,20 @@ pub fn best_margin(
     obstacles: &[OracleObstacle],
     settings: &OracleSettings,
 ) -> OracleAnswer {
-    search::search(start, vehicle, obstacles, settings)
+    let bodies: Vec<Body> = obstacles.iter().map(Body::new).collect();
+    search::search(start, vehicle, &bodies, settings)
+}
+
+/// The same among aircraft on known tracks.
+///
+/// The oracle knows how they will fly, which no policy does: an avoidable encounter is one that hindsight
+/// saves, and a lost one is lost for every policy.
+pub fn best_margin_on_tracks(
+    start: &OracleStart,
+    vehicle: &OracleVehicle,
+    tracks: &[OracleTrack],
+    settings: &OracleSettings,
+) -> OracleAnswer {
+    let bodies: Vec<Body> = tracks.iter().map(Body::on_track).collect();
+    search::search(start, vehicle, &bodies, settings)
 }

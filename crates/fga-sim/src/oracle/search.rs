@@ -11,10 +11,7 @@ use super::flight::OracleFlight;
 use super::grid::Grid;
 use super::separation::{Body, least_margin};
 use super::tree::{Here, Tree};
-use super::{
-    OracleAnswer, OracleManeuver, OracleObstacle, OracleSettings, OracleStart, OracleVehicle,
-    Stages,
-};
+use super::{OracleAnswer, OracleManeuver, OracleSettings, OracleStart, OracleVehicle, Stages};
 
 /// Everything that one search needs; the arcs depend on the vehicle and the climb angle at the start.
 struct Problem<'a> {
@@ -276,18 +273,17 @@ pub(super) fn hold_all_the_way(start: &OracleStart, horizon_s: f64) -> OracleMan
 pub(super) fn search(
     start: &OracleStart,
     vehicle: &OracleVehicle,
-    obstacles: &[OracleObstacle],
+    bodies: &[Body],
     settings: &OracleSettings,
 ) -> OracleAnswer {
-    let bodies: Vec<Body> = obstacles.iter().map(Body::new).collect();
     let nothing = hold_all_the_way(start, settings.horizon_s);
     let enough = settings.enough_m.unwrap_or(f64::INFINITY);
-    let mut ascent = Ascent::new(start, vehicle, &bodies, settings.horizon_s, enough);
+    let mut ascent = Ascent::new(start, vehicle, bodies, settings.horizon_s, enough);
     let do_nothing = ascent.look(&nothing);
     let problem = Problem {
         start,
         vehicle,
-        bodies: &bodies,
+        bodies,
         horizon_s: settings.horizon_s,
         lead_s: vehicle.dead_time_s + vehicle.bank_time_constant_s,
     };
@@ -309,7 +305,7 @@ pub(super) fn search(
         || settings
             .enough_m
             .is_some_and(|enough| ascent.best.0 < enough - HOPELESS_M)
-        || at_its_limit(&problem, &bodies, &ascent)
+        || at_its_limit(&problem, bodies, &ascent)
     {
         return answer(ascent.best);
     }
@@ -332,7 +328,7 @@ fn at_its_limit(problem: &Problem<'_>, bodies: &[Body], found: &Ascent<'_>) -> b
     }) else {
         return false;
     };
-    let alone = [*limiting];
+    let alone = [limiting.clone()];
     let problem = Problem {
         bodies: &alone,
         ..*problem

@@ -8,17 +8,34 @@
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
 
-use super::OracleObstacle;
 use super::flight::{FlightNode, OracleFlight, hermite};
+use super::{OracleObstacle, OracleTrack};
 
 /// Accepted deviation of a curved piece from its chord, metres.
 const RESOLUTION_M: f64 = 5e-4;
 
-/// An obstacle with precomputed values for the loops.
+/// A straight piece of an obstacle's motion; it exists at no other time.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Body {
+struct Piece {
+    from_s: f64,
+    to_s: f64,
+    /// Its position at time 0, if it moved like this from there.
     position: Vec3,
     velocity: Vec3,
+}
+
+/// The motion of an obstacle.
+#[derive(Debug, Clone)]
+enum Motion {
+    Straight(Piece),
+    /// Pieces in the order of time.
+    Pieces(Vec<Piece>),
+}
+
+/// An obstacle with precomputed values for the loops.
+#[derive(Debug, Clone)]
+pub(super) struct Body {
+    motion: Motion,
     radius: f64,
     /// Half height of a cylinder; `None` for a sphere.
     half_height: Option<f64>,
@@ -27,7 +44,32 @@ pub(super) struct Body {
 
 impl Body {
     pub(super) fn new(obstacle: &OracleObstacle) -> Self {
-        let (radius, half_height) = match obstacle.volume {
+        let always = Piece {
+            from_s: f64::NEG_INFINITY,
+            to_s: f64::INFINITY,
+            position: obstacle.position_m,
+            velocity: obstacle.velocity_mps,
+        };
+        Self::with(&obstacle.volume, Motion::Straight(always))
+    }
+
+    /// An aircraft on a track.
+    pub(super) fn on_track(track: &OracleTrack) -> Self {
+        let pieces = track.points_m.windows(2).map(|pair| {
+            let ((from_s, from), (to_s, to)) = (pair[0], pair[1]);
+            let velocity = (to - from) / (to_s - from_s);
+            Piece {
+                from_s,
+                to_s,
+                position: from - velocity * from_s,
+                velocity,
+            }
+        });
+        Self::with(&track.volume, Motion::Pieces(pieces.collect()))
+    }
+
+    fn with(volume: &ProtectedVolume, motion: Motion) -> Self {
+        let (radius, half_height) = match *volume {
             ProtectedVolume::Sphere { radius_m } => (radius_m, None),
             ProtectedVolume::Cylinder {
                 radius_m,
@@ -36,8 +78,7 @@ impl Body {
         };
         let half = half_height.unwrap_or(0.0);
         Self {
-            position: obstacle.position_m,
-            velocity: obstacle.velocity_mps,
+            motion,
             radius,
             half_height,
             bounding: if half_height.is_some() {
@@ -48,9 +89,25 @@ impl Body {
         }
     }
 
-    /// Signed distance of `own` to the volume at `time_s`, metres.
+    /// The pieces that begin by `to_s` and do not end before `from_s`.
+    #[inline]
+    fn pieces(&self, from_s: f64, to_s: f64) -> &[Piece] {
+        match &self.motion {
+            Motion::Straight(piece) => core::slice::from_ref(piece),
+            Motion::Pieces(pieces) => {
+                let first = pieces.partition_point(|piece| piece.to_s < from_s);
+                let after = pieces.partition_point(|piece| piece.from_s <= to_s);
+                pieces.get(first..after).unwrap_or_default()
+            }
+        }
+    }
+
+    /// Signed distance of `own` to the volume at `time_s`, metres; infinite while it is absent.
     pub(super) fn margin(&self, own: Vec3, time_s: f64) -> f64 {
-        self.distance(own - self.position - self.velocity * time_s)
+        self.pieces(time_s, time_s)
+            .iter()
+            .map(|piece| self.distance(own - piece.position - piece.velocity * time_s))
+            .fold(f64::INFINITY, f64::min)
     }
 
     fn distance(&self, offset: Vec3) -> f64 {
@@ -70,8 +127,38 @@ impl Body {
     /// `p1` at `t1`.
     #[inline]
     pub(super) fn chord(&self, t0: f64, p0: Vec3, t1: f64, p1: Vec3, running: f64) -> f64 {
-        let a = p0 - self.position - self.velocity * t0;
-        let b = p1 - self.position - self.velocity * t1;
+        if let Motion::Straight(piece) = &self.motion {
+            return self.beside(piece, (t0, p0), (t1, p1), running);
+        }
+        let mut running = running;
+        let along = |time_s: f64| p0 + (p1 - p0) * ((time_s - t0) / (t1 - t0).max(1e-9));
+        for piece in self.pieces(t0, t1) {
+            let from = if piece.from_s > t0 {
+                (piece.from_s, along(piece.from_s))
+            } else {
+                (t0, p0)
+            };
+            let to = if piece.to_s < t1 {
+                (piece.to_s, along(piece.to_s))
+            } else {
+                (t1, p1)
+            };
+            running = self.beside(piece, from, to, running);
+        }
+        running
+    }
+
+    /// The same while the obstacle flies one piece.
+    #[inline]
+    fn beside(
+        &self,
+        piece: &Piece,
+        (t0, p0): (f64, Vec3),
+        (t1, p1): (f64, Vec3),
+        running: f64,
+    ) -> f64 {
+        let a = p0 - piece.position - piece.velocity * t0;
+        let b = p1 - piece.position - piece.velocity * t1;
         let d = b - a;
         let (dd, ad) = (d.dot(d), a.dot(d));
         let square = if ad >= 0.0 {

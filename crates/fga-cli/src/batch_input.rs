@@ -1,0 +1,146 @@
+//! The encounters of `fga batch`: around a line, or recorded.
+
+use std::process::ExitCode;
+
+use fga_formats::encounters::Encounter;
+use fga_results::provenance::file_fingerprint;
+use fga_sim::batch::{
+    BatchError, BatchRow, BatchSettings, Tracks, empty_world, fly_all, fly_tracks, plan, show,
+};
+use fga_sim::drawn::{self, Content};
+use fga_sim::run::RunLog;
+use fga_sim::vehicle_file::VehicleModel;
+
+use crate::batch::BatchArgs;
+use crate::failure::Failure;
+
+/// Longest time flown around a line without `--horizon`, seconds.
+pub(crate) const HORIZON_S: f64 = 60.0;
+
+/// The encounters and how they are flown.
+#[derive(Debug)]
+pub(crate) struct Input {
+    pub(crate) settings: BatchSettings,
+    /// Fingerprint of the files.
+    pub(crate) sha256: String,
+    encounters: Encounters,
+}
+
+#[derive(Debug)]
+enum Encounters {
+    Rows(Vec<Encounter>),
+    Tracks(Tracks),
+}
+
+impl Input {
+    /// Opens the path of the arguments; names recordings that cannot be used on standard error.
+    pub(crate) fn open(args: &BatchArgs) -> Result<Self, Failure> {
+        let path = &args.encounters;
+        let content = drawn::content(path)?;
+        let (model, longest_s) = match content {
+            Content::Rows => (args.vehicle.model()?, HORIZON_S),
+            Content::Tracks => (
+                args.vehicle
+                    .given()?
+                    .map_or_else(VehicleModel::recorded, Ok)?,
+                f64::INFINITY,
+            ),
+        };
+        let settings = BatchSettings {
+            model,
+            policy: args.policy.choice()?,
+            horizon_s: args.horizon.unwrap_or(longest_s),
+            seed: args.seed,
+            tracks: args.tracks,
+        };
+        Ok(match content {
+            Content::Rows => Self {
+                encounters: Encounters::Rows(drawn::read_rows(path)?),
+                sha256: file_fingerprint(&drawn::table_of(path))?,
+                settings,
+            },
+            Content::Tracks => {
+                let tracks = Tracks::find(path, &settings)?;
+                name_damaged(&tracks);
+                Self {
+                    sha256: tracks.sha256(),
+                    encounters: Encounters::Tracks(tracks),
+                    settings,
+                }
+            }
+        })
+    }
+
+    /// Names of the encounters, where they have names.
+    pub(crate) fn names(&self) -> Option<&[String]> {
+        match &self.encounters {
+            Encounters::Rows(_) => None,
+            Encounters::Tracks(tracks) => Some(tracks.names()),
+        }
+    }
+
+    /// The faults of files that were left out.
+    pub(crate) fn damaged(&self) -> &[String] {
+        match &self.encounters {
+            Encounters::Rows(_) => &[],
+            Encounters::Tracks(tracks) => tracks.damaged(),
+        }
+    }
+
+    /// Flies all of them in their order.
+    pub(crate) fn fly<E: Send>(
+        &self,
+        take: impl FnMut(&BatchRow) -> Result<(), E>,
+    ) -> Result<(), BatchError<E>> {
+        match &self.encounters {
+            Encounters::Rows(rows) => fly_all(rows, &self.settings, take),
+            Encounters::Tracks(tracks) => fly_tracks(tracks, &self.settings, take),
+        }
+    }
+
+    /// Flies one again and logs everything; `None` past the last.
+    pub(crate) fn show(&self, place: usize) -> Result<Option<RunLog>, Failure> {
+        let policy = &self.settings.policy;
+        match &self.encounters {
+            Encounters::Rows(rows) => {
+                let (Some(world), Some(encounter)) = (empty_world(&self.settings), rows.get(place))
+                else {
+                    return Ok(None);
+                };
+                let plan = plan(world, encounter, &self.settings.model);
+                Ok(Some(show(plan, policy)?))
+            }
+            Encounters::Tracks(tracks) => {
+                let plan = tracks.plan(place, &self.settings)?;
+                Ok(Some(fga_sim::run::fly(plan, policy, &mut |_| ())?))
+            }
+        }
+    }
+
+    /// Left-out recordings are an error unless `--skip-damaged` accepts them.
+    pub(crate) fn verdict(&self, skip_damaged: bool) -> Result<ExitCode, Failure> {
+        match &self.encounters {
+            Encounters::Rows(_) => Ok(ExitCode::SUCCESS),
+            Encounters::Tracks(tracks) => verdict(tracks, skip_damaged),
+        }
+    }
+}
+
+/// Names recordings that cannot be used on standard error.
+pub(crate) fn name_damaged(tracks: &Tracks) {
+    for damaged in tracks.damaged() {
+        eprintln!("fga: left out: {damaged}");
+    }
+}
+
+/// Left-out recordings are an error unless `--skip-damaged` accepts them.
+pub(crate) fn verdict(tracks: &Tracks, skip_damaged: bool) -> Result<ExitCode, Failure> {
+    let damaged = tracks.damaged().len();
+    if damaged == 0 || skip_damaged {
+        return Ok(ExitCode::SUCCESS);
+    }
+    Err(Failure::Input(format!(
+        "{damaged} of {} recordings cannot be used and were left out, the rest is flown; with --skip-damaged that is a success",
+        tracks.files()
+    )))
+}

@@ -1,0 +1,177 @@
+//! Columns of a Parquet file by name, whatever program wrote it.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use bytes::Bytes;
+use fga_formats::InputError;
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::DataType;
+use parquet::errors::ParquetError;
+use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
+
+/// Whether these are the bytes of a Parquet file.
+pub(super) fn is_parquet(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PAR1")
+}
+
+/// An open file.
+pub(super) struct Table<'a> {
+    reader: SerializedFileReader<Bytes>,
+    places: HashMap<String, usize>,
+    path: &'a Path,
+}
+
+/// One group of rows of it.
+pub(super) struct Group<'a> {
+    reader: Box<dyn RowGroupReader + 'a>,
+    places: &'a HashMap<String, usize>,
+    path: &'a Path,
+    /// Number of its rows.
+    pub(super) count: usize,
+}
+
+impl<'a> Table<'a> {
+    pub(super) fn open(bytes: Vec<u8>, path: &'a Path) -> Result<Self, InputError> {
+        let reader =
+            SerializedFileReader::new(Bytes::from(bytes)).map_err(|error| damaged(path, &error))?;
+        let schema = reader.metadata().file_metadata().schema_descr();
+        let places = schema
+            .columns()
+            .iter()
+            .map(|column| column.name().to_owned())
+            .zip(0..)
+            .collect();
+        Ok(Self {
+            reader,
+            places,
+            path,
+        })
+    }
+
+    /// Whether it has a column.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.places.contains_key(name)
+    }
+
+    /// Its groups of rows.
+    pub(super) fn groups(&self) -> impl Iterator<Item = Result<Group<'_>, InputError>> {
+        (0..self.reader.num_row_groups()).map(|index| {
+            let reader = self
+                .reader
+                .get_row_group(index)
+                .map_err(|error| damaged(self.path, &error))?;
+            let count = usize::try_from(reader.metadata().num_rows()).unwrap_or(0);
+            Ok(Group {
+                reader,
+                places: &self.places,
+                path: self.path,
+                count,
+            })
+        })
+    }
+}
+
+fn damaged(path: &Path, error: &ParquetError) -> InputError {
+    InputError::in_file(path, format!("is no readable Parquet file: {error}"))
+}
+
+impl Group<'_> {
+    /// A column of finite numbers.
+    pub(super) fn numbers(&self, name: &str) -> Result<Vec<f64>, InputError> {
+        let numbers: Vec<f64> = match self.column(name)? {
+            ColumnReader::DoubleColumnReader(column) => self.all(name, column)?,
+            ColumnReader::FloatColumnReader(column) => {
+                let values = self.all(name, column)?;
+                values.into_iter().map(f64::from).collect()
+            }
+            ColumnReader::Int32ColumnReader(column) => {
+                let values = self.all(name, column)?;
+                values.into_iter().map(f64::from).collect()
+            }
+            ColumnReader::Int64ColumnReader(column) => {
+                let values = self.all(name, column)?;
+                values.into_iter().map(|value| value as f64).collect()
+            }
+            _ => return Err(self.wrong(name, "numbers")),
+        };
+        match numbers.iter().find(|number| !number.is_finite()) {
+            None => Ok(numbers),
+            Some(number) => Err(self.error(format!(
+                "column {name} holds {number}, expected finite numbers"
+            ))),
+        }
+    }
+
+    /// A column of whole numbers from 0.
+    pub(super) fn wholes(&self, name: &str) -> Result<Vec<u64>, InputError> {
+        match self.column(name)? {
+            ColumnReader::Int64ColumnReader(column) => {
+                let values = self.all(name, column)?;
+                Ok(values.into_iter().map(i64::cast_unsigned).collect())
+            }
+            ColumnReader::Int32ColumnReader(column) => {
+                let values = self.all(name, column)?;
+                let whole = |value: i32| u64::from(value.cast_unsigned());
+                Ok(values.into_iter().map(whole).collect())
+            }
+            _ => Err(self.wrong(name, "whole numbers")),
+        }
+    }
+
+    /// A column of texts.
+    pub(super) fn texts(&self, name: &str) -> Result<Vec<String>, InputError> {
+        match self.column(name)? {
+            ColumnReader::ByteArrayColumnReader(column) => {
+                let values = self.all(name, column)?;
+                let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+                Ok(values.iter().map(|value| text(value.data())).collect())
+            }
+            _ => Err(self.wrong(name, "texts")),
+        }
+    }
+
+    fn column(&self, name: &str) -> Result<ColumnReader, InputError> {
+        let Some(&place) = self.places.get(name) else {
+            return Err(self.error(format!("has no column {name}, expected one")));
+        };
+        self.reader
+            .get_column_reader(place)
+            .map_err(|error| damaged(self.path, &error))
+    }
+
+    /// All values of a column without gaps.
+    fn all<T: DataType>(
+        &self,
+        name: &str,
+        mut column: ColumnReaderImpl<T>,
+    ) -> Result<Vec<T::T>, InputError> {
+        let (mut values, mut levels) = (Vec::with_capacity(self.count), Vec::new());
+        loop {
+            let (records, _, _) = column
+                .read_records(self.count, Some(&mut levels), None, &mut values)
+                .map_err(|error| damaged(self.path, &error))?;
+            if records == 0 {
+                break;
+            }
+        }
+        if values.len() == self.count {
+            return Ok(values);
+        }
+        Err(self.error(format!(
+            "column {name} has {} values in {} rows, expected one in each row",
+            values.len(),
+            self.count
+        )))
+    }
+
+    fn wrong(&self, name: &str, expected: &str) -> InputError {
+        self.error(format!(
+            "column {name} holds another kind of value, expected {expected}"
+        ))
+    }
+
+    fn error(&self, message: String) -> InputError {
+        InputError::in_file(self.path, message)
+    }
+}
