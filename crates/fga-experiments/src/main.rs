@@ -9,6 +9,7 @@
 //! | [`robustness`] | how many does the policy save with noise, wind and bank lag? |
 //! | [`baselines`] | which settings suit the baselines, and how do all policies compare? |
 //! | [`oracle`] | how many does the oracle save, and how long does it take? |
+//! | [`families`] | what goes wrong in strong wind, beside slow traffic, in formations, in gaps that close? |
 //! | [`flown`] | how many losses, needless manoeuvres and changes are there on recorded encounters? |
 //! | [`intruders`] | how many does the policy save when intruders turn, sight is imperfect, air is gusty? |
 //! | [`missions`] | how much of a mission is flown, and does the aircraft come back to it? |
@@ -16,6 +17,7 @@
 mod baselines;
 mod common;
 mod departures;
+mod families;
 mod flown;
 mod intruders;
 mod lost;
@@ -47,6 +49,8 @@ enum Experiment {
     Baselines(baselines::BaselinesArgs),
     /// Measure the oracle: the share that it saves, and its time.
     Oracle(oracle::OracleArgs),
+    /// Count the encounters in strong wind, beside slow traffic, in gaps that close, in which the policy fails.
+    Families(families::FamiliesArgs),
     /// Count losses, needless manoeuvres and changes in a folder of recordings of two aircraft.
     Flown(flown::FlownArgs),
     /// Count the encounters that the policy saves among intruders that turn, with imperfect sight and gusts.
@@ -62,6 +66,7 @@ fn main() -> ExitCode {
         Experiment::Robustness(args) => robustness::run(&args),
         Experiment::Baselines(args) => baselines::run(&args),
         Experiment::Oracle(args) => oracle::run(&args),
+        Experiment::Families(args) => families::run(&args),
         Experiment::Flown(args) => flown::run(&args),
         Experiment::Intruders(args) => {
             intruders::run(&args);

@@ -4,7 +4,6 @@
 //! Each encounter is drawn for the ground speed in its wind, whose direction rotates with the encounter's
 //! number. The oracle has the same limits and perfect sight. Every cause has an option, so that it can be
 //! left out.
-//! that one can be left out at a time.
 
 use clap::Args;
 use fga::Vec3;

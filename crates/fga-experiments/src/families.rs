@@ -1,0 +1,289 @@
+//! Encounters that are hard in ways of their own: strong wind, slow traffic alongside, formations, gaps that close,
+//! traffic that arrives together, a corridor. Is the aircraft kept clear where the oracle is, and is it back in time?
+//!
+//! The aircraft of Table 4 flies at one altitude; every obstacle keeps its velocity. "Kept clear" comes from the
+//! engine's separation over continuous time.
+
+use clap::{Args, ValueEnum};
+use fga::Vec3;
+use fga::situation::{Obstacle, ProtectedVolume};
+use fga_formats::encounters::Encounter;
+use fga_sim::batch::BatchSettings;
+use fga_sim::encounters::{Random, Range};
+use fga_sim::engine::Outcome;
+use fga_sim::oracle::{
+    AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
+};
+use fga_sim::wind::crab;
+use rayon::prelude::*;
+
+use crate::common::{self, model};
+
+/// Radius of every protected sphere, metres.
+const RADIUS_M: f64 = 30.0;
+
+/// Horizon of the oracle, seconds.
+const ORACLE_S: f64 = 60.0;
+
+/// Options of `families`.
+#[derive(Args, Debug)]
+pub(crate) struct FamiliesArgs {
+    /// Number of encounters of each family.
+    #[arg(value_parser = clap::value_parser!(u64).range(1..))]
+    count: u64,
+    /// Master seed.
+    #[arg(default_value_t = 1)]
+    seed: u64,
+    /// Fly only this family.
+    #[arg(long)]
+    only: Option<Family>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Family {
+    /// One sphere at rest ahead, wind of 30 to 80 % of the airspeed from any side.
+    Wind,
+    /// One to three aircraft ahead on nearly the same course at 30 to 95 % of the airspeed.
+    Slow,
+    /// Three to eight aircraft with one velocity, near that of the aircraft, around it.
+    Formation,
+    /// Two rows that close from both sides.
+    Squeeze,
+    /// Three to five fast ones that arrive together.
+    Pincer,
+    /// Two walls of spheres along the mission, and one aircraft that comes between them.
+    Corridor,
+}
+
+impl Family {
+    const ALL: [Self; 6] = [
+        Self::Wind,
+        Self::Slow,
+        Self::Formation,
+        Self::Squeeze,
+        Self::Pincer,
+        Self::Corridor,
+    ];
+
+    /// Time in which the aircraft is to be back, seconds.
+    const fn back_within_s(self) -> f64 {
+        match self {
+            Self::Wind => 400.0,
+            _ => 420.0,
+        }
+    }
+
+    fn wind_mps(self, airspeed_mps: f64, random: &mut Random) -> Vec3 {
+        match self {
+            Self::Wind => level(
+                any_course_rad(random),
+                airspeed_mps * within(random, 0.3, 0.8),
+            ),
+            _ => Vec3::ZERO,
+        }
+    }
+
+    /// The obstacles; `along_mps` is the speed of the aircraft over the ground on its mission.
+    fn draw(self, along_mps: f64, random: &mut Random) -> Vec<(Vec3, Vec3)> {
+        let mut all = Vec::new();
+        match self {
+            Self::Wind => {
+                let ahead_m = (along_mps * within(random, 15.0, 40.0)).max(2.0 * RADIUS_M);
+                let aside_m = within(random, -0.8, 0.8) * RADIUS_M;
+                all.push((Vec3::new(ahead_m, aside_m, 0.0), Vec3::ZERO));
+            }
+            Self::Slow => {
+                for _ in 0..random.count(1, 3) {
+                    let place_m = Vec3::new(
+                        within(random, 70.0, 300.0),
+                        within(random, -40.0, 40.0),
+                        0.0,
+                    );
+                    let speed_mps = along_mps * within(random, 0.3, 0.95);
+                    all.push((place_m, level(within(random, -0.1, 0.1), speed_mps)));
+                }
+            }
+            Self::Formation => {
+                let course_rad = within(random, -0.5, 0.5);
+                let velocity_mps = level(course_rad, along_mps * within(random, 0.7, 1.3));
+                for _ in 0..random.count(3, 8) {
+                    let distance_m = within(random, 60.0, 250.0);
+                    all.push((level(any_course_rad(random), distance_m), velocity_mps));
+                }
+            }
+            Self::Squeeze => {
+                let meets_s = within(random, 10.0, 25.0);
+                for side in [-1.0, 1.0] {
+                    let closes_mps = within(random, 3.0, 12.0);
+                    for _ in 0..random.count(1, 3) {
+                        let ahead_m = along_mps * (meets_s + within(random, -6.0, 6.0));
+                        let gap_m = within(random, 5.0, 45.0);
+                        let aside_m = side * (gap_m + closes_mps * meets_s);
+                        let velocity_mps =
+                            Vec3::new(within(random, -3.0, 3.0), -side * closes_mps, 0.0);
+                        all.push((Vec3::new(ahead_m, aside_m, 0.0), velocity_mps));
+                    }
+                }
+            }
+            Self::Pincer => {
+                let meets_s = within(random, 8.0, 20.0);
+                for _ in 0..random.count(3, 5) {
+                    let velocity_mps = level(any_course_rad(random), within(random, 20.0, 50.0));
+                    let miss_m = Vec3::new(
+                        within(random, -25.0, 25.0),
+                        within(random, -25.0, 25.0),
+                        0.0,
+                    );
+                    let meets_m = Vec3::X * (along_mps * meets_s) + miss_m;
+                    all.push((meets_m - velocity_mps * meets_s, velocity_mps));
+                }
+            }
+            Self::Corridor => {
+                let half_m = RADIUS_M + within(random, 35.0, 90.0);
+                for side in [-1.0, 1.0] {
+                    for k in 0..8 {
+                        let ahead_m = 120.0 + 55.0 * f64::from(k);
+                        all.push((Vec3::new(ahead_m, side * half_m, 0.0), Vec3::ZERO));
+                    }
+                }
+                let place_m = Vec3::new(
+                    within(random, 350.0, 900.0),
+                    within(random, -25.0, 25.0),
+                    0.0,
+                );
+                all.push((place_m, Vec3::new(-within(random, 5.0, 25.0), 0.0, 0.0)));
+            }
+        }
+        // Nobody begins inside a volume.
+        all.retain(|(place_m, _)| place_m.length() > 1.2 * RADIUS_M);
+        all
+    }
+}
+
+fn within(random: &mut Random, low: f64, high: f64) -> f64 {
+    random.within(Range(low, high))
+}
+
+/// Any course, radians.
+fn any_course_rad(random: &mut Random) -> f64 {
+    within(random, -core::f64::consts::PI, core::f64::consts::PI)
+}
+
+fn level(course_rad: f64, length: f64) -> Vec3 {
+    let (sin, cos) = libm::sincos(course_rad);
+    Vec3::new(cos, sin, 0.0) * length
+}
+
+/// The result of an encounter.
+struct Flown {
+    number: u64,
+    outcome: Outcome,
+    /// Where it was entered or the aircraft was not back: the oracle's margin, metres.
+    oracle_m: Option<f64>,
+    is_back: bool,
+}
+
+fn fly(family: Family, number: u64, seed: u64) -> Result<Flown, String> {
+    let mut random = Random::new(seed ^ ((family as u64) << 32), number);
+    let mut model = model(true)?;
+    let airspeed_mps = model.vehicle.airspeed_mps;
+    model.wind_mps = family.wind_mps(airspeed_mps, &mut random);
+    let (course_rad, climb_rad) = crab(Vec3::X, airspeed_mps, model.wind_mps)
+        .ok_or("the wind is too strong to hold the line")?;
+    let over_ground_mps =
+        fga::angle::direction(course_rad, climb_rad) * airspeed_mps + model.wind_mps;
+    let drawn = family.draw(over_ground_mps.x, &mut random);
+    let obstacles = drawn.into_iter().zip(0..);
+    let encounter = Encounter {
+        id: number,
+        obstacles: obstacles
+            .map(|((position_m, velocity_mps), id)| {
+                let volume = ProtectedVolume::Sphere { radius_m: RADIUS_M };
+                Obstacle::new(id, position_m, velocity_mps, volume)
+            })
+            .collect(),
+    };
+    let settings = BatchSettings {
+        model,
+        ..common::settings(
+            true,
+            fga_sim::policy::PolicyChoice::default(),
+            family.back_within_s(),
+        )?
+    };
+    let outcome = common::fly(&settings, &encounter, &mut ())?;
+    let is_back = outcome.start_s.is_none() || outcome.rejoined_s.is_some();
+    let oracle_m = (!outcome.separated() || !is_back).then(|| {
+        let start = OracleStart {
+            course_rad,
+            climb_rad,
+            ..OracleStart::ORIGIN
+        };
+        let obstacles: Vec<OracleObstacle> = encounter
+            .obstacles
+            .iter()
+            .map(|o| OracleObstacle::from(o).in_wind(settings.model.wind_mps))
+            .collect();
+        let oracle = OracleSettings {
+            horizon_s: ORACLE_S,
+            enough_m: Some(1.0),
+            ..OracleSettings::default()
+        };
+        let vehicle = OracleVehicle::from(&settings.model.vehicle);
+        best_margin(&start, &vehicle, &obstacles, &oracle).best_margin_m
+    });
+    Ok(Flown {
+        number,
+        outcome,
+        oracle_m,
+        is_back,
+    })
+}
+
+/// Flies the families and shows a row for each, and each encounter that went wrong although the oracle saves it.
+pub(crate) fn run(args: &FamiliesArgs) -> Result<(), String> {
+    println!(
+        "family,flown,acted,entered,lost although avoidable,not back in time,time back median s,most s"
+    );
+    let mut wrong = 0;
+    for family in Family::ALL {
+        if args.only.is_some_and(|only| only != family) {
+            continue;
+        }
+        let flown: Vec<Flown> = (0..args.count)
+            .into_par_iter()
+            .map(|number| fly(family, number, args.seed))
+            .collect::<Result<_, _>>()?;
+        let entered = flown.iter().filter(|f| !f.outcome.separated());
+        let avoidable = |f: &&Flown| f.oracle_m.is_some_and(|m| m >= AVOIDABLE_MARGIN_M);
+        let lost: Vec<&Flown> = entered.clone().filter(avoidable).collect();
+        let late: Vec<&Flown> = flown
+            .iter()
+            .filter(|f| f.outcome.separated() && !f.is_back)
+            .collect();
+        let mut back_s: Vec<f64> = flown.iter().filter_map(|f| f.outcome.rejoined_s).collect();
+        back_s.sort_by(f64::total_cmp);
+        println!(
+            "{family:?},{},{},{},{},{},{:.0},{:.0}",
+            flown.len(),
+            flown.iter().filter(|f| f.outcome.start_s.is_some()).count(),
+            entered.count(),
+            lost.len(),
+            late.len(),
+            back_s.get(back_s.len() / 2).copied().unwrap_or(f64::NAN),
+            back_s.last().copied().unwrap_or(f64::NAN)
+        );
+        for f in lost.iter().chain(&late) {
+            println!(
+                "  {}: {:.2} m, oracle {:.2} m, back {}",
+                f.number,
+                f.outcome.min_margin_m,
+                f.oracle_m.unwrap_or(f64::NAN),
+                f.is_back
+            );
+        }
+        wrong += lost.len() + late.len();
+    }
+    println!("all: {wrong} lost although avoidable or not back in time");
+    Ok(())
+}
