@@ -262,7 +262,7 @@ fn chain(
         }
         let joined = join(air.flyer, &candidate, &exit, &limits, air.meter);
         let room_m = candidate.length_m - lead_after(at, &candidate).max(0.0);
-        if joined.cross_m.abs() < 1.0 && (joined.along_m <= room_m || is_last) {
+        if joined.is_on_leg() && (joined.along_m <= room_m || is_last) {
             if !passes_all(legs, (index + 1, at), &exit, &joined, air) {
                 return None;
             }

@@ -21,6 +21,9 @@ const ON_COURSE_RAD: f64 = 1e-3;
 const EXACT_M: f64 = 1e-6;
 const LAGGED_M: f64 = 1e-3;
 
+/// A way that ends farther aside is none, metres.
+const JOINED_WITHIN_M: f64 = 1.0;
+
 /// Corrections of the two moments with the predicted flight.
 const CORRECTIONS: u32 = 3;
 
@@ -37,6 +40,13 @@ pub struct Join {
     pub cross_m: f64,
     /// Remaining height above the leg at that time, metres.
     pub above_m: f64,
+}
+
+impl Join {
+    /// Whether it ends on the leg: in strong wind the corrections of a turn of half a circle may fail.
+    pub const fn is_on_leg(&self) -> bool {
+        self.cross_m.abs() < JOINED_WITHIN_M
+    }
 }
 
 /// Limits that a way back keeps.

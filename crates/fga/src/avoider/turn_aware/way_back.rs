@@ -137,7 +137,7 @@ impl Avoider {
             nearest?
         } else {
             self.count_mission();
-            let way = way?;
+            let way = way.filter(|(joined, _)| joined.is_on_leg())?;
             if intercept_rad < SHALLOW_RAD && way.0.joined_s > SHALLOW_S {
                 return None;
             }
@@ -157,7 +157,15 @@ impl Avoider {
         self.count_mission();
         self.look_s = self.far_s;
         self.predict(&maneuver, now);
-        let ahead = self.way_ahead(plan, joined.joined_s, situation);
+        let on_leg = self.progress.leg(now).position(now.position_m, now.time_s);
+        let diameter_m = 2.0 * self.flyer.airspeed_mps() / self.flyer.course_rate_radps();
+        let goes_back =
+            index == self.progress.index() && joined.along_m < on_leg.along_m - diameter_m;
+        if goes_back && joined.joined_s > horizon_s {
+            // In strong wind a shallow way leads back for minutes.
+            return None;
+        }
+        let ahead = self.way_ahead(plan, (joined.joined_s, goes_back), situation);
         let back = Plan {
             maneuver,
             decided_s: situation.time_s,
@@ -218,7 +226,9 @@ impl Avoider {
             } else {
                 progress.way_back(mission, from, flyer, &limits, skipped)
             };
-            let Some((joined, index)) = way else { continue };
+            let Some((joined, index)) = way.filter(|(joined, _)| joined.is_on_leg()) else {
+                continue;
+            };
             let away_m = progress.departure_m(mission, from, flyer, (&joined, index));
             if best.is_none_or(|(least_m, _)| away_m < CLEARLY_NEARER * least_m) {
                 best = Some((away_m, (joined, index)));
@@ -270,8 +280,13 @@ impl Avoider {
         })
     }
 
-    /// The clearance of the way back in the path.
-    fn way_ahead(&self, plan: &Plan, joined_s: f64, situation: &Situation<'_>) -> WayAhead {
+    /// The clearance of the way back in the path, which arrives at a time and may go back along the leg.
+    fn way_ahead(
+        &self,
+        plan: &Plan,
+        (joined_s, goes_back): (f64, bool),
+        situation: &Situation<'_>,
+    ) -> WayAhead {
         let target_m = self.target_m;
         let horizon_s = self.look_s;
         let own = situation.ownship;
@@ -295,12 +310,12 @@ impl Avoider {
                 return WayAhead::Blocked;
             }
             if plan.against.contains(hazard.id) {
-                // Before the obstacle has passed it would be the same encounter again.
+                // Before the obstacle has passed, or from farther back, it would be the same encounter again.
                 let offset = hazard.position_m - own.position_m;
                 let relative = velocity_mps - hazard.velocity_mps;
                 let square = relative.length_squared().max(1e-9);
                 let passes_s = (offset.dot(relative) / square).limited(0.0, LONGEST_PASS_S);
-                if is_again || whole.at_s < passes_s + NEXT_ENCOUNTER_S {
+                if is_again || goes_back || whole.at_s < passes_s + NEXT_ENCOUNTER_S {
                     return WayAhead::Blocked;
                 }
             }
