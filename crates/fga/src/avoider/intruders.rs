@@ -61,6 +61,22 @@ pub(super) enum Freedom {
     Brief,
 }
 
+/// The distance that a search keeps beyond the volumes of aircraft.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Clearance {
+    /// More for choosing a manoeuvre than for keeping it, metres.
+    pub(super) beyond_m: f64,
+    /// The margin of the search itself, metres.
+    pub(super) margin_m: f64,
+}
+
+impl Clearance {
+    /// The growth of the volumes for a share of the bounds, metres.
+    fn growth_m(self, share: f64) -> f64 {
+        (TRACKING_M * share - self.margin_m).max(0.0) + self.beyond_m * share
+    }
+}
+
 /// The number of hazards available for one aircraft.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Room {
@@ -183,7 +199,7 @@ impl Motions {
         &mut self,
         hazard: &Hazard,
         (obstacle, trend): (&Obstacle, Trend),
-        (freedom, (beyond_m, margin_m)): (Freedom, (f64, f64)),
+        (freedom, clearance): (Freedom, Clearance),
         room: Room,
     ) {
         let Some(bounds) = obstacle.movement.bounds() else {
@@ -198,8 +214,7 @@ impl Motions {
             }
         };
         let mut hazard = *hazard;
-        let more_m = (TRACKING_M * climbs - margin_m).max(0.0) + beyond_m * climbs + speeds_m;
-        hazard.volume = hazard.volume.grown(more_m);
+        hazard.volume = hazard.volume.grown(clearance.growth_m(climbs) + speeds_m);
         let base = Base {
             hazard,
             stretch_mps: climbs
@@ -335,6 +350,11 @@ mod tests {
 
     const BOUNDS: MovementBounds = MovementBounds::CREWED;
 
+    const EXACT: Clearance = Clearance {
+        beyond_m: 0.0,
+        margin_m: 0.0,
+    };
+
     fn intruder() -> Obstacle {
         let volume = ProtectedVolume::Cylinder {
             radius_m: 150.0,
@@ -355,12 +375,7 @@ mod tests {
         let obstacle = intruder();
         let mut motions = Motions::new();
         let hazard = Hazard::new(0, &obstacle, Vec3::ZERO, 3.0);
-        motions.add_aircraft(
-            &hazard,
-            (&obstacle, trend),
-            (freedom, (0.0, 0.0)),
-            Room::Turns,
-        );
+        motions.add_aircraft(&hazard, (&obstacle, trend), (freedom, EXACT), Room::Turns);
         motions
     }
 
@@ -407,6 +422,18 @@ mod tests {
                 && off.x.hypot(off.y) <= room_m
                 && off.z.abs() <= now_m + more_mps * at_s + room_m
         })
+    }
+
+    #[test]
+    fn the_margin_counts_towards_the_distance_for_tracking_errors() {
+        let growth_m = |beyond_m, margin_m, share| {
+            let clearance = Clearance { beyond_m, margin_m };
+            clearance.growth_m(share)
+        };
+        assert_eq!(growth_m(0.0, 0.0, 1.0), TRACKING_M);
+        assert_eq!(growth_m(0.0, 4.0, 1.0), TRACKING_M - 4.0);
+        assert_eq!(growth_m(3.0, 9.0, 1.0), 3.0);
+        assert_eq!(growth_m(3.0, 4.0, 0.0), 0.0);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The obstacles that matter for a decision, in a buffer of fixed size.
 
 use crate::Vec3;
-use crate::avoider::intruders::{Freedom, Motions, Room, Trend};
+use crate::avoider::intruders::{Clearance, Freedom, Motions, Room, Trend};
 use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
 use crate::situation::Situation;
 use crate::situation::{Movement, Obstacle, ProtectedVolume};
@@ -145,13 +145,12 @@ impl Tracks {
             .all(|(hazard, _)| (hazard.position_m - own_m).dot(hazard.velocity_mps - own_mps) > 0.0)
     }
 
-    /// Replaces the hazards by the possible motions of aircraft, with this distance beyond their volumes and for a
-    /// search with this margin, metres; obstacles that keep their velocity stay the same.
+    /// Replaces the hazards by the possible motions of aircraft; obstacles that keep their velocity stay the same.
     pub(super) fn withstand(
         &mut self,
         freedom: impl Fn(&Hazard) -> Freedom,
         own_m: Vec3,
-        (beyond_m, margin_m): (f64, f64),
+        clearance: Clearance,
     ) {
         self.motions.clear();
         self.moving = true;
@@ -179,7 +178,7 @@ impl Tracks {
         {
             let may_turn = room > 0 && (hazard.margin_m(own_m, 0.0), place) <= last;
             let room = if may_turn { Room::Turns } else { straight };
-            let freedom = (freedom(hazard), (beyond_m, margin_m));
+            let freedom = (freedom(hazard), clearance);
             self.motions
                 .add_aircraft(hazard, (known, *trend), freedom, room);
         }
@@ -534,7 +533,11 @@ mod tests {
             };
             let mut tracks = Tracks::new();
             tracks.load(&situation, f64::INFINITY, 60.0, 3.0);
-            tracks.withstand(|_| Freedom::Share(1.0), Vec3::ZERO, (0.0, 0.0));
+            let exact = Clearance {
+                beyond_m: 0.0,
+                margin_m: 0.0,
+            };
+            tracks.withstand(|_| Freedom::Share(1.0), Vec3::ZERO, exact);
             for id in 0..count {
                 let has = tracks.hazards().rows().iter().any(|hazard| hazard.id == id);
                 assert!(has, "{id} of {count}");

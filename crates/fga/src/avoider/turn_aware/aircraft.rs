@@ -7,7 +7,7 @@
 
 use crate::Vec3;
 use crate::angle::Side;
-use crate::avoider::intruders::Freedom;
+use crate::avoider::intruders::{Clearance, Freedom};
 use crate::avoider::{Against, Avoider, Decision, Plan, Reason, Start, State, Threat};
 use crate::certificate::Hazard;
 use crate::limit::Limit as _;
@@ -381,8 +381,9 @@ impl Avoider {
 
     /// Replaces the hazards by the possible motions of aircraft, with this distance beyond their volumes, metres.
     pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
-        let beyond_m = (beyond_m, self.target_m);
-        self.tracks.withstand(|_| freedom, own_m, beyond_m);
+        let margin_m = self.target_m;
+        let clearance = Clearance { beyond_m, margin_m };
+        self.tracks.withstand(|_| freedom, own_m, clearance);
         self.count_motions();
     }
 
@@ -419,7 +420,11 @@ impl Avoider {
                 Freedom::Brief
             }
         };
-        self.tracks.withstand(freedom, own_m, (0.0, self.target_m));
+        let clearance = Clearance {
+            beyond_m: 0.0,
+            margin_m: self.target_m,
+        };
+        self.tracks.withstand(freedom, own_m, clearance);
         self.count_motions();
         self.look_s = BACK_WITHSTANDS_S;
         let target_m = self.target_m;
