@@ -21,7 +21,7 @@ pub use plan::planned_line;
 
 pub(crate) use self::aim::Way;
 use self::corner::{Air, Corner, Legs, arrival, corner};
-use self::join::{Join, JoinLimits, is_on_leg, join, join_roughly};
+use self::join::{Join, JoinLimits, has_entered, is_on_leg, join, join_roughly};
 use self::leg::Leg;
 use self::turnaround::turnaround;
 use crate::Vec3;
@@ -305,7 +305,7 @@ impl Progress {
                 self.turn = None;
                 self.from_start = false;
             }
-        } else if is_on_leg(&leg, state) {
+        } else if is_on_leg(&leg, state) || has_entered(&leg, state, radius_m) {
             self.from_start = false;
         }
     }

@@ -16,6 +16,11 @@ pub(super) const ON_LEG_M: f64 = 0.05;
 /// Largest course error on the leg, radians.
 const ON_COURSE_RAD: f64 = 1e-3;
 
+/// An aircraft that flies along a leg, past its beginning, within this distance and angle, has entered it, whoever flew it
+/// there: turn radii and radians.
+const ENTERED_RADII: f64 = 0.3;
+const ENTERED_RAD: f64 = 0.2;
+
 /// A way onto a leg is corrected until no more than this is left, metres: without bank lag and with it.
 const EXACT_M: f64 = 1e-6;
 const LAGGED_M: f64 = 1e-3;
@@ -45,6 +50,14 @@ pub struct JoinLimits {
     pub intercept_rad: f64,
     /// Steepest descent and climb, radians.
     pub climb_limits_rad: (f64, f64),
+}
+
+/// Whether the aircraft flies along the leg, past its beginning and near it.
+pub(super) fn has_entered(leg: &Leg, state: &MotionState, radius_m: f64) -> bool {
+    let position = leg.position(state.position_m, state.time_s);
+    position.along_m > 0.0
+        && position.cross_m.abs() < ENTERED_RADII * radius_m
+        && leg.turn_onto_rad(state).abs() < ENTERED_RAD
 }
 
 /// Whether the aircraft flies along the leg, on it.
