@@ -1,7 +1,7 @@
 """Scenarios of BlueSky, flown headless with each conflict resolution, and judged by code of their own.
 
 `python bluesky_flights.py FOLDER SCENARIO…` prints a table. A scenario is a command of BlueSky's generator of
-conflicts, such as `SYN SUPER 8`, or the path of a scenario file. BlueSky runs in this process without its server,
+conflicts, such as `SYN SUPER 8`, a formation (`WALL 20`, `MATRIX 3`), or the path of a scenario file. BlueSky runs in this process without its server,
 stepped from here: its own loop waits for real time and ends only when it is told QUIT.
 """
 
@@ -25,8 +25,32 @@ _EARTH_M = 6_371_000.0
 _NOT_OURS = ("RESO", "RMETHH", "RMETHV", "RFACH", "RFACV", "PRIORULES", "HOLD", "FF", "QUIT", "PLUGIN", "DTMULT", "SCEN", "ASAS", "CDMETHOD")
 
 
+def formation(name: str, size: int) -> list[str]:
+    """Commands for WALL and MATRIX of BlueSky's generator, whose own ones fail in version 1.1.1.
+
+    They take the zone's radius from the traffic, which has none yet. Distances as there: 1.1 zones between neighbours.
+    """
+    apart = 1.1 * ZONE_M / 111_319.0
+    places = []
+    if name == "WALL":
+        places.append(("OWNSHIP", 0.0, -0.6, 90))
+        places += [(f"OTHER{k}", (k - size // 2) * apart, 0.6, 270) for k in range(size)]
+    else:
+        # What an aircraft of 200 m/s flies in 5.5 minutes.
+        out = apart * (size - 1) / 2 + 200 * 1.1 * 300 / 111_319.0
+        for k in range(size):
+            beside = (k - (size - 1) / 2) * apart
+            places += [(f"NORTH{k}", out, beside, 180), (f"SOUTH{k}", -out, beside, 0)]
+            places += [(f"EAST{k}", beside, out, 270), (f"WEST{k}", beside, -out, 90)]
+    # Mach 0.63 at 20,000 ft is 200 m/s.
+    return [f"CRE {acid} B744 {lat:.6f} {lon:.6f} {track} 20000 0.63" for acid, lat, lon, track in places]
+
+
 def commands_of(scenario: str) -> list[tuple[float, str]]:
     """Times and commands of a scenario file, without those that choose the resolution or the pace."""
+    name, _, size = scenario.partition(" ")
+    if name in ("WALL", "MATRIX"):
+        return [(0.0, command) for command in formation(name, int(size))]
     if not scenario.lower().endswith(".scn"):
         return [(0.0, scenario)]
     commands = []

@@ -81,7 +81,7 @@ def main() -> int:
             table = fga.batch(here / "encounters.csv", threads=1).to_csv()
             took_s, after = time.monotonic() - begun, os.times()
             own_s = after.user - before.user
-            command = [told.program, "batch", "encounters.csv", "--threads", "1", "--out", "out"]
+            command = [os.path.abspath(told.program), "batch", "encounters.csv", "--threads", "1", "--out", "out"]
             subprocess.run(command, cwd=here, capture_output=True, check=False)
             program_s = os.times().children_user - after.children_user
             ratios.append(program_s / own_s)

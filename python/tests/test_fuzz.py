@@ -1,6 +1,6 @@
 """Wrong input from Python: exceptions, never a crash of the interpreter.
 
-FGA_FUZZ sets the number of cases for each function; the evidence uses 10000.
+FGA_FUZZ sets the number of cases for each function, 10000 for a long run.
 """
 
 import copy

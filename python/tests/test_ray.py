@@ -150,6 +150,25 @@ def test_a_place_that_cannot_be_written_is_an_error_before_anything_is_flown(fil
             fga_ray.run(file, folder, encounters=300, address="nowhere")
 
 
+def test_what_no_cluster_is_needed_for_is_said_before_one_is_looked_for(file, tmp_path):
+    with pytest.raises(ValueError, match="in_flight is 0, expected at least 1"):
+        fga_ray.run(file, tmp_path / "out", address="nowhere", in_flight=0)
+    with pytest.raises(ValueError, match="in_flight is -1, expected at least 1"):
+        fga_ray.dry_run(5, address="nowhere", in_flight=-1)
+
+
+def test_a_cluster_that_does_not_start_is_a_clear_error(monkeypatch):
+    def init(**_):
+        raise Exception("The current node timed out during startup.")  # noqa: TRY002
+
+    class Ray:
+        is_initialized = staticmethod(lambda: False)
+
+    Ray.init = staticmethod(init)
+    with pytest.raises(OSError, match="the Ray cluster local does not answer: The current node timed out"):
+        fga_ray._connected(Ray, "local")
+
+
 def test_a_place_of_another_campaign_is_refused(file, tmp_path):
     fga.Campaign(file, encounters=300).open(tmp_path / "out")
     with pytest.raises(ValueError, match="another configuration"):

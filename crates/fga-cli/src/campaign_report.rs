@@ -149,6 +149,14 @@ impl Gathered {
             };
             let [nmac, lowc, do365] = &risk.losses;
             case.nmac = lost(nmac, risk, true);
+            case.nmac.tail = risk.tail().map(|tail| {
+                let estimate = Estimate {
+                    value: tail.ratio,
+                    low: tail.interval.low,
+                    high: tail.interval.high,
+                };
+                (tail.above, estimate)
+            });
             case.lowc = lost(lowc, risk, true);
             case.do365 = lost(do365, risk, false);
             case.acted = risk.acted;
@@ -289,6 +297,7 @@ fn lost(count: &LossCount, risk: &PolicyRisk, with_curve: bool) -> Lost {
         nominal_rate,
         rate,
         ratio: count.ratio().as_ref().map(estimate),
+        tail: None,
         convergence: if with_curve {
             let curve = count.convergence(risk.encounters);
             curve
@@ -379,7 +388,16 @@ fn assumed(campaign: &Campaign) -> Vec<(String, String)> {
         "wind",
         format!("{} m/s east, {} north, {} up", wind.x, wind.y, wind.z),
     );
-    add("sensor", sensor_words(&model.sensor));
+    if configuration.sensors.is_empty() {
+        add("sensor", sensor_words(&model.sensor));
+    }
+    for (number, source) in (1..).zip(&configuration.sensors) {
+        let name = source.name.as_ref().map_or_else(
+            || format!("sensor {number}"),
+            |name| format!("sensor {name}"),
+        );
+        add(&name, sensor_words(&source.settings()));
+    }
     add(
         "intruders",
         "do not react; the ownship hears their rows and carries them on for two seconds".into(),
@@ -418,12 +436,44 @@ fn sensor_words(sensor: &SensorSettings) -> String {
     } else {
         "a look at each decision".into()
     };
-    format!(
+    let mut words = format!(
         "{range}, {rate}, field of regard {:.0}°, detection probability {}, delay {} s, noise {} m and {} m/s",
         sensor.field_of_regard_rad.to_degrees(),
         sensor.detection_probability,
         sensor.delay_s,
         sensor.position_sigma_m,
         sensor.velocity_sigma_mps,
-    )
+    );
+    let mut also = |given: bool, more: String| {
+        if given {
+            words.push_str(", ");
+            words.push_str(&more);
+        }
+    };
+    if let Some(sigma_m) = sensor.altitude_sigma_m {
+        also(true, format!("altitude noise {sigma_m} m"));
+    }
+    also(
+        sensor.position_bias_m > 0.0 || sensor.altitude_bias_m > 0.0,
+        format!(
+            "lasting errors {} m and {} m in altitude",
+            sensor.position_bias_m, sensor.altitude_bias_m
+        ),
+    );
+    also(
+        sensor.equipped_share < 1.0,
+        format!("sees {} of the intruders", sensor.equipped_share),
+    );
+    also(
+        sensor.dropouts_per_min > 0.0,
+        format!(
+            "{} interruptions a minute of {} s",
+            sensor.dropouts_per_min, sensor.dropout_s
+        ),
+    );
+    also(
+        sensor.coast_s > 0.0,
+        format!("extrapolates for {} s", sensor.coast_s),
+    );
+    words
 }

@@ -503,3 +503,164 @@ fn the_check_case_of_degas_loses_well_clear_as_it_should() {
     let severity = number("nominal_severity");
     assert!(severity > 0.0 && severity < 1.0, "{severity}");
 }
+
+/// Killed in the middle (no handler runs), resumed, and in parts of which one was killed too: the same bytes.
+#[test]
+fn a_campaign_of_models_that_was_killed_goes_on_to_the_same_bytes() {
+    let folder = written();
+    let at = folder.path();
+    let count = ["--encounters", "600", "--policy", "turn-aware"];
+    let whole = [&MODELED[..], &count, &["--out", "whole"]].concat();
+    run(at, &whole, &[]);
+    let killed = |out: &str, shard: &[&str]| {
+        let command = [
+            &MODELED[..],
+            &count,
+            &["--threads", "1", "--out", out],
+            shard,
+        ]
+        .concat();
+        let mut flying = std::process::Command::new(env!("CARGO_BIN_EXE_fga"))
+            .current_dir(at)
+            .args(&command)
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        // The first finished block.
+        let has_block = || {
+            fs::read_dir(at.join(out).join("blocks")).is_ok_and(|entries| {
+                entries
+                    .filter_map(Result::ok)
+                    .any(|entry| entry.file_name().to_string_lossy().starts_with("block-"))
+            })
+        };
+        while !has_block() && flying.try_wait().unwrap().is_none() {
+            std::thread::sleep(core::time::Duration::from_millis(2));
+        }
+        let was_flying = flying.try_wait().unwrap().is_none();
+        flying.kill().unwrap();
+        flying.wait().unwrap();
+        assert!(was_flying, "{out} was flown before it could be killed");
+        assert!(!at.join(out).join("results.parquet").exists());
+        run(at, &command, &["--resume"]);
+    };
+    killed("killed", &[]);
+    assert_eq!(bytes(at, "whole"), bytes(at, "killed"));
+    killed("first", &["--shard", "1/2"]);
+    let second = [&MODELED[..], &count, &["--shard", "2/2", "--out", "second"]].concat();
+    run(at, &second, &[]);
+    run(
+        at,
+        &["campaign", "merge", "first", "second", "--out", "merged"],
+        &[],
+    );
+    assert_eq!(bytes(at, "whole"), bytes(at, "merged"));
+    for file in ["risk.csv", "convergence.csv"] {
+        let text = |out: &str| fs::read_to_string(at.join(out).join(file)).unwrap();
+        assert_eq!(text("whole"), text("killed"), "{file}");
+        assert_eq!(text("whole"), text("merged"), "{file}");
+    }
+}
+
+/// Two sources instead of the vehicle's: what neither can see nobody avoids.
+#[test]
+fn sources_of_a_campaign_limit_what_its_policies_know() {
+    let folder = written();
+    let at = folder.path();
+    let with = |name: &str, tables: &str| {
+        fs::write(at.join(name), format!("{CAMPAIGN}{tables}")).unwrap();
+        let command = ["campaign", "run", name, "--recordings", "flights"];
+        fga_in(
+            at,
+            &[
+                &command[..],
+                &["--csv", "--out", name.trim_end_matches(".toml")],
+            ]
+            .concat(),
+        )
+    };
+    let radar = "[[sensor]]\nname = 'radar'\nrange_m = 20.0\n";
+    let receiver = |share: f64| {
+        format!(
+            "[[sensor]]\nname = 'receiver'\nequipped_share = {share:?}\nupdate_rate_hz = 1.0\nposition_sigma_m = 10.0\n\
+             altitude_sigma_m = 8.0\nvelocity_sigma_mps = 1.0\nposition_bias_m = 20.0\naltitude_bias_m = 10.0\n\
+             dropouts_per_min = 1.0\ndropout_s = 3.0\ncoast_s = 5.0\ndelay_s = 0.5\ndetection_probability = 0.9\ntracked = true\n"
+        )
+    };
+    let blind = with("blind.toml", &format!("{radar}{}", receiver(0.0)));
+    assert!(blind.status.success(), "{}", errors(&blind));
+    let seeing = with("seeing.toml", &format!("{radar}{}", receiver(1.0)));
+    assert!(seeing.status.success(), "{}", errors(&seeing));
+    let lost = |out: &str| -> Vec<String> {
+        rows(&at.join(out).join("results.csv"))
+            .iter()
+            .filter(|row| row["policy"] == "turn-aware")
+            .map(|row| row["nmac"].clone())
+            .collect()
+    };
+    assert_eq!(lost("blind"), ["true", "false", "false"]);
+    assert_eq!(lost("seeing"), ["false", "false", "false"]);
+    let report = fga_in(at, &["campaign", "report", "seeing"]);
+    assert!(report.status.success(), "{}", errors(&report));
+    let page = fs::read_to_string(at.join("seeing/report.html")).unwrap();
+    assert!(page.contains("sensor receiver") && page.contains("lasting errors 20 m and 10 m"));
+    let wrong = with("wrong.toml", "[[sensor]]\nequipped_share = 2.0\n");
+    assert_eq!(wrong.status.code(), Some(1));
+    let said = errors(&wrong);
+    assert!(
+        said.contains("wrong.toml, line 4: equipped_share is 2, expected 0 to 1"),
+        "{said}"
+    );
+}
+
+/// The airspeed of a straight ownship comes from its range, and every speed of it happens.
+#[test]
+fn ownship_speeds_are_drawn_from_their_range() {
+    let folder = written();
+    let at = folder.path();
+    let model = "[[model]]\nfile = 'm.txt'\ncpa_s = 60\nduration_s = 80\nownship_speed_mps = [15.0, 60.0]\n";
+    let text = format!("{CAMPAIGN}encounters = 60\nseeds = [5]\n{model}");
+    fs::write(at.join("speeds.toml"), text).unwrap();
+    let command = ["campaign", "run", "speeds.toml", "--policy", "none"];
+    run(at, &command, &["--csv", "--out", "out"]);
+    let speeds = &columns(&at.join("out/results.csv"))["ownship_mps"];
+    assert_eq!(speeds.len(), 60);
+    assert!(speeds.iter().all(|speed| (15.0..=60.0).contains(speed)));
+    let slow = speeds.iter().filter(|speed| **speed < 30.0).count();
+    let fast = speeds.iter().filter(|speed| **speed > 45.0).count();
+    assert!(slow > 5 && fast > 10, "{slow} slow, {fast} fast");
+}
+
+/// Weights that mean nothing are refused, and so is a unit nobody knows.
+#[test]
+fn weights_and_units_that_mean_nothing_are_refused() {
+    let folder = written();
+    let at = folder.path();
+    for weight in ["0", "-1", "NaN", "inf", "much"] {
+        let text = format!("fga_weight = {weight}\n{}", head_on(50.0, 10.0));
+        fs::write(at.join("flights/b-lowc.daa"), text).unwrap();
+        let output = fga_in(at, &[&RECORDED[..], &["--out", "weights"]].concat());
+        assert_eq!(output.status.code(), Some(1));
+        let said = errors(&output);
+        let expected =
+            format!("b-lowc.daa: fga_weight is \"{weight}\", expected a positive number");
+        assert!(said.contains(&expected), "{said}");
+        assert!(said.contains("1 of 3 recordings cannot be used"), "{said}");
+        fs::remove_dir_all(at.join("weights")).unwrap();
+    }
+    fs::write(at.join("c.conf"), "lookahead_time = 180 [fortnight]\n").unwrap();
+    fs::write(at.join("one.daa"), head_on(0.0, 0.0)).unwrap();
+    for command in ["alerts", "bands"] {
+        let output = fga_in(
+            at,
+            &[command, "one.daa", "--config", "c.conf", "--out", "out"],
+        );
+        assert_eq!(output.status.code(), Some(1));
+        let said = errors(&output);
+        assert!(
+            said.contains("c.conf") && said.contains("fortnight"),
+            "{said}"
+        );
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+}

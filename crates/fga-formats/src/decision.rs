@@ -39,6 +39,7 @@ pub fn to_json(
         "latest_start_s": record.latest_start_s,
         "resilience": record.resilience,
         "in_need": record.in_need,
+        "clock_set_back": record.clock_set_back,
         "start_s": record.start_s,
         "command": maneuver(&decision.command),
         "chosen": record.chosen.as_ref().map(candidate),

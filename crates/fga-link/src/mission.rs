@@ -316,6 +316,9 @@ const MOST_WAYPOINTS: usize = 12;
 const MOST_JUMPS: u32 = 4;
 /// Waypoints closer together than this count as one, metres.
 const SAME_PLACE_M: f64 = 1.0;
+/// An aircraft this near to a leg, or with its end ahead within this angle of the leg's direction, flies along it: m and rad.
+const NEAR_LEG_M: f64 = 200.0;
+const ALONG_RAD: f64 = 0.785;
 
 /// The target of an endless jump.
 fn jump_for_ever(item: &MISSION_ITEM_INT_DATA) -> Option<usize> {
@@ -323,7 +326,16 @@ fn jump_for_ever(item: &MISSION_ITEM_INT_DATA) -> Option<usize> {
     (item.param2 < 0.0 && to > 0).then_some(to)
 }
 
-/// The way ahead in AUTO, from the item before the present one on.
+/// Whether an aircraft flies along a leg: near it, or towards its end about as the leg leads. A vehicle that was sent to an item
+/// flies there from where it is.
+fn flies_along(at_m: Vec3, begin_m: Vec3, end_m: Vec3) -> bool {
+    let (leg_m, left_m) = ((end_m - begin_m).truncate(), (end_m - at_m).truncate());
+    let share = 1.0 - left_m.dot(leg_m) / leg_m.length_squared().max(1.0);
+    let off_m = (leg_m * (1.0 - share.clamp(0.0, 1.0)) - left_m).length();
+    off_m <= NEAR_LEG_M || leg_m.angle_to(left_m).abs() < ALONG_RAD
+}
+
+/// The way ahead in AUTO, from the item before the present one on. Where the aircraft is far from that leg, it begins at the aircraft.
 ///
 /// It ends at a landing, where it circles, and at a counted jump: what follows is not a leg, or
 /// unknown.
@@ -344,8 +356,12 @@ pub fn way_ahead(
         .find_map(|index| place(index).map(|at_m| (index, at_m)));
     let mut way = Way::default();
     let (item, begin_m) = match before {
-        Some((index, at_m)) => (u16::try_from(index).ok(), at_m),
-        None => (None, from_m),
+        Some((index, at_m))
+            if place(current).is_none_or(|to_m| flies_along(from_m, at_m, to_m)) =>
+        {
+            (u16::try_from(index).ok(), at_m)
+        }
+        _ => (None, from_m),
     };
     way.waypoints_m.push(begin_m);
     way.items.push(item);
@@ -466,6 +482,26 @@ mod tests {
             download.tick(f64::from(n), 1, &mut outbox);
         }
         assert_eq!(download.items(), Some(&[None][..]));
+    }
+
+    /// After an upload with its item set: a take-off far away is not where the leg to that item begins.
+    #[test]
+    fn a_leg_that_the_aircraft_does_not_fly_along_begins_at_the_aircraft() {
+        let here = Vec3::new(0.0, 0.0, 100.0);
+        let ahead = Vec3::new(0.0, 600.0, 100.0);
+        for (begin, along) in [
+            (Vec3::new(0.0, -5000.0, 100.0), true),
+            (Vec3::new(-400.0, -1000.0, 100.0), true),
+            (Vec3::new(150.0, 0.0, 100.0), true),
+            (Vec3::new(0.0, 5000.0, 100.0), false),
+            (Vec3::new(6000.0, 1000.0, 100.0), false),
+            (Vec3::new(-4000.0, -500.0, 100.0), false),
+        ] {
+            assert_eq!(flies_along(here, begin, ahead), along, "{begin}");
+        }
+        // A short leg that was just begun at a sharp corner.
+        let short = Vec3::new(60.0, -10.0, 100.0);
+        assert!(flies_along(here, Vec3::new(10.0, 40.0, 100.0), short));
     }
 
     #[test]

@@ -2,8 +2,8 @@
 
 mod common;
 
-use common::{BAD, GOOD, Intruder, Network, World};
-use fga_emulator::Mode;
+use common::{BAD, GOOD, GROUND, Intruder, Network, World};
+use fga_emulator::{Mode, Settings};
 use fga_link::authority::{Authority, Fault, reaction};
 use mavlink::dialects::ardupilotmega::{
     COMMAND_LONG_DATA, MavCmd, MavMessage, MavParamType, PARAM_SET_DATA,
@@ -407,5 +407,34 @@ fn a_dry_run_only_reports() {
             .texts()
             .iter()
             .any(|text| text.contains("would avoid"))
+    );
+}
+
+/// A quadplane hovers against the wind in AUTO while it takes off or lands: GUIDED would make it speed up.
+#[test]
+fn a_vehicle_that_hovers_is_not_taken_over() {
+    let mut settings = Settings::default();
+    settings.plant.airspeed_mps = 7.0;
+    let mut world = World::with(settings, "", GOOD, 1);
+    for (name, value) in [("AIRSPEED_CRUISE", 25.0), ("AIRSPEED_MIN", 12.0)] {
+        let set = MavMessage::PARAM_SET(PARAM_SET_DATA {
+            param_value: value,
+            target_system: 1,
+            target_component: 1,
+            param_id: name.into(),
+            param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+        });
+        world.emulator.receive(&GROUND, &set);
+    }
+    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 900.0, 100.0], [0.0, -25.0, 0.0]);
+    intruder.shown_m = 800.0;
+    world.add(intruder);
+    world.run_until(40.0);
+    assert_ne!(world.companion.authority(), Authority::Ready);
+    assert_eq!(world.emulator.mode_changes().len(), 0);
+    let texts = world.emulator.texts();
+    assert!(
+        texts.contains(&"fga: not ready: too slow to fly a turn".to_owned()),
+        "{texts:?}"
     );
 }

@@ -105,6 +105,7 @@ impl SafetyCase {
         report.sections = vec![
             self.evidence(),
             self.table(),
+            self.tail(),
             self.effects(),
             self.times(),
             self.curves(),
@@ -184,6 +185,58 @@ impl SafetyCase {
                 ),
                 Block::Table(self.rates()),
             ],
+        }
+    }
+
+    fn tail(&self) -> Section {
+        let rows: Vec<Vec<Cell>> = self
+            .policies
+            .iter()
+            .filter_map(|policy| {
+                let (above, estimate) = policy.nmac.tail?;
+                let mut row = vec![
+                    Cell::Text(policy.policy.clone()),
+                    Cell::Text(format!("{} of {}", policy.nmac.flown, policy.nmac.nominal)),
+                    count(above),
+                    Cell::Estimate(estimate, 4),
+                ];
+                row.extend(
+                    NMAC_THRESHOLDS
+                        .iter()
+                        .map(|threshold| Cell::Text(verdict(&estimate, threshold).into())),
+                );
+                Some(row)
+            })
+            .collect();
+        let mut columns = vec![
+            Column::text("policy"),
+            Column::number("counted NMAC left of"),
+            Column::number("nearest encounters"),
+            Column::number("extrapolated risk ratio"),
+        ];
+        columns.extend(NMAC_THRESHOLDS.iter().map(|threshold| {
+            Column::text(&format!("≤ {:.2} {}", threshold.ratio, threshold.intruders))
+        }));
+        let blocks = if rows.is_empty() {
+            vec![Block::Paragraph(
+                "None: there are too few encounters, or so many NMAC are left that counting them is better.".into(),
+            )]
+        } else {
+            vec![
+                Block::Paragraph(
+                    "Where hardly any NMAC is left to count, the nearest encounters say how likely one is. Their distances, in units of the NMAC                      volume, continue by a generalized Pareto distribution; 95 % interval by bootstrap. This is an extrapolation: a fault that                      no encounter showed is not in it."
+                        .into(),
+                ),
+                Block::Table(Table {
+                    caption: "NMAC risk ratio from the tail of the nearest encounters.".into(),
+                    columns,
+                    rows,
+                }),
+            ]
+        };
+        Section {
+            title: "Rare near mid-air collisions".into(),
+            blocks,
         }
     }
 

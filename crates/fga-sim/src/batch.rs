@@ -132,6 +132,7 @@ pub fn empty_world(settings: &BatchSettings) -> Option<World> {
             range_m: f64::INFINITY,
             ..model.sensor
         },
+        more_sensors: Vec::new(),
         seed: settings.seed,
         stream: 0,
         horizon_s: settings.horizon_s,

@@ -200,8 +200,9 @@ impl Engine {
         plant.refit(world.vehicle, world.autopilot, world.wind_mps);
         let start = &world.start;
         plant.place(0.0, start.position_m, start.course_rad, start.climb_rad);
-        self.sensor.begin(
+        self.sensor.begin_all(
             world.sensor,
+            &world.more_sensors,
             world.obstacles.len(),
             world.seed,
             world.stream,

@@ -131,6 +131,7 @@ pub fn plan(
             wind_mps,
             obstacles,
             sensor: model.sensor,
+            more_sensors: model.more_sensors.clone(),
             seed: 0,
             stream: 0,
             horizon_s: end_s + WAY_BACK_S,

@@ -1,13 +1,21 @@
-//! The aircraft's knowledge of the obstacles: range, rate and noise, and the resulting tracks.
+//! The aircraft's knowledge of the obstacles: what its sources see, and the tracks that follow from it.
+//!
+//! Each source has its own range, rate, noise and faults, and its own random streams. Where several see an
+//! obstacle, the one with the smallest σ of its position counts; where these are equal, the first one.
+
+mod noise;
+mod source;
+
+#[cfg(test)]
+mod faults;
 
 use fga::Vec3;
 use fga::angle::{course_of, wrap_pi};
-use fga::situation::{Obstacle, Uncertainty};
-use rand_chacha::ChaCha8Rng;
-use rand_core::{Rng, SeedableRng};
+use fga::situation::Obstacle;
 
 use crate::obstacle::WorldObstacle;
-use crate::tracker::{LookNoise, TrackEstimate};
+use crate::tracker::LookNoise;
+use source::Source;
 
 /// Quality and rate of sight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +39,20 @@ pub struct SensorSettings {
     pub detection_probability: f64,
     /// Age of a look, seconds; the sensor extrapolates it in a straight line.
     pub delay_s: f64,
+    /// σ of the noise on the altitude, metres; without it that of the other components.
+    pub altitude_sigma_m: Option<f64>,
+    /// σ of each horizontal component of an error that an obstacle's position keeps, metres.
+    pub position_bias_m: f64,
+    /// σ of an error that its altitude keeps, metres, as of pressure altitude.
+    pub altitude_bias_m: f64,
+    /// Share of the obstacles that the source can see at all, as those with a transponder.
+    pub equipped_share: f64,
+    /// Interruptions of the whole source in a minute, on average.
+    pub dropouts_per_min: f64,
+    /// Length of an interruption, seconds.
+    pub dropout_s: f64,
+    /// An obstacle that is no longer seen is extrapolated for this long, seconds.
+    pub coast_s: f64,
 }
 
 impl Default for SensorSettings {
@@ -45,6 +67,13 @@ impl Default for SensorSettings {
             field_of_regard_rad: core::f64::consts::TAU,
             detection_probability: 1.0,
             delay_s: 0.0,
+            altitude_sigma_m: None,
+            position_bias_m: 0.0,
+            altitude_bias_m: 0.0,
+            equipped_share: 1.0,
+            dropouts_per_min: 0.0,
+            dropout_s: 0.0,
+            coast_s: 0.0,
         }
     }
 }
@@ -56,75 +85,35 @@ impl SensorSettings {
             || wrap_pi(course_of(offset_m) - course_rad).abs() <= 0.5 * self.field_of_regard_rad
     }
 
+    fn altitude_sigma_m(&self) -> f64 {
+        self.altitude_sigma_m.unwrap_or(self.position_sigma_m)
+    }
+
+    /// The tracker has one σ for all axes: the larger one.
     fn look_noise(&self) -> LookNoise {
         LookNoise {
-            position_m: self.position_sigma_m,
+            position_m: self.position_sigma_m.max(self.altitude_sigma_m()),
             velocity_mps: self.velocity_sigma_mps,
         }
     }
 
     fn is_noisy(&self) -> bool {
-        self.position_sigma_m > 0.0 || self.velocity_sigma_mps > 0.0
+        self.look_noise().position_m > 0.0 || self.velocity_sigma_mps > 0.0
+    }
+
+    /// The larger σ of the errors that an obstacle keeps, metres.
+    fn bias_m(&self) -> f64 {
+        self.position_bias_m.max(self.altitude_bias_m)
     }
 }
 
-/// Modifies the master seed for the stream of misses.
-const MISSES: u64 = 0x006D_6973_7365_6400;
-
-/// Gaussian noise from one counter-based stream (Box–Muller).
-#[derive(Debug, Clone)]
-struct Noise {
-    generator: ChaCha8Rng,
-    spare: Option<f64>,
-}
-
-impl Noise {
-    fn new(seed: u64, stream: u64) -> Self {
-        let mut generator = ChaCha8Rng::seed_from_u64(seed);
-        generator.set_stream(stream);
-        Self {
-            generator,
-            spare: None,
-        }
-    }
-
-    /// A number in (0, 1].
-    fn unit(&mut self) -> f64 {
-        ((self.generator.next_u64() >> 11) + 1) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn gaussian(&mut self) -> f64 {
-        if let Some(spare) = self.spare.take() {
-            return spare;
-        }
-        let radius = libm::sqrt(-2.0 * libm::log(self.unit()));
-        let (sin, cos) = libm::sincos(core::f64::consts::TAU * self.unit());
-        self.spare = Some(radius * sin);
-        radius * cos
-    }
-
-    fn vector(&mut self, sigma: f64) -> Vec3 {
-        Vec3::new(self.gaussian(), self.gaussian(), self.gaussian()) * sigma
-    }
-}
-
-/// A sensor in use.
+/// The sources in use.
 #[derive(Debug, Clone)]
 pub struct Sensor {
-    settings: SensorSettings,
-    noise: Option<Noise>,
-    /// Decides which looks miss; separate from the noise, so that each stays the same without the other.
-    misses: Option<Noise>,
-    /// Course of the aircraft, radians.
-    course_rad: f64,
-    /// The last look: its time and result.
-    last_look_s: f64,
-    /// Time of the extrapolated result, seconds.
-    carried_to_s: f64,
-    seen: Vec<Obstacle>,
-    /// The track of each visible obstacle of the world, where looks are noisy.
-    tracks: Vec<Option<TrackEstimate>>,
-    /// First sight of each obstacle of the world, seconds.
+    first: Source,
+    more: Vec<Source>,
+    /// The best of what several sources see.
+    fused: Vec<Obstacle>,
     first_seen_s: Vec<Option<f64>>,
 }
 
@@ -132,140 +121,94 @@ impl Sensor {
     /// A sensor that has seen nothing yet.
     pub fn new() -> Self {
         Self {
-            settings: SensorSettings::default(),
-            noise: None,
-            misses: None,
-            course_rad: 0.0,
-            last_look_s: f64::NEG_INFINITY,
-            carried_to_s: 0.0,
-            seen: Vec::new(),
-            tracks: Vec::new(),
+            first: Source::new(),
+            more: Vec::new(),
+            fused: Vec::new(),
             first_seen_s: Vec::new(),
         }
     }
 
-    /// Begins a run: noise from stream `stream` of `seed`.
+    /// Begins a run with one source: noise from stream `stream` of `seed`.
     pub fn begin(&mut self, settings: SensorSettings, obstacles: usize, seed: u64, stream: u64) {
-        self.settings = settings;
-        self.noise = settings.is_noisy().then(|| Noise::new(seed, stream));
-        self.misses =
-            (settings.detection_probability < 1.0).then(|| Noise::new(seed ^ MISSES, stream));
-        self.last_look_s = f64::NEG_INFINITY;
-        self.seen.clear();
+        self.begin_all(settings, &[], obstacles, seed, stream);
+    }
+
+    /// Begins a run with a source and more of them.
+    pub fn begin_all(
+        &mut self,
+        first: SensorSettings,
+        more: &[SensorSettings],
+        obstacles: usize,
+        seed: u64,
+        stream: u64,
+    ) {
+        self.first.begin(first, obstacles, seed, stream);
+        self.more.resize_with(more.len(), Source::new);
+        for ((source, settings), place) in self.more.iter_mut().zip(more).zip(1_u64..) {
+            let seed = seed ^ place.wrapping_mul(noise::NEXT_SOURCE);
+            source.begin(*settings, obstacles, seed, stream);
+        }
+        self.fused.clear();
         self.first_seen_s.clear();
-        self.first_seen_s.resize(obstacles, None);
-        self.tracks.clear();
-        self.tracks.resize(obstacles, None);
+        if !more.is_empty() {
+            self.first_seen_s.resize(obstacles, None);
+        }
     }
 
     /// First sight of each obstacle, in the order of the world's.
     pub fn first_seen_s(&self) -> &[Option<f64>] {
-        &self.first_seen_s
+        if self.more.is_empty() {
+            self.first.first_seen_s()
+        } else {
+            &self.first_seen_s
+        }
     }
 
     /// The result of the last look, extrapolated to its time.
     pub fn known(&self) -> &[Obstacle] {
-        &self.seen
+        if self.more.is_empty() {
+            self.first.known()
+        } else {
+            &self.fused
+        }
     }
 
-    /// Turns the sensor with the aircraft; the field of regard is about this course, radians.
+    /// Turns the sensor with the aircraft; fields of regard are about this course, radians.
     pub fn face(&mut self, course_rad: f64) {
-        self.course_rad = course_rad;
+        self.first.face(course_rad);
+        for source in &mut self.more {
+            source.face(course_rad);
+        }
     }
 
     /// The known obstacles at `time_s`, with the sensor at `at_m`.
     pub fn look(&mut self, time_s: f64, at_m: Vec3, world: &[WorldObstacle]) -> &[Obstacle] {
-        let due = time_s >= self.last_look_s + self.settings.update_period_s - 1e-9;
-        if due {
-            self.seen.clear();
-            let looks = self.first_seen_s.iter_mut().zip(&mut self.tracks);
-            for (obstacle, (first_seen_s, kept)) in world.iter().zip(looks) {
-                // A track ends with a look that misses its obstacle.
-                let track = kept.take();
-                // Every obstacle draws in every look, so that a miss of one does not change another.
-                let missed = self
-                    .misses
-                    .as_mut()
-                    .is_some_and(|misses| misses.unit() > self.settings.detection_probability);
-                let delay_s = self.settings.delay_s;
-                let Some(then) = obstacle.known_at(time_s - delay_s) else {
-                    continue;
-                };
-                let known = if delay_s > 0.0 {
-                    then.carried_on(delay_s)
-                } else {
-                    then
-                };
-                let position_m = known.position_m;
-                if missed
-                    || !self
-                        .settings
-                        .regards(then.position_m - at_m, self.course_rad)
+        self.first.look(time_s, at_m, world);
+        if self.more.is_empty() {
+            return self.first.known();
+        }
+        for source in &mut self.more {
+            source.look(time_s, at_m, world);
+        }
+        self.fused.clear();
+        for (obstacle, first_seen_s) in world.iter().zip(&mut self.first_seen_s) {
+            let all = core::iter::once(&self.first).chain(&self.more);
+            let mut best: Option<Obstacle> = None;
+            for source in all {
+                let seen = source.known().iter().find(|seen| seen.id == obstacle.id);
+                let sigma_m = |of: &Obstacle| of.uncertainty.position_m;
+                if let Some(seen) = seen
+                    && best.is_none_or(|best| sigma_m(seen) < sigma_m(&best))
                 {
-                    continue;
+                    best = Some(*seen);
                 }
-                if time_s < obstacle.appears_s {
-                    continue;
-                }
-                if self.settings.range_m < f64::INFINITY
-                    && position_m.distance(at_m) > self.settings.range_m
-                {
-                    continue;
-                }
-                if let Some(first_seen_m) = obstacle.first_seen_m
-                    && first_seen_s.is_none()
-                    && position_m.distance(at_m) > first_seen_m
-                {
-                    continue;
-                }
-                first_seen_s.get_or_insert(time_s);
-                let mut seen = Obstacle {
-                    id: obstacle.id,
-                    position_m,
-                    velocity_mps: known.velocity_mps,
-                    volume: obstacle.volume,
-                    kind: obstacle.kind,
-                    uncertainty: known.uncertainty,
-                    movement: obstacle.movement,
-                };
-                if let Some(noise) = &mut self.noise {
-                    seen.position_m += noise.vector(self.settings.position_sigma_m);
-                    seen.velocity_mps += noise.vector(self.settings.velocity_sigma_mps);
-                    let sigmas = self.settings.look_noise();
-                    let (position_m, velocity_mps) = (seen.position_m, seen.velocity_mps);
-                    let first = TrackEstimate::new(time_s, position_m, velocity_mps, &sigmas);
-                    let track =
-                        track
-                            .filter(|_| self.settings.tracked)
-                            .map_or(first, |mut track| {
-                                track.look(time_s, position_m, velocity_mps, &sigmas);
-                                track
-                            });
-                    seen.position_m = track.position_m;
-                    seen.velocity_mps = track.velocity_mps;
-                    seen.uncertainty = both(track.uncertainty(), known.uncertainty);
-                    *kept = Some(track);
-                }
-                self.seen.push(seen);
             }
-            self.last_look_s = time_s;
-        } else {
-            let since_s = time_s - self.carried_to_s;
-            for seen in &mut self.seen {
-                seen.position_m += seen.velocity_mps * since_s;
-                seen.uncertainty.position_m += seen.uncertainty.velocity_mps * since_s;
+            if let Some(best) = best {
+                first_seen_s.get_or_insert(time_s);
+                self.fused.push(best);
             }
         }
-        self.carried_to_s = time_s;
-        &self.seen
-    }
-}
-
-/// Standard deviations of the sum of two independent errors.
-fn both(a: Uncertainty, b: Uncertainty) -> Uncertainty {
-    Uncertainty {
-        position_m: libm::hypot(a.position_m, b.position_m),
-        velocity_mps: libm::hypot(a.velocity_mps, b.velocity_mps),
+        &self.fused
     }
 }
 
@@ -279,7 +222,8 @@ impl Default for Sensor {
 mod tests {
     use super::*;
     use crate::track::Track;
-    use fga::situation::ProtectedVolume;
+    use crate::tracker::TrackEstimate;
+    use fga::situation::{ProtectedVolume, Uncertainty};
 
     fn obstacle(x: f64, vx: f64) -> WorldObstacle {
         WorldObstacle::new(

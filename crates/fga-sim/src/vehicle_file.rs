@@ -46,6 +46,8 @@ pub struct VehicleModel {
     pub wind_mps: Vec3,
     /// The sensor.
     pub sensor: SensorSettings,
+    /// Further sources beside it, which a campaign gives.
+    pub more_sensors: Vec<SensorSettings>,
     /// How commands become bank and climb.
     pub autopilot: Autopilot,
 }
@@ -286,6 +288,7 @@ impl VehicleModel {
                 &text,
                 SensorSettings::default(),
             )?,
+            more_sensors: Vec::new(),
             autopilot: file.autopilot.checked(&text)?,
             name: file.name,
             sha256: fingerprint(text.text().as_bytes()),
@@ -509,6 +512,7 @@ impl SensorTable {
                 None => otherwise.delay_s,
                 Some(seconds) => text.within("delay_s", seconds, (0.0, 10.0))?,
             },
+            ..otherwise
         })
     }
 }

@@ -60,6 +60,8 @@ pub struct World {
     pub obstacles: Vec<WorldObstacle>,
     /// The sensor.
     pub sensor: SensorSettings,
+    /// Further sources beside it.
+    pub more_sensors: Vec<SensorSettings>,
     /// Master seed of the sensor's noise.
     pub seed: u64,
     /// Stream of the noise: the encounter's number.

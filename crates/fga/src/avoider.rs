@@ -37,6 +37,9 @@ use crate::vehicle::Vehicle;
 /// Work reserved for finishing the step after the limit.
 const LAST_WORK: u32 = 12_000;
 
+/// A clock that is set back by at most this costs no plan, seconds.
+const MOST_SET_BACK_S: f64 = 1.0;
+
 /// The mission's geometry may take one part in this many of a step's work.
 const MISSION_SHARE: u32 = 4;
 
@@ -111,7 +114,9 @@ pub struct Avoider {
     plan: Option<Plan>,
     /// The last chosen way back.
     returned: Option<Returned>,
+    /// Time of the last step, seconds on a clock that never goes back, which is ahead of the situation's clock by this, seconds.
     last_time_s: f64,
+    set_back_s: f64,
     cycle: u32,
     /// Counts the work of this step.
     meter: Meter,
@@ -158,6 +163,7 @@ impl Avoider {
             plan: None,
             returned: None,
             last_time_s: f64::NEG_INFINITY,
+            set_back_s: 0.0,
             cycle: 0,
             meter: Meter::unlimited(),
             cut: 0,
@@ -183,7 +189,7 @@ impl Avoider {
         self.tracks.forget();
         self.plan = None;
         self.returned = None;
-        self.last_time_s = f64::NEG_INFINITY;
+        (self.last_time_s, self.set_back_s) = (f64::NEG_INFINITY, 0.0);
         self.cycle = 0;
         (self.cut, self.improved_to) = (0, 0);
         self.drift = drift::Drift::default();
@@ -259,17 +265,13 @@ impl Avoider {
     /// from now; the aircraft flies it if nothing new happens. The avoider
     /// ignores obstacles with numbers that are not finite. It holds the present course
     /// ([`Reason::InvalidInput`]) while the ownship's state or the time is unusable or beyond
-    /// [`LARGEST`](crate::limit::LARGEST).
+    /// [`LARGEST`](crate::limit::LARGEST). A clock that is set back by up to a second changes nothing; a larger step
+    /// back makes it forget its plan ([`Record::clock_set_back`]).
     pub fn step(&mut self, situation: &Situation<'_>) -> Decision {
         if !situation.is_usable() {
             return self.decision(&Maneuver::hold(), Reason::InvalidInput);
         }
-        if situation.time_s < self.last_time_s {
-            // The clock jumped back, so the old plan has no meaning.
-            self.plan = None;
-            self.state = State::Cruise;
-        }
-        self.last_time_s = situation.time_s;
+        let (situation, clock_set_back) = &self.in_order(situation);
         self.cycle = self.cycle.wrapping_add(1);
         let limit = self.settings.work_limit.saturating_sub(LAST_WORK);
         self.meter = Meter::new(limit);
@@ -280,7 +282,33 @@ impl Avoider {
         };
         decision.record.work.work = self.meter.done();
         decision.record.work.limit_met |= self.meter.is_met();
+        decision.record.clock_set_back = *clock_set_back;
         decision
+    }
+
+    /// The situation on a clock that never goes back, and whether the situation's clock was set back so far that
+    /// the plan is forgotten. After a small step back, as of a clock that is kept in time by others, one decision period counts as
+    /// passed: the plan goes on.
+    fn in_order<'a>(&mut self, situation: &Situation<'a>) -> (Situation<'a>, bool) {
+        let mut time_s = situation.time_s + self.set_back_s;
+        let back_s = self.last_time_s - time_s;
+        let is_far = back_s > MOST_SET_BACK_S;
+        if is_far {
+            // Nobody knows how much time has passed, so the old plan has no meaning.
+            self.plan = None;
+            self.state = State::Cruise;
+        } else if back_s > 0.0 {
+            time_s = self.last_time_s + self.settings.decision_period_s;
+            self.set_back_s = time_s - situation.time_s;
+        }
+        self.last_time_s = time_s;
+        (
+            Situation {
+                time_s,
+                ..*situation
+            },
+            is_far,
+        )
     }
 
     fn decide(&mut self, situation: &Situation<'_>) -> Decision {

@@ -29,6 +29,9 @@ pub(crate) const LEAST_STEP: usize = 2;
 /// A line that is set up by hand: a sweep, a manoeuvre in the terms of the search.
 pub(crate) const SETUP: usize = 15;
 
+/// The table of the turns to a side from a bank.
+pub(crate) const BEND: usize = 60;
+
 /// A trial of a shortest path of three turns.
 pub(crate) const WORD: usize = 12;
 

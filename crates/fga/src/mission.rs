@@ -9,6 +9,7 @@
 //! | which way onto the beginning of the leg? | [`mod@turnaround`] |
 //! | which line does the aircraft fly without obstacles? | [`planned_line`] |
 
+mod aim;
 pub mod corner;
 mod departure;
 pub mod join;
@@ -18,8 +19,9 @@ pub mod turnaround;
 
 pub use plan::planned_line;
 
+pub(crate) use self::aim::Way;
 use self::corner::{Air, Corner, Legs, arrival, corner};
-use self::join::{Join, JoinLimits, is_on_leg, join};
+use self::join::{Join, JoinLimits, has_entered, is_on_leg, join, join_roughly};
 use self::leg::Leg;
 use self::turnaround::turnaround;
 use crate::Vec3;
@@ -303,7 +305,7 @@ impl Progress {
                 self.turn = None;
                 self.from_start = false;
             }
-        } else if is_on_leg(&leg, state) {
+        } else if is_on_leg(&leg, state) || has_entered(&leg, state, radius_m) {
             self.from_start = false;
         }
     }
@@ -335,25 +337,51 @@ impl Progress {
         skipped: usize,
     ) -> Option<(Join, usize)> {
         let meter = self.meter();
-        let found = self.way_onto(mission, state, (&self.air(flyer, &meter), limits), skipped);
+        let air = self.air(flyer, &meter);
+        let onto = |leg: &Leg| (join(flyer, leg, state, limits, &meter), ());
+        let round = |leg: &Leg| Some((Self::round_to_beginning(leg, state, &air)?, ()));
+        let found = self.way_onto(mission, state, &air, skipped, (onto, round));
         self.note(&meter);
         // If a cut search got to the same leg as the last one, the next begins again.
         self.looked_to = found.as_ref().err().copied().unwrap_or(0);
-        found.ok().flatten()
+        let (joined, (), index) = found.ok().flatten()?;
+        Some((joined, index))
     }
 
-    /// [`Self::way_back`], or the number of legs examined before the work ended.
-    fn way_onto(
+    /// About where [`Self::way_back`] leads, without flying it; `None` also where it turns round.
+    pub(crate) fn way_back_roughly(
+        &mut self,
+        mission: &Mission<'_>,
+        state: &MotionState,
+        flyer: &Flyer,
+        limits: &JoinLimits,
+        skipped: usize,
+    ) -> Option<(Way, usize)> {
+        let meter = self.meter();
+        let air = self.air(flyer, &meter);
+        let onto = |leg: &Leg| join_roughly(flyer, leg, state, limits, &meter);
+        let found = self.way_onto(mission, state, &air, skipped, (onto, |_: &Leg| None));
+        self.note(&meter);
+        let (_, way, index) = found.ok().flatten()?;
+        Some((way, index))
+    }
+
+    /// The first leg that a way joins, by a join or by a turn round, or the number of legs examined before the work ended.
+    fn way_onto<T>(
         &self,
         mission: &Mission<'_>,
         state: &MotionState,
-        (air, limits): (&Air<'_>, &JoinLimits),
+        air: &Air<'_>,
         skipped: usize,
-    ) -> Result<Option<(Join, usize)>, usize> {
+        (onto, round): (
+            impl Fn(&Leg) -> (Join, T),
+            impl Fn(&Leg) -> Option<(Join, T)>,
+        ),
+    ) -> Result<Option<(Join, T, usize)>, usize> {
         let mut leg = self.leg(state);
         let round = |leg: &Leg, index: usize| {
-            let joined = Self::round_to_beginning(leg, state, air);
-            Ok(joined.map(|joined| (joined, index)))
+            let found = round(leg);
+            Ok(found.map(|(joined, more)| (joined, more, index)))
         };
         if self.from_start {
             return round(&leg, self.index);
@@ -367,7 +395,7 @@ impl Progress {
             let is_tried = count < ONE_BY_ONE || passed_m >= 0.5 * radius_m || next.is_none();
             if is_tried && count >= self.looked_to {
                 passed_m = 0.0;
-                let joined = join(air.flyer, &leg, state, limits, air.meter);
+                let (joined, more) = onto(&leg);
                 let room_m = next.map_or(f64::INFINITY, |next| leg.length_m - next.lead_m);
                 let is_behind = joined.along_m > room_m;
                 let is_far_before = count > 0 && joined.along_m < -BEFORE_RADII * radius_m;
@@ -376,7 +404,7 @@ impl Progress {
                     return round(&leg, index);
                 }
                 if !is_behind {
-                    return Ok(Some((joined, index)));
+                    return Ok(Some((joined, more, index)));
                 }
             }
             let Some(corner_here) = next else { break };

@@ -11,6 +11,7 @@ mod cheapest;
 mod departure;
 mod front;
 mod line;
+mod reach;
 mod start;
 mod sweep;
 mod two_stage;
@@ -35,9 +36,6 @@ const ENOUGH_M: f64 = 1e3;
 
 /// Step of the climb targets of a search, radians, as in Table 7.
 const CLIMB_STEP_RAD: f64 = 0.03;
-
-/// What the table of a [`Bend`] takes, in units of work.
-const BEND: usize = 60;
 
 /// A search keeps one part in this many of its work for the certificate of its answer.
 const ANSWER_SHARE: u32 = 16;

@@ -9,12 +9,31 @@ use std::process::Command;
 
 const LIST: &str = "crates/fga-link/src/authority/mutants.txt";
 const OUT: &str = "target/mutants";
-/// The mutated files. Tests and printing code stay unchanged.
-const FILES: [&str; 4] = [
-    "crates/fga-link/src/authority/*.rs",
-    "crates/fga-link/src/clock.rs",
-    "crates/fga-link/src/fly/guard.rs",
-    "crates/fga-link/src/restart.rs",
+
+/// Mutated files and the tests that may notice. Tests and printing code stay unchanged.
+struct Run {
+    name: &'static str,
+    files: &'static [&'static str],
+    tests: &'static [&'static str],
+}
+
+const RUNS: [Run; 2] = [
+    // The unit tests and those in scaled time; tests in real time would take hours.
+    Run {
+        name: "authority",
+        files: &[
+            "crates/fga-link/src/authority/*.rs",
+            "crates/fga-link/src/clock.rs",
+            "crates/fga-link/src/restart.rs",
+        ],
+        tests: &["--lib", "--test", "safety", "--test", "faults"],
+    },
+    // The threads around them exist only in real time.
+    Run {
+        name: "guard",
+        files: &["crates/fga-link/src/fly/guard.rs"],
+        tests: &["--test", "program"],
+    },
 ];
 
 /// A mutant without its line number, which moves.
@@ -35,17 +54,17 @@ fn argued(text: &str) -> Result<BTreeSet<String>, String> {
         .collect()
 }
 
-/// Runs `cargo mutants` and compares what survived with the list.
-pub(crate) fn check() -> Result<(), String> {
-    let known = argued(&fs::read_to_string(LIST).map_err(|error| format!("{LIST}: {error}"))?)?;
+/// Runs `cargo mutants`; returns the mutants that no test noticed.
+fn survivors(run: &Run) -> Result<BTreeSet<String>, String> {
+    let out = format!("{OUT}/{}", run.name);
     let mut command = Command::new("cargo");
-    command.args(["mutants", "--package", "fga-link", "--output", OUT]);
-    for file in FILES {
+    command.args(["mutants", "--package", "fga-link", "--output", &out]);
+    for file in run.files {
         command.args(["--file", file]);
     }
-    // The unit tests and those in scaled time; tests in real time would take hours.
-    command.args(["--", "--lib", "--test", "safety", "--test", "faults"]);
     let status = command
+        .arg("--")
+        .args(run.tests)
         .status()
         .map_err(|error| format!("cargo mutants does not start: {error}"))?;
     // 2: some survived; 3: some did not end, which the tests notice.
@@ -54,9 +73,18 @@ pub(crate) fn check() -> Result<(), String> {
             "cargo mutants ended with {status}; `cargo install cargo-mutants` installs it"
         ));
     }
-    let missed = format!("{OUT}/mutants.out/missed.txt");
+    let missed = format!("{out}/mutants.out/missed.txt");
     let missed = fs::read_to_string(&missed).map_err(|error| format!("{missed}: {error}"))?;
-    let survivors: BTreeSet<String> = missed.lines().map(without_place).collect();
+    Ok(missed.lines().map(without_place).collect())
+}
+
+/// Runs `cargo mutants` and compares what survived with the list.
+pub(crate) fn check() -> Result<(), String> {
+    let known = argued(&fs::read_to_string(LIST).map_err(|error| format!("{LIST}: {error}"))?)?;
+    let mut survivors = BTreeSet::new();
+    for run in &RUNS {
+        survivors.extend(self::survivors(run)?);
+    }
     let (new, gone): (Vec<_>, Vec<_>) = (
         survivors.difference(&known).cloned().collect(),
         known.difference(&survivors).cloned().collect(),

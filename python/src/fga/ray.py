@@ -99,13 +99,23 @@ def _schedule(
 
 
 def _connected(ray: Any, address: str) -> None:
-    if not ray.is_initialized():
+    if ray.is_initialized():
+        return
+    try:
         ray.init(address=address, include_dashboard=False, log_to_driver=False, logging_level="ERROR")
+    except OSError:
+        raise
+    except Exception as error:
+        # Ray raises a plain Exception when a raylet takes longer than 30 s to start.
+        raise ConnectionError(f"the Ray cluster {address} does not answer: {error}") from error
+
+
+def _checked(in_flight: int | None) -> None:
+    if in_flight is not None and in_flight < 1:
+        raise ValueError(f"in_flight is {in_flight}, expected at least 1")
 
 
 def _in_flight(ray: Any, in_flight: int | None) -> int:
-    if in_flight is not None and in_flight < 1:
-        raise ValueError(f"in_flight is {in_flight}, expected at least 1")
     return in_flight or max(4, 4 * int(ray.cluster_resources().get("CPU", 1)))
 
 
@@ -128,9 +138,11 @@ def run(
     the cluster's: `auto` for the running one, `local` for one on this machine. `in_flight` bounds the
     tasks that wait or run, four for each processor without it. `progress(done, total)` counts encounters.
 
-    Raises ValueError for a wrong file or a folder of another campaign, OSError for an unwritable path;
+    Raises ValueError for a wrong file or a folder of another campaign, OSError for an unwritable path or a
+    cluster that does not answer;
     finished blocks stay, and the next call continues with them.
     """
+    _checked(in_flight)
     campaign = Campaign(
         file, encounters=encounters, policies=list(policies), vehicle=vehicle, oracle=oracle
     )
@@ -181,6 +193,7 @@ def dry_run(shards: int, *, address: str = "auto", in_flight: int | None = None)
     """Schedules empty blocks to measure the driver alone. Returns seconds, tasks per second, memory in MB."""
     if shards < 1:
         raise ValueError(f"shards is {shards}, expected at least 1")
+    _checked(in_flight)
     ray = _ray()
     _connected(ray, address)
     heard = 0

@@ -388,4 +388,54 @@ mod tests {
         hearing.hear(disarmed(0), 0.0);
         assert!(!hearing.is_armed());
     }
+
+    /// Now and then a frame under an old number says something else: only two soon after each other contradict.
+    #[test]
+    fn overtaken_heartbeats_of_another_mode_contradict_only_soon_after_each_other() {
+        for (later, verdict) in [(4, Verdict::Contradicts), (8, Verdict::Overtaken)] {
+            let mut hearing = Hearing::default();
+            let mut heard = Verdict::New;
+            for n in 0_u8..=100 {
+                let now_s = 0.25 * f64::from(n);
+                hearing.hear(beat(n, Mode::AUTO), now_s);
+                if n == 80 || n == 80 + later {
+                    heard = hearing.hear(beat(n - 20, Mode(0)), now_s + 0.05);
+                }
+            }
+            assert_eq!(heard, verdict, "{later}");
+        }
+    }
+
+    #[test]
+    fn mode_and_armed_flag_that_change_together_contradict() {
+        let mut hearing = steady(Mode::AUTO);
+        let verdicts = [
+            (90, Mode(0), false),
+            (100, Mode::AUTO, true),
+            (110, Mode(0), false),
+        ]
+        .map(|(sequence, mode, armed)| {
+            let beat = Beat {
+                sequence,
+                mode,
+                armed,
+            };
+            hearing.hear(beat, 0.025 * f64::from(sequence))
+        });
+        assert_eq!(verdicts, [Verdict::New, Verdict::New, Verdict::Contradicts]);
+    }
+
+    #[test]
+    fn a_round_trip_shows_that_a_clock_stood_still() {
+        let mut hearing = steady(Mode::AUTO);
+        for n in 0_u32..20 {
+            hearing.stamp(100 * n, 0.1 * f64::from(n));
+        }
+        hearing.stamp(2000, 3.6);
+        hearing.hear(beat(90, Mode::AUTO), 3.6);
+        assert!(!hearing.is_sure(3.6), "it may come from a queue");
+        hearing.round_trip(3.6, 2.01, 3.62);
+        hearing.stamp(2100, 3.7);
+        assert!(hearing.is_sure(3.7));
+    }
 }

@@ -175,6 +175,12 @@ mod tests {
         requests.asked(RETURN, 1.0);
         requests.answered(true, 1.1);
         assert_eq!(requests.origin(Mode::AUTO, 1.2), Origin::Others);
+        // However long this program has run.
+        let mut requests = Requests::NONE;
+        requests.asked(TAKE, 20.0);
+        requests.asked(RETURN, 30.0);
+        requests.answered(true, 30.1);
+        assert_eq!(requests.origin(Mode::AUTO, 30.2), Origin::Others);
         // Had the first one been answered, or been sent long ago, it would.
         let mut requests = asked(1);
         requests.answered(true, 0.1);

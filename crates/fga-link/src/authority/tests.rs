@@ -1,6 +1,7 @@
 //! Every fault in every state, and the pilot in each, with a vehicle that obeys what it is sent.
 
 mod late;
+mod limits;
 
 use super::*;
 use crate::mode::ModeChange;

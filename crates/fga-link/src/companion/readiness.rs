@@ -12,6 +12,9 @@ const LOST_S: f64 = 1.0;
 /// … and if it was never ready, after this long, seconds.
 const NEVER_READY_S: f64 = 8.0;
 
+/// Below this share of its least airspeed a vehicle does not fly on its wing.
+const SLOW_SHARE: f64 = 0.7;
+
 /// A missing condition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lacking {
@@ -21,6 +24,7 @@ pub(super) enum Lacking {
     Telemetry,
     Disarmed,
     Height,
+    Slow,
     Mode,
     Mission,
     Limits,
@@ -38,6 +42,7 @@ impl Lacking {
             Self::Telemetry => "fga: not ready: no fresh telemetry",
             Self::Disarmed => "fga: not ready: vehicle is disarmed",
             Self::Height => "fga: not ready: too low",
+            Self::Slow => "fga: not ready: too slow to fly a turn",
             Self::Mode => "fga: not ready: mode is not to be taken over",
             Self::Mission => "fga: not ready: mission is not known",
             Self::Limits => "fga: not ready: vehicle's limits not known",
@@ -84,6 +89,15 @@ impl Companion {
             .is_none_or(|since_s| now_s - since_s <= NO_DECISION_S)
     }
 
+    /// Whether the vehicle is too slow to fly on its wing: a quadplane that hovers in AUTO would speed up in GUIDED.
+    fn is_slow(&self) -> bool {
+        let least_mps = self.parameters.get("AIRSPEED_MIN");
+        let airspeed_mps = self.ownship.airspeed_mps();
+        airspeed_mps
+            .zip(least_mps)
+            .is_some_and(|(airspeed_mps, least_mps)| airspeed_mps < SLOW_SHARE * least_mps)
+    }
+
     /// The missing condition for a take-over, or for flying on.
     pub(super) fn lacking(&self, now_s: f64, state: Option<&State>) -> Option<Lacking> {
         let Some(heard) = self.heard else {
@@ -111,6 +125,9 @@ impl Companion {
             || (engaged && state.above_home_m >= floor_m - 10.0);
         if !high_enough {
             return Some(Lacking::Height);
+        }
+        if !engaged && self.is_slow() {
+            return Some(Lacking::Slow);
         }
         if !(engaged || self.take_over.contains(&heard.mode)) {
             return Some(Lacking::Mode);
@@ -170,6 +187,7 @@ mod tests {
             Lacking::Telemetry,
             Lacking::Disarmed,
             Lacking::Height,
+            Lacking::Slow,
             Lacking::Mode,
             Lacking::Mission,
             Lacking::Limits,

@@ -50,6 +50,8 @@ pub struct Lost {
     pub rate: f64,
     /// Risk ratio; `None` without any loss in the flights without avoidance.
     pub ratio: Option<Estimate>,
+    /// Encounters in the tail, and the ratio extrapolated from them.
+    pub tail: Option<(u64, Estimate)>,
     /// The ratio after growing numbers of encounters.
     pub convergence: Vec<(u64, Estimate)>,
 }

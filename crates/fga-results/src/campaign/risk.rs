@@ -5,8 +5,8 @@ use std::path::Path;
 
 use fga_formats::OutputError;
 use fga_formats::atomic;
-use fga_sim::campaign::Campaign;
 use fga_sim::campaign::risk::{Class, Loss, LossCount, PolicyRisk, Risks};
+use fga_sim::campaign::{Campaign, Tail};
 use serde_json::{Value, json};
 
 use crate::named_rows::{csv, objects, rounded};
@@ -17,7 +17,7 @@ fn row_of(
     class: &str,
     risk: &PolicyRisk,
     loss: Loss,
-    count: &LossCount,
+    (count, tail): (&LossCount, Option<Tail>),
 ) -> Vec<(&'static str, Value)> {
     let ratio = count.ratio();
     let bootstrap = ratio.and_then(|ratio| ratio.bootstrap);
@@ -46,6 +46,10 @@ fn row_of(
             "effective_losses",
             number(ratio.map(|ratio| ratio.effective)),
         ),
+        ("tail_encounters", json!(tail.map(|tail| tail.above))),
+        ("tail_ratio", number(tail.map(|tail| tail.ratio))),
+        ("tail_low", number(tail.map(|tail| tail.interval.low))),
+        ("tail_high", number(tail.map(|tail| tail.interval.high))),
     ]
 }
 
@@ -54,9 +58,11 @@ fn rows(campaign: &Campaign, risks: &Risks) -> Vec<Vec<(&'static str, Value)>> {
     let mut rows = Vec::new();
     for (policy, class, risk) in risks.iter() {
         let policy = policies.get(policy as usize).map_or("", String::as_str);
+        let tail = (*class == Class::All).then(|| risk.tail()).flatten();
         let class = class.name(campaign.source_names());
         for (count, loss) in risk.losses.iter().zip(Loss::ALL) {
-            rows.push(row_of(policy, &class, risk, loss, count));
+            let tail = tail.filter(|_| loss == Loss::Nmac);
+            rows.push(row_of(policy, &class, risk, loss, (count, tail)));
         }
     }
     rows
@@ -129,6 +135,18 @@ pub fn push_words(text: &mut String, campaign: &Campaign, risks: &Risks) {
             format!("{}/{}", lowc.needless, lowc.clear),
             format!("{}, {}", nmac.induced, lowc.induced)
         );
+        if let Some(tail) = risk.tail() {
+            let _ = writeln!(
+                text,
+                "{:<28} {:>28} extrapolated from the {} nearest encounters",
+                "  tail",
+                format!(
+                    "{:.4} [{:.4}, {:.4}]",
+                    tail.ratio, tail.interval.low, tail.interval.high
+                ),
+                tail.above
+            );
+        }
     }
     let _ = writeln!(
         text,

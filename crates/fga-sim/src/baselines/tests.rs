@@ -59,6 +59,7 @@ fn world(bodies: &[(Vec3, Vec3)]) -> World {
             })
             .collect(),
         sensor: SensorSettings::default(),
+        more_sensors: Vec::new(),
         seed: 1,
         stream: 0,
         horizon_s: 60.0,

@@ -10,6 +10,7 @@ use fga_formats::{InputError, error::shown};
 use serde::{Deserialize, Serialize};
 
 use super::CampaignError;
+use super::sensors::SensorSource;
 use super::sources::{self, ModelFile};
 use crate::batch::{self, BatchSettings};
 use crate::drawn::{self, Origin};
@@ -72,6 +73,9 @@ pub struct Configuration {
     /// The faults of left-out recordings, one sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub damaged: Vec<String>,
+    /// Sources that take the place of the vehicle file's sensor.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<SensorSource>,
     /// Text of the vehicle file; without it the built-in vehicle.
     pub vehicle: Option<String>,
     /// Fingerprint of the aircraft in it.
@@ -217,10 +221,14 @@ impl Campaign {
     /// An unusable policy, cell, vehicle or file, or an empty campaign.
     pub fn new(configuration: Configuration, campaign_file: &Path) -> Result<Self, CampaignError> {
         let wrong = |message: String| InputError::in_file(campaign_file, message);
-        let model = match &configuration.vehicle {
+        let mut model = match &configuration.vehicle {
             None => VehicleModel::built_in()?,
             Some(text) => VehicleModel::parse(TomlText::new(campaign_file, text))?,
         };
+        if let [first, more @ ..] = configuration.sensors.as_slice() {
+            model.sensor = first.settings();
+            model.more_sensors = more.iter().map(SensorSource::settings).collect();
+        }
         let policies = configuration
             .policies
             .iter()
@@ -359,13 +367,20 @@ impl Campaign {
     /// # Errors
     /// A wind that is too strong for the line.
     pub fn world(&self) -> Result<World, CampaignError> {
-        batch::empty_world(&self.settings(PolicyChoice::default())).ok_or_else(|| {
+        let world = batch::empty_world(&self.settings(PolicyChoice::default()));
+        let mut world = world.ok_or_else(|| {
             CampaignError::Other(format!(
                 "wind of {} m/s at an airspeed of {} m/s, expected less: the line cannot be flown",
                 self.model.wind_mps.length(),
                 self.model.vehicle.airspeed_mps
             ))
-        })
+        })?;
+        if !self.configuration.sensors.is_empty() {
+            // Around a line obstacles are known from the start, except where sources say otherwise.
+            world.sensor = self.model.sensor;
+            world.more_sensors.clone_from(&self.model.more_sensors);
+        }
+        Ok(world)
     }
 
     /// Velocity over the ground on the line, metres per second.

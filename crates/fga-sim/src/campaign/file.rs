@@ -22,6 +22,9 @@
 //!
 //! [[model]]                    # an encounter model; see the module `modeled`
 //! file = "uncor.txt"
+//!
+//! [[sensor]]                   # a source instead of the vehicle's sensor; several may stand here
+//! range_m = 5000
 //! ```
 
 use std::path::{Path, PathBuf};
@@ -33,6 +36,7 @@ use toml::Spanned;
 
 use super::Configuration;
 use super::configuration::{FileSource, block_size, parse_policy};
+use super::sensors::SensorSource;
 use super::sources::{self, ModelFile};
 use crate::drawn;
 use crate::encounters::EncounterSource;
@@ -90,6 +94,8 @@ struct File {
     grid: Vec<Spanned<Grid>>,
     #[serde(default)]
     model: Vec<Spanned<Model>>,
+    #[serde(default)]
+    sensor: Vec<Spanned<SensorSource>>,
 }
 
 #[derive(Deserialize)]
@@ -240,6 +246,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         recordings: found.sources,
         models,
         damaged: found.damaged,
+        sensors: sensors(&text, file.sensor)?,
         vehicle_sha256: model.sha256,
         vehicle,
         events: events(&text, &file.events, encounters)?,
@@ -331,6 +338,24 @@ fn models(
                 }
             };
             Some(sources::model_file(&path, pairing))
+        })
+        .collect()
+}
+
+/// The sources of the ownship's knowledge.
+fn sensors(
+    text: &TomlText<'_>,
+    tables: Vec<Spanned<SensorSource>>,
+) -> Result<Vec<SensorSource>, InputError> {
+    tables
+        .into_iter()
+        .map(|table| {
+            let span = table.span();
+            let mut source = table.into_inner();
+            match source.check() {
+                Ok(()) => Ok(source),
+                Err(message) => Err(text.error_at(&Spanned::new(span, ()), message)),
+            }
         })
         .collect()
 }

@@ -62,6 +62,8 @@ impl Observer for Flown {
 struct Losses {
     f3442: Outcome,
     do365: Outcome,
+    /// Least of the larger of the separations in units of the volume of a near mid-air collision.
+    scale: Option<f64>,
 }
 
 /// Judges recorded worlds.
@@ -96,6 +98,7 @@ impl Judge {
         metrics.nominal_lowc = Some(losses.f3442.loss_s.is_some());
         metrics.nominal_do365 = Some(losses.do365.loss_s.is_some());
         metrics.nominal_severity = losses.do365.severity;
+        metrics.nominal_nmac_scale = losses.scale;
         metrics.nominal_horizontal_m = losses.f3442.horizontal.map(|least| least.value_m);
         metrics.nominal_vertical_m = losses.f3442.vertical_then_m;
         metrics.cpa_s = losses.f3442.slant.map(|least| least.time_s);
@@ -121,6 +124,7 @@ impl Judge {
             metrics.lowc = metrics.nominal_lowc;
             metrics.do365 = metrics.nominal_do365;
             metrics.severity = metrics.nominal_severity;
+            metrics.nmac_scale = metrics.nominal_nmac_scale;
             metrics.horizontal_m = metrics.nominal_horizontal_m;
             metrics.vertical_m = metrics.nominal_vertical_m;
             return;
@@ -134,6 +138,7 @@ impl Judge {
             metrics.lowc = Some(losses.f3442.loss_s.is_some());
             metrics.do365 = Some(losses.do365.loss_s.is_some());
             metrics.severity = losses.do365.severity;
+            metrics.nmac_scale = losses.scale;
             metrics.horizontal_m = losses.f3442.horizontal.map(|least| least.value_m);
             metrics.vertical_m = losses.f3442.vertical_then_m;
         }
@@ -154,6 +159,7 @@ impl Judge {
             let losses = Losses {
                 f3442: judge(&self.pairs, &Volume::Cylinder(Cylinder::F3442)),
                 do365: judge(&self.pairs, &Volume::WellClear(WellClear::EN_ROUTE)),
+                scale: nmac_scale(&self.pairs),
             };
             worst = Some(match worst {
                 None => (index, losses),
@@ -222,6 +228,10 @@ impl Judge {
 impl Losses {
     /// Adds the losses against another intruder.
     fn take(&mut self, other: &Self) {
+        self.scale = match (self.scale, other.scale) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        };
         for (mine, its) in [
             (&mut self.f3442, &other.f3442),
             (&mut self.do365, &other.do365),
@@ -234,6 +244,42 @@ impl Losses {
             };
         }
     }
+}
+
+/// Volume of a near mid-air collision: 500 ft and 100 ft, metres.
+const NMAC_M: (f64, f64) = (152.4, 30.48);
+
+/// Least over time of the larger of horizontal and vertical separation in units of that volume.
+fn nmac_scale(pairs: &[PairSample]) -> Option<f64> {
+    let offset_m = |pair: &PairSample| pair.intruder_m - pair.ownship_m;
+    let scale = |offset_m: Vec3| {
+        (libm::hypot(offset_m.x, offset_m.y) / NMAC_M.0).max(offset_m.z.abs() / NMAC_M.1)
+    };
+    let mut least = scale(offset_m(pairs.first()?));
+    for pair in pairs.windows(2) {
+        let [from, to] = pair else { continue };
+        let (from_m, to_m) = (offset_m(from), offset_m(to));
+        let moved_m = to_m - from_m;
+        least = least.min(scale(to_m));
+        let (across, along) = (from_m.truncate(), moved_m.truncate());
+        let nearest = (-across.dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+        if (across + along * nearest).length() / NMAC_M.0 >= least {
+            continue;
+        }
+        // The larger of two convex functions is convex along a line.
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..60 {
+            let third = (high - low) / 3.0;
+            let (a, b) = (low + third, high - third);
+            if scale(from_m + moved_m * a) <= scale(from_m + moved_m * b) {
+                high = b;
+            } else {
+                low = a;
+            }
+        }
+        least = least.min(scale(from_m + moved_m * (0.5 * (low + high))));
+    }
+    Some(least)
 }
 
 fn points_of(track: &Track) -> Vec<(f64, Vec3)> {
@@ -337,6 +383,23 @@ fn geometry(metrics: &mut Metrics, own: &Track, intruder: &Track, cpa_s: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Past each other 100 m aside at 100 m/s; the other one climbs at 10 m/s and is level at the closest approach. 1,000 m before, and with
+    /// samples 20 s apart, the least is between them: 100 / 152.4, for the vertical one is smaller there.
+    #[test]
+    fn the_scale_of_a_near_collision_is_found_between_samples() {
+        let pair = |time_s: f64, above_m: f64| PairSample {
+            time_s,
+            ownship_m: Vec3::ZERO,
+            intruder_m: Vec3::new(1000.0 - 100.0 * time_s, 100.0, above_m),
+        };
+        let least = nmac_scale(&[pair(0.0, -100.0), pair(20.0, 100.0)]).unwrap();
+        assert!((least - 100.0 / 152.4).abs() < 1e-9, "{least}");
+        // 61 m above all the time: twice the height counts.
+        let least = nmac_scale(&[pair(0.0, 60.96), pair(20.0, 60.96)]).unwrap();
+        assert!((least - 2.0).abs() < 1e-9, "{least}");
+        assert_eq!(nmac_scale(&[]), None);
+    }
 
     #[test]
     fn two_paths_are_put_together_at_the_times_of_either() {

@@ -72,6 +72,8 @@ metrics! {
     crossing_deg: Real, "difference of the horizontal directions there, 0 (same) to 180 (opposite), degrees";
     intruder_turn_deg: Real, "largest change of the intruder's direction from its first one before the closest approach, degrees";
     intruder_climb_mps: Real, "climb of the intruder there, m/s";
+    nominal_nmac_scale: Real, "least over time of the larger of horizontal separation / 500 ft and vertical separation / 100 ft, without avoidance; below 1 is a near mid-air collision";
+    nmac_scale: Real, "the same as flown";
     altitude_m: Real, "height of the ownship there in the frame of the recording or model, m";
 }
 

@@ -12,6 +12,7 @@
 //! | what does a campaign file contain? | [`mod@file`] |
 //! | what determines one campaign? | [`Configuration`], [`Campaign`] |
 //! | which models does it draw from? | [`sources`] |
+//! | what does the ownship know of the others? | [`sensors`] |
 //! | which recordings does it fly? | [`crate::recorded`] |
 //! | what is the result of one flown encounter? | [`Row`], [`metrics`] |
 //! | how do files hold rows? | [`table`] |
@@ -30,9 +31,11 @@ pub mod metrics;
 pub mod risk;
 pub mod rows;
 pub mod run;
+pub mod sensors;
 mod show;
 pub mod sources;
 pub mod table;
+mod tail;
 pub mod totals;
 
 pub use configuration::{Campaign, Configuration, Drawn, Scene, parse_policy};
@@ -41,6 +44,7 @@ pub use folder::{Folder, Manifest, RESULTS, Shard, Stamp};
 pub use merge::{Assembled, assemble, merge, reread};
 pub use rows::RowFiles;
 pub use run::{DecisionTimes, Progress, Task, run};
+pub use tail::Tail;
 pub use totals::{Quantiles, Summary, Totals};
 
 use fga::avoider::SettingsError;

@@ -15,6 +15,7 @@ use alloc::collections::BTreeMap;
 
 use super::Row;
 use super::metrics::{Geometry, Metrics};
+use super::tail::{Nearness, Tail, tail};
 use crate::encounters::Random;
 
 /// Bootstrap samples.
@@ -258,7 +259,7 @@ fn wilson(share: f64, trials: f64) -> Interval {
 }
 
 /// A Poisson number of mean 1 by inversion.
-fn poisson(random: &mut Random) -> f64 {
+pub(super) fn poisson(random: &mut Random) -> f64 {
     let uniform = random.unit();
     let mut probability = 0.367_879_441_171_442_33;
     let mut below = probability;
@@ -273,22 +274,27 @@ fn poisson(random: &mut Random) -> f64 {
 
 /// Encounters without any loss do not change the ratio, so only those with one are drawn.
 fn bootstrap(cases: &[Case]) -> Option<Interval> {
-    let mut ratios: Vec<f64> = (0..SAMPLES as u64)
+    let ratios: Vec<f64> = (0..SAMPLES as u64)
         .filter_map(|sample| {
             let mut random = Random::new(SEED, sample);
             let (nominal, flown) = sums(cases.iter().map(|case| (case, poisson(&mut random))));
             (nominal > 0.0).then(|| flown / nominal)
         })
         .collect();
-    ratios.sort_by(f64::total_cmp);
+    percentiles(ratios)
+}
+
+/// The 2.5 and 97.5 percentiles of some values.
+pub(super) fn percentiles(mut values: Vec<f64>) -> Option<Interval> {
+    values.sort_by(f64::total_cmp);
     let at = |share: f64| {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "an index within the list"
         )]
-        let index = (share * (ratios.len().saturating_sub(1)) as f64).round() as usize;
-        ratios.get(index).copied()
+        let index = (share * (values.len().saturating_sub(1)) as f64).round() as usize;
+        values.get(index).copied()
     };
     Some(Interval {
         low: at(0.025)?,
@@ -308,6 +314,8 @@ pub struct PolicyRisk {
     pub acted: u64,
     /// The losses, in the order of [`Loss::ALL`].
     pub losses: [LossCount; 3],
+    /// How near each encounter came, where the tail is asked for.
+    nearness: Vec<Nearness>,
 }
 
 impl PolicyRisk {
@@ -322,6 +330,11 @@ impl PolicyRisk {
                 count.take(self.encounters, row.weight, lost, acted);
             }
         }
+    }
+
+    /// The risk of a near mid-air collision beyond what was counted; only for the class of all encounters.
+    pub fn tail(&self) -> Option<Tail> {
+        tail(&self.nearness)
     }
 
     /// The effective number of encounters.
@@ -353,10 +366,17 @@ impl Risks {
             Class::speed(&row.metrics),
         ];
         for class in classes.into_iter().flatten() {
-            self.by_class
-                .entry((row.policy, class))
-                .or_default()
-                .take(row);
+            let is_all = class == Class::All;
+            let risk = self.by_class.entry((row.policy, class)).or_default();
+            risk.take(row);
+            if is_all && let Some(scale) = row.metrics.nmac_scale {
+                risk.nearness.push(Nearness {
+                    weight: row.weight,
+                    // A written scale of 0 is a hit.
+                    y: -libm::log(scale.max(1e-6)),
+                    nominal: row.metrics.nominal_nmac == Some(true),
+                });
+            }
         }
     }
 

@@ -46,7 +46,7 @@ const SLOWEST_MPS: f64 = 0.5;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OwnshipFlight {
-    /// Straight and level at the vehicle's airspeed.
+    /// Straight and level, at the vehicle's airspeed or at one drawn from the speeds of the ownship.
     #[default]
     Vehicle,
     /// A flight of the model.
@@ -71,7 +71,8 @@ pub struct Pairing {
     pub aimed_share: f64,
     /// Altitudes of the ownship at the closest approach, metres above ground.
     pub altitude_m: Option<[f64; 2]>,
-    /// Speeds of the ownship at the closest approach, metres per second.
+    /// Speeds of the ownship at the closest approach, metres per second; where it flies straight and level, its
+    /// airspeed is drawn from them, each as likely per time of flight.
     pub ownship_speed_mps: Option<[f64; 2]>,
     /// Speeds of the intruder at the closest approach, metres per second.
     pub intruder_speed_mps: Option<[f64; 2]>,
@@ -139,6 +140,14 @@ impl Pairing {
                     [low, high]
                 ));
             }
+        }
+        if let (OwnshipFlight::Vehicle, Some([low, high])) = (self.ownship, self.ownship_speed_mps)
+            && !(low >= 1.0 && high <= 1000.0)
+        {
+            return Err(format!(
+                "ownship_speed_mps is {:?}, expected airspeeds of 1 to 1000 m/s",
+                [low, high]
+            ));
         }
         Ok(())
     }
@@ -287,7 +296,13 @@ impl ModelSource {
                 self.model.fly(duration_s, &mut || random.unit())?,
                 self.model.fastest_mps()?,
             ),
-            OwnshipFlight::Vehicle => (straight(duration_s, self.airspeed_mps), self.airspeed_mps),
+            OwnshipFlight::Vehicle => match self.pairing.ownship_speed_mps {
+                Some([least_mps, most_mps]) => {
+                    let speed_mps = least_mps + (most_mps - least_mps) * random.unit();
+                    (straight(duration_s, speed_mps), most_mps)
+                }
+                None => (straight(duration_s, self.airspeed_mps), self.airspeed_mps),
+            },
         };
         let relative_mps = relative_at(&own, &intruder, at)?;
         let speed_mps = relative_mps.length();

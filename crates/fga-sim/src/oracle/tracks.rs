@@ -64,11 +64,11 @@ pub fn best_margin_of_tracks(world: &World, settings: &OracleSettings) -> Option
 
 /// Where the search begins.
 fn start_of(world: &World, own: &Track, horizon_s: f64) -> f64 {
-    let range_m = world
-        .settings
-        .avoider
-        .surveillance_radius_m
-        .min(world.sensor.range_m);
+    let farthest_m = core::iter::once(&world.sensor)
+        .chain(&world.more_sensors)
+        .map(|sensor| sensor.range_m)
+        .fold(0.0, f64::max);
+    let range_m = world.settings.avoider.surveillance_radius_m.min(farthest_m);
     let (first_s, last_s) = own.presence_s();
     let (mut known_s, mut closest) = (None, (f64::INFINITY, first_s));
     let mut time_s = first_s;

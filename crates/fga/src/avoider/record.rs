@@ -139,6 +139,8 @@ pub struct Record {
     pub resilience: Option<f64>,
     /// Whether the limits in need apply: nothing was certified with the normal ones.
     pub in_need: bool,
+    /// Whether the situation's clock was set back by more than a second since the last step: the avoider forgot its plan.
+    pub clock_set_back: bool,
     /// The work.
     pub work: Work,
 }

@@ -37,7 +37,7 @@ struct End {
 }
 
 /// The line on which a turn ends: where the aircraft would have begun it when the roll-out began.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Exit {
     /// When the roll-out begins, and when it is over, seconds.
     pub begins_s: f64,
@@ -149,6 +149,23 @@ impl Bend {
     /// The least turn: rolling out at once, radians.
     pub(crate) fn least_rad(&self) -> f64 {
         self.nodes.first().map_or(0.0, |first| first.turn_rad)
+    }
+
+    /// Where the aircraft is at a moment of a turn that goes on, forward and to the side of the turn, metres.
+    pub(crate) fn place_m(&self, at_s: f64) -> Option<(f64, f64)> {
+        let nodes = self.nodes.get(..self.len)?;
+        let last = nodes.last()?;
+        let turn_rad = if at_s >= last.time_s {
+            last.turn_rad + self.rate_radps * (at_s - last.time_s)
+        } else {
+            let next = nodes.iter().position(|node| node.time_s > at_s)?;
+            let after = nodes.get(next)?;
+            let before = nodes.get(next.saturating_sub(1))?;
+            let span = (after.time_s - before.time_s).max(f64::MIN_POSITIVE);
+            let share = ((at_s - before.time_s) / span).max(0.0);
+            before.turn_rad + share * (after.turn_rad - before.turn_rad)
+        };
+        self.exit(turn_rad).map(|exit| exit.at_m)
     }
 
     /// How far its lines may be from the true ones, metres.

@@ -12,6 +12,7 @@ use crate::Vec3;
 use crate::angle::direction;
 use crate::limit::Limit as _;
 use crate::meter::{LAGGED_PIECE, PIECE};
+use crate::prediction::Bend;
 use crate::situation::Ownship;
 use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
@@ -138,6 +139,8 @@ pub struct Flyer {
     /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of
     /// the course at its start, metres.
     settles_m: [(f64, f64); SETTLES],
+    /// Turns from level flight, and from the bank of now to the left and to the right.
+    bends: [Option<Bend>; 3],
 }
 
 impl Flyer {
@@ -160,10 +163,13 @@ impl Flyer {
             rolling_out: Rolls::NONE,
             rolling_now: [Rolls::NONE; 3],
             settles_m: [(0.0, 0.0); SETTLES],
+            bends: [None; 3],
         };
         if !flyer.is_ideal() {
             flyer.prepare_rolls();
         }
+        let level = Bend::new(&flyer, 0.0);
+        flyer.bends = [level, None, None];
         flyer
     }
 

@@ -93,11 +93,22 @@ impl Roll {
     /// A piece of a given length.
     pub(super) fn part(from_rad: f64, command_rad: f64, lasts: f64) -> Self {
         let off_rad = from_rad - command_rad;
-        let to_rad = command_rad + off_rad * libm::exp(-lasts);
+        // What is left of the roll at the abscissas, which lie symmetric to the middle, and at the end.
+        let [(first, _), (second, _), ..] = GAUSS;
+        let middle = libm::exp(-0.5 * lasts);
+        let outer = libm::exp(lasts * (0.5 - first));
+        let inner = libm::exp(lasts * (0.5 - second));
+        let left = [
+            middle * outer,
+            middle * inner,
+            middle / inner,
+            middle / outer,
+        ];
+        let to_rad = command_rad + off_rad * middle * middle;
         // The change of course and its integral over time.
         let (mut turn, mut area) = (0.0, 0.0);
-        for (at, weight) in GAUSS {
-            let rate = libm::tan(command_rad + off_rad * libm::exp(-lasts * at));
+        for ((at, weight), left) in GAUSS.into_iter().zip(left) {
+            let rate = tan(command_rad + off_rad * left);
             turn += weight * rate;
             area += weight * rate * (1.0 - at);
         }
@@ -118,7 +129,7 @@ impl Roll {
     /// The end of a roll: small enough to include its whole rest.
     fn last(from_rad: f64, command_rad: f64) -> Self {
         let off_rad = from_rad - command_rad;
-        let steady = libm::tan(command_rad);
+        let steady = tan(command_rad);
         let slope = 1.0 + steady * steady;
         // ∫ tan(c + d e^−u) − tan c du by its series in d.
         let rest = slope * off_rad * (1.0 + 0.5 * steady * off_rad);
@@ -137,7 +148,7 @@ impl Roll {
 
     fn bounded(from_rad: f64, command_rad: f64, lasts: f64) -> Self {
         let off_rad = from_rad - command_rad;
-        let fastest = libm::tan(from_rad.abs().max(command_rad.abs()));
+        let fastest = tan(from_rad.abs().max(command_rad.abs()));
         let steepness = 1.0 + fastest * fastest;
         let square = lasts * lasts;
         let bow = (BOW * square * square).min(LAST_BOW);
@@ -151,22 +162,39 @@ impl Roll {
     }
 }
 
+/// The series in u² of ∫ tan(u)/u du, by u, without the part of the pole at 90°.
+const SERIES: [f64; 9] = [
+    0.189_430_530_861_297_83,
+    0.001_607_300_394_478_202_4,
+    3.853_295_029_288_789e-5,
+    1.196_205_952_173_013_2e-6,
+    4.140_883_808_687_578e-8,
+    1.519_517_149_504_477e-9,
+    5.781_681_370_596_545e-11,
+    2.255_296_798_919_955e-12,
+    8.959_523_479_911_502e-14,
+];
+
+/// tan(u)/u by the same series, good to 10⁻¹¹ for banks up to 80°.
+pub(super) fn tan_share(bank_rad: f64) -> f64 {
+    let square = bank_rad * bank_rad;
+    let (mut series, mut degree) = (0.0, 2.0 * SERIES.len() as f64 - 1.0);
+    for coefficient in SERIES.iter().rev() {
+        series = series * square + degree * coefficient;
+        degree -= 2.0;
+    }
+    8.0 / (PI * PI - 4.0 * square) + series
+}
+
+fn tan(bank_rad: f64) -> f64 {
+    bank_rad * tan_share(bank_rad)
+}
+
 /// ∫ tan(u)/u du from 0 to a bank: the turn made while rolling out to level, in the units of
 /// [`Roll`].
 ///
 /// tan(u)/u is 8/(π² − 4u²), whose pole is at 90°, and a series for the rest, good to 10⁻¹¹.
 pub(super) fn roll_out(bank_rad: f64) -> f64 {
-    const SERIES: [f64; 9] = [
-        0.189_430_530_861_297_83,
-        0.001_607_300_394_478_202_4,
-        3.853_295_029_288_789e-5,
-        1.196_205_952_173_013_2e-6,
-        4.140_883_808_687_578e-8,
-        1.519_517_149_504_477e-9,
-        5.781_681_370_596_545e-11,
-        2.255_296_798_919_955e-12,
-        8.959_523_479_911_502e-14,
-    ];
     if bank_rad == 0.0 {
         return 0.0;
     }

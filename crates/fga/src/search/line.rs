@@ -4,9 +4,10 @@ use crate::Vec3;
 use crate::angle::Side;
 use crate::certificate::Certificate;
 use crate::limit::Limit as _;
+use crate::meter::BEND;
 use crate::prediction::{Bend, Exit, MotionState};
 
-use super::{BEND, Search, Turns};
+use super::{Search, Turns};
 
 /// What a line takes to be set up, in units of work.
 const LINE: usize = 4;
@@ -255,12 +256,16 @@ impl Search<'_> {
 
     /// Turns to a side from a bank that is positive towards it.
     pub(super) fn bend(&mut self, bank_rad: f64, side: Side) -> Option<&Bend> {
+        let flyer = self.scene.flyer;
+        if let Some(bend) = flyer.bend_from(bank_rad) {
+            return Some(bend);
+        }
         let known = |bend: &Option<Bend>| bend.as_ref().is_some_and(|bend| bend.is_from(bank_rad));
         let place = self.bends.iter().position(known).unwrap_or_else(|| {
             let place = usize::from(side == Side::Right);
             if let Some(slot) = self.bends.get_mut(place) {
                 self.meter.count(BEND);
-                *slot = Bend::new(self.scene.flyer, bank_rad);
+                *slot = Bend::new(flyer, bank_rad);
             }
             place
         });

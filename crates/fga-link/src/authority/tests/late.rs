@@ -3,7 +3,7 @@
 use super::*;
 
 /// A request that was on its way now reaches the vehicle, and its answer comes.
-fn arrives(bench: &mut Bench, mode: Mode) {
+pub(super) fn arrives(bench: &mut Bench, mode: Mode) {
     bench.keeper.answered(true, bench.now_s);
     bench.vehicle = mode;
     bench.obeys = true;
@@ -12,7 +12,7 @@ fn arrives(bench: &mut Bench, mode: Mode) {
 
 /// The mode was asked for, and the request is on its way on a slow link when the traffic has passed: an AUTO
 /// from before it arrives looks like a return.
-fn called_off() -> Bench {
+pub(super) fn called_off() -> Bench {
     let mut bench = Bench::ready();
     bench.obeys = false;
     bench.take_over();

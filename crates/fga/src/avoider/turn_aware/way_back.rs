@@ -3,11 +3,11 @@
 use core::f64::consts::PI;
 
 use crate::avoider::{Avoider, Decision, Plan, Reason, Returned, Start, State};
-use crate::certificate::mark_close;
+use crate::certificate::{Line, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
-use crate::mission::Bend;
-use crate::mission::join::{Join, JoinLimits};
+use crate::mission::join::JoinLimits;
+use crate::mission::{Bend, Way};
 use crate::prediction::{MotionState, whole};
 use crate::search::Proof;
 use crate::situation::{Mission, Situation};
@@ -62,6 +62,9 @@ const LONGEST_PASS_S: f64 = 20.0;
 /// seconds.
 const TRIED_S: f64 = 60.0;
 
+/// A way that is not flown leads at most this far from where it seems to, turn radii.
+const ROUGHLY: f64 = 0.1;
+
 /// Cycles between two searches for a way back, each at one intercept angle.
 const LOOK_BACK_EVERY: u32 = 2;
 
@@ -113,11 +116,6 @@ impl Avoider {
         let other = 1 + turn / 2 % (INTERCEPTS_RAD.len() - 1);
         let place = if turn.is_multiple_of(2) { 0 } else { other };
         let intercept_rad = *INTERCEPTS_RAD.get(place)?;
-        let climb_limits_rad = self.climb_limits_rad();
-        let limits = JoinLimits {
-            intercept_rad,
-            climb_limits_rad,
-        };
         let mission = &situation.mission;
         let target_m = self.target_m;
         // Skipping a leg is only for a leg that the aircraft cannot join at any angle.
@@ -128,21 +126,29 @@ impl Avoider {
         let detour = (turn % 2 == 1 && waits && self.is_accompanied(situation))
             .then(|| self.detour(now, turn / 2));
         let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
+        let is_any = detour.is_none() && turn.is_multiple_of(2);
+        let intercepts_rad: &[f64] = if is_any {
+            &INTERCEPTS_RAD
+        } else {
+            core::slice::from_ref(&intercept_rad)
+        };
+        let nearest = self.nearest_way_back(mission, &from, skipped, intercepts_rad);
+        if detour.is_none() && nearest.is_some_and(|(_, way)| self.is_blocked(&way)) {
+            self.count_mission();
+            return None;
+        }
+        let limits = JoinLimits {
+            intercept_rad: nearest.map_or(intercept_rad, |(nearest_rad, _)| nearest_rad),
+            climb_limits_rad: self.climb_limits_rad(),
+        };
         let way = self
             .progress
             .way_back(mission, &from, &self.flyer, &limits, skipped);
-        let (joined, index) = if detour.is_none() && turn.is_multiple_of(2) {
-            let nearest = self.nearest_way_back(mission, &from, skipped, way.as_ref());
-            self.count_mission();
-            nearest?
-        } else {
-            self.count_mission();
-            let way = way.filter(|(joined, _)| joined.is_on_leg())?;
-            if intercept_rad < SHALLOW_RAD && way.0.joined_s > SHALLOW_S {
-                return None;
-            }
-            way
-        };
+        self.count_mission();
+        let (joined, index) = way.filter(|(joined, _)| joined.is_on_leg())?;
+        if !is_any && intercept_rad < SHALLOW_RAD && joined.joined_s > SHALLOW_S {
+            return None;
+        }
         let mut maneuver = first;
         for stage in joined.maneuver.stages() {
             maneuver.push(*stage);
@@ -201,40 +207,57 @@ impl Avoider {
         back
     }
 
-    /// Of the ways onto the mission at all intercept angles the one that departs least; the
+    /// Of the ways onto the mission at some intercept angles the one that departs least, and its angle; the
     /// first, preferred one, unless another is clearly nearer.
     fn nearest_way_back(
         &mut self,
         mission: &Mission<'_>,
         from: &MotionState,
         skipped: usize,
-        preferred: Option<&(Join, usize)>,
-    ) -> Option<(Join, usize)> {
+        intercepts_rad: &[f64],
+    ) -> Option<(f64, Way)> {
         let climb_limits_rad = self.climb_limits_rad();
         let (progress, flyer) = (&mut self.progress, &self.flyer);
-        let mut best: Option<(f64, (Join, usize))> = None;
-        for (place, intercept_rad) in INTERCEPTS_RAD.into_iter().enumerate() {
+        let mut best: Option<(f64, f64, Way)> = None;
+        for intercept_rad in intercepts_rad {
             let limits = JoinLimits {
-                intercept_rad,
+                intercept_rad: *intercept_rad,
                 climb_limits_rad,
             };
             if !progress.may_measure() {
-                return best.map_or(preferred.copied(), |(_, way)| Some(way));
+                break;
             }
-            let way = if place == 0 {
-                preferred.copied()
-            } else {
-                progress.way_back(mission, from, flyer, &limits, skipped)
-            };
-            let Some((joined, index)) = way.filter(|(joined, _)| joined.is_on_leg()) else {
-                continue;
-            };
-            let away_m = progress.departure_m(mission, from, flyer, (&joined, index));
-            if best.is_none_or(|(least_m, _)| away_m < CLEARLY_NEARER * least_m) {
-                best = Some((away_m, (joined, index)));
+            let way = progress.way_back_roughly(mission, from, flyer, &limits, skipped);
+            let Some((way, index)) = way else { continue };
+            let away_m = progress.departure_m(mission, &way, index);
+            if best.is_none_or(|(least_m, ..)| away_m < CLEARLY_NEARER * least_m) {
+                best = Some((away_m, *intercept_rad, way));
             }
         }
-        best.map(|(_, way)| way)
+        best.map(|(_, intercept_rad, way)| (intercept_rad, way))
+    }
+
+    /// Whether an obstacle stands on the straight flight of a way back, wherever in its neighbourhood that lies.
+    fn is_blocked(&self, way: &Way) -> bool {
+        let Some([(from_m, from_s), (to_m, to_s)]) = way.straight() else {
+            return false;
+        };
+        let radius_m = self.flyer.airspeed_mps() / self.flyer.course_rate_radps();
+        let duration_s = to_s.min(self.far_s) - from_s;
+        let line = Line {
+            from_m,
+            velocity_mps: (to_m - from_m) / (to_s - from_s),
+            at_s: from_s,
+            duration_s,
+        };
+        let inside_m = self.target_m - ROUGHLY * radius_m;
+        let hazards = self.tracks.hazards().rows();
+        self.meter.count(hazards.len());
+        duration_s > 0.0
+            && hazards.iter().any(|hazard| {
+                let found = hazard.least_on_line(&line, inside_m, &self.meter);
+                found.is_some_and(|(margin_m, _)| margin_m < inside_m)
+            })
     }
 
     /// Whether an obstacle flies alongside, so that it does not pass.

@@ -6,8 +6,8 @@ use crate::Vec3;
 use crate::angle::direction;
 use crate::limit::Limit as _;
 use crate::prediction::motion::{Flyer, MotionState, Piece, REACHED_RAD, Target};
-use crate::prediction::roll::{Roll, roll_out};
-use crate::prediction::whole;
+use crate::prediction::roll::{Roll, roll_out, tan_share};
+use crate::prediction::{Bend, whole};
 
 /// A smaller bank has no roll-out left, radians.
 const ROLLED_OUT_RAD: f64 = 1e-9;
@@ -242,7 +242,23 @@ impl Flyer {
             let full_rad = self.full_bank_rad;
             self.rolling_now =
                 [0.0, full_rad, -full_rad].map(|to_rad| Rolls::new(bank_rad, to_rad, self.pace));
+            let [left, right] = [bank_rad, -bank_rad].map(|bank_rad| Bend::new(self, bank_rad));
+            let [level, ..] = self.bends;
+            self.bends = [level, left, right];
         }
+    }
+
+    /// Turns from a bank that is positive towards their side, if they are kept.
+    pub(crate) fn bend_from(&self, bank_rad: f64) -> Option<&Bend> {
+        self.bends
+            .iter()
+            .flatten()
+            .find(|bend| bend.is_from(bank_rad))
+    }
+
+    /// The bank of the largest course rate, radians.
+    pub(crate) const fn full_bank_rad(&self) -> f64 {
+        self.full_bank_rad
     }
 
     /// The next piece of a roll, at most `most` time constants long.
@@ -287,16 +303,24 @@ impl Flyer {
     /// The part of a piece of a roll after which the roll-out begins: the zero of the remaining turn beyond the
     /// roll-out's, known at both ends.
     ///
-    /// It falls at the rate c tan(φ)/φ, where c is the bank commanded: Newton's steps, kept between the ends.
+    /// It falls at the rate c tan(φ)/φ, where c is the bank commanded: a cubic with that rate at both ends, then
+    /// Newton's steps, kept between the ends.
     fn roll_to_roll_out(&self, roll: &Roll, turn_left: f64, ends: (f64, f64)) -> Roll {
         let ((mut a, at_a), (mut b, at_b)) = ((0.0, ends.0), (roll.lasts, ends.1));
         let gain = self.gain_radps * self.bank_time_constant_s;
-        let mut at = b - at_b * (b - a) / (at_b - at_a);
+        let falls = |bank_rad: f64| -gain * roll.command_rad * tan_share(bank_rad);
+        let span = at_b - at_a;
+        let share = -at_a / span;
+        let (first, last) = (span / falls(roll.from_rad), span / falls(roll.to_rad));
+        let rest = 1.0 - share;
+        let cubic =
+            share * share * (3.0 - 2.0 * share) * b + share * rest * (rest * first - share * last);
+        let mut at = cubic.limited(a, b);
         let mut part = *roll;
         for _ in 0..STEPS_TO_ROLL_OUT {
             part = Roll::part(roll.from_rad, roll.command_rad, at);
             let left = self.beyond_after(&part, turn_left);
-            if left.abs() < 0.01 * ROLL_OUT_BEGINS_RAD {
+            if left.abs() < 0.1 * ROLL_OUT_BEGINS_RAD {
                 break;
             }
             if left * at_b < 0.0 {
@@ -304,13 +328,7 @@ impl Flyer {
             } else {
                 b = at;
             }
-            let bank = part.to_rad;
-            let share = if bank == 0.0 {
-                1.0
-            } else {
-                libm::tan(bank) / bank
-            };
-            let next = at + left / (gain * part.command_rad * share);
+            let next = at - left / falls(part.to_rad);
             at = if next > a && next < b {
                 next
             } else {

@@ -1,0 +1,470 @@
+//! Aiming at a leg: the moments of a join and where it leads, told from where turns end.
+//!
+//! The first turn ends on a straight line, on which the second one begins: both in closed form with bank lag too. Only
+//! what is flown is then shot with the predicted flight.
+
+use crate::Vec3;
+use crate::angle::wrap_pi;
+use crate::limit::Limit as _;
+use crate::maneuver::{Maneuver, Stage};
+use crate::meter::{BEND, Meter};
+use crate::mission::join::{JoinLimits, ON_LEG_M};
+use crate::mission::leg::Leg;
+use crate::prediction::{Bend, Exit, Flyer, MotionState};
+
+/// The two channels of a join before their moments are corrected.
+pub(super) struct Shot {
+    pub intercept_course: f64,
+    course: f64,
+    pub turn_at_s: f64,
+    pub climb: f64,
+    pub final_climb: f64,
+    pub level_at_s: f64,
+}
+
+impl Shot {
+    pub(super) fn maneuver(&self, start_s: f64) -> Maneuver {
+        let mut maneuver = Maneuver::hold();
+        let mut push = |at_s: f64| {
+            let turned = at_s >= self.turn_at_s;
+            let levelled = at_s >= self.level_at_s;
+            maneuver.push(Stage {
+                start_s: at_s,
+                course_rad: if turned {
+                    self.course
+                } else {
+                    self.intercept_course
+                },
+                climb_rad: if levelled {
+                    self.final_climb
+                } else {
+                    self.climb
+                },
+                rate_share: 1.0,
+            });
+        };
+        push(start_s);
+        let (first, second) = if self.turn_at_s <= self.level_at_s {
+            (self.turn_at_s, self.level_at_s)
+        } else {
+            (self.level_at_s, self.turn_at_s)
+        };
+        if first > start_s {
+            push(first);
+        }
+        if second > first {
+            push(second);
+        }
+        maneuver
+    }
+}
+
+/// The moments of a join by where turns end, exact for level flight without lag.
+pub(super) fn aim(
+    flyer: &Flyer,
+    leg: &Leg,
+    state: &MotionState,
+    limits: &JoinLimits,
+    meter: &Meter,
+) -> Shot {
+    with_turns(flyer, state, meter, |turns| turns.aim(leg, state, limits).0)
+}
+
+/// A turn onto a leg begins at least this many time constants after the roll-out of the one before began.
+const SETTLES: f64 = 2.0;
+
+/// Places of a way.
+const PLACES: usize = 2 * ARC_PLACES + 3;
+
+/// Places on each of its turns.
+const ARC_PLACES: usize = 4;
+
+/// Where a join leads, about: places in time, the straight flight to the leg between two of them.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Way {
+    places: [(Vec3, f64); PLACES],
+    len: usize,
+}
+
+impl Way {
+    fn push(&mut self, place_m: Vec3, at_s: f64) {
+        if let Some(slot) = self.places.get_mut(self.len) {
+            *slot = (place_m, at_s);
+            self.len += 1;
+        }
+    }
+
+    /// The places, metres, and their times, seconds from the decision.
+    pub(crate) fn places(&self) -> &[(Vec3, f64)] {
+        self.places.get(..self.len).unwrap_or(&[])
+    }
+
+    pub(super) fn end(&self) -> Option<(Vec3, f64)> {
+        self.places().last().copied()
+    }
+
+    /// The straight flight to the leg: from and to.
+    pub(crate) fn straight(&self) -> Option<[(Vec3, f64); 2]> {
+        let from = self.places().get(ARC_PLACES)?;
+        let to = self.places().get(ARC_PLACES + 1)?;
+        Some([*from, *to])
+    }
+}
+
+/// A turn, and the course and the time at which it begins.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Turning {
+    course_rad: f64,
+    /// 1 to the left, -1 to the right.
+    side: f64,
+    exit: Exit,
+}
+
+impl Turning {
+    /// A place in the frame of its beginning, metres: forward and to its side.
+    fn turned_m(&self, (forward, aside): (f64, f64)) -> Vec3 {
+        let (sin, cos) = libm::sincos(self.course_rad);
+        let left = self.side * aside;
+        Vec3::new(forward * cos - left * sin, forward * sin + left * cos, 0.0)
+    }
+
+    /// How far it moves the aircraft to the left of a course by the time at which its roll-out begins, as if it then flew
+    /// straight, metres.
+    fn across_m(&self, course_rad: f64, drift_mps: f64) -> f64 {
+        let (sin, cos) = libm::sincos(self.course_rad - course_rad);
+        let (forward, aside) = self.exit.from_m;
+        forward * sin + self.side * aside * cos + drift_mps * self.exit.begins_s
+    }
+}
+
+/// Turns from the bank of now to either side, and from level flight.
+pub(super) struct Turns<'a> {
+    flyer: &'a Flyer,
+    now: [Option<&'a Bend>; 2],
+    level: Option<&'a Bend>,
+    rolls_out_rad: f64,
+}
+
+/// Shows the turns from a state, of which the vehicle keeps some.
+pub(super) fn with_turns<T>(
+    flyer: &Flyer,
+    state: &MotionState,
+    meter: &Meter,
+    look: impl FnOnce(&Turns<'_>) -> T,
+) -> T {
+    let most_rad = flyer.full_bank_rad();
+    let bank_rad = state.bank_rad.limited(-most_rad, most_rad);
+    let banks_rad = [bank_rad, -bank_rad];
+    let kept = banks_rad.map(|bank_rad| flyer.bend_from(bank_rad));
+    let is_kept = kept.iter().all(Option::is_some);
+    let made = if is_kept {
+        [None; 2]
+    } else {
+        meter.count(2 * BEND);
+        banks_rad.map(|bank_rad| Bend::new(flyer, bank_rad))
+    };
+    let [left, right] = &made;
+    look(&Turns {
+        flyer,
+        now: if is_kept {
+            kept
+        } else {
+            [left.as_ref(), right.as_ref()]
+        },
+        level: flyer.bend_from(0.0),
+        rolls_out_rad: flyer.rollout_rad(bank_rad),
+    })
+}
+
+impl Turns<'_> {
+    /// A turn from now.
+    fn first(&self, course_rad: f64, by_rad: f64) -> Turning {
+        let side = if by_rad < self.rolls_out_rad {
+            -1.0
+        } else {
+            1.0
+        };
+        let exit = self.bend(side).and_then(|bend| bend.exit(side * by_rad));
+        Turning {
+            course_rad,
+            side,
+            exit: exit.unwrap_or_default(),
+        }
+    }
+
+    /// A turn from level flight.
+    fn second(&self, course_rad: f64, by_rad: f64) -> Turning {
+        let exit = self.level.and_then(|bend| bend.exit(by_rad.abs()));
+        Turning {
+            course_rad,
+            side: libm::copysign(1.0, by_rad),
+            exit: exit.unwrap_or_default(),
+        }
+    }
+
+    fn bend(&self, side: f64) -> Option<&Bend> {
+        let [left, right] = self.now;
+        if side > 0.0 { left } else { right }
+    }
+
+    /// The moments of a join, and its two turns.
+    pub(super) fn aim(
+        &self,
+        leg: &Leg,
+        state: &MotionState,
+        limits: &JoinLimits,
+    ) -> (Shot, [Turning; 2]) {
+        let flyer = self.flyer;
+        let position = leg.position(state.position_m, state.time_s);
+        let (low, high) = limits.climb_limits_rad;
+        let final_climb = leg.climb_rad.limited(low, high);
+        let onto = leg.turn_onto_rad(state);
+        let speed_mps = flyer.airspeed_mps();
+        let drift_mps = leg.cross_speed_mps(speed_mps, leg.course_rad);
+        // The bank has mostly gone before it turns again.
+        let settles_s = SETTLES * flyer.bank_time_constant_s();
+        let turns = |offset: f64, by_rad: f64| {
+            let first = self.first(state.course_rad, by_rad);
+            [first, self.second(leg.air_course_rad + offset, -offset)]
+        };
+        // Cross-track distance after a turn to `offset` from the leg's course, and from there onto it.
+        let after_turns = |offset: f64, by_rad: f64| {
+            let settling_mps = leg.cross_speed_mps(speed_mps, leg.air_course_rad + offset);
+            let across_m =
+                turns(offset, by_rad).map(|turn| turn.across_m(leg.course_rad, drift_mps));
+            position.cross_m + across_m.iter().sum::<f64>() + settling_mps * settles_s
+        };
+        let (mut offset, mut by_rad) = (0.0, onto);
+        let mut straight_s = 0.0;
+        let cross_direct = after_turns(0.0, onto);
+        if cross_direct.abs() >= ON_LEG_M {
+            let side = if cross_direct > 0.0 { -1.0 } else { 1.0 };
+            let steepest = side * limits.intercept_rad;
+            // The shorter way round, unless the leg is near on that side.
+            by_rad = wrap_pi(onto + steepest);
+            let mut left = after_turns(steepest, by_rad);
+            if left * cross_direct <= 0.0 {
+                by_rad = onto + steepest;
+                left = after_turns(steepest, by_rad);
+            }
+            if left * cross_direct > 0.0 {
+                offset = steepest;
+                let closing = leg.cross_speed_mps(speed_mps, leg.air_course_rad + offset);
+                straight_s = if closing * side > 0.0 {
+                    (-left / closing).max(0.0)
+                } else {
+                    0.0
+                };
+            } else {
+                // The leg is near: the intercept angle that needs no straight piece.
+                let near = |offset: f64| after_turns(offset, onto + offset);
+                offset = root(near, (0.0, cross_direct), (steepest, left));
+                by_rad = onto + offset;
+            }
+        }
+        let [first, second] = turns(offset, by_rad);
+        let intercept_course = state.course_rad + by_rad;
+        let course = if offset == 0.0 {
+            state.course_rad + onto
+        } else {
+            intercept_course + wrap_pi(leg.air_course_rad - intercept_course)
+        };
+        let turn_s = first.exit.begins_s + settles_s + straight_s;
+        let (climb, climb_s) = climb_back(
+            flyer,
+            state.climb_rad,
+            final_climb,
+            -position.above_m,
+            limits,
+            turn_s + second.exit.begins_s,
+        );
+        let shot = Shot {
+            intercept_course,
+            course,
+            turn_at_s: state.time_s + turn_s,
+            climb,
+            final_climb,
+            level_at_s: state.time_s + climb_s,
+        };
+        (shot, [first, second])
+    }
+
+    /// Where the turns of a join lead.
+    pub(super) fn way(
+        &self,
+        state: &MotionState,
+        shot: &Shot,
+        [first, second]: &[Turning; 2],
+    ) -> Way {
+        let speed_mps = self.flyer.airspeed_mps();
+        let climbs_mps = speed_mps * libm::sin(shot.climb);
+        let then_mps = speed_mps * libm::sin(shot.final_climb);
+        let lifted_m = |place_m: Vec3, at_s: f64| {
+            let climbing_s = (at_s.min(shot.level_at_s) - state.time_s).max(0.0);
+            let level_s = (at_s - shot.level_at_s.max(state.time_s)).max(0.0);
+            place_m + Vec3::new(0.0, 0.0, climbs_mps * climbing_s + then_mps * level_s)
+        };
+        let mut way = Way::default();
+        way.push(state.position_m, state.time_s);
+        let mut from = (state.position_m, state.time_s);
+        let second_s = shot.turn_at_s - state.time_s;
+        let parts = [
+            (first, self.bend(first.side), second_s),
+            (second, self.level, second.exit.over_s),
+        ];
+        for (turning, bend, until_s) in parts {
+            let (from_m, from_s) = from;
+            for place in 1..=ARC_PLACES {
+                let since_s = turning.exit.begins_s * place as f64 / ARC_PLACES as f64;
+                let turned = bend.and_then(|bend| bend.place_m(since_s));
+                let there_m = from_m + turning.turned_m(turned.unwrap_or_default());
+                way.push(lifted_m(there_m, from_s + since_s), from_s + since_s);
+            }
+            let straight_m = speed_mps * (until_s - turning.exit.begins_s);
+            let there_m = from_m
+                + turning.turned_m(turning.exit.from_m)
+                + turning.turned_m(turning.exit.turned) * straight_m;
+            from = (there_m, from_s + until_s);
+            way.push(lifted_m(there_m, from.1), from.1);
+        }
+        way
+    }
+}
+
+/// Climb angle to hold, and its duration from now, to gain `gain_m` relative to the leg.
+fn climb_back(
+    flyer: &Flyer,
+    now_rad: f64,
+    final_rad: f64,
+    gain_m: f64,
+    limits: &JoinLimits,
+    within_s: f64,
+) -> (f64, f64) {
+    let (low, high) = limits.climb_limits_rad;
+    let speed = flyer.airspeed_mps();
+    let rate = flyer.climb_rate_radps();
+    if rate <= 0.0 || high <= low {
+        return (final_rad, 0.0);
+    }
+    // Height gained relative to the leg while the climb angle moves from one value to another.
+    let ramp = |from: f64, to: f64| {
+        let turn = to - from;
+        if turn.abs() < 1e-9 {
+            return 0.0;
+        }
+        let seconds = turn.abs() / rate;
+        speed * ((libm::cos(from) - libm::cos(to)) / turn - libm::sin(final_rad)) * seconds
+    };
+    let ramps = |climb: f64| ramp(now_rad, climb) + ramp(climb, final_rad);
+    if (ramp(now_rad, final_rad) - gain_m).abs() < ON_LEG_M {
+        return (final_rad, 0.0);
+    }
+    let limit = if gain_m > ramp(now_rad, final_rad) {
+        high
+    } else {
+        low
+    };
+    let side = if limit == high { 1.0 } else { -1.0 };
+    for share in [0.25, 0.5, 1.0] {
+        let climb = final_rad + share * (limit - final_rad);
+        let left = gain_m - ramps(climb);
+        let climbing = speed * (libm::sin(climb) - libm::sin(final_rad));
+        if left * side < 0.0 {
+            break;
+        }
+        let hold_s = if climbing.abs() > 1e-6 {
+            left / climbing
+        } else {
+            0.0
+        };
+        let ramp_s = (climb - now_rad).abs() / rate;
+        if share == 1.0 || hold_s + ramp_s + (climb - final_rad).abs() / rate <= within_s {
+            return (climb, ramp_s + hold_s);
+        }
+    }
+    // Close to the height: the climb angle whose two ramps alone gain it.
+    let left = |climb: f64| gain_m - ramps(climb);
+    let climb = root(left, (final_rad, left(final_rad)), (limit, left(limit)));
+    (climb, (climb - now_rad).abs() / rate)
+}
+
+/// The zero of a function with opposite signs at two points (the Illinois method).
+fn root(function: impl Fn(f64) -> f64, low: (f64, f64), high: (f64, f64)) -> f64 {
+    let ((mut a, mut at_a), (mut b, mut at_b)) = (low, high);
+    for _ in 0..24 {
+        let step = at_b - at_a;
+        if at_b.abs() < 1e-9 || step == 0.0 {
+            break;
+        }
+        let c = b - at_b * (b - a) / step;
+        let at_c = function(c);
+        if at_c * at_b < 0.0 {
+            (a, at_a) = (b, at_b);
+        } else {
+            at_a *= 0.5;
+        }
+        (b, at_b) = (c, at_c);
+    }
+    b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mission::join::{join, join_roughly};
+    use crate::prediction::flown;
+    use crate::vehicle::{Response, Vehicle};
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+        /// A way that is not flown leads where the flown one does, to a tenth of a turn radius.
+        #[test]
+        fn a_way_leads_where_it_is_flown(
+            lag_s in prop_oneof![Just(0.0), 0.2..1.0f64],
+            bank in -1.0..1.0f64,
+            (cross_m, course_rad) in (-300.0..300.0f64, -2.6..2.6f64),
+            intercept_rad in 0.3..1.2f64,
+            wind_mps in -6.0..6.0f64,
+        ) {
+            let vehicle = Vehicle {
+                response: Response {
+                    dead_time_s: 0.0,
+                    bank_time_constant_s: lag_s,
+                    turn_rate_factor: 0.8,
+                },
+                ..Vehicle::table_4()
+            };
+            let mut flyer = Flyer::new(&vehicle);
+            let bank_rad = bank * flyer.full_bank_rad();
+            flyer.keep_rolls_from(bank_rad);
+            let state = MotionState {
+                time_s: 0.0,
+                position_m: Vec3::new(0.0, cross_m, 0.0),
+                course_rad,
+                climb_rad: 0.0,
+                bank_rad,
+            };
+            let speed_mps = vehicle.airspeed_mps;
+            let wind_mps = Vec3::new(0.0, wind_mps, 0.0);
+            let leg = Leg::endless(Vec3::ZERO, 0.0, speed_mps, wind_mps);
+            let limits = JoinLimits {
+                intercept_rad,
+                climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
+            };
+            let meter = Meter::unlimited();
+            let (_, way) = join_roughly(&flyer, &leg, &state, &limits, &meter);
+            let exact = join(&flyer, &leg, &state, &limits, &meter);
+            let most_m = 0.1 * speed_mps / flyer.course_rate_radps();
+            let [from, to] = way.straight().unwrap();
+            // Where the leg is near, there is no straight flight to it, and the second turn begins while the aircraft rolls.
+            let is_far = to.1 - from.1 > 3.0 * lag_s + 0.1;
+            for (place_m, at_s) in way.places().iter().filter(|_| is_far) {
+                let there = flown(&flyer, &state, &exact.maneuver, *at_s, &meter);
+                let off_m = there.position_m.distance(*place_m);
+                prop_assert!(off_m < most_m, "{off_m} m off at {at_s} s of {way:?}");
+            }
+            prop_assert!(exact.cross_m.abs() < 0.05, "{exact:?}");
+        }
+    }
+}
