@@ -7,6 +7,7 @@ use crate::certificate::{Line, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::mission::join::JoinLimits;
+use crate::mission::leg::Leg;
 use crate::mission::{Bend, Way};
 use crate::prediction::{MotionState, whole};
 use crate::search::Proof;
@@ -163,15 +164,18 @@ impl Avoider {
         self.count_mission();
         self.look_s = self.far_s;
         self.predict(&maneuver, now);
-        let on_leg = self.progress.leg(now).position(now.position_m, now.time_s);
-        let diameter_m = 2.0 * self.flyer.airspeed_mps() / self.flyer.course_rate_radps();
-        let goes_back =
-            index == self.progress.index() && joined.along_m < on_leg.along_m - diameter_m;
-        if goes_back && joined.joined_s > horizon_s {
+        let leg = self.progress.leg(now);
+        let here = leg.position(now.position_m, now.time_s);
+        let gained_m = if index == self.progress.index() {
+            joined.along_m - here.along_m
+        } else {
+            f64::INFINITY
+        };
+        if gained_m < -self.diameter_m() && joined.joined_s > horizon_s {
             // In strong wind a shallow way leads back for minutes.
             return None;
         }
-        let ahead = self.way_ahead(plan, (joined.joined_s, goes_back), situation);
+        let ahead = self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg));
         let back = Plan {
             maneuver,
             decided_s: situation.time_s,
@@ -303,12 +307,17 @@ impl Avoider {
         })
     }
 
-    /// The clearance of the way back in the path, which arrives at a time and may go back along the leg.
+    /// Diameter of the aircraft's turn, metres.
+    fn diameter_m(&self) -> f64 {
+        2.0 * self.flyer.airspeed_mps() / self.flyer.course_rate_radps()
+    }
+
+    /// The clearance of the way back in the path, which arrives at a time with this much gained along the leg, metres.
     fn way_ahead(
         &self,
         plan: &Plan,
-        (joined_s, goes_back): (f64, bool),
-        situation: &Situation<'_>,
+        (joined_s, gained_m): (f64, f64),
+        (situation, leg): (&Situation<'_>, &Leg),
     ) -> WayAhead {
         let target_m = self.target_m;
         let horizon_s = self.look_s;
@@ -333,12 +342,16 @@ impl Avoider {
                 return WayAhead::Blocked;
             }
             if plan.against.contains(hazard.id) {
-                // Before the obstacle has passed, or from farther back, it would be the same encounter again.
+                // Before the obstacle has passed, or from farther behind it, it would be the same encounter again.
                 let offset = hazard.position_m - own.position_m;
                 let relative = velocity_mps - hazard.velocity_mps;
                 let square = relative.length_squared().max(1e-9);
                 let passes_s = (offset.dot(relative) / square).limited(0.0, LONGEST_PASS_S);
-                if is_again || goes_back || whole.at_s < passes_s + NEXT_ENCOUNTER_S {
+                let ground_mps = hazard.velocity_mps + situation.wind_mps;
+                let (sin, cos) = libm::sincos(leg.course_rad);
+                let its_m = (ground_mps.x * cos + ground_mps.y * sin) * joined_s;
+                let falls_back = gained_m - its_m < -self.diameter_m();
+                if is_again || falls_back || whole.at_s < passes_s + NEXT_ENCOUNTER_S {
                     return WayAhead::Blocked;
                 }
             }
