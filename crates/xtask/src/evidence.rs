@@ -21,7 +21,7 @@ struct Evidence {
     expected: Option<&'static str>,
 }
 
-const EVIDENCE: [Evidence; 9] = [
+const EVIDENCE: [Evidence; 10] = [
     Evidence {
         name: "lost",
         full: &["lost", "7", "1000"],
@@ -62,6 +62,12 @@ const EVIDENCE: [Evidence; 9] = [
         name: "intruders-turning",
         full: &["intruders", "turning", "500"],
         small: &["intruders", "turning", "20"],
+        expected: None,
+    },
+    Evidence {
+        name: "families",
+        full: &["families", "10000"],
+        small: &["families", "100"],
         expected: None,
     },
     Evidence {
