@@ -334,7 +334,8 @@ fn the_safety_case_is_one_page_with_its_replays() {
     for part in [
         "Safety case: aircraft",
         "second-hand",
-        "What this is evidence of",
+        "Result, and what it is evidence of",
+        "0 of 1 NMAC are left with turn-aware",
         "0 of 1",
         "stress set",
         "<svg",

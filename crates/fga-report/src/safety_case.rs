@@ -5,16 +5,21 @@
 //! the ratios converge; the worst encounters; the assumptions.
 
 mod cases;
+mod verdict;
 
 use core::fmt::Write as _;
 
-use crate::interval::Estimate;
 use crate::plot::{Axis, Cdf, Claim, Line, LineChart, LinePoint, SampleSeries};
 use crate::report::{Block, Cell, Column, Report, Section, Table};
+
+use verdict::{result, verdict, verdicts};
 
 pub use cases::{
     ClassCase, LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, Threshold, WorstCase,
 };
+
+/// The policy that stands for flights without the system.
+const WITHOUT: &str = "none";
 
 /// Everything on the page.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -43,28 +48,6 @@ pub struct SafetyCase {
     pub assumed: Vec<(String, String)>,
     /// Whether encounters come from models, from recordings, or both; the page says what they represent.
     pub stands_for: Vec<String>,
-}
-
-/// Whether a ratio meets a threshold.
-fn verdict(ratio: &Estimate, threshold: &Threshold) -> &'static str {
-    if ratio.high <= threshold.ratio {
-        "met"
-    } else if ratio.low > threshold.ratio {
-        "not met"
-    } else {
-        "not shown"
-    }
-}
-
-fn verdicts(lost: &Lost, thresholds: &[Threshold]) -> Vec<Cell> {
-    thresholds
-        .iter()
-        .map(|threshold| {
-            lost.ratio.map_or(Cell::Empty, |ratio| {
-                Cell::Text(verdict(&ratio, threshold).into())
-            })
-        })
-        .collect()
 }
 
 fn ratio(lost: &Lost) -> Cell {
@@ -117,10 +100,13 @@ impl SafetyCase {
     }
 
     fn evidence(&self) -> Section {
-        let mut blocks = vec![Block::Paragraph(format!(
+        let mut policies = self.policies.iter();
+        let system = policies.find(|policy| policy.policy != WITHOUT);
+        let mut blocks: Vec<Block> = system.map(result).into_iter().collect();
+        blocks.push(Block::Paragraph(format!(
             "{} encounters (effective number {:.0}), each flown in closed loop by every policy in simulation.",
             self.encounters, self.effective
-        ))];
+        )));
         blocks.extend(self.stands_for.iter().cloned().map(Block::Paragraph));
         blocks.push(Block::Paragraph(
             "This is no certification and no flight test. Intruders do not react. What the numbers hold for are \
@@ -128,7 +114,7 @@ impl SafetyCase {
                 .into(),
         ));
         Section {
-            title: "What this is evidence of".into(),
+            title: "Result, and what it is evidence of".into(),
             blocks,
         }
     }
@@ -137,7 +123,7 @@ impl SafetyCase {
         let against = |loss: &str, thresholds: &[Threshold], of: fn(&PolicyCase) -> &Lost| {
             let mut columns = vec![
                 Column::text("policy"),
-                Column::number(&format!("{loss} left of")),
+                Column::number(&format!("{loss} with the system, of without")),
                 Column::number("risk ratio"),
             ];
             columns.extend(thresholds.iter().map(|threshold| {
@@ -210,7 +196,7 @@ impl SafetyCase {
             .collect();
         let mut columns = vec![
             Column::text("policy"),
-            Column::number("counted NMAC left of"),
+            Column::number("NMAC counted with the system, of without"),
             Column::number("nearest encounters"),
             Column::number("extrapolated risk ratio"),
         ];
@@ -224,7 +210,9 @@ impl SafetyCase {
         } else {
             vec![
                 Block::Paragraph(
-                    "Where hardly any NMAC is left to count, the nearest encounters say how likely one is. Their distances, in units of the NMAC                      volume, continue by a generalized Pareto distribution; 95 % interval by bootstrap. This is an extrapolation: a fault that                      no encounter showed is not in it."
+                    "Where hardly any NMAC is left to count, the nearest encounters say how likely one is. Their distances, in units of the NMAC \
+                     volume, continue by a generalized Pareto distribution; 95 % interval by bootstrap. This is an extrapolation: a fault that \
+                     no encounter showed is not in it."
                         .into(),
                 ),
                 Block::Table(Table {
@@ -472,9 +460,9 @@ impl SafetyCase {
                     Column::text("policy"),
                     Column::text("class"),
                     Column::number("encounters"),
-                    Column::number("NMAC left of"),
+                    Column::number("NMAC with, of without"),
                     Column::number("ratio"),
-                    Column::number("LoWC left of"),
+                    Column::number("LoWC with, of without"),
                     Column::number("ratio"),
                 ],
                 rows,
@@ -539,6 +527,7 @@ impl SafetyCase {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interval::Estimate;
 
     fn estimate(low: f64, high: f64) -> Estimate {
         Estimate {
