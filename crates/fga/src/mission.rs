@@ -6,6 +6,7 @@
 //! | where is the aircraft on a leg? | [`leg`] |
 //! | how does it get from one leg onto the next? | [`mod@corner`] |
 //! | which way onto the leg? | [`mod@join`] |
+//! | which leg does a way onto the mission join? | `way_onto` |
 //! | which way onto the beginning of the leg? | [`mod@turnaround`] |
 //! | which line does the aircraft fly without obstacles? | [`planned_line`] |
 
@@ -16,14 +17,15 @@ pub mod join;
 pub mod leg;
 mod plan;
 pub mod turnaround;
+mod way_onto;
 
 pub use plan::planned_line;
 
 pub(crate) use self::aim::Way;
 use self::corner::{Air, Corner, Legs, arrival, corner};
-use self::join::{Join, JoinLimits, has_entered, is_on_leg, join, join_roughly};
+use self::join::{Join, JoinLimits, has_entered, is_on_leg, join};
 use self::leg::Leg;
-use self::turnaround::turnaround;
+use self::way_onto::MOST_LEGS;
 use crate::Vec3;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
@@ -36,20 +38,6 @@ const ROOM_TO_AVOID: usize = 2;
 
 /// Intercept angle of the guidance along the mission, radians.
 const GUIDANCE_INTERCEPT_RAD: f64 = 0.785;
-
-/// A leg of at least this many turn radii that the aircraft has not begun is never skipped: a way onto the
-/// mission goes to its beginning.
-const LONG_RADII: f64 = 4.0;
-
-/// Most legs that a search for a way onto the mission examines one by one; after them one in each
-/// half turn radius.
-const ONE_BY_ONE: usize = 8;
-
-/// Most legs of a search for a way onto the mission.
-const MOST_LEGS: usize = 96;
-
-/// A way joins a leg at most this far before its beginning, turn radii.
-const BEFORE_RADII: f64 = 4.0;
 
 /// A turn round is planned again when the aircraft is off it by this, turn radii.
 const OFF_TURN_RADII: f64 = 0.2;
@@ -308,124 +296,6 @@ impl Progress {
         } else if is_on_leg(&leg, state) || has_entered(&leg, state, radius_m) {
             self.from_start = false;
         }
-    }
-
-    /// A way onto the beginning of a leg, by a turn round.
-    fn round_to_beginning(leg: &Leg, state: &MotionState, air: &Air<'_>) -> Option<Join> {
-        let to = arrival(leg, air);
-        let found = turnaround(air, state, &to)?;
-        let along_m = leg.position(to.position_m, 0.0).along_m;
-        Some(Join {
-            maneuver: found.maneuver,
-            joined_s: found.arrives_s,
-            along_m,
-            cross_m: 0.0,
-            above_m: 0.0,
-        })
-    }
-
-    /// A way onto the mission: onto the leg, or onto the first one after it that it joins before
-    /// its end, at most `skipped` legs on. Also returns the index of its first waypoint; `None`
-    /// if there is none. A way enters a leg with a required beginning, and a long one that was not
-    /// begun, only at its beginning.
-    pub fn way_back(
-        &mut self,
-        mission: &Mission<'_>,
-        state: &MotionState,
-        flyer: &Flyer,
-        limits: &JoinLimits,
-        skipped: usize,
-    ) -> Option<(Join, usize)> {
-        let meter = self.meter();
-        let air = self.air(flyer, &meter);
-        let onto = |leg: &Leg| (join(flyer, leg, state, limits, &meter), ());
-        let round = |leg: &Leg| Some((Self::round_to_beginning(leg, state, &air)?, ()));
-        let found = self.way_onto(mission, state, &air, skipped, (onto, round));
-        self.note(&meter);
-        // If a cut search got to the same leg as the last one, the next begins again.
-        self.looked_to = found.as_ref().err().copied().unwrap_or(0);
-        let (joined, (), index) = found.ok().flatten()?;
-        Some((joined, index))
-    }
-
-    /// About where [`Self::way_back`] leads, without flying it; `None` also where it turns round.
-    pub(crate) fn way_back_roughly(
-        &mut self,
-        mission: &Mission<'_>,
-        state: &MotionState,
-        flyer: &Flyer,
-        limits: &JoinLimits,
-        skipped: usize,
-    ) -> Option<(Way, usize)> {
-        let meter = self.meter();
-        let air = self.air(flyer, &meter);
-        let onto = |leg: &Leg| join_roughly(flyer, leg, state, limits, &meter);
-        let found = self.way_onto(mission, state, &air, skipped, (onto, |_: &Leg| None));
-        self.note(&meter);
-        let (_, way, index) = found.ok().flatten()?;
-        Some((way, index))
-    }
-
-    /// The first leg that a way joins, by a join or by a turn round, or the number of legs examined before the work ended.
-    fn way_onto<T>(
-        &self,
-        mission: &Mission<'_>,
-        state: &MotionState,
-        air: &Air<'_>,
-        skipped: usize,
-        (onto, round): (
-            impl Fn(&Leg) -> (Join, T),
-            impl Fn(&Leg) -> Option<(Join, T)>,
-        ),
-    ) -> Result<Option<(Join, T, usize)>, usize> {
-        let mut leg = self.leg(state);
-        let round = |leg: &Leg, index: usize| {
-            let found = round(leg);
-            Ok(found.map(|(joined, more)| (joined, more, index)))
-        };
-        if self.from_start {
-            return round(&leg, self.index);
-        }
-        let laid = self.laid(mission);
-        let radius_m = air.radius_m();
-        let mut next = self.corner;
-        let mut index = self.index;
-        let mut passed_m = 0.0;
-        for count in 0..MOST_LEGS {
-            let is_tried = count < ONE_BY_ONE || passed_m >= 0.5 * radius_m || next.is_none();
-            if is_tried && count >= self.looked_to {
-                passed_m = 0.0;
-                let (joined, more) = onto(&leg);
-                let room_m = next.map_or(f64::INFINITY, |next| leg.length_m - next.lead_m);
-                let is_behind = joined.along_m > room_m;
-                let is_far_before = count > 0 && joined.along_m < -BEFORE_RADII * radius_m;
-                if is_far_before || (is_behind && count > 0 && leg.length_m > LONG_RADII * radius_m)
-                {
-                    return round(&leg, index);
-                }
-                if !is_behind {
-                    return Ok(Some((joined, more, index)));
-                }
-            }
-            let Some(corner_here) = next else { break };
-            if index >= self.index + skipped {
-                break;
-            }
-            if air.meter.is_met() {
-                return Err(if count > self.looked_to { count } else { 0 });
-            }
-            index = corner_here.next;
-            let Some(next_leg) = laid.leg(index) else {
-                break;
-            };
-            leg = next_leg;
-            if corner_here.is_turnaround {
-                return round(&leg, index);
-            }
-            passed_m += leg.length_m;
-            next = corner(&laid, index, &leg, air);
-        }
-        Ok(None)
     }
 
     /// Advances to the leg that begins at a waypoint.

@@ -1,0 +1,147 @@
+//! A way onto the mission: onto the leg, or onto one after it.
+
+use super::corner::{Air, Legs as _, arrival, corner};
+use super::join::{Join, JoinLimits, join, join_roughly};
+use super::leg::Leg;
+use super::turnaround::turnaround;
+use super::{Progress, Way};
+use crate::prediction::{Flyer, MotionState};
+use crate::situation::Mission;
+
+/// A leg of at least this many turn radii that the aircraft has not begun is never skipped: a way onto the
+/// mission goes to its beginning.
+const LONG_RADII: f64 = 4.0;
+
+/// Most legs that a search for a way onto the mission examines one by one; after them one in each
+/// half turn radius.
+const ONE_BY_ONE: usize = 8;
+
+/// A way joins a leg at most this far before its beginning, turn radii.
+const BEFORE_RADII: f64 = 4.0;
+
+/// Most legs of a search for a way onto the mission.
+pub(super) const MOST_LEGS: usize = 96;
+
+impl Progress {
+    /// A way onto the beginning of a leg, by a turn round.
+    pub(super) fn round_to_beginning(
+        leg: &Leg,
+        state: &MotionState,
+        air: &Air<'_>,
+    ) -> Option<Join> {
+        let to = arrival(leg, air);
+        let found = turnaround(air, state, &to)?;
+        let along_m = leg.position(to.position_m, 0.0).along_m;
+        Some(Join {
+            maneuver: found.maneuver,
+            joined_s: found.arrives_s,
+            along_m,
+            cross_m: 0.0,
+            above_m: 0.0,
+        })
+    }
+
+    /// A way onto the mission: onto the leg, or onto the first one after it that it joins before
+    /// its end, at most `skipped` legs on. Also returns the index of its first waypoint; `None`
+    /// if there is none. A way enters a leg with a required beginning, and a long one that was not
+    /// begun, only at its beginning.
+    pub fn way_back(
+        &mut self,
+        mission: &Mission<'_>,
+        state: &MotionState,
+        flyer: &Flyer,
+        limits: &JoinLimits,
+        skipped: usize,
+    ) -> Option<(Join, usize)> {
+        let meter = self.meter();
+        let air = self.air(flyer, &meter);
+        let onto = |leg: &Leg| (join(flyer, leg, state, limits, &meter), ());
+        let round = |leg: &Leg| Some((Self::round_to_beginning(leg, state, &air)?, ()));
+        let found = self.way_onto(mission, state, &air, skipped, (onto, round));
+        self.note(&meter);
+        // If a cut search got to the same leg as the last one, the next begins again.
+        self.looked_to = found.as_ref().err().copied().unwrap_or(0);
+        let (joined, (), index) = found.ok().flatten()?;
+        Some((joined, index))
+    }
+
+    /// About where [`Self::way_back`] leads, without flying it; `None` also where it turns round.
+    pub(crate) fn way_back_roughly(
+        &mut self,
+        mission: &Mission<'_>,
+        state: &MotionState,
+        flyer: &Flyer,
+        limits: &JoinLimits,
+        skipped: usize,
+    ) -> Option<(Way, usize)> {
+        let meter = self.meter();
+        let air = self.air(flyer, &meter);
+        let onto = |leg: &Leg| join_roughly(flyer, leg, state, limits, &meter);
+        let found = self.way_onto(mission, state, &air, skipped, (onto, |_: &Leg| None));
+        self.note(&meter);
+        let (_, way, index) = found.ok().flatten()?;
+        Some((way, index))
+    }
+
+    /// The first leg that a way joins, by a join or by a turn round, or the number of legs examined before the work ended.
+    fn way_onto<T>(
+        &self,
+        mission: &Mission<'_>,
+        state: &MotionState,
+        air: &Air<'_>,
+        skipped: usize,
+        (onto, round): (
+            impl Fn(&Leg) -> (Join, T),
+            impl Fn(&Leg) -> Option<(Join, T)>,
+        ),
+    ) -> Result<Option<(Join, T, usize)>, usize> {
+        let mut leg = self.leg(state);
+        let round = |leg: &Leg, index: usize| {
+            let found = round(leg);
+            Ok(found.map(|(joined, more)| (joined, more, index)))
+        };
+        if self.from_start {
+            return round(&leg, self.index);
+        }
+        let laid = self.laid(mission);
+        let radius_m = air.radius_m();
+        let mut next = self.corner;
+        let mut index = self.index;
+        let mut passed_m = 0.0;
+        for count in 0..MOST_LEGS {
+            let is_tried = count < ONE_BY_ONE || passed_m >= 0.5 * radius_m || next.is_none();
+            if is_tried && count >= self.looked_to {
+                passed_m = 0.0;
+                let (joined, more) = onto(&leg);
+                let room_m = next.map_or(f64::INFINITY, |next| leg.length_m - next.lead_m);
+                let is_behind = joined.along_m > room_m;
+                let is_far_before = count > 0 && joined.along_m < -BEFORE_RADII * radius_m;
+                if is_far_before || (is_behind && count > 0 && leg.length_m > LONG_RADII * radius_m)
+                {
+                    return round(&leg, index);
+                }
+                if !is_behind {
+                    return Ok(Some((joined, more, index)));
+                }
+            }
+            let Some(corner_here) = next else { break };
+            if index >= self.index + skipped {
+                break;
+            }
+            if air.meter.is_met() {
+                return Err(if count > self.looked_to { count } else { 0 });
+            }
+            index = corner_here.next;
+            let Some(next_leg) = laid.leg(index) else {
+                break;
+            };
+            leg = next_leg;
+            if corner_here.is_turnaround {
+                return round(&leg, index);
+            }
+            passed_m += leg.length_m;
+            next = corner(&laid, index, &leg, air);
+        }
+        Ok(None)
+    }
+}
