@@ -149,7 +149,9 @@ impl Emulator {
         match self.mode {
             Mode::Auto => self.auto_target(),
             Mode::Guided => self.guided_target(),
-            Mode::Rtl | Mode::Loiter | Mode::Circle | Mode::AvoidAdsb => self.loiter_target(),
+            Mode::Rtl | Mode::Loiter | Mode::Circle | Mode::AvoidAdsb | Mode::Newer => {
+                self.loiter_target()
+            }
             Mode::Cruise | Mode::FlyByWireB => self.stick_target(),
             Mode::Manual | Mode::Stabilize | Mode::FlyByWireA => {
                 let bank_rad = self.stick(1) * self.parameters.value("ROLL_LIMIT_DEG").to_radians();

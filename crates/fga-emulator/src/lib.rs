@@ -402,10 +402,15 @@ impl Emulator {
     fn enter(&mut self, mode: Mode) {
         self.mode = mode;
         match mode {
-            Mode::Auto => self
-                .guidance
-                .begin_item(self.guidance.item.max(1), &self.plant, false),
-            Mode::Guided | Mode::Loiter | Mode::Circle => {
+            Mode::Auto => {
+                let item = if self.parameters.value("MIS_RESTART") == 1.0 {
+                    1
+                } else {
+                    self.guidance.item.max(1)
+                };
+                self.guidance.begin_item(item, &self.plant, false);
+            }
+            Mode::Guided | Mode::Loiter | Mode::Circle | Mode::Newer => {
                 self.guided = Guided::at(&self.plant, self.time_s);
             }
             Mode::Rtl => {

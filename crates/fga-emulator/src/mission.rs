@@ -68,6 +68,9 @@ impl Item {
                 | MavCmd::MAV_CMD_NAV_LOITER_TO_ALT
                 | MavCmd::MAV_CMD_NAV_LAND
                 | MavCmd::MAV_CMD_NAV_TAKEOFF
+                | MavCmd::MAV_CMD_NAV_VTOL_TAKEOFF
+                | MavCmd::MAV_CMD_NAV_VTOL_LAND
+                | MavCmd::MAV_CMD_NAV_PAYLOAD_PLACE
         )
     }
 

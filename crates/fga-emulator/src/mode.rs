@@ -15,9 +15,11 @@ pub enum Mode {
     Loiter,
     AvoidAdsb,
     Guided,
+    /// A mode of a newer firmware, with a number that nobody knows yet.
+    Newer,
 }
 
-const NUMBERS: [(Mode, u32); 11] = [
+const NUMBERS: [(Mode, u32); 12] = [
     (Mode::Manual, 0),
     (Mode::Circle, 1),
     (Mode::Stabilize, 2),
@@ -29,6 +31,7 @@ const NUMBERS: [(Mode, u32); 11] = [
     (Mode::Loiter, 12),
     (Mode::AvoidAdsb, 14),
     (Mode::Guided, 15),
+    (Mode::Newer, 99),
 ];
 
 impl Mode {

@@ -12,6 +12,12 @@ use crate::outgoing::{AUTOPILOT, Outbox};
 const ANSWER_S: f64 = 0.4;
 /// Most transmissions of a command.
 const MOST_ATTEMPTS: u8 = 6;
+/// A command is refused when the vehicle refuses this many of its transmissions: a single answer may be somebody else's.
+const REFUSALS: u8 = 3;
+/// After the vehicle accepted a change of the mode, the time for its heartbeat to tell it, seconds; and the time after
+/// which the change has happened or nobody waits for it any more.
+const SHOWS_S: f64 = 0.6;
+const SHOWN_S: f64 = 3.0;
 /// Commands that wait; ArduPlane answers one of a kind at a time.
 const MOST_WAITING: usize = 32;
 
@@ -100,6 +106,11 @@ struct Waiting {
     command: Command,
     attempts: u8,
     again_s: f64,
+    /// Whether the last transmission has its answer.
+    answered: bool,
+    refusals: u8,
+    /// When the vehicle first accepted a change of the mode, seconds.
+    accepted_s: Option<f64>,
 }
 
 /// The pending commands.
@@ -119,6 +130,9 @@ impl Commands {
                 command,
                 attempts: 0,
                 again_s: f64::NEG_INFINITY,
+                answered: false,
+                refusals: 0,
+                accepted_s: None,
             });
         }
     }
@@ -135,8 +149,11 @@ impl Commands {
             .any(|waiting| waiting.command.command == command)
     }
 
-    /// Takes an answer.
-    pub fn acknowledge(&mut self, data: &COMMAND_ACK_DATA) -> Option<Outcome> {
+    /// Takes an answer: the first one to each transmission counts.
+    ///
+    /// Anybody can forge one on a link without signing. So a refusal counts once the vehicle has refused the command again, and a
+    /// change of the mode goes on until the heartbeat tells it or the companion cancels it.
+    pub fn acknowledge(&mut self, data: &COMMAND_ACK_DATA, now_s: f64) -> Option<Outcome> {
         let index = self
             .0
             .iter()
@@ -144,11 +161,24 @@ impl Commands {
         if data.result == MavResult::MAV_RESULT_IN_PROGRESS {
             return None;
         }
-        let waiting = self.0.remove(index);
-        Some(match data.result {
-            MavResult::MAV_RESULT_ACCEPTED => Outcome::Accepted(waiting.command),
-            result => Outcome::Refused(waiting.command, result),
-        })
+        let waiting = self.0.get_mut(index)?;
+        let accepted = data.result == MavResult::MAV_RESULT_ACCEPTED;
+        if accepted && waiting.command.change.is_none() {
+            return Some(Outcome::Accepted(self.0.remove(index).command));
+        }
+        if core::mem::replace(&mut waiting.answered, true) {
+            return None;
+        }
+        if accepted {
+            waiting.accepted_s.get_or_insert(now_s);
+            waiting.again_s += SHOWS_S - ANSWER_S;
+            return None;
+        }
+        waiting.refusals += 1;
+        if waiting.refusals < REFUSALS {
+            return None;
+        }
+        Some(Outcome::Refused(self.0.remove(index).command, data.result))
     }
 
     /// Sends due commands; returns those given up. A command for a single mode waits until
@@ -160,6 +190,8 @@ impl Commands {
         mut asks: impl FnMut(ModeChange) -> bool,
         outbox: &mut Outbox,
     ) -> Option<Outcome> {
+        self.0
+            .retain(|waiting| waiting.accepted_s.is_none_or(|s| now_s - s < SHOWN_S));
         let mut given_up = None;
         let mut busy: Vec<MavCmd> = Vec::new();
         for waiting in &mut self.0 {
@@ -182,6 +214,7 @@ impl Commands {
             }
             waiting.attempts += 1;
             waiting.again_s = now_s + ANSWER_S;
+            waiting.answered = false;
         }
         let command = given_up?;
         self.0
@@ -226,18 +259,43 @@ mod tests {
         commands.tick(0.0, 1, |_| true, &mut outbox);
         assert_eq!(outbox.take().len(), 1);
         let refused = answer(SET_MODE, MavResult::MAV_RESULT_DENIED);
-        assert!(matches!(
-            commands.acknowledge(&refused),
-            Some(Outcome::Refused(..))
-        ));
-        commands.tick(0.1, 1, |_| true, &mut outbox);
+        for (time_s, sent) in [(0.0, 0), (0.4, 1), (0.8, 1)] {
+            commands.tick(time_s, 1, |_| true, &mut outbox);
+            assert_eq!(outbox.take().len(), sent);
+            let outcome = commands.acknowledge(&refused, time_s);
+            // A copy refuses nothing.
+            assert_eq!(commands.acknowledge(&refused, time_s), None);
+            assert_eq!(outcome.is_some(), time_s == 0.8);
+        }
+        commands.tick(0.9, 1, |_| true, &mut outbox);
         assert_eq!(outbox.take().len(), 1);
         let accepted = answer(SET_MODE, MavResult::MAV_RESULT_ACCEPTED);
         assert!(matches!(
-            commands.acknowledge(&accepted),
+            commands.acknowledge(&accepted, 0.9),
             Some(Outcome::Accepted(..))
         ));
-        assert_eq!(commands.acknowledge(&accepted), None, "a copy");
+        assert_eq!(commands.acknowledge(&accepted, 0.9), None, "a copy");
+    }
+
+    /// An answer is no proof: a change of the mode is requested until the heartbeat tells it, at a slower pace, and is forgotten
+    /// when nobody cancels it.
+    #[test]
+    fn an_accepted_change_of_the_mode_is_sent_until_it_shows() {
+        let (mut commands, mut outbox) = (Commands::default(), Outbox::default());
+        commands.send(Command::set_mode(Mode::GUIDED, Mode::AUTO), true);
+        let accepted = answer(SET_MODE, MavResult::MAV_RESULT_ACCEPTED);
+        let mut sent_s = Vec::new();
+        for twentieth in 0..100_u8 {
+            let now_s = f64::from(twentieth) * 0.05;
+            let outcome = commands.tick(now_s, 1, |_| true, &mut outbox);
+            assert_eq!(outcome, None);
+            if !outbox.take().is_empty() {
+                sent_s.push(now_s);
+            }
+            assert_eq!(commands.acknowledge(&accepted, now_s), None);
+        }
+        assert_eq!(sent_s.len(), 5, "{sent_s:?}");
+        assert!(!commands.is_waiting(SET_MODE));
     }
 
     #[test]

@@ -67,6 +67,8 @@ pub struct Download {
     arriving: Vec<Awaited>,
     attempts: u8,
     again_s: f64,
+    /// The item to read first.
+    first: u16,
     items: Option<Vec<Item>>,
     changes: u32,
 }
@@ -80,6 +82,7 @@ impl Download {
             arriving: Vec::new(),
             attempts: 0,
             again_s: f64::NEG_INFINITY,
+            first: 0,
             items: None,
             changes: 0,
         }
@@ -93,6 +96,27 @@ impl Download {
     /// Number of downloads that differed from the previous one.
     pub const fn changes(&self) -> u32 {
         self.changes
+    }
+
+    /// An item of the last complete list, or one that has arrived of the list that is being read for the first time.
+    pub fn item(&self, index: u16) -> Option<&MISSION_ITEM_INT_DATA> {
+        let index = usize::from(index);
+        match &self.items {
+            Some(items) => items.get(index)?.as_ref(),
+            None => self.arriving.get(index)?.item.as_ref()?.as_ref(),
+        }
+    }
+
+    /// Reads this item before the others.
+    pub const fn read_first(&mut self, index: u16) {
+        self.first = index;
+    }
+
+    /// The vehicle refuses an item: the list has changed while it was read. Begins again.
+    pub fn refused(&mut self) {
+        if self.stage != Stage::Count {
+            self.begin();
+        }
     }
 
     /// The last complete list.
@@ -199,10 +223,12 @@ impl Download {
 
     fn ask_for_items(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) {
         let kind = self.kind;
-        let missing = self
-            .arriving
-            .iter_mut()
-            .enumerate()
+        // From the first wanted one on, then those before it.
+        let first = usize::from(self.first).min(self.arriving.len());
+        let (before, from) = self.arriving.split_at_mut(first);
+        let missing = (first..)
+            .zip(from)
+            .chain((0..).zip(before))
             .filter(|(_, awaited)| awaited.item.is_none());
         for (index, awaited) in missing.take(WINDOW) {
             if now_s < awaited.again_s {
@@ -254,6 +280,18 @@ fn item_request(kind: MavMissionType, seq: u16, target_system: u8) -> MavMessage
     })
 }
 
+/// Whether the autopilot takes off or lands at an item: nobody else may fly then.
+pub const fn is_take_off_or_landing(item: &MISSION_ITEM_INT_DATA) -> bool {
+    matches!(
+        item.command,
+        MavCmd::MAV_CMD_NAV_TAKEOFF
+            | MavCmd::MAV_CMD_NAV_LAND
+            | MavCmd::MAV_CMD_NAV_VTOL_TAKEOFF
+            | MavCmd::MAV_CMD_NAV_VTOL_LAND
+            | MavCmd::MAV_CMD_NAV_PAYLOAD_PLACE
+    )
+}
+
 /// Latitude and longitude of an item, at an altitude in metres; `None` for an item without a place.
 pub fn place_of(item: &MISSION_ITEM_INT_DATA, altitude_m: f64) -> Option<Geodetic> {
     if item.x == 0 && item.y == 0 {
@@ -279,6 +317,8 @@ pub fn item_position_m(
             | MavCmd::MAV_CMD_NAV_LOITER_TURNS
             | MavCmd::MAV_CMD_NAV_LOITER_TO_ALT
             | MavCmd::MAV_CMD_NAV_LAND
+            | MavCmd::MAV_CMD_NAV_VTOL_LAND
+            | MavCmd::MAV_CMD_NAV_PAYLOAD_PLACE
             | MavCmd::MAV_CMD_NAV_TAKEOFF
     );
     if !flown_to || (item.x == 0 && item.y == 0) {
@@ -399,6 +439,8 @@ pub fn way_ahead(
             command,
             Some(
                 MavCmd::MAV_CMD_NAV_LAND
+                    | MavCmd::MAV_CMD_NAV_VTOL_LAND
+                    | MavCmd::MAV_CMD_NAV_PAYLOAD_PLACE
                     | MavCmd::MAV_CMD_NAV_LOITER_UNLIM
                     | MavCmd::MAV_CMD_NAV_LOITER_TIME
                     | MavCmd::MAV_CMD_NAV_LOITER_TURNS

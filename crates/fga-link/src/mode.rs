@@ -13,6 +13,17 @@ pub struct ModeChange {
     pub to: Mode,
 }
 
+/// The name, or the number of a mode that has no name here.
+impl core::fmt::Display for Mode {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        if self.is_named() {
+            f.write_str(self.name())
+        } else {
+            write!(f, "mode {}", self.0)
+        }
+    }
+}
+
 /// Names used by ArduPlane and its ground stations.
 const NAMES: [(u32, &str); 26] = [
     (0, "MANUAL"),
@@ -61,6 +72,11 @@ impl Mode {
             .iter()
             .find(|row| row.0 == self.0)
             .map_or("?", |row| row.1)
+    }
+
+    /// Whether it is a mode of this firmware's generation.
+    fn is_named(self) -> bool {
+        NAMES.iter().any(|row| row.0 == self.0)
     }
 
     /// The mode with a name, in any case.

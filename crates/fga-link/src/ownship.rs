@@ -46,6 +46,22 @@ const JUMP_M: f64 = 200.0;
 const FASTEST_MPS: f64 = 150.0;
 /// … unless the last is older than this, seconds: longer than telemetry may be stale.
 const BELIEVED_AGAIN_S: f64 = 3.0;
+/// A velocity that differs from the last one by more than this, metres per second, and than the hardest turn makes of it,
+/// metres per second squared, does not count either.
+const SPEED_JUMP_MPS: f64 = 15.0;
+const HARDEST_MPS2: f64 = 40.0;
+/// A bank that differs from the last one by more than this, radians, and than the fastest roll makes of it, radians per
+/// second, does not count, unless the last is older than this, seconds.
+const BANK_JUMP_RAD: f64 = 0.35;
+const FASTEST_ROLL_RADPS: f64 = 7.0;
+const BANK_BELIEVED_AGAIN_S: f64 = 0.5;
+/// No plane turns its nose faster, radians per second.
+const FASTEST_NOSE_RADPS: f64 = 10.0;
+/// Home seldom moves up or down by more than this, metres: until it has done so for the time after which a position is believed
+/// again, the old height counts.
+const HOME_JUMP_M: f64 = 50.0;
+/// Wind and airspeed that together differ from the velocity over the ground by more than this are wrong, metres per second.
+const WIND_OFF_MPS: f64 = 15.0;
 /// Slower than this over the ground or through the air it does not fly, metres per second.
 pub const FLYING_SPEED_MPS: f64 = 5.0;
 
@@ -105,7 +121,10 @@ pub struct OwnshipEstimate {
     attitude_clock: BootClock,
     position: Option<Position>,
     attitude: Option<Attitude>,
-    airspeed_mps: Option<f64>,
+    /// The last airspeeds, newest last; the middle one counts, so that a single wrong one does not.
+    airspeeds_mps: [Option<f64>; 3],
+    /// Since when the height above home differs from the known one, seconds.
+    home_moved_s: Option<f64>,
     wind: Option<(f64, Vec3)>,
     /// The last returned course through the air, not wrapped.
     last_course_rad: Option<f64>,
@@ -181,6 +200,14 @@ impl OwnshipEstimate {
         let Some(place) = place.filter(|_| data.lat != 0 || data.lon != 0) else {
             return Update::Ignored;
         };
+        let velocity_mps = Vec3::new(
+            f64::from(data.vy) * 0.01,
+            f64::from(data.vx) * 0.01,
+            -f64::from(data.vz) * 0.01,
+        );
+        if velocity_mps.length() > FASTEST_MPS {
+            return Update::Ignored;
+        }
         let (measured_s, update) = match self.position_clock.stamp(data.time_boot_ms, now_s) {
             Stamp::New { measured_s } => (measured_s, Update::Fresh),
             Stamp::Restarted { measured_s } => (measured_s, Update::Restarted),
@@ -193,22 +220,42 @@ impl OwnshipEstimate {
         if let Some(last) = self.position.filter(|_| update == Update::Fresh) {
             let gap_s = (measured_s - last.measured_s).max(0.0);
             let reached_m = JUMP_M + FASTEST_MPS * gap_s;
-            if gap_s < BELIEVED_AGAIN_S && place_m.distance(last.place_m) > reached_m {
+            let turned_mps = SPEED_JUMP_MPS + HARDEST_MPS2 * gap_s;
+            let jumps = place_m.distance(last.place_m) > reached_m
+                || velocity_mps.distance(last.velocity_mps) > turned_mps;
+            if gap_s < BELIEVED_AGAIN_S && jumps {
                 return Update::Ignored;
             }
         }
+        let told_m = f64::from(data.relative_alt) * 1e-3;
+        let above_home_m = self.above_home_m(told_m, place_m, measured_s, update);
         self.position = Some(Position {
             measured_s,
             place,
             place_m,
-            velocity_mps: Vec3::new(
-                f64::from(data.vy) * 0.01,
-                f64::from(data.vx) * 0.01,
-                -f64::from(data.vz) * 0.01,
-            ),
-            above_home_m: f64::from(data.relative_alt) * 1e-3,
+            velocity_mps,
+            above_home_m,
         });
         update
+    }
+
+    /// The height above home: the reported one, unless home jumps with it.
+    fn above_home_m(&mut self, told_m: f64, place_m: Vec3, now_s: f64, update: Update) -> f64 {
+        let Some(last) = self.position.filter(|_| update == Update::Fresh) else {
+            self.home_moved_s = None;
+            return told_m;
+        };
+        let known_m = last.above_home_m + place_m.z - last.place_m.z;
+        if (told_m - known_m).abs() <= HOME_JUMP_M {
+            self.home_moved_s = None;
+            return told_m;
+        }
+        let since_s = *self.home_moved_s.get_or_insert(now_s);
+        if now_s - since_s < BELIEVED_AGAIN_S {
+            known_m
+        } else {
+            told_m
+        }
     }
 
     /// Takes an attitude.
@@ -216,7 +263,10 @@ impl OwnshipEstimate {
         let finite = [data.roll, data.pitch, data.yaw, data.yawspeed]
             .iter()
             .all(|v| v.is_finite());
-        if !finite || data.roll.abs() > 4.0 || data.pitch.abs() > 2.0 {
+        let plausible = data.roll.abs() <= 4.0
+            && data.pitch.abs() <= 2.0
+            && f64::from(data.yawspeed).abs() <= FASTEST_NOSE_RADPS;
+        if !finite || !plausible {
             return Update::Ignored;
         }
         let (measured_s, update) = match self.attitude_clock.stamp(data.time_boot_ms, now_s) {
@@ -225,6 +275,14 @@ impl OwnshipEstimate {
             Stamp::Old => return Update::Ignored,
         };
         let bank_rad = -f64::from(data.roll);
+        if let Some(last) = self.attitude.filter(|_| update == Update::Fresh) {
+            let gap_s = (measured_s - last.measured_s).max(0.0);
+            let rolled_rad = wrap_pi(bank_rad - last.bank_rad).abs();
+            let jumps = rolled_rad > BANK_JUMP_RAD + FASTEST_ROLL_RADPS * gap_s;
+            if gap_s < BANK_BELIEVED_AGAIN_S && jumps {
+                return Update::Ignored;
+            }
+        }
         self.attitude = Some(Attitude {
             measured_s,
             bank_rad,
@@ -241,8 +299,9 @@ impl OwnshipEstimate {
     /// Takes airspeed.
     pub fn take_hud(&mut self, data: &VFR_HUD_DATA) {
         let airspeed = f64::from(data.airspeed);
-        if airspeed.is_finite() && (0.0..500.0).contains(&airspeed) {
-            self.airspeed_mps = Some(airspeed);
+        if (0.0..FASTEST_MPS).contains(&airspeed) {
+            self.airspeeds_mps.rotate_left(1);
+            self.airspeeds_mps[2] = Some(airspeed);
         }
     }
 
@@ -259,12 +318,24 @@ impl OwnshipEstimate {
             step(-speed * libm::cos(from_rad)),
             0.0,
         );
+        if let (Some(position), Some(airspeed_mps)) = (self.position, self.airspeed_mps()) {
+            let through_air_mps = (position.velocity_mps - velocity).length();
+            if (through_air_mps - airspeed_mps).abs() > WIND_OFF_MPS {
+                return;
+            }
+        }
         self.wind = Some((now_s, velocity));
     }
 
     /// Measured airspeed, metres per second.
-    pub const fn airspeed_mps(&self) -> Option<f64> {
-        self.airspeed_mps
+    pub fn airspeed_mps(&self) -> Option<f64> {
+        let mut known = self.airspeeds_mps;
+        known.sort_by(|a, b| a.unwrap_or(0.0).total_cmp(&b.unwrap_or(0.0)));
+        match known {
+            [Some(_), Some(middle), Some(_)] => Some(middle),
+            // Unknown ones sort first.
+            [_, _, newest] => newest,
+        }
     }
 
     /// Last measured bank, radians, positive to the left.

@@ -10,7 +10,7 @@ use crate::outgoing::{AUTOPILOT, Outbox};
 
 /// The requested parameters. If a figure has two names, the newer comes first; the factor beside the older
 /// one scales it.
-const WANTED: [(&str, &str, f64); 19] = [
+const WANTED: [(&str, &str, f64); 21] = [
     ("ROLL_LIMIT_DEG", "LIM_ROLL_CD", 0.01),
     ("PTCH_LIM_MAX_DEG", "LIM_PITCH_MAX", 0.01),
     ("PTCH_LIM_MIN_DEG", "LIM_PITCH_MIN", 0.01),
@@ -25,6 +25,8 @@ const WANTED: [(&str, &str, f64); 19] = [
     ("AVD_ENABLE", "AVD_ENABLE", 1.0),
     ("AVD_F_ACTION", "AVD_F_ACTION", 1.0),
     ("FENCE_ENABLE", "FENCE_ENABLE", 1.0),
+    ("FENCE_ACTION", "FENCE_ACTION", 1.0),
+    ("MIS_RESTART", "MIS_RESTART", 1.0),
     ("RALLY_LIMIT_KM", "RALLY_LIMIT_KM", 1.0),
     ("RALLY_INCL_HOME", "RALLY_INCL_HOME", 1.0),
     ("WP_RADIUS", "WP_RADIUS", 1.0),

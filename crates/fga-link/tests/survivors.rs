@@ -12,7 +12,10 @@ use common::{GOOD, Intruder, Random, World};
 use fga_emulator::{Mode, Settings};
 use fga_link::authority::Authority;
 use fga_link::wire::Framer;
-use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, AdsbFlags, MavMessage};
+use mavlink::dialects::ardupilotmega::{
+    ADSB_VEHICLE_DATA, ATTITUDE_DATA, AdsbFlags, GLOBAL_POSITION_INT_DATA, MavMessage,
+    SCALED_PRESSURE_DATA, VFR_HUD_DATA, WIND_DATA,
+};
 use mavlink::{Message as _, calculate_crc};
 
 /// A head-on intruder that meets the aircraft after half a minute.
@@ -121,4 +124,158 @@ fn boot_time_wrap_in_a_manoeuvre() {
         }
     });
     assert!(in_command, "it was to run over in command");
+}
+
+/// The vehicle's present position message, one millisecond after the last.
+fn position(world: &World) -> GLOBAL_POSITION_INT_DATA {
+    let plant = world.emulator.plant();
+    let place = world.emulator.home().to_place(plant.position_m());
+    let [east, north, up] = plant.velocity_mps();
+    GLOBAL_POSITION_INT_DATA {
+        time_boot_ms: boot_ms(world),
+        lat: place.latitude_e7,
+        lon: place.longitude_e7,
+        alt: place.altitude_mm,
+        relative_alt: (plant.position_m()[2] * 1e3) as i32,
+        vx: (north * 100.0) as i16,
+        vy: (east * 100.0) as i16,
+        vz: (-up * 100.0) as i16,
+        hdg: u16::MAX,
+    }
+}
+
+fn attitude(world: &World) -> ATTITUDE_DATA {
+    let plant = world.emulator.plant();
+    ATTITUDE_DATA {
+        time_boot_ms: boot_ms(world),
+        roll: plant.bank_rad() as f32,
+        pitch: plant.pitch_rad() as f32,
+        yaw: plant.heading_rad() as f32,
+        ..ATTITUDE_DATA::DEFAULT
+    }
+}
+
+fn boot_ms(world: &World) -> u32 {
+    ((world.emulator.time_s() * 1e3) as i32).cast_unsigned() + 1
+}
+
+type Impossible = (&'static str, fn(&World) -> MavMessage);
+
+/// What a sensor, an estimator or a damaged message may say: a single value, twice a second, among true ones.
+const IMPOSSIBLE: [Impossible; 17] = [
+    ("velocity north", |w| {
+        MavMessage::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
+            vx: i16::MAX,
+            ..position(w)
+        })
+    }),
+    ("velocity east", |w| {
+        MavMessage::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
+            vy: -9000,
+            ..position(w)
+        })
+    }),
+    ("velocity up", |w| {
+        MavMessage::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
+            vz: i16::MIN,
+            ..position(w)
+        })
+    }),
+    ("no velocity", |w| {
+        MavMessage::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
+            vx: 0,
+            vy: 0,
+            ..position(w)
+        })
+    }),
+    ("height above home", |w| {
+        MavMessage::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
+            relative_alt: i32::MIN,
+            ..position(w)
+        })
+    }),
+    ("below home", |w| {
+        MavMessage::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
+            relative_alt: -200_000,
+            ..position(w)
+        })
+    }),
+    ("altitude", |w| {
+        MavMessage::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
+            alt: i32::MAX,
+            ..position(w)
+        })
+    }),
+    ("place", |w| {
+        let here = position(w);
+        MavMessage::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
+            lat: here.lat + 20_000,
+            ..here
+        })
+    }),
+    ("inverted", |w| {
+        MavMessage::ATTITUDE(ATTITUDE_DATA {
+            roll: 3.1,
+            ..attitude(w)
+        })
+    }),
+    ("roll", |w| {
+        MavMessage::ATTITUDE(ATTITUDE_DATA {
+            roll: -1.5,
+            ..attitude(w)
+        })
+    }),
+    ("rate of turn", |w| {
+        MavMessage::ATTITUDE(ATTITUDE_DATA {
+            yawspeed: 1e30,
+            ..attitude(w)
+        })
+    }),
+    ("no attitude", |w| {
+        MavMessage::ATTITUDE(ATTITUDE_DATA {
+            roll: f32::NAN,
+            pitch: f32::NAN,
+            yaw: f32::NAN,
+            ..attitude(w)
+        })
+    }),
+    ("airspeed", |_| {
+        MavMessage::VFR_HUD(VFR_HUD_DATA {
+            airspeed: 400.0,
+            ..VFR_HUD_DATA::DEFAULT
+        })
+    }),
+    ("no airspeed", |_| {
+        MavMessage::VFR_HUD(VFR_HUD_DATA::DEFAULT)
+    }),
+    ("wind", |_| {
+        MavMessage::WIND(WIND_DATA {
+            direction: 90.0,
+            speed: 99.0,
+            speed_z: 0.0,
+        })
+    }),
+    ("no pressure", |_| {
+        MavMessage::SCALED_PRESSURE(SCALED_PRESSURE_DATA::DEFAULT)
+    }),
+    ("pressure", |_| {
+        MavMessage::SCALED_PRESSURE(SCALED_PRESSURE_DATA {
+            press_abs: f32::INFINITY,
+            ..SCALED_PRESSURE_DATA::DEFAULT
+        })
+    }),
+];
+
+#[test]
+fn impossible_telemetry_of_the_vehicle() {
+    for (what, message) in IMPOSSIBLE {
+        println!("{what}");
+        let mut next_s = 5.0;
+        survives(head_on(Settings::default()), |world| {
+            if world.time_s >= next_s {
+                next_s += 0.5;
+                world.say_as((1, 1), &message(world));
+            }
+        });
+    }
 }

@@ -26,6 +26,9 @@ const LANDED_S: f64 = 5.0;
 
 /// The operator's text when nothing shows who chose the mode.
 const WHOSE_MODE: &str = "fga: mode is perhaps our late request: set one";
+/// The operator's text when the vehicle is in the mode for manoeuvres without a manoeuvre: after a short failsafe ArduPlane sets the
+/// mode from before by itself.
+const NOBODY_FLIES: &str = "fga: GUIDED, but nobody flies: set a mode";
 
 /// The same after a gap in the telemetry, which ends as suddenly as it began, seconds.
 const GAP_SETTLE_S: f64 = 0.4;
@@ -275,6 +278,11 @@ impl Keeper {
             if unwanted && let Some(actions) = self.stray(origin, mode, before, now_s) {
                 return actions;
             }
+            if mode == self.target && self.was_displaced() && !self.undoes(mode, now_s) {
+                let mut actions = self.mode_told(mode, now_s);
+                actions.push(Action::Tell(Severity::Critical, NOBODY_FLIES));
+                return actions;
+            }
             if before == self.target && origin != Origin::Ours && self.ends_what_is_owed(mode) {
                 self.requests.doubt(before, now_s);
             }
@@ -322,6 +330,18 @@ impl Keeper {
             }
             Origin::Unknown => Some(vec![Action::Tell(Severity::Critical, WHOSE_MODE)]),
         }
+    }
+
+    /// Whether others changed the mode in a manoeuvre, and the operator has not armed it again.
+    const fn was_displaced(&self) -> bool {
+        matches!(
+            self.state,
+            Authority::Released {
+                fault: Fault::ModeChanged,
+                owed: None,
+                ..
+            }
+        )
     }
 
     /// Whether the debt ends once the vehicle reports a mode.

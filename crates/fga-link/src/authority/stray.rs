@@ -59,8 +59,8 @@ impl Requests {
 
     /// The vehicle answered a request.
     pub(super) const fn answered(&mut self, accepted: bool, now_s: f64) {
-        // One answer too many is a copy.
-        if self.unanswered == 0 {
+        // One answer too many is a copy, and a late one is somebody else's.
+        if self.unanswered == 0 || now_s - self.asked_s > ON_ITS_WAY_S {
             return;
         }
         self.unanswered -= 1;
@@ -191,5 +191,14 @@ mod tests {
         requests.asked(RETURN, 30.1);
         requests.answered(true, 30.2);
         assert_eq!(requests.origin(Mode::AUTO, 30.3), Origin::Ours);
+    }
+
+    #[test]
+    fn an_answer_long_after_the_request_is_somebody_elses() {
+        for (answered_s, origin) in [(30.0, Origin::Ours), (30.1, Origin::Others)] {
+            let mut requests = asked(1);
+            requests.answered(true, answered_s);
+            assert_eq!(requests.origin(Mode::GUIDED, answered_s + 0.1), origin);
+        }
     }
 }

@@ -20,8 +20,10 @@ use crate::outgoing::OWN_COMPONENT;
 
 /// Interval of requests for the present item without a hint, seconds.
 const PROBE_S: f64 = 1.0;
-/// … and the least interval with one, seconds.
+/// … and the least interval with one, or after a download, seconds.
 const HINTED_PROBE_S: f64 = 0.3;
+/// Number of items ahead that are requested in turn: as far as a way is laid.
+const PROBED_ITEMS: u16 = 12;
 /// Interval of requests for the number of the fence's items, seconds.
 const FENCE_COUNT_S: f64 = 2.0;
 /// Time for requesting the fence's items one after the other, all of them, …
@@ -60,6 +62,8 @@ pub(super) struct MissionWatch {
     hinted: bool,
     probed_s: f64,
     probes: u16,
+    /// Probes left at the pace of a hint: a list may have changed while it was read.
+    brisk: u16,
     fence_counted_s: f64,
     fence_item_s: f64,
     fence_items: u16,
@@ -76,6 +80,7 @@ impl Default for MissionWatch {
             hinted: false,
             probed_s: f64::NEG_INFINITY,
             probes: 0,
+            brisk: 0,
             fence_counted_s: f64::NEG_INFINITY,
             fence_item_s: f64::NEG_INFINITY,
             fence_items: 0,
@@ -88,6 +93,11 @@ impl MissionWatch {
     /// A hint of another mission: requests the present item.
     pub(super) fn hint(&mut self) {
         self.hinted = true;
+    }
+
+    /// A list has just been read.
+    pub(super) const fn read(&mut self) {
+        self.brisk = 2 * PROBED_ITEMS;
     }
 
     /// The mode has changed: the target is another one.
@@ -180,6 +190,7 @@ impl Companion {
 
     pub(super) fn take_mission_current(&mut self, data: &MISSION_CURRENT_DATA) {
         let before = self.mission_item.replace(data.seq);
+        self.mission.read_first(data.seq);
         if before.is_some_and(|before| data.seq != before) {
             self.watch.hint();
         }
@@ -230,9 +241,11 @@ impl Companion {
             return;
         }
         if data.mission_type == self.mission.kind() {
-            self.read_mission_again();
+            self.mission.refused();
         } else if data.mission_type == self.fence_download.kind() {
-            self.read_fence_again();
+            if self.config.safety.use_fence {
+                self.fence_download.refused();
+            }
         } else if data.mission_type == MavMissionType::MAV_MISSION_TYPE_RALLY {
             self.take_rally_refusal(data.mavtype);
         }
@@ -262,7 +275,8 @@ impl Companion {
     /// Requests messages that would show another list.
     pub(super) fn probe_lists(&mut self, system: u8, now_s: f64) {
         let since_s = now_s - self.watch.probed_s;
-        let due = since_s >= PROBE_S || (self.watch.hinted && since_s >= HINTED_PROBE_S);
+        let brisk = self.watch.hinted || self.watch.brisk > 0;
+        let due = since_s >= PROBE_S || (brisk && since_s >= HINTED_PROBE_S);
         if let Some(items) = self.mission.items()
             && due
             && !self.mission.is_busy()
@@ -270,11 +284,15 @@ impl Companion {
         {
             self.watch.probed_s = now_s;
             self.watch.hinted = false;
+            self.watch.brisk = self.watch.brisk.saturating_sub(1);
             self.watch.probes = self.watch.probes.wrapping_add(1);
             let last = u16::try_from(items.len() - 1).unwrap_or(u16::MAX);
             let item = self.mission_item.unwrap_or(0);
-            // The present item and the next one in turn.
-            let item = (item + self.watch.probes % 2).min(last);
+            // The present item, and those ahead in turn.
+            let (turn, half) = (self.watch.probes / 2, self.watch.probes % 2);
+            let item = item
+                .saturating_add(half * (1 + turn % PROBED_ITEMS))
+                .min(last);
             self.outbox.send(self.mission.item_request(item, system));
         }
         let counts = self.config.safety.use_fence && self.fence_download.items().is_some();

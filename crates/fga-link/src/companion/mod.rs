@@ -11,6 +11,7 @@ mod decide;
 mod decider;
 mod gap;
 mod mission_watch;
+mod neighbors;
 mod picture;
 mod rally;
 mod readiness;
@@ -27,7 +28,9 @@ use fga::vehicle::Vehicle;
 use mavlink::dialects::ardupilotmega::MavMissionType;
 use serde_json::{Value, json};
 
-use crate::authority::{Action, Authority, Fault, Hearing, Keeper, Owed, Severity};
+use crate::authority::{
+    Action, Authority, Fault, HandBack, Hearing, Keeper, Owed, Severity, reaction,
+};
 use crate::commanded::Commanded;
 use crate::commands::Commands;
 use crate::config::{Config, ConfigError};
@@ -60,6 +63,8 @@ struct Heard {
     system_id: u8,
     mode: Mode,
     armed: bool,
+    /// Its first heartbeat and its last one, seconds.
+    since_s: f64,
     heartbeat_s: f64,
 }
 
@@ -116,9 +121,13 @@ pub struct Companion {
     noted_boot_ms: Option<u32>,
     /// Whether it flies on a manoeuvre of an earlier run.
     resumed: bool,
+    /// The item to go on with, where the vehicle begins its mission again with each change to AUTO.
+    item_to_resume: Option<u16>,
     /// Start of a time without possible decisions, seconds; a late step does not count.
     undecided_s: Option<f64>,
     told: readiness::Told,
+    neighbors: neighbors::Neighbors,
+    senders: neighbors::Senders,
     rates: Rates,
     gap: gap::Gap,
     commands: Commands,
@@ -205,8 +214,11 @@ impl Companion {
             notes: Vec::new(),
             noted_boot_ms: None,
             resumed: false,
+            item_to_resume: None,
             undecided_s: Some(never),
             told: readiness::Told::NOTHING,
+            neighbors: neighbors::Neighbors::default(),
+            senders: neighbors::Senders::default(),
             rates: Rates::default(),
             gap: gap::Gap::default(),
             commands: Commands::default(),
@@ -446,6 +458,7 @@ impl Companion {
                 Action::Began => {
                     self.counts.maneuvers += 1;
                     self.noted_boot_ms = Some(self.boot_ms);
+                    self.item_to_resume = self.mission_item.filter(|_| self.restarts_mission());
                     self.start_commanding(now_s);
                     self.tell_threat(now_s);
                 }
@@ -458,6 +471,9 @@ impl Companion {
                 Action::Ended(fault) => {
                     self.note(now_s, "released", json!({ "fault": format!("{fault:?}") }));
                     self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
+                    if reaction(fault).hand_back == HandBack::LeaveAlone {
+                        self.item_to_resume = None;
+                    }
                     if fault == Fault::TakeOverRefused {
                         self.refusals += 1;
                         self.pause_until_s = now_s + 5.0;
@@ -556,7 +572,10 @@ impl Companion {
     /// One line for a terminal.
     pub fn status_line(&self, now_s: f64) -> String {
         let Some(heard) = self.heard else {
-            return "waiting for a vehicle".to_owned();
+            return match self.neighbors.stranger() {
+                Some(system) => format!("waiting for a vehicle: {system} is no ArduPlane"),
+                None => "waiting for a vehicle".to_owned(),
+            };
         };
         let age = self
             .ownship
@@ -580,7 +599,7 @@ impl Companion {
         format!(
             "vehicle {} {} {} | {}{} | {state} | {} tracks | {age}{threat}",
             heard.system_id,
-            heard.mode.name(),
+            heard.mode,
             if heard.armed { "armed" } else { "disarmed" },
             self.keeper.state().name(),
             if self.dry_run { " (dry run)" } else { "" },

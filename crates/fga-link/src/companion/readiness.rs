@@ -2,6 +2,7 @@
 
 use super::Companion;
 use crate::authority::{Authority, Severity};
+use crate::mission::is_take_off_or_landing;
 use crate::mode::Mode;
 use crate::ownship::State;
 
@@ -11,6 +12,9 @@ const NO_DECISION_S: f64 = 0.5;
 const LOST_S: f64 = 1.0;
 /// … and if it was never ready, after this long, seconds.
 const NEVER_READY_S: f64 = 8.0;
+
+/// `FENCE_ACTION`: to the return point in GUIDED, with the pilot's throttle or not.
+const FENCE_ACTS_IN_GUIDED: [f64; 2] = [6.0, 7.0];
 
 /// Below this share of its least airspeed a vehicle does not fly on its wing.
 const SLOW_SHARE: f64 = 0.7;
@@ -27,9 +31,14 @@ pub(super) enum Lacking {
     Slow,
     Mode,
     Mission,
+    TakeOffOrLanding,
     Limits,
+    FenceAction,
     BankLimit,
     Decision,
+    TwoVehicles,
+    Listens,
+    TwoSenders,
 }
 
 impl Lacking {
@@ -45,6 +54,11 @@ impl Lacking {
             Self::Slow => "fga: not ready: too slow to fly a turn",
             Self::Mode => "fga: not ready: mode is not to be taken over",
             Self::Mission => "fga: not ready: mission is not known",
+            Self::TakeOffOrLanding => "fga: not ready: take-off or landing",
+            Self::FenceAction => "fga: not ready: FENCE_ACTION uses GUIDED",
+            Self::Listens => "fga: not ready: listens for other vehicles",
+            Self::TwoSenders => "fga: not ready: two senders with one id",
+            Self::TwoVehicles => "fga: not ready: two vehicles, set system_id",
             Self::Limits => "fga: not ready: vehicle's limits not known",
             Self::BankLimit => "fga: not ready: bank limit cannot be flown",
             Self::Decision => "fga: not ready: no decision possible",
@@ -54,7 +68,7 @@ impl Lacking {
     /// The operator's own action is no news for the operator.
     const fn severity(self) -> Severity {
         match self {
-            Self::Mode | Self::Disarmed => Severity::Info,
+            Self::Mode | Self::Disarmed | Self::TakeOffOrLanding => Severity::Info,
             _ => Severity::Warning,
         }
     }
@@ -98,6 +112,27 @@ impl Companion {
             .is_some_and(|(airspeed_mps, least_mps)| airspeed_mps < SLOW_SHARE * least_mps)
     }
 
+    /// Whether the way in AUTO is known: the mission, or while it is read the vehicle's own target and its item.
+    fn knows_mission(&self, now_s: f64) -> bool {
+        let Some(item) = self.mission_item else {
+            return false;
+        };
+        let known = self.mission.items().is_some();
+        known || (self.mission.item(item).is_some() && self.own_target_m(now_s).is_some())
+    }
+
+    /// Whether the vehicle takes off or lands in its mission.
+    fn takes_off_or_lands(&self) -> bool {
+        let item = self.mission_item.and_then(|item| self.mission.item(item));
+        item.is_some_and(is_take_off_or_landing)
+    }
+
+    /// Whether the fence flies the vehicle in GUIDED: that mode would not be the companion's alone.
+    fn fence_acts_in_guided(&self) -> bool {
+        let value = |name| self.parameters.get(name).unwrap_or(0.0);
+        value("FENCE_ENABLE") != 0.0 && FENCE_ACTS_IN_GUIDED.contains(&value("FENCE_ACTION"))
+    }
+
     /// The missing condition for a take-over, or for flying on.
     pub(super) fn lacking(&self, now_s: f64, state: Option<&State>) -> Option<Lacking> {
         let Some(heard) = self.heard else {
@@ -108,6 +143,17 @@ impl Companion {
         }
         if self.hearing.is_contradicted(now_s) {
             return Some(Lacking::Contradiction);
+        }
+        if self.neighbors.is_ambiguous(now_s) {
+            return Some(Lacking::TwoVehicles);
+        }
+        let alone =
+            self.wanted_system().is_some() || !self.neighbors.may_come(heard.since_s, now_s);
+        if !alone {
+            return Some(Lacking::Listens);
+        }
+        if !self.keeper.is_engaged() && self.senders.are_two(now_s) {
+            return Some(Lacking::TwoSenders);
         }
         if !self.rates.is_usable() {
             return Some(Lacking::Rate);
@@ -133,11 +179,17 @@ impl Companion {
             return Some(Lacking::Mode);
         }
         let mode = self.keeper.owed().filter(|_| engaged).unwrap_or(heard.mode);
-        if mode == Mode::AUTO && (self.mission.items().is_none() || self.mission_item.is_none()) {
+        if mode == Mode::AUTO && !self.knows_mission(now_s) {
             return Some(Lacking::Mission);
+        }
+        if mode == Mode::AUTO && !engaged && self.takes_off_or_lands() {
+            return Some(Lacking::TakeOffOrLanding);
         }
         if !self.parameters.is_sufficient() {
             return Some(Lacking::Limits);
+        }
+        if !engaged && self.fence_acts_in_guided() {
+            return Some(Lacking::FenceAction);
         }
         if self.bank_limit_rad().is_none() {
             return Some(Lacking::BankLimit);
@@ -150,6 +202,7 @@ impl Companion {
         if self.keeper.state() == Authority::Ready {
             self.told.ready = true;
             self.told.last = None;
+            self.neighbors.choose();
         }
         let Some(lacking) = lacking else {
             self.told.lacking = None;
@@ -190,9 +243,14 @@ mod tests {
             Lacking::Slow,
             Lacking::Mode,
             Lacking::Mission,
+            Lacking::TakeOffOrLanding,
             Lacking::Limits,
+            Lacking::FenceAction,
             Lacking::BankLimit,
             Lacking::Decision,
+            Lacking::TwoVehicles,
+            Lacking::Listens,
+            Lacking::TwoSenders,
         ] {
             assert!(lacking.words().len() <= 50, "{lacking:?}");
         }

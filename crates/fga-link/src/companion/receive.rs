@@ -71,12 +71,13 @@ impl Companion {
 
     fn take_heartbeat(&mut self, header: MavHeader, system: u8, data: &HEARTBEAT_DATA, now_s: f64) {
         let Some(beat) = beat_of_plane(header, data) else {
+            self.hear_stranger(header, data, now_s);
             return;
         };
         let Beat { mode, armed, .. } = beat;
-        let wanted = self.config.vehicle.system_id;
+        let wanted = self.wanted_system();
         let Some(heard) = &mut self.heard else {
-            if wanted != 0 && system != wanted {
+            if wanted.is_some_and(|wanted| wanted != system) {
                 return;
             }
             self.hearing.hear(beat, now_s);
@@ -84,6 +85,7 @@ impl Companion {
                 system_id: system,
                 mode,
                 armed,
+                since_s: now_s,
                 heartbeat_s: now_s,
             });
             self.notes.retain(|note| note.fits(system, mode));
@@ -102,11 +104,12 @@ impl Companion {
             self.note(
                 now_s,
                 "vehicle",
-                json!({ "system": system, "mode": mode.name() }),
+                json!({ "system": system, "mode": mode.to_string() }),
             );
             return;
         };
         if heard.system_id != system {
+            self.hear_neighbor(system, now_s);
             return;
         }
         let verdict = self.hearing.hear(beat, now_s);
@@ -120,13 +123,14 @@ impl Companion {
             system_id: system,
             mode,
             armed: self.hearing.is_armed(),
+            since_s: heard.since_s,
             heartbeat_s: now_s,
         };
         let is_armed = heard.armed;
         self.notes.retain(|note| note.fits(system, mode));
         if mode != mode_was {
             self.watch.mode_changed(now_s);
-            self.note(now_s, "mode", json!({ "mode": mode.name() }));
+            self.note(now_s, "mode", json!({ "mode": mode.to_string() }));
         }
         if silent_s > super::gap::SILENT_S {
             self.keeper.excuse(silent_s);
@@ -134,6 +138,9 @@ impl Companion {
         // The mode first: whoever changed it wins, whatever else this message contains.
         let actions = self.keeper.heartbeat(mode, armed, now_s);
         self.perform(&actions, now_s);
+        if mode == Mode::AUTO && mode_was == self.keeper.target() {
+            self.set_item_to_resume(now_s);
+        }
         if verdict == Verdict::Contradicts && now_s >= self.due.contradiction_s {
             self.due.contradiction_s = now_s + CONTRADICTION_AGAIN_S;
             self.note(now_s, "contradiction", json!({ "mode": mode.name() }));
@@ -157,6 +164,7 @@ impl Companion {
         let Some(note) = self.notes.pop() else { return };
         self.notes.clear();
         if note.counts(boot_ms) {
+            self.neighbors.choose();
             self.keeper.resume(note.previous(), now_s);
             self.noted_boot_ms = Some(note.boot_ms);
             self.note(
@@ -177,12 +185,14 @@ impl Companion {
         self.rates.heard(message, now_s);
         match message {
             MavMessage::GLOBAL_POSITION_INT(data) => {
+                self.watch_senders(data, now_s);
                 let update = self.ownship.take_position(data, now_s);
                 self.after_update(update, now_s);
                 self.renew_frame(now_s);
             }
             MavMessage::ATTITUDE(data) => {
                 self.hearing.stamp(data.time_boot_ms, now_s);
+                self.senders.stamp(data.time_boot_ms, now_s);
                 self.take_note(data.time_boot_ms, now_s);
                 let update = self.ownship.take_attitude(data, now_s);
                 if update == Update::Fresh {
@@ -251,7 +261,7 @@ impl Companion {
                     self.keeper.answered(accepted, now_s);
                 }
                 let for_us = data.target_component == OWN_COMPONENT || data.target_component == 0;
-                if for_us && let Some(outcome) = self.commands.acknowledge(data) {
+                if for_us && let Some(outcome) = self.commands.acknowledge(data, now_s) {
                     self.command_ended(outcome, now_s);
                 }
             }
@@ -340,6 +350,7 @@ impl Companion {
         }
         let again = self.mission_laid > 0;
         self.mission_laid = self.mission.changes();
+        self.watch.read();
         let count = self.mission.items().map_or(0, <[_]>::len);
         self.note(now_s, "mission", json!({ "items": count }));
         if again {

@@ -19,8 +19,9 @@ const CRUISE_AHEAD_M: f64 = 50_000.0;
 /// In CRUISE a new line begins when the aircraft is off the old one by this, m and rad.
 const CRUISE_OFF_M: f64 = 12.0;
 const CRUISE_OFF_RAD: f64 = 0.05;
-/// Back on the leg: this close, this well aligned.
-const ON_LEG_M: f64 = 12.0;
+/// Back on the leg: this close, this well aligned. A way back from far ends up to 16 m beside the leg; the vehicle flies these
+/// last metres by itself.
+const ON_LEG_M: f64 = 18.0;
 const ON_LEG_RAD: f64 = 0.06;
 const ON_LEG_HEIGHT_M: f64 = 12.0;
 /// Targets closer together than this count as one, metres.
@@ -224,6 +225,30 @@ impl Companion {
             && (!climbs || (state.ownship.position_m.z - height_m).abs() < ON_LEG_HEIGHT_M)
     }
 
+    /// Whether the vehicle begins its mission again with each change to AUTO.
+    pub(super) fn restarts_mission(&self) -> bool {
+        self.parameters.get("MIS_RESTART") == Some(1.0)
+    }
+
+    /// Where the vehicle begins its mission again with each change to AUTO, sets the item to go on with.
+    pub(super) fn set_item_to_resume(&mut self, now_s: f64) {
+        if let Some(item) = self.item_to_resume.take() {
+            self.set_item(item, now_s);
+        }
+    }
+
+    fn set_item(&mut self, item: u16, now_s: f64) {
+        self.commands.send(
+            Command::long(
+                MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT,
+                single(f64::from(item)),
+                0.0,
+            ),
+            true,
+        );
+        self.note(now_s, "set-item", json!({ "item": item }));
+    }
+
     /// Sets the vehicle's mission item, if the aircraft passed waypoints meanwhile.
     pub(super) fn resume_item(&mut self, now_s: f64) {
         if self.owed_mode() != Some(Mode::AUTO) {
@@ -232,16 +257,10 @@ impl Companion {
         let (Some(item), Some(known)) = (self.current_leg_item(), self.mission_item) else {
             return;
         };
-        if item != known {
-            self.commands.send(
-                Command::long(
-                    MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT,
-                    single(f64::from(item)),
-                    0.0,
-                ),
-                true,
-            );
-            self.note(now_s, "set-item", json!({ "item": item }));
+        if self.restarts_mission() {
+            self.item_to_resume = Some(item);
+        } else if item != known {
+            self.set_item(item, now_s);
         }
     }
 }
