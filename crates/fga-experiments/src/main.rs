@@ -8,6 +8,7 @@
 //! | [`departures`] | how far does the policy depart, when does it begin, does it come back? |
 //! | [`robustness`] | how many does the policy save with noise, wind and bank lag? |
 //! | [`baselines`] | which settings suit the baselines, and how do all policies compare? |
+//! | [`certificates`] | does an aircraft ever pass nearer than was certified? |
 //! | [`oracle`] | how many does the oracle save, and how long does it take? |
 //! | [`families`] | what goes wrong in strong wind, beside slow traffic, in formations, in gaps that close? |
 //! | [`flown`] | how many losses, needless manoeuvres and changes are there on recorded encounters? |
@@ -15,6 +16,7 @@
 //! | [`missions`] | how much of a mission is flown, and does the aircraft come back to it? |
 
 mod baselines;
+mod certificates;
 mod common;
 mod departures;
 mod families;
@@ -47,6 +49,8 @@ enum Experiment {
     Robustness(robustness::RobustnessArgs),
     /// Search the settings of a baseline, or compare all policies.
     Baselines(baselines::BaselinesArgs),
+    /// Compare certified margins and predicted positions with those of another program.
+    Certificates(certificates::CertificatesArgs),
     /// Measure the oracle: the share that it saves, and its time.
     Oracle(oracle::OracleArgs),
     /// Count the encounters in strong wind, beside slow traffic, in gaps that close, in which the policy fails.
@@ -65,6 +69,7 @@ fn main() -> ExitCode {
         Experiment::Departures(args) => departures::run(&args),
         Experiment::Robustness(args) => robustness::run(&args),
         Experiment::Baselines(args) => baselines::run(&args),
+        Experiment::Certificates(args) => certificates::run(&args),
         Experiment::Oracle(args) => oracle::run(&args),
         Experiment::Families(args) => families::run(&args),
         Experiment::Flown(args) => flown::run(&args),

@@ -74,6 +74,22 @@ impl Flown {
         100.0 * places.iter().filter(is_flown).count() as f64 / places.len() as f64
     }
 
+    /// The least flown share of any line, per cent, and the largest distance to a waypoint, metres.
+    fn measured<'a>(
+        &self,
+        lines_m: impl Iterator<Item = &'a [Vec3]>,
+        waypoints_m: &[Vec3],
+    ) -> (f64, f64) {
+        let least = lines_m
+            .map(|line| self.flown_percent(line[0], line[1]))
+            .fold(f64::INFINITY, f64::min);
+        let farthest_m = waypoints_m
+            .iter()
+            .map(|waypoint| self.distance_m(*waypoint))
+            .fold(0.0, f64::max);
+        (least, farthest_m)
+    }
+
     /// Changes in and out of avoiding.
     fn changes(&self) -> usize {
         let avoids = |sample: &Sample| sample.state == State::Avoiding;
@@ -148,14 +164,7 @@ fn survey(model: &VehicleModel) {
                 let mut world = world(model, mission_m.clone(), Vec3::ZERO, 4000.0);
                 world.passing = vec![passing; mission_m.len()];
                 let (flown, outcome) = fly(&world);
-                let least = mission_m
-                    .chunks(2)
-                    .map(|line| flown.flown_percent(line[0], line[1]))
-                    .fold(f64::INFINITY, f64::min);
-                let farthest_m = mission_m
-                    .iter()
-                    .map(|waypoint| flown.distance_m(*waypoint))
-                    .fold(0.0, f64::max);
+                let (least, farthest_m) = flown.measured(mission_m.chunks(2), &mission_m);
                 println!(
                     "{apart_m},{length_m},{passing:?},{least:.1},{farthest_m:.1},{:.0},{}",
                     flown.path_m(),
@@ -184,14 +193,7 @@ fn corners(model: &VehicleModel) {
                 let mut world = world(model, mission_m.clone(), Vec3::ZERO, 2000.0);
                 world.passing = vec![passing; mission_m.len()];
                 let (flown, outcome) = fly(&world);
-                let least = mission_m
-                    .windows(2)
-                    .map(|line| flown.flown_percent(line[0], line[1]))
-                    .fold(f64::INFINITY, f64::min);
-                let farthest_m = mission_m
-                    .iter()
-                    .map(|waypoint| flown.distance_m(*waypoint))
-                    .fold(0.0, f64::max);
+                let (least, farthest_m) = flown.measured(mission_m.windows(2), &mission_m);
                 println!(
                     "{turn_deg},{leg_m},{passing:?},{farthest_m:.1},{least:.1},{:.0},{}",
                     flown.path_m(),

@@ -75,3 +75,12 @@ fn a_wrong_cell_is_one_sentence() {
     assert_eq!(output.status.code(), Some(1));
     assert_eq!(errors.lines().count(), 1, "{errors}");
 }
+
+#[test]
+fn no_margin_is_certified_that_another_program_does_not_fly() {
+    let rows = experiment(&["certificates", "2000"]);
+    assert!(
+        rows.last().expect("a row").starts_with("0 of 2000 "),
+        "{rows:?}"
+    );
+}

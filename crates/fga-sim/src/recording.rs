@@ -10,7 +10,7 @@
 //! velocity for at most two seconds, with the row's standard deviations: the largest in any direction.
 //!
 //! Where the ownship's rows have a velocity through the air, the wind is the mean difference of its velocities
-//! over the ground and through the air; else it is that of the vehicle file.
+//! over the ground and through the air; without one the wind comes from the vehicle file.
 
 use std::path::Path;
 

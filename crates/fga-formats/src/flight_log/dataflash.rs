@@ -144,7 +144,7 @@ impl Choices {
     }
 }
 
-/// The signals of a log; what is damaged is skipped.
+/// Reads the signals of a log and skips damaged parts.
 pub(super) fn signals(bytes: &[u8]) -> Signals {
     let mut formats: HashMap<u8, Format> = HashMap::new();
     let mut choices = Choices::default();

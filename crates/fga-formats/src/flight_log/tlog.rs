@@ -130,7 +130,7 @@ struct Heard {
     attitudes: usize,
 }
 
-/// The signals of the aircraft whose attitude is there most often; what is damaged is skipped.
+/// Reads the signals of the aircraft that sent its attitude most often, and skips damaged parts.
 pub(super) fn signals(bytes: &[u8]) -> Signals {
     let mut systems: HashMap<(u8, u8), Heard> = HashMap::new();
     let mut at = 0;

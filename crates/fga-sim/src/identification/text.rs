@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use super::{Estimate, Identified, MARGIN_AHEAD_S};
 
-/// Obstacles are looked at from so many seconds of flight away.
+/// The vehicle file's surveillance radius, as a time of flight, seconds.
 const SEEN_AHEAD_S: f64 = 60.0;
 
 impl Identified {

@@ -1,7 +1,7 @@
 //! Aiming at a leg: the moments of a join and where it leads, told from where turns end.
 //!
-//! The first turn ends on a straight line, on which the second one begins: both in closed form with bank lag too. Only
-//! what is flown is then shot with the predicted flight.
+//! The first turn ends on a straight line, on which the second one begins: both in closed form with bank lag too. The
+//! predicted flight then confirms the one join that the search chose.
 
 use crate::Vec3;
 use crate::angle::wrap_pi;

@@ -250,11 +250,8 @@ mod tests {
 
     fn at(course_rad: f64) -> MotionState {
         MotionState {
-            time_s: 0.0,
-            position_m: Vec3::ZERO,
             course_rad,
-            climb_rad: 0.0,
-            bank_rad: 0.0,
+            ..MotionState::ahead(0.0)
         }
     }
 

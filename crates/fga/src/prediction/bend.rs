@@ -4,7 +4,6 @@
 //! one: rolling in delays the turn and shifts the circle, rolling out shifts the tangent, by what both move the aircraft
 //! however far it turns in between. Only turns that end while the aircraft still rolls in are looked up in a table.
 
-use crate::Vec3;
 use crate::prediction::motion::{Flyer, MotionState, Target};
 
 /// Most ends of the pieces of a roll-in.
@@ -12,9 +11,6 @@ const NODES: usize = 48;
 
 /// Most turn between two of them, radians: a chord of it lies within 0.016 turn radii of its arc.
 const NODE_RAD: f64 = 0.35;
-
-/// Farther than any turn, radians.
-const FAR_RAD: f64 = 100.0;
 
 /// A roll-out is nearly over after this many time constants.
 const ROLLS_OUT: f64 = 4.0;
@@ -101,18 +97,7 @@ impl Bend {
             return Some(bend);
         }
         bend.settles_s = ROLLS_OUT * flyer.bank_time_constant_s();
-        let mut state = MotionState {
-            time_s: 0.0,
-            position_m: Vec3::ZERO,
-            course_rad: 0.0,
-            climb_rad: 0.0,
-            bank_rad,
-        };
-        let target = Target {
-            course_rad: FAR_RAD,
-            climb_rad: 0.0,
-            rate_share: 1.0,
-        };
+        let mut state = MotionState::ahead(bank_rad);
         bend.len = 0;
         for slot in &mut bend.nodes {
             let (forward, left) = flyer.roll_out_m(state.bank_rad)?;
@@ -127,7 +112,7 @@ impl Bend {
                 ),
             };
             bend.len += 1;
-            let piece = flyer.next_piece(&state, &target);
+            let piece = flyer.next_piece(&state, &Target::TURNING_LEFT);
             if piece.bank_command_rad == state.bank_rad {
                 bend.rolled_in = (cos, sin);
                 let (sin, cos) = libm::sincos(slot.turn_rad);
@@ -240,6 +225,7 @@ impl Bend {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Vec3;
     use crate::maneuver::Maneuver;
     use crate::prediction::FlightPath;
     use crate::vehicle::{Response, Vehicle};
@@ -275,13 +261,7 @@ mod tests {
                 for k in 0..40 {
                     let turn_rad = bend.least_rad() + 0.1 * f64::from(k);
                     let exit = bend.exit(turn_rad).unwrap();
-                    let start = MotionState {
-                        time_s: 0.0,
-                        position_m: Vec3::ZERO,
-                        course_rad: 0.0,
-                        climb_rad: 0.0,
-                        bank_rad,
-                    };
+                    let start = MotionState::ahead(bank_rad);
                     let mut path = FlightPath::new();
                     path.predict(&flyer, &start, &Maneuver::turn(0.0, turn_rad, 0.0), 200.0);
                     for after_s in [0.0, 2.0, 30.0] {

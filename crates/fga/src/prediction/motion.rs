@@ -45,6 +45,17 @@ pub struct MotionState {
 }
 
 impl MotionState {
+    /// At the origin along +x, level, with a bank angle in radians.
+    pub(crate) const fn ahead(bank_rad: f64) -> Self {
+        Self {
+            time_s: 0.0,
+            position_m: Vec3::ZERO,
+            course_rad: 0.0,
+            climb_rad: 0.0,
+            bank_rad,
+        }
+    }
+
     /// The aircraft at the moment of the decision.
     pub const fn of(ownship: &Ownship) -> Self {
         Self {
@@ -66,6 +77,15 @@ pub struct Target {
     pub climb_rad: f64,
     /// Share of the largest course rate.
     pub rate_share: f64,
+}
+
+impl Target {
+    /// Level, in a left turn without end at the largest course rate.
+    pub(crate) const TURNING_LEFT: Self = Self {
+        course_rad: 100.0,
+        climb_rad: 0.0,
+        rate_share: 1.0,
+    };
 }
 
 /// One piece of flight: a constant climb rate, and a course rate that is linear in time.

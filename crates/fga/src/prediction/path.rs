@@ -178,13 +178,7 @@ impl FlightPath {
     )]
     pub const fn new() -> Self {
         let node = Node {
-            state: MotionState {
-                time_s: 0.0,
-                position_m: Vec3::ZERO,
-                course_rad: 0.0,
-                climb_rad: 0.0,
-                bank_rad: 0.0,
-            },
+            state: MotionState::ahead(0.0),
             course_rate_radps: 0.0,
             course_growth_radps2: 0.0,
             climb_rate_radps: 0.0,
@@ -377,13 +371,7 @@ mod tests {
     }
 
     fn start() -> MotionState {
-        MotionState {
-            time_s: 0.0,
-            position_m: Vec3::ZERO,
-            course_rad: 0.0,
-            climb_rad: 0.0,
-            bank_rad: 0.0,
-        }
+        MotionState::ahead(0.0)
     }
 
     /// Eq. 10–12 by small Euler-midpoint steps, the limits applied step by step.

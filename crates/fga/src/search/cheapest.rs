@@ -201,13 +201,7 @@ mod tests {
                 hazards.put(place, Hazard { index: id, ..hazard });
             }
             let nominal = Maneuver::hold();
-            let start = MotionState {
-                time_s: 0.0,
-                position_m: Vec3::ZERO,
-                course_rad: 0.0,
-                climb_rad: 0.0,
-                bank_rad: if lagged { bank_rad } else { 0.0 },
-            };
+            let start = MotionState::ahead(if lagged { bank_rad } else { 0.0 });
             let scene = Scene {
                 flyer: &flyer,
                 start,

@@ -28,9 +28,6 @@ const STEP_RAD: f64 = 0.15;
 /// Most steps of a turn.
 const MOST_STEPS: usize = 96;
 
-/// Farther than any turn, radians.
-const FAR_RAD: f64 = 100.0;
-
 /// Moments around the closest approach of straight flight, as shares of half the time in the volume.
 const MOMENTS: [f64; 6] = [-0.15, 0.1, -0.4, 0.35, -0.65, 0.6];
 
@@ -149,18 +146,7 @@ impl Search<'_> {
     /// and where it is if it turns on, in a frame of its course.
     fn turning(&self, bank_rad: f64, until_s: f64) -> Option<([f64; TO_A_SIDE], MotionState)> {
         let flyer = self.scene.flyer;
-        let mut state = MotionState {
-            time_s: 0.0,
-            position_m: Vec3::ZERO,
-            course_rad: 0.0,
-            climb_rad: 0.0,
-            bank_rad,
-        };
-        let target = Target {
-            course_rad: FAR_RAD,
-            climb_rad: 0.0,
-            rate_share: 1.0,
-        };
+        let mut state = MotionState::ahead(bank_rad);
         let mut farthest_m = [flyer.airspeed_mps() * until_s; TO_A_SIDE];
         let longest_s = STEP_RAD / flyer.course_rate_radps();
         for _ in 0..MOST_STEPS {
@@ -178,7 +164,7 @@ impl Search<'_> {
                 return Some((farthest_m, state));
             }
             self.meter.count(flyer.piece_work());
-            let piece = flyer.next_piece_within(&state, &target, left_s);
+            let piece = flyer.next_piece_within(&state, &Target::TURNING_LEFT, left_s);
             let for_s = piece.duration_s.min(longest_s).min(left_s);
             state = flyer.advance(&state, &piece, for_s);
             if for_s == left_s {
@@ -253,13 +239,7 @@ mod tests {
         let hazard = Hazard::exact(0, meets_m - velocity_mps * meets_s, velocity_mps, volume);
         let mut hazards = Hazards::new();
         hazards.put(0, hazard);
-        let start = MotionState {
-            time_s: 0.0,
-            position_m: Vec3::ZERO,
-            course_rad: 0.0,
-            climb_rad: 0.0,
-            bank_rad,
-        };
+        let start = MotionState::ahead(bank_rad);
         let nominal = Maneuver::hold();
         let scene = Scene {
             flyer: &flyer,

@@ -101,13 +101,7 @@ impl Flyer {
 
     /// Displacement of a roll-out from a bank, as in the table, from its pieces.
     fn settles_m(&self, bank_rad: f64) -> (f64, f64) {
-        let mut state = MotionState {
-            time_s: 0.0,
-            position_m: Vec3::ZERO,
-            course_rad: 0.0,
-            climb_rad: 0.0,
-            bank_rad,
-        };
+        let mut state = MotionState::ahead(bank_rad);
         let target = Target {
             course_rad: self.rollout_rad(bank_rad),
             climb_rad: 0.0,
