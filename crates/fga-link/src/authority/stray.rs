@@ -31,6 +31,8 @@ pub(super) struct Requests {
     asked_s: f64,
     unanswered: u8,
     accepted_s: f64,
+    /// That answer came later than a request may be on its way.
+    late: bool,
     /// No request for another mode waits for its answer: an answer can only be to one of these.
     only: bool,
 }
@@ -41,6 +43,7 @@ impl Requests {
         asked_s: f64::NEG_INFINITY,
         unanswered: 0,
         accepted_s: f64::NEG_INFINITY,
+        late: false,
         only: true,
     };
 
@@ -59,13 +62,14 @@ impl Requests {
 
     /// The vehicle answered a request.
     pub(super) const fn answered(&mut self, accepted: bool, now_s: f64) {
-        // One answer too many is a copy, and a late one is somebody else's.
-        if self.unanswered == 0 || now_s - self.asked_s > ON_ITS_WAY_S {
+        // One answer too many is a copy.
+        if self.unanswered == 0 {
             return;
         }
         self.unanswered -= 1;
         if accepted && self.only {
             self.accepted_s = now_s;
+            self.late = now_s - self.asked_s > ON_ITS_WAY_S;
         }
     }
 
@@ -77,6 +81,7 @@ impl Requests {
             asked_s: now_s,
             unanswered: 1,
             accepted_s: f64::NEG_INFINITY,
+            late: false,
             only: false,
         };
     }
@@ -88,7 +93,12 @@ impl Requests {
         }
         let accepted_s = core::mem::replace(&mut self.accepted_s, f64::NEG_INFINITY);
         if now_s - accepted_s <= ACCEPTED_FOR_S {
-            return Origin::Ours;
+            // An answer as late as that may be forged.
+            return if self.late {
+                Origin::Unknown
+            } else {
+                Origin::Ours
+            };
         }
         if self.unanswered == 0 || now_s - self.asked_s > ON_ITS_WAY_S {
             return Origin::Others;
@@ -194,8 +204,8 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_long_after_the_request_is_somebody_elses() {
-        for (answered_s, origin) in [(30.0, Origin::Ours), (30.1, Origin::Others)] {
+    fn an_answer_long_after_the_request_tells_nothing() {
+        for (answered_s, origin) in [(30.0, Origin::Ours), (30.1, Origin::Unknown)] {
             let mut requests = asked(1);
             requests.answered(true, answered_s);
             assert_eq!(requests.origin(Mode::GUIDED, answered_s + 0.1), origin);
