@@ -349,7 +349,7 @@ fn fly_new_mission(seed: u32) -> OnNewMission {
     }
 }
 
-/// `FGA_ENCOUNTERS=50` flies them all.
+/// `FGA_ENCOUNTERS=50` flies them all: one of these, seed 34 with two intruders, is back only after 46 s.
 #[test]
 fn with_a_new_mission_on_another_link_before_each_it_comes_back_to_the_new_leg() {
     let count = std::env::var("FGA_ENCOUNTERS").map_or(12, |text| text.parse().expect("a number"));
