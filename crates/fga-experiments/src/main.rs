@@ -10,6 +10,7 @@
 //! | [`baselines`] | which settings suit the baselines, and how do all policies compare? |
 //! | [`certificates`] | does an aircraft ever pass nearer than was certified? |
 //! | [`oracle`] | how many does the oracle save, and how long does it take? |
+//! | [`quality`] | what does a smaller limit of work cost? |
 //! | [`families`] | what goes wrong in strong wind, beside slow traffic, in formations, in gaps that close? |
 //! | [`flown`] | how many losses, needless manoeuvres and changes are there on recorded encounters? |
 //! | [`intruders`] | how many does the policy save when intruders turn, sight is imperfect, air is gusty? |
@@ -25,6 +26,7 @@ mod intruders;
 mod lost;
 mod missions;
 mod oracle;
+mod quality;
 mod robustness;
 
 use std::process::ExitCode;
@@ -53,6 +55,8 @@ enum Experiment {
     Certificates(certificates::CertificatesArgs),
     /// Measure the oracle: the share that it saves, and its time.
     Oracle(oracle::OracleArgs),
+    /// Measure the share that the policy saves, and the work of a step, at several limits of work.
+    Quality(quality::QualityArgs),
     /// Count the encounters in strong wind, beside slow traffic, in gaps that close, in which the policy fails.
     Families(families::FamiliesArgs),
     /// Count losses, needless manoeuvres and changes in a folder of recordings of two aircraft.
@@ -71,6 +75,7 @@ fn main() -> ExitCode {
         Experiment::Baselines(args) => baselines::run(&args),
         Experiment::Certificates(args) => certificates::run(&args),
         Experiment::Oracle(args) => oracle::run(&args),
+        Experiment::Quality(args) => quality::run(&args),
         Experiment::Families(args) => families::run(&args),
         Experiment::Flown(args) => flown::run(&args),
         Experiment::Intruders(args) => {

@@ -46,7 +46,9 @@ impl Measure {
             Self::Distance => (distance, share),
             Self::Margin(ProtectedVolume::Sphere { radius_m }) => (distance - radius_m, share),
             Self::Margin(volume) => {
-                if distance - volume.bounding_radius_m() >= below_m {
+                if distance - volume.bounding_radius_m() >= below_m
+                    || self.at_least_on_chord(from_m, to_m) >= below_m
+                {
                     return (f64::INFINITY, share);
                 }
                 // The signed distance to a convex body is convex along a line.
@@ -74,6 +76,32 @@ impl Measure {
             }
         }
     }
+}
+
+impl Measure {
+    /// A lower bound of [`Self::of`] along the straight line from `from_m` to `to_m`: the least
+    /// distance beside the axis and the least one above, each by itself.
+    fn at_least_on_chord(&self, from_m: Vec3, to_m: Vec3) -> f64 {
+        let along_m = to_m - from_m;
+        let square = across(along_m, along_m);
+        let share = if square > 0.0 {
+            (-across(from_m, along_m) / square).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let beside_m = from_m + along_m * share;
+        let above_m = if from_m.z * to_m.z <= 0.0 {
+            0.0
+        } else {
+            from_m.z.abs().min(to_m.z.abs())
+        };
+        self.of(Vec3::new(beside_m.x, beside_m.y, above_m))
+    }
+}
+
+/// The horizontal part of a dot product.
+fn across(a: Vec3, b: Vec3) -> f64 {
+    a.x * b.x + a.y * b.y
 }
 
 /// A least value and its time.
@@ -163,12 +191,13 @@ impl Separation {
             let piece = Piece {
                 offset_at: &offset_at,
                 acceleration_mps2,
+                upward_mps2: arc.airspeed_mps * arc.climb_rate_radps.abs(),
             };
             let from = (leg.from_s, offset_at(leg.from_s));
             let to = (leg.to_s, offset_at(leg.to_s));
             piece.refine(Measure::Distance, from, to, &mut self.distance);
             if let ProtectedVolume::Cylinder { .. } = self.volume {
-                piece.refine(Measure::Margin(self.volume), from, to, &mut self.margin);
+                piece.refine_margin(&self.volume, from, to, &mut self.margin);
             }
             last = Some(to.1);
         });
@@ -198,6 +227,16 @@ fn note(least: &mut Least, value_m: f64, time_s: f64) {
 struct Piece<'a, F: Fn(f64) -> Vec3> {
     offset_at: &'a F,
     acceleration_mps2: f64,
+    /// Bound of the vertical acceleration, metres per second squared.
+    upward_mps2: f64,
+}
+
+/// Whether a path moves on away from a place `end_m` all the time, seen from there along the chord `away_m`.
+///
+/// Between its ends the path is off the chord by less than a/2 · h times the time to the nearer one:
+/// where the chord recedes faster than that, `end_m` is the nearest place. `departure_m` is a·h²/8.
+fn recedes(along: f64, end_square: f64, departure_m: f64) -> bool {
+    along > 0.0 && along * along > 16.0 * departure_m * departure_m * end_square
 }
 
 impl<F: Fn(f64) -> Vec3> Piece<'_, F> {
@@ -209,16 +248,10 @@ impl<F: Fn(f64) -> Vec3> Piece<'_, F> {
             return;
         }
         if let Measure::Distance = measure {
-            // Between its ends the path is off the chord by less than a/2 · h times the time to the
-            // nearer one. Where the chord closes faster than that, the nearer end is the least.
             let along_m = to.1 - from.1;
-            let moves_on = |along: f64, end_m: Vec3| {
-                along > 0.0
-                    && along * along > 16.0 * departure_m * departure_m * end_m.length_squared()
-            };
-            let nearer = if moves_on(-to.1.dot(along_m), to.1) {
+            let nearer = if recedes(-to.1.dot(along_m), to.1.length_squared(), departure_m) {
                 Some(to)
-            } else if moves_on(from.1.dot(along_m), from.1) {
+            } else if recedes(from.1.dot(along_m), from.1.length_squared(), departure_m) {
                 Some(from)
             } else {
                 None
@@ -244,6 +277,57 @@ impl<F: Fn(f64) -> Vec3> Piece<'_, F> {
         let middle = (middle_s, (self.offset_at)(middle_s));
         self.refine(measure, from, middle, least);
         self.refine(measure, middle, to, least);
+    }
+
+    /// The least signed distance to a cylinder. Looks for the least value on a chord only where the path
+    /// is straight and neither end is the least.
+    fn refine_margin(
+        &self,
+        volume: &ProtectedVolume,
+        from: (f64, Vec3),
+        to: (f64, Vec3),
+        least: &mut Least,
+    ) {
+        let measure = Measure::Margin(*volume);
+        let span_s = to.0 - from.0;
+        let departure_m = self.acceleration_mps2 * span_s * span_s / 8.0;
+        if measure.at_least_on_chord(from.1, to.1) - departure_m >= least.value_m {
+            return;
+        }
+        let ends = [(to, from), (from, to)];
+        if let Some((end, _)) = ends
+            .into_iter()
+            .find(|(end, other)| self.is_least(volume, end.1, other.1, span_s))
+        {
+            note(least, measure.of(end.1), end.0);
+            return;
+        }
+        if departure_m <= STRAIGHT_M || span_s < 1e-6 {
+            self.refine(measure, from, to, least);
+            return;
+        }
+        let middle_s = f64::midpoint(from.0, to.0);
+        let middle = (middle_s, (self.offset_at)(middle_s));
+        self.refine_margin(volume, from, middle, least);
+        self.refine_margin(volume, middle, to, least);
+    }
+
+    /// Whether a piece is nowhere nearer to a cylinder than at one of its ends: beside the axis and above
+    /// the middle, or in the one of both that decides there.
+    fn is_least(&self, volume: &ProtectedVolume, end_m: Vec3, other_m: Vec3, span_s: f64) -> bool {
+        let beside_m = self.acceleration_mps2 * span_s * span_s / 8.0;
+        let above_m = self.upward_mps2 * span_s * span_s / 8.0;
+        let away_m = other_m - end_m;
+        let is_beside = recedes(across(end_m, away_m), across(end_m, end_m), beside_m);
+        let is_above = end_m.z * other_m.z >= 0.0
+            && other_m.z.abs() >= end_m.z.abs()
+            && away_m.z.abs() >= 4.0 * above_m;
+        if is_beside && is_above {
+            return true;
+        }
+        let wall_m = libm::sqrt(across(end_m, end_m)) - volume.radius_m();
+        let face_m = end_m.z.abs() - volume.half_height_m();
+        is_beside && face_m <= wall_m.min(0.0) || is_above && wall_m <= face_m.min(0.0)
     }
 }
 

@@ -87,6 +87,8 @@ struct Returned {
     leg: usize,
     /// Time, seconds on the situation's clock.
     time_s: f64,
+    /// How much later it joins the leg than it seemed to before it was flown, seconds.
+    late_s: f64,
 }
 
 impl Plan {
@@ -181,9 +183,11 @@ impl Avoider {
 
     /// Forgets everything but its settings and the limits of its vehicle.
     pub(crate) fn forget_flight(&mut self) {
-        self.vehicle = self.made_for;
+        if self.vehicle != self.made_for {
+            self.vehicle = self.made_for;
+            self.flyer = Flyer::new(&self.vehicle);
+        }
         self.in_need = None;
-        self.flyer = Flyer::new(&self.vehicle);
         self.state = State::Cruise;
         self.progress = Progress::new();
         self.tracks.forget();

@@ -116,7 +116,9 @@ impl Pilot for MissionPilot {
 
     fn restart(&mut self) {
         self.progress = Progress::new();
-        // It had these limits before.
-        let _ = self.set_vehicle(self.made_for);
+        if self.vehicle != self.made_for {
+            // It had these limits before.
+            let _ = self.set_vehicle(self.made_for);
+        }
     }
 }

@@ -21,7 +21,7 @@ struct Evidence {
     expected: Option<&'static str>,
 }
 
-const EVIDENCE: [Evidence; 11] = [
+const EVIDENCE: [Evidence; 12] = [
     Evidence {
         name: "certificates",
         full: &["certificates", "10000000"],
@@ -62,6 +62,12 @@ const EVIDENCE: [Evidence; 11] = [
         name: "robustness",
         full: &["robustness", "1", "10"],
         small: &["robustness", "1", "1"],
+        expected: None,
+    },
+    Evidence {
+        name: "quality",
+        full: &["quality", "7", "40"],
+        small: &["quality", "7", "10", "threats:3:300:30-45"],
         expected: None,
     },
     Evidence {

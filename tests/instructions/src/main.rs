@@ -1,4 +1,6 @@
 //! `fga-instructions AIRCRAFT COUNT KIND TIMES`: the first step of a kind in drawn encounters, repeated TIMES times.
+//! `fga-instructions adversarial NUMBER CYCLE TIMES`: one step of an adversarial encounter. `fga-instructions adversarial
+//! NUMBER` prints the work of each of its steps.
 
 #[expect(dead_code, reason = "the benches use the rest of it")]
 #[path = "../../../crates/fga-bench/src/cycles.rs"]
@@ -6,6 +8,9 @@ mod cycles;
 
 use std::hint::black_box;
 use std::process::ExitCode;
+
+use fga::avoider::Avoider;
+use fga::situation::Situation;
 
 use cycles::{Aircraft, Encounter, Kind};
 
@@ -17,6 +22,11 @@ const ENCOUNTERS: u64 = 6;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [first, rest @ ..] = &arguments[..]
+        && first == "adversarial"
+    {
+        return adversarial(rest);
+    }
     let [aircraft, count, kind, times] = &arguments[..] else {
         eprintln!("usage: fga-instructions AIRCRAFT COUNT KIND TIMES");
         return ExitCode::FAILURE;
@@ -38,16 +48,48 @@ fn main() -> ExitCode {
                 return false;
             }
             steps += 1;
-            // As many copies of the avoider whatever is made of them.
-            for copy in 0..COPIES {
-                let mut avoider = black_box(before.clone());
-                if copy < times {
-                    black_box(avoider.step(black_box(situation)));
-                }
-            }
+            repeat(before, situation, times);
             true
         });
     }
     println!("{steps}");
+    ExitCode::SUCCESS
+}
+
+/// Makes a step several times.
+fn repeat(before: &Avoider, situation: &Situation<'_>, times: u32) {
+    // As many copies of the avoider whatever is made of them.
+    for copy in 0..COPIES {
+        let mut avoider = black_box(before.clone());
+        if copy < times {
+            black_box(avoider.step(black_box(situation)));
+        }
+    }
+}
+
+/// One step of an adversarial encounter, or the work of all of them.
+fn adversarial(arguments: &[String]) -> ExitCode {
+    let numbers: Option<Vec<u32>> = arguments.iter().map(|text| text.parse().ok()).collect();
+    let (number, step) = match numbers.as_deref() {
+        Some([number]) => (*number, None),
+        Some([number, cycle, times]) => (*number, Some((*cycle, *times))),
+        _ => {
+            eprintln!("usage: fga-instructions adversarial NUMBER [CYCLE TIMES]");
+            return ExitCode::FAILURE;
+        }
+    };
+    let mut now = 0;
+    Encounter::adversarial(number.into()).fly(|before, situation, decision| {
+        match step {
+            None => println!("{number},{now},{}", decision.record.work.work),
+            Some((cycle, times)) if cycle == now => {
+                repeat(before, situation, times);
+                return true;
+            }
+            Some(_) => {}
+        }
+        now += 1;
+        false
+    });
     ExitCode::SUCCESS
 }

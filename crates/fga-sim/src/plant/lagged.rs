@@ -111,6 +111,8 @@ impl Plant {
     pub(super) fn fly_rolling(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         let lag_s = self.vehicle.response.bank_time_constant_s;
         let longest_s = LONGEST_STEP_S.min(lag_s / STEPS_OF_LAG);
+        // The remaining turn beyond the roll-out's, where the last step has computed it.
+        let mut known = None;
         while self.time_s < until_s {
             let left_s = until_s - self.time_s;
             let (climb_rate, climb_s) = rate_to(
@@ -121,7 +123,7 @@ impl Plant {
             let limit = self.active.map_or(0.0, |stage| {
                 self.course_rate_limit_radps() * stage.rate_share
             });
-            let beyond = self.beyond_roll_out_rad();
+            let beyond = known.take().unwrap_or_else(|| self.beyond_roll_out_rad());
             let turns = limit > 0.0 && beyond.abs() > LITTLE_RAD;
             let command = if turns {
                 libm::copysign(self.bank_of(limit), beyond)
@@ -159,6 +161,7 @@ impl Plant {
             } else {
                 beyond
             };
+            known = turns.then_some(left);
             if left * beyond < 0.0 {
                 // The roll-out begins within this step (the Illinois method).
                 let (mut a_s, mut at_a) = (0.0, beyond);
@@ -178,6 +181,7 @@ impl Plant {
                     (b_s, at_b) = (c_s, at_c);
                 }
                 step_s = b_s;
+                known = Some(at_b);
             }
             let course_rate = (after.course_rad - self.course_rad) / step_s;
             let arc = self.arc(step_s, course_rate, climb_rate);

@@ -377,7 +377,7 @@ impl Avoider {
             self.state = State::Cruise;
             return self.watch(situation, now, start);
         };
-        if let Some(back) = self.way_back(situation, now, &plan) {
+        if let Some(back) = self.way_back(situation, now, &plan, f64::INFINITY) {
             self.plan = Some(back);
             self.state = State::Recovering;
             return self.report(&back, time_s, Reason::RejoinChosen);

@@ -99,7 +99,7 @@ impl Way {
         self.places.get(..self.len).unwrap_or(&[])
     }
 
-    pub(super) fn end(&self) -> Option<(Vec3, f64)> {
+    pub(crate) fn end(&self) -> Option<(Vec3, f64)> {
         self.places().last().copied()
     }
 

@@ -4,6 +4,7 @@
 //! one: rolling in delays the turn and shifts the circle, rolling out shifts the tangent, by what both move the aircraft
 //! however far it turns in between. Only turns that end while the aircraft still rolls in are looked up in a table.
 
+use crate::Vec3;
 use crate::prediction::motion::{Flyer, MotionState, Target};
 
 /// Most ends of the pieces of a roll-in.
@@ -19,7 +20,7 @@ const ROLLS_OUT: f64 = 4.0;
 const INEXACT: f64 = 0.02;
 
 /// A turn whose roll-out begins at a moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct End {
     /// The turn once rolled out, radians.
     turn_rad: f64,
@@ -30,6 +31,31 @@ struct End {
     at_m: (f64, f64),
     /// From where it seems to have flown straight since then, once it has rolled out.
     from_m: (f64, f64),
+    /// Its bank then, radians, positive towards the side of the turn.
+    bank_rad: f64,
+}
+
+impl End {
+    /// Of a turn that begins to roll out now; `None` for a bank beyond the vehicle's largest.
+    fn now(flyer: &Flyer, state: &MotionState) -> Option<Self> {
+        let (forward, left) = flyer.roll_out_m(state.bank_rad)?;
+        let (sin, cos) = libm::sincos(state.course_rad);
+        Some(Self {
+            turn_rad: state.course_rad + flyer.rollout_rad(state.bank_rad),
+            time_s: state.time_s,
+            at_m: (state.position_m.x, state.position_m.y),
+            from_m: (
+                state.position_m.x + cos * forward - sin * left,
+                state.position_m.y + sin * forward + cos * left,
+            ),
+            bank_rad: state.bank_rad,
+        })
+    }
+}
+
+/// A vector turned to the right by an angle with this cosine and sine.
+fn turned_back((cos, sin): (f64, f64), (forward, side): (f64, f64)) -> (f64, f64) {
+    (forward * cos + side * sin, side * cos - forward * sin)
 }
 
 /// The line on which a turn ends: where the aircraft would have begun it when the roll-out began.
@@ -76,18 +102,64 @@ pub(crate) struct Bend {
 impl Bend {
     /// Turns from a bank towards their side; `None` where that is larger than the vehicle's largest.
     pub(crate) fn new(flyer: &Flyer, bank_rad: f64) -> Option<Self> {
-        let none = End {
-            turn_rad: 0.0,
-            time_s: 0.0,
-            at_m: (0.0, 0.0),
-            from_m: (0.0, 0.0),
+        let widest = flyer.widest_bend();
+        let rest = widest.and_then(|widest| widest.rest_from(flyer, bank_rad));
+        rest.or_else(|| Self::rolled(flyer, bank_rad))
+    }
+
+    /// The rest of these turns from a larger bank on: rolling in does not depend on where it began.
+    fn rest_from(&self, flyer: &Flyer, bank_rad: f64) -> Option<Self> {
+        let nodes = self.nodes.get(..self.len)?;
+        let next = nodes.iter().position(|node| node.bank_rad > bank_rad)?;
+        let (before, rest) = (nodes.get(next.checked_sub(1)?)?, nodes.get(next..)?);
+        let state = MotionState {
+            time_s: before.time_s,
+            position_m: Vec3::new(before.at_m.0, before.at_m.1, 0.0),
+            course_rad: before.turn_rad - flyer.rollout_rad(before.bank_rad),
+            ..MotionState::ahead(before.bank_rad)
         };
+        let full_rad = flyer.full_bank_rad();
+        let off = (full_rad - bank_rad) / (full_rad - before.bank_rad);
+        let after_s = -flyer.bank_time_constant_s() * libm::log(off);
+        let piece = flyer.next_piece_within(&state, &Target::TURNING_LEFT, after_s);
+        let here = flyer.advance(&state, &piece, after_s.min(piece.duration_s));
+        let (sin, cos) = libm::sincos(here.course_rad);
+        let back = |vector| turned_back((cos, sin), vector);
+        let place =
+            |at_m: (f64, f64)| back((at_m.0 - here.position_m.x, at_m.1 - here.position_m.y));
+        let first = End::now(flyer, &MotionState::ahead(bank_rad))?;
+        let ends = rest.iter().map(|node| End {
+            turn_rad: node.turn_rad - here.course_rad,
+            time_s: (node.time_s - here.time_s).max(0.0),
+            at_m: place(node.at_m),
+            from_m: place(node.from_m),
+            bank_rad: node.bank_rad,
+        });
+        let mut bend = Self {
+            bank_rad,
+            rolled_in: back(self.rolled_in),
+            least_full: back(self.least_full),
+            len: 1 + rest.len(),
+            ..*self
+        };
+        for (slot, end) in bend
+            .nodes
+            .iter_mut()
+            .zip(core::iter::once(first).chain(ends))
+        {
+            *slot = end;
+        }
+        Some(bend)
+    }
+
+    /// The same, piece by piece.
+    fn rolled(flyer: &Flyer, bank_rad: f64) -> Option<Self> {
         let mut bend = Self {
             bank_rad,
             rate_radps: flyer.course_rate_radps(),
             radius_m: flyer.airspeed_mps() / flyer.course_rate_radps(),
             settles_s: 0.0,
-            nodes: [none; NODES],
+            nodes: [End::default(); NODES],
             len: 1,
             rolled_in: (1.0, 0.0),
             least_full: (1.0, 0.0),
@@ -100,24 +172,15 @@ impl Bend {
         let mut state = MotionState::ahead(bank_rad);
         bend.len = 0;
         for slot in &mut bend.nodes {
-            let (forward, left) = flyer.roll_out_m(state.bank_rad)?;
-            let (sin, cos) = libm::sincos(state.course_rad);
-            *slot = End {
-                turn_rad: state.course_rad + flyer.rollout_rad(state.bank_rad),
-                time_s: state.time_s,
-                at_m: (state.position_m.x, state.position_m.y),
-                from_m: (
-                    state.position_m.x + cos * forward - sin * left,
-                    state.position_m.y + sin * forward + cos * left,
-                ),
-            };
+            *slot = End::now(flyer, &state)?;
             bend.len += 1;
             let piece = flyer.next_piece(&state, &Target::TURNING_LEFT);
             if piece.bank_command_rad == state.bank_rad {
+                let (sin, cos) = libm::sincos(state.course_rad);
                 bend.rolled_in = (cos, sin);
                 let (sin, cos) = libm::sincos(slot.turn_rad);
                 bend.least_full = (cos, sin);
-                bend.roll_out_m = (forward, left);
+                bend.roll_out_m = flyer.roll_out_m(state.bank_rad)?;
                 return Some(bend);
             }
             let for_s = piece.duration_s.min(NODE_RAD / bend.rate_radps);
@@ -225,7 +288,6 @@ impl Bend {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Vec3;
     use crate::maneuver::Maneuver;
     use crate::prediction::FlightPath;
     use crate::vehicle::{Response, Vehicle};

@@ -159,6 +159,8 @@ pub struct Flyer {
     /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of
     /// the course at its start, metres.
     settles_m: [(f64, f64); SETTLES],
+    /// Turns from the largest bank to the other side, in which those from any bank are contained.
+    widest_bend: Option<Bend>,
     /// Turns from level flight, and from the bank of now to the left and to the right.
     bends: [Option<Bend>; 3],
 }
@@ -183,10 +185,12 @@ impl Flyer {
             rolling_out: Rolls::NONE,
             rolling_now: [Rolls::NONE; 3],
             settles_m: [(0.0, 0.0); SETTLES],
+            widest_bend: None,
             bends: [None; 3],
         };
         if !flyer.is_ideal() {
             flyer.prepare_rolls();
+            flyer.widest_bend = Bend::new(&flyer, -flyer.full_bank_rad);
         }
         let level = Bend::new(&flyer, 0.0);
         flyer.bends = [level, None, None];

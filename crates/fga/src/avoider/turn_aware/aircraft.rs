@@ -183,7 +183,7 @@ impl Avoider {
         self.withstand(Freedom::Expected, own_m, 0.0);
         let turned_rad = (time_s - plan.start_s) * self.flyer.course_rate_radps();
         let has_begun = passing || turned_rad >= BEGUN_RAD;
-        if has_begun && let Some(back) = self.way_back(situation, now, &plan) {
+        if has_begun && let Some(back) = self.way_back(situation, now, &plan, f64::INFINITY) {
             self.plan = Some(back);
             self.state = State::Recovering;
             return self.report(&back, time_s, Reason::RejoinChosen);

@@ -36,7 +36,7 @@ impl Avoider {
             return None;
         }
         let before = (self.progress, self.returned);
-        let back = self.way_back(situation, now, plan)?;
+        let back = self.way_back(situation, now, plan, plan.joined_s - EARLY_S)?;
         let course_rad = |plan: &Plan| {
             let flown = plan.remaining(time_s);
             flown.stages().first().map(|stage| stage.course_rad)

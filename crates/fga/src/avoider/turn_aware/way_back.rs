@@ -84,19 +84,21 @@ enum WayAhead {
 }
 
 impl Avoider {
-    /// A certified way back to the mission, if there is one now.
+    /// A certified way back to the mission, if there is one now. Does not look at one that seems to join it after
+    /// `latest_s`.
     pub(super) fn way_back(
         &mut self,
         situation: &Situation<'_>,
         now: &MotionState,
         plan: &Plan,
+        latest_s: f64,
     ) -> Option<Plan> {
         // After a long search without room for the wanted margin less is enough.
         let waited_s = situation.time_s - plan.start_s;
         let given_up = whole(waited_s / MORE_ROOM_S, 3) - 1;
         let least_m = self.settings.margin_m;
         self.target_m = self.targets_m().nth(given_up).unwrap_or(least_m);
-        let back = self.look_back(situation, now, plan);
+        let back = self.look_back(situation, now, plan, latest_s);
         self.target_m = self.wanted_m;
         back
     }
@@ -107,6 +109,7 @@ impl Avoider {
         situation: &Situation<'_>,
         now: &MotionState,
         plan: &Plan,
+        latest_s: f64,
     ) -> Option<Plan> {
         let horizon_s = self.settings.horizon_s;
         if !self.cycle.is_multiple_of(LOOK_BACK_EVERY) || self.meter.is_met() {
@@ -134,7 +137,11 @@ impl Avoider {
             core::slice::from_ref(&intercept_rad)
         };
         let nearest = self.nearest_way_back(mission, &from, skipped, intercepts_rad);
-        if detour.is_none() && nearest.is_some_and(|(_, way)| self.is_blocked(&way)) {
+        let joins_s = nearest.and_then(|(_, way)| Some(way.end()?.1));
+        let late_s = self.returned.map_or(0.0, |returned| returned.late_s);
+        let is_late = joins_s.is_some_and(|joins_s| situation.time_s + joins_s + late_s > latest_s);
+        let is_useless = is_late || nearest.is_some_and(|(_, way)| self.is_blocked(&way));
+        if detour.is_none() && is_useless {
             self.count_mission();
             return None;
         }
@@ -200,15 +207,29 @@ impl Avoider {
         self.look_s = self.settings.horizon_s;
         let back = back.filter(|back| self.is_robust_back(&back.maneuver, now));
         if back.is_some() {
-            self.returned = Some(Returned {
-                against: plan.against,
-                leg: index,
-                time_s: situation.time_s,
-            });
-            self.progress.advance_to(index, mission, now, &self.flyer);
-            self.count_mission();
+            let late_s = joins_s.map_or(0.0, |joins_s| joined.joined_s - joins_s);
+            self.return_to(index, plan, late_s, (situation, now));
         }
         back
+    }
+
+    /// Remembers a chosen way back and goes on to its leg.
+    fn return_to(
+        &mut self,
+        leg: usize,
+        plan: &Plan,
+        late_s: f64,
+        (situation, now): (&Situation<'_>, &MotionState),
+    ) {
+        self.returned = Some(Returned {
+            against: plan.against,
+            leg,
+            time_s: situation.time_s,
+            late_s,
+        });
+        let mission = &situation.mission;
+        self.progress.advance_to(leg, mission, now, &self.flyer);
+        self.count_mission();
     }
 
     /// Of the ways onto the mission at some intercept angles the one that departs least, and its angle; the

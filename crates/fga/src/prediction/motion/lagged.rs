@@ -39,24 +39,28 @@ const MOST_PIECES: usize = 64;
 /// The pieces of a common roll.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rolls {
-    rolls: [Roll; KEPT_ROLLS],
+    /// Their banks at the beginning, radians.
+    banks_rad: [f64; KEPT_ROLLS],
+    pieces: [Roll; KEPT_ROLLS],
     len: usize,
 }
 
 impl Rolls {
     pub(super) const NONE: Self = Self {
-        rolls: [Roll::NONE; KEPT_ROLLS],
+        banks_rad: [0.0; KEPT_ROLLS],
+        pieces: [Roll::NONE; KEPT_ROLLS],
         len: 0,
     };
 
     fn new(from_rad: f64, to_rad: f64, pace: f64) -> Self {
         let mut kept = Self::NONE;
         let mut bank_rad = from_rad;
-        for slot in &mut kept.rolls {
+        for (slot, from_rad) in kept.pieces.iter_mut().zip(&mut kept.banks_rad) {
             if bank_rad == to_rad {
                 break;
             }
             *slot = Roll::new(bank_rad, to_rad, f64::INFINITY, pace);
+            *from_rad = bank_rad;
             bank_rad = slot.to_rad;
             kept.len += 1;
         }
@@ -64,18 +68,16 @@ impl Rolls {
     }
 
     fn begin_at(&self, bank_rad: f64) -> bool {
-        self.len > 0
-            && self
-                .rolls
-                .first()
-                .is_some_and(|roll| roll.from_rad == bank_rad)
+        self.kept_rad().first() == Some(&bank_rad)
     }
 
     fn from(&self, bank_rad: f64) -> Option<&Roll> {
-        self.rolls
-            .iter()
-            .take(self.len)
-            .find(|roll| roll.from_rad == bank_rad)
+        let place = self.kept_rad().iter().position(|from| *from == bank_rad)?;
+        self.pieces.get(place)
+    }
+
+    fn kept_rad(&self) -> &[f64] {
+        self.banks_rad.get(..self.len).unwrap_or(&[])
     }
 }
 
@@ -248,6 +250,11 @@ impl Flyer {
             .iter()
             .flatten()
             .find(|bend| bend.is_from(bank_rad))
+    }
+
+    /// Turns from the largest bank to the other side.
+    pub(crate) const fn widest_bend(&self) -> Option<&Bend> {
+        self.widest_bend.as_ref()
     }
 
     /// The bank of the largest course rate, radians.
