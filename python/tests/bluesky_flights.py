@@ -1,14 +1,15 @@
 """Scenarios of BlueSky, flown headless with each conflict resolution, and judged by code of their own.
 
 `python bluesky_flights.py FOLDER SCENARIO…` prints a table. A scenario is a command of BlueSky's generator of
-conflicts, such as `SYN SUPER 8`, a formation (`WALL 20`, `MATRIX 3`), or the path of a scenario file. BlueSky runs in this process without its server,
-stepped from here: its own loop waits for real time and ends only when it is told QUIT.
+conflicts, such as `SYN SUPER 8`, a formation (`WALL 20`, `MATRIX 3`), or the path of a scenario file. BlueSky runs in a
+process without its server, stepped from here: its own loop waits for real time and ends only with QUIT.
 """
 
 from __future__ import annotations
 
 import json
 import math
+import re
 import subprocess
 import sys
 import time
@@ -22,13 +23,18 @@ NAUTICAL_MILE_M = 1852.0
 ZONE_M, ZONE_HALF_HEIGHT_M = 5 * NAUTICAL_MILE_M, 1000 * 0.3048
 _EARTH_M = 6_371_000.0
 # What a scenario file says about resolution, display and pace is the runner's business.
-_NOT_OURS = ("RESO", "RMETHH", "RMETHV", "RFACH", "RFACV", "PRIORULES", "HOLD", "FF", "QUIT", "PLUGIN", "DTMULT", "SCEN", "ASAS", "CDMETHOD")
+_NOT_OURS = {
+    "RESO", "RMETHH", "RMETHV", "RFACH", "RFACV", "PRIORULES", "ASAS", "CDMETHOD", "PLUGIN",
+    "HOLD", "OP", "FF", "QUIT", "DT", "DTMULT", "RTF", "SCEN", "IC", "RESET", "BENCHMARK",
+    "PAN", "ZOOM", "+", "++", "+++", "-", "--", "---", "SYMBOL", "SWRAD", "TRAIL", "TRAILS", "SSD", "ECHO", "LABEL", "SHOWPZ",
+}  # fmt: skip
 
 
 def formation(name: str, size: int) -> list[str]:
     """Commands for WALL and MATRIX of BlueSky's generator, whose own ones fail in version 1.1.1.
 
-    They take the zone's radius from the traffic, which has none yet. Distances as there: 1.1 zones between neighbours.
+    There they take the zone's radius from traffic that is not there yet. Distances as there: 1.1 zones between
+    neighbours.
     """
     apart = 1.1 * ZONE_M / 111_319.0
     places = []
@@ -59,10 +65,16 @@ def commands_of(scenario: str) -> list[tuple[float, str]]:
         if not bracket or stamp.startswith("#"):
             continue
         hours, minutes, seconds = (float(part) for part in stamp.split(":"))
+        due_s = hours * 3600 + minutes * 60 + seconds
+        # BlueSky 1.1.1 no longer reads `0.` as a number; its own scenarios have it.
+        rest = re.sub(r"(?<=\d)\.(?=[\s,]|$)", ".0", rest)
         for command in rest.split(";"):
-            words = command.replace(",", " ").split()
-            if words and words[0].upper() not in _NOT_OURS:
-                commands.append((hours * 3600 + minutes * 60 + seconds, command.strip()))
+            words = command.replace(",", " ").upper().split()
+            if words[:1] == ["SYN"] and words[1:2] in (["WALL"], ["MATRIX"]):
+                size = int(words[2]) if len(words) > 2 else 20
+                commands += [(due_s, made) for made in formation(words[1], size)]
+            elif words and words[0] not in _NOT_OURS:
+                commands.append((due_s, command.strip()))
     return commands
 
 
@@ -102,7 +114,7 @@ def fly(folder: str, scenario: str, method: str, for_s: float, seed: int = 1) ->
     for due, command in [w for w in waiting if w[0] <= 0.0]:
         bs.stack.stack(command)
     bs.stack.process()
-    waiting = [w for w in waiting if w[0] > 0.0]
+    waiting = sorted((w for w in waiting if w[0] > 0.0), key=lambda w: w[0])
     for command in ("ASAS ON", f"RESO {method}"):
         bs.stack.stack(command)
     bs.stack.process()
@@ -126,9 +138,8 @@ def fly(folder: str, scenario: str, method: str, for_s: float, seed: int = 1) ->
     bs.sim.op()
     steps = round(for_s / STEP_S)
     for step in range(steps):
-        for due in [w for w in waiting if w[0] <= bs.sim.simt]:
-            waiting.remove(due)
-            bs.stack.stack(due[1])
+        while waiting and waiting[0][0] <= bs.sim.simt:
+            bs.stack.stack(waiting.pop(0)[1])
         bs.sim.step()
         assert bs.sim.state == bs.OP, "the simulation runs on"
         if bs.traf.ntraf < 2:
@@ -197,10 +208,11 @@ def main() -> None:
         return
     folder, for_s, scenarios = sys.argv[1], float(sys.argv[2]), sys.argv[3:]
     for scenario in scenarios:
-        without = None
+        without, lost = None, {}
         for method in METHODS:
             told = flown_apart(folder, scenario, method, for_s)
             without = without or told["tracks"]
+            lost[method] = {frozenset(pair) for pair in told["lost"]}
             away = list(departures_m(told["tracks"], without).values()) or [0.0]
             print(
                 f"| {told['scenario']} | {told['aircraft']} | {method} | {len(told['lost'])} | "
@@ -210,6 +222,9 @@ def main() -> None:
                 + " |",
                 flush=True,
             )
+        worse = sorted(sorted(pair) for pair in lost["FGA"] - lost["MVP"])
+        if worse:
+            print(f"lost with FGA, kept with MVP: {worse}", file=sys.stderr)
 
 
 if __name__ == "__main__":

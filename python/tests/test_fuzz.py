@@ -4,9 +4,12 @@ FGA_FUZZ sets the number of cases for each function, 10000 for a long run.
 """
 
 import copy
+import functools
 import io
+import json
 import os
 import pickle
+import tempfile
 import threading
 
 import numpy as np
@@ -148,6 +151,141 @@ def test_two_threads_step_one_avoider(steps):
     fly()
     other.join()
     assert not wrong
+
+
+COLUMNS = ["encounter", "obstacle", "x_m", "y_m", "z_m", "vx_mps", "vy_mps", "vz_mps", "radius_m", "kind"]
+
+
+def right(name):
+    """A column that every table may have, four rows long."""
+    import pyarrow as pa
+
+    return pa.array({
+        "encounter": [0, 0, 1, 2], "obstacle": [0, 1, 0, 0], "x_m": [200.0, 260.0, 300.0, 1e4],
+        "vx_mps": [-5.0, 0.0, 3.0, 0.0], "radius_m": [20.0, 30.0, 5.0, 1.0], "kind": ["straight", "uas", "aircraft", "still"],
+    }.get(name, [0.0, 3.0, -4.0, 0.0]))  # fmt: skip
+
+
+def wrong(draw):
+    """A column of any type and length."""
+    import pyarrow as pa
+
+    rows = draw(st.sampled_from([4, 4, 4, 0, 3]))
+    values = draw(st.lists(st.one_of(st.floats(), st.integers(-3, 2**63 - 1), st.none()), min_size=rows, max_size=rows))
+    kind = draw(
+        st.sampled_from([
+            pa.float64(), pa.float32(), pa.float16(), pa.int64(), pa.uint64(), pa.int8(), pa.bool_(), pa.string(), pa.large_string(),
+            pa.string_view(), pa.binary(), pa.null(), pa.timestamp("s"), pa.list_(pa.float64()), pa.dictionary(pa.int8(), pa.float64()),
+        ])  # fmt: skip
+    )
+    try:
+        return pa.array(values, kind)
+    except (pa.ArrowException, ValueError, TypeError, OverflowError):
+        return pa.nulls(rows, kind)
+
+
+class NoStream:
+    """Claims to be a table."""
+
+    def __init__(self, given):
+        self.given = given
+
+    def __arrow_c_stream__(self, requested_schema=None):
+        if self.given is None:
+            raise ValueError("refused")
+        return self.given
+
+
+@CASES
+@given(st.data())
+def test_tables(data):
+    pa = needed("pyarrow")
+    draw = data.draw
+    changed = draw(st.sets(st.sampled_from(COLUMNS), max_size=2))
+    left_out = draw(st.sets(st.sampled_from(COLUMNS), max_size=1))
+    columns = {name: wrong(draw) if name in changed else right(name) for name in COLUMNS if name not in left_out}
+    rows = min(len(column) for column in columns.values())
+    table = pa.table({name: column[:rows] for name, column in columns.items()})
+    cut = draw(st.integers(0, rows))
+    given = draw(
+        st.sampled_from([
+            table, table.slice(cut), pa.concat_tables([table.slice(cut), table.slice(0, cut)]), pa.chunked_array([right("x_m")]),
+            NoStream(3), NoStream(None), NoStream(pa.array([1]).__arrow_c_array__()[0]),
+        ])  # fmt: skip
+    )
+    # Short flights: what is fuzzed is the way in.
+    horizon_s = draw(st.sampled_from([0.5, 2.0, 0.0, -1.0, float("nan"), float("inf"), None, "x"]))
+    attempt(lambda: fga.batch(given, policy=draw(st.sampled_from(["turn-aware", "none", "mvp", ""])), horizon_s=horizon_s, threads=1))
+    attempt(lambda: fga.oracle(given, horizon_s=horizon_s, threads=draw(st.sampled_from([1, 0, -1, 2**40, None]))))
+
+
+@CASES
+@given(st.data())
+def test_worlds_and_shields(data):
+    draw = data.draw
+    cell = draw(st.sampled_from(["threats:2:300:5-20", "threats:0:300:5-20", "threats:2:nan:5-20", "threats", "", "x:1"]))
+    worlds = attempt(
+        lambda: fga.Worlds(
+            cell, draw(st.integers(-1, 3)), seed=draw(st.integers(-1, 2**64)), horizon_s=draw(number),
+            seen=draw(st.integers(-1, 5)), shielded=draw(st.booleans()),
+        )  # fmt: skip
+    )
+    if worlds is not None:
+        attempt(lambda: worlds.reset(draw(st.lists(st.integers(-1, 3), max_size=2)), draw(st.lists(st.integers(0, 2**64), max_size=2))))
+        actions = draw(st.one_of(array, st.lists(st.tuples(st.floats(), st.floats()), max_size=3).map(lambda v: np.array(v).reshape(-1, 2))))
+        attempt(lambda: worlds.step(actions, draw(st.one_of(st.none(), st.lists(st.booleans(), max_size=3)))))
+        assert worlds.observe().shape == (len(worlds), worlds.observed)
+    for most in ({"count": 100_000, "seen": 1000}, {"count": 2**62}, {"seen": 2**62}):
+        assert attempt(lambda: fga.Worlds(**{"cell": "threats:2:300:5-20", "count": 1, **most})) is None
+    wish = attempt(lambda: fga.Decision(draw(st.lists(number, max_size=2))))
+    attempt(lambda: fga.Shield().step(draw(st.sampled_from([situation(0.0, [1]), None])), draw(st.sampled_from([wish, fga.Decision([]), 3]))))
+
+
+CAMPAIGN = """name = "small"
+encounters = 3
+seeds = [1]
+policies = ["none"]
+[[grid]]
+family = "threats"
+count = [1]
+first_seen_m = [300]
+speed_mps = [[5, 20]]
+"""
+
+
+@functools.cache
+def configuration():
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "small.toml")
+        with open(file, "w", encoding="utf-8") as out:
+            out.write(CAMPAIGN)
+        return fga.Campaign(file).to_json()
+
+
+@CASES
+@given(st.data())
+def test_campaigns(data):
+    """A configuration with one value changed: refused, or a campaign that says its size."""
+    draw = data.draw
+    told = json.loads(configuration())
+    places = []
+
+    def walk(node):
+        for key in node if isinstance(node, dict) else range(len(node)):
+            places.append((node, key))
+            if isinstance(node[key], (dict, list)):
+                walk(node[key])
+
+    walk(told)
+    for _ in range(draw(st.integers(1, 2))):
+        node, key = draw(st.sampled_from(places))
+        node[key] = draw(st.one_of(number, st.integers(), st.sampled_from([[], {}, 2**64 - 1, -1, "turn-aware"])))
+    campaign = attempt(lambda: fga.Campaign.from_json(json.dumps(told)))
+    if campaign is not None:
+        assert campaign.blocks >= 0 and repr(campaign.encounters) and campaign.hash
+        block = draw(st.sampled_from([0, 1, 2**63, 2**64 - 1, -1]))
+        attempt(lambda: campaign.range_of(block))
+        attempt(lambda: campaign.decisions(draw(st.integers(-1, 4)), draw(st.sampled_from(["none", "x", None, 3]))))
 
 
 class Own(pickle.Unpickler):

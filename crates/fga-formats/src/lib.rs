@@ -49,6 +49,7 @@ pub mod decision;
 pub mod encounter_model;
 pub mod encounters;
 pub mod error;
+#[cfg(feature = "export")]
 pub mod export;
 pub mod flight;
 pub mod flight_log;

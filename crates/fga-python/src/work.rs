@@ -11,6 +11,9 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 /// Pause between two checks of Ctrl-C.
 const PAUSE: Duration = Duration::from_millis(50);
 
+/// More than any machine has cores; a machine that runs out of threads may end the interpreter.
+const MOST_THREADS: usize = 1024;
+
 /// The shared state of work and interpreter.
 #[derive(Debug, Default)]
 pub(crate) struct Shared {
@@ -31,8 +34,12 @@ impl Shared {
 /// A pool of threads for one call: nothing survives it, so a fork finds no lock of a thread that does not
 /// exist.
 pub(crate) fn pool(threads: Option<usize>) -> PyResult<ThreadPool> {
-    if threads == Some(0) {
-        return Err(PyValueError::new_err("threads is 0, expected at least 1"));
+    if let Some(threads) = threads
+        && !(1..=MOST_THREADS).contains(&threads)
+    {
+        return Err(PyValueError::new_err(format!(
+            "threads is {threads}, expected 1 to {MOST_THREADS}"
+        )));
     }
     ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))

@@ -17,6 +17,9 @@ use crate::pilot::model_of;
 use crate::situation::Situation;
 use crate::value::{Settings, Vehicle, refused};
 
+/// Most obstacles seen in all worlds together: 360 MB of observations.
+const MOST_SEEN: usize = 10_000_000;
+
 /// The result of a step, one row per world: observations, rewards, terminated, truncated, engaged.
 type Steps<'py> = (
     Bound<'py, PyArray2<f32>>,
@@ -65,6 +68,12 @@ impl Worlds {
                     "{name} is {value}, expected 1 to {most}"
                 )));
             }
+        }
+        // Their observations are one array.
+        if count * seen > MOST_SEEN {
+            return Err(PyValueError::new_err(format!(
+                "count is {count} and seen {seen}, expected a product of at most {MOST_SEEN}"
+            )));
         }
         if !(horizon_s > 0.0 && horizon_s <= 86_400.0) {
             return Err(PyValueError::new_err(format!(
