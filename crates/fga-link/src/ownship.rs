@@ -318,7 +318,9 @@ impl OwnshipEstimate {
             step(-speed * libm::cos(from_rad)),
             0.0,
         );
-        if let (Some(position), Some(airspeed_mps)) = (self.position, self.airspeed_mps()) {
+        // A blocked pitot tube reports no airspeed at all: it says nothing of the wind.
+        let airspeed_mps = self.airspeed_mps().filter(|v| *v > FLYING_SPEED_MPS);
+        if let (Some(position), Some(airspeed_mps)) = (self.position, airspeed_mps) {
             let through_air_mps = (position.velocity_mps - velocity).length();
             if (through_air_mps - airspeed_mps).abs() > WIND_OFF_MPS {
                 return;
