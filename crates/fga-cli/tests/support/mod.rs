@@ -83,6 +83,24 @@ for line in map(json.loads, open(sys.argv[2])):
     count
 }
 
+/// The rows of a CSV file by the names of their columns.
+pub fn rows(path: &Path) -> Vec<HashMap<String, String>> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    lines
+        .map(|line| {
+            let fields: Vec<&str> = line.split(',').collect();
+            assert_eq!(fields.len(), names.len(), "{line}");
+            names
+                .iter()
+                .zip(fields)
+                .map(|(name, field)| ((*name).to_owned(), field.to_owned()))
+                .collect()
+        })
+        .collect()
+}
+
 /// A CSV file of numbers: its columns by name. Fields that are not numbers become NaN.
 pub fn columns(path: &Path) -> HashMap<String, Vec<f64>> {
     let text = std::fs::read_to_string(path).expect("the file is there");
