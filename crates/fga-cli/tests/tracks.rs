@@ -228,6 +228,79 @@ fn what_was_drawn_flies_again_with_the_same_result() {
     );
 }
 
+/// Drawn files had neither, so that what was drawn flew in still air and as if positions were exact.
+#[test]
+fn wind_and_deviations_of_a_recording_are_drawn_with_it() {
+    let folder = written();
+    let at = folder.path();
+    let mut windy = String::from(
+        "NAME, sx, sy, sz, vx, vy, vz, time, heading, airspeed, s_EW_std, s_NS_std, s_EN_std, sz_std, \
+         v_EW_std, v_NS_std, v_EN_std, vz_std\n\
+         [none], [m], [m], [m], [m/s], [m/s], [m/s], [s], [deg], [m/s], [m], [m], [m], [m], [m/s], [m/s], \
+         [m/s], [m/s]\n",
+    );
+    for second in 0..=90 {
+        let along_m = f64::from(second) * 50.0;
+        // Wind that veers a little; one row does not know it.
+        let air = if second == 3 {
+            "-, -".to_owned()
+        } else {
+            format!("{}, 47.3", 83.1 + 0.01 * f64::from(second))
+        };
+        let still = "0, 0, 0, 0, 0, 0, 0, 0";
+        let _ = writeln!(
+            windy,
+            "own, {along_m}, 0, 1000, 50, 0, 0, {second}, {air}, {still}"
+        );
+        let x_m = 6000.0 - along_m;
+        let known = "41.7, 30.3, -12.1, 20, 1.3, 1.1, 0.3, 0.7";
+        let _ = writeln!(
+            windy,
+            "its, {x_m}, 50, 1010, -50, 0, 0, {second}, -, -, {known}"
+        );
+    }
+    fs::create_dir(at.join("windy")).unwrap();
+    fs::write(at.join("windy/one.daa"), windy).unwrap();
+    let recorded = |folder: &str, out: &str| {
+        let command = ["campaign", "run", "again.toml", "--recordings", folder];
+        run(at, &[&command[..], &["--csv", "--out", out]].concat());
+        results(
+            at,
+            &format!("{out}/results.csv"),
+            &["source", "source_encounter", "name", "seed"],
+        )
+    };
+    let flown = recorded("windy", "flown");
+    let draw = ["campaign", "draw", "again.toml", "--recordings", "windy"];
+    run(at, &[&draw[..], &["--out", "drawn"]].concat());
+    for (index, drawn) in ["drawn/tracks.parquet", "drawn/recordings"]
+        .iter()
+        .enumerate()
+    {
+        assert_eq!(flown, recorded(drawn, &format!("again{index}")), "{drawn}");
+    }
+    // Both count: in still air, or with exact positions, it flies otherwise.
+    let text = text(at, "drawn/recordings/00000000.daa");
+    let header = text.lines().find(|line| line.starts_with("NAME")).unwrap();
+    for names in [["air_vx", "heading"], ["s_EW_std", "s_NS_std"]] {
+        let mut without = header.to_owned();
+        for name in names {
+            without = without.replace(name, &name.replace('_', "-"));
+        }
+        fs::create_dir(at.join(names[0])).unwrap();
+        fs::write(
+            at.join(names[0]).join("one.daa"),
+            text.replace(header, &without),
+        )
+        .unwrap();
+        assert_ne!(
+            flown,
+            recorded(names[0], &format!("without-{}", names[0])),
+            "{names:?}"
+        );
+    }
+}
+
 #[test]
 fn obstacles_around_a_line_are_drawn_as_parquet_too() {
     let folder = written();

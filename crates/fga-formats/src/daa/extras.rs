@@ -95,6 +95,7 @@ impl Extra {
 pub(super) struct Extras {
     heading: Option<Extra>,
     airspeed: Option<Extra>,
+    air: [Option<Extra>; 2],
     alerter: Option<usize>,
     deviations: [Option<Extra>; 8],
 }
@@ -110,6 +111,7 @@ impl Extras {
         Self {
             heading: find("heading", Dimension::Angle, Some(Unit::DEGREE)),
             airspeed: find("airspeed", Dimension::Speed, Some(Unit::KNOT)),
+            air: ["air_vx", "air_vy"].map(|name| find(name, Dimension::Speed, Some(Unit::KNOT))),
             alerter: names.iter().position(|name| name == "alerter"),
             deviations: DEVIATIONS.map(|(name, dimension)| find(name, dimension, None)),
         }
@@ -120,9 +122,18 @@ impl Extras {
         let units = fields(line, Some(width));
         [&mut self.heading, &mut self.airspeed]
             .into_iter()
+            .chain(&mut self.air)
             .chain(&mut self.deviations)
             .flatten()
             .try_for_each(|extra| extra.take_unit(&units))
+    }
+
+    /// Velocity through the air to the east and north, metres per second.
+    pub(super) fn air_mps(&self, fields: &[&str]) -> Result<Option<(f64, f64)>, String> {
+        let [Some(east), Some(north)] = &self.air else {
+            return Ok(None);
+        };
+        Ok(east.value(fields)?.zip(north.value(fields)?))
     }
 
     /// Compass direction (radians) and speed (metres per second) through the air.

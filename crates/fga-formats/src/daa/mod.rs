@@ -18,6 +18,7 @@
 //! | column | what | unit without a unit line |
 //! |---|---|---|
 //! | `heading`, `airspeed` | direction and speed through the air; on the ownship they give the wind | deg, kn |
+//! | `air_vx`, `air_vy` | the same as a velocity, east and north; preferred where a row has both | kn |
 //! | `alerter` | which alerter judges the aircraft, counted from 1; 0 for none | |
 //! | `s_EW_std`, `s_NS_std`, `s_EN_std`, `sz_std` | standard deviations of the position | none: a unit is required |
 //! | `v_EW_std`, `v_NS_std`, `v_EN_std`, `vz_std` | standard deviations of the velocity | none: a unit is required |

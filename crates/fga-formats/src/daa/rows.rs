@@ -53,10 +53,23 @@ impl<'a> Rows<'a> {
         limit(time_s, LARGEST_TIME_S, &layout.time, "s")?;
         let (position_m, place) = self.position(&fields)?;
         let velocity_mps = self.velocity(&fields, place)?;
-        let air_mps = self.extras.air(&fields)?.map(|(compass_rad, speed_mps)| {
+        let turned = self.extras.air(&fields)?.map(|(compass_rad, speed_mps)| {
             let (east, north) = libm::sincos(compass_rad);
-            self.in_frame(DVec3::new(east, north, 0.0) * speed_mps, place)
+            DVec3::new(east, north, 0.0) * speed_mps
         });
+        let exact = self.extras.air_mps(&fields)?;
+        let exact = exact.map(|(east_mps, north_mps)| DVec3::new(east_mps, north_mps, 0.0));
+        if let Some(velocity_mps) = exact
+            && velocity_mps.length() > LARGEST_SPEED_MPS
+        {
+            return Err(format!(
+                "columns air_vx and air_vy are {} m/s, expected at most {LARGEST_SPEED_MPS} m/s",
+                velocity_mps.length()
+            ));
+        }
+        let air_mps = exact
+            .or(turned)
+            .map(|velocity_mps| self.in_frame(velocity_mps, place));
         let deviation = self.extras.deviation(&fields)?;
         let index = self.aircraft_index(&fields)?;
         let Some(track) = self.aircraft.get_mut(index) else {

@@ -103,6 +103,44 @@ impl Group<'_> {
         }
     }
 
+    /// A column of finite numbers with empty fields.
+    pub(super) fn maybe_numbers(&self, name: &str) -> Result<Vec<Option<f64>>, InputError> {
+        let ColumnReader::DoubleColumnReader(mut column) = self.column(name)? else {
+            return Err(self.wrong(name, "numbers of 64 bits"));
+        };
+        let (mut values, mut levels) = (Vec::new(), Vec::new());
+        loop {
+            let (records, _, _) = column
+                .read_records(self.count, Some(&mut levels), None, &mut values)
+                .map_err(|error| damaged(self.path, &error))?;
+            if records == 0 {
+                break;
+            }
+        }
+        if let Some(number) = values.iter().find(|number| !number.is_finite()) {
+            return Err(self.error(format!(
+                "column {name} holds {number}, expected finite numbers"
+            )));
+        }
+        // A column that may not be empty has no levels.
+        if levels.is_empty() {
+            levels.resize(values.len(), 1);
+        }
+        let mut values = values.into_iter();
+        let found: Vec<Option<f64>> = levels
+            .iter()
+            .map(|level| if *level > 0 { values.next() } else { None })
+            .collect();
+        if found.len() == self.count {
+            return Ok(found);
+        }
+        Err(self.error(format!(
+            "column {name} has {} fields in {} rows, expected one in each row",
+            found.len(),
+            self.count
+        )))
+    }
+
     /// A column of whole numbers from 0.
     pub(super) fn wholes(&self, name: &str) -> Result<Vec<u64>, InputError> {
         match self.column(name)? {

@@ -15,6 +15,7 @@ use std::path::Path;
 
 use fga::Vec3;
 use fga::situation::{Obstacle, ProtectedVolume};
+use fga_alerts::Deviation;
 use fga_formats::InputError;
 use fga_formats::daa::{Recording, Track, TrackSample};
 use fga_formats::encounters::{self, Encounter};
@@ -32,7 +33,7 @@ use super::columns::{Group, Table};
 use super::{Content, Origin};
 
 /// Columns of the tracks, with their meanings.
-pub const TRACK_COLUMNS: [(&str, &str); 11] = [
+pub const TRACK_COLUMNS: [(&str, &str); 21] = [
     ("encounter", "number of the encounter"),
     ("seed", "its master seed"),
     ("weight", "for how many encounters of its source it stands"),
@@ -44,7 +45,36 @@ pub const TRACK_COLUMNS: [(&str, &str); 11] = [
     ("vx_mps", "velocity over the ground to the east, m/s"),
     ("vy_mps", "to the north, m/s"),
     ("vz_mps", "up, m/s"),
+    (
+        "east_sigma_m",
+        "standard deviation of the position to the east, m",
+    ),
+    ("north_sigma_m", "to the north, m"),
+    ("east_north_sigma_m", "east and north together, signed, m"),
+    ("up_sigma_m", "of the altitude, m"),
+    (
+        "east_sigma_mps",
+        "standard deviation of the velocity to the east, m/s",
+    ),
+    ("north_sigma_mps", "to the north, m/s"),
+    (
+        "east_north_sigma_mps",
+        "east and north together, signed, m/s",
+    ),
+    ("up_sigma_mps", "of the climb, m/s"),
+    (
+        AIR[0],
+        "velocity through the air to the east, m/s; empty where it is not known",
+    ),
+    (AIR[1], "to the north, m/s"),
 ];
+
+/// Velocity through the air, the only columns with empty fields.
+const AIR: [&str; 2] = ["air_vx_mps", "air_vy_mps"];
+
+/// Columns of tracks before the deviations, and before the velocity through the air.
+const DEVIATIONS_FROM: usize = 11;
+const AIR_FROM: usize = 19;
 
 /// Columns of obstacles around a line, with their meanings.
 pub const ROW_COLUMNS: [(&str, &str); 10] = [
@@ -76,6 +106,7 @@ pub struct TableWriter<W: Write + Send> {
     wholes: Vec<Vec<i64>>,
     weights: Vec<f64>,
     numbers: Vec<Vec<f64>>,
+    air: Vec<Option<[f64; 2]>>,
     texts: Vec<ByteArray>,
     content: Content,
 }
@@ -103,7 +134,12 @@ impl<W: Write + Send> TableWriter<W> {
                 _ => "",
             };
             // Writing to a text does not fail.
-            let _ = write!(schema, "required {kind} {name}{more};");
+            let need = if AIR.contains(name) {
+                "optional"
+            } else {
+                "required"
+            };
+            let _ = write!(schema, "{need} {kind} {name}{more};");
         }
         schema.push('}');
         let words: serde_json::Map<_, _> = columns
@@ -122,7 +158,8 @@ impl<W: Write + Send> TableWriter<W> {
             file: SerializedFileWriter::new(output, schema, Arc::new(properties.build()))?,
             wholes: vec![Vec::new(); 2],
             weights: Vec::new(),
-            numbers: vec![Vec::new(); 7],
+            numbers: vec![Vec::new(); AIR_FROM - 4],
+            air: Vec::new(),
             texts: Vec::new(),
             content,
         })
@@ -167,9 +204,11 @@ impl<W: Write + Send> TableWriter<W> {
                 self.texts.push(name.clone());
                 let (p, v) = (sample.position_m, sample.velocity_mps);
                 let values = [sample.time_s, p.x, p.y, p.z, v.x, v.y, v.z];
+                let values = values.into_iter().chain(deviations(&sample.deviation));
                 for (column, value) in self.numbers.iter_mut().zip(values) {
                     column.push(value);
                 }
+                self.air.push(sample.air_mps.map(|air| [air.x, air.y]));
             }
         }
         self.flush_if(GROUP)
@@ -187,15 +226,18 @@ impl<W: Write + Send> TableWriter<W> {
             put::<W, DoubleType>(&mut group, &self.weights)?;
             put::<W, ByteArrayType>(&mut group, &self.texts)?;
         }
-        for column in &self.numbers {
+        for column in self.numbers.iter().filter(|column| !column.is_empty()) {
             put::<W, DoubleType>(&mut group, column)?;
         }
         if self.content == Content::Rows {
             put::<W, ByteArrayType>(&mut group, &self.texts)?;
+        } else {
+            put_air(&mut group, &self.air)?;
         }
         group.close()?;
         self.wholes.iter_mut().for_each(Vec::clear);
         self.numbers.iter_mut().for_each(Vec::clear);
+        self.air.clear();
         self.weights.clear();
         self.texts.clear();
         Ok(())
@@ -220,6 +262,38 @@ fn put<W: Write + Send, T: DataType>(
     };
     column.typed::<T>().write_batch(values, None, None)?;
     column.close()
+}
+
+/// Puts the velocities through the air, with empty fields where there is none.
+fn put_air<W: Write + Send>(
+    group: &mut SerializedRowGroupWriter<'_, W>,
+    air: &[Option<[f64; 2]>],
+) -> Result<(), ParquetError> {
+    let levels: Vec<i16> = air.iter().map(|air| i16::from(air.is_some())).collect();
+    for axis in 0..2 {
+        let values: Vec<f64> = air.iter().flatten().map(|air| air[axis]).collect();
+        let Some(mut column) = group.next_column()? else {
+            return Err(ParquetError::General("has too few columns".into()));
+        };
+        let typed = column.typed::<DoubleType>();
+        typed.write_batch(&values, Some(&levels), None)?;
+        column.close()?;
+    }
+    Ok(())
+}
+
+/// The deviations in the order of their columns.
+fn deviations(deviation: &Deviation) -> [f64; 8] {
+    [
+        deviation.east_m,
+        deviation.north_m,
+        deviation.east_north_m,
+        deviation.up_m,
+        deviation.east_mps,
+        deviation.north_mps,
+        deviation.east_north_mps,
+        deviation.up_mps,
+    ]
 }
 
 /// The content of a table, by its columns.
@@ -323,6 +397,61 @@ pub(super) fn tracks(bytes: Vec<u8>, path: &Path) -> Result<Vec<Named>, InputErr
     Ok(found.into_iter().map(|(_, named)| named).collect())
 }
 
+/// The columns that a table may lack.
+struct Extras {
+    deviations: [Option<Vec<f64>>; 8],
+    air: Option<[Vec<Option<f64>>; 2]>,
+}
+
+impl Extras {
+    fn of(group: &Group<'_>, table: &Table<'_>) -> Result<Self, InputError> {
+        let mut deviations: [Option<Vec<f64>>; 8] = Default::default();
+        for (column, (name, _)) in deviations
+            .iter_mut()
+            .zip(&TRACK_COLUMNS[DEVIATIONS_FROM..AIR_FROM])
+        {
+            if table.has(name) {
+                *column = Some(group.numbers(name)?);
+            }
+        }
+        let [east, north] = AIR;
+        let air = if table.has(east) && table.has(north) {
+            Some([group.maybe_numbers(east)?, group.maybe_numbers(north)?])
+        } else {
+            None
+        };
+        Ok(Self { deviations, air })
+    }
+
+    fn air_mps(&self, row: usize) -> Option<Vec3> {
+        let [east, north] = self.air.as_ref()?;
+        Some(Vec3::new(east[row]?, north[row]?, 0.0))
+    }
+
+    fn deviation(&self, row: usize) -> Result<Deviation, String> {
+        let of = |index: usize| self.deviations[index].as_ref().map_or(0.0, |v| v[row]);
+        let columns = &TRACK_COLUMNS[DEVIATIONS_FROM..AIR_FROM];
+        for (index, (name, _)) in columns.iter().enumerate() {
+            if of(index) < 0.0 && !name.starts_with("east_north") {
+                return Err(format!(
+                    "column {name} holds {}, expected a deviation of 0 or more",
+                    of(index)
+                ));
+            }
+        }
+        Ok(Deviation {
+            east_m: of(0),
+            north_m: of(1),
+            east_north_m: of(2),
+            up_m: of(3),
+            east_mps: of(4),
+            north_mps: of(5),
+            east_north_mps: of(6),
+            up_mps: of(7),
+        })
+    }
+}
+
 /// Adds the rows of a group; an encounter may go on from one group to the next.
 fn take_tracks(
     group: &Group<'_>,
@@ -342,10 +471,11 @@ fn take_tracks(
         None
     };
     let names = group.texts("aircraft")?;
-    let values = TRACK_COLUMNS[4..]
+    let values = TRACK_COLUMNS[4..DEVIATIONS_FROM]
         .iter()
         .map(|(name, _)| group.numbers(name))
         .collect::<Result<Vec<_>, _>>()?;
+    let extras = Extras::of(group, table)?;
     for row in 0..group.count {
         let number = numbers[row];
         let at = |column: usize| values[column][row];
@@ -386,11 +516,15 @@ fn take_tracks(
                 samples: Vec::new(),
             });
         }
-        let sample = TrackSample::new(
-            at(0),
-            Vec3::new(at(1), at(2), at(3)),
-            Vec3::new(at(4), at(5), at(6)),
-        );
+        let sample = TrackSample {
+            air_mps: extras.air_mps(row),
+            deviation: extras.deviation(row).map_err(wrong)?,
+            ..TrackSample::new(
+                at(0),
+                Vec3::new(at(1), at(2), at(3)),
+                Vec3::new(at(4), at(5), at(6)),
+            )
+        };
         let is_far = (0..4).any(|column| at(column).abs() > LARGEST);
         if is_far || sample.velocity_mps.length() > LARGEST_SPEED_MPS {
             return Err(wrong(format!(
@@ -422,8 +556,15 @@ mod tests {
         let track = |name: &str, along_mps: f64| Track {
             name: name.into(),
             samples: (0..3)
-                .map(|second| {
-                    TrackSample::new(
+                .map(|second| TrackSample {
+                    // The wind is not known at every time.
+                    air_mps: (second != 1).then_some(Vec3::new(along_mps - 0.1, 1.0 / 7.0, 0.0)),
+                    deviation: Deviation {
+                        east_north_mps: -1.0 / 3.0,
+                        up_m: f64::from(second),
+                        ..Deviation::default()
+                    },
+                    ..TrackSample::new(
                         0.1 + f64::from(second),
                         Vec3::new(along_mps * f64::from(second), 1.0 / 3.0, 7.0),
                         Vec3::X * along_mps,
@@ -481,9 +622,18 @@ mod tests {
         let said = said.unwrap_err().to_string();
         assert!(said.contains("encounter 3 stands in two places"), "{said}");
         other.aircraft[1].samples[2].time_s = 0.5;
-        let said = tracks(table(&[other]), path).unwrap_err().to_string();
+        let said = tracks(table(core::slice::from_ref(&other)), path);
+        let said = said.unwrap_err().to_string();
         assert!(
             said.contains("encounter 4, aircraft \"its\": the time goes from 1.1 s to 0.5 s"),
+            "{said}"
+        );
+        other.aircraft[1].samples[2].time_s = 5.0;
+        other.aircraft[1].samples[2].deviation.up_m = -1.0;
+        let said = tracks(table(core::slice::from_ref(&other)), path);
+        let said = said.unwrap_err().to_string();
+        assert!(
+            said.contains("column up_sigma_m holds -1, expected a deviation of 0 or more"),
             "{said}"
         );
         let said = tracks(b"PAR1".to_vec(), path).unwrap_err().to_string();
