@@ -285,7 +285,7 @@ fn wind_and_deviations_of_a_recording_are_drawn_with_it() {
     for names in [["air_vx", "heading"], ["s_EW_std", "s_NS_std"]] {
         let mut without = header.to_owned();
         for name in names {
-            without = without.replace(name, &name.replace('_', "-"));
+            without = without.replace(name, &format!("no-{name}"));
         }
         fs::create_dir(at.join(names[0])).unwrap();
         fs::write(
