@@ -69,10 +69,11 @@ fn without_avoidance(recordings: &Path) -> Vec<HashMap<String, String>> {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     let vehicle = repository().join("vehicles/general-aviation.toml");
-    let campaign = format!("name = 'recorded'\nvehicle = '{}'\n", vehicle.display());
+    let vehicle = vehicle.display();
+    let campaign = format!("name = 'recorded'\npolicies = ['none']\nvehicle = '{vehicle}'\n");
     fs::write(at.join("recorded.toml"), campaign).unwrap();
     let from = recordings.canonicalize().unwrap();
-    let options = ["--policy", "none", "--csv", "--out", "out"];
+    let options = ["--csv", "--out", "out"];
     let run = [
         "campaign",
         "run",
