@@ -1,11 +1,12 @@
 //! One flight, closed loop: look, decide, fly until the next decision, measure.
 
+mod stands;
 mod stepped;
 mod steps;
 
 pub use stepped::SteppedFlight;
 
-use steps::{fly_step, recorded_arcs, sample_of};
+use steps::{LONGEST_SAMPLE_S, fly_step, recorded_arcs, sample_of};
 
 use std::time::Instant;
 
@@ -56,6 +57,10 @@ pub struct DecisionMoment<'a> {
 
 /// Observes a flight.
 pub trait Observer {
+    /// Whether it wants every decision and sample; without, the engine leaves out decisions that are known.
+    fn watches(&self) -> bool {
+        true
+    }
     /// The state at the start, at most 0.1 s apart, and at the end.
     fn sample(&mut self, _sample: &Sample) {}
     /// A decision, before it is flown.
@@ -63,7 +68,11 @@ pub trait Observer {
 }
 
 /// Observes nothing.
-impl Observer for () {}
+impl Observer for () {
+    fn watches(&self) -> bool {
+        false
+    }
+}
 
 /// The result of a flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -176,7 +185,7 @@ impl Engine {
         self.sensor.first_seen_s()
     }
 
-    /// Duration of each decision of the last flight, nanoseconds, in any order.
+    /// Duration of each decision made in the last flight, nanoseconds, in any order.
     pub fn elapsed_ns(&mut self) -> &mut [u64] {
         &mut self.elapsed_ns
     }
@@ -275,7 +284,12 @@ impl<'a> Flight<'a> {
         let end_s = loop {
             let time_s = self.time_s();
             let decision = self.decide(time_s, pilot, observer);
-            if let Some(end_s) = self.fly_on(&decision, observer) {
+            let cycles = if observer.watches() {
+                1
+            } else {
+                self.cycles_alike(time_s, &decision, pilot)
+            };
+            if let Some(end_s) = self.fly_on(&decision, cycles, observer) {
                 break end_s;
             }
         };
@@ -293,8 +307,13 @@ impl<'a> Flight<'a> {
         world.recorded.as_ref().filter(|_| self.state.replaying)
     }
 
-    /// Flies until the next decision; returns the time of the end once it is reached.
-    fn fly_on(&mut self, decision: &Decision, observer: &mut impl Observer) -> Option<f64> {
+    /// Flies a decision for some cycles; returns the time of the end once it is reached.
+    fn fly_on(
+        &mut self,
+        decision: &Decision,
+        cycles: u32,
+        observer: &mut impl Observer,
+    ) -> Option<f64> {
         let period_s = self.world.settings.avoider.decision_period_s;
         let time_s = self.time_s();
         // A recording without a manoeuvre ends where it ends.
@@ -308,15 +327,24 @@ impl<'a> Flight<'a> {
         }
         // The end need not coincide with a decision.
         let last = left_s < period_s + 1e-9;
-        let step_s = if last { left_s } else { period_s };
-        self.advance(decision, time_s, step_s, observer);
+        let step_s = if last {
+            left_s
+        } else {
+            f64::from(cycles) * period_s
+        };
+        let longest_sample_s = if cycles > 1 {
+            f64::INFINITY
+        } else {
+            LONGEST_SAMPLE_S
+        };
+        self.advance(decision, time_s, (step_s, longest_sample_s), observer);
         if last {
             self.follow_recording(limit_s);
             self.follow_mission(limit_s);
             self.show(limit_s, decision.state, observer);
             return Some(limit_s);
         }
-        self.state.cycle += 1;
+        self.state.cycle += cycles;
         None
     }
 
@@ -393,7 +421,7 @@ impl<'a> Flight<'a> {
         &mut self,
         decision: &Decision,
         time_s: f64,
-        step_s: f64,
+        (step_s, longest_sample_s): (f64, f64),
         observer: &mut impl Observer,
     ) {
         let obstacles = &self.world.obstacles;
@@ -412,9 +440,11 @@ impl<'a> Flight<'a> {
             });
         } else {
             self.plant.command(&decision.command, step_s);
-            self.state.flown_m += fly_step(self.plant, step_s, measure, |ownship, wind, time| {
+            let lengths_s = (step_s, longest_sample_s);
+            let sample = |ownship: &Ownship, wind, time| {
                 observer.sample(&sample_of(ownship, wind, time, decision.state));
-            });
+            };
+            self.state.flown_m += fly_step(self.plant, lengths_s, measure, sample);
         }
     }
 

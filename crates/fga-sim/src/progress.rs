@@ -354,6 +354,11 @@ impl MissionProgress {
         self.cross_track_m
     }
 
+    /// Whether its line is a single leg.
+    pub(crate) fn is_one_leg(&self) -> bool {
+        self.line_m.len() == 2
+    }
+
     /// Largest distance from the mission so far, metres.
     pub fn max_cross_track_m(&self) -> f64 {
         self.max_cross_track_m

@@ -352,6 +352,17 @@ impl Progress {
             .then(|| state.course_rad + leg.turn_onto_rad(state))
     }
 
+    /// How long the leg leads straight on from `state`, seconds: until its corner or its end; 0 off the leg.
+    pub(crate) fn straight_for_s(&self, state: &MotionState) -> f64 {
+        let leg = self
+            .leg
+            .filter(|leg| !self.from_start && is_on_leg(leg, state));
+        leg.map_or(0.0, |leg| {
+            let along_m = leg.position(state.position_m, state.time_s).along_m;
+            (leg.length_m - self.lead_m() - along_m) / leg.ground_speed_mps
+        })
+    }
+
     /// The guidance along the mission from `state`: onto the leg, and round the corners up to
     /// `horizon_s`, with the moment from which it is straight.
     pub fn guidance(

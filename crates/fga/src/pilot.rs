@@ -16,6 +16,12 @@ pub trait Pilot {
     /// Decides the command until the next step.
     fn step(&mut self, situation: &Situation<'_>) -> Decision;
 
+    /// How long its next decisions say the same whatever it sees, if the aircraft flies straight on after
+    /// its last one, seconds; 0 for a pilot that looks.
+    fn stands_s(&self, _situation: &Situation<'_>) -> f64 {
+        0.0
+    }
+
     /// Applies changed limits of the vehicle; called only before it has manoeuvred. Unusable limits
     /// change nothing.
     fn retune(&mut self, vehicle: &Vehicle);
@@ -107,6 +113,11 @@ impl Pilot for MissionPilot {
             Reason::Clear
         };
         Decision::new(State::Cruise, &command, reason)
+    }
+
+    fn stands_s(&self, situation: &Situation<'_>) -> f64 {
+        let now = MotionState::of(&situation.ownship);
+        self.progress.straight_for_s(&now)
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {

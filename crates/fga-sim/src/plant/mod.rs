@@ -152,6 +152,21 @@ impl Plant {
         }
     }
 
+    /// Whether the aircraft flies straight, and goes on so under the beginning of this command. Never with a
+    /// dead time, under which rounding grows: commands correct a flight that has changed meanwhile.
+    pub fn is_straight_under(&self, maneuver: &Maneuver) -> bool {
+        let (low_rad, high_rad) = (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
+        let keeps = |stage: &Stage| {
+            stage.course_rad == self.course_rad
+                && stage.climb_rad.max(low_rad).min(high_rad) == self.climb_rad
+        };
+        self.autopilot == Autopilot::Direct
+            && self.vehicle.response.dead_time_s == 0.0
+            && self.bank_rad == 0.0
+            && self.active.iter().all(keeps)
+            && maneuver.stage_at(0.0).is_none_or(keeps)
+    }
+
     /// Flies for `duration_s` seconds and shows every flown arc and its end, in order.
     pub fn advance(&mut self, duration_s: f64, mut flown: impl FnMut(&Arc, Vec3)) {
         let end_s = self.time_s + duration_s;
