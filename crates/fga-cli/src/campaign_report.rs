@@ -396,7 +396,7 @@ fn assumed(campaign: &Campaign) -> Vec<(String, String)> {
             || format!("sensor {number}"),
             |name| format!("sensor {name}"),
         );
-        add(&name, sensor_words(&source.settings()));
+        add(&name, sensor_words(&source.into()));
     }
     add(
         "intruders",

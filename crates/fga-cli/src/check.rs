@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use fga_files::TomlText;
 use fga_formats::error::read_text;
 use fga_formats::{InputError, daa, encounters};
 use fga_sim::campaign::Campaign;
 use fga_sim::campaign::file::{self as campaign_file, Overrides};
 use fga_sim::scenario;
-use fga_sim::toml_input::TomlText;
 use fga_sim::vehicle_file::VehicleModel;
 use serde_json::json;
 

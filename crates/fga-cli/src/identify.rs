@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use fga_files::TomlText;
 use fga_formats::{InputError, atomic, flight_log};
 use fga_sim::identification::{Identified, identify};
-use fga_sim::toml_input::TomlText;
 use fga_sim::vehicle_file::VehicleModel;
 use serde_json::{Map, Value, json};
 

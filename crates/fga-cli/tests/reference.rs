@@ -5,9 +5,9 @@ extern crate alloc;
 use alloc::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use fga_files::TomlText;
 use fga_sim::campaign::file::{self as campaign_file, Overrides};
 use fga_sim::scenario;
-use fga_sim::toml_input::TomlText;
 use fga_sim::vehicle_file::VehicleModel;
 
 const PAGE: &str = include_str!("../../../docs/reference-files.md");

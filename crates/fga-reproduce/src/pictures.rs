@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use fga::Vec3;
+use fga_files::TomlText;
 use fga_formats::atomic;
 use fga_formats::export::{self, Format};
 use fga_report::report::{Block, Cell, Column, Reading, Section, Table};
@@ -10,7 +11,6 @@ use fga_sim::campaign::parse_policy;
 use fga_sim::oracle::{OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin};
 use fga_sim::run::{RunLog, fly};
 use fga_sim::scenario;
-use fga_sim::toml_input::TomlText;
 use fga_sim::vehicle_file::VehicleModel;
 
 use crate::ReproduceError;

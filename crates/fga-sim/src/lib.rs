@@ -58,7 +58,6 @@ pub mod sensor;
 pub mod separation;
 pub mod settings;
 pub mod shield;
-pub mod toml_input;
 pub mod track;
 pub mod tracker;
 pub mod vehicle_file;

@@ -270,7 +270,7 @@ impl RunLog {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toml_input::TomlText;
+    use fga_files::TomlText;
 
     #[test]
     fn a_decision_is_logged_with_the_obstacles_as_it_knew_them() {

@@ -29,26 +29,24 @@
 //! also bounds its existence. Optional: `seed`, `[start]`, `[wind]`, `[noise]`, `[sensor]`, with
 //! the keys of vehicle files. An unknown key is an error.
 
-mod tables;
-
 use std::path::Path;
 
 use fga::Vec3;
 use fga::angle::direction;
 use fga::situation::{Passing, ProtectedVolume};
+use fga_files::TomlText;
+use fga_files::scenario::{MissionTable, ObstacleTable, ScenarioFile};
 use fga_formats::InputError;
 use fga_formats::error::read_text;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
 use toml::Spanned;
 
 use crate::plan::Plan;
-use crate::toml_input::TomlText;
 use crate::track::{Track, TrackPoint};
 use crate::vehicle_file::VehicleModel;
+use crate::vehicle_file::checks::{Checked, sensor};
 use crate::wind::crab;
 use crate::world::{Ending, StartState, World, WorldObstacle};
-
-use tables::{File, MissionTable, ObstacleTable};
 
 /// Longest flight, seconds.
 const LONGEST_S: f64 = 86_400.0;
@@ -68,7 +66,7 @@ pub fn read(path: &Path, vehicle: Option<VehicleModel>) -> Result<Plan, InputErr
 /// # Errors
 /// As [`read`].
 pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, InputError> {
-    let file: File = text.read()?;
+    let file = ScenarioFile::read(&text)?;
     let model = match (vehicle, &file.vehicle) {
         (Some(model), _) => model,
         (None, Some(named)) => {
@@ -94,13 +92,14 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
         frame: frame.transpose()?,
     };
     let horizon_s = text.within("duration_s", &file.duration_s, (0.1, LONGEST_S))?;
-    let mission_m = file.mission.checked(&places)?;
-    let passing = file.mission.passing(&text, mission_m.len())?;
+    let mission_m = waypoints(&file.mission, &places)?;
+    let passing = passing(&file.mission, &text, mission_m.len())?;
     let wind_mps = match &file.wind {
         Some(wind) => wind.checked(&text)?,
         None => model.wind_mps,
     };
-    let sensor = file.sensor.clone().unwrap_or_default().checked(
+    let sensor = sensor(
+        &file.sensor.clone().unwrap_or_default(),
         &file.noise.clone().unwrap_or_default(),
         &text,
         model.sensor,
@@ -221,80 +220,83 @@ impl Places<'_> {
     }
 }
 
-impl MissionTable {
-    /// How the aircraft passes each waypoint; empty if the file does not say.
-    fn passing(&self, text: &TomlText<'_>, waypoints: usize) -> Result<Vec<Passing>, InputError> {
-        let Some(list) = &self.passing else {
-            return Ok(Vec::new());
-        };
-        if list.get_ref().len() != waypoints {
-            return Err(text.error_at(
-                list,
-                format!(
-                    "mission has {waypoints} waypoints and passing {}, expected as many",
-                    list.get_ref().len()
-                ),
-            ));
-        }
-        let names = list.get_ref().iter();
-        Ok(names.map(|name| (*name.get_ref()).into()).collect())
+/// How the aircraft passes each waypoint; empty if the file does not say.
+fn passing(
+    mission: &MissionTable,
+    text: &TomlText<'_>,
+    waypoints: usize,
+) -> Result<Vec<Passing>, InputError> {
+    let Some(list) = &mission.passing else {
+        return Ok(Vec::new());
+    };
+    if list.get_ref().len() != waypoints {
+        return Err(text.error_at(
+            list,
+            format!(
+                "mission has {waypoints} waypoints and passing {}, expected as many",
+                list.get_ref().len()
+            ),
+        ));
     }
+    let names = list.get_ref().iter();
+    Ok(names.map(|name| (*name.get_ref()).into()).collect())
+}
 
-    fn checked(&self, places: &Places<'_>) -> Result<Vec<Vec3>, InputError> {
-        let (list, waypoints): (_, Result<Vec<Vec3>, InputError>) =
-            match (&self.waypoints_m, &self.waypoints_deg) {
-                (Some(list), None) => (
-                    list,
-                    list.get_ref()
-                        .iter()
-                        .map(|at| places.local("a waypoint", at))
-                        .collect(),
-                ),
-                (None, Some(list)) => (
-                    list,
-                    list.get_ref()
-                        .iter()
-                        .map(|at| places.geodetic("a waypoint", at))
-                        .collect(),
-                ),
-                (None, None) => {
-                    return Err(places
-                        .text
-                        .error("mission has no waypoints, expected waypoints_m or waypoints_deg"));
-                }
-                (Some(_), Some(list)) => {
-                    return Err(places.text.error_at(
-                        list,
-                        "both waypoints_m and waypoints_deg are given, expected one of them",
-                    ));
-                }
-            };
-        let waypoints = waypoints?;
-        if waypoints.len() < 2 {
-            return Err(places.text.error_at(
+/// The mission's waypoints, local, metres.
+fn waypoints(mission: &MissionTable, places: &Places<'_>) -> Result<Vec<Vec3>, InputError> {
+    let (list, waypoints): (_, Result<Vec<Vec3>, InputError>) =
+        match (&mission.waypoints_m, &mission.waypoints_deg) {
+            (Some(list), None) => (
                 list,
-                format!(
-                    "mission has {} waypoint{}, expected at least two",
-                    waypoints.len(),
-                    if waypoints.len() == 1 { "" } else { "s" }
-                ),
-            ));
-        }
-        if let Some(index) = waypoints
-            .windows(2)
-            .position(|pair| pair[0].distance(pair[1]) < 1.0)
-        {
-            return Err(places.text.error_at(
-                &list.get_ref()[index + 1],
-                "a waypoint is less than 1 m from the one before, expected another place",
-            ));
-        }
-        Ok(waypoints)
+                list.get_ref()
+                    .iter()
+                    .map(|at| places.local("a waypoint", at))
+                    .collect(),
+            ),
+            (None, Some(list)) => (
+                list,
+                list.get_ref()
+                    .iter()
+                    .map(|at| places.geodetic("a waypoint", at))
+                    .collect(),
+            ),
+            (None, None) => {
+                return Err(places
+                    .text
+                    .error("mission has no waypoints, expected waypoints_m or waypoints_deg"));
+            }
+            (Some(_), Some(list)) => {
+                return Err(places.text.error_at(
+                    list,
+                    "both waypoints_m and waypoints_deg are given, expected one of them",
+                ));
+            }
+        };
+    let waypoints = waypoints?;
+    if waypoints.len() < 2 {
+        return Err(places.text.error_at(
+            list,
+            format!(
+                "mission has {} waypoint{}, expected at least two",
+                waypoints.len(),
+                if waypoints.len() == 1 { "" } else { "s" }
+            ),
+        ));
     }
+    if let Some(index) = waypoints
+        .windows(2)
+        .position(|pair| pair[0].distance(pair[1]) < 1.0)
+    {
+        return Err(places.text.error_at(
+            &list.get_ref()[index + 1],
+            "a waypoint is less than 1 m from the one before, expected another place",
+        ));
+    }
+    Ok(waypoints)
 }
 
 fn start_state(
-    file: &File,
+    file: &ScenarioFile,
     places: &Places<'_>,
     model: &VehicleModel,
     mission_m: &[Vec3],

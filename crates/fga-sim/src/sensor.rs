@@ -12,6 +12,7 @@ mod faults;
 use fga::Vec3;
 use fga::angle::{course_of, wrap_pi};
 use fga::situation::Obstacle;
+use fga_files::sensors::SensorSource;
 
 use crate::obstacle::WorldObstacle;
 use crate::tracker::LookNoise;
@@ -74,6 +75,32 @@ impl Default for SensorSettings {
             dropouts_per_min: 0.0,
             dropout_s: 0.0,
             coast_s: 0.0,
+        }
+    }
+}
+
+impl From<&SensorSource> for SensorSettings {
+    /// The sensor that a campaign's `[[sensor]]` describes.
+    fn from(source: &SensorSource) -> Self {
+        let perfect = Self::default();
+        Self {
+            range_m: source.range_m.unwrap_or(perfect.range_m),
+            update_period_s: source.update_rate_hz.map_or(0.0, |rate| 1.0 / rate),
+            position_sigma_m: source.position_sigma_m.unwrap_or_default(),
+            velocity_sigma_mps: source.velocity_sigma_mps.unwrap_or_default(),
+            tracked: source.tracked.unwrap_or(false),
+            field_of_regard_rad: source
+                .field_of_regard_deg
+                .map_or(perfect.field_of_regard_rad, f64::to_radians),
+            detection_probability: source.detection_probability.unwrap_or(1.0),
+            delay_s: source.delay_s.unwrap_or_default(),
+            altitude_sigma_m: source.altitude_sigma_m,
+            position_bias_m: source.position_bias_m.unwrap_or_default(),
+            altitude_bias_m: source.altitude_bias_m.unwrap_or_default(),
+            equipped_share: source.equipped_share.unwrap_or(1.0),
+            dropouts_per_min: source.dropouts_per_min.unwrap_or_default(),
+            dropout_s: source.dropout_s.unwrap_or_default(),
+            coast_s: source.coast_s.unwrap_or_default(),
         }
     }
 }

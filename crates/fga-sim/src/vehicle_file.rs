@@ -4,7 +4,7 @@
 //! `max_bank_deg`, and `[protection] radius_m`. Everything else has the default of
 //! `vehicles/paper.toml` (no response lag, no wind, perfect sight); an unknown key is an error.
 
-mod tables;
+pub(crate) mod checks;
 
 use std::path::Path;
 
@@ -13,22 +13,17 @@ use fga::avoider::Settings;
 use fga::search::Objective;
 use fga::situation::ProtectedVolume;
 use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
+use fga_files::TomlText;
+use fga_files::vehicle::{ObjectiveName, VehicleFile};
 use fga_formats::InputError;
 use fga_formats::error::read_text;
-use serde::Deserialize;
-use toml::Spanned;
 
 use crate::fingerprint::fingerprint;
 use crate::plant::Autopilot;
 use crate::sensor::SensorSettings;
 use crate::settings::PolicySettings;
-use crate::toml_input::TomlText;
 
-use tables::{
-    AutopilotTable, Avoidance, Cost, Grid, ObjectiveName, Protection, ResponseTable, angle,
-    not_negative,
-};
-pub(crate) use tables::{NoiseTable, SensorTable, WindTable};
+use checks::{Checked, angle, drift_mps, not_negative, sensor};
 
 /// The built-in vehicle: Table 4 of the paper.
 const BUILT_IN: &str = include_str!("../vehicles/paper.toml");
@@ -57,37 +52,6 @@ pub struct VehicleModel {
     pub more_sensors: Vec<SensorSettings>,
     /// How commands become bank and climb.
     pub autopilot: Autopilot,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    name: String,
-    airspeed_mps: Spanned<f64>,
-    turn_radius_m: Option<Spanned<f64>>,
-    max_bank_deg: Option<Spanned<f64>>,
-    climb_min_deg: Option<Spanned<f64>>,
-    climb_max_deg: Option<Spanned<f64>>,
-    climb_rate_radps: Option<Spanned<f64>>,
-    surveillance_radius_m: Option<Spanned<f64>>,
-    decision_period_s: Option<Spanned<f64>>,
-    protection: Protection,
-    #[serde(default)]
-    cost: Cost,
-    #[serde(default)]
-    grid: Grid,
-    #[serde(default)]
-    response: ResponseTable,
-    #[serde(default)]
-    avoidance: Avoidance,
-    #[serde(default)]
-    wind: WindTable,
-    #[serde(default)]
-    noise: NoiseTable,
-    #[serde(default)]
-    sensor: SensorTable,
-    #[serde(default)]
-    autopilot: AutopilotTable,
 }
 
 impl VehicleModel {
@@ -121,7 +85,7 @@ impl VehicleModel {
     /// # Errors
     /// As [`VehicleModel::read`].
     pub fn parse(text: TomlText<'_>) -> Result<Self, InputError> {
-        let file: File = text.read()?;
+        let file = VehicleFile::read(&text)?;
         let airspeed_mps = text.within("airspeed_mps", &file.airspeed_mps, (1.0, 1e3))?;
         let turn_radius_m = match (&file.turn_radius_m, &file.max_bank_deg) {
             (Some(radius), None) => {
@@ -171,15 +135,10 @@ impl VehicleModel {
         };
         Ok(Self {
             vehicle,
-            settings: file.settings(&text)?,
+            settings: settings(&file, &text)?,
             protection: file.protection.checked(&text)?,
             wind_mps: file.wind.checked(&text)?,
-            sensor: SensorTable::checked(
-                &file.sensor,
-                &file.noise,
-                &text,
-                SensorSettings::default(),
-            )?,
+            sensor: sensor(&file.sensor, &file.noise, &text, SensorSettings::default())?,
             more_sensors: Vec::new(),
             autopilot: file.autopilot.checked(&text)?,
             name: file.name,
@@ -188,68 +147,61 @@ impl VehicleModel {
     }
 }
 
-impl File {
-    fn settings(&self, text: &TomlText<'_>) -> Result<PolicySettings, InputError> {
-        let default = Settings::default();
-        let (cost, avoidance) = (&self.cost, &self.avoidance);
-        let surveillance_radius_m = match &self.surveillance_radius_m {
-            None => default.surveillance_radius_m,
-            // Infinity: everything that the sensor sees.
-            Some(value) if *value.get_ref() == f64::INFINITY => f64::INFINITY,
-            Some(value) => text.positive("surveillance_radius_m", value)?,
-        };
-        let avoider = Settings {
-            start: default.start,
-            work_limit: default.work_limit,
-            decision_period_s: self
-                .decision_period_s
-                .as_ref()
-                .map_or(Ok(default.decision_period_s), |value| {
-                    text.within("decision_period_s", value, (0.01, 10.0))
-                })?,
-            surveillance_radius_m,
-            horizon_s: avoidance
-                .horizon_s
-                .as_ref()
-                .map_or(Ok(default.horizon_s), |value| {
-                    text.within("horizon_s", value, (1.0, 600.0))
-                })?,
-            margin_m: not_negative(
-                text,
-                "margin_m",
-                avoidance.margin_m.as_ref(),
-                default.margin_m,
-            )?,
-            drift_mps: avoidance
-                .drift_mps
-                .as_ref()
-                .map_or(Ok(self.response.drift_mps()), |value| {
-                    text.within("drift_mps", value, (0.0, 100.0))
-                })?,
-            confidence_sigmas: not_negative(
-                text,
-                "confidence_sigmas",
-                avoidance.confidence_sigmas.as_ref(),
-                default.confidence_sigmas,
-            )?,
-            heading_cost: not_negative(
-                text,
-                "heading",
-                cost.heading.as_ref(),
-                default.heading_cost,
-            )?,
-            pitch_cost: not_negative(text, "pitch", cost.pitch.as_ref(), default.pitch_cost)?,
-            objective: match avoidance.objective {
-                ObjectiveName::PaperCost => Objective::PaperCost,
-                ObjectiveName::LeastDeviation => Objective::LeastDeviation,
-                ObjectiveName::ShortestPath => Objective::ShortestPath,
-            },
-        };
-        Ok(PolicySettings {
-            avoider,
-            grid: self.grid.checked(text)?,
-        })
-    }
+fn settings(file: &VehicleFile, text: &TomlText<'_>) -> Result<PolicySettings, InputError> {
+    let default = Settings::default();
+    let (cost, avoidance) = (&file.cost, &file.avoidance);
+    let surveillance_radius_m = match &file.surveillance_radius_m {
+        None => default.surveillance_radius_m,
+        // Infinity: everything that the sensor sees.
+        Some(value) if *value.get_ref() == f64::INFINITY => f64::INFINITY,
+        Some(value) => text.positive("surveillance_radius_m", value)?,
+    };
+    let avoider = Settings {
+        start: default.start,
+        work_limit: default.work_limit,
+        decision_period_s: file
+            .decision_period_s
+            .as_ref()
+            .map_or(Ok(default.decision_period_s), |value| {
+                text.within("decision_period_s", value, (0.01, 10.0))
+            })?,
+        surveillance_radius_m,
+        horizon_s: avoidance
+            .horizon_s
+            .as_ref()
+            .map_or(Ok(default.horizon_s), |value| {
+                text.within("horizon_s", value, (1.0, 600.0))
+            })?,
+        margin_m: not_negative(
+            text,
+            "margin_m",
+            avoidance.margin_m.as_ref(),
+            default.margin_m,
+        )?,
+        drift_mps: avoidance
+            .drift_mps
+            .as_ref()
+            .map_or(Ok(drift_mps(&file.response)), |value| {
+                text.within("drift_mps", value, (0.0, 100.0))
+            })?,
+        confidence_sigmas: not_negative(
+            text,
+            "confidence_sigmas",
+            avoidance.confidence_sigmas.as_ref(),
+            default.confidence_sigmas,
+        )?,
+        heading_cost: not_negative(text, "heading", cost.heading.as_ref(), default.heading_cost)?,
+        pitch_cost: not_negative(text, "pitch", cost.pitch.as_ref(), default.pitch_cost)?,
+        objective: match avoidance.objective {
+            ObjectiveName::PaperCost => Objective::PaperCost,
+            ObjectiveName::LeastDeviation => Objective::LeastDeviation,
+            ObjectiveName::ShortestPath => Objective::ShortestPath,
+        },
+    };
+    Ok(PolicySettings {
+        avoider,
+        grid: file.grid.checked(text)?,
+    })
 }
 
 #[cfg(test)]

@@ -5,9 +5,9 @@
     reason = "steps of some minutes"
 )]
 
+use fga_files::TomlText;
 use fga_formats::flight_log::{FlightLog, Piece};
 use fga_sim::identification::{Estimate, identify};
-use fga_sim::toml_input::TomlText;
 use fga_sim::vehicle_file::VehicleModel;
 use std::path::Path;
 

@@ -3,9 +3,9 @@
 use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::{Passing, ProtectedVolume};
+use fga_files::TomlText;
 use fga_sim::engine::{Engine, Observer, Outcome, Sample};
 use fga_sim::policy::PolicyChoice;
-use fga_sim::toml_input::TomlText;
 use fga_sim::track::Track;
 use fga_sim::world::{World, WorldObstacle};
 

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use fga::Vec3;
 use fga::angle::direction;
+use fga_files::TomlText;
+use fga_files::sensors::SensorSource;
 use fga_formats::daa::Recording;
 use fga_formats::encounters::Encounter;
 use fga_formats::{InputError, error::shown};
 use serde::{Deserialize, Serialize};
 
 use super::CampaignError;
-use super::sensors::SensorSource;
 use super::sources::{self, ModelFile};
 use crate::batch::{self, BatchSettings};
 use crate::drawn::{self, Origin};
@@ -20,7 +21,7 @@ use crate::fingerprint::fingerprint;
 use crate::oracle::{OracleSettings, OracleStart, OracleVehicle};
 use crate::policy::PolicyChoice;
 use crate::recorded::{RecordingSource, Recordings};
-use crate::toml_input::TomlText;
+use crate::sensor::SensorSettings;
 use crate::vehicle_file::VehicleModel;
 use crate::world::World;
 
@@ -226,8 +227,8 @@ impl Campaign {
             Some(text) => VehicleModel::parse(TomlText::new(campaign_file, text))?,
         };
         if let [first, more @ ..] = configuration.sensors.as_slice() {
-            model.sensor = first.settings();
-            model.more_sensors = more.iter().map(SensorSource::settings).collect();
+            model.sensor = first.into();
+            model.more_sensors = more.iter().map(SensorSettings::from).collect();
         }
         let policies = configuration
             .policies

@@ -29,21 +29,21 @@
 
 use std::path::{Path, PathBuf};
 
+use fga_files::TomlText;
+use fga_files::campaign::{CampaignFile, Grid, Model};
+use fga_files::sensors::SensorSource;
 use fga_formats::InputError;
 use fga_formats::error::{read_text, shown};
-use serde::Deserialize;
 use toml::Spanned;
 
 use super::Configuration;
 use super::configuration::{FileSource, block_size, parse_policy};
-use super::sensors::SensorSource;
 use super::sources::{self, ModelFile};
 use crate::drawn;
 use crate::encounters::EncounterSource;
-use crate::encounters::modeled::{OwnshipFlight, Pairing};
+use crate::encounters::modeled::Pairing;
 use crate::fingerprint::fingerprint;
 use crate::recorded;
-use crate::toml_input::TomlText;
 use crate::vehicle_file::VehicleModel;
 
 /// Families with a count, a distance and a speed.
@@ -71,95 +71,6 @@ pub struct Overrides {
     pub outline: bool,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    name: Option<String>,
-    #[serde(rename = "description")]
-    _description: Option<String>,
-    encounters: Option<Spanned<u64>>,
-    seeds: Option<Spanned<Vec<u64>>>,
-    policies: Spanned<Vec<Spanned<String>>>,
-    horizon_s: Option<Spanned<f64>>,
-    vehicle: Option<Spanned<String>>,
-    #[serde(default)]
-    files: Vec<Spanned<String>>,
-    #[serde(default)]
-    cells: Vec<Spanned<String>>,
-    #[serde(default)]
-    events: Vec<Spanned<u64>>,
-    #[serde(default)]
-    recordings: Vec<Spanned<String>>,
-    #[serde(default)]
-    grid: Vec<Spanned<Grid>>,
-    #[serde(default)]
-    model: Vec<Spanned<Model>>,
-    #[serde(default)]
-    sensor: Vec<Spanned<SensorSource>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Model {
-    file: Option<String>,
-    ownship: Option<OwnshipFlight>,
-    cpa_s: Option<u32>,
-    duration_s: Option<u32>,
-    cylinder_m: Option<[f64; 2]>,
-    aimed_m: Option<[f64; 2]>,
-    aimed_share: Option<f64>,
-    altitude_m: Option<[f64; 2]>,
-    ownship_speed_mps: Option<[f64; 2]>,
-    intruder_speed_mps: Option<[f64; 2]>,
-}
-
-impl Model {
-    fn pairing(&self) -> Pairing {
-        let usual = Pairing::default();
-        Pairing {
-            ownship: self.ownship.unwrap_or(usual.ownship),
-            cpa_s: self.cpa_s.unwrap_or(usual.cpa_s),
-            duration_s: self.duration_s.unwrap_or(usual.duration_s),
-            cylinder_m: self.cylinder_m.unwrap_or(usual.cylinder_m),
-            aimed_m: self.aimed_m.unwrap_or(usual.aimed_m),
-            aimed_share: self.aimed_share.unwrap_or(usual.aimed_share),
-            altitude_m: self.altitude_m,
-            ownship_speed_mps: self.ownship_speed_mps,
-            intruder_speed_mps: self.intruder_speed_mps,
-        }
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Grid {
-    family: Spanned<String>,
-    count: Spanned<Vec<u32>>,
-    first_seen_m: Spanned<Vec<Interval>>,
-    speed_mps: Spanned<Vec<Interval>>,
-    #[serde(default)]
-    planar: Option<Spanned<Vec<bool>>>,
-    #[serde(default)]
-    bystanders: bool,
-}
-
-/// A number, or a range.
-#[derive(Deserialize, Clone, Copy)]
-#[serde(untagged, expecting = "expected a number or [from, to]")]
-enum Interval {
-    One(f64),
-    FromTo([f64; 2]),
-}
-
-impl core::fmt::Display for Interval {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::One(value) => write!(f, "{value}"),
-            Self::FromTo([from, to]) => write!(f, "{from}-{to}"),
-        }
-    }
-}
-
 /// Reads a campaign file.
 ///
 /// # Errors
@@ -167,7 +78,7 @@ impl core::fmt::Display for Interval {
 pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputError> {
     let text = read_text(path)?;
     let text = TomlText::new(path, &text);
-    let file: File = text.read()?;
+    let file = CampaignFile::read(&text)?;
     let beside = |name: &str| path.parent().unwrap_or(Path::new("")).join(name);
 
     let cells = cells(&text, &file)?;
@@ -256,7 +167,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
 /// The cells, and the cells of the grids, each with its position in the file.
 fn cells(
     text: &TomlText<'_>,
-    file: &File,
+    file: &CampaignFile,
 ) -> Result<Vec<(String, core::ops::Range<usize>)>, InputError> {
     let mut cells = Vec::new();
     for cell in &file.cells {
@@ -306,6 +217,22 @@ fn encounter_files(
     Ok(files)
 }
 
+/// How the aircraft of a model meet.
+fn pairing_of(model: &Model) -> Pairing {
+    let usual = Pairing::default();
+    Pairing {
+        ownship: model.ownship.unwrap_or(usual.ownship),
+        cpa_s: model.cpa_s.unwrap_or(usual.cpa_s),
+        duration_s: model.duration_s.unwrap_or(usual.duration_s),
+        cylinder_m: model.cylinder_m.unwrap_or(usual.cylinder_m),
+        aimed_m: model.aimed_m.unwrap_or(usual.aimed_m),
+        aimed_share: model.aimed_share.unwrap_or(usual.aimed_share),
+        altitude_m: model.altitude_m,
+        ownship_speed_mps: model.ownship_speed_mps,
+        intruder_speed_mps: model.intruder_speed_mps,
+    }
+}
+
 /// The encounter models, each with its file.
 fn models(
     text: &TomlText<'_>,
@@ -322,7 +249,7 @@ fn models(
     tables
         .iter()
         .filter_map(|table| {
-            let pairing = table.get_ref().pairing();
+            let pairing = pairing_of(table.get_ref());
             if let Err(message) = pairing.check() {
                 return Some(Err(text.error_at(table, message)));
             }
@@ -380,7 +307,7 @@ fn events(
 /// Policies by their full names, each once.
 fn policies(
     text: &TomlText<'_>,
-    file: &File,
+    file: &CampaignFile,
     overrides: &Overrides,
 ) -> Result<Vec<String>, InputError> {
     if !overrides.policies.is_empty() {

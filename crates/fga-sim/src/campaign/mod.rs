@@ -31,7 +31,6 @@ pub mod metrics;
 pub mod risk;
 pub mod rows;
 pub mod run;
-pub mod sensors;
 mod show;
 pub mod sources;
 pub mod table;

@@ -23,6 +23,7 @@
 use core::f64::consts::TAU;
 
 use fga::Vec3;
+pub use fga_files::campaign::OwnshipFlight;
 use fga_formats::daa::{Recording, Track, TrackSample};
 use fga_formats::encounter_model::{EncounterModel, ModelRow};
 use serde::{Deserialize, Serialize};
@@ -41,17 +42,6 @@ const FARTHEST_LAYER_M: f64 = 300.0;
 
 /// Smaller relative speeds have no meaningful closest approach, metres per second.
 const SLOWEST_MPS: f64 = 0.5;
-
-/// The ownship's flight before it avoids.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum OwnshipFlight {
-    /// Straight and level, at the vehicle's airspeed or at one drawn from the speeds of the ownship.
-    #[default]
-    Vehicle,
-    /// A flight of the model.
-    Model,
-}
 
 /// How two aircraft meet.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

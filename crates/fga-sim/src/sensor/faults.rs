@@ -3,6 +3,8 @@
 use fga::Vec3;
 use fga::situation::{Obstacle, ProtectedVolume};
 
+use fga_files::sensors::SensorSource;
+
 use super::{Sensor, SensorSettings};
 use crate::obstacle::WorldObstacle;
 use crate::track::Track;
@@ -149,4 +151,21 @@ fn altitude_noise_of_its_own_is_as_large_as_it_says() {
         up += seen.position_m.z * seen.position_m.z / 4000.0;
     }
     assert!((across / 4.0 - 1.0).abs() < 0.1 && (up / 400.0 - 1.0).abs() < 0.1);
+}
+
+/// What a campaign's `[[sensor]]` does not give is perfect.
+#[test]
+fn a_source_that_gives_nothing_is_perfect() {
+    let perfect = SensorSettings {
+        tracked: false,
+        ..SensorSettings::default()
+    };
+    assert_eq!(SensorSettings::from(&SensorSource::default()), perfect);
+    let far = SensorSource {
+        range_m: None,
+        delay_s: Some(0.4),
+        ..SensorSource::default()
+    };
+    assert_eq!(SensorSettings::from(&far).range_m, f64::INFINITY);
+    assert_eq!(SensorSettings::from(&far).delay_s, 0.4);
 }

@@ -5,8 +5,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::sensor::SensorSettings;
-
 /// A source; what is not given is perfect.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -101,30 +99,6 @@ impl SensorSource {
         }
         Ok(())
     }
-
-    /// The sensor that it describes.
-    pub fn settings(&self) -> SensorSettings {
-        let perfect = SensorSettings::default();
-        SensorSettings {
-            range_m: self.range_m.unwrap_or(perfect.range_m),
-            update_period_s: self.update_rate_hz.map_or(0.0, |rate| 1.0 / rate),
-            position_sigma_m: self.position_sigma_m.unwrap_or_default(),
-            velocity_sigma_mps: self.velocity_sigma_mps.unwrap_or_default(),
-            tracked: self.tracked.unwrap_or(false),
-            field_of_regard_rad: self
-                .field_of_regard_deg
-                .map_or(perfect.field_of_regard_rad, f64::to_radians),
-            detection_probability: self.detection_probability.unwrap_or(1.0),
-            delay_s: self.delay_s.unwrap_or_default(),
-            altitude_sigma_m: self.altitude_sigma_m,
-            position_bias_m: self.position_bias_m.unwrap_or_default(),
-            altitude_bias_m: self.altitude_bias_m.unwrap_or_default(),
-            equipped_share: self.equipped_share.unwrap_or(1.0),
-            dropouts_per_min: self.dropouts_per_min.unwrap_or_default(),
-            dropout_s: self.dropout_s.unwrap_or_default(),
-            coast_s: self.coast_s.unwrap_or_default(),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -147,12 +121,5 @@ mod tests {
         source.dropout_s = Some(3.0);
         assert_eq!(source.check(), Ok(()));
         assert_eq!(source.range_m, None);
-        assert_eq!(source.settings().range_m, f64::INFINITY);
-        let nothing = SensorSource::default().settings();
-        let perfect = SensorSettings {
-            tracked: false,
-            ..SensorSettings::default()
-        };
-        assert_eq!(nothing, perfect);
     }
 }

@@ -1,0 +1,192 @@
+//! The tables of a scenario file. `docs/reference-files.md` gives the limits and defaults of each key.
+
+use std::path::PathBuf;
+
+use fga::situation::{Movement, ObstacleKind, Passing};
+use fga_formats::InputError;
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::TomlText;
+use crate::vehicle::{NoiseTable, SensorTable, WindTable};
+
+/// A scenario file.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioFile {
+    /// Name for people.
+    pub name: String,
+    /// Words for people.
+    #[serde(default)]
+    pub description: String,
+    /// Longest flight, seconds.
+    pub duration_s: Spanned<f64>,
+    /// Seed of the sensor's noise.
+    #[serde(default)]
+    pub seed: u64,
+    /// Vehicle file, beside this file.
+    pub vehicle: Option<PathBuf>,
+    /// Origin of the local frame on the earth.
+    pub origin: Option<Spanned<Origin>>,
+    /// The mission.
+    pub mission: MissionTable,
+    /// The aircraft at the start.
+    pub start: Option<StartTable>,
+    /// The wind.
+    pub wind: Option<WindTable>,
+    /// Noise of the sensor.
+    pub noise: Option<NoiseTable>,
+    /// The sensor.
+    pub sensor: Option<SensorTable>,
+    /// Obstacles.
+    #[serde(default)]
+    pub obstacle: Vec<Spanned<ObstacleTable>>,
+}
+
+impl ScenarioFile {
+    /// Reads the tables of a scenario file.
+    ///
+    /// # Errors
+    /// Text that is not TOML, or an unknown or missing key, with its line.
+    pub fn read(text: &TomlText<'_>) -> Result<Self, InputError> {
+        text.read()
+    }
+}
+
+/// `[origin]` of the local frame.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Origin {
+    /// Geodetic latitude, degrees.
+    pub latitude_deg: f64,
+    /// Longitude, degrees.
+    pub longitude_deg: f64,
+    /// Height above the ellipsoid, metres.
+    #[serde(default)]
+    pub altitude_m: f64,
+}
+
+/// `[mission]`: waypoints in one of two frames.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MissionTable {
+    /// East, north, up, metres.
+    pub waypoints_m: Option<Spanned<Vec<Spanned<[f64; 3]>>>>,
+    /// Latitude and longitude, degrees, altitude, metres.
+    pub waypoints_deg: Option<Spanned<Vec<Spanned<[f64; 3]>>>>,
+    /// How each is passed.
+    #[serde(default)]
+    pub passing: Option<Spanned<Vec<Spanned<PassingName>>>>,
+}
+
+/// Word for how a waypoint is passed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PassingName {
+    /// `fly-by`
+    FlyBy,
+    /// `fly-over`
+    FlyOver,
+}
+
+impl From<PassingName> for Passing {
+    fn from(name: PassingName) -> Self {
+        match name {
+            PassingName::FlyBy => Self::FlyBy,
+            PassingName::FlyOver => Self::FlyOver,
+        }
+    }
+}
+
+/// `[start]`: the aircraft at the start.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StartTable {
+    /// East, north, up, metres.
+    pub position_m: Option<Spanned<[f64; 3]>>,
+    /// Latitude and longitude, degrees, altitude, metres.
+    pub position_deg: Option<Spanned<[f64; 3]>>,
+    /// Course over the ground, compass degrees.
+    pub course_deg: Option<Spanned<f64>>,
+    /// Climb angle through the air, degrees.
+    pub climb_deg: Option<Spanned<f64>>,
+}
+
+/// `[[obstacle]]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObstacleTable {
+    /// Number; without it its place in the file.
+    pub id: Option<Spanned<u32>>,
+    /// Name for people.
+    pub name: Option<String>,
+    /// What it is.
+    #[serde(default)]
+    pub kind: KindName,
+    /// East, north, up at time 0, metres.
+    pub position_m: Option<Spanned<[f64; 3]>>,
+    /// Latitude and longitude, degrees, altitude, metres, at time 0.
+    pub position_deg: Option<Spanned<[f64; 3]>>,
+    /// East, north, up, metres per second.
+    pub velocity_mps: Option<Spanned<[f64; 3]>>,
+    /// Time, seconds, and east, north, up, metres.
+    pub track_m: Option<Spanned<Vec<[f64; 4]>>>,
+    /// Radius of its protected volume, metres.
+    pub radius_m: Option<Spanned<f64>>,
+    /// Half of a cylinder's height, metres.
+    pub half_height_m: Option<Spanned<f64>>,
+    /// Time from which it is seen, seconds.
+    pub appears_s: Option<Spanned<f64>>,
+    /// How it may move.
+    #[serde(default)]
+    pub movement: MovementName,
+}
+
+/// Word for what an obstacle is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Default)]
+#[serde(rename_all = "kebab-case")]
+pub enum KindName {
+    /// `passengers`
+    Passengers,
+    /// `unknown`
+    #[default]
+    Unknown,
+    /// `natural-barrier`
+    NaturalBarrier,
+}
+
+/// Word for how an obstacle may move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Default)]
+#[serde(rename_all = "kebab-case")]
+pub enum MovementName {
+    /// `still`
+    Still,
+    /// `straight`
+    #[default]
+    Straight,
+    /// `aircraft`
+    Aircraft,
+    /// `uas`
+    Uas,
+}
+
+impl From<MovementName> for Movement {
+    fn from(name: MovementName) -> Self {
+        match name {
+            MovementName::Still => Self::AtRest,
+            MovementName::Straight => Self::Straight,
+            MovementName::Aircraft => Self::CREWED,
+            MovementName::Uas => Self::SMALL_UAS,
+        }
+    }
+}
+
+impl From<KindName> for ObstacleKind {
+    fn from(name: KindName) -> Self {
+        match name {
+            KindName::Passengers => Self::Passengers,
+            KindName::Unknown => Self::Unknown,
+            KindName::NaturalBarrier => Self::NaturalBarrier,
+        }
+    }
+}
