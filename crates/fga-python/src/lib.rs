@@ -23,6 +23,7 @@ mod decision;
 mod failure;
 mod identified;
 mod pilot;
+mod settings;
 mod simulation;
 mod situation;
 mod table;
@@ -38,7 +39,7 @@ fn _fga(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<value::Ownship>()?;
     module.add_class::<value::Obstacle>()?;
     module.add_class::<value::Vehicle>()?;
-    module.add_class::<value::Settings>()?;
+    module.add_class::<settings::Settings>()?;
     module.add_class::<situation::Obstacles>()?;
     module.add_class::<situation::Mission>()?;
     module.add_class::<situation::Situation>()?;

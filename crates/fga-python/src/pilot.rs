@@ -12,8 +12,9 @@ use pyo3::prelude::*;
 
 use crate::decision::Decision;
 use crate::failure::input;
+use crate::settings::Settings;
 use crate::situation::Situation;
-use crate::value::{Settings, Vehicle, refused, tuple, volume_of};
+use crate::value::{Vehicle, refused, tuple, volume_of};
 
 /// An aircraft from its TOML file: limits, settings, protected volume, wind.
 ///

@@ -14,8 +14,9 @@ use pyo3::prelude::*;
 use crate::decision::Decision;
 use crate::failure::input;
 use crate::pilot::model_of;
+use crate::settings::Settings;
 use crate::situation::Situation;
-use crate::value::{Settings, Vehicle, refused};
+use crate::value::{Vehicle, refused};
 
 /// Most obstacles seen in all worlds together: 360 MB of observations.
 const MOST_SEEN: usize = 10_000_000;

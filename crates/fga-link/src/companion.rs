@@ -19,6 +19,7 @@ mod receive;
 mod send;
 mod traffic;
 mod way;
+mod words;
 
 pub(crate) use receive::beat_of_plane;
 
@@ -43,7 +44,6 @@ use crate::parameters::VehicleParameters;
 use crate::rates::Rates;
 use crate::response::ResponseEstimate;
 use crate::restart::Note;
-use crate::telling;
 use crate::traffic::fence::Fence;
 use crate::traffic::{Report, TrackTable};
 
@@ -54,8 +54,6 @@ pub use picture::Picture;
 const FIRST_SYSTEM: u8 = 1;
 /// Assumed duration of the bank before a manoeuvre, seconds.
 const KEPT_BEFORE_S: f64 = 2.0;
-/// Most log lines in the queue.
-const MOST_LOG_LINES: usize = 4096;
 
 /// The vehicle according to its heartbeats.
 #[derive(Debug, Clone, Copy)]
@@ -508,102 +506,5 @@ impl Companion {
         self.decided = None;
         self.resumed = false;
         self.commanded_lately.clear();
-    }
-
-    fn tell(&mut self, severity: Severity, words: &str, now_s: f64) {
-        self.counts.texts += 1;
-        self.outbox.send(telling::text(severity, words));
-        self.note(
-            now_s,
-            "text",
-            json!({ "severity": format!("{severity:?}"), "text": words }),
-        );
-    }
-
-    fn tell_threat(&mut self, now_s: f64) {
-        let threat = self
-            .decided
-            .and_then(|decided| decided.decision.record.threat);
-        let words = match threat {
-            Some(threat) => {
-                let name = self.obstacle_name(threat.id);
-                format!(
-                    "fga: avoiding {name}, {:.0} s away",
-                    threat.entry_s.max(0.0)
-                )
-            }
-            None => "fga: avoiding".to_owned(),
-        };
-        self.tell(Severity::Warning, &words, now_s);
-    }
-
-    fn obstacle_name(&self, id: u32) -> String {
-        use crate::traffic::fence::{CEILING_ID, FLOOR_ID};
-        if let Some(track) = self.tracks.get(id) {
-            return track.name();
-        }
-        let index = usize::try_from(id).unwrap_or(usize::MAX);
-        let own = index
-            .checked_sub(around::FIRST_VIRTUAL_ID)
-            .and_then(|index| self.config.obstacle.get(index));
-        match (id, own) {
-            (FLOOR_ID, _) => "floor".to_owned(),
-            (CEILING_ID, _) => "ceiling".to_owned(),
-            (_, Some(obstacle)) if !obstacle.name.is_empty() => obstacle.name.clone(),
-            (_, Some(_)) => "virtual obstacle".to_owned(),
-            _ => "fence".to_owned(),
-        }
-    }
-
-    fn note(&mut self, now_s: f64, kind: &str, content: Value) {
-        let mut line = json!({ "kind": kind, "t_s": (now_s * 1e3).round() / 1e3 });
-        if let (Some(line), Value::Object(content)) = (line.as_object_mut(), content) {
-            line.extend(content);
-        }
-        self.push_log(line);
-    }
-
-    fn push_log(&mut self, line: Value) {
-        if self.log.len() < MOST_LOG_LINES {
-            self.log.push(line);
-        }
-    }
-
-    /// One line for a terminal.
-    pub fn status_line(&self, now_s: f64) -> String {
-        let Some(heard) = self.heard else {
-            return match self.neighbors.stranger() {
-                Some(system) => format!("waiting for a vehicle: {system} is no ArduPlane"),
-                None => "waiting for a vehicle".to_owned(),
-            };
-        };
-        let age = self
-            .ownship
-            .age_s(now_s)
-            .map_or("no position".to_owned(), |age_s| {
-                format!("telemetry {:.0} ms", (age_s * 1e3).max(0.0))
-            });
-        let state = self
-            .decided
-            .map_or("-", |decided| decided.decision.state.name());
-        let threat =
-            self.decided
-                .and_then(|d| d.decision.record.threat)
-                .map_or(String::new(), |threat| {
-                    format!(
-                        " | {} in {:.0} s",
-                        self.obstacle_name(threat.id),
-                        threat.entry_s.max(0.0)
-                    )
-                });
-        format!(
-            "vehicle {} {} {} | {}{} | {state} | {} tracks | {age}{threat}",
-            heard.system_id,
-            heard.mode,
-            if heard.armed { "armed" } else { "disarmed" },
-            self.keeper.state().name(),
-            if self.dry_run { " (dry run)" } else { "" },
-            self.tracks.tracks().len(),
-        )
     }
 }

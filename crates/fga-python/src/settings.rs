@@ -1,0 +1,164 @@
+//! The settings of decisions, as a frozen Python class.
+
+use fga::avoider::{Settings as CoreSettings, Start};
+use fga::search::Objective;
+use fga_sim::policy::PolicyChoice;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::value::{frozen, refused};
+
+/// Settings of the avoider.
+///
+/// `start` is `free`, `t0`, `latest` or `Cs=0` to `Cs=1`; `objective` is `paper-cost`, `least-deviation` or
+/// `shortest-path`. The pages of the crate `fga` have their meanings and ranges.
+///
+/// Raises ValueError, with the sentence of the program, for a setting out of range.
+#[pyclass(frozen, eq, module = "fga")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Settings(pub(crate) CoreSettings);
+
+#[pymethods]
+impl Settings {
+    #[new]
+    #[pyo3(signature = (
+        *, start = "free", decision_period_s = 0.1, surveillance_radius_m = 300.0, horizon_s = 60.0,
+        margin_m = 0.05, confidence_sigmas = 3.0, heading_cost = 0.2, pitch_cost = 0.5,
+        objective = "paper-cost", work_limit = 160_000, drift_mps = 0.0,
+    ))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "one for each setting, by name in Python"
+    )]
+    fn new(
+        start: &str,
+        decision_period_s: f64,
+        surveillance_radius_m: f64,
+        horizon_s: f64,
+        margin_m: f64,
+        confidence_sigmas: f64,
+        heading_cost: f64,
+        pitch_cost: f64,
+        objective: &str,
+        work_limit: u32,
+        drift_mps: f64,
+    ) -> PyResult<Self> {
+        let settings = CoreSettings {
+            start: match PolicyChoice::parse("turn-aware", Some(start)) {
+                Ok(PolicyChoice::Avoider(start)) => start,
+                Ok(_) => Start::Free,
+                Err(message) => return Err(PyValueError::new_err(message)),
+            },
+            decision_period_s,
+            surveillance_radius_m,
+            horizon_s,
+            margin_m,
+            drift_mps,
+            confidence_sigmas,
+            heading_cost,
+            pitch_cost,
+            objective: match objective {
+                "paper-cost" => Objective::PaperCost,
+                "least-deviation" => Objective::LeastDeviation,
+                "shortest-path" => Objective::ShortestPath,
+                other => {
+                    return Err(PyValueError::new_err(format!(
+                        "objective is {other:?}, expected paper-cost, least-deviation or shortest-path"
+                    )));
+                }
+            },
+            work_limit,
+        };
+        settings.check().map_err(refused)?;
+        Ok(Self(settings))
+    }
+
+    /// The start of a manoeuvre.
+    #[getter]
+    fn start(&self) -> String {
+        match self.0.start {
+            Start::Free => "free".into(),
+            Start::AtDetection => "t0".into(),
+            Start::Latest => "latest".into(),
+            Start::Score(score) => format!("Cs={score}"),
+        }
+    }
+
+    /// Time from one step to the next, seconds.
+    #[getter]
+    fn decision_period_s(&self) -> f64 {
+        self.0.decision_period_s
+    }
+
+    /// Obstacles farther away do not count, metres.
+    #[getter]
+    fn surveillance_radius_m(&self) -> f64 {
+        self.0.surveillance_radius_m
+    }
+
+    /// Horizon of the certificate, seconds.
+    #[getter]
+    fn horizon_s(&self) -> f64 {
+        self.0.horizon_s
+    }
+
+    /// Distance kept beyond the protected volume, metres.
+    #[getter]
+    fn margin_m(&self) -> f64 {
+        self.0.margin_m
+    }
+
+    /// Standard deviation of the velocity that carries the aircraft off its prediction, m/s.
+    #[getter]
+    fn drift_mps(&self) -> f64 {
+        self.0.drift_mps
+    }
+
+    /// Standard deviations that widen an obstacle's volume.
+    #[getter]
+    fn confidence_sigmas(&self) -> f64 {
+        self.0.confidence_sigmas
+    }
+
+    /// Cost of a change of course, per radian.
+    #[getter]
+    fn heading_cost(&self) -> f64 {
+        self.0.heading_cost
+    }
+
+    /// Cost of a change of climb angle, per radian.
+    #[getter]
+    fn pitch_cost(&self) -> f64 {
+        self.0.pitch_cost
+    }
+
+    /// The measure of the cheapest manoeuvre.
+    #[getter]
+    fn objective(&self) -> &'static str {
+        match self.0.objective {
+            Objective::PaperCost => "paper-cost",
+            Objective::LeastDeviation => "least-deviation",
+            Objective::ShortestPath => "shortest-path",
+        }
+    }
+
+    /// Most work of one step.
+    #[getter]
+    fn work_limit(&self) -> u32 {
+        self.0.work_limit
+    }
+}
+
+frozen! { Settings, this,
+    "start": this.start(),
+    "decision_period_s": this.0.decision_period_s,
+    "surveillance_radius_m": this.0.surveillance_radius_m,
+    "horizon_s": this.0.horizon_s,
+    "margin_m": this.0.margin_m,
+    "drift_mps": this.0.drift_mps,
+    "confidence_sigmas": this.0.confidence_sigmas,
+    "heading_cost": this.0.heading_cost,
+    "pitch_cost": this.0.pitch_cost,
+    "objective": this.objective(),
+    "work_limit": this.0.work_limit,
+}
