@@ -66,6 +66,9 @@ struct Plan {
     /// Latest certified start, seconds on the situation's clock.
     latest_start_s: Option<f64>,
     threat: Option<Threat>,
+    /// When the threat was found, seconds on the situation's clock: its times count from then on, whatever replaces
+    /// the manoeuvre.
+    threat_found_s: f64,
     /// Start of a manoeuvre against the next encounter, after the way back, seconds on the
     /// situation's clock.
     next_start_s: Option<f64>,

@@ -305,6 +305,7 @@ impl Avoider {
                     cost: found.cost,
                     latest_start_s: choice.latest_s.map(|latest_s| situation.time_s + latest_s),
                     threat: Some(threat),
+                    threat_found_s: situation.time_s,
                     against,
                     next_start_s: None,
                     basis: None,
@@ -532,7 +533,7 @@ impl Avoider {
 
     /// The decision to fly the rest of a plan.
     pub(super) fn report(&self, plan: &Plan, time_s: f64, reason: Reason) -> Decision {
-        let elapsed_s = time_s - plan.decided_s;
+        let elapsed_s = time_s - plan.threat_found_s;
         let command = plan.remaining(time_s);
         let mut decision = self.decision(&command, reason);
         let record = &mut decision.record;

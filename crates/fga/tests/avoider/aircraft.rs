@@ -1,7 +1,7 @@
 //! Aircraft as obstacles: waiting, withstanding, keeping, and extrapolating a missing one.
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Settings, State};
+use fga::avoider::{Avoider, Reason, Settings, State};
 use fga::prediction::Flyer;
 use fga::situation::{Movement, Obstacle, ProtectedVolume};
 use fga::vehicle::{Response, Vehicle};
@@ -93,6 +93,49 @@ fn an_aircraft_that_turns_at_the_standard_rate_at_any_moment_is_avoided() {
             assert!(states.len() < 12, "{turn:?}: {states:?}");
         }
     }
+}
+
+#[test]
+fn a_replaced_maneuver_keeps_the_time_at_which_its_threat_was_expected() {
+    let mut flight = light_aircraft();
+    let mut intruder = crewed(Vec3::new(9000.0, 40.0, 0.0), Vec3::new(-60.0, 0.0, 0.0));
+    intruder.volume = ProtectedVolume::Cylinder {
+        radius_m: 609.6,
+        half_height_m: 76.2,
+    };
+    let (mut expected_s, mut replaced) = (None, 0);
+    for _ in 0..1200 {
+        // Once the aircraft avoids it the intruder turns after it.
+        if expected_s.is_some() {
+            let side = -flight.own.position_m.y.signum();
+            let (sin, cos) = (side * 0.05 * PERIOD_S).sin_cos();
+            let v = intruder.velocity_mps;
+            intruder.velocity_mps = Vec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z);
+        }
+        let mut rows = [intruder];
+        let decision = flight.cycle(&mut rows);
+        intruder = rows[0];
+        if decision.state != State::Avoiding {
+            continue;
+        }
+        if let Some(threat) = decision.record.threat {
+            let entry_s = flight.time_s + threat.entry_s;
+            let expected_s: f64 = *expected_s.get_or_insert(entry_s);
+            assert!(
+                (entry_s - expected_s).abs() < 1e-6,
+                "{entry_s} {expected_s}"
+            );
+        }
+        let reason = decision.record.reason;
+        replaced += u32::from(matches!(
+            reason,
+            Reason::ManeuverReplaced | Reason::BestAvailable
+        ));
+        if expected_s.is_some_and(|expected_s| flight.time_s > expected_s) {
+            break;
+        }
+    }
+    assert!(replaced > 0 && expected_s.is_some(), "{replaced}");
 }
 
 #[test]

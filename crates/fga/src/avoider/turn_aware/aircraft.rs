@@ -143,6 +143,7 @@ impl Avoider {
             cost: answer.found.cost,
             latest_start_s: None,
             threat: Some(threat),
+            threat_found_s: time_s,
             against,
             next_start_s: None,
             basis: None,

@@ -323,6 +323,7 @@ impl Avoider {
             cost: found.cost,
             next_start_s: Some(back.joined_s),
             threat: Some(threat),
+            threat_found_s: back.decided_s,
             against,
             ..*back
         })
