@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use fga_formats::atomic::AtomicFile;
+use fga_formats::atomic::{AtomicFile, AtomicFolder};
 use fga_formats::{OutputError, atomic, daa, encounters};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{Campaign, Scene};
@@ -18,6 +18,9 @@ use crate::failure::Failure;
 
 /// The list of what was drawn.
 const LIST: &str = "drawn.csv";
+
+/// The folder of the drawn recordings.
+const RECORDINGS: &str = "recordings";
 
 /// Options of `fga campaign draw`.
 #[derive(Args, Debug)]
@@ -45,13 +48,47 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
     let configuration = file::read(&args.file, &overrides)?;
     let campaign = Campaign::new(configuration, &args.file)?;
     let folder = args.out.prepare(&args.file)?;
+    let whole = AtomicFolder::create(&folder)?;
+    let drawn = draw(&campaign, whole.path()).map_err(|failure| match failure {
+        Failure::Output(error) => Failure::Output(whole.named(error)),
+        other => other,
+    })?;
+    // A draw that fails leaves the earlier one as it was.
     remove_earlier(&folder)?;
+    whole.commit()?;
     let count = campaign.configuration.encounters;
+    let shown = if drawn.recordings == 0 {
+        &folder.join("encounters.csv")
+    } else {
+        &folder
+    };
+    args.answer.print(
+        || format!("{count} encounters drawn: {}\n", shown.display()),
+        &json!({
+            "encounters": count,
+            "file": shown.display().to_string(),
+            "rows": drawn.rows,
+            "recordings": drawn.recordings,
+        }),
+    )?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Numbers of drawn encounters.
+struct Drawn {
+    /// Obstacles around a line.
+    rows: usize,
+    /// Aircraft with tracks.
+    recordings: u64,
+}
+
+/// Draws the encounters of a campaign into a folder.
+fn draw(campaign: &Campaign, folder: &Path) -> Result<Drawn, Failure> {
     let mut rows = Vec::new();
     let mut tracks: Option<Table> = None;
     let mut recordings = 0_u64;
     let mut list = String::from("encounter,source,source_encounter,seed,weight,file\n");
-    for number in 0..count {
+    for number in 0..campaign.configuration.encounters {
         let drawn = campaign.draw(number)?;
         let source = campaign
             .source_names()
@@ -64,7 +101,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
             }
             Scene::Tracks(mut recording) => {
                 if recordings == 0 {
-                    atomic::prepare_folder(&folder.join("recordings"))?;
+                    atomic::prepare_folder(&folder.join(RECORDINGS))?;
                 }
                 recordings += 1;
                 let origin = Origin {
@@ -75,11 +112,11 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
                 origin.mark(&mut recording);
                 let table = match &mut tracks {
                     Some(table) => table,
-                    None => tracks.insert(Table::create(&folder, TRACKS, Content::Tracks)?),
+                    None => tracks.insert(Table::create(folder, TRACKS, Content::Tracks)?),
                 };
                 let pushed = table.writer.push_tracks(&recording, &origin);
                 pushed.map_err(|error| table.failed(error))?;
-                let name = format!("recordings/{number:08}.daa");
+                let name = format!("{RECORDINGS}/{number:08}.daa");
                 daa::write(&folder.join(&name), &recording)?;
                 name
             }
@@ -93,10 +130,9 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
             drawn.weight
         );
     }
-    let path = folder.join("encounters.csv");
     if !rows.is_empty() {
-        encounters::write(&path, &rows)?;
-        let mut table = Table::create(&folder, ROWS, Content::Rows)?;
+        encounters::write(&folder.join("encounters.csv"), &rows)?;
+        let mut table = Table::create(folder, ROWS, Content::Rows)?;
         for encounter in &rows {
             let pushed = table.writer.push_rows(encounter);
             pushed.map_err(|error| table.failed(error))?;
@@ -107,17 +143,10 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
         table.commit()?;
     }
     atomic::write(&folder.join(LIST), list)?;
-    let shown = if recordings == 0 { &path } else { &folder };
-    args.answer.print(
-        || format!("{count} encounters drawn: {}\n", shown.display()),
-        &json!({
-            "encounters": count,
-            "file": shown.display().to_string(),
-            "rows": rows.len(),
-            "recordings": recordings,
-        }),
-    )?;
-    Ok(ExitCode::SUCCESS)
+    Ok(Drawn {
+        rows: rows.len(),
+        recordings,
+    })
 }
 
 /// A Parquet file under construction.
@@ -159,7 +188,7 @@ fn remove_earlier(folder: &Path) -> Result<(), OutputError> {
         .map(|name| folder.join(name))
         .filter(|path| path.is_file())
         .collect();
-    if let Ok(entries) = std::fs::read_dir(folder.join("recordings")) {
+    if let Ok(entries) = std::fs::read_dir(folder.join(RECORDINGS)) {
         let drawn = entries.filter_map(Result::ok).map(|entry| entry.path());
         files.extend(drawn.filter(|path| path.extension().is_some_and(|ending| ending == "daa")));
     }

@@ -6,6 +6,7 @@ mod support;
 use core::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use support::{columns, errors, fga_in, rows};
 
@@ -204,6 +205,57 @@ fn drawn_encounters_fly_alike_as_recordings() {
         let drawn: f64 = row["weight"].parse().unwrap();
         assert!((drawn - weight).abs() < 1e-6);
     }
+    // A table of another kind in the place of the results: one sentence.
+    fs::copy(
+        at.join("drawn/tracks.parquet"),
+        at.join("flown/results.parquet"),
+    )
+    .unwrap();
+    let output = fga_in(at, &["campaign", "report", "flown"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = errors(&output);
+    assert!(
+        said.contains("results.parquet: cannot be used: has other columns: column 2 is")
+            && said.contains("expected \"source_encounter\" as a campaign has it")
+            && said.lines().count() == 1,
+        "{said}"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_draw_that_fails_leaves_the_earlier_one() {
+    let folder = written();
+    let at = folder.path();
+    let draw = ["campaign", "draw", "modeled.toml", "--out", "drawn"];
+    run(at, &draw, &["--encounters", "2"]);
+    let there = || {
+        let mut files: Vec<_> = ["drawn", "drawn/recordings"]
+            .iter()
+            .flat_map(|each| fs::read_dir(at.join(each)).unwrap())
+            .map(|entry| entry.unwrap().path())
+            .collect();
+        files.sort();
+        files
+    };
+    let before = there();
+    // Room for each recording but not for the table of all.
+    let output = Command::new("sh")
+        .current_dir(at)
+        .arg("-c")
+        .arg("trap '' XFSZ; ulimit -f 100; exec \"$0\" \"$@\"")
+        .arg(env!("CARGO_BIN_EXE_fga"))
+        .args(draw)
+        .args(["--encounters", "40"])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", errors(&output));
+    assert!(
+        errors(&output).contains("tracks.parquet cannot be written"),
+        "{}",
+        errors(&output)
+    );
+    assert_eq!(before, there());
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::error::OutputError;
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempDir};
 
 /// A file under construction. It gets its name in [`AtomicFile::commit`]; dropped earlier, it leaves
 /// nothing behind.
@@ -69,6 +69,68 @@ impl AtomicFile {
             .map_err(|error| OutputError::new(&path, error.error))?;
         Ok(())
     }
+}
+
+/// Files of a folder under construction: all of them get their place in [`AtomicFolder::commit`]; dropped
+/// earlier, they leave nothing behind.
+#[derive(Debug)]
+pub struct AtomicFolder {
+    path: PathBuf,
+    temporary: TempDir,
+}
+
+impl AtomicFolder {
+    /// Begins files of the folder `path`, which is made if it is missing.
+    ///
+    /// # Errors
+    /// A folder that cannot be made or that is not writable.
+    pub fn create(path: &Path) -> Result<Self, OutputError> {
+        prepare_folder(path)?;
+        let temporary = tempfile::Builder::new()
+            .prefix(".fga")
+            .suffix(".part")
+            .tempdir_in(path)
+            .map_err(|error| OutputError::new(path, bare(&error)))?;
+        Ok(Self {
+            path: path.into(),
+            temporary,
+        })
+    }
+
+    /// Where the files go until all are complete.
+    pub fn path(&self) -> &Path {
+        self.temporary.path()
+    }
+
+    /// An error about one of the files, with the name that it would have got.
+    pub fn named(&self, error: OutputError) -> OutputError {
+        match error.path.strip_prefix(self.path()) {
+            Ok(name) => OutputError::new(self.path.join(name), error.source),
+            Err(_) => error,
+        }
+    }
+
+    /// Gives the files their places, also in folders below; one of the same name is replaced, others stay.
+    ///
+    /// # Errors
+    /// A file that cannot be moved.
+    pub fn commit(self) -> Result<(), OutputError> {
+        move_all(self.temporary.path(), &self.path)
+    }
+}
+
+fn move_all(from: &Path, to: &Path) -> Result<(), OutputError> {
+    let failed = |error| OutputError::new(to, error);
+    for entry in fs::read_dir(from).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        let place = to.join(entry.file_name());
+        if place.is_dir() && entry.path().is_dir() {
+            move_all(&entry.path(), &place)?;
+        } else {
+            fs::rename(entry.path(), &place).map_err(|error| OutputError::new(&place, error))?;
+        }
+    }
+    Ok(())
 }
 
 /// The error without the name of the temporary file, which means nothing to the user.
@@ -180,6 +242,32 @@ mod tests {
         write(&path, "two").unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "two");
         assert_eq!(names(folder.path()), ["a.csv"]);
+    }
+
+    #[test]
+    fn a_folder_gets_all_of_its_files_or_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("many");
+        let below = path.join("below");
+        fs::create_dir_all(&below).unwrap();
+        write(&below.join("z.csv"), "z").unwrap();
+        let fill = || {
+            let many = AtomicFolder::create(&path).unwrap();
+            fs::create_dir(many.path().join("below")).unwrap();
+            for name in ["a.csv", "below/b.csv"] {
+                write(&many.path().join(name), name).unwrap();
+            }
+            many
+        };
+        drop(fill());
+        assert_eq!(names(&path), ["below"]);
+        assert_eq!(names(&below), ["z.csv"]);
+        let many = fill();
+        let error = OutputError::new(many.path().join("a.csv"), io::ErrorKind::StorageFull.into());
+        assert_eq!(many.named(error).path, path.join("a.csv"));
+        many.commit().unwrap();
+        assert_eq!(names(&path), ["a.csv", "below"]);
+        assert_eq!(names(&below), ["b.csv", "z.csv"]);
     }
 
     #[test]

@@ -151,7 +151,8 @@ fn name_of(path: &Path) -> String {
         .to_owned()
 }
 
-fn text_of(bytes: &[u8], path: &Path) -> Result<String, InputError> {
+/// The text of a file, decompressed if it is a gzip one.
+pub(crate) fn text_of(bytes: &[u8], path: &Path) -> Result<String, InputError> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(String::from_utf8_lossy(bytes).into_owned());
     }
@@ -159,6 +160,11 @@ fn text_of(bytes: &[u8], path: &Path) -> Result<String, InputError> {
     flate2::read::MultiGzDecoder::new(bytes)
         .take(LARGEST)
         .read_to_end(&mut plain)
-        .map_err(|error| InputError::unreadable(path, &error))?;
+        .map_err(|error| {
+            InputError::in_file(
+                path,
+                format!("holds damaged gzip data ({error}), expected a whole file"),
+            )
+        })?;
     Ok(String::from_utf8_lossy(&plain).into_owned())
 }

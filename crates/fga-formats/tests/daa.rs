@@ -378,3 +378,24 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_compressed_recording_is_read_and_a_cut_one_is_named() {
+    use std::io::Write as _;
+    let text = "NAME sx sy sz vx vy vz time\nunitless [m] [m] [m] [m/s] [m/s] [m/s] [s]\n\
+                own 0 0 0 1 0 0 0\nintruder 50 0 0 1 0 0 0\n";
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    encoder.write_all(text.as_bytes()).unwrap();
+    let bytes = encoder.finish().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.daa.gz");
+    std::fs::write(&path, &bytes).unwrap();
+    assert_eq!(daa::read(&path).unwrap(), parse(text).unwrap());
+    std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    let said = daa::read(&path).unwrap_err().to_string();
+    assert!(
+        said.contains("a.daa.gz: holds damaged gzip data (")
+            && said.ends_with("expected a whole file"),
+        "{said}"
+    );
+}

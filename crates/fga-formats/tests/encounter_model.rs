@@ -210,6 +210,26 @@ fn wrong_files_are_refused_with_file_line_and_reason() {
             "m.txt, line 8: section N_initial holds \"NaN\", expected a number from 0",
         ),
         (
+            "1 3 1 0 0 0 2 2",
+            "0 0 1 0 0 0 2 2",
+            "m.txt, line 8: section N_initial has counts of \"a\" whose sum is 0, expected a positive one",
+        ),
+        (
+            "1 3 1 0 0 0 2 2",
+            "1e308 1e308 1 0 0 0 2 2",
+            "m.txt, line 8: section N_initial has counts of \"a\" whose sum is inf, expected a positive one",
+        ),
+        (
+            "# boundaries",
+            "# r_initial\n2 3\n# boundaries",
+            "m.txt, line 20: section \"r_initial\" is on line 6 already, expected it once",
+        ),
+        (
+            "# resample_rates\n0 0.25",
+            "# resample_rates\n0 2.5",
+            "m.txt, line 23: section resample_rates holds 2.5, expected chances from 0 to 1",
+        ),
+        (
             "0 1\n0 0\n",
             "0 1\n1 0\n",
             "m.txt, line 8: section N_initial has 8 numbers, expected 12",

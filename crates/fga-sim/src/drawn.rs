@@ -26,6 +26,9 @@ pub const ROWS: &str = "encounters.parquet";
 /// The keys of a recording's parameters.
 const KEYS: [&str; 3] = ["fga_encounter", "fga_seed", "fga_weight"];
 
+/// The largest weight: sums of squares of weights stay finite.
+const LARGEST_WEIGHT: f64 = 1e12;
+
 /// Where a recording comes from, if it was drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Origin {
@@ -41,12 +44,18 @@ impl Origin {
     /// The origin that a recording names; without one its weight is 1.
     ///
     /// # Errors
-    /// One sentence about a number that cannot be used.
+    /// One sentence about a number that is missing, appears twice or cannot be used.
     pub fn of(recording: &Recording) -> Result<Self, String> {
         let value = |name: &str| {
             let mut found = recording.parameters.iter().filter(|(key, _)| key == name);
             found.next().map(|(_, value)| value.as_str())
         };
+        for name in KEYS {
+            let named = |(key, _): &&(String, String)| key == name;
+            if recording.parameters.iter().filter(named).count() > 1 {
+                return Err(format!("{name} appears twice, expected it once"));
+            }
+        }
         let whole = |name: &str| {
             value(name)
                 .map(|text| {
@@ -61,14 +70,18 @@ impl Origin {
         };
         let [number, seed, weight] = KEYS;
         let weight = match value(weight) {
+            // A drawn encounter counts by its weight: 1 would change every ratio.
+            None if value(number).is_some() => {
+                return Err(format!("{weight} is missing, expected it beside {number}"));
+            }
             None => 1.0,
             Some(text) => text
                 .parse()
                 .ok()
-                .filter(|weight: &f64| weight.is_finite() && *weight > 0.0)
+                .filter(|weight: &f64| *weight > 0.0 && *weight <= LARGEST_WEIGHT)
                 .ok_or_else(|| {
                     format!(
-                        "{weight} is {}, expected a positive number",
+                        "{weight} is {}, expected a positive number up to {LARGEST_WEIGHT:e}",
                         fga_formats::error::shown(text)
                     )
                 })?,
@@ -203,7 +216,10 @@ mod tests {
             parameters: vec![("fga_weight".into(), "-1".into())],
         };
         let said = Origin::of(&recording).unwrap_err();
-        assert_eq!(said, "fga_weight is \"-1\", expected a positive number");
+        assert_eq!(
+            said,
+            "fga_weight is \"-1\", expected a positive number up to 1e12"
+        );
         let origin = Origin {
             number: Some(17),
             seed: Some(u64::MAX),
@@ -214,5 +230,16 @@ mod tests {
         recording.parameters[1].1 = "1.5".into();
         let said = Origin::of(&recording).unwrap_err();
         assert_eq!(said, "fga_seed is \"1.5\", expected a whole number from 0");
+        origin.mark(&mut recording);
+        recording.parameters.pop();
+        let said = Origin::of(&recording).unwrap_err();
+        assert_eq!(
+            said,
+            "fga_weight is missing, expected it beside fga_encounter"
+        );
+        origin.mark(&mut recording);
+        recording.parameters.push(("fga_weight".into(), "1".into()));
+        let said = Origin::of(&recording).unwrap_err();
+        assert_eq!(said, "fga_weight appears twice, expected it once");
     }
 }

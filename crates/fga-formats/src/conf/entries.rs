@@ -268,7 +268,13 @@ impl Entries {
     pub(super) fn nothing_left(&self) -> Result<(), InputError> {
         match self.left.values().min_by_key(|entry| entry.line) {
             None => Ok(()),
-            Some(entry) => Err(self.error(entry.line, format!("the key {} is unknown", entry.key))),
+            Some(entry) => Err(self.error(
+                entry.line,
+                format!(
+                    "the key {} is unknown, expected one of DAIDALUS 2",
+                    entry.key
+                ),
+            )),
         }
     }
 }

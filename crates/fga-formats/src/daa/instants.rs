@@ -3,7 +3,7 @@
 use super::columns::{Layout, PositionColumns, VelocityColumns, fields};
 use super::extras::Extras;
 use super::rows::Rows;
-use crate::error::{InputError, read_text};
+use crate::error::InputError;
 use fga_alerts::Deviation;
 use glam::DVec3;
 use std::path::Path;
@@ -110,7 +110,7 @@ pub struct Instants {
 /// As [`crate::daa::read`]; a unit of a deviation or of the air velocity that is missing, unknown
 /// or of another quantity; a deviation or airspeed that is negative or no number.
 pub fn read(path: &Path) -> Result<Instants, InputError> {
-    parse(&read_text(path)?, path)
+    parse(&super::text(path)?, path)
 }
 
 /// Reads a recording from `text`; errors name it `path`. See [`read`].

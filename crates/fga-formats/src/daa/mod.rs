@@ -41,8 +41,9 @@ pub mod scene;
 pub mod tables;
 mod write;
 
-use crate::error::{InputError, read_text};
+use crate::error::InputError;
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
+use crate::recordings::text_of;
 use columns::Layout;
 use extras::Extras;
 use fga_alerts::Deviation;
@@ -187,7 +188,14 @@ impl Track {
 /// without a unit; a deviation or airspeed that is negative; a time that goes back or repeats for one aircraft;
 /// no rows.
 pub fn read(path: &Path) -> Result<Recording, InputError> {
-    parse(&read_text(path)?, path)
+    parse(&text(path)?, path)
+}
+
+/// The text of a recording's file, decompressed if it is a gzip one.
+pub(crate) fn text(path: &Path) -> Result<String, InputError> {
+    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
+    text_of(bytes, path)
 }
 
 /// The numbered lines that are neither blank nor a comment, trimmed.

@@ -1,11 +1,10 @@
 //! The Bayesian encounter models of MIT Lincoln Laboratory: how aircraft fly when they meet.
 //!
 //! A model is two Bayesian networks over binned variables. The *initial* one gives the state at
-//! A model is two Bayesian networks over binned variables. The *initial* one gives the state at
 //! the start: airspace class, altitude layer, airspeed, accelerations, climb and turn rates. The
 //! *transition* one gives the next second's rates from the present ones. [`EncounterModel::start`]
 //! draws a state, [`EncounterModel::step`] advances it by a second. [`EncounterModel::fly`] draws a
-//! whole flight of an uncorrelated model, [`EncounterModel::fly_pair`] both flights of
+//! whole flight of an uncorrelated model, [`EncounterModel::fly_pair`] both flights of a correlated one.
 //!
 //! A value is drawn uniformly within its bin; a bin that spans 0 gives exactly 0. A variable
 //! without boundaries is a category, counted from 1. When a bin changes, the sampler draws a

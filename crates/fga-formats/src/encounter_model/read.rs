@@ -15,9 +15,9 @@ const MOST_COUNTS: usize = 100_000_000;
 /// Reads a model.
 ///
 /// # Errors
-/// An unreadable file; a missing section; a section of the wrong size or with anything but
-/// numbers; variables that depend on each other in a circle; boundaries that do not
-/// increase.
+/// An unreadable file; a section that is missing or appears twice; a section of the wrong size or with
+/// anything but numbers; a variable without counts; a resample rate above 1; variables that depend on
+/// each other in a circle; boundaries that do not increase.
 pub fn read(path: &Path) -> Result<EncounterModel, InputError> {
     parse(&read_text(path)?, path)
 }
@@ -27,16 +27,20 @@ pub fn read(path: &Path) -> Result<EncounterModel, InputError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<EncounterModel, InputError> {
-    let file = File::new(text, path);
+    let file = File::new(text, path)?;
     let labels = file.labels("labels_initial")?;
     let bins = file.bins("r_initial", labels.len())?;
-    let initial = file.network("initial", &bins, 0)?;
+    let initial = file.network("initial", &labels, &bins, 0)?;
     let boundaries = file.boundaries(&bins)?;
     let resample = file.numbers("resample_rates", labels.len())?;
+    if let Some(rate) = resample.iter().find(|rate| **rate > 1.0) {
+        let message = format!("holds {rate}, expected chances from 0 to 1");
+        return Err(file.error("resample_rates", &message));
+    }
 
     let later_labels = file.labels("labels_transition")?;
     let later_bins = file.bins("r_transition", later_labels.len())?;
-    let transition = file.network("transition", &later_bins, labels.len())?;
+    let transition = file.network("transition", &later_labels, &later_bins, labels.len())?;
     let becomes = later_labels
         .iter()
         .skip(labels.len())
@@ -89,21 +93,27 @@ struct File<'a> {
 }
 
 impl<'a> File<'a> {
-    fn new(text: &'a str, path: &'a Path) -> Self {
+    fn new(text: &'a str, path: &'a Path) -> Result<Self, InputError> {
         let mut sections: HashMap<&str, (u64, Vec<&str>)> = HashMap::new();
         let mut current = None;
         for (line, number) in text.lines().zip(1..) {
             let line = line.trim();
             if let Some(name) = line.strip_prefix('#') {
                 current = Some(name.trim());
-                sections.insert(name.trim(), (number, Vec::new()));
+                let before = sections.insert(name.trim(), (number, Vec::new()));
+                if let Some((first, _)) = before {
+                    let name = shown(name.trim());
+                    let message =
+                        format!("section {name} is on line {first} already, expected it once");
+                    return Err(InputError::at_line(path, number, message));
+                }
             } else if !line.is_empty()
                 && let Some((_, lines)) = current.and_then(|name| sections.get_mut(name))
             {
                 lines.push(line);
             }
         }
-        Self { path, sections }
+        Ok(Self { path, sections })
     }
 
     fn error(&self, section: &str, message: &str) -> InputError {
@@ -176,7 +186,13 @@ impl<'a> File<'a> {
     }
 
     /// The network of sections `G_…` and `N_…`; the first `given` variables have no counts.
-    fn network(&self, name: &str, bins: &[usize], given: usize) -> Result<Network, InputError> {
+    fn network(
+        &self,
+        name: &str,
+        labels: &[String],
+        bins: &[usize],
+        given: usize,
+    ) -> Result<Network, InputError> {
         let graph_name = format!("G_{name}");
         let graph = self.numbers(&graph_name, bins.len() * bins.len())?;
         let counts_name = format!("N_{name}");
@@ -209,6 +225,14 @@ impl<'a> File<'a> {
         for ((bins, parents), size) in bins.iter().zip(all_parents).zip(sizes) {
             let (own, after) = rest.split_at_checked(size).unwrap_or_default();
             rest = after;
+            let total: f64 = own.iter().sum();
+            let can_be_drawn = own.is_empty() || (total > 0.0 && total.is_finite());
+            if !can_be_drawn {
+                let label = shown(labels.get(nodes.len()).map_or("", String::as_str));
+                let message =
+                    format!("has counts of {label} whose sum is {total}, expected a positive one");
+                return Err(self.error(&counts_name, &message));
+            }
             nodes.push(Node {
                 bins: *bins,
                 parents,

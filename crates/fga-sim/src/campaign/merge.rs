@@ -91,7 +91,9 @@ pub fn reread(
         }
         Ok::<_, ParquetError>(())
     })
-    .map_err(|error| InputError::in_file(&path, format!("cannot be used: {error}")))?;
+    .map_err(|error| {
+        InputError::in_file(&path, format!("cannot be used: {}", table::reason(&error)))
+    })?;
     Ok(Assembled {
         summary,
         sha256: found,

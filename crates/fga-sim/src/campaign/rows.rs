@@ -49,7 +49,9 @@ impl RowFiles {
                     rows.iter().for_each(&mut take);
                     Ok::<_, ParquetError>(())
                 })
-                .map_err(|error| InputError::in_file(path, format!("cannot be used: {error}")))?;
+                .map_err(|error| {
+                    InputError::in_file(path, format!("cannot be used: {}", table::reason(&error)))
+                })?;
             }
             Self::Blocks(blocks) => {
                 for (block, path) in blocks {

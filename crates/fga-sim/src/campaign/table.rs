@@ -8,6 +8,7 @@ use alloc::sync::Arc;
 use core::fmt::Write as _;
 use std::io::Write;
 
+use fga_formats::error::shown;
 use fga_formats::number::push_fixed;
 use fga_formats::words::push_csv_field;
 use parquet::basic::{Compression, Encoding};
@@ -22,7 +23,7 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::reader::{ChunkReader, FileReader, RowGroupReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
-use parquet::schema::types::ColumnPath;
+use parquet::schema::types::{ColumnPath, Type};
 
 use super::metrics::{Access, FIELDS, Metrics};
 use super::{Campaign, Row, Stamp};
@@ -336,14 +337,42 @@ pub fn read<R: ChunkReader + 'static, E: From<ParquetError>>(
 ) -> Result<(), E> {
     let reader = SerializedFileReader::new(input)?;
     let expected = parse_message_type(&schema())?;
-    if reader.metadata().file_metadata().schema() != &expected {
-        return Err(ParquetError::General("has other columns than a campaign".into()).into());
+    let found = reader.metadata().file_metadata().schema();
+    if found != &expected {
+        return Err(ParquetError::General(other_columns(found, &expected)).into());
     }
     for index in 0..reader.num_row_groups() {
         let group = reader.get_row_group(index)?;
         take(read_group(group.as_ref(), campaign)?)?;
     }
     Ok(())
+}
+
+/// What is wrong with a table, without a prefix where this crate says it.
+pub(super) fn reason(error: &ParquetError) -> String {
+    match error {
+        ParquetError::General(message) => message.clone(),
+        other => other.to_string(),
+    }
+}
+
+/// The first column that differs from those of a campaign.
+fn other_columns(found: &Type, expected: &Type) -> String {
+    let name = |column: Option<&Arc<Type>>| {
+        column.map_or_else(|| "none".to_owned(), |column| shown(column.name()))
+    };
+    let (there, wanted) = (found.get_fields(), expected.get_fields());
+    let at = (0..wanted.len().max(there.len()))
+        .find(|at| there.get(*at) != wanted.get(*at))
+        .unwrap_or(0);
+    let (is, should_be) = (name(there.get(at)), name(wanted.get(at)));
+    if is == should_be {
+        return format!("has a column {is} of another type than the one of a campaign");
+    }
+    format!(
+        "has other columns: column {} is {is}, expected {should_be} as a campaign has it",
+        at + 1
+    )
 }
 
 fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row>, ParquetError> {
@@ -487,7 +516,13 @@ fn index_of(name: &ByteArray, names: &[String]) -> Result<u32, ParquetError> {
         .zip(names)
         .find(|(_, known)| known.as_bytes() == name.data())
         .map(|(index, _)| index)
-        .ok_or_else(|| ParquetError::General("holds a name of another campaign".into()))
+        .ok_or_else(|| {
+            ParquetError::General(format!(
+                "holds {}, expected one of {}",
+                shown(&String::from_utf8_lossy(name.data())),
+                names.join(", ")
+            ))
+        })
 }
 
 /// Appends a row of the CSV file.
