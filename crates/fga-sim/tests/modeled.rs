@@ -72,6 +72,28 @@ fn the_closest_approach_is_where_it_was_put() {
 }
 
 #[test]
+fn no_encounter_begins_with_its_loss() {
+    // Slow pairs fly side by side for longer than the 12 s until they meet.
+    let pairing = Pairing {
+        ownship: OwnshipFlight::Model,
+        cpa_s: 12,
+        duration_s: 20,
+        ..Pairing::default()
+    };
+    for text in [UNCORRELATED, CORRELATED] {
+        let source = source(text, pairing.clone());
+        for number in 0..500 {
+            let drawn = source.encounter(number).unwrap();
+            let (offset_m, _) = relative(&drawn.recording, 0);
+            assert!(
+                level(offset_m).length() >= 609.6 || offset_m.z.abs() >= 76.2,
+                "{number}: {offset_m}"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_correlated_pair_has_its_approach_angle_and_side() {
     let pairing = Pairing {
         cpa_s: 30,

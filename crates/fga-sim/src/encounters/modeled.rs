@@ -10,6 +10,10 @@
 //! distances are uniform in a cylinder around the ownship, and the weight has the factor 1 + r·a/v².
 //! Where that is not positive the aircraft are farthest there, not nearest: the draw is repeated.
 //!
+//! **The begin.** An intruder that turns or flies alongside may be near at other times too. Where the
+//! aircraft begin within the well-clear volume of ASTM F3442, the loss is there before anybody can act,
+//! and no system is judged by it: the draw is repeated.
+//!
 //! **Importance sampling.** Few encounters of the cylinder are near misses. A share of them comes
 //! from an inner cylinder instead; the weight is the ratio of the densities, so that every weighted
 //! mean holds for the whole cylinder. An encounter's weight is at most
@@ -23,6 +27,7 @@
 use core::f64::consts::TAU;
 
 use fga::Vec3;
+use fga_alerts::volume::Cylinder;
 pub use fga_files::campaign::OwnshipFlight;
 use fga_formats::daa::{Recording, Track, TrackSample};
 use fga_formats::encounter_model::{EncounterModel, ModelRow};
@@ -239,7 +244,7 @@ impl ModelSource {
             }
         }
         Err(format!(
-            "none of {MOST_DRAWS} draws suits altitude_m, ownship_speed_mps and intruder_speed_mps, expected limits that the model reaches"
+            "none of {MOST_DRAWS} draws suits altitude_m, ownship_speed_mps and intruder_speed_mps and begins well clear, expected limits that the model reaches and a later cpa_s"
         ))
     }
 
@@ -363,7 +368,7 @@ impl ModelSource {
         Some((own, intruder, weight))
     }
 
-    /// Whether two flights stay above ground and within the limits.
+    /// Whether two flights begin well clear, stay above ground and are within the limits.
     fn suits(&self, own: &[ModelRow], intruder: &[ModelRow]) -> bool {
         let at = self.pairing.cpa_s as usize;
         let within = |range: Option<[f64; 2]>, value: Option<f64>| {
@@ -374,6 +379,7 @@ impl ModelSource {
         own.iter()
             .chain(intruder)
             .all(|row| row.position_m.z >= 0.0)
+            && own.first().zip(intruder.first()).is_some_and(begin_clear)
             && within(self.pairing.altitude_m, altitude_m)
             && within(self.pairing.ownship_speed_mps, speed(own))
             && within(self.pairing.intruder_speed_mps, speed(intruder))
@@ -394,6 +400,16 @@ fn correlated_share(model: &EncounterModel, pairing: &Pairing) -> f64 {
         inside += u32::from(is_inside);
     }
     f64::from(inside) / f64::from(COUNTED)
+}
+
+/// Whether two aircraft are well clear (ASTM F3442) where they begin.
+fn begin_clear((own, intruder): (&ModelRow, &ModelRow)) -> bool {
+    let offset_m = intruder.position_m - own.position_m;
+    let Cylinder {
+        radius_m,
+        half_height_m,
+    } = Cylinder::F3442;
+    libm::hypot(offset_m.x, offset_m.y) >= radius_m || offset_m.z.abs() >= half_height_m
 }
 
 fn sample_of(row: &ModelRow) -> TrackSample {
