@@ -299,51 +299,86 @@ impl QuantityBands {
         aircraft: &[Contribution],
         instead: Instead,
     ) -> Intervals {
-        let settings = picture.settings;
         let mut free = span.whole();
         let mut of_one = Intervals::default();
         for contribution in aircraft {
-            let intruder = contribution.intruder;
-            let level = settings
-                .alerters
-                .get(contribution.alerter)
-                .and_then(|alerter| alerter.level(contribution.level));
-            let (Some(level), Some(met)) = (level, picture.met(intruder)) else {
+            let searched = self.search_of(picture, contribution, instead, |search, task| {
+                search.free(task, span, &mut of_one);
+            });
+            if searched.is_none() {
                 continue;
-            };
-            let own_key = level_key(settings, contribution.alerter, contribution.level);
-            let horizon_s = contribution.horizon_s;
-            let (cylinder, is_own, from_s) = match instead {
-                Instead::Own => (None, true, 0.0),
-                Instead::Cylinder(cylinder) => (Some(cylinder), false, 0.0),
-                // Beyond the aircraft's horizon only the cylinder counts.
-                Instead::Until(cylinder, time_s) if time_s > horizon_s => {
-                    (Some(cylinder), false, 0.0)
-                }
-                Instead::Until(cylinder, time_s) => (Some(cylinder), true, time_s),
-            };
-            let cylinder_volume = cylinder.map(Volume::Cylinder);
-            let cylinder = cylinder_volume.as_ref().zip(cylinder.map(Key::Cylinder));
-            let own = is_own.then_some((&level.volume, own_key));
-            // The cylinder counts before the alerter's volume, or without it.
-            let (Some(later), before) = (match own {
-                Some(own) => (Some(own), cylinder),
-                None => (cylinder, None),
-            }) else {
-                continue;
-            };
-            let task = Task {
-                from_s,
-                until_s: horizon_s,
-            };
-            let search = Self::search(&self.ways, &mut self.pool, intruder, &met, later, before);
-            search.free(&task, span, &mut of_one);
+            }
             free.intersect(&of_one);
             if free.is_empty() {
                 break;
             }
         }
         free
+    }
+
+    /// Whether some value is free of conflicts with these aircraft.
+    fn frees_any(
+        &mut self,
+        picture: &Picture,
+        span: &Span,
+        aircraft: &[Contribution],
+        instead: Instead,
+    ) -> bool {
+        if let [one] = aircraft {
+            let mut free = span.whole();
+            let mut some = Intervals::default();
+            let found = self.search_of(picture, one, instead, |search, task| {
+                search.some_free(task, span, &mut some)
+            });
+            free.intersect(&some);
+            match found {
+                Some(false) => return false,
+                // A part is enough unless its edges count as one.
+                Some(true) if !free.is_empty() => return true,
+                _ => {}
+            }
+        }
+        !self.free_of(picture, span, aircraft, instead).is_empty()
+    }
+
+    /// Asks a search against one aircraft; `None` for one that contributes nothing.
+    fn search_of<T>(
+        &mut self,
+        picture: &Picture,
+        contribution: &Contribution,
+        instead: Instead,
+        ask: impl FnOnce(&Search, &Task) -> T,
+    ) -> Option<T> {
+        let settings = picture.settings;
+        let intruder = contribution.intruder;
+        let level = settings
+            .alerters
+            .get(contribution.alerter)
+            .and_then(|alerter| alerter.level(contribution.level))?;
+        let met = picture.met(intruder)?;
+        let own_key = level_key(settings, contribution.alerter, contribution.level);
+        let horizon_s = contribution.horizon_s;
+        let (cylinder, is_own, from_s) = match instead {
+            Instead::Own => (None, true, 0.0),
+            Instead::Cylinder(cylinder) => (Some(cylinder), false, 0.0),
+            // Beyond the aircraft's horizon only the cylinder counts.
+            Instead::Until(cylinder, time_s) if time_s > horizon_s => (Some(cylinder), false, 0.0),
+            Instead::Until(cylinder, time_s) => (Some(cylinder), true, time_s),
+        };
+        let cylinder_volume = cylinder.map(Volume::Cylinder);
+        let cylinder = cylinder_volume.as_ref().zip(cylinder.map(Key::Cylinder));
+        let own = is_own.then_some((&level.volume, own_key));
+        // The cylinder counts before the alerter's volume, or without it.
+        let (later, before) = match own {
+            Some(own) => (own, cylinder),
+            None => (cylinder?, None),
+        };
+        let task = Task {
+            from_s,
+            until_s: horizon_s,
+        };
+        let search = Self::search(&self.ways, &mut self.pool, intruder, &met, later, before);
+        Some(ask(&search, &task))
     }
 
     /// Whether an intruder is in a cylinder already, or is met before a maneuver begins: then

@@ -4,7 +4,7 @@ use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
 use crate::bands::met::Meeting;
 use crate::bands::path::{LevelChange, Line};
-use crate::bands::search::Task;
+use crate::bands::search::{Task, When};
 use crate::bands::span::Span;
 use crate::settings::Settings;
 use alloc::vec::Vec;
@@ -242,12 +242,15 @@ impl LevelSearch<'_> {
 
     /// Calls `take` with the first and last step of each run that meets no conflict, until it
     /// says that it has enough.
-    fn free_runs(&self, task: &Task, mut take: impl FnMut(i32, i32) -> bool) {
+    fn free_runs(&self, task: &Task, when: When, mut take: impl FnMut(i32, i32) -> bool) {
         let mut run: Option<(i32, i32)> = None;
         for part in &self.levels.parts {
             if self.part_leads_past(part, task) {
                 let first = run.map_or(part.first, |(first, _)| first);
                 run = Some((first, part.last));
+                if when == When::Soon && first != part.last && take(first, part.last) {
+                    return;
+                }
             } else if let Some((first, last)) = run.take()
                 && first != last
                 && take(first, last)
@@ -265,11 +268,24 @@ impl LevelSearch<'_> {
     /// The altitudes that meet no conflict.
     pub(crate) fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
         free.clear();
-        self.free_runs(task, |first, last| {
+        self.free_runs(task, When::Whole, |first, last| {
             let value = |step| span.step * f64::from(step) + span.min;
             span.add_free(free, value(first), value(last));
             false
         });
+    }
+
+    /// A part of the altitudes that meet no conflict; none where there is no such altitude.
+    pub(crate) fn some_free(&self, task: &Task, span: &Span, free: &mut Intervals) -> bool {
+        free.clear();
+        let mut found = false;
+        self.free_runs(task, When::Soon, |first, last| {
+            let value = |step| span.step * f64::from(step) + span.min;
+            span.add_free(free, value(first), value(last));
+            found = true;
+            true
+        });
+        found
     }
 
     /// Whether some altitude from the current one upwards, or downwards, is `wanted`: free or not.

@@ -77,6 +77,9 @@ struct SideWindows {
     losses: Vec<Loss>,
     /// Lines outside of it meet nothing at any time that is asked for.
     live: Range<usize>,
+    /// The first line on the way to which the volume is met, where nothing is asked of the lines behind it: their
+    /// windows are not known.
+    stop: Option<usize>,
 }
 
 impl SideWindows {
@@ -86,23 +89,53 @@ impl SideWindows {
         volume: &Volume,
         lines: &[Line],
         approaches: &[Approach],
-        coast_s: f64,
+        (step_s, asked): (f64, Asked),
     ) {
         self.losses.clear();
+        self.stop = None;
+        let lookahead_s = met.settings.lookahead_s;
         // Nothing later is asked for: not by a horizon, and not by a step that begins before it.
-        let latest_s = met.settings.lookahead_s + 1.0 + coast_s;
+        let latest_s = lookahead_s + 1.0 + step_s;
         let (mut first, mut end) = (lines.len(), 0);
-        let lines = lines.iter().zip(approaches).enumerate();
-        self.losses.extend(lines.map(|(index, (line, approach))| {
+        let mut window = |(index, (line, approach)): (usize, (&Line, &Approach))| {
             let loss = met.window(volume, line, approach);
-            if loss.lasts() && line.since_s < loss.exit_s && loss.entry_s < latest_s {
+            let is_live = loss.lasts() && line.since_s < loss.exit_s && loss.entry_s < latest_s;
+            if is_live {
                 first = first.min(index);
                 end = index + 1;
             }
-            loss
-        }));
+            (loss, is_live)
+        };
+        let lines = lines.iter().zip(approaches).enumerate();
+        if asked == Asked::All || step_s == 0.0 {
+            self.losses.extend(lines.map(|line| window(line).0));
+        } else {
+            let last = libm::floor(lookahead_s / step_s);
+            for line in lines {
+                let (index, since_s) = (line.0, line.1.0.since_s);
+                let (loss, is_live) = window(line);
+                self.losses.push(loss);
+                if is_live
+                    && since_s < lookahead_s
+                    && index as f64 <= last
+                    && meets(loss, since_s, since_s + step_s)
+                {
+                    self.stop = Some(index);
+                    break;
+                }
+            }
+        }
         self.live = if first < end { first..end } else { 0..0 };
     }
+}
+
+/// Which windows of a volume are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Asked {
+    /// All.
+    All,
+    /// Only those of lines before the first one on the way to which the volume is met: it counts from the begin.
+    UntilMet,
 }
 
 impl Windows {
@@ -113,10 +146,11 @@ impl Windows {
         volume: &Volume,
         lines: Lines,
         approaches: &Approaches,
+        asked: Asked,
     ) {
         let sides = lines.sides.into_iter().zip(&approaches.sides);
         for (windows, (side, approaches)) in self.sides.iter_mut().zip(sides) {
-            windows.fill(met, volume, side, approaches, lines.step_s);
+            windows.fill(met, volume, side, approaches, (lines.step_s, asked));
         }
     }
 
@@ -130,6 +164,23 @@ impl Windows {
         let [low, high] = &self.sides;
         meetings([Some(low), Some(high)], met, volume, lines)
     }
+}
+
+/// Whether a window has a part between two times.
+#[inline]
+fn meets(window: Loss, from_s: f64, to_s: f64) -> bool {
+    if !window.lasts() {
+        return false;
+    }
+    // Most answers are clear, and then rounding is not asked for.
+    if Rounding.is_far(from_s, to_s) {
+        if window.is_clear(from_s, to_s) {
+            return from_s < to_s && window.entry_s < to_s && from_s < window.exit_s;
+        }
+    } else if Rounding.same(from_s, to_s) {
+        return window.is_on_at(from_s);
+    }
+    from_s <= to_s && window.conflicts_within(from_s, to_s)
 }
 
 /// How lines meet a volume of an intruder, where no window is worth remembering.
@@ -189,15 +240,18 @@ impl Meeting<'_> {
 
     fn meets(&self, index: usize, line: &Line, from_s: f64, to_s: f64) -> bool {
         match self.window(index, line) {
-            Some(window) if !window.lasts() => false,
-            // Most answers are clear, and then rounding is not asked for.
-            Some(window) if Rounding.is_far(from_s, to_s) && window.is_clear(from_s, to_s) => {
-                from_s < to_s && window.entry_s < to_s && from_s < window.exit_s
-            }
-            Some(window) if Rounding.same(from_s, to_s) => window.is_on_at(from_s),
-            Some(window) => from_s <= to_s && window.conflicts_within(from_s, to_s),
+            Some(window) => meets(window, from_s, to_s),
             None => self.volume.conflicts(&self.met.pair(line), from_s, to_s),
         }
+    }
+
+    /// The first of some lines on the way to which the volume is met, the ownship `coast_s` on each.
+    pub(super) fn first_met(&self, mut lines: Range<usize>, coast_s: f64) -> Option<usize> {
+        let stop = self.windows.and_then(|windows| windows.stop);
+        if let Some(stop) = stop.filter(|stop| lines.start <= *stop) {
+            return lines.contains(&stop).then_some(stop);
+        }
+        lines.find(|index| self.meets_on_the_way(*index, coast_s))
     }
 
     /// Whether the volume is violated on the line between two times, once the ownship is on it.

@@ -48,7 +48,7 @@ const GRAVITY_MPS2: f64 = 9.806_65;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Lines<'a> {
     pub(crate) sides: [&'a [Line]; 2],
-    /// Time from one line to the next, seconds.
+    /// Time from one line to the next, seconds; 0 where the lines are no steps of one way.
     pub(crate) step_s: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Windows of lines, computed once for each intruder and volume of a step.
 
-use crate::bands::met::{Approaches, Met, Windows};
+use crate::bands::met::{Approaches, Asked, Met, Windows};
 use crate::bands::path::Lines;
 use crate::settings::Settings;
 use crate::volume::{Cylinder, Volume};
@@ -54,7 +54,12 @@ impl WindowPool {
         if let (Some(windows), Some(approaches)) =
             (self.windows.get_mut(place), self.approaches.get(at))
         {
-            windows.fill(met, volume, lines, approaches);
+            // A cylinder of recovery counts from the begin, a level's volume perhaps from later on.
+            let asked = match key {
+                Key::Level { .. } => Asked::All,
+                Key::Cylinder(_) => Asked::UntilMet,
+            };
+            windows.fill(met, volume, lines, approaches, asked);
         }
         self.keys.push((intruder, key));
         Some(place)

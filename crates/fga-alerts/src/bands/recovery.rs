@@ -81,12 +81,10 @@ impl QuantityBands {
         while (kept.radius_m > nmac.radius_m || kept.half_height_m > nmac.half_height_m)
             && shrinkings < MOST_SHRINKINGS
         {
-            ways_out = if self.is_blocked_at_once(picture, &painting, kept) {
-                Intervals::default()
-            } else {
-                self.free_of(picture, span, &painting, Instead::Cylinder(kept))
-            };
-            if !ways_out.is_empty() {
+            ways_out = Intervals::default();
+            if !self.is_blocked_at_once(picture, &painting, kept)
+                && self.frees_any(picture, span, &painting, Instead::Cylinder(kept))
+            {
                 let time_s = self.recovery_time_s(picture, span, &painting, kept);
                 ways_out = self.free_of(picture, span, &painting, Instead::Until(kept, time_s));
                 if !ways_out.is_empty() {
@@ -124,11 +122,10 @@ impl QuantityBands {
         let (mut blocked_s, mut open_s) = (0.0, lookahead_s + 1.0);
         let mut tried_s = open_s - 1.0;
         while open_s - blocked_s > 0.5 {
-            let free = self.free_of(picture, span, painting, Instead::Until(kept, tried_s));
-            if free.is_empty() {
-                blocked_s = tried_s;
-            } else {
+            if self.frees_any(picture, span, painting, Instead::Until(kept, tried_s)) {
                 open_s = tried_s;
+            } else {
+                blocked_s = tried_s;
             }
             tried_s = f64::midpoint(blocked_s, open_s);
         }

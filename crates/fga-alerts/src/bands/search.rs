@@ -25,6 +25,15 @@ pub(crate) struct FanSearch<'a> {
     pub(crate) step_s: f64,
 }
 
+/// When a run of free steps is named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum When {
+    /// As a whole.
+    Whole,
+    /// As soon as it has a length.
+    Soon,
+}
+
 /// One side of a fan.
 struct SideSearch<'a> {
     later: &'a Meeting<'a>,
@@ -72,19 +81,42 @@ impl FanSearch<'_> {
         !self.sides(task).iter().any(SideSearch::finds_a_way)
     }
 
+    /// A part of the values without conflict; none where there is no such value.
+    pub(crate) fn some_free(&self, task: &Task, span: &Span, free: &mut Intervals) -> bool {
+        free.clear();
+        let mut found = false;
+        for (side, sign) in self.sides(task).iter().zip([-1.0, 1.0]) {
+            side.free_runs(When::Soon, |first, last| {
+                let value = |steps| span.value + sign * span.step * f64::from(int(steps));
+                let (first, last) = (value(first), value(last));
+                span.add_free(free, first.min(last), first.max(last));
+                found = true;
+                false
+            });
+            if found {
+                break;
+            }
+        }
+        found
+    }
+
     /// The values without conflict.
     pub(crate) fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
         let [low, high] = self.sides(task);
         let mut runs: Vec<[i32; 2]> = Vec::new();
-        low.free_runs(|first, last| runs.push([-int(last), -int(first)]));
+        low.free_runs(When::Whole, |first, last| {
+            runs.push([-int(last), -int(first)]);
+            true
+        });
         runs.reverse();
-        high.free_runs(|first, last| {
+        high.free_runs(When::Whole, |first, last| {
             let (first, last) = (int(first), int(last));
             match runs.last_mut() {
                 // Both sides begin at the current value.
                 Some(run) if runs_join(*run, first) => run[1] = last,
                 _ => runs.push([first, last]),
             }
+            true
         });
         free.clear();
         for [first, last] in runs {
@@ -108,6 +140,16 @@ fn hull(a: Range<usize>, b: Range<usize>) -> Range<usize> {
     } else {
         a.start.min(b.start)..a.end.max(b.end)
     }
+}
+
+/// A number of steps from a rounded one.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "casts of floats saturate, and no more steps than usize holds are asked for"
+)]
+const fn count_of(steps: f64) -> usize {
+    steps as usize
 }
 
 /// A step count, of which there are at most 100,000.
@@ -152,22 +194,22 @@ impl SideSearch<'_> {
             return self.count();
         }
         // The volume counts from the first step at or after `from_s`, the earlier one until then.
-        let first = libm::ceil(task.from_s / step_s);
-        let last = libm::floor(self.later.met.settings.lookahead_s / step_s);
-        let last_before = libm::floor(task.from_s / step_s);
-        self.live
-            .clone()
-            .find(|&index| {
-                let k = index as f64;
-                let stops = |meeting: &Meeting| meeting.meets_on_the_way(index, step_s);
-                (first <= k && k <= last && stops(self.later))
-                    || (k <= last_before && self.before.is_some_and(stops))
-            })
-            .unwrap_or(self.count())
+        let from = count_of(libm::ceil(task.from_s / step_s));
+        let last = count_of(libm::floor(self.later.met.settings.lookahead_s / step_s));
+        let last_before = count_of(libm::floor(task.from_s / step_s));
+        let Range { start, mut end } = self.live.clone();
+        let before = self.before.and_then(|before| {
+            let lines = start..end.min(last_before.saturating_add(1));
+            before.first_met(lines, step_s)
+        });
+        end = before.unwrap_or(end);
+        let lines = start.max(from)..end.min(last.saturating_add(1));
+        let later = self.later.first_met(lines, step_s);
+        later.or(before).unwrap_or(self.count())
     }
 
-    /// Calls `take` for each run of steps without conflict.
-    fn free_runs(&self, mut take: impl FnMut(usize, usize)) {
+    /// Calls `take` for each run of steps without conflict, as long as it wants more.
+    fn free_runs(&self, when: When, mut take: impl FnMut(usize, usize) -> bool) {
         let steps = self.flyable_steps();
         let Some(last) = steps.checked_sub(1) else {
             return;
@@ -176,9 +218,15 @@ impl SideSearch<'_> {
         let mut first = (self.live.start > 0 || self.live.is_empty()).then_some(0);
         for index in self.live.start..self.live.end.min(steps) {
             if self.leads_past(index) {
-                first.get_or_insert(index);
-            } else if let Some(first) = first.take() {
-                take(first, index.saturating_sub(1));
+                let first = *first.get_or_insert(index);
+                if when == When::Soon && first != index && !take(first, index) {
+                    return;
+                }
+            } else if let Some(first) = first.take()
+                && (when == When::Whole || first + 1 != index)
+                && !take(first, index.saturating_sub(1))
+            {
+                return;
             }
         }
         // Behind the last one too.

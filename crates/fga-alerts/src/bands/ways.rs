@@ -119,6 +119,14 @@ impl Search<'_> {
         }
     }
 
+    /// A part of what [`Search::free`] finds; `false` where that is nothing.
+    pub(super) fn some_free(&self, task: &Task, span: &Span, free: &mut Intervals) -> bool {
+        match self {
+            Self::Fan(search) => search.some_free(task, span, free),
+            Self::Level(search) => search.some_free(task, span, free),
+        }
+    }
+
     pub(super) fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
         match self {
             Self::Fan(search) => search.free(task, span, free),
