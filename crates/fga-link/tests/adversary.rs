@@ -12,8 +12,8 @@ use fga_link::authority::{Authority, Fault, reaction};
 use fga_link::{Companion, Config};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
-    COMMAND_ACK_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavMessage,
-    MavModeFlag, MavParamType, MavResult, MavState, MavType, PARAM_VALUE_DATA,
+    COMMAND_ACK_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavMessage, MavModeFlag, MavParamType,
+    MavResult, MavState, MavType, PARAM_VALUE_DATA,
 };
 
 /// A head-on intruder that meets the aircraft after a minute.

@@ -321,19 +321,21 @@ impl FlightPath {
         let mut pieces = Pieces::new(flyer, start, maneuver);
         loop {
             let (piece, duration_s, until_s) = pieces.next(&state, f64::INFINITY);
-            if duration_s == f64::INFINITY || state.time_s >= horizon_s {
-                self.finish(flyer, &state);
-                self.complete &= maneuver.is_whole();
-                return;
-            }
-            let Some(mut end) = self.fly_piece(flyer, &state, &piece, duration_s) else {
-                return;
+            let is_last = duration_s == f64::INFINITY || state.time_s >= horizon_s;
+            let flown = (!is_last).then(|| self.fly_piece(flyer, &state, &piece, duration_s));
+            let Some(mut end) = flown.flatten() else {
+                break;
             };
             if duration_s >= until_s - state.time_s {
                 end.time_s = until_s;
             }
             state = end;
         }
+        self.finish(flyer, &state);
+        // A slow turn may need more nodes than there are: beyond the horizon they decide nothing.
+        let last = self.nodes().last();
+        self.complete |= last.is_some_and(|last| last.state.time_s >= horizon_s);
+        self.complete &= maneuver.is_whole();
     }
 
     /// The aircraft `at_s` seconds from the decision.
@@ -421,6 +423,32 @@ mod tests {
             assert!((state.course_rad - course).abs() < 1e-3);
             assert!((state.climb_rad - climb).abs() < 1e-3);
         }
+    }
+
+    /// Where the nodes run out decides nothing beyond the horizon, and is no certificate within it.
+    #[test]
+    fn a_turn_of_an_hour_is_complete_up_to_its_horizon() {
+        let flyer = Flyer::new(&paper());
+        let mut path = FlightPath::new();
+        // From the last one that has room for all of its nodes.
+        for rate_share in [0.0021, 0.00206, 0.00205, 0.002, 0.001] {
+            let mut maneuver = Maneuver::hold();
+            maneuver.push(crate::maneuver::Stage {
+                start_s: 0.0,
+                course_rad: 3.0,
+                climb_rad: 0.0,
+                rate_share,
+            });
+            path.predict(&flyer, &start(), &maneuver, 60.0);
+            assert!(
+                path.nodes().len() > 310,
+                "{rate_share}: {}",
+                path.nodes().len()
+            );
+            assert!(path.is_complete(), "{rate_share}");
+        }
+        path.predict(&flyer, &start(), &Maneuver::turn(0.0, 1e4, 0.0), 1e5);
+        assert!(!path.is_complete());
     }
 
     #[test]

@@ -21,6 +21,9 @@ const LONGEST: [(f64, f64); 4] = [(0.3, 0.6), (0.1, 0.9), (0.02, 1.2), (0.004, 1
 /// The last piece of a roll, in time constants; it includes the whole rest.
 const LAST: f64 = 3.0;
 
+/// Largest change of tan(bank) in the last piece at the usual pace: its path stays within millimetres of the roll's.
+const LAST_CHANGE: f64 = 0.02;
+
 /// Share of its distance from 90° by which the bank may move in a piece.
 const FROM_UPRIGHT: f64 = 0.4;
 
@@ -76,6 +79,11 @@ impl Roll {
         let longest = LONGEST
             .iter()
             .find(|(beyond, _)| size > *beyond)
+            .or_else(|| {
+                LONGEST
+                    .last()
+                    .filter(|_| !Self::may_end(from_rad, command_rad, pace))
+            })
             .map_or(LAST, |(_, longest)| pace * longest);
         let room = FROM_UPRIGHT * upright;
         let longest = if size > room {
@@ -88,6 +96,14 @@ impl Roll {
         } else {
             Self::part(from_rad, command_rad, longest.min(most))
         }
+    }
+
+    /// Whether the last piece may be next: the pace falls as the fifth root of the roll's sideways distance.
+    fn may_end(from_rad: f64, command_rad: f64, pace: f64) -> bool {
+        let steepest = tan(from_rad.abs().max(command_rad.abs()));
+        let change = (from_rad - command_rad).abs() * (1.0 + steepest * steepest);
+        let square = pace * pace;
+        change <= LAST_CHANGE * square * square * pace
     }
 
     /// A piece of a given length.
