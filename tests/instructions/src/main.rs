@@ -2,7 +2,6 @@
 //! `fga-instructions adversarial NUMBER CYCLE TIMES`: one step of an adversarial encounter. `fga-instructions adversarial
 //! NUMBER` prints the work of each of its steps.
 
-#[expect(dead_code, reason = "the benches use the rest of it")]
 #[path = "../../../crates/fga-bench/src/cycles.rs"]
 mod cycles;
 
