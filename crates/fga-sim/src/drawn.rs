@@ -6,6 +6,7 @@
 //! takes to read the same numbers back.
 
 mod columns;
+mod read;
 mod tables;
 
 use std::path::{Path, PathBuf};
@@ -140,7 +141,7 @@ pub fn content(path: &Path) -> Result<Content, InputError> {
     }
     let bytes = std::fs::read(path).map_err(unreadable)?;
     if columns::is_parquet(&bytes) {
-        return tables::content(bytes, path);
+        return read::content(bytes, path);
     }
     Ok(if recordings::is_recording(&bytes, path) {
         Content::Tracks
@@ -168,7 +169,7 @@ pub fn files_of(path: &Path) -> Result<Vec<PathBuf>, InputError> {
 /// A file that is none, or holds none that can be used.
 pub fn recordings_in(bytes: &[u8], path: &Path) -> Result<Vec<Named>, InputError> {
     if columns::is_parquet(bytes) {
-        return tables::tracks(bytes.to_vec(), path);
+        return read::tracks(bytes.to_vec(), path);
     }
     recordings::parse(bytes, path)
 }
@@ -199,7 +200,7 @@ pub fn read_rows(path: &Path) -> Result<Vec<Encounter>, InputError> {
 /// As [`encounters::parse`].
 pub fn rows_in(bytes: &[u8], path: &Path) -> Result<Vec<Encounter>, InputError> {
     if columns::is_parquet(bytes) {
-        return tables::rows(bytes.to_vec(), path);
+        return read::rows(bytes.to_vec(), path);
     }
     encounters::parse(bytes, path)
 }

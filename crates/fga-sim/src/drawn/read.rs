@@ -1,0 +1,272 @@
+//! Reads the tables that [`TableWriter`](super::TableWriter) writes, and those of others with their columns.
+
+use std::path::Path;
+
+use fga::Vec3;
+use fga::situation::{Obstacle, ProtectedVolume};
+use fga_alerts::Deviation;
+use fga_formats::InputError;
+use fga_formats::daa::{Recording, Track, TrackSample};
+use fga_formats::encounters::{self, Encounter};
+use fga_formats::error::shown;
+use fga_formats::recordings::Named;
+
+use super::columns::{Group, Table};
+use super::tables::{AIR, AIR_FROM, DEVIATIONS_FROM, ROW_COLUMNS, TRACK_COLUMNS};
+use super::{Content, Origin};
+
+/// The largest plausible position and time, metres and seconds, and speed, metres per second.
+const LARGEST: f64 = 1e11;
+const LARGEST_SPEED_MPS: f64 = 5000.0;
+
+/// The content of a table, by its columns.
+pub(super) fn content(bytes: Vec<u8>, path: &Path) -> Result<Content, InputError> {
+    let table = Table::open(bytes, path)?;
+    match (table.has("aircraft"), table.has("obstacle")) {
+        (true, false) => Ok(Content::Tracks),
+        (false, true) => Ok(Content::Rows),
+        _ => Err(InputError::in_file(
+            path,
+            "holds no encounters, expected a column aircraft (tracks) or obstacle (obstacles around a line)",
+        )),
+    }
+}
+
+/// Obstacles around a line.
+pub(super) fn rows(bytes: Vec<u8>, path: &Path) -> Result<Vec<Encounter>, InputError> {
+    let table = Table::open(bytes, path)?;
+    let mut found = Vec::new();
+    for group in table.groups() {
+        let group = group?;
+        let [encounter, obstacle] = [group.wholes("encounter")?, group.wholes("obstacle")?];
+        let numbers = ROW_COLUMNS[2..9]
+            .iter()
+            .map(|(name, _)| group.numbers(name))
+            .collect::<Result<Vec<_>, _>>()?;
+        let kinds = if table.has("kind") {
+            group.texts("kind")?
+        } else {
+            vec!["straight".to_owned(); group.count]
+        };
+        for row in 0..group.count {
+            let at = |column: usize| numbers[column][row];
+            let movement = encounters::movement_of(kinds[row].as_bytes()).ok_or_else(|| {
+                InputError::in_file(
+                    path,
+                    format!(
+                        "column kind holds {}, expected still, straight, aircraft or uas",
+                        shown(&kinds[row])
+                    ),
+                )
+            })?;
+            let id = u32::try_from(obstacle[row]).map_err(|_| {
+                InputError::in_file(
+                    path,
+                    format!(
+                        "column obstacle holds {}, expected less than 2^32",
+                        obstacle[row]
+                    ),
+                )
+            })?;
+            let volume = ProtectedVolume::Sphere { radius_m: at(6) };
+            let mut obstacle = Obstacle::new(
+                id,
+                Vec3::new(at(0), at(1), at(2)),
+                Vec3::new(at(3), at(4), at(5)),
+                volume,
+            );
+            obstacle.movement = movement;
+            found.push((encounter[row], obstacle));
+        }
+    }
+    encounters::from_rows(found).map_err(|message| InputError::in_file(path, message))
+}
+
+/// Aircraft with tracks.
+pub(super) fn tracks(bytes: Vec<u8>, path: &Path) -> Result<Vec<Named>, InputError> {
+    let table = Table::open(bytes, path)?;
+    let mut found: Vec<(u64, Named)> = Vec::new();
+    for group in table.groups() {
+        take_tracks(&group?, &table, path, &mut found)?;
+    }
+    let mut numbers: Vec<u64> = found.iter().map(|(number, _)| *number).collect();
+    numbers.sort_unstable();
+    if let Some([twice, _]) = numbers
+        .windows(2)
+        .filter_map(|pair| pair.as_array::<2>())
+        .find(|[a, b]| a == b)
+    {
+        return Err(InputError::in_file(
+            path,
+            format!("encounter {twice} stands in two places, expected its rows together"),
+        ));
+    }
+    for (number, named) in &found {
+        let message = match named.recording.aircraft.as_slice() {
+            [_] => "has one aircraft only, expected the ownship and at least one more",
+            _ => continue,
+        };
+        return Err(InputError::in_file(
+            path,
+            format!("encounter {number} {message}"),
+        ));
+    }
+    if found.is_empty() {
+        return Err(InputError::in_file(
+            path,
+            "holds no rows, expected at least one",
+        ));
+    }
+    Ok(found.into_iter().map(|(_, named)| named).collect())
+}
+
+/// The columns that a table may lack.
+struct Extras {
+    deviations: [Option<Vec<f64>>; 8],
+    air: Option<[Vec<Option<f64>>; 2]>,
+}
+
+impl Extras {
+    fn of(group: &Group<'_>, table: &Table<'_>) -> Result<Self, InputError> {
+        let mut deviations: [Option<Vec<f64>>; 8] = Default::default();
+        for (column, (name, _)) in deviations
+            .iter_mut()
+            .zip(&TRACK_COLUMNS[DEVIATIONS_FROM..AIR_FROM])
+        {
+            if table.has(name) {
+                *column = Some(group.numbers(name)?);
+            }
+        }
+        let [east, north] = AIR;
+        let air = if table.has(east) && table.has(north) {
+            Some([group.maybe_numbers(east)?, group.maybe_numbers(north)?])
+        } else {
+            None
+        };
+        Ok(Self { deviations, air })
+    }
+
+    fn air_mps(&self, row: usize) -> Option<Vec3> {
+        let [east, north] = self.air.as_ref()?;
+        Some(Vec3::new(east[row]?, north[row]?, 0.0))
+    }
+
+    fn deviation(&self, row: usize) -> Result<Deviation, String> {
+        let of = |index: usize| self.deviations[index].as_ref().map_or(0.0, |v| v[row]);
+        let columns = &TRACK_COLUMNS[DEVIATIONS_FROM..AIR_FROM];
+        for (index, (name, _)) in columns.iter().enumerate() {
+            if of(index) < 0.0 && !name.starts_with("east_north") {
+                return Err(format!(
+                    "column {name} holds {}, expected a deviation of 0 or more",
+                    of(index)
+                ));
+            }
+        }
+        Ok(Deviation {
+            east_m: of(0),
+            north_m: of(1),
+            east_north_m: of(2),
+            up_m: of(3),
+            east_mps: of(4),
+            north_mps: of(5),
+            east_north_mps: of(6),
+            up_mps: of(7),
+        })
+    }
+}
+
+/// Adds the rows of a group; an encounter may go on from one group to the next.
+fn take_tracks(
+    group: &Group<'_>,
+    table: &Table<'_>,
+    path: &Path,
+    found: &mut Vec<(u64, Named)>,
+) -> Result<(), InputError> {
+    let numbers = group.wholes("encounter")?;
+    let seeds = if table.has("seed") {
+        Some(group.wholes("seed")?)
+    } else {
+        None
+    };
+    let weights = if table.has("weight") {
+        Some(group.numbers("weight")?)
+    } else {
+        None
+    };
+    let names = group.texts("aircraft")?;
+    let values = TRACK_COLUMNS[4..DEVIATIONS_FROM]
+        .iter()
+        .map(|(name, _)| group.numbers(name))
+        .collect::<Result<Vec<_>, _>>()?;
+    let extras = Extras::of(group, table)?;
+    for row in 0..group.count {
+        let number = numbers[row];
+        let at = |column: usize| values[column][row];
+        let wrong = |message: String| {
+            let name = shown(&names[row]);
+            InputError::in_file(
+                path,
+                format!("encounter {number}, aircraft {name}: {message}"),
+            )
+        };
+        if found.last().is_none_or(|(last, _)| *last != number) {
+            let origin = Origin {
+                number: Some(number),
+                seed: seeds.as_ref().map(|seeds| seeds[row]),
+                weight: weights.as_ref().map_or(1.0, |weights| weights[row]),
+            };
+            let mut recording = Recording {
+                aircraft: Vec::new(),
+                frame: None,
+                parameters: Vec::new(),
+            };
+            origin.mark(&mut recording);
+            let name = format!("{number:08}");
+            found.push((number, Named { name, recording }));
+        }
+        let Some((_, named)) = found.last_mut() else {
+            continue;
+        };
+        let aircraft = &mut named.recording.aircraft;
+        if aircraft.last().is_none_or(|last| last.name != names[row]) {
+            if aircraft.iter().any(|known| known.name == names[row]) {
+                return Err(wrong(
+                    "stands in two places, expected its rows together".into(),
+                ));
+            }
+            aircraft.push(Track {
+                name: names[row].clone(),
+                samples: Vec::new(),
+            });
+        }
+        let sample = TrackSample {
+            air_mps: extras.air_mps(row),
+            deviation: extras.deviation(row).map_err(wrong)?,
+            ..TrackSample::new(
+                at(0),
+                Vec3::new(at(1), at(2), at(3)),
+                Vec3::new(at(4), at(5), at(6)),
+            )
+        };
+        let is_far = (0..4).any(|column| at(column).abs() > LARGEST);
+        if is_far || sample.velocity_mps.length() > LARGEST_SPEED_MPS {
+            return Err(wrong(format!(
+                "has a position, speed or time out of range at {} s",
+                sample.time_s
+            )));
+        }
+        let Some(track) = aircraft.last_mut() else {
+            continue;
+        };
+        if let Some(last) = track.samples.last()
+            && last.time_s >= sample.time_s
+        {
+            return Err(wrong(format!(
+                "the time goes from {} s to {} s, expected it to grow",
+                last.time_s, sample.time_s
+            )));
+        }
+        track.samples.push(sample);
+    }
+    Ok(())
+}
