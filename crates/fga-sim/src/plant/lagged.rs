@@ -4,7 +4,6 @@
 //! while rolling out to level, then level. The moment is exact to rounding, so a turn ends on its course.
 
 use fga::Vec3;
-use fga::angle::direction;
 use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 use super::pi_controller::{PiController, PiGains};
@@ -71,6 +70,9 @@ const THERE_RAD: f64 = 1e-6;
 /// A smaller turn does not roll in, radians.
 const LITTLE_RAD: f64 = 1e-7;
 
+/// A bound of the turn of a roll-out is larger by this factor than its formula, for rounding.
+const WITH_ROUNDING: f64 = 1.0 + 1e-9;
+
 /// Most iterations for the start of a roll-out.
 const STEPS_TO_ROLL_OUT: u32 = 44;
 
@@ -113,6 +115,16 @@ impl Plant {
         let longest_s = LONGEST_STEP_S.min(lag_s / STEPS_OF_LAG);
         // The remaining turn beyond the roll-out's, where the last step has computed it.
         let mut known = None;
+        let limit = self.active.map_or(0.0, |stage| {
+            self.course_rate_limit_radps() * stage.rate_share
+        });
+        let full_rad = self.bank_of(limit);
+        let rolls_out_rad = lag_s * limit * WITH_ROUNDING + LITTLE_RAD;
+        // tan(u)/u grows with u: a roll-out turns less than the largest rate does in a time constant. A turn with
+        // more than that left goes on; how much more does not matter.
+        let goes_on = |flight: &Flight, left_rad: f64| {
+            flight.bank_rad.abs() <= full_rad && left_rad.abs() > rolls_out_rad
+        };
         while self.time_s < until_s {
             let left_s = until_s - self.time_s;
             let (climb_rate, climb_s) = rate_to(
@@ -120,17 +132,28 @@ impl Plant {
                 self.vehicle.climb_rate_radps,
                 left_s,
             );
-            let limit = self.active.map_or(0.0, |stage| {
-                self.course_rate_limit_radps() * stage.rate_share
-            });
-            let beyond = known.take().unwrap_or_else(|| self.beyond_roll_out_rad());
+            let now = self.flight();
+            let left_rad = self.left_rad(&now);
+            let far = limit > 0.0 && goes_on(&now, left_rad);
+            let computed = known.take();
+            let beyond = if far {
+                left_rad
+            } else {
+                computed.unwrap_or_else(|| self.beyond_at(&now))
+            };
             let turns = limit > 0.0 && beyond.abs() > LITTLE_RAD;
             let command = if turns {
-                libm::copysign(self.bank_of(limit), beyond)
+                libm::copysign(full_rad, beyond)
             } else {
                 0.0
             };
             if (self.bank_rad - command).abs() <= THERE_RAD {
+                let ends_later = beyond.abs() - rolls_out_rad > limit * left_s;
+                let beyond = if far && !ends_later {
+                    self.beyond_at(&now)
+                } else {
+                    beyond
+                };
                 self.bank_rad = command;
                 let (course_rate, turn_s) = if turns {
                     (libm::copysign(limit, beyond), beyond.abs() / limit)
@@ -156,32 +179,22 @@ impl Plant {
             }
             let mut step_s = longest_s.min(left_s).min(climb_s);
             let mut after = self.rolled(command, climb_rate, step_s);
-            let left = if turns {
-                self.beyond_at(&after)
-            } else {
+            let left_rad = self.left_rad(&after);
+            let left = if !turns {
                 beyond
+            } else if goes_on(&after, left_rad) {
+                left_rad
+            } else {
+                let left = self.beyond_at(&after);
+                known = Some(left);
+                left
             };
-            known = turns.then_some(left);
             if left * beyond < 0.0 {
-                // The roll-out begins within this step (the Illinois method).
-                let (mut a_s, mut at_a) = (0.0, beyond);
-                let (mut b_s, mut at_b) = (step_s, left);
-                for _ in 0..STEPS_TO_ROLL_OUT {
-                    if at_b.abs() < ROLL_OUT_BEGINS_RAD || at_a == at_b {
-                        break;
-                    }
-                    let c_s = b_s - at_b * (b_s - a_s) / (at_b - at_a);
-                    after = self.rolled(command, climb_rate, c_s);
-                    let at_c = self.beyond_at(&after);
-                    if at_c * at_b < 0.0 {
-                        (a_s, at_a) = (b_s, at_b);
-                    } else {
-                        at_a *= 0.5;
-                    }
-                    (b_s, at_b) = (c_s, at_c);
-                }
-                step_s = b_s;
-                known = Some(at_b);
+                let at_end = (step_s, left);
+                let (begins_s, left) =
+                    self.roll_out_begins((command, climb_rate), at_end, &mut after);
+                step_s = begins_s;
+                known = Some(left);
             }
             let course_rate = (after.course_rad - self.course_rad) / step_s;
             let arc = self.arc(step_s, course_rate, climb_rate);
@@ -212,15 +225,48 @@ impl Plant {
         }
     }
 
-    /// The remaining turn beyond the turn made while rolling out to level, radians.
-    fn beyond_roll_out_rad(&self) -> f64 {
-        self.beyond_at(&Flight {
+    /// When the roll-out begins within a step at whose end it has begun (the Illinois method), and the remaining
+    /// turn beyond it then; sets the flight `after` to that moment.
+    fn roll_out_begins(
+        &self,
+        (command, climb_rate): (f64, f64),
+        (step_s, left): (f64, f64),
+        after: &mut Flight,
+    ) -> (f64, f64) {
+        let (mut a_s, mut at_a) = (0.0, self.beyond_at(&self.flight()));
+        let (mut b_s, mut at_b) = (step_s, left);
+        for _ in 0..STEPS_TO_ROLL_OUT {
+            if at_b.abs() < ROLL_OUT_BEGINS_RAD || at_a == at_b {
+                break;
+            }
+            let c_s = b_s - at_b * (b_s - a_s) / (at_b - at_a);
+            *after = self.rolled(command, climb_rate, c_s);
+            let at_c = self.beyond_at(after);
+            if at_c * at_b < 0.0 {
+                (a_s, at_a) = (b_s, at_b);
+            } else {
+                at_a *= 0.5;
+            }
+            (b_s, at_b) = (c_s, at_c);
+        }
+        (b_s, at_b)
+    }
+
+    const fn flight(&self) -> Flight {
+        Flight {
             position_m: self.position_m,
             course_rad: self.course_rad,
             bank_rad: self.bank_rad,
-        })
+        }
     }
 
+    /// The remaining turn, radians.
+    fn left_rad(&self, flight: &Flight) -> f64 {
+        self.active
+            .map_or(0.0, |stage| stage.course_rad - flight.course_rad)
+    }
+
+    /// The remaining turn beyond the turn made while rolling out to level, radians.
     fn beyond_at(&self, flight: &Flight) -> f64 {
         let Some(stage) = self.active else { return 0.0 };
         let response = self.vehicle.response;
@@ -244,8 +290,18 @@ impl Plant {
                 bank_command
             },
         };
+        let held = libm::sincos(climb);
+        let heading = |course_rad: f64, after_s: f64| {
+            let (sin_climb, cos_climb) = if climb_rate == 0.0 {
+                held
+            } else {
+                libm::sincos(climb + climb_rate * after_s)
+            };
+            let (sin_course, cos_course) = libm::sincos(course_rad);
+            Vec3::new(cos_climb * cos_course, cos_climb * sin_course, sin_climb)
+        };
         let rate = |state: Flight, after_s: f64| Flight {
-            position_m: direction(state.course_rad, climb + climb_rate * after_s) * speed + wind,
+            position_m: heading(state.course_rad, after_s) * speed + wind,
             course_rad: factor * STANDARD_GRAVITY_MPS2 * libm::tan(state.bank_rad) / speed,
             bank_rad: if time_constant_s > 0.0 {
                 (bank_command - state.bank_rad) / time_constant_s
@@ -318,5 +374,21 @@ impl Plant {
             None => remaining / step_s,
         };
         rate.clamp(-limit, limit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bound by which a step leaves the integral out.
+    #[test]
+    fn a_roll_out_turns_less_than_the_largest_rate_does_in_a_time_constant() {
+        for hundredths in 1..150 {
+            let bank_rad = 0.01 * f64::from(hundredths);
+            let turn = roll_out_integral(bank_rad);
+            assert!(turn < libm::tan(bank_rad), "{bank_rad}: {turn}");
+            assert!(turn > bank_rad, "{bank_rad}: {turn}");
+        }
     }
 }
