@@ -182,6 +182,13 @@ def test_progress_that_raises_ends_the_work(encounters):
     assert begun and os.getpid()
 
 
+@pytest.mark.skipif(not os.path.isdir("/proc/self/task"), reason="counts threads in /proc")
+def test_no_thread_outlives_its_call(encounters):
+    before = len(os.listdir("/proc/self/task"))
+    fga.batch(encounters, threads=64)
+    assert len(os.listdir("/proc/self/task")) <= before
+
+
 def test_the_replay_page_shows_in_a_notebook(root):
     page = fga.replay(fga.run(root / "scenarios" / "first-flight.toml"))
     shown = page._repr_html_()

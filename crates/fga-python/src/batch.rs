@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use crate::failure::input;
 use crate::pilot::model_of;
 use crate::table::{Column, Table, batches_of};
-use crate::work::{interruptible, pool};
+use crate::work::interruptible;
 
 /// Encounters searched between two checks of Ctrl-C.
 const BLOCK: usize = 64;
@@ -218,23 +218,20 @@ pub(crate) fn batch(
         tracks: false,
     };
     let encounters = encounters_of(encounters)?;
-    let pool = pool(threads)?;
-    let flown = interruptible(py, progress, |shared| {
+    let flown = interruptible(py, threads, progress, |shared| {
         shared
             .total
             .store(encounters.len() as u64, Ordering::Relaxed);
         let mut csv = format!("{RESULT_COLUMNS}\n").into_bytes();
         let mut rows = Vec::with_capacity(encounters.len());
-        pool.install(|| {
-            fly_all(&encounters, &settings, |row| {
-                if !shared.goes_on() {
-                    return Err("interrupted");
-                }
-                row.push_result(&mut csv);
-                rows.push((row.encounter, row.separated(), row.outcome));
-                shared.done.fetch_add(1, Ordering::Relaxed);
-                Ok(())
-            })
+        fly_all(&encounters, &settings, |row| {
+            if !shared.goes_on() {
+                return Err("interrupted");
+            }
+            row.push_result(&mut csv);
+            rows.push((row.encounter, row.separated(), row.outcome));
+            shared.done.fetch_add(1, Ordering::Relaxed);
+            Ok(())
         })
         .map(|()| (csv, rows))
     })?;
@@ -295,8 +292,7 @@ pub(crate) fn oracle(
     let model = model_or_built_in(vehicle)?;
     let judge = Judge::new(&model, checked_horizon(horizon_s)?).map_err(PyValueError::new_err)?;
     let encounters = encounters_of(encounters)?;
-    let pool = pool(threads)?;
-    let margins = interruptible(py, progress, |shared| {
+    let margins = interruptible(py, threads, progress, |shared| {
         shared
             .total
             .store(encounters.len() as u64, Ordering::Relaxed);
@@ -306,7 +302,7 @@ pub(crate) fn oracle(
                 break;
             }
             let of = |encounter: &Encounter| judge.best_margin_m(encounter);
-            margins.extend(pool.install(|| block.par_iter().map(of).collect::<Vec<_>>()));
+            margins.par_extend(block.par_iter().map(of));
             shared.done.fetch_add(block.len() as u64, Ordering::Relaxed);
         }
         margins

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 
 use crate::failure::{campaign as failed, input, output};
 use crate::table::{Column, Table};
-use crate::work::{interruptible, pool};
+use crate::work::interruptible;
 
 /// A campaign from its file: encounters drawn by number, flown under every policy, in blocks.
 ///
@@ -173,32 +173,29 @@ impl Campaign {
     ) -> PyResult<(String, usize, Bound<'py, PyBytes>)> {
         self.check_block(block)?;
         let range = self.0.configuration.range_of(block);
-        let pool = pool(threads)?;
-        let (name, rows, bytes) = interruptible(py, progress, |shared| {
+        let (name, rows, bytes) = interruptible(py, threads, progress, |shared| {
             shared
                 .total
                 .store(range.end - range.start, Ordering::Relaxed);
-            let flown: Result<Vec<Vec<Row>>, CampaignError> = pool.install(|| {
-                range
-                    .into_par_iter()
-                    .map_init(
-                        || Flyer::new(&self.0),
-                        |flyer, number| {
-                            let Ok(flyer) = flyer else {
-                                return Err(CampaignError::Other(
-                                    "the campaign cannot be flown".into(),
-                                ));
-                            };
-                            let mut flown = Vec::new();
-                            if shared.goes_on() {
-                                flyer.fly(number, &mut flown)?;
-                            }
-                            shared.done.fetch_add(1, Ordering::Relaxed);
-                            Ok(flown.into_iter().map(|flown| flown.row).collect())
-                        },
-                    )
-                    .collect()
-            });
+            let flown: Result<Vec<Vec<Row>>, CampaignError> = range
+                .into_par_iter()
+                .map_init(
+                    || Flyer::new(&self.0),
+                    |flyer, number| {
+                        let Ok(flyer) = flyer else {
+                            return Err(CampaignError::Other(
+                                "the campaign cannot be flown".into(),
+                            ));
+                        };
+                        let mut flown = Vec::new();
+                        if shared.goes_on() {
+                            flyer.fly(number, &mut flown)?;
+                        }
+                        shared.done.fetch_add(1, Ordering::Relaxed);
+                        Ok(flown.into_iter().map(|flown| flown.row).collect())
+                    },
+                )
+                .collect();
             let rows: Vec<Row> = flown?.into_iter().flatten().collect();
             let (name, bytes) = encode_block(block, &rows, &self.0, &Self::stamp())?;
             Ok::<_, CampaignError>((name, rows.len(), bytes))
@@ -248,7 +245,6 @@ impl Campaign {
             let told = fga_sim::campaign::reread(&folder, &self.0, None).map_err(failed)?;
             return Ok(told.sha256);
         }
-        let pool = pool(threads)?;
         let task = Task {
             campaign: &self.0,
             shard: Shard::WHOLE,
@@ -256,14 +252,12 @@ impl Campaign {
             folder,
             resume,
         };
-        interruptible(py, progress, |shared| {
+        interruptible(py, threads, progress, |shared| {
             shared
                 .total
                 .store(self.0.configuration.encounters, Ordering::Relaxed);
-            pool.install(|| {
-                fly(&task, &|| shared.goes_on(), &mut |progress| {
-                    shared.done.store(progress.done, Ordering::Relaxed);
-                })
+            fly(&task, &|| shared.goes_on(), &mut |progress| {
+                shared.done.store(progress.done, Ordering::Relaxed);
             })?;
             self.finish(&task.folder, csv)
         })?

@@ -31,29 +31,25 @@ impl Shared {
     }
 }
 
-/// A pool of threads for one call: nothing survives it, so a fork finds no lock of a thread that does not
-/// exist.
-pub(crate) fn pool(threads: Option<usize>) -> PyResult<ThreadPool> {
-    if let Some(threads) = threads
-        && !(1..=MOST_THREADS).contains(&threads)
-    {
-        return Err(PyValueError::new_err(format!(
-            "threads is {threads}, expected 1 to {MOST_THREADS}"
-        )));
+fn checked(threads: Option<usize>) -> PyResult<usize> {
+    match threads {
+        Some(threads) if !(1..=MOST_THREADS).contains(&threads) => Err(PyValueError::new_err(
+            format!("threads is {threads}, expected 1 to {MOST_THREADS}"),
+        )),
+        threads => Ok(threads.unwrap_or(0)),
     }
-    ThreadPoolBuilder::new()
-        .num_threads(threads.unwrap_or(0))
-        .build()
-        .map_err(|error| PyValueError::new_err(format!("threads cannot be started: {error}")))
 }
 
-/// Runs work on a separate thread. This thread calls `progress(done, total)` some times a second;
-/// its exceptions, and Ctrl-C, end the work and are raised.
+/// Runs work on threads of its own, which end before this returns: a fork finds no lock of a thread that
+/// does not exist. This thread calls `progress(done, total)` some times a second; its exceptions, and
+/// Ctrl-C, end the work and are raised.
 pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
+    threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Shared) -> T + Send,
 ) -> PyResult<T> {
+    let threads = checked(threads)?;
     let shared = Shared::default();
     let show = || -> PyResult<()> {
         let Some(progress) = progress else {
@@ -66,7 +62,12 @@ pub(crate) fn interruptible<T: Send>(
         Ok(())
     };
     std::thread::scope(|scope| {
-        let worker = scope.spawn(|| work(&shared));
+        let worker = scope.spawn(|| {
+            let install = |pool: &ThreadPool| pool.install(|| work(&shared));
+            ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build_scoped(|thread| thread.run(), install)
+        });
         let mut failed = None;
         while !worker.is_finished() {
             py.detach(|| std::thread::park_timeout(PAUSE));
@@ -77,7 +78,12 @@ pub(crate) fn interruptible<T: Send>(
                 }
             }
         }
-        let result = worker.join().unwrap_or_else(|panic| resume_unwind(panic));
+        let result = worker
+            .join()
+            .unwrap_or_else(|panic| resume_unwind(panic))
+            .map_err(|error| {
+                PyValueError::new_err(format!("threads cannot be started: {error}"))
+            })?;
         match failed {
             Some(error) => Err(error),
             None => show().map(|()| result),

@@ -290,7 +290,13 @@ impl FlightPath {
             }
             return Some(flyer.advance(from, piece, duration_s));
         }
-        let mut steps = ArcSteps::new(flyer, from, piece, duration_s / count as f64);
+        // Where the nodes run out, those there are keep their distance.
+        let step_s = if count > MAX_NODES {
+            longest_s
+        } else {
+            duration_s / count as f64
+        };
+        let mut steps = ArcSteps::new(flyer, from, piece, step_s);
         for _ in 0..count {
             node.state = *steps.state();
             if !self.push(node) {
@@ -333,8 +339,7 @@ impl FlightPath {
         }
         self.finish(flyer, &state);
         // A slow turn may need more nodes than there are: beyond the horizon they decide nothing.
-        let last = self.nodes().last();
-        self.complete |= last.is_some_and(|last| last.state.time_s >= horizon_s);
+        self.complete |= (self.nodes().last()).is_some_and(|last| last.state.time_s >= horizon_s);
         self.complete &= maneuver.is_whole();
     }
 
