@@ -12,7 +12,7 @@
 //! | what does a campaign file contain? | [`mod@file`] |
 //! | what determines one campaign? | [`Configuration`], [`Campaign`] |
 //! | which models does it draw from? | [`sources`] |
-//! | what does the ownship know of the others? | [`sensors`] |
+//! | what does the ownship know of the others? | [`sensors`](fga_files::sensors) |
 //! | which recordings does it fly? | [`crate::recorded`] |
 //! | what is the result of one flown encounter? | [`Row`], [`metrics`] |
 //! | how do files hold rows? | [`table`] |
