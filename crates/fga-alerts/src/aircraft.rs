@@ -66,6 +66,44 @@ pub struct Deviation {
 }
 
 impl Deviation {
+    /// From the values in the order of the fields.
+    pub const fn from_array(values: [f64; 8]) -> Self {
+        let [
+            east_m,
+            north_m,
+            east_north_m,
+            up_m,
+            east_mps,
+            north_mps,
+            east_north_mps,
+            up_mps,
+        ] = values;
+        Self {
+            east_m,
+            north_m,
+            east_north_m,
+            up_m,
+            east_mps,
+            north_mps,
+            east_north_mps,
+            up_mps,
+        }
+    }
+
+    /// The values in the order of the fields.
+    pub const fn to_array(self) -> [f64; 8] {
+        [
+            self.east_m,
+            self.north_m,
+            self.east_north_m,
+            self.up_m,
+            self.east_mps,
+            self.north_mps,
+            self.east_north_mps,
+            self.up_mps,
+        ]
+    }
+
     /// The largest standard deviation of the position in any direction, metres.
     pub fn largest_m(&self) -> f64 {
         self.horizontal_m().max(self.up_m)

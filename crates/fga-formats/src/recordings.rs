@@ -89,7 +89,7 @@ pub fn read(path: &Path) -> Result<Vec<Named>, InputError> {
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<Named>, InputError> {
     let text = text_of(bytes, path)?;
-    let text = text.trim_start_matches('\u{feff}');
+    let text = text.as_str();
     let name = name_of(path);
     let one = |recording: Recording| {
         if recording.aircraft.len() < 2 {
@@ -120,7 +120,7 @@ pub fn is_recording(bytes: &[u8], path: &Path) -> bool {
     let Ok(text) = text_of(bytes, path) else {
         return true;
     };
-    let begin = text.trim_start_matches('\u{feff}').trim_start();
+    let begin = text.trim_start();
     if begin.starts_with(['[', '{']) || degas::is_degas(begin) {
         return true;
     }
@@ -151,20 +151,23 @@ fn name_of(path: &Path) -> String {
         .to_owned()
 }
 
-/// The text of a file, decompressed if it is a gzip one.
+/// The text of a file without its byte order mark, decompressed if it is a gzip one.
 pub(crate) fn text_of(bytes: &[u8], path: &Path) -> Result<String, InputError> {
-    if !bytes.starts_with(&[0x1f, 0x8b]) {
-        return Ok(String::from_utf8_lossy(bytes).into_owned());
-    }
     let mut plain = Vec::new();
-    flate2::read::MultiGzDecoder::new(bytes)
-        .take(LARGEST)
-        .read_to_end(&mut plain)
-        .map_err(|error| {
-            InputError::in_file(
-                path,
-                format!("holds damaged gzip data ({error}), expected a whole file"),
-            )
-        })?;
-    Ok(String::from_utf8_lossy(&plain).into_owned())
+    let bytes = if bytes.starts_with(&[0x1f, 0x8b]) {
+        flate2::read::MultiGzDecoder::new(bytes)
+            .take(LARGEST)
+            .read_to_end(&mut plain)
+            .map_err(|error| {
+                InputError::in_file(
+                    path,
+                    format!("holds damaged gzip data ({error}), expected a whole file"),
+                )
+            })?;
+        &plain
+    } else {
+        bytes
+    };
+    let text = String::from_utf8_lossy(bytes);
+    Ok(text.trim_start_matches('\u{feff}').to_owned())
 }

@@ -391,6 +391,8 @@ fn a_compressed_recording_is_read_and_a_cut_one_is_named() {
     let path = folder.path().join("a.daa.gz");
     std::fs::write(&path, &bytes).unwrap();
     assert_eq!(daa::read(&path).unwrap(), parse(text).unwrap());
+    std::fs::write(&path, format!("\u{feff}{text}")).unwrap();
+    assert_eq!(daa::read(&path).unwrap(), parse(text).unwrap());
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
     let said = daa::read(&path).unwrap_err().to_string();
     assert!(

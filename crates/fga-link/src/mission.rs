@@ -190,7 +190,7 @@ mod tests {
     use super::*;
     use fga_formats::geodesy::Earth;
 
-    fn item(seq: u16, command: MavCmd, x: i32, y: i32) -> MISSION_ITEM_INT_DATA {
+    pub(super) fn item(seq: u16, command: MavCmd, x: i32, y: i32) -> MISSION_ITEM_INT_DATA {
         MISSION_ITEM_INT_DATA {
             seq,
             command,

@@ -267,23 +267,23 @@ impl LevelSearch<'_> {
 
     /// The altitudes that meet no conflict.
     pub(crate) fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
-        free.clear();
-        self.free_runs(task, When::Whole, |first, last| {
-            let value = |step| span.step * f64::from(step) + span.min;
-            span.add_free(free, value(first), value(last));
-            false
-        });
+        self.put_free(task, span, free, When::Whole);
     }
 
     /// A part of the altitudes that meet no conflict; none where there is no such altitude.
     pub(crate) fn some_free(&self, task: &Task, span: &Span, free: &mut Intervals) -> bool {
+        self.put_free(task, span, free, When::Soon)
+    }
+
+    /// Puts the free altitudes, or the first part of them that has a length; whether there are any.
+    fn put_free(&self, task: &Task, span: &Span, free: &mut Intervals, when: When) -> bool {
         free.clear();
         let mut found = false;
-        self.free_runs(task, When::Soon, |first, last| {
+        self.free_runs(task, when, |first, last| {
             let value = |step| span.step * f64::from(step) + span.min;
             span.add_free(free, value(first), value(last));
             found = true;
-            true
+            when == When::Soon
         });
         found
     }

@@ -179,25 +179,6 @@ impl Extras {
                 }
             }
         }
-        let [
-            east_m,
-            north_m,
-            east_north_m,
-            up_m,
-            east_mps,
-            north_mps,
-            east_north_mps,
-            up_mps,
-        ] = values;
-        Ok(Deviation {
-            east_m,
-            north_m,
-            east_north_m,
-            up_m,
-            east_mps,
-            north_mps,
-            east_north_mps,
-            up_mps,
-        })
+        Ok(Deviation::from_array(values))
     }
 }

@@ -194,8 +194,7 @@ pub fn read(path: &Path) -> Result<Recording, InputError> {
 /// The text of a recording's file, decompressed if it is a gzip one.
 pub(crate) fn text(path: &Path) -> Result<String, InputError> {
     let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
-    text_of(bytes, path)
+    text_of(&bytes, path)
 }
 
 /// The numbered lines that are neither blank nor a comment, trimmed.

@@ -54,7 +54,9 @@ pub fn write(path: &Path, recording: &Recording) -> Result<(), OutputError> {
                     write_air(out, sample)?;
                 }
                 if has_deviation {
-                    write_deviation(out, &sample.deviation)?;
+                    for value in sample.deviation.to_array() {
+                        write!(out, ", {value}")?;
+                    }
                 }
                 writeln!(out)?;
             }
@@ -72,23 +74,6 @@ fn write_air(out: &mut impl Write, sample: &TrackSample) -> std::io::Result<()> 
     let heading_deg = compass_from_course_deg(libm::atan2(north, east));
     let airspeed_mps = libm::hypot(east, north);
     write!(out, ", {east}, {north}, {heading_deg}, {airspeed_mps}")
-}
-
-fn write_deviation(out: &mut impl Write, deviation: &Deviation) -> std::io::Result<()> {
-    let Deviation {
-        east_m,
-        north_m,
-        east_north_m,
-        up_m,
-        east_mps,
-        north_mps,
-        east_north_mps,
-        up_mps,
-    } = *deviation;
-    write!(
-        out,
-        ", {east_m}, {north_m}, {east_north_m}, {up_m}, {east_mps}, {north_mps}, {east_north_mps}, {up_mps}"
-    )
 }
 
 /// A text without the characters that mean something in the format.

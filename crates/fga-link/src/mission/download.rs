@@ -279,21 +279,10 @@ fn item_request(kind: MavMissionType, seq: u16, target_system: u8) -> MavMessage
 
 #[cfg(test)]
 mod tests {
-    use mavlink::dialects::ardupilotmega::{MavCmd, MavFrame};
+    use mavlink::dialects::ardupilotmega::MavCmd;
 
     use super::*;
-
-    fn item(seq: u16, command: MavCmd, x: i32, y: i32) -> MISSION_ITEM_INT_DATA {
-        MISSION_ITEM_INT_DATA {
-            seq,
-            command,
-            x,
-            y,
-            z: 100.0,
-            frame: MavFrame::MAV_FRAME_GLOBAL_RELATIVE_ALT,
-            ..MISSION_ITEM_INT_DATA::DEFAULT
-        }
-    }
+    use crate::mission::tests::item;
 
     #[test]
     fn a_list_is_downloaded_through_losses() {

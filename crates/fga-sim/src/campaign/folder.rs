@@ -327,9 +327,7 @@ pub fn read_block(path: &Path, block: u64, campaign: &Campaign) -> Result<Vec<Ro
         rows.append(&mut group);
         Ok::<_, ParquetError>(())
     })
-    .map_err(|error| {
-        InputError::in_file(path, format!("cannot be used: {}", table::reason(&error)))
-    })?;
+    .map_err(|error| table::unusable(path, &error))?;
     let expected = campaign.configuration.range_of(block);
     let each = campaign.policies.len() as u64;
     let in_place =

@@ -91,9 +91,7 @@ pub fn reread(
         }
         Ok::<_, ParquetError>(())
     })
-    .map_err(|error| {
-        InputError::in_file(&path, format!("cannot be used: {}", table::reason(&error)))
-    })?;
+    .map_err(|error| table::unusable(&path, &error))?;
     Ok(Assembled {
         summary,
         sha256: found,

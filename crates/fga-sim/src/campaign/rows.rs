@@ -49,9 +49,7 @@ impl RowFiles {
                     rows.iter().for_each(&mut take);
                     Ok::<_, ParquetError>(())
                 })
-                .map_err(|error| {
-                    InputError::in_file(path, format!("cannot be used: {}", table::reason(&error)))
-                })?;
+                .map_err(|error| table::unusable(path, &error))?;
             }
             Self::Blocks(blocks) => {
                 for (block, path) in blocks {

@@ -7,7 +7,9 @@
 use alloc::sync::Arc;
 use core::fmt::Write as _;
 use std::io::Write;
+use std::path::Path;
 
+use fga_formats::InputError;
 use fga_formats::error::shown;
 use fga_formats::number::push_fixed;
 use fga_formats::words::push_csv_field;
@@ -348,12 +350,13 @@ pub fn read<R: ChunkReader + 'static, E: From<ParquetError>>(
     Ok(())
 }
 
-/// What is wrong with a table, without a prefix where this crate says it.
-pub(super) fn reason(error: &ParquetError) -> String {
-    match error {
+/// What is wrong with a table, without the reader's prefix where this crate says it.
+pub(super) fn unusable(path: &Path, error: &ParquetError) -> InputError {
+    let reason = match error {
         ParquetError::General(message) => message.clone(),
         other => other.to_string(),
-    }
+    };
+    InputError::in_file(path, format!("cannot be used: {reason}"))
 }
 
 /// The first column that differs from those of a campaign.

@@ -95,33 +95,17 @@ impl Group<'_> {
             }
             _ => return Err(self.wrong(name, "numbers")),
         };
-        match numbers.iter().find(|number| !number.is_finite()) {
-            None => Ok(numbers),
-            Some(number) => Err(self.error(format!(
-                "column {name} holds {number}, expected finite numbers"
-            ))),
-        }
+        self.expect_finite(name, &numbers)?;
+        Ok(numbers)
     }
 
     /// A column of finite numbers with empty fields.
     pub(super) fn maybe_numbers(&self, name: &str) -> Result<Vec<Option<f64>>, InputError> {
-        let ColumnReader::DoubleColumnReader(mut column) = self.column(name)? else {
+        let ColumnReader::DoubleColumnReader(column) = self.column(name)? else {
             return Err(self.wrong(name, "numbers of 64 bits"));
         };
-        let (mut values, mut levels) = (Vec::new(), Vec::new());
-        loop {
-            let (records, _, _) = column
-                .read_records(self.count, Some(&mut levels), None, &mut values)
-                .map_err(|error| damaged(self.path, &error))?;
-            if records == 0 {
-                break;
-            }
-        }
-        if let Some(number) = values.iter().find(|number| !number.is_finite()) {
-            return Err(self.error(format!(
-                "column {name} holds {number}, expected finite numbers"
-            )));
-        }
+        let (values, mut levels) = self.records(column)?;
+        self.expect_finite(name, &values)?;
         // A column that may not be empty has no levels.
         if levels.is_empty() {
             levels.resize(values.len(), 1);
@@ -131,14 +115,8 @@ impl Group<'_> {
             .iter()
             .map(|level| if *level > 0 { values.next() } else { None })
             .collect();
-        if found.len() == self.count {
-            return Ok(found);
-        }
-        Err(self.error(format!(
-            "column {name} has {} fields in {} rows, expected one in each row",
-            found.len(),
-            self.count
-        )))
+        self.expect_one_a_row(name, found.len(), "fields")?;
+        Ok(found)
     }
 
     /// A column of whole numbers from 0.
@@ -182,23 +160,44 @@ impl Group<'_> {
     fn all<T: DataType>(
         &self,
         name: &str,
-        mut column: ColumnReaderImpl<T>,
+        column: ColumnReaderImpl<T>,
     ) -> Result<Vec<T::T>, InputError> {
+        let (values, _) = self.records(column)?;
+        self.expect_one_a_row(name, values.len(), "values")?;
+        Ok(values)
+    }
+
+    /// The values of a column, and for each field whether it has one; without the latter where none may be empty.
+    fn records<T: DataType>(
+        &self,
+        mut column: ColumnReaderImpl<T>,
+    ) -> Result<(Vec<T::T>, Vec<i16>), InputError> {
         let (mut values, mut levels) = (Vec::with_capacity(self.count), Vec::new());
         loop {
             let (records, _, _) = column
                 .read_records(self.count, Some(&mut levels), None, &mut values)
                 .map_err(|error| damaged(self.path, &error))?;
             if records == 0 {
-                break;
+                return Ok((values, levels));
             }
         }
-        if values.len() == self.count {
-            return Ok(values);
+    }
+
+    fn expect_finite(&self, name: &str, numbers: &[f64]) -> Result<(), InputError> {
+        match numbers.iter().find(|number| !number.is_finite()) {
+            None => Ok(()),
+            Some(number) => Err(self.error(format!(
+                "column {name} holds {number}, expected finite numbers"
+            ))),
+        }
+    }
+
+    fn expect_one_a_row(&self, name: &str, found: usize, what: &str) -> Result<(), InputError> {
+        if found == self.count {
+            return Ok(());
         }
         Err(self.error(format!(
-            "column {name} has {} values in {} rows, expected one in each row",
-            values.len(),
+            "column {name} has {found} {what} in {} rows, expected one in each row",
             self.count
         )))
     }

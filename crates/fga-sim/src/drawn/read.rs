@@ -152,26 +152,17 @@ impl Extras {
     }
 
     fn deviation(&self, row: usize) -> Result<Deviation, String> {
-        let of = |index: usize| self.deviations[index].as_ref().map_or(0.0, |v| v[row]);
+        let values = self.deviations.each_ref();
+        let values = values.map(|column| column.as_ref().map_or(0.0, |column| column[row]));
         let columns = &TRACK_COLUMNS[DEVIATIONS_FROM..AIR_FROM];
-        for (index, (name, _)) in columns.iter().enumerate() {
-            if of(index) < 0.0 && !name.starts_with("east_north") {
+        for (value, (name, _)) in values.into_iter().zip(columns) {
+            if value < 0.0 && !name.starts_with("east_north") {
                 return Err(format!(
-                    "column {name} holds {}, expected a deviation of 0 or more",
-                    of(index)
+                    "column {name} holds {value}, expected a deviation of 0 or more"
                 ));
             }
         }
-        Ok(Deviation {
-            east_m: of(0),
-            north_m: of(1),
-            east_north_m: of(2),
-            up_m: of(3),
-            east_mps: of(4),
-            north_mps: of(5),
-            east_north_mps: of(6),
-            up_mps: of(7),
-        })
+        Ok(Deviation::from_array(values))
     }
 }
 

@@ -12,7 +12,6 @@ use alloc::sync::Arc;
 use core::fmt::Write as _;
 use std::io::Write;
 
-use fga_alerts::Deviation;
 use fga_formats::daa::Recording;
 use fga_formats::encounters::{self, Encounter};
 use parquet::basic::Compression;
@@ -193,7 +192,7 @@ impl<W: Write + Send> TableWriter<W> {
                 self.texts.push(name.clone());
                 let (p, v) = (sample.position_m, sample.velocity_mps);
                 let values = [sample.time_s, p.x, p.y, p.z, v.x, v.y, v.z];
-                let values = values.into_iter().chain(deviations(&sample.deviation));
+                let values = values.into_iter().chain(sample.deviation.to_array());
                 for (column, value) in self.numbers.iter_mut().zip(values) {
                     column.push(value);
                 }
@@ -271,26 +270,13 @@ fn put_air<W: Write + Send>(
     Ok(())
 }
 
-/// The deviations in the order of their columns.
-fn deviations(deviation: &Deviation) -> [f64; 8] {
-    [
-        deviation.east_m,
-        deviation.north_m,
-        deviation.east_north_m,
-        deviation.up_m,
-        deviation.east_mps,
-        deviation.north_mps,
-        deviation.east_north_mps,
-        deviation.up_mps,
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use std::path::Path;
 
     use fga::Vec3;
     use fga::situation::{Obstacle, ProtectedVolume};
+    use fga_alerts::Deviation;
     use fga_formats::daa::{Track, TrackSample};
 
     use super::*;

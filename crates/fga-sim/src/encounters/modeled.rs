@@ -28,6 +28,7 @@ use core::f64::consts::TAU;
 
 use fga::Vec3;
 use fga_alerts::volume::Cylinder;
+use fga_alerts::{Pair, PairDeviation, State};
 pub use fga_files::campaign::OwnshipFlight;
 use fga_formats::daa::{Recording, Track, TrackSample};
 use fga_formats::encounter_model::{EncounterModel, ModelRow};
@@ -404,12 +405,15 @@ fn correlated_share(model: &EncounterModel, pairing: &Pairing) -> f64 {
 
 /// Whether two aircraft are well clear (ASTM F3442) where they begin.
 fn begin_clear((own, intruder): (&ModelRow, &ModelRow)) -> bool {
-    let offset_m = intruder.position_m - own.position_m;
-    let Cylinder {
-        radius_m,
-        half_height_m,
-    } = Cylinder::F3442;
-    libm::hypot(offset_m.x, offset_m.y) >= radius_m || offset_m.z.abs() >= half_height_m
+    let state = |row: &ModelRow| State {
+        position_m: row.position_m,
+        velocity_mps: row.velocity_mps,
+    };
+    !Cylinder::F3442.is_violated(&Pair {
+        ownship: state(own),
+        intruder: state(intruder),
+        deviation: PairDeviation::default(),
+    })
 }
 
 fn sample_of(row: &ModelRow) -> TrackSample {
