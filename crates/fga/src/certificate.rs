@@ -8,7 +8,7 @@
 
 mod hazards;
 
-pub use hazards::{ALWAYS, Hazard, Hazards, MAX_HAZARDS};
+pub use hazards::{ALWAYS, Hazard, Hazards, MAX_HAZARDS, NO_DEPTH};
 pub(crate) use hazards::{HazardSet, Line};
 
 use crate::Vec3;

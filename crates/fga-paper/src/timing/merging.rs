@@ -140,6 +140,7 @@ fn merged(one: &Hazard, other: &Hazard) -> Hazard {
             one.window_s.0.min(other.window_s.0),
             one.window_s.1.max(other.window_s.1),
         ),
+        allowed_depth_m: one.allowed_depth_m.min(other.allowed_depth_m),
     }
 }
 

@@ -68,6 +68,8 @@ pub(super) struct Clearance {
     pub(super) beyond_m: f64,
     /// The margin of the search itself, metres.
     pub(super) margin_m: f64,
+    /// Whether margins inside cylinders are depths.
+    pub(super) by_depth: bool,
 }
 
 impl Clearance {
@@ -174,11 +176,6 @@ impl Motions {
         &self.hazards
     }
 
-    /// Adds an obstacle that keeps its velocity.
-    pub(super) fn add_straight(&mut self, hazard: &Hazard) {
-        self.put(*hazard);
-    }
-
     /// The number of aircraft with room for all their motions beside some other hazards.
     pub(super) const fn room_for(others: usize) -> usize {
         MAX_HAZARDS.saturating_sub(others) / MOST_A_MOTION
@@ -193,7 +190,7 @@ impl Motions {
         }
     }
 
-    /// Adds the possible motions of an aircraft, as far as there is room. `hazard` is its straight
+    /// Adds the possible motions of an obstacle, as far as there is room. `hazard` is its straight
     /// motion.
     pub(super) fn add_aircraft(
         &mut self,
@@ -202,8 +199,12 @@ impl Motions {
         (freedom, clearance): (Freedom, Clearance),
         room: Room,
     ) {
+        let mut hazard = *hazard;
+        if clearance.by_depth && hazard.is_cylinder() {
+            hazard.allowed_depth_m = hazard.allowed_depth_m.max(0.0);
+        }
         let Some(bounds) = obstacle.movement.bounds() else {
-            return self.add_straight(hazard);
+            return self.put(hazard);
         };
         let (climbs, turns, turn_radps, speeds_m) = match freedom {
             Freedom::Expected => (1.0, 0.0, 0.0, 0.0),
@@ -213,7 +214,6 @@ impl Motions {
                 (1.0, 1.0, bounds.brief_turn_rate_radps, speeds_m)
             }
         };
-        let mut hazard = *hazard;
         hazard.volume = hazard.volume.grown(clearance.growth_m(climbs) + speeds_m);
         let base = Base {
             hazard,
@@ -353,6 +353,7 @@ mod tests {
     const EXACT: Clearance = Clearance {
         beyond_m: 0.0,
         margin_m: 0.0,
+        by_depth: false,
     };
 
     fn intruder() -> Obstacle {
@@ -427,7 +428,11 @@ mod tests {
     #[test]
     fn the_margin_counts_towards_the_distance_for_tracking_errors() {
         let growth_m = |beyond_m, margin_m, share| {
-            let clearance = Clearance { beyond_m, margin_m };
+            let clearance = Clearance {
+                beyond_m,
+                margin_m,
+                by_depth: false,
+            };
             clearance.growth_m(share)
         };
         assert_eq!(growth_m(0.0, 0.0, 1.0), TRACKING_M);

@@ -15,7 +15,7 @@ const COASTED_S: f64 = 2.0;
 /// Work for learning an obstacle's motion.
 const LEARN_WORK: usize = 8;
 
-/// How far inside a volume the aircraft may come again while leaving it, as a share of its depth.
+/// How near to the centre of a volume the aircraft may come again while leaving it, as a share of its offset.
 const LEAVING_SHARE: f64 = 0.98;
 
 /// A digest of the obstacles that shows changes.
@@ -184,6 +184,11 @@ impl Tracks {
         }
     }
 
+    /// The hazards are their expected motions again.
+    pub(super) const fn as_expected(&mut self) {
+        self.moving = false;
+    }
+
     /// Number of obstacles.
     pub(super) fn obstacle_count(&self) -> usize {
         self.hazards.rows().len()
@@ -312,10 +317,17 @@ impl Tracks {
         }
         let index = u32::try_from(place).unwrap_or(u32::MAX);
         let mut hazard = Hazard::new(index, obstacle, situation.wind_mps, sigmas);
-        let depth_m = hazard.margin_m(own, 0.0);
-        if depth_m < 0.0 {
-            self.inside |= obstacle.volume.margin_m(own - obstacle.position_m) < 0.0;
-            hazard.volume = relaxed(&hazard.volume, &obstacle.volume, own - obstacle.position_m);
+        if hazard.margin_m(own, 0.0) < 0.0 {
+            let offset_m = own - obstacle.position_m;
+            let is_inside = obstacle.volume.margin_m(offset_m) < 0.0;
+            self.inside |= is_inside;
+            if is_inside && hazard.is_cylinder() {
+                hazard.allowed_depth_m = 0.0;
+                let nearer_m = hazard.position_m + LEAVING_SHARE * offset_m;
+                hazard.allowed_depth_m = -hazard.margin_m(nearer_m, 0.0);
+            } else {
+                hazard.volume = relaxed(&hazard.volume, &obstacle.volume, offset_m);
+            }
         }
         if obstacle.movement == Movement::AtRest {
             hazard.velocity_mps = -situation.wind_mps;
@@ -422,38 +434,33 @@ impl Known {
     }
 }
 
-/// A widened volume around the aircraft, shrunk so that the aircraft is just outside: a manoeuvre certified
-/// against it leads out. While the aircraft is outside of the volume itself, the result is at least as large as
-/// that one.
+/// A sphere around the aircraft, or a widened cylinder around it that it has not entered itself, shrunk so that
+/// the aircraft is just outside: a manoeuvre certified against it leads out. While the aircraft is outside of the
+/// volume itself, the result is at least as large as that one.
 fn relaxed(widened: &ProtectedVolume, itself: &ProtectedVolume, offset_m: Vec3) -> ProtectedVolume {
-    let horizontal = libm::sqrt(offset_m.x * offset_m.x + offset_m.y * offset_m.y);
-    let outside = itself.margin_m(offset_m) >= 0.0;
+    let (true_m, true_half_m) = (itself.radius_m(), itself.half_height_m());
     match *widened {
         ProtectedVolume::Sphere { .. } => {
-            let leaving_m = LEAVING_SHARE * offset_m.length();
-            let least_m = if outside { itself.radius_m() } else { 0.0 };
+            let distance_m = offset_m.length();
+            let least_m = if distance_m >= true_m { true_m } else { 0.0 };
             ProtectedVolume::Sphere {
-                radius_m: leaving_m.max(least_m),
+                radius_m: (LEAVING_SHARE * distance_m).max(least_m),
             }
         }
         ProtectedVolume::Cylinder {
             radius_m,
             half_height_m,
         } => {
+            let horizontal = libm::sqrt(offset_m.x * offset_m.x + offset_m.y * offset_m.y);
             let share = (horizontal / radius_m).max(offset_m.z.abs() / half_height_m);
-            let mut radius_m = LEAVING_SHARE * share * radius_m;
-            let mut half_height_m = LEAVING_SHARE * share * half_height_m;
-            if outside {
-                let (true_m, true_half_m) = (itself.radius_m(), itself.half_height_m());
-                radius_m = radius_m.max(true_m);
-                half_height_m = half_height_m.max(true_half_m);
-                // Being beyond either of the two keeps it outside.
-                if horizontal >= true_m {
-                    radius_m = radius_m.min(LEAVING_SHARE * horizontal).max(true_m);
-                } else {
-                    let above_m = LEAVING_SHARE * offset_m.z.abs();
-                    half_height_m = half_height_m.min(above_m).max(true_half_m);
-                }
+            let mut radius_m = (LEAVING_SHARE * share * radius_m).max(true_m);
+            let mut half_height_m = (LEAVING_SHARE * share * half_height_m).max(true_half_m);
+            // Being beyond either of the two keeps it outside.
+            if horizontal >= true_m {
+                radius_m = radius_m.min(LEAVING_SHARE * horizontal).max(true_m);
+            } else {
+                let above_m = LEAVING_SHARE * offset_m.z.abs();
+                half_height_m = half_height_m.min(above_m).max(true_half_m);
             }
             ProtectedVolume::Cylinder {
                 radius_m,
@@ -536,6 +543,7 @@ mod tests {
             let exact = Clearance {
                 beyond_m: 0.0,
                 margin_m: 0.0,
+                by_depth: false,
             };
             tracks.withstand(|_| Freedom::Share(1.0), Vec3::ZERO, exact);
             for id in 0..count {

@@ -2,6 +2,7 @@
 
 mod aircraft;
 mod choice;
+mod depth;
 mod farther;
 mod holding;
 mod need;
@@ -61,6 +62,18 @@ const ENOUGH_M: f64 = 1e3;
 /// An obstacle whose entry is later than this after the first one belongs to another encounter,
 /// seconds.
 const NEXT_ENCOUNTER_S: f64 = 10.0;
+
+/// The result of a search in place of the flown manoeuvre.
+struct Replacement {
+    /// The best one, if it is certified or clearly better than the flown one.
+    better: Option<(Found, Maneuver)>,
+    /// What is proven about the best one, if there is any.
+    proof: Option<Proof>,
+    /// Number of manoeuvres looked at.
+    candidates: u32,
+    /// Whether the work ran out.
+    limit_met: bool,
+}
 
 impl Avoider {
     pub(super) fn step_turn_aware(
@@ -290,7 +303,14 @@ impl Avoider {
                 choice = farther;
             }
         }
-        let decision = match choice.chosen {
+        let chosen = choice.chosen.and_then(|(found, maneuver, proof)| {
+            if proof == Proof::Certified {
+                return choice.chosen;
+            }
+            let (found, maneuver) = self.least_deep(&(found, maneuver), None, now)?;
+            Some((found, maneuver, proof))
+        });
+        let decision = match chosen {
             Some((found, maneuver, proof)) => {
                 let plan = Plan {
                     maneuver,
@@ -423,64 +443,50 @@ impl Avoider {
         if rests {
             return self.report(&plan, time_s, Reason::BestAvailable);
         }
-        let (found, candidates, limit_met) = self.replacement(&flown, now);
-        let proof = match found {
-            Some((_, _, proof)) => proof,
-            None => plan.proof,
+        let replacement = self.replacement((&flown, kept_m), now);
+        let proof = replacement.proof.unwrap_or(plan.proof);
+        let mut decision = if let Some((found, maneuver)) = replacement.better {
+            let plan = Plan {
+                maneuver,
+                decided_s: time_s,
+                start_s: plan.start_s.min(time_s),
+                joined_s: f64::INFINITY,
+                proof,
+                open_since_s,
+                picture,
+                margin_m: found.margin_m,
+                target_m: self.target_m,
+                cost: found.cost,
+                next_start_s: None,
+                basis: None,
+                against: self.also_against(&flown, now, plan.against),
+                ..plan
+            };
+            self.plan = Some(plan);
+            let reason = if proof == Proof::Certified {
+                Reason::ManeuverReplaced
+            } else {
+                Reason::BestAvailable
+            };
+            self.report(&plan, time_s, reason)
+        } else {
+            let plan = Plan {
+                proof,
+                open_since_s,
+                picture,
+                margin_m: kept_m,
+                ..plan
+            };
+            self.plan = Some(plan);
+            self.report(&plan, time_s, Reason::BestAvailable)
         };
-        let decision = match found {
-            Some((found, maneuver, _))
-                if proof == Proof::Certified || found.margin_m > kept_m + CLEARLY_BETTER_M =>
-            {
-                let plan = Plan {
-                    maneuver,
-                    decided_s: time_s,
-                    start_s: plan.start_s.min(time_s),
-                    joined_s: f64::INFINITY,
-                    proof,
-                    open_since_s,
-                    picture,
-                    margin_m: found.margin_m,
-                    target_m: self.target_m,
-                    cost: found.cost,
-                    next_start_s: None,
-                    basis: None,
-                    against: self.also_against(&flown, now, plan.against),
-                    ..plan
-                };
-                self.plan = Some(plan);
-                let reason = if proof == Proof::Certified {
-                    Reason::ManeuverReplaced
-                } else {
-                    Reason::BestAvailable
-                };
-                self.report(&plan, time_s, reason)
-            }
-            _ => {
-                let plan = Plan {
-                    proof,
-                    open_since_s,
-                    picture,
-                    margin_m: kept_m,
-                    ..plan
-                };
-                self.plan = Some(plan);
-                self.report(&plan, time_s, Reason::BestAvailable)
-            }
-        };
-        let mut decision = decision;
-        decision.record.work.candidates = candidates;
-        decision.record.work.limit_met = limit_met || self.tracks.overflow;
+        decision.record.work.candidates = replacement.candidates;
+        decision.record.work.limit_met = replacement.limit_met || self.tracks.overflow;
         decision
     }
 
-    /// The best manoeuvre in place of the flown one with its proof, how many were looked at, and whether the work
-    /// ran out: at the wanted margin if there is one, else step by step down to the margin of the settings.
-    fn replacement(
-        &mut self,
-        flown: &Maneuver,
-        now: &MotionState,
-    ) -> (Option<(Found, Maneuver, Proof)>, u32, bool) {
+    /// Searches at the wanted margin, else step by step down to the margin of the settings.
+    fn replacement(&mut self, (flown, kept_m): (&Maneuver, f64), now: &MotionState) -> Replacement {
         let hold = Maneuver::hold();
         let variety = self.cycle;
         let (mut found, mut candidates, mut limit_met) = (None, 0, false);
@@ -498,14 +504,27 @@ impl Avoider {
                 } else {
                     single?
                 };
-                Some((found, search.maneuver(&found.turns, now), proof))
+                Some(((found, search.maneuver(&found.turns, now)), proof))
             });
             (found, candidates, limit_met) = (answer, candidates + more, limit_met | met);
             if is_last || found.is_some() {
                 break;
             }
         }
-        (found, candidates, limit_met)
+        let proof = found.map(|(_, proof)| proof);
+        let better = match &found {
+            Some((answer, Proof::Certified)) => Some(*answer),
+            Some((answer, _)) => {
+                self.least_deep(answer, Some((flown, kept_m + CLEARLY_BETTER_M)), now)
+            }
+            None => None,
+        };
+        Replacement {
+            better,
+            proof,
+            candidates,
+            limit_met,
+        }
     }
 
     /// The obstacles of an encounter and those that a manoeuvre comes too close to.

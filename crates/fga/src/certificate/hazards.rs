@@ -44,7 +44,14 @@ pub struct Hazard {
     pub stretch_m: (f64, f64),
     /// Its window of time: from and until, seconds from the decision.
     pub window_s: (f64, f64),
+    /// How deep a flight may come into a cylinder, metres, or [`NO_DEPTH`]: the margin is this less the depth, or plus
+    /// the distance outside. The depth is s·w·f/(w + f), with the distances to wall and face as shares w and f of radius
+    /// and half height, and s the smaller of the two: at one height it grows towards the axis.
+    pub allowed_depth_m: f64,
 }
+
+/// The margin inside is minus the distance to the nearest surface.
+pub const NO_DEPTH: f64 = f64::NEG_INFINITY;
 
 /// The window of a permanent hazard, seconds.
 pub const ALWAYS: (f64, f64) = (0.0, f64::INFINITY);
@@ -76,6 +83,7 @@ impl Hazard {
             growth_mps: sigmas * uncertainty.velocity_mps,
             stretch_m: (0.0, 0.0),
             window_s: ALWAYS,
+            allowed_depth_m: NO_DEPTH,
         }
     }
 
@@ -95,6 +103,7 @@ impl Hazard {
             growth_mps: 0.0,
             stretch_m: (0.0, 0.0),
             window_s: ALWAYS,
+            allowed_depth_m: NO_DEPTH,
         }
     }
 
@@ -119,28 +128,18 @@ impl Hazard {
     }
 
     fn offset_m(&self, position_m: Vec3, at_s: f64) -> Vec3 {
-        position_m - (self.position_m + self.velocity_mps * at_s)
+        position_m - self.position_after_m(at_s)
     }
 
-    /// Signed distance from the volume's surface at a time, metres; negative inside.
+    /// Margin at a time, metres: signed distance from the volume's surface, negative inside, or by
+    /// [`Self::allowed_depth_m`].
     pub fn margin_m(&self, position_m: Vec3, at_s: f64) -> f64 {
-        let offset = self.stretched(self.offset_m(position_m, at_s), at_s);
-        self.volume.margin_m(offset) - self.growth_mps * at_s
+        let offset = self.offset_m(position_m, at_s);
+        self.margin_and_slope(offset, Vec3::ZERO, at_s).0
     }
 
     fn is_stretched(&self) -> bool {
         self.stretch_m != (0.0, 0.0)
-    }
-
-    /// The offset from the nearest point of the stretched centre. The size of each component is a
-    /// convex function of time if the offset's is, and so is the margin.
-    fn stretched(&self, offset: Vec3, at_s: f64) -> Vec3 {
-        if !self.is_stretched() {
-            return offset;
-        }
-        let (now_m, more_mps) = self.stretch_m;
-        let stretch_m = now_m + more_mps * at_s;
-        Vec3::new(offset.x, offset.y, (offset.z.abs() - stretch_m).max(0.0))
     }
 
     /// The part of a line that lies in the hazard's window.
@@ -154,14 +153,6 @@ impl Hazard {
             duration_s: end_s - skipped_s,
             ..*line
         })
-    }
-
-    /// Radius of a sphere about the volume at time 0, metres.
-    fn bounding_radius_m(&self) -> f64 {
-        match self.volume {
-            ProtectedVolume::Sphere { radius_m } => radius_m,
-            ProtectedVolume::Cylinder { .. } => self.volume.bounding_radius_m(),
-        }
     }
 
     /// Least margin of a point in straight motion, and its time, if it is below `below_m`.
@@ -184,7 +175,7 @@ impl Hazard {
         let velocity = line.velocity_mps - self.velocity_mps;
         let growth = self.growth_mps;
         let stretch_m = self.stretch_m.0 + self.stretch_m.1 * (at_s + duration_s);
-        let radius = self.bounding_radius_m() + growth * at_s + stretch_m;
+        let radius = self.volume.bounding_radius_m() + growth * at_s + stretch_m;
         let square = velocity.length_squared();
         let along = -offset.dot(velocity);
         // Squares only, until the sphere is close enough to matter.
@@ -249,12 +240,21 @@ impl Hazard {
             let distance = libm::sqrt(wall * wall + face * face);
             let slope = (wall * departs + face * rise) / distance.max(f64::MIN_POSITIVE);
             (distance - room, slope)
+        } else if self.allowed_depth_m >= 0.0 && wall < 0.0 && face < 0.0 {
+            let (radius_m, half_m) = (self.volume.radius_m(), self.volume.half_height_m());
+            let (w, f) = (wall / radius_m, face / half_m);
+            let least_m = radius_m.min(half_m);
+            let of_wall = w / (w + f).min(-f64::MIN_POSITIVE);
+            let of_face = 1.0 - of_wall;
+            let slope = of_face * of_face * departs / radius_m + of_wall * of_wall * rise / half_m;
+            (least_m * of_wall * f, least_m * slope)
         } else if wall > face {
             (wall, departs)
         } else {
             (face, rise)
         };
-        (margin - self.growth_mps * at_s, slope - self.growth_mps)
+        let allowed_m = self.allowed_depth_m.max(0.0) - self.growth_mps * at_s;
+        (margin + allowed_m, slope - self.growth_mps)
     }
 }
 
@@ -439,7 +439,10 @@ impl Block {
             (vx, velocity.x),
             (vy, velocity.y),
             (vz, velocity.z),
-            (radius_m, hazard.bounding_radius_m() + hazard.stretch_m.0),
+            (
+                radius_m,
+                hazard.volume.bounding_radius_m() + hazard.stretch_m.0,
+            ),
             (growth_mps, hazard.growth_mps + hazard.stretch_m.1),
             (from_s, hazard.window_s.0),
             (until_s, hazard.window_s.1),

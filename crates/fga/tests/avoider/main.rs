@@ -3,6 +3,7 @@
 mod aircraft;
 mod entered;
 mod flight;
+mod inside;
 mod need;
 mod objectives;
 mod policies;

@@ -274,25 +274,24 @@ impl Avoider {
         });
         let target_m = self.target_m;
         self.withstand(Freedom::Share(0.0), own_m, 0.0);
-        let best = best.map(|best| {
-            let expected_m = self.margin_of(&best.maneuver, now, (target_m, target_m));
-            let proof = if expected_m >= target_m {
-                Proof::Certified
-            } else {
-                Proof::Open
-            };
-            Answer { proof, ..best }
-        });
         let is_clear = flown.is_some_and(|(_, is_clear)| is_clear);
         let more_m = if is_clear {
             CLEARLY_FARTHER_M
         } else {
             FARTHER_M
         };
-        let better = |best: &Answer| best.found.margin_m > kept_m + more_m;
+        let best_m = best.as_ref().map(|best| best.found.margin_m);
+        let is_better = best_m.is_some_and(|best_m| best_m > kept_m + more_m);
+        let best = best.map(|mut best| {
+            let expected_m = self.margin_of(&best.maneuver, now, (target_m, target_m));
+            if expected_m >= target_m {
+                (best.proof, best.found.margin_m) = (Proof::Certified, expected_m);
+            }
+            best
+        });
         match best {
             Some(best) if best.proof == Proof::Certified => {
-                ((!is_clear || better(&best)).then_some(best), candidates)
+                ((!is_clear || is_better).then_some(best), candidates)
             }
             _ if !is_clear => {
                 let (mut answer, looked_at) = self.cheapest_within(now, side, (-1.0, 0.0));
@@ -325,8 +324,20 @@ impl Avoider {
         let variety = self.cycle;
         let (answer, looked_at, _) = self.search(&Maneuver::hold(), now, |search| {
             let (found, proof) = search.best(flown, Effort::Full, variety)?;
-            let better = found.margin_m > kept_m + EXPECTED_FARTHER_M;
-            (proof == Proof::Certified || better).then(|| Answer::new(search, found, proof, 0.0))
+            Some(Answer::new(search, found, proof, 0.0))
+        });
+        let answer = answer.and_then(|answer| {
+            if answer.proof == Proof::Certified {
+                return Some(answer);
+            }
+            let flown = flown.map(|flown| (flown, kept_m + EXPECTED_FARTHER_M));
+            let (found, maneuver) =
+                self.least_deep(&(answer.found, answer.maneuver), flown, now)?;
+            Some(Answer {
+                found,
+                maneuver,
+                ..answer
+            })
         });
         (answer, looked_at)
     }
@@ -383,13 +394,17 @@ impl Avoider {
     /// Replaces the hazards by the possible motions of aircraft, with this distance beyond their volumes, metres.
     pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
         let margin_m = self.target_m;
-        let clearance = Clearance { beyond_m, margin_m };
+        let clearance = Clearance {
+            beyond_m,
+            margin_m,
+            by_depth: false,
+        };
         self.tracks.withstand(|_| freedom, own_m, clearance);
         self.count_motions();
     }
 
     /// Counts the work of making the motions.
-    fn count_motions(&mut self) {
+    pub(super) fn count_motions(&mut self) {
         let motions = self.tracks.hazards().rows().len();
         self.meter
             .count(MOTION * motions + self.tracks.obstacle_count());
@@ -423,6 +438,7 @@ impl Avoider {
         };
         let clearance = Clearance {
             beyond_m: 0.0,
+            by_depth: false,
             margin_m: self.target_m,
         };
         self.tracks.withstand(freedom, own_m, clearance);

@@ -128,6 +128,7 @@ impl Avoider {
             let volume = &hazard.volume;
             outlook.size_m += (volume.radius_m() + 1.7 * volume.half_height_m()) * weight;
             outlook.size_m += 1e3 * hazard.growth_mps * weight;
+            outlook.size_m += hazard.allowed_depth_m.max(0.0) * weight;
             weight += 0.618;
         }
         outlook

@@ -1,6 +1,5 @@
 //! Limits in need, for instance a steeper bank, if nothing is certified with the normal ones.
 
-use crate::avoider::intruders::Freedom;
 use crate::avoider::{Avoider, Decision, Start};
 use crate::prediction::{Flyer, MotionState};
 use crate::situation::Situation;
@@ -46,9 +45,9 @@ impl Avoider {
         steep
     }
 
-    /// The distance that a decision keeps from the expected motion of the obstacles, metres.
+    /// The margin that a decision keeps from the expected motion of the obstacles, by depth, metres.
     fn expected_m(&mut self, decision: &Decision, now: &MotionState) -> f64 {
-        self.withstand(Freedom::Share(0.0), now.position_m, 0.0);
+        self.by_depth(now);
         self.margin_of(&decision.command, now, (f64::MIN, ENOUGH_M))
     }
 }
