@@ -336,6 +336,39 @@ fn obstacles_around_a_line_are_drawn_as_parquet_too() {
     );
 }
 
+/// An intruder passes at 100 m after 60 s, turns back and passes at 10 m after 200 s. An earlier version judged only the
+/// second meeting.
+#[test]
+fn the_oracle_begins_before_the_first_of_two_losses() {
+    let mut text = String::from(
+        "NAME, sx, sy, sz, vx, vy, vz, time\n[none], [m], [m], [m], [m/s], [m/s], [m/s], [s]\n",
+    );
+    for second in 0..=240 {
+        let time_s = f64::from(second);
+        let _ = writeln!(text, "own, {}, 0, 1000, 50, 0, 0, {second}", 50.0 * time_s);
+        // Towards the ownship at 50 m/s, then after it at 93 m/s, and always level with it.
+        let (x, y, vx) = if time_s < 90.0 {
+            (6000.0 - 50.0 * time_s, 100.0, -50.0)
+        } else {
+            (10_000.0 + 92.8 * (time_s - 200.0), 10.0, 92.8)
+        };
+        let _ = writeln!(text, "its, {x}, {y}, 1000, {vx}, 0, 0, {second}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::create_dir(at.join("flights")).unwrap();
+    fs::write(at.join("flights/twice.daa"), text).unwrap();
+    fs::write(at.join("ga.toml"), VEHICLE).unwrap();
+    run(
+        at,
+        &["oracle", "flights", "--vehicle", "ga.toml", "--out", "out"],
+    );
+    let answer = self::text(at, "out/oracle.csv");
+    let row: Vec<&str> = answer.lines().nth(1).unwrap().split(',').collect();
+    let start_s: f64 = row[4].parse().unwrap();
+    assert!((17.0..20.0).contains(&start_s), "{answer}");
+}
+
 /// Two aircraft that meet after 60 s can stay apart; two that are 400 m apart and head-on at 100 m/s cannot, even
 /// for who knows how the other will fly.
 #[test]
@@ -363,9 +396,9 @@ fn the_oracle_judges_tracks_and_says_what_it_knows_of_them() {
     );
     let judged: Vec<&str> = rows[1..].iter().map(|row| row[1].as_str()).collect();
     assert_eq!(judged, ["true", "true", "false"]);
-    // The search begins 40 s before the closest approach, two thirds of its 60 s.
+    // The search begins two thirds of its 60 s before the first loss, or before the closest approach at 60 s.
     let starts: Vec<&str> = rows[1..].iter().map(|row| row[4].as_str()).collect();
-    assert_eq!(starts, ["20.000", "20.000", "0.000"]);
+    assert_eq!(starts, ["19.000", "20.000", "0.000"]);
     assert!(rows[1..].iter().all(|row| row[5] == "whole tracks"));
     // A campaign asks the same.
     let campaign = ["campaign", "run", "again.toml", "--recordings", "flights"];

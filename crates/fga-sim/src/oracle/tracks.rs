@@ -2,7 +2,7 @@
 //!
 //! The oracle knows the whole tracks of the others. Its search begins where the ownship could first know one of
 //! them: within the range of its sensor and of its surveillance, but at most two thirds of the horizon before
-//! the closest approach. The ownship starts there as recorded, with its recorded airspeed.
+//! the first loss of separation, or before the closest approach if none is lost. The ownship starts there as recorded, with its recorded airspeed.
 
 use fga::Vec3;
 use fga::angle::{climb_of, course_of};
@@ -12,7 +12,7 @@ use crate::plant::at_airspeed;
 use crate::track::Track;
 use crate::world::World;
 
-/// Share of the horizon that lies before the closest approach.
+/// Share of the horizon that lies before the first loss or the closest approach.
 const BEFORE: f64 = 2.0 / 3.0;
 
 /// Time between two checks of range, seconds.
@@ -70,7 +70,7 @@ fn start_of(world: &World, own: &Track, horizon_s: f64) -> f64 {
         .fold(0.0, f64::max);
     let range_m = world.settings.avoider.surveillance_radius_m.min(farthest_m);
     let (first_s, last_s) = own.presence_s();
-    let (mut known_s, mut closest) = (None, (f64::INFINITY, first_s));
+    let (mut known_s, mut lost_s, mut closest) = (None, None, (f64::INFINITY, first_s));
     let mut time_s = first_s;
     while time_s <= last_s {
         let own_m = own.at(time_s).map(|(position_m, _)| position_m);
@@ -79,7 +79,11 @@ fn start_of(world: &World, own: &Track, horizon_s: f64) -> f64 {
             let (Some(own_m), Some(its_m)) = (own_m, its_m) else {
                 continue;
             };
-            let distance_m = own_m.distance(its_m);
+            let offset_m = own_m - its_m;
+            if obstacle.volume.margin_m(offset_m) < 0.0 {
+                lost_s.get_or_insert(time_s);
+            }
+            let distance_m = offset_m.length();
             if distance_m <= range_m && time_s >= obstacle.appears_s {
                 known_s.get_or_insert(time_s);
             }
@@ -91,7 +95,7 @@ fn start_of(world: &World, own: &Track, horizon_s: f64) -> f64 {
     }
     known_s
         .unwrap_or(first_s)
-        .max(closest.1 - BEFORE * horizon_s)
+        .max(lost_s.unwrap_or(closest.1) - BEFORE * horizon_s)
         .max(first_s)
 }
 
