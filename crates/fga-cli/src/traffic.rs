@@ -91,7 +91,7 @@ fn read_script(path: &Path) -> Result<Script, Failure> {
     let mut from: Box<dyn Read> = if plain == name {
         Box::new(file)
     } else {
-        Box::new(flate2::read::GzDecoder::new(file))
+        Box::new(flate2::read::MultiGzDecoder::new(file))
     };
     if Path::new(plain)
         .extension()

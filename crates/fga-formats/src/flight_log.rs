@@ -18,12 +18,10 @@ mod series;
 mod tlog;
 
 use std::fs;
-use std::io::Read as _;
 use std::path::Path;
 
-use flate2::read::MultiGzDecoder;
-
 use crate::error::InputError;
+use crate::gzip;
 pub use series::{FlightLog, Piece};
 
 /// The columns of a log in CSV.
@@ -36,23 +34,13 @@ pub const COLUMNS: [&str; 6] = [
     "climb_rad",
 ];
 
-/// A log unpacked is at most this long, bytes.
-const LONGEST: u64 = 4 << 30;
-
 /// Reads a log.
 ///
 /// # Errors
 /// A file that cannot be read, is no log, or lacks a signal, as one sentence.
 pub fn read(path: &Path) -> Result<FlightLog, InputError> {
-    let mut bytes = fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
-    if bytes.starts_with(&[0x1f, 0x8b]) {
-        let mut unpacked = Vec::new();
-        MultiGzDecoder::new(bytes.as_slice())
-            .take(LONGEST)
-            .read_to_end(&mut unpacked)
-            .map_err(|error| InputError::unreadable(path, &error))?;
-        bytes = unpacked;
-    }
+    let bytes = fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let bytes = gzip::unpacked(&bytes, path)?;
     parse(&bytes, path)
 }
 

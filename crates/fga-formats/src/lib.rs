@@ -54,6 +54,7 @@ pub mod export;
 pub mod flight;
 pub mod flight_log;
 pub mod geodesy;
+mod gzip;
 pub mod number;
 pub mod recordings;
 pub mod traffic;

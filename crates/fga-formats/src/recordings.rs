@@ -15,14 +15,11 @@ mod received;
 
 use crate::daa::{self, Recording};
 use crate::error::InputError;
-use std::io::Read as _;
+use crate::gzip;
 use std::path::{Path, PathBuf};
 
 /// Endings of recordings, besides `.gz` after them.
 const ENDINGS: [&str; 6] = ["daa", "csv", "txt", "json", "sbs", "log"];
-
-/// The largest file, bytes after decompression.
-const LARGEST: u64 = 1 << 31;
 
 /// An encounter with its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,21 +150,7 @@ fn name_of(path: &Path) -> String {
 
 /// The text of a file without its byte order mark, decompressed if it is a gzip one.
 pub(crate) fn text_of(bytes: &[u8], path: &Path) -> Result<String, InputError> {
-    let mut plain = Vec::new();
-    let bytes = if bytes.starts_with(&[0x1f, 0x8b]) {
-        flate2::read::MultiGzDecoder::new(bytes)
-            .take(LARGEST)
-            .read_to_end(&mut plain)
-            .map_err(|error| {
-                InputError::in_file(
-                    path,
-                    format!("holds damaged gzip data ({error}), expected a whole file"),
-                )
-            })?;
-        &plain
-    } else {
-        bytes
-    };
-    let text = String::from_utf8_lossy(bytes);
+    let plain = gzip::unpacked(bytes, path)?;
+    let text = String::from_utf8_lossy(&plain);
     Ok(text.trim_start_matches('\u{feff}').to_owned())
 }
