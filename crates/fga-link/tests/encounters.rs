@@ -349,10 +349,10 @@ fn fly_new_mission(seed: u32) -> OnNewMission {
     }
 }
 
-/// `FGA_ENCOUNTERS=50` flies them all: one of these, seed 34 with two intruders, is back only after 46 s.
+/// An earlier version came back to the leg 46 s after the last of two intruders had passed.
 #[test]
 fn with_a_new_mission_on_another_link_before_each_it_comes_back_to_the_new_leg() {
-    let count = std::env::var("FGA_ENCOUNTERS").map_or(12, |text| text.parse().expect("a number"));
+    let count = std::env::var("FGA_ENCOUNTERS").map_or(50, |text| text.parse().expect("a number"));
     let mut wrong = Vec::new();
     for seed in 0..count {
         let result = fly_new_mission(seed);

@@ -258,9 +258,17 @@ impl Companion {
         if decision.state != AvoiderState::Cruise {
             self.resumed = false;
         }
-        // The way back of a manoeuvre from an earlier run is the vehicle's own.
-        let on_way =
-            decision.state == AvoiderState::Cruise && (self.resumed || self.is_on_leg(state));
+        let on_way = match decision.state {
+            // The way back of a manoeuvre from an earlier run is the vehicle's own.
+            AvoiderState::Cruise => self.resumed || self.is_on_leg(state),
+            // The end of a planned way back leaves time for the slowest roll.
+            AvoiderState::Recovering => {
+                decision.record.threat.is_none()
+                    && self.turns_onto_leg(decision)
+                    && self.is_on_leg(state)
+            }
+            AvoiderState::Threatened | AvoiderState::Avoiding => false,
+        };
         if !on_way {
             self.on_way_since_s = None;
             return false;

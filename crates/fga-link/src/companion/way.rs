@@ -2,7 +2,7 @@
 
 use fga::Vec3;
 use fga::angle::{course_of, wrap_pi};
-use fga::avoider::State as AvoiderState;
+use fga::avoider::{Decision, State as AvoiderState};
 use mavlink::dialects::ardupilotmega::MavCmd;
 use serde_json::json;
 
@@ -200,17 +200,29 @@ impl Companion {
         self.mission_item.is_some() && self.way.items.contains(&self.mission_item)
     }
 
-    pub(super) fn is_on_leg(&self, state: &State) -> bool {
+    /// Begin and end of the decider's leg.
+    fn leg_m(&self) -> Option<(Vec3, Vec3)> {
         let leg = self.decider.as_ref().map_or(0, Decider::leg_index);
-        let ends = self
-            .way
-            .waypoints_m
-            .get(leg)
-            .zip(self.way.waypoints_m.get(leg + 1));
-        let Some((from, to)) = ends else { return true };
-        let ahead = *to - *from;
+        let begin_m = self.way.waypoints_m.get(leg).copied();
+        begin_m.zip(self.way.waypoints_m.get(leg + 1).copied())
+    }
+
+    /// Whether the present command is the course of the leg: the last turn of the way back, or the leg itself.
+    pub(super) fn turns_onto_leg(&self, decision: &Decision) -> bool {
+        self.leg_m()
+            .zip(decision.command.stage_at(0.0))
+            .is_some_and(|((from, to), stage)| {
+                wrap_pi(stage.course_rad - course_of(to - from)).abs() < ON_LEG_RAD
+            })
+    }
+
+    pub(super) fn is_on_leg(&self, state: &State) -> bool {
+        let Some((from, to)) = self.leg_m() else {
+            return true;
+        };
+        let ahead = to - from;
         let level = Vec3::new(ahead.x, ahead.y, 0.0).normalize_or_zero();
-        let offset = state.ownship.position_m - *from;
+        let offset = state.ownship.position_m - from;
         let across_m = (offset.x * level.y - offset.y * level.x).abs();
         let along = (offset.x * level.x + offset.y * level.y).max(0.0);
         let length_m = libm::hypot(ahead.x, ahead.y).max(1.0);
