@@ -37,6 +37,27 @@ def test_no_separation_is_lost_that_mvp_keeps(folder, scenario, for_s):
         assert max(away.values()) < 15 * bluesky_flights.NAUTICAL_MILE_M
 
 
+# Two that cross while both climb, as the autopilot of each goes on doing.
+CLIMBING = """
+00:00:00.00>CRE NORTH B744 0.0 0.0 0 FL100 350
+00:00:00.00>CRE WEST B744 1.0 0.985 270 FL100 350
+00:01:00.00>ALT NORTH FL300
+00:01:00.00>ALT WEST FL300
+"""
+
+
+def test_no_manoeuvre_of_a_climbing_aircraft_rests_on_levelling_off(folder, tmp_path):
+    # An earlier version planned to pass below by levelling off, which nobody commanded, turned late, and both flew far off.
+    scenario = tmp_path / "climbing.scn"
+    scenario.write_text(CLIMBING)
+    flown = {method: bluesky_flights.flown_apart(folder, str(scenario), method, 900.0) for method in ("OFF", "FGA")}
+    assert flown["OFF"]["lost"], "they would lose separation"
+    assert not flown["FGA"]["lost"]
+    away = bluesky_flights.departures_m(flown["FGA"]["tracks"], flown["OFF"]["tracks"])
+    assert min(away.values()) < 100.0, "one has the right of way"
+    assert max(away.values()) < 12 * bluesky_flights.NAUTICAL_MILE_M, away
+
+
 def test_the_plugin_is_installed_by_a_command(tmp_path, capsys):
     from fga import bluesky
 

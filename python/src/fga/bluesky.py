@@ -81,8 +81,11 @@ class _Flight:
         return self.ids.setdefault(name, len(self.ids) + 1)
 
 
-def _vehicle(traffic, i: int) -> fga.Vehicle:
-    """The limits of BlueSky's autopilot at the present airspeed; it may climb only as it climbs now."""
+def _vehicle(traffic, i: int, state: str) -> fga.Vehicle:
+    """The limits of BlueSky's autopilot at the present airspeed; it may climb only as it climbs now.
+
+    In a manoeuvre it goes on climbing as it does: no plan may rest on levelling off, which nobody would command.
+    """
     airspeed = max(1.0, float(traffic.tas[i]))
     climb = math.asin(max(-0.9, min(0.9, float(traffic.vs[i]) / airspeed)))
     return fga.Vehicle(
@@ -90,7 +93,7 @@ def _vehicle(traffic, i: int) -> fga.Vehicle:
         turn_radius_m=airspeed**2 / (_GRAVITY_MPS2 * math.tan(float(traffic.ap.bankdef[i]))),
         climb_min_rad=min(0.0, climb),
         climb_max_rad=max(0.0, climb),
-        climb_rate_radps=_CLIMB_CHANGE_MPS2 / airspeed,
+        climb_rate_radps=_CLIMB_CHANGE_MPS2 / airspeed if state == "cruise" else 0.0,
     )
 
 
@@ -244,7 +247,7 @@ class FGA(ConflictResolution):
                 route.direct(i, route.wpname[waypoint])
 
     def _begin(self, i: int, conf, traffic) -> _Flight:
-        vehicle = _vehicle(traffic, i)
+        vehicle = _vehicle(traffic, i, "cruise")
         settings = fga.Settings(
             start="t0",
             decision_period_s=max(0.01, min(10.0, float(bs.settings.asas_dt))),
@@ -269,7 +272,7 @@ class FGA(ConflictResolution):
                 flight = None
         if flight is None:
             flight = self.flights[name] = self._begin(i, conf, ownship)
-        vehicle = _vehicle(ownship, i)
+        vehicle = _vehicle(ownship, i, flight.state)
         if vehicle != flight.vehicle:
             flight.vehicle = vehicle
             flight.avoider.retune(vehicle)
