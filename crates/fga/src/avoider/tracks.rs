@@ -317,8 +317,8 @@ impl Tracks {
         }
         let index = u32::try_from(place).unwrap_or(u32::MAX);
         let mut hazard = Hazard::new(index, obstacle, situation.wind_mps, sigmas);
-        if hazard.margin_m(own, 0.0) < 0.0 {
-            let offset_m = own - obstacle.position_m;
+        let offset_m = own - obstacle.position_m;
+        if hazard.volume.margin_m(offset_m) < 0.0 {
             let is_inside = obstacle.volume.margin_m(offset_m) < 0.0;
             self.inside |= is_inside;
             if is_inside && hazard.is_cylinder() {
