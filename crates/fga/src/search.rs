@@ -18,6 +18,7 @@ mod two_stage;
 
 pub use departure::Departure;
 pub use two_stage::Effort;
+pub(crate) use two_stage::GRIDS;
 
 use departure::Conflicts;
 

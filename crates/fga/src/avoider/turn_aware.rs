@@ -20,7 +20,7 @@ use crate::certificate::{Asked, certify_set, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
-use crate::search::{Effort, Found, Proof, Scene, Search};
+use crate::search::{Effort, Found, GRIDS, Proof, Scene, Search};
 
 use crate::situation::Situation;
 use choice::{Choice, as_maneuver, choose};
@@ -43,7 +43,7 @@ const CLEARLY_BETTER_M: f64 = 0.5;
 const SEARCH_AGAIN: u32 = 10;
 
 /// For this long without a certificate each step searches all manoeuvres, each time over other
-/// grids, seconds; later only every [`SEARCH_AGAIN`]th step does.
+/// grids, seconds; later only every [`SEARCH_AGAIN`]th step does. With bank lag it is for the work of all grids.
 const SEARCH_ALL_S: f64 = 10.0;
 
 /// Cycles between two searches over all manoeuvres without a certificate among uncertain obstacles,
@@ -385,10 +385,13 @@ impl Avoider {
         certify_set(&self.flyer, &self.path, hazards, &asked, &self.meter).proven_m()
     }
 
-    /// Whether the searches since the last news have reached their limit.
-    fn has_searched(&self) -> bool {
-        let most = self.settings.work_limit.saturating_mul(2 * LAG_WORK);
-        self.flyer.is_ideal() || self.searched >= most
+    /// Whether the searches since the last news, some seconds ago, have looked at all grids. With bank lag one takes most
+    /// of a step's work.
+    fn has_searched(&self, news_s: f64) -> bool {
+        if self.flyer.is_ideal() {
+            return news_s >= SEARCH_ALL_S;
+        }
+        (self.searched / self.settings.work_limit) as usize >= GRIDS
     }
 
     /// Flying the manoeuvre: keeps it, replaces it, or returns.
@@ -433,7 +436,7 @@ impl Avoider {
         if is_news {
             self.searched = 0;
         }
-        let is_searched = time_s - open_since_s >= SEARCH_ALL_S && self.has_searched();
+        let is_searched = self.has_searched(time_s - open_since_s);
         let look_again = self.cycle.is_multiple_of(SEARCH_AGAIN);
         let rests = match plan.proof {
             Proof::Hopeless => !(is_news || inside && look_again),

@@ -5,6 +5,7 @@
 
 use crate::Vec3;
 use crate::angle::wrap_pi;
+use crate::certificate::Line;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::{BEND, Meter};
@@ -103,11 +104,23 @@ impl Way {
         self.places().last().copied()
     }
 
-    /// The straight flight to the leg: from and to.
-    pub(crate) fn straight(&self) -> Option<[(Vec3, f64); 2]> {
-        let from = self.places().get(ARC_PLACES)?;
-        let to = self.places().get(ARC_PLACES + 1)?;
-        Some([*from, *to])
+    /// The lines between the places, and whether the aircraft turns along them.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = (Line, bool)> {
+        let turns = |place: usize| place % (ARC_PLACES + 1) != ARC_PLACES;
+        let pairs = self.places().windows(2).enumerate();
+        pairs.filter_map(move |(place, pair)| {
+            let [(from_m, from_s), (to_m, to_s)] = pair else {
+                return None;
+            };
+            let duration_s = to_s - from_s;
+            let line = Line {
+                from_m: *from_m,
+                velocity_mps: (to_m - from_m) / duration_s,
+                at_s: *from_s,
+                duration_s,
+            };
+            (duration_s > 0.0).then_some((line, turns(place)))
+        })
     }
 }
 
@@ -297,12 +310,16 @@ impl Turns<'_> {
         [first, second]: &[Turning; 2],
     ) -> Way {
         let speed_mps = self.flyer.airspeed_mps();
-        let climbs_mps = speed_mps * libm::sin(shot.climb);
-        let then_mps = speed_mps * libm::sin(shot.final_climb);
+        let climb = Ramp::new(self.flyer, state.climb_rad, shot.climb);
+        let level = Ramp::new(self.flyer, shot.climb, shot.final_climb);
+        let level_at_s = if shot.climb == shot.final_climb {
+            f64::INFINITY
+        } else {
+            shot.level_at_s
+        };
         let lifted_m = |place_m: Vec3, at_s: f64| {
-            let climbing_s = (at_s.min(shot.level_at_s) - state.time_s).max(0.0);
-            let level_s = (at_s - shot.level_at_s.max(state.time_s)).max(0.0);
-            place_m + Vec3::new(0.0, 0.0, climbs_mps * climbing_s + then_mps * level_s)
+            let climbs_m = climb.gains_m(at_s.min(level_at_s) - state.time_s);
+            place_m + Vec3::new(0.0, 0.0, climbs_m + level.gains_m(at_s - level_at_s))
         };
         let mut way = Way::default();
         way.push(state.position_m, state.time_s);
@@ -328,6 +345,37 @@ impl Turns<'_> {
             way.push(lifted_m(there_m, from.1), from.1);
         }
         way
+    }
+}
+
+/// A change of climb angle and the flight after it, by vertical speeds that change evenly, metres per second.
+struct Ramp {
+    from_mps: f64,
+    to_mps: f64,
+    lasts_s: f64,
+}
+
+impl Ramp {
+    fn new(flyer: &Flyer, from_rad: f64, to_rad: f64) -> Self {
+        let rate_radps = flyer.climb_rate_radps();
+        let [from_mps, to_mps] =
+            [from_rad, to_rad].map(|climb_rad| flyer.airspeed_mps() * libm::sin(climb_rad));
+        Self {
+            from_mps,
+            to_mps: if rate_radps > 0.0 { to_mps } else { from_mps },
+            lasts_s: (to_rad - from_rad).abs() / rate_radps.max(f64::MIN_POSITIVE),
+        }
+    }
+
+    /// Height gained after a time, metres.
+    fn gains_m(&self, after_s: f64) -> f64 {
+        if after_s <= 0.0 {
+            return 0.0;
+        }
+        let share = (after_s / self.lasts_s.max(f64::MIN_POSITIVE)).min(1.0);
+        let mean_mps = self.from_mps + 0.5 * share * (self.to_mps - self.from_mps);
+        let ramp_s = self.lasts_s.min(after_s);
+        mean_mps * ramp_s + self.to_mps * (after_s - ramp_s)
     }
 }
 
@@ -456,10 +504,7 @@ mod tests {
             let (_, way) = join_roughly(&flyer, &leg, &state, &limits, &meter);
             let exact = join(&flyer, &leg, &state, &limits, &meter);
             let most_m = 0.1 * speed_mps / flyer.course_rate_radps();
-            let [from, to] = way.straight().unwrap();
-            // Where the leg is near, there is no straight flight to it, and the second turn begins while the aircraft rolls.
-            let is_far = to.1 - from.1 > 3.0 * lag_s + 0.1;
-            for (place_m, at_s) in way.places().iter().filter(|_| is_far) {
+            for (place_m, at_s) in way.places() {
                 let there = flown(&flyer, &state, &exact.maneuver, *at_s, &meter);
                 let off_m = there.position_m.distance(*place_m);
                 prop_assert!(off_m < most_m, "{off_m} m off at {at_s} s of {way:?}");

@@ -13,6 +13,7 @@ use crate::angle::direction;
 use crate::limit::Limit as _;
 use crate::meter::{LAGGED_PIECE, PIECE};
 use crate::prediction::Bend;
+use crate::prediction::roll::Roll;
 use crate::situation::Ownship;
 use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
@@ -152,10 +153,11 @@ pub struct Flyer {
     full_roll_out_rad: f64,
     /// Stretches the pieces of a roll.
     pace: f64,
-    rolling_in: Rolls,
+    /// Rolls from the largest bank to that of the other side, and to level.
+    rolling_over: Rolls,
     rolling_out: Rolls,
-    /// Rolls from the bank of now: to level, and to the largest to the left and to the right.
-    rolling_now: [Rolls; 3],
+    /// First pieces of the rolls from level flight to either side, and from the bank of now to these and to level.
+    begun: [Roll; 5],
     /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of
     /// the course at its start, metres.
     settles_m: [(f64, f64); SETTLES],
@@ -181,9 +183,9 @@ impl Flyer {
             full_bank_rad: 0.0,
             full_roll_out_rad: 0.0,
             pace: 1.0,
-            rolling_in: Rolls::NONE,
+            rolling_over: Rolls::NONE,
             rolling_out: Rolls::NONE,
-            rolling_now: [Rolls::NONE; 3],
+            begun: [Roll::NONE; 5],
             settles_m: [(0.0, 0.0); SETTLES],
             widest_bend: None,
             bends: [None; 3],

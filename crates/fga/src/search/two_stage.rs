@@ -32,7 +32,7 @@ const COARSE: usize = 4;
 const GAP_SHIFTS: usize = 2;
 
 /// Grids that interleave.
-const GRIDS: usize = COARSE * GAP_SHIFTS;
+pub(crate) const GRIDS: usize = COARSE * GAP_SHIFTS;
 
 /// Number of grids within a search's work.
 const GRIDS_A_SEARCH: usize = 3;

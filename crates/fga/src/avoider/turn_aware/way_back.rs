@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use crate::avoider::{Avoider, Decision, Plan, Reason, Returned, Start, State};
-use crate::certificate::{Line, mark_close};
+use crate::certificate::{Hazard, Line, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::mission::join::JoinLimits;
@@ -64,7 +64,10 @@ const LONGEST_PASS_S: f64 = 20.0;
 const TRIED_S: f64 = 60.0;
 
 /// A way that is not flown leads at most this far from where it seems to, turn radii.
-const ROUGHLY: f64 = 0.1;
+const ROUGHLY: f64 = 0.05;
+
+/// It meets obstacles at most this much sooner or later, seconds.
+const ROUGHLY_S: f64 = 0.5;
 
 /// Cycles between two searches for a way back, each at one intercept angle.
 const LOOK_BACK_EVERY: u32 = 2;
@@ -81,6 +84,15 @@ enum WayAhead {
     NextEncounter,
     /// An obstacle of this encounter, or any before the return.
     Blocked,
+}
+
+/// When an obstacle has passed, as far as the mission waits for it, seconds.
+fn passes_s(hazard: &Hazard, situation: &Situation<'_>) -> f64 {
+    let own = situation.ownship;
+    let offset = hazard.position_m - own.position_m;
+    let relative = own.velocity_mps() - hazard.velocity_mps;
+    let square = relative.length_squared().max(1e-9);
+    (offset.dot(relative) / square).limited(0.0, LONGEST_PASS_S)
 }
 
 impl Avoider {
@@ -137,16 +149,18 @@ impl Avoider {
             core::slice::from_ref(&intercept_rad)
         };
         let nearest = self.nearest_way_back(mission, &from, skipped, intercepts_rad);
-        let joins_s = nearest.and_then(|(_, way)| Some(way.end()?.1));
+        let joins_s = nearest.and_then(|(_, way, _)| Some(way.end()?.1));
         let late_s = self.returned.map_or(0.0, |returned| returned.late_s);
         let is_late = joins_s.is_some_and(|joins_s| situation.time_s + joins_s + late_s > latest_s);
-        let is_useless = is_late || nearest.is_some_and(|(_, way)| self.is_blocked(&way));
+        let leads_to =
+            |(_, way, index)| self.leads_to_obstacle(&way, index, plan, (situation, now));
+        let is_useless = is_late || nearest.is_some_and(leads_to);
         if detour.is_none() && is_useless {
             self.count_mission();
             return None;
         }
         let limits = JoinLimits {
-            intercept_rad: nearest.map_or(intercept_rad, |(nearest_rad, _)| nearest_rad),
+            intercept_rad: nearest.map_or(intercept_rad, |(nearest_rad, ..)| nearest_rad),
             climb_limits_rad: self.climb_limits_rad(),
         };
         let way = self
@@ -232,18 +246,18 @@ impl Avoider {
         self.count_mission();
     }
 
-    /// Of the ways onto the mission at some intercept angles the one that departs least, and its angle; the
-    /// first, preferred one, unless another is clearly nearer.
+    /// Of the ways onto the mission at some intercept angles the one that departs least, its angle and the index of the
+    /// leg's first waypoint; the first, preferred one, unless another is clearly nearer.
     fn nearest_way_back(
         &mut self,
         mission: &Mission<'_>,
         from: &MotionState,
         skipped: usize,
         intercepts_rad: &[f64],
-    ) -> Option<(f64, Way)> {
+    ) -> Option<(f64, Way, usize)> {
         let climb_limits_rad = self.climb_limits_rad();
         let (progress, flyer) = (&mut self.progress, &self.flyer);
-        let mut best: Option<(f64, f64, Way)> = None;
+        let mut best: Option<(f64, (f64, Way, usize))> = None;
         for intercept_rad in intercepts_rad {
             let limits = JoinLimits {
                 intercept_rad: *intercept_rad,
@@ -255,34 +269,85 @@ impl Avoider {
             let way = progress.way_back_roughly(mission, from, flyer, &limits, skipped);
             let Some((way, index)) = way else { continue };
             let away_m = progress.departure_m(mission, &way, index);
-            if best.is_none_or(|(least_m, ..)| away_m < CLEARLY_NEARER * least_m) {
-                best = Some((away_m, *intercept_rad, way));
+            if best.is_none_or(|(least_m, _)| away_m < CLEARLY_NEARER * least_m) {
+                best = Some((away_m, (*intercept_rad, way, index)));
             }
         }
-        best.map(|(_, intercept_rad, way)| (intercept_rad, way))
+        best.map(|(_, nearest)| nearest)
     }
 
-    /// Whether an obstacle stands on the straight flight of a way back, wherever in its neighbourhood that lies.
+    /// Whether a way back leads to an obstacle, wherever in its neighbourhood it lies.
+    fn leads_to_obstacle(
+        &self,
+        way: &Way,
+        index: usize,
+        plan: &Plan,
+        now: (&Situation<'_>, &MotionState),
+    ) -> bool {
+        self.is_blocked(way) || (index == self.progress.index() && self.leads_back(way, plan, now))
+    }
+
+    /// Whether an obstacle stands on a way back.
     fn is_blocked(&self, way: &Way) -> bool {
-        let Some([(from_m, from_s), (to_m, to_s)]) = way.straight() else {
+        let inside_m = self.target_m - self.roughly_m();
+        let hazards = self.tracks.hazards().rows();
+        let turns_mps2 = self.flyer.airspeed_mps() * self.flyer.course_rate_radps();
+        way.lines().any(|(line, turns)| {
+            let duration_s = line.duration_s.min(self.far_s - line.at_s);
+            let bow_m = if turns {
+                turns_mps2 * line.duration_s * line.duration_s / 8.0
+            } else {
+                0.0
+            };
+            self.meter.count(hazards.len());
+            let line = Line { duration_s, ..line };
+            duration_s > 0.0
+                && hazards.iter().any(|hazard| {
+                    let found = hazard.least_on_line(&line, inside_m - bow_m, &self.meter);
+                    found.is_some()
+                })
+        })
+    }
+
+    /// Whether a way back onto the present leg leads to an obstacle of the same encounter once it is there.
+    fn leads_back(
+        &self,
+        way: &Way,
+        plan: &Plan,
+        (situation, now): (&Situation<'_>, &MotionState),
+    ) -> bool {
+        let Some((end_m, end_s)) = way.end() else {
             return false;
         };
-        let radius_m = self.flyer.airspeed_mps() / self.flyer.course_rate_radps();
-        let duration_s = to_s.min(self.far_s) - from_s;
-        let line = Line {
-            from_m,
-            velocity_mps: (to_m - from_m) / (to_s - from_s),
-            at_s: from_s,
-            duration_s,
+        let leg = self.progress.leg(now);
+        let (low, high) = self.climb_limits_rad();
+        let on_leg = MotionState {
+            course_rad: leg.air_course_rad,
+            climb_rad: leg.climb_rad.limited(low, high),
+            ..*now
         };
-        let inside_m = self.target_m - ROUGHLY * radius_m;
+        let left_m = leg.length_m - leg.position(end_m, end_s).along_m;
+        let left_s = left_m / leg.ground_speed_mps.max(f64::MIN_POSITIVE);
+        let line = Line {
+            from_m: end_m,
+            velocity_mps: self.flyer.velocity_mps(&on_leg),
+            at_s: end_s,
+            duration_s: left_s.min(self.far_s - end_s).max(0.0),
+        };
+        let inside_m = self.target_m - self.roughly_m();
         let hazards = self.tracks.hazards().rows();
         self.meter.count(hazards.len());
-        duration_s > 0.0
-            && hazards.iter().any(|hazard| {
-                let found = hazard.least_on_line(&line, inside_m, &self.meter);
-                found.is_some_and(|(margin_m, _)| margin_m < inside_m)
-            })
+        let mut same = hazards.iter().filter(|h| plan.against.contains(h.id));
+        same.any(|hazard| {
+            let until_s = passes_s(hazard, situation) + NEXT_ENCOUNTER_S - ROUGHLY_S;
+            let found = hazard.least_on_line(&line, inside_m, &self.meter);
+            found.is_some_and(|(_, at_s)| at_s < until_s && at_s < end_s + line.duration_s)
+        })
+    }
+
+    /// A way that is not flown leads at most this far from where it seems to, metres.
+    fn roughly_m(&self) -> f64 {
+        ROUGHLY * self.flyer.airspeed_mps() / self.flyer.course_rate_radps()
     }
 
     /// Whether an obstacle flies alongside, so that it does not pass.
@@ -343,8 +408,6 @@ impl Avoider {
     ) -> WayAhead {
         let target_m = self.target_m;
         let horizon_s = self.look_s;
-        let own = situation.ownship;
-        let velocity_mps = own.velocity_mps();
         let is_again = self.was_tried(plan, situation.time_s);
         let mut ahead = WayAhead::Clear;
         let hazards = self.tracks.hazards();
@@ -365,10 +428,7 @@ impl Avoider {
             }
             if plan.against.contains(hazard.id) {
                 // Before the obstacle has passed, or from farther behind it, it would be the same encounter again.
-                let offset = hazard.position_m - own.position_m;
-                let relative = velocity_mps - hazard.velocity_mps;
-                let square = relative.length_squared().max(1e-9);
-                let passes_s = (offset.dot(relative) / square).limited(0.0, LONGEST_PASS_S);
+                let passes_s = passes_s(hazard, situation);
                 let ground_mps = hazard.velocity_mps + situation.wind_mps;
                 let (sin, cos) = libm::sincos(leg.course_rad);
                 let its_m = (ground_mps.x * cos + ground_mps.y * sin) * joined_s;

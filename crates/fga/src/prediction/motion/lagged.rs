@@ -25,7 +25,7 @@ const LEVEL_TURN: f64 = 0.1;
 const USUAL_SCALE_M: f64 = 1.5;
 
 /// Most pieces of a roll that a [`Flyer`] keeps.
-const KEPT_ROLLS: usize = 16;
+const KEPT_ROLLS: usize = 24;
 
 /// Banks with a tabulated roll-out, from level to the largest.
 pub(super) const SETTLES: usize = 33;
@@ -36,18 +36,23 @@ const SETTLED_AFTER: f64 = 6.0;
 /// Most pieces of a roll-out.
 const MOST_PIECES: usize = 64;
 
+/// A first piece of a roll to a kept bank is at least this long, time constants.
+const SHORTEST: f64 = 0.02;
+
 /// The pieces of a common roll.
+///
+/// The bank follows its command exponentially, so a roll that begins at a bank in between is the rest of this one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rolls {
-    /// Their banks at the beginning, radians.
-    banks_rad: [f64; KEPT_ROLLS],
+    /// How far their banks at the beginning are from the command, radians.
+    off_rad: [f64; KEPT_ROLLS],
     pieces: [Roll; KEPT_ROLLS],
     len: usize,
 }
 
 impl Rolls {
     pub(super) const NONE: Self = Self {
-        banks_rad: [0.0; KEPT_ROLLS],
+        off_rad: [0.0; KEPT_ROLLS],
         pieces: [Roll::NONE; KEPT_ROLLS],
         len: 0,
     };
@@ -55,29 +60,49 @@ impl Rolls {
     fn new(from_rad: f64, to_rad: f64, pace: f64) -> Self {
         let mut kept = Self::NONE;
         let mut bank_rad = from_rad;
-        for (slot, from_rad) in kept.pieces.iter_mut().zip(&mut kept.banks_rad) {
+        for (slot, off_rad) in kept.pieces.iter_mut().zip(&mut kept.off_rad) {
             if bank_rad == to_rad {
                 break;
             }
             *slot = Roll::new(bank_rad, to_rad, f64::INFINITY, pace);
-            *from_rad = bank_rad;
+            *off_rad = (bank_rad - to_rad).abs();
             bank_rad = slot.to_rad;
             kept.len += 1;
         }
         kept
     }
 
-    fn begin_at(&self, bank_rad: f64) -> bool {
-        self.kept_rad().first() == Some(&bank_rad)
-    }
-
-    fn from(&self, bank_rad: f64) -> Option<&Roll> {
-        let place = self.kept_rad().iter().position(|from| *from == bank_rad)?;
-        self.pieces.get(place)
-    }
-
-    fn kept_rad(&self) -> &[f64] {
-        self.banks_rad.get(..self.len).unwrap_or(&[])
+    /// The piece that begins at a bank: a kept one, or one that ends where the next one begins. `None` if it is longer
+    /// than `most`, or outside of the roll.
+    fn from(&self, bank_rad: f64, most: f64) -> Option<Roll> {
+        let first = self.pieces.first()?;
+        let command_rad = first.command_rad;
+        let off_rad = bank_rad - command_rad;
+        if off_rad * (first.from_rad - command_rad) <= 0.0 {
+            return None;
+        }
+        let off_rad = off_rad.abs();
+        let kept_rad = self.off_rad.get(..self.len)?;
+        let next = kept_rad.iter().position(|kept_rad| *kept_rad <= off_rad)?;
+        let piece = self.pieces.get(next)?;
+        if piece.from_rad == bank_rad {
+            return (piece.lasts <= most).then_some(*piece);
+        }
+        if next == 0 {
+            return None;
+        }
+        let rest = self.pieces.get(next..self.len)?;
+        let (to_rad, lasts) = rest
+            .iter()
+            .zip(kept_rad.get(next..)?)
+            .find_map(|(to, off)| {
+                let lasts = libm::log(off_rad / off);
+                (lasts >= SHORTEST).then_some((to.from_rad, lasts))
+            })?;
+        (lasts <= most).then(|| Roll {
+            to_rad,
+            ..Roll::part(bank_rad, command_rad, lasts)
+        })
     }
 }
 
@@ -91,8 +116,9 @@ impl Flyer {
         let time = self.bank_time_constant_s;
         let scale_m = self.airspeed_mps * self.gain_radps * time * time;
         self.pace = libm::pow(USUAL_SCALE_M / scale_m, 0.2).limited(0.3, 1.0);
-        self.rolling_in = Rolls::new(0.0, full_rad, self.pace);
+        self.rolling_over = Rolls::new(-full_rad, full_rad, self.pace);
         self.rolling_out = Rolls::new(full_rad, 0.0, self.pace);
+        self.begin_rolls_from(0.0);
         let step_rad = full_rad / (SETTLES - 1) as f64;
         let mut settles_m = [(0.0, 0.0); SETTLES];
         for (place, settles) in settles_m.iter_mut().enumerate() {
@@ -230,18 +256,26 @@ impl Flyer {
     pub(crate) fn keep_rolls_from(&mut self, bank_rad: f64) {
         let is_kept = self.is_ideal()
             || bank_rad == 0.0
-            || self
-                .rolling_now
-                .iter()
-                .any(|rolls| rolls.begin_at(bank_rad));
+            || self.begun.iter().any(|roll| roll.from_rad == bank_rad);
         if !is_kept {
-            let full_rad = self.full_bank_rad;
-            self.rolling_now =
-                [0.0, full_rad, -full_rad].map(|to_rad| Rolls::new(bank_rad, to_rad, self.pace));
+            self.begin_rolls_from(bank_rad);
             let [left, right] = [bank_rad, -bank_rad].map(|bank_rad| Bend::new(self, bank_rad));
             let [level, ..] = self.bends;
             self.bends = [level, left, right];
         }
+    }
+
+    /// Keeps the first pieces of the rolls from a bank, and from level flight.
+    fn begin_rolls_from(&mut self, bank_rad: f64) {
+        let full_rad = self.full_bank_rad;
+        let rolls = [
+            (0.0, full_rad),
+            (0.0, -full_rad),
+            (bank_rad, full_rad),
+            (bank_rad, -full_rad),
+            (bank_rad, 0.0),
+        ];
+        self.begun = rolls.map(|(from_rad, to_rad)| self.roll(from_rad, to_rad, f64::INFINITY));
     }
 
     /// Turns from a bank that is positive towards their side, if they are kept.
@@ -264,34 +298,29 @@ impl Flyer {
 
     /// The next piece of a roll, at most `most` time constants long.
     fn roll(&self, from_rad: f64, command_rad: f64, most: f64) -> Roll {
+        let is_begun = |roll: &&Roll| roll.from_rad == from_rad && roll.command_rad == command_rad;
+        let mut begun = self.begun.iter();
+        if let Some(roll) = begun.find(is_begun).filter(|roll| roll.lasts <= most) {
+            return *roll;
+        }
         let (kept, side) = if command_rad == 0.0 {
             (&self.rolling_out, from_rad)
         } else {
-            (&self.rolling_in, command_rad)
+            (&self.rolling_over, command_rad)
         };
         let sign = libm::copysign(1.0, side);
         let is_kept = command_rad == 0.0 || command_rad.abs() == self.full_bank_rad;
-        match kept.from(sign * from_rad) {
-            Some(roll) if is_kept && roll.lasts <= most => Roll {
+        match kept.from(sign * from_rad, most).filter(|_| is_kept) {
+            Some(roll) => Roll {
                 from_rad,
                 command_rad,
                 turn: sign * roll.turn,
                 rate: sign * roll.rate,
                 growth: sign * roll.growth,
                 to_rad: sign * roll.to_rad,
-                ..*roll
+                ..roll
             },
-            _ => {
-                let mut now = self.rolling_now.iter();
-                now.find_map(|rolls| {
-                    rolls
-                        .from(from_rad)
-                        .filter(|r| r.command_rad == command_rad)
-                })
-                .filter(|roll| roll.lasts <= most)
-                .copied()
-                .unwrap_or_else(|| Roll::new(from_rad, command_rad, most, self.pace))
-            }
+            None => Roll::new(from_rad, command_rad, most, self.pace),
         }
     }
 
