@@ -58,6 +58,42 @@ def test_no_manoeuvre_of_a_climbing_aircraft_rests_on_levelling_off(folder, tmp_
     assert max(away.values()) < 12 * bluesky_flights.NAUTICAL_MILE_M, away
 
 
+# Far above their ceiling: they sink, away from the altitude that is selected.
+SINKING = """
+00:00:00.00>CRE NORTH B744 -0.9 0.0 0 65617 110
+00:00:00.00>CRE EAST B744 0.45 -0.7794 120 65617 110
+00:00:00.00>CRE WEST B744 0.45 0.7794 240 65617 110
+"""
+
+
+def test_aircraft_that_sink_from_above_their_ceiling_are_expected_to_sink_on(folder, tmp_path):
+    # An earlier version expected them back at the altitude that was selected, and met at a fifth of the zone's height.
+    scenario = tmp_path / "sinking.scn"
+    scenario.write_text(SINKING)
+    flown = {method: bluesky_flights.flown_apart(folder, str(scenario), method, 700.0) for method in ("OFF", "FGA")}
+    assert flown["OFF"]["lost"], "they would lose separation"
+    assert not flown["FGA"]["lost"]
+
+
+# One is to level off below the other, and is cleared to climb through its altitude 150 s before they meet.
+CLEARED = """
+00:00:00.00>CRE NORTH B744 0.0 0.0 0 FL100 350
+00:00:00.00>CRE WEST B744 0.95 1.055 270 FL220 350
+00:00:01.00>RESOOFF WEST
+00:00:01.00>ALT NORTH FL200
+00:05:30.00>ALT NORTH FL300
+"""
+
+
+def test_an_aircraft_that_is_cleared_higher_in_a_conflict_is_expected_there(folder, tmp_path):
+    # An earlier version kept the altitude that was selected when BlueSky found the conflict.
+    scenario = tmp_path / "cleared.scn"
+    scenario.write_text(CLEARED)
+    flown = {method: bluesky_flights.flown_apart(folder, str(scenario), method, 700.0) for method in ("OFF", "FGA")}
+    assert flown["OFF"]["lost"], "they would lose separation"
+    assert not flown["FGA"]["lost"]
+
+
 def test_the_plugin_is_installed_by_a_command(tmp_path, capsys):
     from fga import bluesky
 

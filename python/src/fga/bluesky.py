@@ -65,6 +65,7 @@ class _Flight:
     avoider: fga.Avoider
     vehicle: fga.Vehicle
     mission: fga.Mission
+    intent: tuple[float, ...]
     course_rad: float
     state: str = "cruise"
     ids: dict[str, int] = field(default_factory=dict)
@@ -121,12 +122,13 @@ def _mission(traffic, i: int, flight: _Flight) -> fga.Mission:
     """The way of the autopilot with its altitudes: on to the selected one, then level."""
     way = _ahead_m(traffic, i, flight)
     altitude, selected = float(traffic.alt[i]), float(traffic.ap.alt[i])
-    rate = abs(float(traffic.vs[i]))
-    if abs(selected - altitude) < 30.0 or rate < 0.5:
+    rate, to_go = float(traffic.vs[i]), selected - altitude
+    if abs(to_go) < 30.0 or abs(rate) < 0.5:
         # Level, or told to leave its altitude but not yet doing so.
         return fga.Mission([(x, y, altitude) for x, y in way])
-    left_m = abs(selected - altitude) / rate * max(1.0, float(traffic.gs[i]))
-    slope = (selected - altitude) / left_m
+    slope = rate / max(1.0, float(traffic.gs[i]))
+    # Where it leaves the selected altitude behind, as above its ceiling, nobody knows the end.
+    left_m = to_go / slope if to_go * rate > 0.0 else math.inf
     points = [(*way[0], altitude)]
     for (ax, ay), (bx, by) in zip(way, way[1:], strict=False):
         leg_m = math.dist((ax, ay), (bx, by))
@@ -139,6 +141,13 @@ def _mission(traffic, i: int, flight: _Flight) -> fga.Mission:
             points.append((bx, by, selected if left_m <= 0.0 else last + slope * leg_m))
         left_m -= leg_m
     return fga.Mission(points)
+
+
+def _intent(traffic, i: int) -> tuple[float, ...]:
+    """What the mission of an aircraft is made from, but for its place: another one is another mission."""
+    by_route = bool(traffic.swlnav[i])
+    track = -1.0 if by_route else round(float(traffic.ap.trk[i]))
+    return (by_route, track, round(float(traffic.ap.alt[i])), round(float(traffic.vs[i])))
 
 
 def _is_rotorcraft(traffic, i: int) -> bool:
@@ -260,6 +269,7 @@ class FGA(ConflictResolution):
             avoider=fga.Avoider(settings, vehicle),
             vehicle=vehicle,
             mission=fga.Mission([]),
+            intent=_intent(traffic, i),
             course_rad=math.radians(90.0 - float(traffic.hdg[i])),
         )
         flight.mission = _mission(traffic, i, flight)
@@ -268,7 +278,8 @@ class FGA(ConflictResolution):
     def _decide(self, i: int, name: str, conf, ownship, intruder, left: set[str]) -> None:
         flight = self.flights.get(name)
         if flight is not None and flight.state == "cruise":
-            if math.hypot(*flight.xy_m(ownship.lat[i], ownship.lon[i])) > _FRAME_REACH_M:
+            is_far = math.hypot(*flight.xy_m(ownship.lat[i], ownship.lon[i])) > _FRAME_REACH_M
+            if is_far or flight.intent != _intent(ownship, i):
                 flight = None
         if flight is None:
             flight = self.flights[name] = self._begin(i, conf, ownship)
