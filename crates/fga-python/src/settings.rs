@@ -40,7 +40,7 @@ impl Settings {
         heading_cost: f64,
         pitch_cost: f64,
         objective: &str,
-        work_limit: u32,
+        work_limit: i64,
         drift_mps: f64,
     ) -> PyResult<Self> {
         let settings = CoreSettings {
@@ -67,7 +67,11 @@ impl Settings {
                     )));
                 }
             },
-            work_limit,
+            work_limit: u32::try_from(work_limit).map_err(|_| {
+                PyValueError::new_err(format!(
+                    "work_limit is {work_limit}, expected 40,000 to 4,294,967,295"
+                ))
+            })?,
         };
         settings.check().map_err(refused)?;
         Ok(Self(settings))

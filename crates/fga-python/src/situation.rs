@@ -40,26 +40,48 @@ pub(crate) fn numbers(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64
 
 /// A column of identifiers: an array of whole numbers, or any sequence of them.
 fn identifiers(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
+    const EXPECTED: &str = "whole numbers from 0 to 4294967295";
     if let Ok(array) = object.extract::<PyReadonlyArray1<'_, u32>>() {
         return Ok(array.as_array().to_vec());
     }
-    let wrong = || {
-        PyTypeError::new_err(format!(
-            "column {name} is {}, expected whole numbers from 0 to 4294967295",
-            object.get_type()
-        ))
+    let outside = |found: &dyn core::fmt::Display, place: usize| {
+        format!("column {name} holds {found} at {place}, expected {EXPECTED}")
     };
     if let Ok(array) = object.extract::<PyReadonlyArray1<'_, i64>>() {
-        return array
-            .as_array()
-            .iter()
-            .map(|id| u32::try_from(*id).map_err(|_| wrong()))
-            .collect();
+        let ids = array.as_array();
+        let ids = ids.iter().enumerate().map(|(place, id)| {
+            u32::try_from(*id).map_err(|_| PyValueError::new_err(outside(id, place)))
+        });
+        return ids.collect();
     }
-    object
-        .try_iter()
-        .and_then(|items| items.map(|item| item?.extract()).collect())
-        .map_err(|_| wrong())
+    if let Ok(array) = object.cast::<PyUntypedArray>() {
+        let (kind, dimensions) = (array.dtype().to_string(), array.ndim());
+        if dimensions != 1 || !kind.contains("int") {
+            return Err(PyTypeError::new_err(format!(
+                "column {name} is an array of {kind} with {dimensions} dimensions, expected one of {EXPECTED}"
+            )));
+        }
+    }
+    let items = object.try_iter().map_err(|_| {
+        PyTypeError::new_err(format!(
+            "column {name} is {}, expected {EXPECTED}",
+            object.get_type()
+        ))
+    })?;
+    items
+        .enumerate()
+        .map(|(place, item)| {
+            let item = item?;
+            item.extract().map_err(|_| {
+                let found = outside(&item, place);
+                if item.extract::<i128>().is_ok() {
+                    PyValueError::new_err(found)
+                } else {
+                    PyTypeError::new_err(found)
+                }
+            })
+        })
+        .collect()
 }
 
 /// Many obstacles, one column per quantity: arrays of numpy, copied once.
