@@ -391,7 +391,7 @@ impl Avoider {
         if self.flyer.is_ideal() {
             return news_s >= SEARCH_ALL_S;
         }
-        (self.searched / self.settings.work_limit) as usize >= GRIDS
+        (self.settings.work_limit as usize).saturating_mul(GRIDS) <= self.searched as usize
     }
 
     /// Flying the manoeuvre: keeps it, replaces it, or returns.
