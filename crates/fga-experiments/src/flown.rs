@@ -51,6 +51,9 @@ pub(crate) struct FlownArgs {
     /// Protected volume; without it that of the vehicle file.
     #[arg(long)]
     volume: Option<Volume>,
+    /// Both volumes, the protected and the measured ones, times this.
+    #[arg(long, default_value_t = 1.0)]
+    scale: f64,
     /// The policy, as in "published --start t0".
     #[arg(long, default_value = "turn-aware")]
     policy: String,
@@ -85,8 +88,8 @@ pub(crate) fn run(args: &FlownArgs) -> Result<(), String> {
             Volume::Wellclear => WELL_CLEAR,
         };
         model.protection = ProtectedVolume::Cylinder {
-            radius_m,
-            half_height_m,
+            radius_m: radius_m * args.scale,
+            half_height_m: half_height_m * args.scale,
         };
     }
     let policy = parse_policy(&args.policy)?;
@@ -115,7 +118,7 @@ pub(crate) fn run(args: &FlownArgs) -> Result<(), String> {
     }
     let rows: Result<Vec<Row>, String> = files
         .par_iter()
-        .map(|(_, path)| fly_one(path, model.clone(), &policy))
+        .map(|(_, path)| fly_one(path, model.clone(), &policy, args.scale))
         .collect();
     let rows = rows?;
     if args.rows {
@@ -190,7 +193,12 @@ fn show(rows: &[Row]) {
     );
 }
 
-fn fly_one(path: &Path, model: VehicleModel, policy: &PolicyChoice) -> Result<Row, String> {
+fn fly_one(
+    path: &Path,
+    model: VehicleModel,
+    policy: &PolicyChoice,
+    scale: f64,
+) -> Result<Row, String> {
     let recording = daa::read(path).map_err(|e| e.to_string())?;
     let from_s = recording.aircraft[0].samples[0].time_s;
     let tracks: Vec<Moments> = recording
@@ -207,7 +215,7 @@ fn fly_one(path: &Path, model: VehicleModel, policy: &PolicyChoice) -> Result<Ro
         intruders
             .iter()
             .fold([f64::INFINITY; 2], |least, intruder| {
-                let one = measure(own, intruder, until_s);
+                let one = measure(own, intruder, until_s, scale);
                 [least[0].min(one[0]), least[1].min(one[1])]
             })
     };
@@ -270,8 +278,8 @@ fn at(rows: &Moments, time_s: f64) -> Vec3 {
     a.1 + (b.1 - a.1) * share
 }
 
-/// Least signed distances outside of the two volumes, at the rows of both and halfway between.
-fn measure(own: &Moments, intruder: &Moments, until_s: f64) -> [f64; 2] {
+/// Least signed distances outside of the two scaled volumes, at the rows of both and halfway between.
+fn measure(own: &Moments, intruder: &Moments, until_s: f64, scale: f64) -> [f64; 2] {
     let mut times: Vec<f64> = own.iter().chain(intruder).map(|m| m.0).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
@@ -285,7 +293,7 @@ fn measure(own: &Moments, intruder: &Moments, until_s: f64) -> [f64; 2] {
         let offset = at(own, time_s) - at(intruder, time_s);
         let level = offset.x.hypot(offset.y);
         for (least, (radius, half_height)) in least.iter_mut().zip([NMAC, WELL_CLEAR]) {
-            *least = least.min((level - radius).max(offset.z.abs() - half_height));
+            *least = least.min((level - scale * radius).max(offset.z.abs() - scale * half_height));
         }
     }
     least

@@ -80,6 +80,8 @@ struct Plan {
     resilience: f64,
     /// The side of its first turn.
     side: Option<Side>,
+    /// Whether it is a small manoeuvre, which another one may still follow.
+    is_small: bool,
 }
 
 /// A chosen way back: its obstacles, leg and time.

@@ -7,6 +7,7 @@ mod farther;
 mod holding;
 mod need;
 mod room;
+mod small;
 mod sooner;
 mod way_back;
 
@@ -331,6 +332,7 @@ impl Avoider {
                     basis: None,
                     resilience: 1.0,
                     side: None,
+                    is_small: false,
                 };
                 self.plan = Some(plan);
                 let (state, reason) = if proof != Proof::Certified {

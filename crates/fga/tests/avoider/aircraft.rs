@@ -11,7 +11,7 @@ use crate::flight::{Flight, PERIOD_S, sphere, vehicle};
 const VOLUME: (f64, f64) = (152.4, 30.48);
 
 /// A light aircraft: 50 m/s, 30 degrees of bank.
-fn light_aircraft() -> Flight {
+pub(crate) fn light_aircraft() -> Flight {
     let vehicle = Vehicle {
         airspeed_mps: 50.0,
         turn_radius_m: 441.6,
@@ -27,7 +27,7 @@ fn light_aircraft() -> Flight {
     Flight::of(Avoider::new(settings, vehicle).unwrap(), vehicle)
 }
 
-fn crewed(position_m: Vec3, velocity_mps: Vec3) -> Obstacle {
+pub(crate) fn crewed(position_m: Vec3, velocity_mps: Vec3) -> Obstacle {
     let volume = ProtectedVolume::Cylinder {
         radius_m: VOLUME.0,
         half_height_m: VOLUME.1,

@@ -8,4 +8,5 @@ mod need;
 mod objectives;
 mod policies;
 mod properties;
+mod small;
 mod states;

@@ -17,6 +17,7 @@ use crate::prediction::MotionState;
 use crate::search::{Effort, Found, Proof, Search};
 use crate::situation::Situation;
 
+use super::small::is_small;
 use super::{ENOUGH_M, as_maneuver};
 
 /// Candidate shares of the bounds, largest first.
@@ -24,14 +25,14 @@ const SHARES: [f64; 5] = [1.0, 0.75, 0.5, 0.25, 0.0];
 
 /// Searches aim for this share: the aircraft may turn by half of its bounds, and change its climb by half of
 /// them.
-const WANTED_SHARE: f64 = 0.5;
+pub(super) const WANTED_SHARE: f64 = 0.5;
 
 /// The aircraft stays on the mission while a manoeuvre that begins this much later still withstands everything,
 /// seconds.
-const WAIT_S: f64 = 2.0;
+pub(super) const WAIT_S: f64 = 2.0;
 
 /// Only manoeuvres with at most this turn are a reason to wait, radians (74.5°).
-const WAIT_FOR_TURN_RAD: f64 = 1.3;
+pub(super) const WAIT_FOR_TURN_RAD: f64 = 1.3;
 
 /// A manoeuvre that withstands less than everything is replaced by one that withstands more by
 /// this share.
@@ -87,23 +88,28 @@ impl Avoider {
             self.state = State::Cruise;
             return self.decision(&nominal, Reason::Clear);
         };
-        self.withstand(Freedom::Share(WANTED_SHARE), own_m, BEYOND_M);
-        let (may_wait, candidates, limit_met) = if start == Start::AtDetection {
+        let (may_wait, mut candidates, limit_met) = if start == Start::AtDetection {
             (false, 0, false)
         } else {
-            self.search(&nominal, now, |search| {
-                search.share_work(SEARCHES);
-                search.is_avoidable_within(WAIT_S, WAIT_FOR_TURN_RAD)
-            })
+            self.may_wait(&nominal, now, WAIT_FOR_TURN_RAD)
         };
-        let mut decision = if may_wait {
+        let small = if may_wait {
+            let (small, looked_at) = self.small_now(&nominal, now, &threat);
+            candidates += looked_at;
+            small
+        } else {
+            None
+        };
+        let mut decision = if let Some(small) = small {
+            self.begin(situation, &small, (threat, against))
+        } else if may_wait {
             self.state = State::Threatened;
             let mut decision = self.decision(&nominal, Reason::WaitingForStart);
             decision.record.threat = Some(threat);
             decision.record.start_s = Some(WAIT_S);
             decision
         } else {
-            self.begin(situation, now, (threat, against))
+            self.begin_most_resilient(situation, now, (threat, against))
         };
         let work = &mut decision.record.work;
         work.candidates += candidates;
@@ -112,14 +118,27 @@ impl Avoider {
         decision
     }
 
+    /// Whether a manoeuvre with at most this turn that begins later, along a path, still withstands everything.
+    pub(super) fn may_wait(
+        &mut self,
+        along: &Maneuver,
+        now: &MotionState,
+        most_turn_rad: f64,
+    ) -> (bool, u32, bool) {
+        self.withstand(Freedom::Share(WANTED_SHARE), now.position_m, BEYOND_M);
+        self.search(along, now, |search| {
+            search.share_work(SEARCHES);
+            search.is_avoidable_within(WAIT_S, most_turn_rad)
+        })
+    }
+
     /// Begins to avoid with the manoeuvre that withstands most.
-    fn begin(
+    fn begin_most_resilient(
         &mut self,
         situation: &Situation<'_>,
         now: &MotionState,
-        (threat, against): (Threat, Against),
+        threat: (Threat, Against),
     ) -> Decision {
-        let time_s = situation.time_s;
         let (mut answer, mut candidates) = self.cheapest_within(now, None, (0.0, WANTED_SHARE));
         if answer.is_none() {
             self.target_m = self.settings.margin_m;
@@ -130,6 +149,19 @@ impl Avoider {
         let Some(answer) = answer else {
             return self.decision(&Maneuver::hold(), Reason::BestAvailable);
         };
+        let mut decision = self.begin(situation, &answer, threat);
+        decision.record.work.candidates = candidates;
+        decision
+    }
+
+    /// Begins to avoid with a manoeuvre.
+    fn begin(
+        &mut self,
+        situation: &Situation<'_>,
+        answer: &Answer,
+        (threat, against): (Threat, Against),
+    ) -> Decision {
+        let time_s = situation.time_s;
         let plan = Plan {
             maneuver: answer.maneuver,
             decided_s: time_s,
@@ -149,6 +181,7 @@ impl Avoider {
             basis: None,
             resilience: answer.resilience,
             side: side_of(&answer.found),
+            is_small: is_small(answer) && self.pays_small(threat.id),
         };
         self.plan = Some(plan);
         self.state = State::Avoiding;
@@ -159,9 +192,7 @@ impl Avoider {
         } else {
             Reason::BestAvailable
         };
-        let mut decision = self.report(&plan, time_s, reason);
-        decision.record.work.candidates = candidates;
-        decision
+        self.report(&plan, time_s, reason)
     }
 
     /// Flying a manoeuvre among aircraft: returns, keeps it, or replaces it.
@@ -183,7 +214,12 @@ impl Avoider {
             .all_pass(own_m, velocity_mps, |id| against.contains(id));
         self.withstand(Freedom::Expected, own_m, 0.0);
         let turned_rad = (time_s - plan.start_s) * self.flyer.course_rate_radps();
-        let has_begun = passing || turned_rad >= BEGUN_RAD;
+        let has_begun = passing
+            || if plan.is_small {
+                plan.has_met_threat(time_s)
+            } else {
+                turned_rad >= BEGUN_RAD
+            };
         if has_begun && let Some(back) = self.way_back(situation, now, &plan, f64::INFINITY) {
             self.plan = Some(back);
             self.state = State::Recovering;
@@ -191,7 +227,12 @@ impl Avoider {
         }
         let flown = plan.remaining(time_s);
         let kept = self.resilience_of(&flown, now, plan.target_m);
-        let enough = kept.is_some_and(|kept| kept >= WANTED_SHARE);
+        if plan.is_small
+            && let Some(decision) = self.keep_small(situation, now, &plan, kept)
+        {
+            return decision;
+        }
+        let enough = kept.is_some_and(|kept| kept >= plan.kept_share());
         if enough {
             if let Some(plan) = self.improved(situation, now, &plan) {
                 self.plan = Some(plan);
@@ -361,7 +402,12 @@ impl Avoider {
         let step_rad = libm::copysign(CLEARLY_LESS_RAD, away_rad);
         let (low, high) = self.climb_limits_rad();
         let level_rad = leg.climb_rad.limited(low, high);
-        let share = plan.resilience.min(WANTED_SHARE);
+        // No turn remains in reserve on the way between a small manoeuvre and the mission.
+        let share = if plan.is_small {
+            plan.resilience.max(WANTED_SHARE)
+        } else {
+            plan.resilience.min(WANTED_SHARE)
+        };
         self.withstand(Freedom::Share(share), now.position_m, BEYOND_M);
         let target_m = self.target_m;
         // If the work ended before all were examined, the next look continues from there.
@@ -425,9 +471,10 @@ impl Avoider {
         });
         let leaves = |hazard: &Hazard| {
             let offset_m = hazard.position_m - own_m;
-            ours_mps
-                .iter()
-                .all(|own_mps| offset_m.dot(hazard.velocity_mps - own_mps) > 0.0)
+            // What is above or below is clear by its height alone, and may change that.
+            let is_beside = libm::hypot(offset_m.x, offset_m.y) > hazard.volume.radius_m();
+            let mut ours_mps = ours_mps.iter();
+            is_beside && ours_mps.all(|own_mps| offset_m.dot(hazard.velocity_mps - own_mps) > 0.0)
         };
         let freedom = |hazard: &Hazard| {
             if leaves(hazard) {
@@ -463,12 +510,7 @@ impl Avoider {
         if self.margin_of(&back, now, (keep_m, keep_m)) >= keep_m {
             return true;
         }
-        self.withstand(Freedom::Share(WANTED_SHARE), now.position_m, BEYOND_M);
-        let (may_wait, ..) = self.search(&back, now, |search| {
-            search.share_work(SEARCHES);
-            search.is_avoidable_within(WAIT_S, WAIT_FOR_TURN_RAD)
-        });
-        may_wait
+        self.may_wait(&back, now, WAIT_FOR_TURN_RAD).0
     }
 
     /// The largest share that a manoeuvre planned with the margin `of_m` withstands, if any.
@@ -482,7 +524,7 @@ impl Avoider {
 
     /// The manoeuvre that withstands the largest share within a range, above the first and up to the second,
     /// the cheapest of those, on its side if there is one there.
-    fn cheapest_within(
+    pub(super) fn cheapest_within(
         &mut self,
         now: &MotionState,
         side: Option<Side>,
@@ -510,11 +552,11 @@ impl Avoider {
 }
 
 /// A manoeuvre and the share that it withstands.
-struct Answer {
-    found: Found,
-    maneuver: Maneuver,
-    proof: Proof,
-    resilience: f64,
+pub(super) struct Answer {
+    pub(super) found: Found,
+    pub(super) maneuver: Maneuver,
+    pub(super) proof: Proof,
+    pub(super) resilience: f64,
 }
 
 impl Answer {
@@ -529,6 +571,6 @@ impl Answer {
 }
 
 /// The side of a manoeuvre's turn, if it has one.
-fn side_of(found: &Found) -> Option<Side> {
+pub(super) fn side_of(found: &Found) -> Option<Side> {
     (found.turns.turn_rad != 0.0).then(|| Side::of(found.turns.turn_rad))
 }
