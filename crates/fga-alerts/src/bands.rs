@@ -13,6 +13,7 @@
 //! | [`colors`] | how do regions cover each other? |
 //! | [`memory`] | which bands and which preferred side does the display show? |
 //! | [`recovery`] | which way leads out where none stays clear? |
+//! | [`shrinking`] | which distances of recovery need no search? |
 
 pub(crate) mod colors;
 pub(crate) mod intervals;
@@ -23,6 +24,7 @@ pub(crate) mod path;
 mod pool;
 pub(crate) mod recovery;
 pub(crate) mod search;
+mod shrinking;
 pub(crate) mod span;
 mod ways;
 
@@ -37,7 +39,7 @@ use crate::bands::search::Task;
 use crate::bands::span::{Quantity, Span};
 use crate::bands::ways::{Range, Search, Ways};
 use crate::loss::Loss;
-use crate::settings::{Region, Settings, TerminalGuidance};
+use crate::settings::{AlertLevel, Region, Settings, TerminalGuidance};
 use crate::volume::{Cylinder, Volume};
 use alloc::vec::Vec;
 
@@ -52,6 +54,13 @@ pub(crate) struct Contribution {
     pub(crate) level: usize,
     /// Horizon, seconds.
     pub(crate) horizon_s: f64,
+}
+
+impl Contribution {
+    /// The level that the aircraft contributes by.
+    fn level<'a>(&self, settings: &'a Settings) -> Option<&'a AlertLevel> {
+        settings.alerters.get(self.alerter)?.level(self.level)
+    }
 }
 
 /// The state of the terminal area.
@@ -351,10 +360,7 @@ impl QuantityBands {
     ) -> Option<T> {
         let settings = picture.settings;
         let intruder = contribution.intruder;
-        let level = settings
-            .alerters
-            .get(contribution.alerter)
-            .and_then(|alerter| alerter.level(contribution.level))?;
+        let level = contribution.level(settings)?;
         let met = picture.met(intruder)?;
         let own_key = level_key(settings, contribution.alerter, contribution.level);
         let horizon_s = contribution.horizon_s;

@@ -35,7 +35,7 @@ struct Part {
 
 /// How an altitude is reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Target {
+pub(super) struct Target {
     first_line: usize,
     /// `None` where the altitude is flown along one line from the begin.
     way: Option<Way>,
@@ -43,16 +43,34 @@ struct Target {
 
 /// A way of three parts: to the rate, along the rate, to the altitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Way {
+pub(super) struct Way {
     /// Lines until the rate is reached.
     early: usize,
     /// Lines after the rate is left.
     late: usize,
     /// When the rate is reached and left, seconds.
-    rate_since_s: f64,
-    rate_until_s: f64,
+    pub(super) rate_since_s: f64,
+    pub(super) rate_until_s: f64,
     /// When it flies level, seconds.
-    level_since_s: f64,
+    pub(super) level_since_s: f64,
+}
+
+impl Target {
+    /// `None` where the altitude is flown along one line from the begin.
+    pub(super) const fn way(&self) -> Option<&Way> {
+        self.way.as_ref()
+    }
+
+    pub(super) const fn first_line(&self) -> usize {
+        self.first_line
+    }
+
+    /// The lines to the altitude: while the rate is on, and level.
+    pub(super) fn rate_and_level(&self) -> (usize, usize) {
+        let way = self.way.as_ref();
+        let rate = self.first_line + way.map_or(0, |way| way.early);
+        (rate, rate + 1 + way.map_or(0, |way| way.late))
+    }
 }
 
 #[expect(
@@ -89,6 +107,10 @@ fn horizon_m(settings: &Settings, ownship: &State) -> f64 {
 }
 
 impl Levels {
+    pub(super) fn targets(&self) -> &[Target] {
+        &self.targets
+    }
+
     /// Finds the lines that lead to the altitudes of a span.
     pub(crate) fn fill(
         &mut self,
@@ -208,8 +230,7 @@ impl LevelSearch<'_> {
         let Some(way) = &target.way else {
             return self.line_leads_past(begin, task, task.until_s);
         };
-        let rate = begin + way.early;
-        let level = rate + 1 + way.late;
+        let (rate, level) = target.rate_and_level();
         let may_meet = |meeting: &Meeting| {
             let live = meeting.live();
             live.start <= level && begin < live.end

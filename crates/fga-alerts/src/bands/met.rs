@@ -28,7 +28,7 @@ impl Met<'_> {
 
     /// When the line meets a volume of which the violation does not depend on the time asked for.
     #[inline]
-    fn window(&self, volume: &Volume, line: &Line, approach: &Approach) -> Loss {
+    pub(super) fn window(&self, volume: &Volume, line: &Line, approach: &Approach) -> Loss {
         if !approach.is_finite() {
             return Loss::NEVER;
         }
@@ -53,6 +53,11 @@ pub(crate) struct Approaches {
 }
 
 impl Approaches {
+    pub(super) fn sides(&self) -> [&[Approach]; 2] {
+        let [low, high] = &self.sides;
+        [low, high]
+    }
+
     pub(crate) fn fill(&mut self, met: &Met, lines: Lines) {
         for (approaches, lines) in self.sides.iter_mut().zip(lines.sides) {
             approaches.clear();

@@ -65,6 +65,17 @@ impl WindowPool {
         Some(place)
     }
 
+    /// How lines approach an intruder.
+    pub(super) fn approaches(
+        &mut self,
+        intruder: usize,
+        met: &Met,
+        lines: Lines,
+    ) -> Option<&Approaches> {
+        let at = self.approached(intruder, met, lines);
+        self.approaches.get(at)
+    }
+
     /// The place of an intruder's approaches.
     fn approached(&mut self, intruder: usize, met: &Met, lines: Lines) -> usize {
         if let Some(at) = self.known.iter().position(|known| *known == intruder) {
