@@ -53,9 +53,9 @@ pub(crate) struct Approaches {
 }
 
 impl Approaches {
-    pub(super) fn sides(&self) -> [&[Approach]; 2] {
-        let [low, high] = &self.sides;
-        [low, high]
+    /// The approaches of one side.
+    pub(super) fn side(&self, side: usize) -> &[Approach] {
+        self.sides.get(side).map_or(&[], Vec::as_slice)
     }
 
     pub(crate) fn fill(&mut self, met: &Met, lines: Lines) {

@@ -65,19 +65,13 @@ impl WindowPool {
         Some(place)
     }
 
-    /// How lines approach an intruder.
-    pub(super) fn approaches(
-        &mut self,
-        intruder: usize,
-        met: &Met,
-        lines: Lines,
-    ) -> Option<&Approaches> {
-        let at = self.approached(intruder, met, lines);
+    /// The approaches at an index.
+    pub(super) fn approaches(&self, at: usize) -> Option<&Approaches> {
         self.approaches.get(at)
     }
 
     /// The place of an intruder's approaches.
-    fn approached(&mut self, intruder: usize, met: &Met, lines: Lines) -> usize {
+    pub(super) fn approached(&mut self, intruder: usize, met: &Met, lines: Lines) -> usize {
         if let Some(at) = self.known.iter().position(|known| *known == intruder) {
             return at;
         }

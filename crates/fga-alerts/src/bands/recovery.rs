@@ -2,7 +2,7 @@
 
 use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
-use crate::bands::shrinking::Blocking;
+use crate::bands::shrinking::{Avoided, Blocking};
 use crate::bands::span::Span;
 use crate::bands::{Contribution, Instead, Picture, QuantityBands};
 use crate::settings::Settings;
@@ -78,7 +78,7 @@ impl QuantityBands {
         if distances.is_empty() {
             return past_nmac;
         }
-        let blocked = self.blocked(picture, &painting, &distances);
+        let blocked = self.blocked(picture, span, &painting, &distances);
         for (&kept, shrinkings) in distances.iter().zip(0..).skip(blocked) {
             if !self.is_blocked_at_once(picture, &painting, kept)
                 && self.frees_any(picture, span, &painting, Instead::Cylinder(kept))
@@ -107,6 +107,7 @@ impl QuantityBands {
     fn blocked(
         &mut self,
         picture: &Picture,
+        span: &Span,
         painting: &[Contribution],
         distances: &[Cylinder],
     ) -> usize {
@@ -114,29 +115,32 @@ impl QuantityBands {
             [a, b] => b.radius_m > a.radius_m || b.half_height_m > a.half_height_m,
             _ => false,
         });
-        if grows {
+        if grows || (painting.len() > 1 && !span.tells_steps_apart()) {
             return 0;
         }
-        let mut blocked = 0;
+        let lines = self.ways.lines();
+        let mut places = Vec::new();
         for contribution in painting {
-            let (Some(_), Some(met)) = (
-                contribution.level(picture.settings),
-                picture.met(contribution.intruder),
-            ) else {
-                continue;
-            };
-            let lines = self.ways.lines();
-            if let Some(approaches) = self.pool.approaches(contribution.intruder, &met, lines) {
-                let blocking = Blocking {
-                    met,
-                    horizon_s: contribution.horizon_s,
-                    distances,
-                };
-                // One aircraft that blocks every maneuver is enough.
-                blocked = blocking.count(&self.ways, approaches, blocked).max(blocked);
+            let level = contribution.level(picture.settings);
+            if let (Some(_), Some(met)) = (level, picture.met(contribution.intruder)) {
+                let place = self.pool.approached(contribution.intruder, &met, lines);
+                places.push((place, met, contribution.horizon_s));
             }
         }
-        blocked
+        let avoided = places.into_iter().filter_map(|(place, met, horizon_s)| {
+            Some(Avoided {
+                met,
+                approaches: self.pool.approaches(place)?,
+                horizon_s,
+            })
+        });
+        let aircraft: Vec<Avoided> = avoided.collect();
+        Blocking {
+            settings: picture.settings,
+            aircraft: &aircraft,
+            distances,
+        }
+        .count(&self.ways)
     }
 
     /// The earliest time, to half a second, after which well clear is possible again.
