@@ -13,6 +13,7 @@
 //! | [`colors`] | how do regions cover each other? |
 //! | [`memory`] | which bands and which preferred side does the display show? |
 //! | [`recovery`] | which way leads out where none stays clear? |
+//! | [`opening`] | when may recovery change back from its distances to well clear? |
 //! | [`shrinking`] | which distances of recovery need no search? |
 
 pub(crate) mod colors;
@@ -20,6 +21,7 @@ pub(crate) mod intervals;
 mod level;
 pub(crate) mod memory;
 pub(crate) mod met;
+mod opening;
 pub(crate) mod path;
 mod pool;
 pub(crate) mod recovery;
@@ -287,8 +289,15 @@ impl QuantityBands {
                 until_s: horizon_s,
             };
             let later = (&level.volume, level_key(settings, alerter_index, number));
-            let meets = Self::search(&self.ways, &mut self.pool, intruder, &met, later, None)
-                .any_conflict(&task);
+            let meets = Self::search(
+                &self.ways,
+                &mut self.pool,
+                &met,
+                (intruder, &task),
+                later,
+                None,
+            )
+            .any_conflict(&task);
             if meets && let Some(aircraft) = self.peripheral.get_mut(index) {
                 aircraft.push(Contribution {
                     intruder,
@@ -383,7 +392,14 @@ impl QuantityBands {
             from_s,
             until_s: horizon_s,
         };
-        let search = Self::search(&self.ways, &mut self.pool, intruder, &met, later, before);
+        let search = Self::search(
+            &self.ways,
+            &mut self.pool,
+            &met,
+            (intruder, &task),
+            later,
+            before,
+        );
         Some(ask(&search, &task))
     }
 
@@ -404,17 +420,19 @@ impl QuantityBands {
             };
             picture.met(contribution.intruder).is_some_and(|met| {
                 let meetings = meetings_once(&met, &volume, lines);
-                self.ways.search(meetings, None).is_blocked_at_once(&task)
+                self.ways
+                    .search(meetings, None, None)
+                    .is_blocked_at_once(&task)
             })
         })
     }
 
-    /// A search against one intruder, its windows computed once.
+    /// A search against one intruder; its windows, and the openings between two volumes, are found once.
     fn search<'a>(
         ways: &'a Ways,
         pool: &'a mut WindowPool,
-        intruder: usize,
         met: &Met<'a>,
+        (intruder, task): (usize, &Task),
         later: (&'a Volume, Key),
         before: Option<(&'a Volume, Key)>,
     ) -> Search<'a> {
@@ -422,18 +440,23 @@ impl QuantityBands {
         let mut place =
             |(volume, key): (&Volume, Key)| pool.ensure(intruder, key, met, volume, lines);
         let (later_place, before_place) = (place(later), before.map(place));
+        let open_place =
+            later_place
+                .zip(before_place.flatten())
+                .zip(before)
+                .map(|(places, (volume, _))| {
+                    pool.ensure_open(places, task.until_s, |pool, openings| {
+                        let later = pool.meetings(later_place, met, later.0, lines);
+                        let before = pool.meetings(before_place.flatten(), met, volume, lines);
+                        ways.open(&later, &before, task, openings);
+                    })
+                });
         let pool = &*pool;
-        let meeting = |place: Option<usize>, volume| {
-            place.and_then(|place| pool.get(place)).map_or_else(
-                || meetings_once(met, volume, lines),
-                |windows| windows.of(met, volume, lines),
-            )
-        };
+        let openings = open_place.and_then(|place| pool.openings(place));
         let before = before.zip(before_place);
-        ways.search(
-            meeting(later_place, later.0),
-            before.map(|((volume, _), place)| meeting(place, volume)),
-        )
+        let before = before.map(|((volume, _), place)| pool.meetings(place, met, volume, lines));
+        let later = pool.meetings(later_place, met, later.0, lines);
+        ways.search(later, before, openings)
     }
 
     /// The aircraft that paint a region: in conflict, or only after a manoeuvre.
@@ -554,7 +577,7 @@ impl QuantityBands {
             span: &base,
             turns_at_once: picture.turns_at_once(),
         });
-        ways.search(meetings_once(met, volume, ways.lines()), None)
+        ways.search(meetings_once(met, volume, ways.lines()), None, None)
             .all_conflict(&task)
     }
 }
@@ -584,6 +607,6 @@ pub(crate) fn meets_within_spread(
         span: &span,
         turns_at_once: picture.turns_at_once(),
     });
-    ways.search(meetings_once(met, volume, ways.lines()), None)
+    ways.search(meetings_once(met, volume, ways.lines()), None, None)
         .any_conflict(&task)
 }

@@ -3,6 +3,7 @@
 use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
 use crate::bands::met::Meeting;
+use crate::bands::opening::SideOpenings;
 use crate::bands::path::{LevelChange, Line};
 use crate::bands::search::{Task, When};
 use crate::bands::span::Span;
@@ -202,6 +203,8 @@ pub(crate) struct LevelSearch<'a> {
     pub(crate) later: Meeting<'a>,
     /// The task's earlier volume.
     pub(crate) before: Option<Meeting<'a>>,
+    /// What is known of a task with an earlier volume.
+    pub(super) openings: Option<&'a SideOpenings>,
 }
 
 impl LevelSearch<'_> {
@@ -257,6 +260,10 @@ impl LevelSearch<'_> {
     }
 
     fn part_leads_past(&self, part: &Part, task: &Task) -> bool {
+        let known = self.openings;
+        if let Some(is_free) = known.and_then(|known| known.is_free(part.target, task.from_s)) {
+            return is_free;
+        }
         let target = self.levels.targets.get(part.target);
         target.is_none_or(|target| self.leads_past(target, task))
     }

@@ -243,6 +243,16 @@ impl Meeting<'_> {
         Some(self.met.window(self.volume, line, &approach))
     }
 
+    /// Begin and end of the part of a known window between the time at which the ownship comes onto the line and
+    /// a later one; the end may lie before the begin. `None` where the line meets nothing at all.
+    pub(super) fn part(&self, index: usize, until_s: f64) -> Option<(f64, f64)> {
+        let window = self.windows?.losses.get(index)?;
+        let line = self.lines.get(index)?;
+        window
+            .lasts()
+            .then(|| (window.entry_s.max(line.since_s), window.exit_s.min(until_s)))
+    }
+
     fn meets(&self, index: usize, line: &Line, from_s: f64, to_s: f64) -> bool {
         match self.window(index, line) {
             Some(window) => meets(window, from_s, to_s),

@@ -2,6 +2,7 @@
 
 use crate::bands::intervals::Intervals;
 use crate::bands::met::Meeting;
+use crate::bands::opening::{Openings, SideOpenings, hull};
 use crate::bands::span::Span;
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -23,6 +24,8 @@ pub(crate) struct FanSearch<'a> {
     pub(crate) before: Option<[Meeting<'a>; 2]>,
     /// Time of one step, seconds; 0 where a maneuver takes none.
     pub(crate) step_s: f64,
+    /// What is known of a task with an earlier volume.
+    pub(super) openings: Option<&'a Openings>,
 }
 
 /// When a run of free steps is named.
@@ -42,13 +45,15 @@ struct SideSearch<'a> {
     task: &'a Task,
     /// Steps outside of it meet nothing.
     live: Range<usize>,
+    openings: Option<&'a SideOpenings>,
 }
 
 impl FanSearch<'_> {
     fn sides<'b>(&'b self, task: &'b Task) -> [SideSearch<'b>; 2] {
         let [low, high] = &self.later;
         let before = self.before.as_ref();
-        let side = |later: &'b Meeting<'b>, before: Option<&'b Meeting<'b>>| SideSearch {
+        let side = |index, later: &'b Meeting<'b>, before: Option<&'b Meeting<'b>>| SideSearch {
+            openings: self.openings.and_then(|openings| openings.side(index)),
             later,
             before,
             step_s: self.step_s,
@@ -56,8 +61,8 @@ impl FanSearch<'_> {
             live: hull(later.live(), before.map_or(0..0, Meeting::live)),
         };
         [
-            side(low, before.map(|[low, _]| low)),
-            side(high, before.map(|[_, high]| high)),
+            side(0, low, before.map(|[low, _]| low)),
+            side(1, high, before.map(|[_, high]| high)),
         ]
     }
 
@@ -131,17 +136,6 @@ impl FanSearch<'_> {
     }
 }
 
-/// The least range with both.
-fn hull(a: Range<usize>, b: Range<usize>) -> Range<usize> {
-    if a.is_empty() {
-        b
-    } else if b.is_empty() {
-        a
-    } else {
-        a.start.min(b.start)..a.end.max(b.end)
-    }
-}
-
 /// A number of steps from a rounded one.
 #[expect(
     clippy::cast_possible_truncation,
@@ -168,7 +162,15 @@ impl SideSearch<'_> {
     }
 
     /// Whether the straight line after a step is free of conflicts.
+    #[inline]
     fn leads_past(&self, index: usize) -> bool {
+        let known = self.openings;
+        known
+            .and_then(|openings| openings.is_free(index, self.task.from_s))
+            .unwrap_or_else(|| self.finds_past(index))
+    }
+
+    fn finds_past(&self, index: usize) -> bool {
         let task = self.task;
         let until_s = if self.step_s == 0.0 {
             task.until_s
@@ -204,7 +206,10 @@ impl SideSearch<'_> {
         });
         end = before.unwrap_or(end);
         let lines = start.max(from)..end.min(last.saturating_add(1));
-        let later = self.later.first_met(lines, step_s);
+        let later = match self.openings {
+            Some(openings) => openings.first_stop(lines),
+            None => self.later.first_met(lines, step_s),
+        };
         later.or(before).unwrap_or(self.count())
     }
 

@@ -7,6 +7,7 @@
 
 use crate::bands::level::Target;
 use crate::bands::met::{Approaches, Met};
+use crate::bands::opening::clear_s;
 use crate::bands::path::{Fan, Line};
 use crate::bands::ways::Ways;
 use crate::loss::Loss;
@@ -133,8 +134,7 @@ impl Blocking<'_> {
 
     /// Whether a window surely has a part between two times: for a time that rounding cannot make.
     fn is_within(&self, window: Loss, from_s: f64, to_s: f64) -> bool {
-        let clear_s = 1e-6 * (1.0 + self.settings.lookahead_s);
-        window.exit_s.min(to_s) - window.entry_s.max(from_s) > clear_s
+        window.exit_s.min(to_s) - window.entry_s.max(from_s) > clear_s(self.settings.lookahead_s)
     }
 
     /// Whether flying to an altitude surely meets a cylinder.

@@ -4,6 +4,7 @@ use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
 use crate::bands::level::{LevelSearch, Levels};
 use crate::bands::met::Meeting;
+use crate::bands::opening::Openings;
 use crate::bands::path::{Fan, Lines};
 use crate::bands::search::{FanSearch, Task};
 use crate::bands::span::{Quantity, Span};
@@ -78,12 +79,14 @@ impl Ways {
         &'a self,
         later: [Meeting<'a>; 2],
         before: Option<[Meeting<'a>; 2]>,
+        openings: Option<&'a Openings>,
     ) -> Search<'a> {
         match self {
             Self::Fan(fan) => Search::Fan(FanSearch {
                 later,
                 before,
                 step_s: fan.step_s,
+                openings,
             }),
             Self::Levels(levels) => {
                 let [later, _] = later;
@@ -91,7 +94,27 @@ impl Ways {
                     levels,
                     later,
                     before: before.map(|[before, _]| before),
+                    openings: openings.and_then(|openings| openings.side(0)),
                 })
+            }
+        }
+    }
+}
+
+impl Ways {
+    /// Finds the openings of a task with an earlier volume.
+    pub(super) fn open(
+        &self,
+        later: &[Meeting; 2],
+        before: &[Meeting; 2],
+        task: &Task,
+        openings: &mut Openings,
+    ) {
+        match self {
+            Self::Fan(fan) => openings.fill_fan(fan, later, before, task),
+            Self::Levels(levels) => {
+                let ([later, _], [before, _]) = (later, before);
+                openings.fill_levels(levels, later, before, task);
             }
         }
     }
