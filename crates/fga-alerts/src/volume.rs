@@ -55,6 +55,16 @@ impl Volume {
         matches!(self, Self::Advisory(_))
     }
 
+    /// The square of a horizontal distance, m²: a line that passes by it meets nothing from now on; `None` where
+    /// that is not known.
+    pub(crate) fn reach_m2(&self) -> Option<f64> {
+        match self {
+            Self::Cylinder(cylinder) => Some(cylinder.radius_m * cylinder.radius_m),
+            Self::WellClear(volume) => volume.reach_m2(),
+            Self::Uncertain(_) | Self::Advisory(_) => None,
+        }
+    }
+
     /// The whole violation along straight lines from now on, to be cut to any part of `[0,
     /// horizon_s]`, where it does not depend on which; `pair` for what the approach does not say.
     #[inline]

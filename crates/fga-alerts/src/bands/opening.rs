@@ -30,8 +30,6 @@ pub(super) struct SideOpenings {
     /// The first step with an entry; steps without one are free.
     first: usize,
     openings: Vec<Opening>,
-    /// Steps on the way to which the level's volume is met.
-    stops: Vec<usize>,
     /// A time that rounding cannot make, seconds.
     clear_s: f64,
 }
@@ -96,15 +94,6 @@ impl SideOpenings {
             None
         }
     }
-
-    /// The first of some steps on the way to which the level's volume is met.
-    pub(super) fn first_stop(&self, steps: Range<usize>) -> Option<usize> {
-        let place = self.stops.partition_point(|stop| *stop < steps.start);
-        self.stops
-            .get(place)
-            .copied()
-            .filter(|stop| *stop < steps.end)
-    }
 }
 
 impl Openings {
@@ -127,7 +116,6 @@ impl Openings {
             let live = hull(later.live(), before.live());
             openings.clear_s = clear_s;
             openings.first = live.start;
-            openings.stops.clear();
             openings.openings.clear();
             for index in live {
                 let since_s = later.lines.get(index).map_or(0.0, |line| line.since_s);
@@ -140,9 +128,6 @@ impl Openings {
                 let pair = [later, before];
                 let opening = Opening::of_line(pair, index, until_s, f64::INFINITY, clear_s);
                 openings.openings.push(opening);
-                if fan.step_s > 0.0 && later.meets_on_the_way(index, fan.step_s) {
-                    openings.stops.push(index);
-                }
             }
         }
     }
@@ -161,7 +146,6 @@ impl Openings {
         let clear_s = clear_s(lookahead_s);
         openings.clear_s = clear_s;
         openings.first = 0;
-        openings.stops.clear();
         openings.openings.clear();
         let live = hull(later.live(), before.live());
         for target in levels.targets() {

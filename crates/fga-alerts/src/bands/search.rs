@@ -206,10 +206,7 @@ impl SideSearch<'_> {
         });
         end = before.unwrap_or(end);
         let lines = start.max(from)..end.min(last.saturating_add(1));
-        let later = match self.openings {
-            Some(openings) => openings.first_stop(lines),
-            None => self.later.first_met(lines, step_s),
-        };
+        let later = self.later.first_met(lines, step_s);
         later.or(before).unwrap_or(self.count())
     }
 

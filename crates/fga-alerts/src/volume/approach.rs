@@ -62,6 +62,12 @@ impl Approach {
         reach_m2 * self.speed2_m2ps2 - self.moment2
     }
 
+    /// Whether the line stays out of a circle from now on: it leads away, or misses it.
+    #[inline]
+    pub(crate) fn passes_by(&self, reach_m2: f64) -> bool {
+        self.square_m2 > reach_m2 && (self.closing_m2ps > 0.0 || self.room(reach_m2) < 0.0)
+    }
+
     /// When the line enters and leaves a circle, seconds; `None` where it never does.
     #[inline]
     pub(crate) fn crossings_s(&self, reach_m2: f64) -> Option<(f64, f64)> {

@@ -191,13 +191,22 @@ impl WellClear {
             .and(Loss::new(from_s, to_s))
     }
 
+    /// The square of the distance that must be crossed for a violation, m²; `None` where a near miss is one too.
+    pub(super) fn reach_m2(&self) -> Option<f64> {
+        (self.horizontal_time != HorizontalTime::ClosestApproach)
+            .then_some(self.distance_m * self.distance_m)
+    }
+
     /// The whole violation, seconds from now; `pair` for what the approach does not say.
     #[inline]
     pub(super) fn window(&self, approach: &Approach, pair: impl FnOnce() -> Pair) -> Loss {
         let reach_m2 = self.distance_m * self.distance_m;
-        let by_room = self.horizontal_time != HorizontalTime::ClosestApproach;
-        let passes_by = approach.square_m2 > reach_m2
-            && (approach.closing_m2ps > 0.0 || (by_room && approach.room(reach_m2) < 0.0));
+        let passes_by = match self.horizontal_time {
+            HorizontalTime::ClosestApproach => {
+                approach.square_m2 > reach_m2 && approach.closing_m2ps > 0.0
+            }
+            HorizontalTime::ModifiedTau | HorizontalTime::Entry => approach.passes_by(reach_m2),
+        };
         if passes_by {
             return Loss::NEVER;
         }
