@@ -18,7 +18,7 @@ pub use cylinder::Cylinder;
 pub use uncertain::{DeviationFactors, UncertainWellClear};
 pub use well_clear::{HorizontalTime, VerticalTime, WellClear};
 
-pub(crate) use approach::Approach;
+pub(crate) use approach::{Approach, Reach};
 
 use crate::aircraft::Pair;
 use crate::loss::Loss;
@@ -55,12 +55,11 @@ impl Volume {
         matches!(self, Self::Advisory(_))
     }
 
-    /// The square of a horizontal distance, m²: a line that passes by it meets nothing from now on; `None` where
-    /// that is not known.
-    pub(crate) fn reach_m2(&self) -> Option<f64> {
+    /// A line that passes by the reach, or leaves it, meets nothing afterwards; `None` where that is not known.
+    pub(crate) fn reach(&self) -> Option<Reach> {
         match self {
-            Self::Cylinder(cylinder) => Some(cylinder.radius_m * cylinder.radius_m),
-            Self::WellClear(volume) => volume.reach_m2(),
+            Self::Cylinder(cylinder) => Some(cylinder.reach()),
+            Self::WellClear(volume) => volume.reach(),
             Self::Uncertain(_) | Self::Advisory(_) => None,
         }
     }

@@ -104,11 +104,11 @@ impl SideWindows {
         // Nothing later is asked for: not by a horizon, and not by a step that begins before it.
         let latest_s = lookahead_s + 1.0 + step_s;
         let last = libm::floor(lookahead_s / step_s);
-        let reach_m2 = volume.reach_m2();
+        let reach = volume.reach();
         let (mut first, mut end, mut known) = (lines.len(), 0, lines.len());
         let lines = lines.iter().zip(approaches).zip(&mut self.losses);
         for (index, ((line, approach), loss)) in lines.enumerate() {
-            if reach_m2.is_some_and(|reach_m2| approach.passes_by(reach_m2)) {
+            if reach.is_some_and(|reach| approach.is_over(line.since_s, &reach)) {
                 continue;
             }
             *loss = met.window(volume, line, approach);

@@ -9,7 +9,7 @@ use crate::aircraft::Pair;
 use crate::almost::Closeness;
 use crate::loss::Loss;
 use crate::plane::{Crossing, circle_crossing_s, modified_tau_s, time_to_closest_s};
-use crate::volume::approach::Approach;
+use crate::volume::approach::{Approach, Reach};
 use crate::volume::cylinder::slab_crossing_s;
 use glam::DVec2;
 
@@ -191,10 +191,12 @@ impl WellClear {
             .and(Loss::new(from_s, to_s))
     }
 
-    /// The square of the distance that must be crossed for a violation, m²; `None` where a near miss is one too.
-    pub(super) fn reach_m2(&self) -> Option<f64> {
-        (self.horizontal_time != HorizontalTime::ClosestApproach)
-            .then_some(self.distance_m * self.distance_m)
+    /// What must be crossed for a violation; `None` where a near miss is one too.
+    pub(super) fn reach(&self) -> Option<Reach> {
+        (self.horizontal_time != HorizontalTime::ClosestApproach).then_some(Reach {
+            square_m2: self.distance_m * self.distance_m,
+            height_m: self.height_m,
+        })
     }
 
     /// The whole violation, seconds from now; `pair` for what the approach does not say.
