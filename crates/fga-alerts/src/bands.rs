@@ -403,6 +403,36 @@ impl QuantityBands {
         Some(ask(&search, &task))
     }
 
+    /// Whether some values are surely free of a cylinder around these aircraft, found without looking at all
+    /// values.
+    ///
+    /// Two neighbouring values that lead past all aircraft are such a part, unless it lies on an edge of the
+    /// scale or the resolution of edges swallows it.
+    fn surely_frees_any(
+        &self,
+        picture: &Picture,
+        span: &Span,
+        aircraft: &[Contribution],
+        cylinder: Cylinder,
+    ) -> bool {
+        let volume = Volume::Cylinder(cylinder);
+        let lines = self.ways.lines();
+        let met = aircraft.iter().filter_map(|contribution| {
+            contribution.level(picture.settings)?;
+            let met = picture.met(contribution.intruder)?;
+            let task = Task {
+                from_s: 0.0,
+                until_s: contribution.horizon_s,
+            };
+            Some((meetings_once(&met, &volume, lines), task))
+        });
+        let neighbors = self.ways.common_neighbors(met, span);
+        span.tells_steps_apart()
+            && neighbors.is_some_and(|(low, high)| {
+                span.is_circular || (span.modulus == 0.0 && span.min <= low && high <= span.max)
+            })
+    }
+
     /// Whether an intruder is in a cylinder already, or is met before a maneuver begins: then
     /// nothing is free of it.
     fn is_blocked_at_once(

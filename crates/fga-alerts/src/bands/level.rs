@@ -293,6 +293,27 @@ impl LevelSearch<'_> {
         }
     }
 
+    /// Two neighbouring altitudes that meet no conflict with any aircraft.
+    pub(crate) fn common_neighbors(searches: &[(Self, Task)], span: &Span) -> Option<(f64, f64)> {
+        let (first, _) = searches.first()?;
+        let mut is_free_before = false;
+        for part in &first.levels.parts {
+            let mut all = searches.iter();
+            let is_free = all.all(|(search, task)| search.part_leads_past(part, task));
+            if is_free && (is_free_before || part.first != part.last) {
+                let step = if is_free_before {
+                    part.first - 1
+                } else {
+                    part.first
+                };
+                let value = |step| span.step * f64::from(step) + span.min;
+                return Some((value(step), value(step + 1)));
+            }
+            is_free_before = is_free;
+        }
+        None
+    }
+
     /// The altitudes that meet no conflict.
     pub(crate) fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
         self.put_free(task, span, free, When::Whole);

@@ -70,13 +70,12 @@ impl QuantityBands {
         if self.is_blocked_at_once(picture, &painting, nmac) {
             return Intervals::default();
         }
-        let past_nmac = self.free_of(picture, span, &painting, Instead::Cylinder(nmac));
-        if past_nmac.is_empty() {
-            return past_nmac;
-        }
         let distances = distances(settings, &picture.ownship.state);
-        if distances.is_empty() {
-            return past_nmac;
+        if distances.is_empty() || !self.surely_frees_any(picture, span, &painting, nmac) {
+            let past_nmac = self.free_of(picture, span, &painting, Instead::Cylinder(nmac));
+            if distances.is_empty() || past_nmac.is_empty() {
+                return past_nmac;
+            }
         }
         let blocked = self.blocked(picture, span, &painting, &distances);
         for (&kept, shrinkings) in distances.iter().zip(0..).skip(blocked) {

@@ -105,6 +105,35 @@ impl FanSearch<'_> {
         found
     }
 
+    /// Two neighbouring values that lead past every aircraft, where the volumes count from now on.
+    pub(crate) fn common_neighbors(searches: &[(Self, Task)], span: &Span) -> Option<(f64, f64)> {
+        [-1.0, 1.0]
+            .into_iter()
+            .enumerate()
+            .find_map(|(side, sign)| {
+                let sides = searches.iter().filter_map(|(search, task)| {
+                    let mut sides = search.sides(task).into_iter();
+                    sides.nth(side)
+                });
+                let sides: Vec<SideSearch> = sides.collect();
+                let count = sides.first().map_or(0, SideSearch::count);
+                let mut is_free_before = false;
+                for index in 0..count {
+                    if sides.iter().any(|side| side.stops_at(index)) {
+                        return None;
+                    }
+                    let is_free = sides.iter().all(|side| side.leads_past(index));
+                    if is_free && is_free_before {
+                        let value = |index| span.value + sign * span.step * f64::from(int(index));
+                        let (near, far) = (value(index - 1), value(index));
+                        return Some((near.min(far), near.max(far)));
+                    }
+                    is_free_before = is_free;
+                }
+                None
+            })
+    }
+
     /// The values without conflict.
     pub(crate) fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
         let [low, high] = self.sides(task);
@@ -168,6 +197,13 @@ impl SideSearch<'_> {
         known
             .and_then(|openings| openings.is_free(index, self.task.from_s))
             .unwrap_or_else(|| self.finds_past(index))
+    }
+
+    /// Whether the volume, which counts from now on, is met on the way to the next step.
+    fn stops_at(&self, index: usize) -> bool {
+        self.step_s > 0.0
+            && index as f64 <= libm::floor(self.later.met.settings.lookahead_s / self.step_s)
+            && self.later.meets_on_the_way(index, self.step_s)
     }
 
     fn finds_past(&self, index: usize) -> bool {

@@ -9,6 +9,7 @@ use crate::bands::path::{Fan, Lines};
 use crate::bands::search::{FanSearch, Task};
 use crate::bands::span::{Quantity, Span};
 use crate::settings::Settings;
+use alloc::vec::Vec;
 
 /// The values of a quantity that an ownship flies to.
 #[derive(Debug, Clone, Copy)]
@@ -102,6 +103,40 @@ impl Ways {
 }
 
 impl Ways {
+    /// Two neighbouring values that lead past the volumes of all aircraft, which count from now on.
+    pub(super) fn common_neighbors<'a>(
+        &'a self,
+        aircraft: impl Iterator<Item = ([Meeting<'a>; 2], Task)>,
+        span: &Span,
+    ) -> Option<(f64, f64)> {
+        match self {
+            Self::Fan(fan) => {
+                let searches = aircraft.map(|(later, task)| {
+                    let search = FanSearch {
+                        later,
+                        before: None,
+                        step_s: fan.step_s,
+                        openings: None,
+                    };
+                    (search, task)
+                });
+                FanSearch::common_neighbors(&searches.collect::<Vec<_>>(), span)
+            }
+            Self::Levels(levels) => {
+                let searches = aircraft.map(|([later, _], task)| {
+                    let search = LevelSearch {
+                        levels,
+                        later,
+                        before: None,
+                        openings: None,
+                    };
+                    (search, task)
+                });
+                LevelSearch::common_neighbors(&searches.collect::<Vec<_>>(), span)
+            }
+        }
+    }
+
     /// Finds the openings of a task with an earlier volume.
     pub(super) fn open(
         &self,
