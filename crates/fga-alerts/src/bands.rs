@@ -100,7 +100,24 @@ impl<'a> Picture<'a> {
             settings: self.settings,
             intruder: &aircraft.state,
             deviation: PairDeviation::of(&self.ownship.deviation, &aircraft.deviation),
+            asked_s: self.asked_s(intruder),
         })
+    }
+
+    /// Until when a maneuver is looked at against an intruder: up to the horizon against one in conflict, else up
+    /// to the longest alerting time.
+    fn asked_s(&self, intruder: usize) -> f64 {
+        let mut conflicts = self.conflicts.iter().flatten();
+        if conflicts.any(|contribution| contribution.intruder == intruder) {
+            return self.settings.lookahead_s;
+        }
+        let alerter = self.alerters.get(intruder).copied().flatten();
+        alerter
+            .and_then(|index| self.settings.alerters.get(index))
+            .into_iter()
+            .flat_map(|alerter| &alerter.levels)
+            .map(|level| level.alerting_s.min(self.settings.lookahead_s))
+            .fold(0.0, f64::max)
     }
 
     pub(crate) fn turns_at_once(&self) -> bool {

@@ -98,6 +98,19 @@ fn seconds(first_s: f64, last_s: f64, horizon_s: f64) -> impl Iterator<Item = f6
     (0..count).map(move |i| first_s + i as f64)
 }
 
+/// The first of some steps from which on a condition holds, the end for none.
+fn first_of(mut from: i32, mut end: i32, holds: impl Fn(i32) -> bool) -> i32 {
+    while from < end {
+        let middle = from.midpoint(end);
+        if holds(middle) {
+            end = middle;
+        } else {
+            from = middle + 1;
+        }
+    }
+    from
+}
+
 /// Heights farther away than this are reached after the horizon, metres.
 ///
 /// Stopping, accelerating and levelling out take less than three braking ways.
@@ -140,23 +153,20 @@ impl Levels {
             let is_beyond = !instantaneous && (target_m - height_m).abs() > beyond_m;
             is_beyond.then_some(target_m >= height_m)
         };
-        let mut before = None;
-        for step in 0..=last {
-            let side = side(step);
-            if let (Some(before), Some(part)) = (before, self.parts.last_mut())
-                && side == Some(before)
-            {
-                part.last = step;
-                continue;
-            }
-            before = side;
+        // Targets grow with the steps, so the ones beyond the horizon are the first and the last ones.
+        let below = first_of(0, last + 1, |step| side(step) != Some(false));
+        let above = first_of(below, last + 1, |step| side(step) == Some(true));
+        let first = (below > 0).then_some((0, below - 1));
+        let within = (below..above).map(|step| (step, step));
+        let rest = (above <= last).then_some((above, last));
+        for (first, last) in first.into_iter().chain(within).chain(rest) {
             let target = self.targets.len();
-            self.add(target_m(step), settings, ownship, instantaneous);
             self.parts.push(Part {
-                first: step,
-                last: step,
+                first,
+                last,
                 target,
             });
+            self.add(target_m(first), settings, ownship, instantaneous);
         }
     }
 

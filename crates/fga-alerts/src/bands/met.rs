@@ -16,6 +16,8 @@ pub(crate) struct Met<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) intruder: &'a State,
     pub(crate) deviation: PairDeviation,
+    /// Nothing later than this after the end of a maneuver is asked for, seconds.
+    pub(crate) asked_s: f64,
 }
 
 impl Met<'_> {
@@ -104,11 +106,16 @@ impl SideWindows {
         // Nothing later is asked for: not by a horizon, and not by a step that begins before it.
         let latest_s = lookahead_s + 1.0 + step_s;
         let last = libm::floor(lookahead_s / step_s);
+        let asked_s = met.asked_s.max(step_s) + 1.0;
+        let asks_less = asked_s < lookahead_s;
         let reach = volume.reach();
         let (mut first, mut end, mut known) = (lines.len(), 0, lines.len());
         let lines = lines.iter().zip(approaches).zip(&mut self.losses);
         for (index, ((line, approach), loss)) in lines.enumerate() {
-            if reach.is_some_and(|reach| approach.is_over(line.since_s, &reach)) {
+            if reach.is_some_and(|reach| {
+                approach.is_over(line.since_s, &reach)
+                    || (asks_less && approach.is_later(line.since_s + asked_s, &reach))
+            }) {
                 continue;
             }
             *loss = met.window(volume, line, approach);
@@ -308,6 +315,13 @@ impl Meeting<'_> {
     /// the `coast_s` after it.
     pub(super) fn meets_on_the_way(&self, index: usize, coast_s: f64) -> bool {
         self.lines.get(index).is_some_and(|line| {
+            if let Some(window) = self.windows.and_then(|windows| windows.losses.get(index)) {
+                // Most lines are met at another time.
+                let begin_s = window.entry_s.max(line.since_s);
+                if begin_s - window.exit_s.min(line.since_s + coast_s) > self.clear_s {
+                    return false;
+                }
+            }
             line.since_s < self.met.settings.lookahead_s
                 && self.meets(index, line, line.since_s, line.since_s + coast_s)
         })

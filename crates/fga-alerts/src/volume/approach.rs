@@ -28,6 +28,8 @@ pub(crate) struct Reach {
     pub(crate) square_m2: f64,
     /// Vertical distance, metres.
     pub(crate) height_m: f64,
+    /// Modified tau, seconds, that violates too; `None` where another time does.
+    pub(crate) tau_s: Option<f64>,
 }
 
 /// A part of a size that rounding cannot make.
@@ -109,6 +111,29 @@ impl Approach {
         height_m * self.climb_mps > 0.0
             && self.climb_mps.abs() > LEAST_MPS
             && height_m.abs() > reach.height_m + MARGIN * size_m
+    }
+
+    /// Whether the line surely meets nothing within a reach until a time: it converges all that time, and neither
+    /// the distance nor the modified tau come down to the reach.
+    ///
+    /// Both are violated where `s² + τ (s · v) ≤ D²`; the left side is a parabola in time, whose slope is still
+    /// negative and whose value still too large. The margin is that of [`Approach::is_over`].
+    #[inline]
+    pub(crate) fn is_later(&self, until_s: f64, reach: &Reach) -> bool {
+        let Some(tau_s) = reach.tau_s else {
+            return false;
+        };
+        let a = self.speed2_m2ps2;
+        let b = 2.0 * self.closing_m2ps + tau_s * a;
+        let square_m2 = a * until_s * until_s;
+        let value_m2 =
+            self.square_m2 + tau_s * self.closing_m2ps - reach.square_m2 + b * until_s + square_m2;
+        let closing_m2 = self.closing_m2ps.abs() * (until_s + tau_s);
+        let size_m2 =
+            self.square_m2 + reach.square_m2 + closing_m2 + tau_s * a * until_s + square_m2;
+        2.0 * a * until_s + b < 0.0
+            && a > LEAST_MPS * LEAST_MPS
+            && value_m2 > 4.0 * MARGIN * size_m2
     }
 
     /// When the line enters and leaves a circle, seconds; `None` where it never does.

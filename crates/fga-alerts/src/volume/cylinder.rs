@@ -45,6 +45,7 @@ impl Cylinder {
         Reach {
             square_m2: self.radius_m * self.radius_m,
             height_m: self.half_height_m,
+            tau_s: Some(0.0),
         }
     }
 

@@ -196,6 +196,7 @@ impl WellClear {
         (self.horizontal_time != HorizontalTime::ClosestApproach).then_some(Reach {
             square_m2: self.distance_m * self.distance_m,
             height_m: self.height_m,
+            tau_s: (self.horizontal_time == HorizontalTime::ModifiedTau).then_some(self.tau_s),
         })
     }
 
