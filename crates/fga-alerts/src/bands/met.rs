@@ -107,6 +107,7 @@ impl SideWindows {
         let latest_s = lookahead_s + 1.0 + step_s;
         let last = libm::floor(lookahead_s / step_s);
         let asked_s = met.asked_s.max(step_s) + 1.0;
+        let clear_s = clear_s(lookahead_s);
         let asks_less = asked_s < lookahead_s;
         let reach = volume.reach();
         let (mut first, mut end, mut known) = (lines.len(), 0, lines.len());
@@ -126,12 +127,12 @@ impl SideWindows {
             first = first.min(index);
             end = index + 1;
             let next_s = since_s + step_s;
-            // A line that is met later only is no stop.
-            if loss.entry_s - next_s < 1.0
+            let overlap_s = loss.exit_s.min(next_s) - loss.entry_s.max(since_s);
+            if overlap_s >= -clear_s
                 && step_s > 0.0
                 && since_s < lookahead_s
                 && index as f64 <= last
-                && meets(*loss, since_s, next_s)
+                && (overlap_s > clear_s || meets(*loss, since_s, next_s))
             {
                 self.stops.push(index);
                 if asked == Asked::UntilMet {

@@ -1,10 +1,11 @@
 //! Resolutions where every manoeuvre leads into the corrective volume.
 
 use crate::aircraft::State;
+use crate::bands::free::Instead;
 use crate::bands::intervals::Intervals;
 use crate::bands::shrinking::{Avoided, Blocking};
 use crate::bands::span::Span;
-use crate::bands::{Contribution, Instead, Picture, QuantityBands};
+use crate::bands::{Contribution, Picture, QuantityBands};
 use crate::settings::Settings;
 use crate::volume::{Advisory, Cylinder};
 use alloc::vec::Vec;

@@ -59,7 +59,7 @@ impl Blocking<'_> {
             Ways::Levels(levels) => {
                 for target in levels.targets() {
                     self.reduce(&mut blocked, &mut last, |avoided, cylinder| {
-                        let line = Lines::of(avoided, 0, &levels.lines);
+                        let line = SideLines::of(avoided, 0, &levels.lines);
                         if self.blocks_target(avoided, target, &line, cylinder) {
                             Found::Met
                         } else {
@@ -117,7 +117,7 @@ impl Blocking<'_> {
                 } else {
                     avoided.met.horizon_s(avoided.horizon_s, since_s)
                 };
-                let window = Lines::of(avoided, side, lines).window(index, cylinder);
+                let window = SideLines::of(avoided, side, lines).window(index, cylinder);
                 if on_the_way && self.is_within(window, since_s, since_s + fan.step_s) {
                     Found::Stop
                 } else if self.is_within(window, since_s, until_s.min(lookahead_s)) {
@@ -142,7 +142,7 @@ impl Blocking<'_> {
         &self,
         avoided: &Avoided,
         target: &Target,
-        lines: &Lines,
+        lines: &SideLines,
         cylinder: Cylinder,
     ) -> bool {
         let lookahead_s = self.settings.lookahead_s;
@@ -174,13 +174,13 @@ impl Blocking<'_> {
 }
 
 /// The lines of one side and how they approach an aircraft.
-struct Lines<'a> {
+struct SideLines<'a> {
     met: &'a Met<'a>,
     lines: &'a [Line],
     approaches: &'a [Approach],
 }
 
-impl<'a> Lines<'a> {
+impl<'a> SideLines<'a> {
     fn of(avoided: &'a Avoided<'a>, side: usize, lines: &'a [Line]) -> Self {
         Self {
             met: &avoided.met,
