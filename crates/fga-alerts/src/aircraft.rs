@@ -144,6 +144,9 @@ impl Deviation {
 
 /// Root of the larger eigenvalue of a covariance matrix.
 fn largest_deviation(east: f64, north: f64, east_north: f64) -> f64 {
+    if east == 0.0 && north == 0.0 && east_north == 0.0 {
+        return 0.0;
+    }
     let (first, second) = (east * east, north * north);
     let sign = if east_north >= 0.0 { 1.0 } else { -1.0 };
     let covariance = sign * (east_north * east_north);

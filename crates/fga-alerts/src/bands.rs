@@ -7,38 +7,45 @@
 //! | [`ways`] | along which lines does it reach the values of a span? |
 //! | [`met`] | when does a line meet a volume of an intruder? |
 //! | [`search`] | which steps meet a conflict? |
+//! | [`free`] | which values are free of some aircraft? |
 //! | [`level`] | which altitudes meet a conflict? |
 //! | [`pool`] | what was computed already in this step? |
 //! | [`intervals`] | which values are free? |
 //! | [`colors`] | how do regions cover each other? |
 //! | [`memory`] | which bands and which preferred side does the display show? |
 //! | [`recovery`] | which way leads out where none stays clear? |
+//! | [`opening`] | when may recovery change back from its distances to well clear? |
+//! | [`shrinking`] | which distances of recovery need no search? |
 
 pub(crate) mod colors;
+mod free;
 pub(crate) mod intervals;
 mod level;
 pub(crate) mod memory;
 pub(crate) mod met;
+mod opening;
 pub(crate) mod path;
 mod pool;
 pub(crate) mod recovery;
 pub(crate) mod search;
+mod shrinking;
 pub(crate) mod span;
 mod ways;
 
 use crate::aircraft::{Aircraft, PairDeviation, State};
 use crate::bands::colors::{Band, Colors, band_at};
+use crate::bands::free::Instead;
 use crate::bands::intervals::Intervals;
 use crate::bands::memory::{Memory, Resolution, Step, Way};
 use crate::bands::met::{Met, meetings_once};
-use crate::bands::pool::{Key, WindowPool, level_key};
+use crate::bands::pool::{WindowPool, level_key};
 use crate::bands::recovery::{Recovery, WaysOut};
 use crate::bands::search::Task;
 use crate::bands::span::{Quantity, Span};
-use crate::bands::ways::{Range, Search, Ways};
+use crate::bands::ways::{Range, Ways};
 use crate::loss::Loss;
-use crate::settings::{Region, Settings, TerminalGuidance};
-use crate::volume::{Cylinder, Volume};
+use crate::settings::{AlertLevel, Region, Settings, TerminalGuidance};
+use crate::volume::Volume;
 use alloc::vec::Vec;
 
 /// An aircraft that contributes to the bands of a region.
@@ -52,6 +59,13 @@ pub(crate) struct Contribution {
     pub(crate) level: usize,
     /// Horizon, seconds.
     pub(crate) horizon_s: f64,
+}
+
+impl Contribution {
+    /// The level that the aircraft contributes by.
+    fn level<'a>(&self, settings: &'a Settings) -> Option<&'a AlertLevel> {
+        settings.alerters.get(self.alerter)?.level(self.level)
+    }
 }
 
 /// The state of the terminal area.
@@ -89,7 +103,24 @@ impl<'a> Picture<'a> {
             settings: self.settings,
             intruder: &aircraft.state,
             deviation: PairDeviation::of(&self.ownship.deviation, &aircraft.deviation),
+            asked_s: self.asked_s(intruder),
         })
+    }
+
+    /// Until when a maneuver is looked at against an intruder: up to the horizon against one in conflict, else up
+    /// to the longest alerting time.
+    fn asked_s(&self, intruder: usize) -> f64 {
+        let mut conflicts = self.conflicts.iter().flatten();
+        if conflicts.any(|contribution| contribution.intruder == intruder) {
+            return self.settings.lookahead_s;
+        }
+        let alerter = self.alerters.get(intruder).copied().flatten();
+        alerter
+            .and_then(|index| self.settings.alerters.get(index))
+            .into_iter()
+            .flat_map(|alerter| &alerter.levels)
+            .map(|level| level.alerting_s.min(self.settings.lookahead_s))
+            .fold(0.0, f64::max)
     }
 
     pub(crate) fn turns_at_once(&self) -> bool {
@@ -124,17 +155,6 @@ pub struct QuantityBands {
     ways: Ways,
     pool: WindowPool,
     span: Option<Span>,
-}
-
-/// Volumes that count instead of the aircraft's own.
-#[derive(Debug, Clone, Copy)]
-enum Instead {
-    /// Each aircraft's own volume.
-    Own,
-    /// A cylinder.
-    Cylinder(Cylinder),
-    /// A cylinder until a time, each aircraft's own volume afterwards.
-    Until(Cylinder, f64),
 }
 
 impl QuantityBands {
@@ -278,8 +298,15 @@ impl QuantityBands {
                 until_s: horizon_s,
             };
             let later = (&level.volume, level_key(settings, alerter_index, number));
-            let meets = Self::search(&self.ways, &mut self.pool, intruder, &met, later, None)
-                .any_conflict(&task);
+            let meets = Self::search(
+                &self.ways,
+                &mut self.pool,
+                &met,
+                (intruder, &task),
+                later,
+                None,
+            )
+            .any_conflict(&task);
             if meets && let Some(aircraft) = self.peripheral.get_mut(index) {
                 aircraft.push(Contribution {
                     intruder,
@@ -289,145 +316,6 @@ impl QuantityBands {
                 });
             }
         }
-    }
-
-    /// The values free of conflicts with these aircraft.
-    fn free_of(
-        &mut self,
-        picture: &Picture,
-        span: &Span,
-        aircraft: &[Contribution],
-        instead: Instead,
-    ) -> Intervals {
-        let mut free = span.whole();
-        let mut of_one = Intervals::default();
-        for contribution in aircraft {
-            let searched = self.search_of(picture, contribution, instead, |search, task| {
-                search.free(task, span, &mut of_one);
-            });
-            if searched.is_none() {
-                continue;
-            }
-            free.intersect(&of_one);
-            if free.is_empty() {
-                break;
-            }
-        }
-        free
-    }
-
-    /// Whether some value is free of conflicts with these aircraft.
-    fn frees_any(
-        &mut self,
-        picture: &Picture,
-        span: &Span,
-        aircraft: &[Contribution],
-        instead: Instead,
-    ) -> bool {
-        if let [one] = aircraft {
-            let mut free = span.whole();
-            let mut some = Intervals::default();
-            let found = self.search_of(picture, one, instead, |search, task| {
-                search.some_free(task, span, &mut some)
-            });
-            free.intersect(&some);
-            match found {
-                Some(false) => return false,
-                // A part is enough unless its edges count as one.
-                Some(true) if !free.is_empty() => return true,
-                _ => {}
-            }
-        }
-        !self.free_of(picture, span, aircraft, instead).is_empty()
-    }
-
-    /// Asks a search against one aircraft; `None` for one that contributes nothing.
-    fn search_of<T>(
-        &mut self,
-        picture: &Picture,
-        contribution: &Contribution,
-        instead: Instead,
-        ask: impl FnOnce(&Search, &Task) -> T,
-    ) -> Option<T> {
-        let settings = picture.settings;
-        let intruder = contribution.intruder;
-        let level = settings
-            .alerters
-            .get(contribution.alerter)
-            .and_then(|alerter| alerter.level(contribution.level))?;
-        let met = picture.met(intruder)?;
-        let own_key = level_key(settings, contribution.alerter, contribution.level);
-        let horizon_s = contribution.horizon_s;
-        let (cylinder, is_own, from_s) = match instead {
-            Instead::Own => (None, true, 0.0),
-            Instead::Cylinder(cylinder) => (Some(cylinder), false, 0.0),
-            // Beyond the aircraft's horizon only the cylinder counts.
-            Instead::Until(cylinder, time_s) if time_s > horizon_s => (Some(cylinder), false, 0.0),
-            Instead::Until(cylinder, time_s) => (Some(cylinder), true, time_s),
-        };
-        let cylinder_volume = cylinder.map(Volume::Cylinder);
-        let cylinder = cylinder_volume.as_ref().zip(cylinder.map(Key::Cylinder));
-        let own = is_own.then_some((&level.volume, own_key));
-        // The cylinder counts before the alerter's volume, or without it.
-        let (later, before) = match own {
-            Some(own) => (own, cylinder),
-            None => (cylinder?, None),
-        };
-        let task = Task {
-            from_s,
-            until_s: horizon_s,
-        };
-        let search = Self::search(&self.ways, &mut self.pool, intruder, &met, later, before);
-        Some(ask(&search, &task))
-    }
-
-    /// Whether an intruder is in a cylinder already, or is met before a maneuver begins: then
-    /// nothing is free of it.
-    fn is_blocked_at_once(
-        &self,
-        picture: &Picture,
-        aircraft: &[Contribution],
-        cylinder: Cylinder,
-    ) -> bool {
-        let volume = Volume::Cylinder(cylinder);
-        let lines = self.ways.lines();
-        aircraft.iter().any(|contribution| {
-            let task = Task {
-                from_s: 0.0,
-                until_s: contribution.horizon_s,
-            };
-            picture.met(contribution.intruder).is_some_and(|met| {
-                let meetings = meetings_once(&met, &volume, lines);
-                self.ways.search(meetings, None).is_blocked_at_once(&task)
-            })
-        })
-    }
-
-    /// A search against one intruder, its windows computed once.
-    fn search<'a>(
-        ways: &'a Ways,
-        pool: &'a mut WindowPool,
-        intruder: usize,
-        met: &Met<'a>,
-        later: (&'a Volume, Key),
-        before: Option<(&'a Volume, Key)>,
-    ) -> Search<'a> {
-        let lines = ways.lines();
-        let mut place =
-            |(volume, key): (&Volume, Key)| pool.ensure(intruder, key, met, volume, lines);
-        let (later_place, before_place) = (place(later), before.map(place));
-        let pool = &*pool;
-        let meeting = |place: Option<usize>, volume| {
-            place.and_then(|place| pool.get(place)).map_or_else(
-                || meetings_once(met, volume, lines),
-                |windows| windows.of(met, volume, lines),
-            )
-        };
-        let before = before.zip(before_place);
-        ways.search(
-            meeting(later_place, later.0),
-            before.map(|((volume, _), place)| meeting(place, volume)),
-        )
     }
 
     /// The aircraft that paint a region: in conflict, or only after a manoeuvre.
@@ -548,7 +436,7 @@ impl QuantityBands {
             span: &base,
             turns_at_once: picture.turns_at_once(),
         });
-        ways.search(meetings_once(met, volume, ways.lines()), None)
+        ways.search(meetings_once(met, volume, ways.lines()), None, None)
             .all_conflict(&task)
     }
 }
@@ -578,6 +466,6 @@ pub(crate) fn meets_within_spread(
         span: &span,
         turns_at_once: picture.turns_at_once(),
     });
-    ways.search(meetings_once(met, volume, ways.lines()), None)
+    ways.search(meetings_once(met, volume, ways.lines()), None, None)
         .any_conflict(&task)
 }

@@ -536,6 +536,7 @@ impl Monitor {
                 settings: &self.settings,
                 intruder: &intruder,
                 deviation,
+                asked_s: self.settings.lookahead_s,
             };
             let pair = Pair {
                 ownship,

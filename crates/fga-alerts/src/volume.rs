@@ -18,7 +18,7 @@ pub use cylinder::Cylinder;
 pub use uncertain::{DeviationFactors, UncertainWellClear};
 pub use well_clear::{HorizontalTime, VerticalTime, WellClear};
 
-pub(crate) use approach::Approach;
+pub(crate) use approach::{Approach, Reach};
 
 use crate::aircraft::Pair;
 use crate::loss::Loss;
@@ -53,6 +53,15 @@ impl Volume {
     /// Whether the violation depends on the part of the line that is asked for.
     pub(crate) const fn depends_on_time(&self) -> bool {
         matches!(self, Self::Advisory(_))
+    }
+
+    /// A line that passes by the reach, or leaves it, meets nothing afterwards; `None` where that is not known.
+    pub(crate) fn reach(&self) -> Option<Reach> {
+        match self {
+            Self::Cylinder(cylinder) => Some(cylinder.reach()),
+            Self::WellClear(volume) => volume.reach(),
+            Self::Uncertain(_) | Self::Advisory(_) => None,
+        }
     }
 
     /// The whole violation along straight lines from now on, to be cut to any part of `[0,

@@ -3,6 +3,7 @@
 use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
 use crate::bands::met::Meeting;
+use crate::bands::opening::SideOpenings;
 use crate::bands::path::{LevelChange, Line};
 use crate::bands::search::{Task, When};
 use crate::bands::span::Span;
@@ -35,7 +36,7 @@ struct Part {
 
 /// How an altitude is reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Target {
+pub(super) struct Target {
     first_line: usize,
     /// `None` where the altitude is flown along one line from the begin.
     way: Option<Way>,
@@ -43,16 +44,34 @@ struct Target {
 
 /// A way of three parts: to the rate, along the rate, to the altitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Way {
+pub(super) struct Way {
     /// Lines until the rate is reached.
     early: usize,
     /// Lines after the rate is left.
     late: usize,
     /// When the rate is reached and left, seconds.
-    rate_since_s: f64,
-    rate_until_s: f64,
+    pub(super) rate_since_s: f64,
+    pub(super) rate_until_s: f64,
     /// When it flies level, seconds.
-    level_since_s: f64,
+    pub(super) level_since_s: f64,
+}
+
+impl Target {
+    /// `None` where the altitude is flown along one line from the begin.
+    pub(super) const fn way(&self) -> Option<&Way> {
+        self.way.as_ref()
+    }
+
+    pub(super) const fn first_line(&self) -> usize {
+        self.first_line
+    }
+
+    /// The lines to the altitude: while the rate is on, and level.
+    pub(super) fn rate_and_level(&self) -> (usize, usize) {
+        let way = self.way.as_ref();
+        let rate = self.first_line + way.map_or(0, |way| way.early);
+        (rate, rate + 1 + way.map_or(0, |way| way.late))
+    }
 }
 
 #[expect(
@@ -79,6 +98,19 @@ fn seconds(first_s: f64, last_s: f64, horizon_s: f64) -> impl Iterator<Item = f6
     (0..count).map(move |i| first_s + i as f64)
 }
 
+/// The first of some steps from which on a condition holds, the end for none.
+fn first_of(mut from: i32, mut end: i32, holds: impl Fn(i32) -> bool) -> i32 {
+    while from < end {
+        let middle = from.midpoint(end);
+        if holds(middle) {
+            end = middle;
+        } else {
+            from = middle + 1;
+        }
+    }
+    from
+}
+
 /// Heights farther away than this are reached after the horizon, metres.
 ///
 /// Stopping, accelerating and levelling out take less than three braking ways.
@@ -89,6 +121,10 @@ fn horizon_m(settings: &Settings, ownship: &State) -> f64 {
 }
 
 impl Levels {
+    pub(super) fn targets(&self) -> &[Target] {
+        &self.targets
+    }
+
     /// Finds the lines that lead to the altitudes of a span.
     pub(crate) fn fill(
         &mut self,
@@ -117,23 +153,20 @@ impl Levels {
             let is_beyond = !instantaneous && (target_m - height_m).abs() > beyond_m;
             is_beyond.then_some(target_m >= height_m)
         };
-        let mut before = None;
-        for step in 0..=last {
-            let side = side(step);
-            if let (Some(before), Some(part)) = (before, self.parts.last_mut())
-                && side == Some(before)
-            {
-                part.last = step;
-                continue;
-            }
-            before = side;
+        // Targets grow with the steps, so the ones beyond the horizon are the first and the last ones.
+        let below = first_of(0, last + 1, |step| side(step) != Some(false));
+        let above = first_of(below, last + 1, |step| side(step) == Some(true));
+        let first = (below > 0).then_some((0, below - 1));
+        let within = (below..above).map(|step| (step, step));
+        let rest = (above <= last).then_some((above, last));
+        for (first, last) in first.into_iter().chain(within).chain(rest) {
             let target = self.targets.len();
-            self.add(target_m(step), settings, ownship, instantaneous);
             self.parts.push(Part {
-                first: step,
-                last: step,
+                first,
+                last,
                 target,
             });
+            self.add(target_m(first), settings, ownship, instantaneous);
         }
     }
 
@@ -180,6 +213,8 @@ pub(crate) struct LevelSearch<'a> {
     pub(crate) later: Meeting<'a>,
     /// The task's earlier volume.
     pub(crate) before: Option<Meeting<'a>>,
+    /// What is known of a task with an earlier volume.
+    pub(super) openings: Option<&'a SideOpenings>,
 }
 
 impl LevelSearch<'_> {
@@ -208,8 +243,7 @@ impl LevelSearch<'_> {
         let Some(way) = &target.way else {
             return self.line_leads_past(begin, task, task.until_s);
         };
-        let rate = begin + way.early;
-        let level = rate + 1 + way.late;
+        let (rate, level) = target.rate_and_level();
         let may_meet = |meeting: &Meeting| {
             let live = meeting.live();
             live.start <= level && begin < live.end
@@ -236,6 +270,10 @@ impl LevelSearch<'_> {
     }
 
     fn part_leads_past(&self, part: &Part, task: &Task) -> bool {
+        let known = self.openings;
+        if let Some(is_free) = known.and_then(|known| known.is_free(part.target, task.from_s)) {
+            return is_free;
+        }
         let target = self.levels.targets.get(part.target);
         target.is_none_or(|target| self.leads_past(target, task))
     }
@@ -263,6 +301,27 @@ impl LevelSearch<'_> {
         {
             take(first, last);
         }
+    }
+
+    /// Two neighbouring altitudes that meet no conflict with any aircraft.
+    pub(crate) fn common_neighbors(searches: &[(Self, Task)], span: &Span) -> Option<(f64, f64)> {
+        let (first, _) = searches.first()?;
+        let mut is_free_before = false;
+        for part in &first.levels.parts {
+            let mut all = searches.iter();
+            let is_free = all.all(|(search, task)| search.part_leads_past(part, task));
+            if is_free && (is_free_before || part.first != part.last) {
+                let step = if is_free_before {
+                    part.first - 1
+                } else {
+                    part.first
+                };
+                let value = |step| span.step * f64::from(step) + span.min;
+                return Some((value(step), value(step + 1)));
+            }
+            is_free_before = is_free;
+        }
+        None
     }
 
     /// The altitudes that meet no conflict.

@@ -2,6 +2,7 @@
 
 use crate::aircraft::{Pair, PairDeviation, State};
 use crate::almost::Closeness::Rounding;
+use crate::bands::opening::clear_s;
 use crate::bands::path::{Line, Lines};
 use crate::loss::Loss;
 use crate::settings::Settings;
@@ -15,6 +16,8 @@ pub(crate) struct Met<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) intruder: &'a State,
     pub(crate) deviation: PairDeviation,
+    /// Nothing later than this after the end of a maneuver is asked for, seconds.
+    pub(crate) asked_s: f64,
 }
 
 impl Met<'_> {
@@ -28,7 +31,7 @@ impl Met<'_> {
 
     /// When the line meets a volume of which the violation does not depend on the time asked for.
     #[inline]
-    fn window(&self, volume: &Volume, line: &Line, approach: &Approach) -> Loss {
+    pub(super) fn window(&self, volume: &Volume, line: &Line, approach: &Approach) -> Loss {
         if !approach.is_finite() {
             return Loss::NEVER;
         }
@@ -53,6 +56,11 @@ pub(crate) struct Approaches {
 }
 
 impl Approaches {
+    /// The approaches of one side.
+    pub(super) fn side(&self, side: usize) -> &[Approach] {
+        self.sides.get(side).map_or(&[], Vec::as_slice)
+    }
+
     pub(crate) fn fill(&mut self, met: &Met, lines: Lines) {
         for (approaches, lines) in self.sides.iter_mut().zip(lines.sides) {
             approaches.clear();
@@ -77,9 +85,9 @@ struct SideWindows {
     losses: Vec<Loss>,
     /// Lines outside of it meet nothing at any time that is asked for.
     live: Range<usize>,
-    /// The first line on the way to which the volume is met, where nothing is asked of the lines behind it: their
-    /// windows are not known.
-    stop: Option<usize>,
+    /// The lines on the way from which to the next the volume is met. Where nothing is asked of the lines behind the
+    /// first one, it is the last one that is known.
+    stops: Vec<usize>,
 }
 
 impl SideWindows {
@@ -92,39 +100,48 @@ impl SideWindows {
         (step_s, asked): (f64, Asked),
     ) {
         self.losses.clear();
-        self.stop = None;
+        self.losses.resize(lines.len(), Loss::NEVER);
+        self.stops.clear();
         let lookahead_s = met.settings.lookahead_s;
         // Nothing later is asked for: not by a horizon, and not by a step that begins before it.
         let latest_s = lookahead_s + 1.0 + step_s;
-        let (mut first, mut end) = (lines.len(), 0);
-        let mut window = |(index, (line, approach)): (usize, (&Line, &Approach))| {
-            let loss = met.window(volume, line, approach);
-            let is_live = loss.lasts() && line.since_s < loss.exit_s && loss.entry_s < latest_s;
-            if is_live {
-                first = first.min(index);
-                end = index + 1;
+        let last = libm::floor(lookahead_s / step_s);
+        let asked_s = met.asked_s.max(step_s) + 1.0;
+        let clear_s = clear_s(lookahead_s);
+        let asks_less = asked_s < lookahead_s;
+        let reach = volume.reach();
+        let (mut first, mut end, mut known) = (lines.len(), 0, lines.len());
+        let lines = lines.iter().zip(approaches).zip(&mut self.losses);
+        for (index, ((line, approach), loss)) in lines.enumerate() {
+            if reach.is_some_and(|reach| {
+                approach.is_over(line.since_s, &reach)
+                    || (asks_less && approach.is_later(line.since_s + asked_s, &reach))
+            }) {
+                continue;
             }
-            (loss, is_live)
-        };
-        let lines = lines.iter().zip(approaches).enumerate();
-        if asked == Asked::All || step_s == 0.0 {
-            self.losses.extend(lines.map(|line| window(line).0));
-        } else {
-            let last = libm::floor(lookahead_s / step_s);
-            for line in lines {
-                let (index, since_s) = (line.0, line.1.0.since_s);
-                let (loss, is_live) = window(line);
-                self.losses.push(loss);
-                if is_live
-                    && since_s < lookahead_s
-                    && index as f64 <= last
-                    && meets(loss, since_s, since_s + step_s)
-                {
-                    self.stop = Some(index);
+            *loss = met.window(volume, line, approach);
+            let since_s = line.since_s;
+            if !(loss.lasts() && since_s < loss.exit_s && loss.entry_s < latest_s) {
+                continue;
+            }
+            first = first.min(index);
+            end = index + 1;
+            let next_s = since_s + step_s;
+            let overlap_s = loss.exit_s.min(next_s) - loss.entry_s.max(since_s);
+            if overlap_s >= -clear_s
+                && step_s > 0.0
+                && since_s < lookahead_s
+                && index as f64 <= last
+                && (overlap_s > clear_s || meets(*loss, since_s, next_s))
+            {
+                self.stops.push(index);
+                if asked == Asked::UntilMet {
+                    known = end;
                     break;
                 }
             }
         }
+        self.losses.truncate(known);
         self.live = if first < end { first..end } else { 0..0 };
     }
 }
@@ -204,6 +221,7 @@ fn meetings<'a>(
         volume,
         lines,
         windows,
+        clear_s: clear_s(met.settings.lookahead_s),
     };
     [side(low_lines, low), side(high_lines, high)]
 }
@@ -216,6 +234,8 @@ pub(crate) struct Meeting<'a> {
     pub(super) lines: &'a [Line],
     /// What is known; nothing where windows depend on the time that is asked for.
     windows: Option<&'a SideWindows>,
+    /// A time that rounding cannot make, seconds.
+    clear_s: f64,
 }
 
 impl Meeting<'_> {
@@ -238,6 +258,16 @@ impl Meeting<'_> {
         Some(self.met.window(self.volume, line, &approach))
     }
 
+    /// Begin and end of the part of a known window between the time at which the ownship comes onto the line and
+    /// a later one; the end may lie before the begin. `None` where the line meets nothing at all.
+    pub(super) fn part(&self, index: usize, until_s: f64) -> Option<(f64, f64)> {
+        let window = self.windows?.losses.get(index)?;
+        let line = self.lines.get(index)?;
+        window
+            .lasts()
+            .then(|| (window.entry_s.max(line.since_s), window.exit_s.min(until_s)))
+    }
+
     fn meets(&self, index: usize, line: &Line, from_s: f64, to_s: f64) -> bool {
         match self.window(index, line) {
             Some(window) => meets(window, from_s, to_s),
@@ -245,21 +275,38 @@ impl Meeting<'_> {
         }
     }
 
-    /// The first of some lines on the way to which the volume is met, the ownship `coast_s` on each.
+    /// The first of some lines on the way to which the volume is met, the ownship `coast_s` on each: the step of
+    /// the windows, where these are known.
     pub(super) fn first_met(&self, mut lines: Range<usize>, coast_s: f64) -> Option<usize> {
-        let stop = self.windows.and_then(|windows| windows.stop);
-        if let Some(stop) = stop.filter(|stop| lines.start <= *stop) {
-            return lines.contains(&stop).then_some(stop);
-        }
-        lines.find(|index| self.meets_on_the_way(*index, coast_s))
+        let Some(windows) = self.windows else {
+            return lines.find(|index| self.meets_on_the_way(*index, coast_s));
+        };
+        let place = windows.stops.partition_point(|stop| *stop < lines.start);
+        let stop = windows.stops.get(place).copied();
+        stop.filter(|stop| lines.contains(stop))
     }
 
     /// Whether the volume is violated on the line between two times, once the ownship is on it.
+    #[inline]
     pub(super) fn meets_later(&self, index: usize, from_s: f64, until_s: f64) -> bool {
+        let until_s = until_s.min(self.met.settings.lookahead_s);
+        // Most answers are clear: an overlap, or a gap, that rounding cannot make.
+        if let Some(windows) = self.windows
+            && let (Some(window), Some(line)) = (windows.losses.get(index), self.lines.get(index))
+        {
+            let begin_s = window.entry_s.max(line.since_s).max(from_s);
+            let overlap_s = window.exit_s.min(until_s) - begin_s;
+            if overlap_s.abs() > self.clear_s {
+                return overlap_s > 0.0;
+            }
+        }
+        self.meets_later_exactly(index, from_s, until_s)
+    }
+
+    fn meets_later_exactly(&self, index: usize, from_s: f64, until_s: f64) -> bool {
         let Some(line) = self.lines.get(index) else {
             return false;
         };
-        let until_s = until_s.min(self.met.settings.lookahead_s);
         line.since_s <= until_s
             && from_s <= until_s
             && self.meets(index, line, from_s.max(line.since_s), until_s)
@@ -269,6 +316,13 @@ impl Meeting<'_> {
     /// the `coast_s` after it.
     pub(super) fn meets_on_the_way(&self, index: usize, coast_s: f64) -> bool {
         self.lines.get(index).is_some_and(|line| {
+            if let Some(window) = self.windows.and_then(|windows| windows.losses.get(index)) {
+                // Most lines are met at another time.
+                let begin_s = window.entry_s.max(line.since_s);
+                if begin_s - window.exit_s.min(line.since_s + coast_s) > self.clear_s {
+                    return false;
+                }
+            }
             line.since_s < self.met.settings.lookahead_s
                 && self.meets(index, line, line.since_s, line.since_s + coast_s)
         })

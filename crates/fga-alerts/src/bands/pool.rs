@@ -1,6 +1,7 @@
 //! Windows of lines, computed once for each intruder and volume of a step.
 
-use crate::bands::met::{Approaches, Asked, Met, Windows};
+use crate::bands::met::{Approaches, Asked, Meeting, Met, Windows, meetings_once};
+use crate::bands::opening::Openings;
 use crate::bands::path::Lines;
 use crate::settings::Settings;
 use crate::volume::{Cylinder, Volume};
@@ -21,12 +22,16 @@ pub(super) struct WindowPool {
     /// Aircraft of which the approaches are known.
     known: Vec<usize>,
     approaches: Vec<Approaches>,
+    /// The places of two windows and the horizon, seconds, of which the openings are known.
+    opened: Vec<((usize, usize), f64)>,
+    openings: Vec<Openings>,
 }
 
 impl WindowPool {
     pub(super) fn clear(&mut self) {
         self.keys.clear();
         self.known.clear();
+        self.opened.clear();
     }
 
     /// The place of the windows of an intruder and a volume; `None` where these depend on the time
@@ -65,8 +70,13 @@ impl WindowPool {
         Some(place)
     }
 
+    /// The approaches at an index.
+    pub(super) fn approaches(&self, at: usize) -> Option<&Approaches> {
+        self.approaches.get(at)
+    }
+
     /// The place of an intruder's approaches.
-    fn approached(&mut self, intruder: usize, met: &Met, lines: Lines) -> usize {
+    pub(super) fn approached(&mut self, intruder: usize, met: &Met, lines: Lines) -> usize {
         if let Some(at) = self.known.iter().position(|known| *known == intruder) {
             return at;
         }
@@ -81,9 +91,49 @@ impl WindowPool {
         at
     }
 
-    /// The windows at an index.
-    pub(super) fn get(&self, place: usize) -> Option<&Windows> {
-        self.windows.get(place)
+    /// How lines meet a volume of which the windows are known, or are found one by one.
+    pub(super) fn meetings<'a>(
+        &'a self,
+        place: Option<usize>,
+        met: &Met<'a>,
+        volume: &'a Volume,
+        lines: Lines<'a>,
+    ) -> [Meeting<'a>; 2] {
+        place.and_then(|place| self.windows.get(place)).map_or_else(
+            || meetings_once(met, volume, lines),
+            |windows| windows.of(met, volume, lines),
+        )
+    }
+
+    /// The place of the openings between the later windows and the earlier ones.
+    pub(super) fn ensure_open(
+        &mut self,
+        places: (usize, usize),
+        until_s: f64,
+        fill: impl FnOnce(&Self, &mut Openings),
+    ) -> usize {
+        let key = (places, until_s);
+        if let Some(known) = self.opened.iter().position(|known| *known == key) {
+            return known;
+        }
+        let place = self.opened.len();
+        let mut openings = self
+            .openings
+            .get_mut(place)
+            .map(core::mem::take)
+            .unwrap_or_default();
+        fill(self, &mut openings);
+        match self.openings.get_mut(place) {
+            Some(known) => *known = openings,
+            None => self.openings.push(openings),
+        }
+        self.opened.push(key);
+        place
+    }
+
+    /// The openings at an index.
+    pub(super) fn openings(&self, place: usize) -> Option<&Openings> {
+        self.openings.get(place)
     }
 }
 

@@ -1,11 +1,14 @@
 //! Resolutions where every manoeuvre leads into the corrective volume.
 
 use crate::aircraft::State;
+use crate::bands::free::Instead;
 use crate::bands::intervals::Intervals;
+use crate::bands::shrinking::{Avoided, Blocking};
 use crate::bands::span::Span;
-use crate::bands::{Contribution, Instead, Picture, QuantityBands};
+use crate::bands::{Contribution, Picture, QuantityBands};
 use crate::settings::Settings;
 use crate::volume::{Advisory, Cylinder};
+use alloc::vec::Vec;
 
 /// The result of recovery bands, where every manoeuvre leads into the corrective volume.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,7 +54,7 @@ pub(super) enum WaysOut {
 }
 
 /// At the default factor this many shrinkings reach the NMAC volume from any distance.
-const MOST_SHRINKINGS: i32 = 1000;
+const MOST_SHRINKINGS: usize = 1000;
 
 impl QuantityBands {
     /// Searches resolutions of a certain conflict.
@@ -64,29 +67,24 @@ impl QuantityBands {
         let settings = picture.settings;
         let painting = self.painting(picture, corrective);
         let nmac = Cylinder::new(settings.nmac_distance_m, settings.nmac_height_m);
-        let mut shrinkings = 0;
-        self.recovery = Recovery::Impossible { shrinkings };
+        self.recovery = Recovery::Impossible { shrinkings: 0 };
         if self.is_blocked_at_once(picture, &painting, nmac) {
             return Intervals::default();
         }
-        let past_nmac = self.free_of(picture, span, &painting, Instead::Cylinder(nmac));
-        if past_nmac.is_empty() {
-            return past_nmac;
+        let distances = distances(settings, &picture.ownship.state);
+        if distances.is_empty() || !self.surely_frees_any(picture, span, &painting, nmac) {
+            let past_nmac = self.free_of(picture, span, &painting, Instead::Cylinder(nmac));
+            if distances.is_empty() || past_nmac.is_empty() {
+                return past_nmac;
+            }
         }
-        let mut kept = least_recovery(settings, &picture.ownship.state);
-        let factor = 1.0 - settings.recovery_shrinking;
-        // Without a success the display shows the result of the last search.
-        let mut ways_out = past_nmac;
-        // Shrinking by a factor of zero never ends by itself.
-        while (kept.radius_m > nmac.radius_m || kept.half_height_m > nmac.half_height_m)
-            && shrinkings < MOST_SHRINKINGS
-        {
-            ways_out = Intervals::default();
+        let blocked = self.blocked(picture, span, &painting, &distances);
+        for (&kept, shrinkings) in distances.iter().zip(0..).skip(blocked) {
             if !self.is_blocked_at_once(picture, &painting, kept)
                 && self.frees_any(picture, span, &painting, Instead::Cylinder(kept))
             {
                 let time_s = self.recovery_time_s(picture, span, &painting, kept);
-                ways_out = self.free_of(picture, span, &painting, Instead::Until(kept, time_s));
+                let ways_out = self.free_of(picture, span, &painting, Instead::Until(kept, time_s));
                 if !ways_out.is_empty() {
                     self.recovery = Recovery::Found {
                         time_s,
@@ -97,17 +95,52 @@ impl QuantityBands {
                     return ways_out;
                 }
             }
-            if !settings.shrinks_recovery {
-                return ways_out;
-            }
-            shrinkings += 1;
-            self.recovery = Recovery::Impossible { shrinkings };
-            kept = Cylinder::new(
-                nmac.radius_m.max(kept.radius_m * factor),
-                nmac.half_height_m.max(kept.half_height_m * factor),
-            );
         }
-        ways_out
+        if settings.shrinks_recovery {
+            let shrinkings = i32::try_from(distances.len()).unwrap_or(i32::MAX);
+            self.recovery = Recovery::Impossible { shrinkings };
+        }
+        Intervals::default()
+    }
+
+    /// How many of the distances, from the largest, surely block every maneuver.
+    fn blocked(
+        &mut self,
+        picture: &Picture,
+        span: &Span,
+        painting: &[Contribution],
+        distances: &[Cylinder],
+    ) -> usize {
+        let grows = distances.windows(2).any(|pair| match pair {
+            [a, b] => b.radius_m > a.radius_m || b.half_height_m > a.half_height_m,
+            _ => false,
+        });
+        if grows || (painting.len() > 1 && !span.tells_steps_apart()) {
+            return 0;
+        }
+        let lines = self.ways.lines();
+        let mut places = Vec::new();
+        for contribution in painting {
+            let level = contribution.level(picture.settings);
+            if let (Some(_), Some(met)) = (level, picture.met(contribution.intruder)) {
+                let place = self.pool.approached(contribution.intruder, &met, lines);
+                places.push((place, met, contribution.horizon_s));
+            }
+        }
+        let avoided = places.into_iter().filter_map(|(place, met, horizon_s)| {
+            Some(Avoided {
+                met,
+                approaches: self.pool.approaches(place)?,
+                horizon_s,
+            })
+        });
+        let aircraft: Vec<Avoided> = avoided.collect();
+        Blocking {
+            settings: picture.settings,
+            aircraft: &aircraft,
+            distances,
+        }
+        .count(&self.ways)
     }
 
     /// The earliest time, to half a second, after which well clear is possible again.
@@ -135,6 +168,30 @@ impl QuantityBands {
             blocked_s
         }
     }
+}
+
+/// The distances of recovery, as they shrink down to the NMAC volume.
+fn distances(settings: &Settings, ownship: &State) -> Vec<Cylinder> {
+    let nmac = Cylinder::new(settings.nmac_distance_m, settings.nmac_height_m);
+    let factor = 1.0 - settings.recovery_shrinking;
+    let mut kept = least_recovery(settings, ownship);
+    let mut distances = Vec::new();
+    // Shrinking by a factor of zero never ends by itself.
+    let most = if settings.shrinks_recovery {
+        MOST_SHRINKINGS
+    } else {
+        1
+    };
+    while (kept.radius_m > nmac.radius_m || kept.half_height_m > nmac.half_height_m)
+        && distances.len() < most
+    {
+        distances.push(kept);
+        kept = Cylinder::new(
+            nmac.radius_m.max(kept.radius_m * factor),
+            nmac.half_height_m.max(kept.half_height_m * factor),
+        );
+    }
+    distances
 }
 
 /// The first distances of recovery.

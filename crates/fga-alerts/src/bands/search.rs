@@ -2,6 +2,7 @@
 
 use crate::bands::intervals::Intervals;
 use crate::bands::met::Meeting;
+use crate::bands::opening::{Openings, SideOpenings, hull};
 use crate::bands::span::Span;
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -23,6 +24,8 @@ pub(crate) struct FanSearch<'a> {
     pub(crate) before: Option<[Meeting<'a>; 2]>,
     /// Time of one step, seconds; 0 where a maneuver takes none.
     pub(crate) step_s: f64,
+    /// What is known of a task with an earlier volume.
+    pub(super) openings: Option<&'a Openings>,
 }
 
 /// When a run of free steps is named.
@@ -42,13 +45,15 @@ struct SideSearch<'a> {
     task: &'a Task,
     /// Steps outside of it meet nothing.
     live: Range<usize>,
+    openings: Option<&'a SideOpenings>,
 }
 
 impl FanSearch<'_> {
     fn sides<'b>(&'b self, task: &'b Task) -> [SideSearch<'b>; 2] {
         let [low, high] = &self.later;
         let before = self.before.as_ref();
-        let side = |later: &'b Meeting<'b>, before: Option<&'b Meeting<'b>>| SideSearch {
+        let side = |index, later: &'b Meeting<'b>, before: Option<&'b Meeting<'b>>| SideSearch {
+            openings: self.openings.and_then(|openings| openings.side(index)),
             later,
             before,
             step_s: self.step_s,
@@ -56,8 +61,8 @@ impl FanSearch<'_> {
             live: hull(later.live(), before.map_or(0..0, Meeting::live)),
         };
         [
-            side(low, before.map(|[low, _]| low)),
-            side(high, before.map(|[_, high]| high)),
+            side(0, low, before.map(|[low, _]| low)),
+            side(1, high, before.map(|[_, high]| high)),
         ]
     }
 
@@ -100,6 +105,35 @@ impl FanSearch<'_> {
         found
     }
 
+    /// Two neighbouring values that lead past every aircraft, where the volumes count from now on.
+    pub(crate) fn common_neighbors(searches: &[(Self, Task)], span: &Span) -> Option<(f64, f64)> {
+        [-1.0, 1.0]
+            .into_iter()
+            .enumerate()
+            .find_map(|(side, sign)| {
+                let sides = searches.iter().filter_map(|(search, task)| {
+                    let mut sides = search.sides(task).into_iter();
+                    sides.nth(side)
+                });
+                let sides: Vec<SideSearch> = sides.collect();
+                let count = sides.first().map_or(0, SideSearch::count);
+                let mut is_free_before = false;
+                for index in 0..count {
+                    if sides.iter().any(|side| side.stops_at(index)) {
+                        return None;
+                    }
+                    let is_free = sides.iter().all(|side| side.leads_past(index));
+                    if is_free && is_free_before {
+                        let value = |index| span.value + sign * span.step * f64::from(int(index));
+                        let (near, far) = (value(index - 1), value(index));
+                        return Some((near.min(far), near.max(far)));
+                    }
+                    is_free_before = is_free;
+                }
+                None
+            })
+    }
+
     /// The values without conflict.
     pub(crate) fn free(&self, task: &Task, span: &Span, free: &mut Intervals) {
         let [low, high] = self.sides(task);
@@ -131,17 +165,6 @@ impl FanSearch<'_> {
     }
 }
 
-/// The least range with both.
-fn hull(a: Range<usize>, b: Range<usize>) -> Range<usize> {
-    if a.is_empty() {
-        b
-    } else if b.is_empty() {
-        a
-    } else {
-        a.start.min(b.start)..a.end.max(b.end)
-    }
-}
-
 /// A number of steps from a rounded one.
 #[expect(
     clippy::cast_possible_truncation,
@@ -168,7 +191,22 @@ impl SideSearch<'_> {
     }
 
     /// Whether the straight line after a step is free of conflicts.
+    #[inline]
     fn leads_past(&self, index: usize) -> bool {
+        let known = self.openings;
+        known
+            .and_then(|openings| openings.is_free(index, self.task.from_s))
+            .unwrap_or_else(|| self.finds_past(index))
+    }
+
+    /// Whether the volume, which counts from now on, is met on the way to the next step.
+    fn stops_at(&self, index: usize) -> bool {
+        self.step_s > 0.0
+            && index as f64 <= libm::floor(self.later.met.settings.lookahead_s / self.step_s)
+            && self.later.meets_on_the_way(index, self.step_s)
+    }
+
+    fn finds_past(&self, index: usize) -> bool {
         let task = self.task;
         let until_s = if self.step_s == 0.0 {
             task.until_s

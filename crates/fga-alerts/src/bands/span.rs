@@ -196,6 +196,14 @@ impl Span {
         })
     }
 
+    /// Whether neighbouring values differ by more than the resolution of band edges anywhere on the scale. Then
+    /// intervals have a common part only where they have two neighbouring values in common.
+    pub(crate) fn tells_steps_apart(&self) -> bool {
+        let (least, greatest) = self.bounds;
+        let farthest = self.value.abs().max(least.abs()).max(greatest.abs());
+        self.step > 1e-3 * farthest && self.step > 1e-4
+    }
+
     /// The whole searched range.
     pub(crate) fn whole(&self) -> Intervals {
         let mut whole = Intervals::default();

@@ -9,7 +9,7 @@ use crate::aircraft::Pair;
 use crate::almost::Closeness;
 use crate::loss::Loss;
 use crate::plane::{Crossing, circle_crossing_s, modified_tau_s, time_to_closest_s};
-use crate::volume::approach::Approach;
+use crate::volume::approach::{Approach, Reach};
 use crate::volume::cylinder::slab_crossing_s;
 use glam::DVec2;
 
@@ -191,13 +191,25 @@ impl WellClear {
             .and(Loss::new(from_s, to_s))
     }
 
+    /// What must be crossed for a violation; `None` where a near miss is one too.
+    pub(super) fn reach(&self) -> Option<Reach> {
+        (self.horizontal_time != HorizontalTime::ClosestApproach).then_some(Reach {
+            square_m2: self.distance_m * self.distance_m,
+            height_m: self.height_m,
+            tau_s: (self.horizontal_time == HorizontalTime::ModifiedTau).then_some(self.tau_s),
+        })
+    }
+
     /// The whole violation, seconds from now; `pair` for what the approach does not say.
     #[inline]
     pub(super) fn window(&self, approach: &Approach, pair: impl FnOnce() -> Pair) -> Loss {
         let reach_m2 = self.distance_m * self.distance_m;
-        let by_room = self.horizontal_time != HorizontalTime::ClosestApproach;
-        let passes_by = approach.square_m2 > reach_m2
-            && (approach.closing_m2ps > 0.0 || (by_room && approach.room(reach_m2) < 0.0));
+        let passes_by = match self.horizontal_time {
+            HorizontalTime::ClosestApproach => {
+                approach.square_m2 > reach_m2 && approach.closing_m2ps > 0.0
+            }
+            HorizontalTime::ModifiedTau | HorizontalTime::Entry => approach.passes_by(reach_m2),
+        };
         if passes_by {
             return Loss::NEVER;
         }
