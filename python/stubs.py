@@ -43,6 +43,8 @@ TYPES = {
     "Mission.fly_over": "list[int]",
     "kind": KIND,
     "Obstacle.__new__.kind": "str",
+    "nature": 'Literal["unknown", "passengers", "natural-barrier"]',
+    "Obstacle.__new__.nature": "str",
     "id": "int",
     "Settings.start": "str",
     "objective": "str",
@@ -273,7 +275,7 @@ def stubs() -> str:
     for name, value in sorted(vars(_fga).items()):
         if inspect.isclass(value):
             parts.append(stub_of(name, value))
-        elif inspect.isbuiltin(value):
+        elif inspect.isbuiltin(value) and not name.startswith("_"):
             arguments = ", ".join(parameters(name, name, value))
             parts.append(f"def {name}({arguments}) -> {type_of(name)}: ...\n")
     return "\n".join(parts)

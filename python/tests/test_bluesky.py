@@ -94,6 +94,37 @@ def test_an_aircraft_that_is_cleared_higher_in_a_conflict_is_expected_there(fold
     assert not flown["FGA"]["lost"]
 
 
+def row_of(apart_in_zones):
+    """Seven abreast, and one that meets the middle one head-on: by the names, the row would give way."""
+    apart_deg = apart_in_zones * bluesky_flights.ZONE_M / 111_319.0
+    lines = ["CRE LONE B744 0.01 -0.45 90 20000 0.63"]
+    lines += [f"CRE ROW{k} B744 {(k - 3) * apart_deg:.6f} 0.45 270 20000 0.63" for k in range(7)]
+    return "".join(f"00:00:00.00>{line}\n" for line in lines)
+
+
+@pytest.mark.parametrize("apart_in_zones", [1.1, 1.008])
+def test_whoever_has_room_gives_way(folder, tmp_path, apart_in_zones):
+    # An earlier version asked the middle one of the row to give way, which has no room: it pushed its neighbours into each other. At
+    # 1.008 zones they fly within RFACH times the zone of each other.
+    scenario = tmp_path / "row.scn"
+    scenario.write_text(row_of(apart_in_zones))
+    flown = {method: bluesky_flights.flown_apart(folder, str(scenario), method, 450.0) for method in ("OFF", "FGA")}
+    assert flown["OFF"]["lost"], "they would lose separation"
+    assert not flown["FGA"]["lost"]
+
+
+def test_a_neighbour_inside_of_the_enlarged_zone_keeps_its_distance():
+    import numpy as np
+
+    from fga.bluesky import _zones
+
+    # Side by side, above, within the zone itself, and far.
+    beside_m, above_m = np.array([9_300.0, 0.0, 5_000.0, 20_000.0]), np.array([0.0, 310.0, 100.0, 0.0])
+    radius_m, half_height_m = _zones((beside_m, above_m), (np.full(4, 9_260.0), np.full(4, 304.8)), (1.05, 1.05))
+    assert list(radius_m) == pytest.approx([9_260.0, 9_723.0, 9_723.0, 9_723.0])
+    assert list(half_height_m) == pytest.approx([320.04, 308.45, 320.04, 320.04])
+
+
 def test_the_plugin_is_installed_by_a_command(tmp_path, capsys):
     from fga import bluesky
 

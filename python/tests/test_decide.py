@@ -91,7 +91,7 @@ def test_columns_are_the_same_as_rows():
 def test_values_read_well_and_come_back_from_their_repr():
     values = [
         fga.Ownship((1, 2, 3), 0.5, 15.0),
-        fga.Obstacle(1, (120, 5, 100), 30, half_height_m=20, kind="uas"),
+        fga.Obstacle(1, (120, 5, 100), 30, half_height_m=20, kind="uas", nature="passengers"),
         fga.Settings(start="Cs=0.5", horizon_s=30.0),
         fga.Vehicle(15.0, 30.0),
         fga.Mission([(0, 0, 0), (1, 0, 0)], [1]),
@@ -100,6 +100,74 @@ def test_values_read_well_and_come_back_from_their_repr():
     for value in values:
         assert eval(repr(value), {**vars(fga), "inf": float("inf")}) == value
         assert pickle.loads(pickle.dumps(value)) == value
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_what_a_flight_sees_and_decides_comes_back_from_a_pickle(root, name):
+    flight = fga.Simulation(root / "scenarios" / name)
+    avoider = fga.Avoider(flight.model.settings, flight.model.vehicle)
+    states = set()
+    while (seen := flight.situation) is not None:
+        assert pickle.loads(pickle.dumps(seen)) == seen
+        decision = avoider.step(seen)
+        back = pickle.loads(pickle.dumps(decision))
+        assert back == decision and back.text == decision.text and back.to_dict() == decision.to_dict()
+        assert back.predicted(flight.model.vehicle, 10.0) == decision.predicted(flight.model.vehicle, 10.0)
+        for part in (decision.threat, decision.chosen, decision.alternative):
+            assert pickle.loads(pickle.dumps(part)) == part
+        states.add(decision.state)
+        flight.advance(decision)
+    assert {"cruise", "avoiding"} <= states
+
+
+def test_columns_come_back_from_a_pickle():
+    base = situation()
+    for more in ({}, {"half_height_m": [5.0, 6.0, 1e-300]}, {"velocity_sigma_mps": [0.1, 0.2, 1 / 3]}):
+        seen = columns(x_m=[0.1, 1e9, -0.7], **more)
+        assert pickle.loads(pickle.dumps(seen)) == seen
+        assert pickle.loads(pickle.dumps(seen)) != columns(x_m=[0.1, 1e9, -0.6], **more)
+        whole = fga.Situation(0.0, base.ownship, base.mission, seen, (1.0, 2.0, 3.0))
+        assert pickle.loads(pickle.dumps(whole)) == whole
+        assert whole != fga.Situation(0.0, base.ownship, base.mission, seen)
+        # The same obstacles as rows are the same situation.
+        assert whole == fga.Situation(0.0, base.ownship, base.mission, whole.obstacles, (1.0, 2.0, 3.0))
+
+
+def decided(job):
+    settings, vehicle, seen = job
+    return fga.Avoider(settings, vehicle).step(seen)
+
+
+def test_processes_exchange_situations_and_decisions():
+    seen = [situation(0.0, [fga.Obstacle(1, (120.0 + at, 5.0, 100.0), 30.0)]) for at in range(4)]
+    jobs = [(fga.Settings(), fga.Vehicle(15.0, 30.0), one) for one in seen]
+    with multiprocessing.get_context("spawn").Pool(2) as pool:
+        assert pool.map(decided, jobs) == [decided(job) for job in jobs]
+
+
+def test_what_does_not_pickle_says_what_to_send_instead(root, tmp_path):
+    file = tmp_path / "e.csv"
+    file.write_text("encounter,obstacle,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,radius_m\n0,0,150,0,0,0,0,0,30\n")
+    scenario = root / "scenarios" / "fig-16.toml"
+    model = fga.VehicleModel.read(root / "vehicles" / "rascal-110.toml")
+    values = [fga.Avoider(), fga.Pilot(), fga.batch(file), fga.Simulation(scenario), fga.run(scenario), model]
+    for value in values:
+        with pytest.raises(TypeError, match="cannot be pickled: (make|send) "):
+            pickle.dumps(value)
+
+
+def test_an_identifier_that_is_used_twice_is_refused_as_in_a_scenario(root, tmp_path):
+    sentence = "obstacle number 7 is used twice, expected a number of its own for each"
+    twice = [fga.Obstacle(number, (200.0, 50.0 * at, 100.0), 10.0) for at, number in enumerate([7, 3, 7])]
+    with pytest.raises(ValueError, match=f"^{sentence}$"):
+        situation(obstacles=twice)
+    with pytest.raises(ValueError, match=f"^{sentence}$"):
+        columns(id=[7, 3, 7])
+    text = (root / "scenarios" / "fig-16.toml").read_text().replace("../vehicles", str(root / "vehicles"))
+    file = tmp_path / "twice.toml"
+    file.write_text(text + 2 * "\n[[obstacle]]\nid = 7\nposition_m = [900, 900, 100]\nradius_m = 30\n")
+    with pytest.raises(ValueError, match=sentence):
+        fga.run(file)
 
 
 @pytest.mark.parametrize(
@@ -111,6 +179,7 @@ def test_values_read_well_and_come_back_from_their_repr():
         (lambda: fga.Obstacle(1, (0, 0, 0), -1.0), ValueError, "radius_m is -1"),
         (lambda: fga.Obstacle(1, (0, 0, float("inf")), 1.0), ValueError, "position_m"),
         (lambda: fga.Obstacle(1, (0, 0, 0), 1.0, kind="bird"), ValueError, "still, straight"),
+        (lambda: fga.Obstacle(1, (0, 0, 0), 1.0, nature="bird"), ValueError, "nature is \"bird\", expected unknown"),
         (lambda: fga.Settings(work_limit=5), ValueError, "work_limit is 5"),
         (lambda: fga.Settings(work_limit=-5), ValueError, "work_limit is -5, expected 40,000"),
         (lambda: fga.Settings(start="soon"), ValueError, "unknown start"),
@@ -130,7 +199,8 @@ def test_wrong_input_is_said_in_a_sentence(wrong, error, sentence):
 
 def columns(**changed):
     names = ["id", "x_m", "y_m", "z_m", "vx_mps", "vy_mps", "vz_mps", "radius_m"]
-    return fga.Obstacles(**{name: np.zeros(3, dtype=np.uint32 if name == "id" else float) for name in names} | changed)
+    ids = {"id": np.arange(3, dtype=np.uint32)}
+    return fga.Obstacles(**{name: np.zeros(3) for name in names} | ids | changed)
 
 
 @pytest.mark.parametrize(

@@ -298,6 +298,7 @@ class Own(pickle.Unpickler):
 VALUES = [
     fga.Ownship((0, 0, 100), 0.0, 15.0), fga.Vehicle(15.0, 40.0), fga.Settings(), fga.Mission([(0, 0, 0), (100, 0, 0)]),
     fga.Obstacle(1, (1, 2, 3), 4), fga.Decision([]), situation(0.0, [1]), fga.Avoider(), fga.Avoider().step(situation(0.0, [1])),
+    fga.Obstacles(id=[1, 2], **{name: [0.5, 2.0] for name in ("x_m", "y_m", "z_m", "vx_mps", "vy_mps", "vz_mps", "radius_m")}),
 ]  # fmt: skip
 
 
@@ -310,7 +311,8 @@ def test_pickles(value, protocol, place, noise):
     attempt(lambda: copy.deepcopy(value))
     if data is None:
         return
-    assert repr(pickle.loads(data)) == repr(value)
+    back = pickle.loads(data)
+    assert back == value and repr(back) == repr(value)
     damaged = data[:place] + noise + data[place + len(noise) :]
     # Data may become another pickle: only names of this package are taken, so that nothing else is called.
     attempt(lambda: Own(io.BytesIO(damaged)).load(), DAMAGED)

@@ -1,8 +1,8 @@
 //! A decision and its reasons.
 
 use fga::avoider::{
-    Candidate as CoreCandidate, Decision as CoreDecision, Reason, State, Threat as CoreThreat,
-    Verdict,
+    Candidate as CoreCandidate, Decision as CoreDecision, Reason, Record, State,
+    Threat as CoreThreat, Verdict, Work,
 };
 use fga::maneuver::{Maneuver, Stage as CoreStage};
 use fga::prediction::{FlightPath, Flyer, MotionState};
@@ -11,7 +11,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::value::{Ownship, Vehicle, expect, frozen};
+use crate::value::{Ownship, Vehicle, expect, frozen, remade};
 
 /// A command from a moment on, until the next stage begins.
 ///
@@ -112,6 +112,12 @@ impl Threat {
         self.0.margin_m
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, ThreatParts)> {
+        let Self(threat) = self;
+        let parts = (threat.id, threat.entry_s, threat.closest_s, threat.margin_m);
+        Ok((remade(py, "_threat")?, parts))
+    }
+
     fn __repr__(&self) -> String {
         let Self(threat) = self;
         format!(
@@ -149,11 +155,18 @@ impl Candidate {
     /// certified, rejected or chosen.
     #[getter]
     fn verdict(&self) -> &'static str {
-        match self.0.verdict {
-            Verdict::Certified => "certified",
-            Verdict::Rejected => "rejected",
-            Verdict::Chosen => "chosen",
-        }
+        verdict_word(self.0.verdict)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, CandidateParts)> {
+        let Self(candidate) = self;
+        let parts = (
+            command_parts(&candidate.maneuver),
+            candidate.margin_m,
+            candidate.cost,
+            self.verdict(),
+        );
+        Ok((remade(py, "_candidate")?, parts))
     }
 
     fn __repr__(&self) -> String {
@@ -167,13 +180,45 @@ impl Candidate {
     }
 }
 
+const fn verdict_word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Certified => "certified",
+        Verdict::Rejected => "rejected",
+        Verdict::Chosen => "chosen",
+    }
+}
+
 fn stages(maneuver: &Maneuver) -> Vec<Stage> {
     maneuver.stages().iter().copied().map(Stage).collect()
 }
 
+/// A manoeuvre of these stages.
+fn maneuver_of(stages: &[PyRef<'_, Stage>]) -> PyResult<Maneuver> {
+    let mut maneuver = Maneuver::hold();
+    for stage in stages {
+        if !maneuver.push(stage.0) {
+            return Err(PyValueError::new_err(format!(
+                "stages holds {} stages, expected at most {} in order of their start_s",
+                stages.len(),
+                fga::maneuver::MAX_STAGES
+            )));
+        }
+    }
+    Ok(maneuver)
+}
+
+fn state_of(word: &str) -> PyResult<State> {
+    let mut states = State::ALL.into_iter();
+    states.find(|state| state.name() == word).ok_or_else(|| {
+        PyValueError::new_err(format!(
+            "state is {word:?}, expected cruise, threatened, avoiding or recovering"
+        ))
+    })
+}
+
 /// The command until the next step, and its reasons.
 ///
-/// `Decision(stages, state)` makes one, for a policy of your own. It does not pickle; `to_dict` does.
+/// `Decision(stages, state)` makes one, for a policy of your own.
 #[pyclass(frozen, module = "fga")]
 #[derive(Debug)]
 pub(crate) struct Decision {
@@ -196,27 +241,8 @@ impl Decision {
     #[new]
     #[pyo3(signature = (stages, state = "avoiding"))]
     fn new(stages: Vec<PyRef<'_, Stage>>, state: &str) -> PyResult<Self> {
-        let state = match state {
-            "cruise" => State::Cruise,
-            "threatened" => State::Threatened,
-            "avoiding" => State::Avoiding,
-            "recovering" => State::Recovering,
-            other => {
-                return Err(PyValueError::new_err(format!(
-                    "state is {other:?}, expected cruise, threatened, avoiding or recovering"
-                )));
-            }
-        };
-        let mut maneuver = Maneuver::hold();
-        for stage in &stages {
-            if !maneuver.push(stage.0) {
-                return Err(PyValueError::new_err(format!(
-                    "stages holds {} stages, expected at most {} in order of their start_s",
-                    stages.len(),
-                    fga::maneuver::MAX_STAGES
-                )));
-            }
-        }
+        let state = state_of(state)?;
+        let maneuver = maneuver_of(&stages)?;
         let reason = match state {
             State::Cruise | State::Threatened => Reason::Clear,
             State::Avoiding => Reason::ManeuverKept,
@@ -372,6 +398,30 @@ impl Decision {
         self.decision == other.decision
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, DecisionParts)> {
+        let CoreDecision {
+            state,
+            command,
+            record,
+        } = &self.decision;
+        let work = &record.work;
+        let parts = (
+            state.name(),
+            reason_key(record.reason),
+            command_parts(command),
+            record.threat.map(Threat),
+            (
+                record.chosen.map(Candidate),
+                record.alternative.map(Candidate),
+            ),
+            (record.latest_start_s, record.start_s, record.resilience),
+            (record.in_need, record.clock_set_back, work.limit_met),
+            (work.tracked, work.threats, work.candidates, work.work),
+            self.ownship.map(Ownship),
+        );
+        Ok((remade(py, "_decision")?, parts))
+    }
+
     fn __repr__(&self) -> String {
         format!("Decision(state={:?}, {:?})", self.state(), self.text())
     }
@@ -403,4 +453,140 @@ impl Decision {
         dict.set_item("limit_met", self.limit_met())?;
         Ok(dict)
     }
+}
+
+/// What a manoeuvre is pickled as: its stages, and whether it took every stage.
+type CommandParts = (Vec<Stage>, bool);
+type ThreatParts = (u32, f64, f64, f64);
+type CandidateParts = (CommandParts, f64, f64, &'static str);
+type DecisionParts = (
+    &'static str,
+    &'static str,
+    CommandParts,
+    Option<Threat>,
+    (Option<Candidate>, Option<Candidate>),
+    (Option<f64>, Option<f64>, Option<f64>),
+    (bool, bool, bool),
+    (u32, u32, u32, u32),
+    Option<Ownship>,
+);
+
+fn command_parts(maneuver: &Maneuver) -> CommandParts {
+    (stages(maneuver), maneuver.is_whole())
+}
+
+fn command_of((stages, is_whole): (Vec<PyRef<'_, Stage>>, bool)) -> PyResult<Maneuver> {
+    let mut maneuver = maneuver_of(&stages)?;
+    if !is_whole {
+        // The core refuses it, and notes that a stage was lost.
+        maneuver.push(CoreStage {
+            start_s: f64::NAN,
+            course_rad: 0.0,
+            climb_rad: 0.0,
+            rate_share: 1.0,
+        });
+    }
+    Ok(maneuver)
+}
+
+/// The threat that was pickled.
+#[pyfunction]
+pub(crate) fn _threat(id: u32, entry_s: f64, closest_s: f64, margin_m: f64) -> Threat {
+    Threat(CoreThreat {
+        id,
+        entry_s,
+        closest_s,
+        margin_m,
+    })
+}
+
+/// The candidate that was pickled.
+#[pyfunction]
+pub(crate) fn _candidate(
+    command: (Vec<PyRef<'_, Stage>>, bool),
+    margin_m: f64,
+    cost: f64,
+    verdict: &str,
+) -> PyResult<Candidate> {
+    let mut verdicts = [Verdict::Certified, Verdict::Rejected, Verdict::Chosen].into_iter();
+    let verdict = verdicts
+        .find(|known| verdict_word(*known) == verdict)
+        .ok_or_else(|| {
+            PyValueError::new_err(format!(
+                "verdict is {verdict:?}, expected certified, rejected or chosen"
+            ))
+        })?;
+    Ok(Candidate(CoreCandidate {
+        maneuver: command_of(command)?,
+        margin_m,
+        cost,
+        verdict,
+    }))
+}
+
+const REASONS: [Reason; 12] = [
+    Reason::Clear,
+    Reason::InvalidInput,
+    Reason::WaitingForStart,
+    Reason::ManeuverChosen,
+    Reason::ManeuverKept,
+    Reason::ManeuverReplaced,
+    Reason::BestAvailable,
+    Reason::InsideVolume,
+    Reason::RejoinChosen,
+    Reason::RejoinKept,
+    Reason::Rejoined,
+    Reason::MissionComplete,
+];
+
+/// The decision that was pickled.
+#[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the parts of its record, each a value that pickles"
+)]
+pub(crate) fn _decision(
+    state: &str,
+    reason: &str,
+    command: (Vec<PyRef<'_, Stage>>, bool),
+    threat: Option<PyRef<'_, Threat>>,
+    candidates: (Option<PyRef<'_, Candidate>>, Option<PyRef<'_, Candidate>>),
+    figures: (Option<f64>, Option<f64>, Option<f64>),
+    flags: (bool, bool, bool),
+    work: (u32, u32, u32, u32),
+    ownship: Option<PyRef<'_, Ownship>>,
+) -> PyResult<Decision> {
+    let mut reasons = REASONS.into_iter();
+    let record = Record {
+        reason: reasons
+            .find(|known| reason_key(*known) == reason)
+            .ok_or_else(|| {
+                PyValueError::new_err(format!(
+                    "reason is {reason:?}, expected one of this version"
+                ))
+            })?,
+        threat: threat.map(|threat| threat.0),
+        latest_start_s: figures.0,
+        start_s: figures.1,
+        chosen: candidates.0.map(|candidate| candidate.0),
+        alternative: candidates.1.map(|candidate| candidate.0),
+        resilience: figures.2,
+        in_need: flags.0,
+        clock_set_back: flags.1,
+        work: Work {
+            tracked: work.0,
+            threats: work.1,
+            candidates: work.2,
+            work: work.3,
+            limit_met: flags.2,
+        },
+    };
+    Ok(Decision {
+        decision: CoreDecision {
+            state: state_of(state)?,
+            command: command_of(command)?,
+            record,
+        },
+        ownship: ownship.map(|ownship| ownship.0),
+    })
 }

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 
 use crate::failure::input;
 use crate::situation::numbers;
+use crate::value::remade;
 
 /// A figure with its interval: the middle 90 % of what windows of the log give.
 #[pyclass(frozen, eq, module = "fga")]
@@ -34,6 +35,11 @@ impl Estimate {
     #[getter]
     fn high(&self) -> f64 {
         self.0.high
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (f64, f64, f64))> {
+        let identification::Estimate { value, low, high } = self.0;
+        Ok((remade(py, "_estimate")?, (value, low, high)))
     }
 
     fn __repr__(&self) -> String {
@@ -125,6 +131,22 @@ impl Identified {
             .map_err(PyValueError::new_err)
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, IdentifiedParts)> {
+        let estimates = [
+            self.airspeed_mps(),
+            self.max_bank_deg(),
+            self.dead_time_s(),
+            self.bank_time_constant_s(),
+            self.turn_rate_factor(),
+            self.climb_min_deg(),
+            self.climb_max_deg(),
+            self.climb_rate_radps(),
+            self.position_error_m(),
+        ];
+        let parts = (estimates, self.windows(), self.windows_left_out());
+        Ok((remade(py, "_identified")?, parts))
+    }
+
     fn __repr__(&self) -> String {
         let figures: Vec<String> = self
             .0
@@ -137,6 +159,47 @@ impl Identified {
             .collect();
         format!("Identified({})", figures.join(", "))
     }
+}
+
+type IdentifiedParts = ([Estimate; 9], usize, usize);
+
+/// The estimate that was pickled.
+#[pyfunction]
+pub(crate) fn _estimate(value: f64, low: f64, high: f64) -> Estimate {
+    Estimate(identification::Estimate { value, low, high })
+}
+
+/// What was pickled of a flight log.
+#[pyfunction]
+pub(crate) fn _identified(
+    estimates: [PyRef<'_, Estimate>; 9],
+    windows: usize,
+    windows_left_out: usize,
+) -> Identified {
+    let [
+        airspeed_mps,
+        max_bank_deg,
+        dead_time_s,
+        bank_time_constant_s,
+        turn_rate_factor,
+        climb_min_deg,
+        climb_max_deg,
+        climb_rate_radps,
+        position_error_m,
+    ] = estimates.map(|estimate| estimate.0);
+    Identified(CoreIdentified {
+        airspeed_mps,
+        max_bank_deg,
+        dead_time_s,
+        bank_time_constant_s,
+        turn_rate_factor,
+        climb_min_deg,
+        climb_max_deg,
+        climb_rate_radps,
+        position_error_m,
+        windows,
+        windows_left_out,
+    })
 }
 
 /// Says which aircraft a flight log shows: `fga identify`.

@@ -65,6 +65,12 @@ fn _fga(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(alerts::alerts, module)?)?;
     module.add_function(wrap_pyfunction!(alerts::bands, module)?)?;
     module.add_function(wrap_pyfunction!(identified::identify, module)?)?;
+    // What pickles name.
+    module.add_function(wrap_pyfunction!(decision::_threat, module)?)?;
+    module.add_function(wrap_pyfunction!(decision::_candidate, module)?)?;
+    module.add_function(wrap_pyfunction!(decision::_decision, module)?)?;
+    module.add_function(wrap_pyfunction!(identified::_estimate, module)?)?;
+    module.add_function(wrap_pyfunction!(identified::_identified, module)?)?;
     module.add("versions", campaign::versions(module.py())?)?;
     Ok(())
 }

@@ -5,7 +5,7 @@ use fga::situation::{
     Columns, Mission as CoreMission, Obstacle as CoreObstacle, Obstacles as CoreObstacles, Passing,
     Situation as CoreSituation,
 };
-use numpy::{PyReadonlyArray1, PyUntypedArray, PyUntypedArrayMethods as _};
+use numpy::{PyArray1, PyReadonlyArray1, PyUntypedArray, PyUntypedArrayMethods as _};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -88,10 +88,10 @@ fn identifiers(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
 ///
 /// Units as in `Obstacle`; every column has the length of `id`.
 ///
-/// Raises ValueError for columns of different lengths, a number that is not finite or a length that is
-/// negative; TypeError for a column of another type.
-#[pyclass(frozen, module = "fga")]
-#[derive(Debug)]
+/// Raises ValueError for columns of different lengths, a number that is not finite, a length that is
+/// negative or an identifier that is used twice; TypeError for a column of another type.
+#[pyclass(frozen, eq, module = "fga")]
+#[derive(Debug, PartialEq)]
 pub(crate) struct Obstacles {
     id: Vec<u32>,
     columns: [Vec<f64>; 7],
@@ -161,6 +161,44 @@ impl Obstacles {
     fn __repr__(&self) -> String {
         format!("Obstacles({} obstacles)", self.id.len())
     }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
+        let arguments = PyDict::new(py);
+        let column = |values: &[f64]| PyArray1::from_slice(py, values);
+        arguments.set_item("id", PyArray1::from_slice(py, &self.id))?;
+        for (name, values) in NAMES.into_iter().zip(&self.columns) {
+            arguments.set_item(name, column(values))?;
+        }
+        if let Some(values) = &self.half_height_m {
+            arguments.set_item("half_height_m", column(values))?;
+        }
+        if let Some((position, velocity)) = &self.sigmas {
+            arguments.set_item("position_sigma_m", column(position))?;
+            arguments.set_item("velocity_sigma_mps", column(velocity))?;
+        }
+        Ok(((), arguments))
+    }
+}
+
+/// The columns of numbers that every obstacle has.
+const NAMES: [&str; 7] = [
+    "x_m", "y_m", "z_m", "vx_mps", "vy_mps", "vz_mps", "radius_m",
+];
+
+/// Refuses an identifier that is used twice, as the program does in its files: the core would learn one turn
+/// of two obstacles.
+fn expect_distinct(mut ids: Vec<u32>) -> PyResult<()> {
+    ids.sort_unstable();
+    let twice = ids
+        .iter()
+        .zip(ids.iter().skip(1))
+        .find(|(one, next)| one == next);
+    match twice {
+        None => Ok(()),
+        Some((id, _)) => Err(PyValueError::new_err(format!(
+            "obstacle number {id} is used twice, expected a number of its own for each"
+        ))),
+    }
 }
 
 impl Obstacles {
@@ -168,9 +206,6 @@ impl Obstacles {
         self.columns()
             .check()
             .map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let names = [
-            "x_m", "y_m", "z_m", "vx_mps", "vy_mps", "vz_mps", "radius_m",
-        ];
         let more = [
             ("half_height_m", self.half_height_m.as_ref()),
             (
@@ -182,13 +217,12 @@ impl Obstacles {
                 self.sigmas.as_ref().map(|(_, velocity)| velocity),
             ),
         ];
-        let all = names
-            .iter()
-            .copied()
+        let all = NAMES
+            .into_iter()
             .zip(self.columns.iter().map(Some))
             .chain(more);
         for (name, column) in all {
-            let is_length = name == "radius_m" || !names.contains(&name);
+            let is_length = name == "radius_m" || !NAMES.contains(&name);
             for (place, value) in column.into_iter().flatten().enumerate() {
                 if !value.is_finite() || (is_length && *value < 0.0) {
                     let expected = if is_length {
@@ -202,7 +236,7 @@ impl Obstacles {
                 }
             }
         }
-        Ok(())
+        expect_distinct(self.id.clone())
     }
 
     fn columns(&self) -> Columns<'_> {
@@ -295,7 +329,14 @@ impl Mission {
 }
 
 impl Mission {
-    pub(crate) const fn of(waypoints_m: Vec<Vec3>, passing: Vec<Passing>) -> Self {
+    pub(crate) fn of(waypoints_m: Vec<Vec3>, mut passing: Vec<Passing>) -> Self {
+        // Beyond the end of the list a waypoint is fly-by, so that equal missions have equal lists.
+        passing.truncate(waypoints_m.len());
+        if passing.iter().all(|passing| *passing == Passing::FlyBy) {
+            passing.clear();
+        } else {
+            passing.resize(waypoints_m.len(), Passing::FlyBy);
+        }
         Self {
             waypoints_m,
             passing,
@@ -319,6 +360,8 @@ pub(crate) enum Around {
 ///
 /// `time_s` is the time of the state on any clock that does not run backwards. `obstacles` are a sequence of
 /// `Obstacle` or one `Obstacles`, over the ground. `wind_mps` is the velocity of the air over the ground.
+///
+/// Raises ValueError for a number that is not finite or larger than 1e15, or two obstacles with the same `id`.
 #[pyclass(frozen, module = "fga")]
 #[derive(Debug)]
 pub(crate) struct Situation {
@@ -404,12 +447,29 @@ impl Situation {
         ))
     }
 
+    fn __eq__(&self, other: &Self) -> bool {
+        let same_obstacles = self.with(|one| {
+            other.with(|two| {
+                one.obstacles.len() == two.obstacles.len()
+                    && one.obstacles.iter().eq(two.obstacles.iter())
+            })
+        });
+        same_obstacles
+            && self.time_s == other.time_s
+            && self.ownship == other.ownship
+            && self.mission.get() == other.mission.get()
+            && self.wind_mps == other.wind_mps
+    }
+
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
         let arguments = PyDict::new(py);
         arguments.set_item("time_s", self.time_s)?;
         arguments.set_item("ownship", self.ownship())?;
         arguments.set_item("mission", self.mission(py))?;
-        arguments.set_item("obstacles", self.obstacles())?;
+        match &self.around {
+            Around::Rows(_) => arguments.set_item("obstacles", self.obstacles())?,
+            Around::Columns(columns) => arguments.set_item("obstacles", columns)?,
+        }
         arguments.set_item("wind_mps", self.wind_mps())?;
         Ok(((), arguments))
     }
@@ -428,6 +488,7 @@ fn rows(object: &Bound<'_, PyAny>) -> PyResult<Vec<CoreObstacle>> {
         let item = item?;
         rows.push(item.cast::<Obstacle>().map_err(|_| wrong(&item))?.get().0);
     }
+    expect_distinct(rows.iter().map(|row| row.id).collect())?;
     Ok(rows)
 }
 

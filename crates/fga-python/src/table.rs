@@ -119,6 +119,12 @@ impl Table {
             })
     }
 
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a Table cannot be pickled: send its to_csv(), or a table of pyarrow or polars made of it",
+        ))
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "Table({} rows, columns {})",

@@ -2,7 +2,7 @@
 
 use fga::Vec3;
 use fga::avoider::SettingsError;
-use fga::situation::{Movement, ProtectedVolume};
+use fga::situation::{Movement, ObstacleKind, ProtectedVolume};
 use fga::vehicle::{Response, Vehicle as CoreVehicle};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -75,6 +75,11 @@ pub(crate) fn shown(name: &str, arguments: &Bound<'_, PyDict>) -> PyResult<Strin
 
 /// The arguments of the class for pickling.
 pub(crate) type NewArguments<'py> = ((), Bound<'py, PyDict>);
+
+/// The function of the compiled part that makes a pickled value again.
+pub(crate) fn remade<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("fga._fga")?.getattr(name)
+}
 
 /// How a frozen class is printed and pickled: by the arguments that make it again.
 macro_rules! frozen {
@@ -210,6 +215,18 @@ pub(crate) fn movement_word(movement: Movement) -> &'static str {
     }
 }
 
+/// The nature of an obstacle for a word of a scenario file.
+fn nature_of(word: &str) -> PyResult<ObstacleKind> {
+    match word {
+        "unknown" => Ok(ObstacleKind::Unknown),
+        "passengers" => Ok(ObstacleKind::Passengers),
+        "natural-barrier" => Ok(ObstacleKind::NaturalBarrier),
+        other => Err(PyValueError::new_err(format!(
+            "nature is {other:?}, expected unknown, passengers or natural-barrier"
+        ))),
+    }
+}
+
 /// The volume of a radius and, for a cylinder, a half height.
 pub(crate) fn volume_of(radius_m: f64, half_height_m: Option<f64>) -> ProtectedVolume {
     half_height_m.map_or(ProtectedVolume::Sphere { radius_m }, |half_height_m| {
@@ -223,7 +240,8 @@ pub(crate) fn volume_of(radius_m: f64, half_height_m: Option<f64>) -> ProtectedV
 /// One obstacle: a protected volume, its position and its velocity over the ground.
 ///
 /// Without `half_height_m` the volume is a sphere, with it an upright cylinder. `kind` says how it may move:
-/// `still`, `straight`, `aircraft` (crewed) or `uas`. The sigmas are standard deviations along an axis.
+/// `still`, `straight`, `aircraft` (crewed) or `uas`. The sigmas are standard deviations along an axis. `nature` is
+/// `unknown`, `passengers` or `natural-barrier`: only the published rules ask for it.
 ///
 /// Raises ValueError for a number that is not finite or a length that is negative.
 #[pyclass(frozen, eq, module = "fga")]
@@ -235,7 +253,7 @@ impl Obstacle {
     #[new]
     #[pyo3(signature = (
         id, position_m, radius_m, velocity_mps = Triple(Vec3::ZERO), half_height_m = None,
-        position_sigma_m = 0.0, velocity_sigma_mps = 0.0, kind = "straight",
+        position_sigma_m = 0.0, velocity_sigma_mps = 0.0, kind = "straight", nature = "unknown",
     ))]
     #[expect(
         clippy::too_many_arguments,
@@ -250,6 +268,7 @@ impl Obstacle {
         position_sigma_m: f64,
         velocity_sigma_mps: f64,
         kind: &str,
+        nature: &str,
     ) -> PyResult<Self> {
         expect_finite("position_m", position_m.0)?;
         expect_finite("velocity_mps", velocity_mps.0)?;
@@ -267,6 +286,7 @@ impl Obstacle {
         obstacle.uncertainty.position_m = position_sigma_m;
         obstacle.uncertainty.velocity_mps = velocity_sigma_mps;
         obstacle.movement = movement_of(kind)?;
+        obstacle.kind = nature_of(nature)?;
         Ok(Self(obstacle))
     }
 
@@ -320,6 +340,16 @@ impl Obstacle {
     fn kind(&self) -> &'static str {
         movement_word(self.0.movement)
     }
+
+    /// Its nature: unknown, passengers or natural-barrier.
+    #[getter]
+    fn nature(&self) -> &'static str {
+        match self.0.kind {
+            ObstacleKind::Unknown => "unknown",
+            ObstacleKind::Passengers => "passengers",
+            ObstacleKind::NaturalBarrier => "natural-barrier",
+        }
+    }
 }
 
 frozen! { Obstacle, this,
@@ -331,6 +361,7 @@ frozen! { Obstacle, this,
     "position_sigma_m": this.position_sigma_m(),
     "velocity_sigma_mps": this.velocity_sigma_mps(),
     "kind": this.kind(),
+    "nature": this.nature(),
 }
 
 /// Limits of an aircraft at its airspeed, and its response to commands.

@@ -14,8 +14,8 @@ Frame: x east, y north, z up, metres; angles in radians, courses from +x towards
 course). Names carry their units. Wrong input raises ValueError (TypeError for a wrong type) with the
 sentence of the program; a path that is not writable raises OSError.
 
-The package keeps no threads or locks from one call to the next, so processes may fork. Avoider,
-Pilot, Monitor, Simulation and Run cannot be pickled; the values that they take can.
+The package keeps no threads or locks from one call to the next, so processes may fork. The values that an
+Avoider takes and its decisions can be pickled; an Avoider, Pilot, Monitor, Simulation or Run cannot.
 """
 
 import importlib

@@ -12,8 +12,9 @@ and then back onto the route or line that the autopilot flew. Altitude and speed
 keep their autopilot altogether. NORESO and RESOOFF work as for other methods.
 
 Of two aircraft in conflict one has the right of way, as in the rules of the air: whoever overtakes, or has the other
-on its right, gives way. The other one acts only once separation would be lost within half of the look-ahead time
-(DTLOOK). Without this rule two aircraft that decide alike mirror each other and fly side by side for ever.
+on its right, gives way. Where that one has no certified way past all others, and the other one has, they change
+parts. Whoever does not give way acts only once separation would be lost within half of the look-ahead time (DTLOOK).
+Without this rule two aircraft that decide alike mirror each other and fly side by side for ever.
 
 Frame of an avoider: x east, y north, z up, metres, about the place where the conflict was found.
 """
@@ -50,6 +51,10 @@ _ROTOR = 2
 """OpenAP's lift type of rotorcraft."""
 _FAR_M = 400_000.0
 """Where a mission without a route ends, and how far one with a route goes on."""
+_UNPROVEN = ("best-available", "inside-volume", "invalid-input")
+"""Reasons of decisions whose command has no certificate."""
+_KEPT_SHARE = 0.995
+"""Share of its distance that a neighbour inside of the enlarged zone has to keep."""
 _SHORTEST_LEG_M = 500.0
 _OVERTAKING_RAD = math.radians(70.0)
 _FRAME_REACH_M = 60_000.0
@@ -177,6 +182,25 @@ def _gives_way(traffic, i: int, k: int) -> bool:
     return traffic.id[i] > traffic.id[k]
 
 
+def _zones(
+    apart_m: tuple[np.ndarray, np.ndarray], zones_m: tuple[np.ndarray, np.ndarray], factors: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Radius and half height to keep: the zone with its factors.
+
+    From a neighbour that is already nearer, but outside of the zone itself, about the present distance is kept.
+    Otherwise aircraft that fly side by side there would have no certified way but away from each other.
+    """
+    (beside_m, above_m), (radius_m, half_height_m) = apart_m, zones_m
+    kept_m, kept_half_m = radius_m * factors[0], half_height_m * factors[1]
+    is_within = (beside_m < kept_m) & (above_m < kept_half_m)
+    is_beside = is_within & (beside_m >= radius_m)
+    is_above = is_within & ~is_beside & (above_m >= half_height_m)
+    return (
+        np.where(is_beside, np.maximum(radius_m, _KEPT_SHARE * beside_m), kept_m),
+        np.where(is_above, np.maximum(half_height_m, _KEPT_SHARE * above_m), kept_half_m),
+    )
+
+
 class FGA(ConflictResolution):
     """Conflict resolution by fga, for fixed-wing aircraft."""
 
@@ -211,11 +235,16 @@ class FGA(ConflictResolution):
         place = {name: i for i, name in enumerate(traffic.id)}
         acting = {pair[0] for pair in conf.lospairs}
         left: dict[str, set[str]] = {}
+        has_room: dict[int, bool] = {}
         for (name, other), until_s in zip(conf.confpairs, conf.tLOS):
             pair = frozenset((name, other))
             i, k = place[name], place[other]
             if pair not in self.gives_way:
-                self.gives_way[pair] = name if _gives_way(traffic, i, k) else other
+                gives, goes = (i, k) if _gives_way(traffic, i, k) else (k, i)
+                # In a formation the one that ought to give way may have no room, and would push its neighbours.
+                boxed_in = not self._has_room(gives, conf, traffic, has_room)
+                changed = boxed_in and self._has_room(goes, conf, traffic, has_room)
+                self.gives_way[pair] = traffic.id[goes if changed else gives]
             stays = self.resooffac[k] or self.noresoac[i] or _is_rotorcraft(traffic, k)
             if self.gives_way[pair] == name or stays or until_s < 0.5 * conf.dtlookahead[i]:
                 acting.add(name)
@@ -228,6 +257,16 @@ class FGA(ConflictResolution):
             if pair <= here and (pair in conf.confpairs_unique or any(one in self.flights for one in pair))
         }
         return acting, left
+
+    def _has_room(self, i: int, conf, traffic, known: dict[int, bool]) -> bool:
+        """Whether an aircraft has a certified way past all others, if they fly on as they do."""
+        if i not in known:
+            known[i] = False
+            if not (self.resooffac[i] or _is_rotorcraft(traffic, i) or traffic.tas[i] < 1.0):
+                flight = self._begin(i, conf, traffic)
+                decision = flight.avoider.step(self._situation(i, flight, conf, traffic, traffic, set()))
+                known[i] = decision.reason not in _UNPROVEN
+        return known[i]
 
     def update(self, conf, ownship, intruder) -> None:
         """Decides for every aircraft that is in a conflict or on its way round one."""
@@ -287,14 +326,18 @@ class FGA(ConflictResolution):
         if vehicle != flight.vehicle:
             flight.vehicle = vehicle
             flight.avoider.retune(vehicle)
-        own = self._ownship(i, flight, ownship)
-        wind = (float(ownship.windeast[i]), float(ownship.windnorth[i]), 0.0)
-        obstacles = self._obstacles(i, flight, conf, intruder, left)
-        decision = flight.avoider.step(fga.Situation(float(bs.sim.simt), own, flight.mission, obstacles, wind))
+        situation = self._situation(i, flight, conf, ownship, intruder, left)
+        decision = flight.avoider.step(situation)
         flight.state = decision.state
         self.active[i] = decision.state in ("avoiding", "recovering")
         if self.active[i]:
-            self._command(i, decision.stage_at(0.0), own, flight.vehicle, wind)
+            self._command(i, decision.stage_at(0.0), situation.ownship, flight.vehicle, situation.wind_mps)
+
+    def _situation(self, i: int, flight: _Flight, conf, ownship, intruder, left: set[str]) -> fga.Situation:
+        own = self._ownship(i, flight, ownship)
+        wind = (float(ownship.windeast[i]), float(ownship.windnorth[i]), 0.0)
+        obstacles = self._obstacles(i, flight, conf, intruder, left)
+        return fga.Situation(float(bs.sim.simt), own, flight.mission, obstacles, wind)
 
     def _ownship(self, i: int, flight: _Flight, traffic) -> fga.Ownship:
         course = math.radians(90.0 - float(traffic.hdg[i]))
@@ -307,6 +350,13 @@ class FGA(ConflictResolution):
     def _obstacles(self, i: int, flight: _Flight, conf, traffic, left: set[str]) -> fga.Obstacles:
         others = [k for k in range(traffic.ntraf) if k != i and not self.noresoac[k] and traffic.id[k] not in left]
         places = np.array([flight.xy_m(traffic.lat[k], traffic.lon[k]) for k in others]).reshape(-1, 2)
+        beside_m = np.hypot(*(places - flight.xy_m(traffic.lat[i], traffic.lon[i])).T)
+        above_m = np.abs(np.asarray(traffic.alt, dtype=float)[others] - float(traffic.alt[i]))
+        radius_m, half_height_m = _zones(
+            (beside_m, above_m),
+            (np.maximum(conf.rpz[others], conf.rpz[i]), np.maximum(conf.hpz[others], conf.hpz[i])),
+            (self.resofach, self.resofacv),
+        )
         return fga.Obstacles(
             id=np.array([flight.id_of(traffic.id[k]) for k in others], dtype=np.uint32),
             x_m=places[:, 0],
@@ -315,8 +365,8 @@ class FGA(ConflictResolution):
             vx_mps=np.asarray(traffic.gseast, dtype=float)[others],
             vy_mps=np.asarray(traffic.gsnorth, dtype=float)[others],
             vz_mps=np.asarray(traffic.vs, dtype=float)[others],
-            radius_m=np.maximum(conf.rpz[others], conf.rpz[i]) * self.resofach,
-            half_height_m=np.maximum(conf.hpz[others], conf.hpz[i]) * self.resofacv,
+            radius_m=radius_m,
+            half_height_m=half_height_m,
         )
 
     def _command(self, i: int, stage, own: fga.Ownship, vehicle: fga.Vehicle, wind) -> None:
