@@ -52,7 +52,7 @@ pub(crate) struct FlownArgs {
     #[arg(long)]
     volume: Option<Volume>,
     /// Both volumes, the protected and the measured ones, times this.
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, requires = "volume")]
     scale: f64,
     /// The policy, as in "published --start t0".
     #[arg(long, default_value = "turn-aware")]

@@ -524,21 +524,6 @@ pub(crate) fn _candidate(
     }))
 }
 
-const REASONS: [Reason; 12] = [
-    Reason::Clear,
-    Reason::InvalidInput,
-    Reason::WaitingForStart,
-    Reason::ManeuverChosen,
-    Reason::ManeuverKept,
-    Reason::ManeuverReplaced,
-    Reason::BestAvailable,
-    Reason::InsideVolume,
-    Reason::RejoinChosen,
-    Reason::RejoinKept,
-    Reason::Rejoined,
-    Reason::MissionComplete,
-];
-
 /// The decision that was pickled.
 #[pyfunction]
 #[expect(
@@ -556,7 +541,7 @@ pub(crate) fn _decision(
     work: (u32, u32, u32, u32),
     ownship: Option<PyRef<'_, Ownship>>,
 ) -> PyResult<Decision> {
-    let mut reasons = REASONS.into_iter();
+    let mut reasons = Reason::ALL.into_iter();
     let record = Record {
         reason: reasons
             .find(|known| reason_key(*known) == reason)

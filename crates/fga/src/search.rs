@@ -133,7 +133,7 @@ impl Scene<'_> {
 
     /// Radius of the tightest real turn, metres.
     fn turn_radius_m(&self) -> f64 {
-        self.flyer.airspeed_mps() / self.flyer.course_rate_radps()
+        self.flyer.turn_radius_m()
     }
 
     /// Whether the vehicle is held at its altitude.

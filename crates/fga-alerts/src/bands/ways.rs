@@ -100,9 +100,7 @@ impl Ways {
             }
         }
     }
-}
 
-impl Ways {
     /// Two neighbouring values that lead past the volumes of all aircraft, which count from now on.
     pub(super) fn common_neighbors<'a>(
         &'a self,

@@ -116,8 +116,8 @@ impl Approach {
     /// Whether the line surely meets nothing within a reach until a time: it converges all that time, and neither
     /// the distance nor the modified tau come down to the reach.
     ///
-    /// Both are violated where `s² + τ (s · v) ≤ D²`; the left side is a parabola in time, whose slope is still
-    /// negative and whose value still too large. The margin is that of [`Approach::is_over`].
+    /// Both are violated where `s² + τ (s · v) ≤ D²`. The left side is a parabola in time: at that time it must still
+    /// fall, and still exceed D². [`Approach::is_over`] explains the margin.
     #[inline]
     pub(crate) fn is_later(&self, until_s: f64, reach: &Reach) -> bool {
         let Some(tau_s) = reach.tau_s else {

@@ -125,7 +125,7 @@ impl PaperPilot {
             Start::Score(score) => safety_score(kind, score),
         };
         let response = self.vehicle.response;
-        let radius_m = self.flyer.airspeed_mps() / self.flyer.course_rate_radps();
+        let radius_m = self.flyer.turn_radius_m();
         match edition {
             Edition::AsPrinted => {
                 let bias = relative.bias_rad().unwrap_or(0.0);
@@ -284,7 +284,7 @@ impl PaperPilot {
         plan: &Plan,
     ) -> Option<Plan> {
         let own = situation.ownship;
-        let radius_m = self.flyer.airspeed_mps() / self.flyer.course_rate_radps();
+        let radius_m = self.flyer.turn_radius_m();
         let mut points = [Vec3::ZERO; MAX_POINTS];
         let count = self.progress.points_ahead(
             &situation.mission,

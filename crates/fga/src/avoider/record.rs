@@ -157,6 +157,22 @@ pub struct Decision {
 }
 
 impl Reason {
+    /// All reasons.
+    pub const ALL: [Self; 12] = [
+        Self::Clear,
+        Self::InvalidInput,
+        Self::WaitingForStart,
+        Self::ManeuverChosen,
+        Self::ManeuverKept,
+        Self::ManeuverReplaced,
+        Self::BestAvailable,
+        Self::InsideVolume,
+        Self::RejoinChosen,
+        Self::RejoinKept,
+        Self::Rejoined,
+        Self::MissionComplete,
+    ];
+
     /// Whether the command has no certificate.
     pub const fn is_unproven(self) -> bool {
         matches!(

@@ -59,7 +59,7 @@ pub struct Air<'a> {
 impl Air<'_> {
     /// Radius of the tightest real turn, metres.
     pub fn radius_m(&self) -> f64 {
-        self.flyer.airspeed_mps() / self.flyer.course_rate_radps()
+        self.flyer.turn_radius_m()
     }
 
     fn is_still_and_ideal(&self) -> bool {

@@ -157,7 +157,7 @@ impl Bend {
         let mut bend = Self {
             bank_rad,
             rate_radps: flyer.course_rate_radps(),
-            radius_m: flyer.airspeed_mps() / flyer.course_rate_radps(),
+            radius_m: flyer.turn_radius_m(),
             settles_s: 0.0,
             nodes: [End::default(); NODES],
             len: 1,

@@ -214,6 +214,11 @@ impl Flyer {
         self.course_rate_radps
     }
 
+    /// Radius of the tightest turn, metres.
+    pub fn turn_radius_m(&self) -> f64 {
+        self.airspeed_mps / self.course_rate_radps
+    }
+
     /// Rate of the climb angle, radians per second.
     pub const fn climb_rate_radps(&self) -> f64 {
         self.climb_rate_radps

@@ -29,8 +29,8 @@ struct Flown {
     states: Vec<State>,
 }
 
-/// Flies past an intruder that takes up the climb of the aircraft, up to its bound, so many seconds after the aircraft
-/// began to avoid, and turns towards it.
+/// Flies past an intruder. With `follows`, a delay in seconds and a turn rate in rad/s, the intruder follows the aircraft:
+/// that long after the manoeuvre begins it climbs or sinks with the aircraft, by 2.5 m/s at most, and turns towards it.
 fn flown(follows: Option<(f64, f64)>) -> Flown {
     let mut flight = light_aircraft();
     let mut intruder = head_on();

@@ -118,7 +118,8 @@ impl Avoider {
         decision
     }
 
-    /// Whether a manoeuvre with at most this turn that begins later, along a path, still withstands everything.
+    /// Whether a manoeuvre with at most this turn that begins later, along a path, still withstands everything; how many
+    /// manoeuvres were looked at, and whether the work ran out.
     pub(super) fn may_wait(
         &mut self,
         along: &Maneuver,
@@ -258,17 +259,7 @@ impl Avoider {
             candidates += looked_at;
         }
         let plan = if let Some(answer) = &answer {
-            Plan {
-                maneuver: answer.maneuver,
-                decided_s: time_s,
-                proof: answer.proof,
-                margin_m: answer.found.margin_m,
-                target_m: self.target_m,
-                cost: answer.found.cost,
-                resilience: answer.resilience,
-                side: plan.side.or_else(|| side_of(&answer.found)),
-                ..plan
-            }
+            plan.replaced_by(answer, time_s, self.target_m)
         } else {
             Plan {
                 proof: if kept.is_some() {
@@ -548,6 +539,23 @@ impl Avoider {
             }
         }
         (None, candidates)
+    }
+}
+
+impl Plan {
+    /// The plan with another manoeuvre, found with the margin `target_m`; it keeps the side of the first one.
+    pub(super) fn replaced_by(&self, answer: &Answer, time_s: f64, target_m: f64) -> Self {
+        Self {
+            maneuver: answer.maneuver,
+            decided_s: time_s,
+            proof: answer.proof,
+            margin_m: answer.found.margin_m,
+            target_m,
+            cost: answer.found.cost,
+            resilience: answer.resilience,
+            side: self.side.or_else(|| side_of(&answer.found)),
+            ..*self
+        }
     }
 }
 

@@ -72,13 +72,13 @@ impl Avoider {
 
     /// Whether a small manoeuvre saves much and may be followed by a large one: the volume is wide, the intruder not much faster.
     pub(super) fn pays_small(&self, id: u32) -> bool {
-        let airspeed_mps = self.flyer.airspeed_mps();
-        let wide_m = WIDE * airspeed_mps / self.flyer.course_rate_radps();
+        let wide_m = WIDE * self.flyer.turn_radius_m();
+        let fast_mps = MUCH_FASTER * self.flyer.airspeed_mps();
         let mut hazards = self.tracks.hazards().rows().iter();
         hazards.any(|hazard| {
             hazard.id == id
                 && hazard.volume.radius_m() > wide_m
-                && hazard.velocity_mps.length() < MUCH_FASTER * airspeed_mps
+                && hazard.velocity_mps.length() < fast_mps
         })
     }
 
@@ -149,15 +149,8 @@ impl Avoider {
 
     fn replace_small(&mut self, plan: &Plan, answer: &Answer, time_s: f64) -> Decision {
         let plan = Plan {
-            maneuver: answer.maneuver,
-            decided_s: time_s,
-            proof: answer.proof,
-            margin_m: answer.found.margin_m,
-            target_m: self.target_m,
-            cost: answer.found.cost,
-            resilience: answer.resilience,
             side: side_of(&answer.found),
-            ..*plan
+            ..plan.replaced_by(answer, time_s, self.target_m)
         };
         self.plan = Some(plan);
         self.report(&plan, time_s, Reason::ManeuverReplaced)

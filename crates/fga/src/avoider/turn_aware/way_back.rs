@@ -396,7 +396,7 @@ impl Avoider {
 
     /// Diameter of the aircraft's turn, metres.
     fn diameter_m(&self) -> f64 {
-        2.0 * self.flyer.airspeed_mps() / self.flyer.course_rate_radps()
+        2.0 * self.flyer.turn_radius_m()
     }
 
     /// The clearance of the way back in the path, which arrives at a time with this much gained along the leg, metres.
