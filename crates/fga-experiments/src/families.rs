@@ -366,4 +366,14 @@ mod tests {
             assert!(late.len() <= few, "{family:?} late {late:?}");
         }
     }
+
+    /// Earlier versions flew along inside these formations for ever: no way back of one short detour leads around all of one.
+    #[test]
+    fn the_aircraft_leaves_a_formation_that_surrounds_it() {
+        for number in [7484, 7862, 8044] {
+            let flown = fly(Family::Formation, number, 5).unwrap();
+            assert!(flown.outcome.separated(), "{number}");
+            assert!(flown.is_back, "{number}");
+        }
+    }
 }

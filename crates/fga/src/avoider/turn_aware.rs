@@ -3,6 +3,7 @@
 mod aircraft;
 mod choice;
 mod depth;
+mod detour;
 mod farther;
 mod holding;
 mod need;

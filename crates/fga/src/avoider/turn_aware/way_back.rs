@@ -1,7 +1,5 @@
 //! The way back: the earliest certified rejoin of the mission, and the flight along it.
 
-use core::f64::consts::PI;
-
 use crate::avoider::{Avoider, Decision, Plan, Reason, Returned, Start, State};
 use crate::certificate::{Hazard, Line, mark_close};
 use crate::limit::Limit as _;
@@ -29,28 +27,6 @@ const SKIP_AFTER_S: f64 = 4.0;
 
 /// Another intercept angle is chosen if its way departs less by this share.
 const CLEARLY_NEARER: f64 = 0.9;
-
-/// After the time of this turn without a way back the search also covers ways behind an obstacle that flies
-/// alongside, radians.
-const DETOUR_AFTER_RAD: f64 = 4.0;
-
-/// An obstacle within this distance flies alongside, turn radii, ...
-const ALONGSIDE: f64 = 2.0;
-
-/// ... and at most this share of the airspeed relative to the aircraft.
-const ALONGSIDE_SPEED: f64 = 0.4;
-
-/// The first turns of such a detour, radians, and the straight flight after them, turn radii.
-const DETOURS: [(f64, f64); 8] = [
-    (PI, 0.0),
-    (-PI, 0.0),
-    (2.1, 1.0),
-    (-2.1, 1.0),
-    (4.7, 0.0),
-    (-4.7, 0.0),
-    (1.3, 3.0),
-    (-1.3, 3.0),
-];
 
 /// Longest flight at a shallow intercept angle, seconds.
 const SHALLOW_S: f64 = 15.0;
@@ -138,9 +114,9 @@ impl Avoider {
         let patient = situation.time_s - plan.start_s < SKIP_AFTER_S;
         let skipped = if patient { 0 } else { MAX_SKIPPED };
         let waited_s = situation.time_s - plan.start_s;
-        let waits = waited_s * self.flyer.course_rate_radps() > DETOUR_AFTER_RAD;
-        let detour = (turn % 2 == 1 && waits && self.is_accompanied(situation))
-            .then(|| self.detour(now, turn / 2));
+        let detour = (turn % 2 == 1)
+            .then(|| self.detour(situation, now, (waited_s, turn / 2)))
+            .flatten();
         let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
         let is_any = detour.is_none() && turn.is_multiple_of(2);
         let intercepts_rad: &[f64] = if is_any {
@@ -348,27 +324,6 @@ impl Avoider {
     /// A way that is not flown leads at most this far from where it seems to, metres.
     fn roughly_m(&self) -> f64 {
         ROUGHLY * self.flyer.airspeed_mps() / self.flyer.course_rate_radps()
-    }
-
-    /// Whether an obstacle flies alongside, so that it does not pass.
-    fn is_accompanied(&self, situation: &Situation<'_>) -> bool {
-        let own = situation.ownship;
-        let velocity_mps = own.velocity_mps();
-        let near_m = ALONGSIDE * own.airspeed_mps / self.flyer.course_rate_radps();
-        self.tracks.hazards().rows().iter().any(|hazard| {
-            let slow_mps = ALONGSIDE_SPEED * own.airspeed_mps;
-            (velocity_mps - hazard.velocity_mps).length_squared() < slow_mps * slow_mps
-                && hazard.margin_m(own.position_m, 0.0) < near_m
-        })
-    }
-
-    /// A turn away from an obstacle alongside, one of several, and the aircraft after it.
-    fn detour(&self, now: &MotionState, which: usize) -> (Maneuver, MotionState) {
-        let index = which % DETOURS.len();
-        let (turn_rad, radii) = DETOURS.get(index).copied().unwrap_or_default();
-        let maneuver = Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
-        let until_s = (turn_rad.abs() + radii) / self.flyer.course_rate_radps();
-        (maneuver, self.after(now, &maneuver, until_s))
     }
 
     /// A way back that meets other obstacles later, with the manoeuvre that avoids those.

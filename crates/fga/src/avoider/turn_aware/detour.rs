@@ -1,0 +1,80 @@
+//! Detours: the beginning of a way back from beside obstacles that fly alongside and so do not pass.
+
+use core::f64::consts::PI;
+
+use crate::avoider::Avoider;
+use crate::maneuver::Maneuver;
+use crate::prediction::MotionState;
+use crate::situation::Situation;
+
+/// After the time of this turn without a way back the search also covers ways behind an obstacle that flies
+/// alongside, radians.
+const AFTER_RAD: f64 = 4.0;
+
+/// An obstacle within this distance flies alongside, turn radii, ...
+const ALONGSIDE: f64 = 2.0;
+
+/// ... and at most this share of the airspeed relative to the aircraft.
+const ALONGSIDE_SPEED: f64 = 0.4;
+
+/// The first turns of a detour, radians, and the straight flight after them, turn radii.
+const DETOURS: [(f64, f64); 8] = [
+    (PI, 0.0),
+    (-PI, 0.0),
+    (2.1, 1.0),
+    (-2.1, 1.0),
+    (4.7, 0.0),
+    (-4.7, 0.0),
+    (1.3, 3.0),
+    (-1.3, 3.0),
+];
+
+/// After the time of this turn without a way back a detour may lead out of a whole formation, radians: ...
+const FAR_AFTER_RAD: f64 = 60.0;
+
+/// ... its first turn is any up to this to either side, radians, ...
+const FAR_TURN_RAD: f64 = 5.0;
+
+/// ... and the straight flight after it so many turn radii.
+const FAR: f64 = 14.0;
+
+/// Multiples of this, modulo 1, are spread evenly: the golden ratio.
+const GOLDEN: f64 = 0.618_034;
+
+impl Avoider {
+    /// A turn away from an obstacle alongside, one of several, and the aircraft after it; none while a way back without one
+    /// may still be found.
+    pub(super) fn detour(
+        &self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        (waited_s, which): (f64, usize),
+    ) -> Option<(Maneuver, MotionState)> {
+        let waited_rad = waited_s * self.flyer.course_rate_radps();
+        if waited_rad <= AFTER_RAD || !self.is_accompanied(situation) {
+            return None;
+        }
+        let (round, index) = (which / DETOURS.len(), which % DETOURS.len());
+        let (turn_rad, radii) = if waited_rad > FAR_AFTER_RAD && round % 2 == 1 {
+            let share = libm::fmod(GOLDEN * which as f64, 1.0);
+            (FAR_TURN_RAD * (2.0 * share - 1.0), FAR)
+        } else {
+            DETOURS.get(index).copied().unwrap_or_default()
+        };
+        let maneuver = Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
+        let until_s = (turn_rad.abs() + radii) / self.flyer.course_rate_radps();
+        Some((maneuver, self.after(now, &maneuver, until_s)))
+    }
+
+    /// Whether an obstacle flies alongside, so that it does not pass.
+    fn is_accompanied(&self, situation: &Situation<'_>) -> bool {
+        let own = situation.ownship;
+        let velocity_mps = own.velocity_mps();
+        let near_m = ALONGSIDE * own.airspeed_mps / self.flyer.course_rate_radps();
+        self.tracks.hazards().rows().iter().any(|hazard| {
+            let slow_mps = ALONGSIDE_SPEED * own.airspeed_mps;
+            (velocity_mps - hazard.velocity_mps).length_squared() < slow_mps * slow_mps
+                && hazard.margin_m(own.position_m, 0.0) < near_m
+        })
+    }
+}
