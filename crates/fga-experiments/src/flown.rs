@@ -10,8 +10,10 @@ use clap::{Args, ValueEnum};
 use fga::Vec3;
 use fga::avoider::State;
 use fga::situation::ProtectedVolume;
+use fga::vehicle::turn_radius_m;
 use fga_formats::daa;
 use fga_sim::campaign::parse_policy;
+use fga_sim::engine::Sample;
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, RunLog, fly};
 use fga_sim::vehicle_file::VehicleModel;
@@ -37,9 +39,28 @@ struct Row {
     cross_m: f64,
     extra_m: f64,
     back: bool,
+    on_way_back: Option<OnWayBack>,
     searched: u32,
     longest_us: f64,
 }
+
+/// Distances from the recorded path of the ownship, its mission, about the first way back, metres.
+#[derive(Clone, Copy)]
+#[expect(clippy::struct_field_names, reason = "all are in metres")]
+struct OnWayBack {
+    /// The largest before it begins.
+    before_m: f64,
+    /// The largest during it.
+    during_m: f64,
+    /// What the turn out of the flight away from the mission takes at the bank of the flight, in a straight mission.
+    turning_m: f64,
+}
+
+/// The way back departs more than before it.
+const FARTHER_M: f64 = 1.0;
+
+/// It departs more than before it and its turn take, beyond the time to roll and bends of the mission.
+const MUCH_FARTHER_M: f64 = 10.0;
 
 /// Options of `flown`.
 #[derive(Args, Debug)]
@@ -191,6 +212,21 @@ fn show(rows: &[Row]) {
         rows.iter().map(|r| r.searched).max().unwrap_or(0),
         rows.iter().map(|r| r.longest_us).fold(0.0, f64::max),
     );
+    let ways: Vec<(&str, OnWayBack)> = rows
+        .iter()
+        .filter_map(|r| Some((r.name.as_str(), r.on_way_back?)))
+        .collect();
+    let farther = |least_m: f64, turns: f64| {
+        let more_m = move |w: &OnWayBack| w.during_m - w.before_m - turns * w.turning_m;
+        let farther = ways.iter().filter(move |(_, w)| more_m(w) > least_m);
+        farther.map(|(name, w)| format!("{name} by {:.0} m", w.during_m - w.before_m))
+    };
+    println!(
+        "ways back {}, farther than before {}; farther than the turn back takes: {}",
+        ways.len(),
+        farther(FARTHER_M, 0.0).count(),
+        farther(MUCH_FARTHER_M, 1.0).collect::<Vec<_>>().join(", ")
+    );
 }
 
 fn fly_one(
@@ -242,6 +278,7 @@ fn fly_one(
         cross_m: log.outcome.max_cross_track_m,
         extra_m: log.outcome.extra_path_m,
         back: states.last() == Some(&State::Cruise),
+        on_way_back: on_way_back(&log, own),
         searched: log
             .decisions
             .iter()
@@ -263,6 +300,53 @@ fn reversals(log: &RunLog) -> usize {
         }
     }
     count
+}
+
+/// Departures about the first way back.
+fn on_way_back(log: &RunLog, mission: &Moments) -> Option<OnWayBack> {
+    let from = log
+        .samples
+        .iter()
+        .position(|s| s.state == State::Recovering)?;
+    let departure_m = |sample: &Sample| distance_m(mission, sample.position_m);
+    let largest_m = |samples: &[Sample]| samples.iter().map(departure_m).fold(0.0, f64::max);
+    let during = log.samples[from..]
+        .iter()
+        .take_while(|s| s.state == State::Recovering)
+        .count();
+    let (now, before) = (&log.samples[from], log.samples.get(from.checked_sub(5)?)?);
+    let duration_s = now.time_s - before.time_s;
+    let ground_mps = (now.position_m - before.position_m).with_z(0.0).length() / duration_s;
+    let away_mps = (departure_m(now) - departure_m(before)) / duration_s;
+    let sin = (away_mps / ground_mps).clamp(0.0, 1.0);
+    let bank_rad = log
+        .samples
+        .iter()
+        .map(|s| s.bank_rad.abs())
+        .fold(0.0, f64::max);
+    let radius_m = turn_radius_m(ground_mps, bank_rad).unwrap_or(0.0);
+    Some(OnWayBack {
+        before_m: largest_m(&log.samples[..=from]),
+        during_m: largest_m(&log.samples[from..from + during]),
+        turning_m: radius_m * (1.0 - (1.0 - sin * sin).sqrt()),
+    })
+}
+
+/// Horizontal distance from a path that goes straight on after its last second.
+fn distance_m(path: &Moments, place_m: Vec3) -> f64 {
+    let last = path[path.len() - 1].1;
+    let onwards = last - path[path.len().saturating_sub(11)].1;
+    let end = last + onwards.normalize_or_zero() * 1e5;
+    let points = path.iter().map(|moment| moment.1);
+    let ends = points.clone().skip(1).chain([end]);
+    points
+        .zip(ends)
+        .map(|(from, to)| {
+            let (way, offset) = ((to - from).with_z(0.0), (place_m - from).with_z(0.0));
+            let share = offset.dot(way) / way.length_squared().max(1e-9);
+            (offset - way * share.clamp(0.0, 1.0)).length()
+        })
+        .fold(f64::INFINITY, f64::min)
 }
 
 fn at(rows: &Moments, time_s: f64) -> Vec3 {

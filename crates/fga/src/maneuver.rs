@@ -1,8 +1,9 @@
 //! The content of a command: a [`Maneuver`], a list of [`Stage`]s.
 
 /// Most stages of a manoeuvre: the corners of a mission of short legs up to the horizon, and two turns
-/// with their climbs after them.
-pub const MAX_STAGES: usize = 20;
+/// with their climbs after them. A recorded path that turns has a corner each 0.7 s; what is not predicted of it counts as
+/// straight, and let the policy avoid conflicts that the mission does not have.
+pub const MAX_STAGES: usize = 40;
 
 /// A command from a moment on, until the next stage begins.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -103,3 +103,37 @@ fn an_intruder_that_follows_a_small_manoeuvre_is_avoided_by_a_large_one() {
     }
     assert!(large > 0);
 }
+
+/// A recorded path: straight on for 20 s, then a turn to the left, 40 corners of 4°, one each 0.7 s.
+fn recorded_turn() -> Vec<Vec3> {
+    let mut points_m = vec![Vec3::ZERO];
+    let mut place_m = Vec3::X * 1000.0;
+    for corner in 1..=40 {
+        points_m.push(place_m);
+        let (sin, cos) = (f64::from(corner) * 4.0_f64.to_radians()).sin_cos();
+        place_m += Vec3::new(cos, sin, 0.0) * 36.0;
+    }
+    let last_m = place_m - points_m[40];
+    points_m.push(place_m + last_m * 500.0);
+    points_m
+}
+
+/// An earlier version predicted 18 stages of a mission, took the flight for straight after them, and avoided what the mission
+/// itself turns away from.
+#[test]
+fn a_mission_that_turns_away_at_many_corners_is_flown_past_an_aircraft() {
+    for (x_m, y_m) in [(4250.0, 600.0), (4500.0, 900.0)] {
+        let mut flight = light_aircraft();
+        flight.waypoints_m = recorded_turn();
+        let mut rows = [Obstacle {
+            position_m: Vec3::new(x_m, y_m, 0.0),
+            ..head_on()
+        }];
+        for _ in 0..1000 {
+            let decision = flight.cycle(&mut rows);
+            assert_ne!(decision.state, State::Avoiding, "{}", flight.time_s);
+            let offset_m = flight.own.position_m - rows[0].position_m;
+            assert!(offset_m.x.hypot(offset_m.y) > RADIUS_M);
+        }
+    }
+}

@@ -38,7 +38,7 @@ const FAR_TURN_RAD: f64 = 5.0;
 /// ... and the straight flight after it so many turn radii.
 const FAR: f64 = 14.0;
 
-/// Multiples of this, modulo 1, are spread evenly: the golden ratio.
+/// The fractions of multiples of this are spread evenly: the golden ratio.
 const GOLDEN: f64 = 0.618_034;
 
 impl Avoider {
@@ -56,7 +56,8 @@ impl Avoider {
         }
         let (round, index) = (which / DETOURS.len(), which % DETOURS.len());
         let (turn_rad, radii) = if waited_rad > FAR_AFTER_RAD && round % 2 == 1 {
-            let share = libm::fmod(GOLDEN * which as f64, 1.0);
+            let turns = GOLDEN * which as f64;
+            let share = turns - libm::floor(turns);
             (FAR_TURN_RAD * (2.0 * share - 1.0), FAR)
         } else {
             DETOURS.get(index).copied().unwrap_or_default()
