@@ -227,3 +227,70 @@ impl Approach {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aircraft::Pair;
+    use crate::volume::{Cylinder, Volume, WellClear};
+    use glam::DVec3;
+
+    /// Drawn numbers between -1 and 1.
+    struct Draw(u64);
+
+    impl Draw {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005);
+            self.0 = self.0.wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+
+        fn state(&mut self) -> State {
+            let position_m = DVec3::new(
+                4000.0 * self.next(),
+                4000.0 * self.next(),
+                300.0 * self.next(),
+            );
+            let velocity_mps =
+                DVec3::new(90.0 * self.next(), 90.0 * self.next(), 5.0 * self.next());
+            State {
+                position_m,
+                velocity_mps,
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_sure_without_a_window_agrees_with_the_window() {
+        let mut draw = Draw(7);
+        let mut seen = [0; 3];
+        for volume in [
+            Volume::Cylinder(Cylinder::F3442),
+            Volume::WellClear(WellClear::EN_ROUTE),
+        ] {
+            let reach = volume.reach().unwrap();
+            for _ in 0..20_000 {
+                let (own, other) = (draw.state(), draw.state());
+                let approach = Approach::of(&own, &other);
+                let loss = volume.violation(&Pair::exact(own, other), 0.0, 500.0);
+                let (time_s, lasts_s) = (30.0 * (draw.next() + 1.0), 2.0 * (draw.next() + 1.0));
+                if approach.is_within(time_s, 1e-3, &reach) {
+                    assert!(
+                        loss.entry_s < time_s && time_s < loss.exit_s,
+                        "{loss:?} {time_s}"
+                    );
+                    seen[0] += 1;
+                }
+                if approach.is_over(time_s, &reach) {
+                    assert!(!loss.conflicts_within(time_s, 500.0), "{loss:?} {time_s}");
+                    seen[1] += 1;
+                }
+                if reach.tau_s == Some(0.0) && approach.is_beyond(time_s, lasts_s, &reach) {
+                    assert!(!loss.conflicts_within(time_s, time_s + lasts_s), "{loss:?}");
+                    seen[2] += 1;
+                }
+            }
+        }
+        assert!(seen.into_iter().all(|count| count > 100), "{seen:?}");
+    }
+}
