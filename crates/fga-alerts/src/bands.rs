@@ -14,11 +14,14 @@
 //! | [`colors`] | how do regions cover each other? |
 //! | [`memory`] | which bands and which preferred side does the display show? |
 //! | [`recovery`] | which way leads out where none stays clear? |
-//! | [`opening`] | when may recovery change back from its distances to well clear? |
+//! | [`guards`] | when does recovery change back from its distances to well clear? |
+//! | [`steps`] | with which changes back is a step reached and free? |
+//! | [`opening`] | between which times may it on one way? |
 //! | [`shrinking`] | which distances of recovery need no search? |
 
 pub(crate) mod colors;
 mod free;
+mod guards;
 pub(crate) mod intervals;
 mod level;
 pub(crate) mod memory;
@@ -30,14 +33,15 @@ pub(crate) mod recovery;
 pub(crate) mod search;
 mod shrinking;
 pub(crate) mod span;
+mod steps;
 mod ways;
 
 use crate::aircraft::{Aircraft, PairDeviation, State};
 use crate::bands::colors::{Band, Colors, band_at};
-use crate::bands::free::Instead;
+use crate::bands::free::Kept;
 use crate::bands::intervals::Intervals;
 use crate::bands::memory::{Memory, Resolution, Step, Way};
-use crate::bands::met::{Met, meetings_once};
+use crate::bands::met::{Met, meetings, meetings_once};
 use crate::bands::pool::{WindowPool, level_key};
 use crate::bands::recovery::{Recovery, WaysOut};
 use crate::bands::search::Task;
@@ -248,7 +252,8 @@ impl QuantityBands {
             span: &span,
             turns_at_once: picture.turns_at_once(),
         });
-        for (index, region) in Region::CONFLICTS.into_iter().enumerate() {
+        // Regions that look further ahead come first: what is free for them is for others.
+        for (index, region) in Region::CONFLICTS.into_iter().enumerate().rev() {
             if picture.paints(region) {
                 self.find_peripheral(picture, index, region);
             }
@@ -297,16 +302,18 @@ impl QuantityBands {
                 from_s: 0.0,
                 until_s: horizon_s,
             };
-            let later = (&level.volume, level_key(settings, alerter_index, number));
-            let meets = Self::search(
-                &self.ways,
-                &mut self.pool,
-                &met,
-                (intruder, &task),
-                later,
-                None,
-            )
-            .any_conflict(&task);
+            let key = level_key(settings, alerter_index, number);
+            let lines = self.ways.lines();
+            let place = self.pool.ensure(intruder, (&level.volume, key), lines);
+            if self.pool.is_quiet(place, horizon_s) {
+                continue;
+            }
+            let meetings = meetings(&met, &level.volume, lines, self.pool.windows(place));
+            let search = self.ways.search(&meetings, None);
+            let meets = search.any_conflict(&task);
+            if !meets {
+                self.pool.keep_quiet(place, horizon_s);
+            }
             if meets && let Some(aircraft) = self.peripheral.get_mut(index) {
                 aircraft.push(Contribution {
                     intruder,
@@ -325,6 +332,23 @@ impl QuantityBands {
         in_conflict.chain(peripheral).copied().collect()
     }
 
+    /// Whether the same aircraft paint two regions, by the same volumes within the same times: then the same values
+    /// are free.
+    fn paints_the_same(&self, picture: &Picture, one: usize, other: usize) -> bool {
+        let settings = picture.settings;
+        let volume = |contribution: &Contribution| {
+            let level = contribution.level(settings);
+            level.map(|level| &level.volume)
+        };
+        let (one, other) = (self.painting(picture, one), self.painting(picture, other));
+        one.len() == other.len()
+            && one.iter().zip(&other).all(|(one, other)| {
+                one.intruder == other.intruder
+                    && one.horizon_s == other.horizon_s
+                    && volume(one) == volume(other)
+            })
+    }
+
     /// Paints the regions; returns whether it looked for recovery.
     fn paint(&mut self, picture: &Picture, span: &Span) -> (Colors, bool) {
         let settings = picture.settings;
@@ -332,12 +356,16 @@ impl QuantityBands {
         let mut free: [Intervals; 3] = Default::default();
         let mut recovers = false;
         let mut last = 0;
+        let mut looked_at = None;
         for (index, region) in Region::CONFLICTS.into_iter().enumerate() {
             last = index;
             if !picture.paints(region) {
                 continue;
             }
-            let (found, ways_out) = self.region(picture, span, index, corrective);
+            let known = looked_at.filter(|nearer| self.paints_the_same(picture, *nearer, index));
+            let known = known.and_then(|nearer| free.get(nearer)).cloned();
+            let (found, ways_out) = self.region(picture, span, (index, corrective), known);
+            looked_at = Some(index);
             let is_full = found.is_empty();
             if let Some(free) = free.get_mut(index) {
                 *free = found;
@@ -370,13 +398,13 @@ impl QuantityBands {
         (colors, recovers)
     }
 
-    /// The free values of one region, and the result of recovery.
+    /// The free values of one region, perhaps known from another one, and the result of recovery.
     fn region(
         &mut self,
         picture: &Picture,
         span: &Span,
-        index: usize,
-        corrective: usize,
+        (index, corrective): (usize, usize),
+        known: Option<Intervals>,
     ) -> (Intervals, WaysOut) {
         let settings = picture.settings;
         let landing = picture.terminal == Terminal::Guided
@@ -385,7 +413,7 @@ impl QuantityBands {
             return (Intervals::default(), WaysOut::NotLookedFor);
         }
         let painting = self.painting(picture, index);
-        let free = self.free_of(picture, span, &painting, Instead::Own);
+        let free = known.unwrap_or_else(|| self.free_of(picture, span, &painting, Kept::Own));
         if !settings.recovers.get(self.quantity) {
             return (free, WaysOut::NotLookedFor);
         }
@@ -436,8 +464,8 @@ impl QuantityBands {
             span: &base,
             turns_at_once: picture.turns_at_once(),
         });
-        ways.search(meetings_once(met, volume, ways.lines()), None, None)
-            .all_conflict(&task)
+        let meetings = meetings_once(met, volume, ways.lines());
+        ways.search(&meetings, None).all_conflict(&task)
     }
 }
 
@@ -466,6 +494,6 @@ pub(crate) fn meets_within_spread(
         span: &span,
         turns_at_once: picture.turns_at_once(),
     });
-    ways.search(meetings_once(met, volume, ways.lines()), None, None)
-        .any_conflict(&task)
+    let meetings = meetings_once(met, volume, ways.lines());
+    ways.search(&meetings, None).any_conflict(&task)
 }

@@ -30,6 +30,10 @@ impl MOfN {
         }
         self.last.pop_front();
         self.last.push_back(value);
+        // Most values stay as they are.
+        if self.last.iter().all(|seen| *seen == value) {
+            return value.max(-1);
+        }
         // The M-th largest of the last N.
         let mut best = -1;
         for &candidate in &self.last {

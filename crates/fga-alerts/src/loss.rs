@@ -2,6 +2,18 @@
 
 use crate::almost::Closeness;
 
+/// The later of two times, in one instruction; the second one where either is not a number.
+#[inline]
+pub(crate) fn later_of(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The earlier of two times, in one instruction; the second one where either is not a number.
+#[inline]
+pub(crate) fn earlier_of(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
 /// Start and end of a violation along straight lines, seconds from now.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Loss {

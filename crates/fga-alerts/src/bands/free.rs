@@ -1,23 +1,41 @@
 //! The values that are free of conflicts with some aircraft.
 
 use crate::bands::intervals::Intervals;
-use crate::bands::met::{Met, meetings_once};
-use crate::bands::pool::{Key, WindowPool, level_key};
+use crate::bands::met::{meetings, meetings_once};
+use crate::bands::pool::{Key, level_key};
 use crate::bands::search::Task;
 use crate::bands::span::Span;
-use crate::bands::ways::{Search, Ways};
+use crate::bands::ways::Search;
 use crate::bands::{Contribution, Picture, QuantityBands};
 use crate::volume::{Cylinder, Volume};
+use alloc::vec::Vec;
 
-/// Volumes that count instead of the aircraft's own.
+/// The volume that counts.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Instead {
+pub(super) enum Kept {
     /// Each aircraft's own volume.
     Own,
-    /// A cylinder.
+    /// A cylinder instead.
     Cylinder(Cylinder),
-    /// A cylinder until a time, each aircraft's own volume afterwards.
-    Until(Cylinder, f64),
+}
+
+/// Whether some value is free of conflicts with an aircraft; `whole` are all values that are searched.
+pub(super) fn frees_some(
+    search: &Search,
+    task: &Task,
+    span: &Span,
+    whole: &Intervals,
+    free: &mut Intervals,
+) -> bool {
+    if !search.some_free(task, span, free) {
+        return false;
+    }
+    if whole.overlaps(free) {
+        return true;
+    }
+    // A part is enough unless its edges count as one.
+    search.free(task, span, free);
+    whole.overlaps(free)
 }
 
 impl QuantityBands {
@@ -27,12 +45,12 @@ impl QuantityBands {
         picture: &Picture,
         span: &Span,
         aircraft: &[Contribution],
-        instead: Instead,
+        kept: Kept,
     ) -> Intervals {
         let mut free = span.whole();
         let mut of_one = Intervals::default();
         for contribution in aircraft {
-            let searched = self.search_of(picture, contribution, instead, |search, task| {
+            let searched = self.search_of(picture, contribution, kept, |search, task| {
                 search.free(task, span, &mut of_one);
             });
             if searched.is_none() {
@@ -46,29 +64,25 @@ impl QuantityBands {
         free
     }
 
-    /// Whether some value is free of conflicts with these aircraft.
+    /// Whether some value is free of a cylinder around these aircraft.
     pub(super) fn frees_any(
         &mut self,
         picture: &Picture,
         span: &Span,
         aircraft: &[Contribution],
-        instead: Instead,
+        cylinder: Cylinder,
     ) -> bool {
+        let kept = Kept::Cylinder(cylinder);
         if let [one] = aircraft {
-            let mut free = span.whole();
-            let mut some = Intervals::default();
-            let found = self.search_of(picture, one, instead, |search, task| {
-                search.some_free(task, span, &mut some)
+            let (whole, mut free) = (span.whole(), Intervals::default());
+            let found = self.search_of(picture, one, kept, |search, task| {
+                frees_some(search, task, span, &whole, &mut free)
             });
-            free.intersect(&some);
-            match found {
-                Some(false) => return false,
-                // A part is enough unless its edges count as one.
-                Some(true) if !free.is_empty() => return true,
-                _ => {}
+            if let Some(found) = found {
+                return found;
             }
         }
-        !self.free_of(picture, span, aircraft, instead).is_empty()
+        !self.free_of(picture, span, aircraft, kept).is_empty()
     }
 
     /// Asks a search against one aircraft; `None` for one that contributes nothing.
@@ -76,43 +90,32 @@ impl QuantityBands {
         &mut self,
         picture: &Picture,
         contribution: &Contribution,
-        instead: Instead,
+        kept: Kept,
         ask: impl FnOnce(&Search, &Task) -> T,
     ) -> Option<T> {
         let settings = picture.settings;
         let intruder = contribution.intruder;
         let level = contribution.level(settings)?;
         let met = picture.met(intruder)?;
-        let own_key = level_key(settings, contribution.alerter, contribution.level);
-        let horizon_s = contribution.horizon_s;
-        let (cylinder, is_own, from_s) = match instead {
-            Instead::Own => (None, true, 0.0),
-            Instead::Cylinder(cylinder) => (Some(cylinder), false, 0.0),
-            // Beyond the aircraft's horizon only the cylinder counts.
-            Instead::Until(cylinder, time_s) if time_s > horizon_s => (Some(cylinder), false, 0.0),
-            Instead::Until(cylinder, time_s) => (Some(cylinder), true, time_s),
-        };
-        let cylinder_volume = cylinder.map(Volume::Cylinder);
-        let cylinder = cylinder_volume.as_ref().zip(cylinder.map(Key::Cylinder));
-        let own = is_own.then_some((&level.volume, own_key));
-        // The cylinder counts before the alerter's volume, or without it.
-        let (later, before) = match own {
-            Some(own) => (own, cylinder),
-            None => (cylinder?, None),
+        let cylinder;
+        let (volume, key) = match kept {
+            Kept::Own => (
+                &level.volume,
+                level_key(settings, contribution.alerter, contribution.level),
+            ),
+            Kept::Cylinder(kept) => {
+                cylinder = Volume::Cylinder(kept);
+                (&cylinder, Key::Cylinder(kept))
+            }
         };
         let task = Task {
-            from_s,
-            until_s: horizon_s,
+            from_s: 0.0,
+            until_s: contribution.horizon_s,
         };
-        let search = Self::search(
-            &self.ways,
-            &mut self.pool,
-            &met,
-            (intruder, &task),
-            later,
-            before,
-        );
-        Some(ask(&search, &task))
+        let lines = self.ways.lines();
+        let place = self.pool.ensure(intruder, (volume, key), lines);
+        let meetings = meetings(&met, volume, lines, self.pool.windows(place));
+        Some(ask(&self.ways.search(&meetings, None), &task))
     }
 
     /// Whether some values are surely free of a cylinder around these aircraft, found without looking at all
@@ -138,7 +141,8 @@ impl QuantityBands {
             };
             Some((meetings_once(&met, &volume, lines), task))
         });
-        let neighbors = self.ways.common_neighbors(met, span);
+        let met: Vec<_> = met.collect();
+        let neighbors = self.ways.common_neighbors(&met, span);
         span.tells_steps_apart()
             && neighbors.is_some_and(|(low, high)| {
                 span.is_circular || (span.modulus == 0.0 && span.min <= low && high <= span.max)
@@ -162,42 +166,8 @@ impl QuantityBands {
             };
             picture.met(contribution.intruder).is_some_and(|met| {
                 let meetings = meetings_once(&met, &volume, lines);
-                self.ways
-                    .search(meetings, None, None)
-                    .is_blocked_at_once(&task)
+                self.ways.search(&meetings, None).is_blocked_at_once(&task)
             })
         })
-    }
-
-    /// A search against one intruder; its windows, and the openings between two volumes, are found once.
-    pub(super) fn search<'a>(
-        ways: &'a Ways,
-        pool: &'a mut WindowPool,
-        met: &Met<'a>,
-        (intruder, task): (usize, &Task),
-        later: (&'a Volume, Key),
-        before: Option<(&'a Volume, Key)>,
-    ) -> Search<'a> {
-        let lines = ways.lines();
-        let mut place =
-            |(volume, key): (&Volume, Key)| pool.ensure(intruder, key, met, volume, lines);
-        let (later_place, before_place) = (place(later), before.map(place));
-        let open_place =
-            later_place
-                .zip(before_place.flatten())
-                .zip(before)
-                .map(|(places, (volume, _))| {
-                    pool.ensure_open(places, task.until_s, |pool, openings| {
-                        let later = pool.meetings(later_place, met, later.0, lines);
-                        let before = pool.meetings(before_place.flatten(), met, volume, lines);
-                        ways.open(&later, &before, task, openings);
-                    })
-                });
-        let pool = &*pool;
-        let openings = open_place.and_then(|place| pool.openings(place));
-        let before = before.zip(before_place);
-        let before = before.map(|((volume, _), place)| pool.meetings(place, met, volume, lines));
-        let later = pool.meetings(later_place, met, later.0, lines);
-        ways.search(later, before, openings)
     }
 }

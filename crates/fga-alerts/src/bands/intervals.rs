@@ -42,7 +42,13 @@ impl Intervals {
                 place += 1;
             }
         }
-        self.0.splice(place..place + swallowed, [[low, high]]);
+        match self.0.get_mut(place) {
+            Some(interval) if swallowed > 0 => {
+                *interval = [low, high];
+                self.0.drain(place + 1..place + swallowed);
+            }
+            _ => self.0.insert(place, [low, high]),
+        }
     }
 
     /// Adds every interval of `other`.
@@ -52,10 +58,28 @@ impl Intervals {
         }
     }
 
+    /// Whether the intersection with `other` has any interval.
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        let mut found = false;
+        self.common(other, |_, _| {
+            found = true;
+            false
+        });
+        found
+    }
+
     /// Keeps the intersection with `other`.
     pub(crate) fn intersect(&mut self, other: &Self) {
-        let mine = core::mem::take(&mut self.0);
-        let (mut a, mut b) = (mine.iter(), other.0.iter());
+        let mine = core::mem::take(self);
+        mine.common(other, |low, high| {
+            self.append(low, high);
+            true
+        });
+    }
+
+    /// Calls `take` for each part of the intersection with `other`, until it has enough.
+    fn common(&self, other: &Self, mut take: impl FnMut(f64, f64) -> bool) {
+        let (mut a, mut b) = (self.0.iter(), other.0.iter());
         let (mut first, mut second) = (a.next(), b.next());
         while let (Some(&[a_low, a_high]), Some(&[b_low, b_high])) = (first, second) {
             let starts_in_b = Edge.at_most(b_low, a_low) && Edge.less(a_low, b_high);
@@ -67,10 +91,16 @@ impl Intervals {
             } else {
                 Edge.at_most(a_high, b_low)
             };
-            if starts_in_b {
-                self.append(a_low, if a_ends_first { a_high } else { b_high });
+            let end = if a_ends_first { a_high } else { b_high };
+            let goes_on = if starts_in_b {
+                take(a_low, end)
             } else if starts_in_a {
-                self.append(b_low, if a_ends_first { a_high } else { b_high });
+                take(b_low, end)
+            } else {
+                true
+            };
+            if !goes_on {
+                return;
             }
             if a_ends_first {
                 first = a.next();

@@ -3,7 +3,6 @@
 use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
 use crate::bands::met::Meeting;
-use crate::bands::opening::SideOpenings;
 use crate::bands::path::{LevelChange, Line};
 use crate::bands::search::{Task, When};
 use crate::bands::span::Span;
@@ -28,26 +27,31 @@ pub(crate) struct Levels {
 
 /// Neighbouring steps that one target stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Part {
-    first: i32,
-    last: i32,
+pub(super) struct Part {
+    pub(super) first: i32,
+    pub(super) last: i32,
     target: usize,
 }
 
 /// How an altitude is reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Target {
-    first_line: usize,
+    /// The line on which it flies level, or the only one.
+    level: usize,
     /// `None` where the altitude is flown along one line from the begin.
     way: Option<Way>,
 }
 
 /// A way of three parts: to the rate, along the rate, to the altitude.
+///
+/// The lines to the rate, and the one along it, are the same for all altitudes to one side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Way {
-    /// Lines until the rate is reached.
-    early: usize,
-    /// Lines after the rate is left.
+    /// The first line.
+    begin: usize,
+    /// The line along the rate.
+    rate: usize,
+    /// The first line after the rate is left.
     late: usize,
     /// When the rate is reached and left, seconds.
     pub(super) rate_since_s: f64,
@@ -56,21 +60,30 @@ pub(super) struct Way {
     pub(super) level_since_s: f64,
 }
 
+impl Way {
+    /// Lines until the rate is reached.
+    pub(super) fn early(&self) -> Range<usize> {
+        self.begin..self.rate
+    }
+
+    pub(super) const fn rate(&self) -> usize {
+        self.rate
+    }
+}
+
 impl Target {
     /// `None` where the altitude is flown along one line from the begin.
     pub(super) const fn way(&self) -> Option<&Way> {
         self.way.as_ref()
     }
 
-    pub(super) const fn first_line(&self) -> usize {
-        self.first_line
+    pub(super) const fn level(&self) -> usize {
+        self.level
     }
 
-    /// The lines to the altitude: while the rate is on, and level.
-    pub(super) fn rate_and_level(&self) -> (usize, usize) {
-        let way = self.way.as_ref();
-        let rate = self.first_line + way.map_or(0, |way| way.early);
-        (rate, rate + 1 + way.map_or(0, |way| way.late))
+    /// Lines after the rate is left and before the altitude is reached.
+    pub(super) fn late(&self) -> Range<usize> {
+        self.way.map_or(0..0, |way| way.late..self.level)
     }
 }
 
@@ -125,6 +138,13 @@ impl Levels {
         &self.targets
     }
 
+    /// Neighbouring steps, in growing order, and the target that they are judged by.
+    pub(super) fn parts(&self) -> impl Iterator<Item = (&Part, &Target)> {
+        self.parts
+            .iter()
+            .filter_map(|part| Some((part, self.targets.get(part.target)?)))
+    }
+
     /// Finds the lines that lead to the altitudes of a span.
     pub(crate) fn fill(
         &mut self,
@@ -159,6 +179,7 @@ impl Levels {
         let first = (below > 0).then_some((0, below - 1));
         let within = (below..above).map(|step| (step, step));
         let rest = (above <= last).then_some((above, last));
+        let mut start = None;
         for (first, last) in first.into_iter().chain(within).chain(rest) {
             let target = self.targets.len();
             self.parts.push(Part {
@@ -166,43 +187,61 @@ impl Levels {
                 last,
                 target,
             });
-            self.add(target_m(first), settings, ownship, instantaneous);
+            let target_m = target_m(first);
+            if instantaneous {
+                self.add_level(LevelChange::instantly(target_m, ownship), None);
+            } else {
+                let change = LevelChange::to(target_m, settings, ownship);
+                self.add(&change, settings.lookahead_s, &mut start);
+            }
         }
     }
 
-    /// Adds the lines to an altitude.
-    fn add(&mut self, target_m: f64, settings: &Settings, ownship: &State, instantaneous: bool) {
-        let first_line = self.lines.len();
-        let one = |line| (line, None);
-        let (line, way) = if instantaneous {
-            one(LevelChange::instantly(target_m, ownship))
-        } else {
-            let change = LevelChange::to(target_m, settings, ownship);
-            let (t1, t2) = (change.rate_since_s, change.rate_until_s);
-            let t3 = change.level_since_s + 1.0;
-            if t1.is_finite() && t2.is_finite() && t3.is_finite() {
-                let horizon_s = settings.lookahead_s;
+    fn add_level(&mut self, line: Line, way: Option<Way>) {
+        let level = self.lines.len();
+        self.lines.push(line);
+        self.targets.push(Target { level, way });
+    }
+
+    /// Adds the lines to an altitude; `start` is the last change and where its first line and the one along its
+    /// rate are.
+    fn add(
+        &mut self,
+        change: &LevelChange,
+        horizon_s: f64,
+        start: &mut Option<(LevelChange, [usize; 2])>,
+    ) {
+        let (t1, t2) = (change.rate_since_s, change.rate_until_s);
+        let t3 = change.level_since_s + 1.0;
+        if !(t1.is_finite() && t2.is_finite() && t3.is_finite()) {
+            return self.add_level(change.line_at(0.0), None);
+        }
+        let known = start.filter(|(before, _)| change.begins_as(before));
+        let [begin, rate] = known.map_or_else(
+            || {
+                let begin = self.lines.len();
                 let early = seconds(0.0, libm::floor(t1), horizon_s);
                 self.lines
                     .extend(early.map(|time_s| change.line_at(time_s)));
-                let early = self.lines.len() - first_line;
                 self.lines.push(change.line_at(t1.max(0.0)));
-                let late = seconds(libm::ceil(t2), libm::floor(t3), horizon_s);
-                self.lines.extend(late.map(|time_s| change.line_at(time_s)));
-                let way = Way {
-                    early,
-                    late: self.lines.len() - first_line - early - 1,
-                    rate_since_s: t1,
-                    rate_until_s: t2,
-                    level_since_s: t3,
-                };
-                (change.line_at(t3.max(0.0)), Some(way))
-            } else {
-                one(change.line_at(0.0))
-            }
+                [begin, self.lines.len() - 1]
+            },
+            |(_, lines)| lines,
+        );
+        *start = Some((*change, [begin, rate]));
+        let late = self.lines.len();
+        let seconds = seconds(libm::ceil(t2), libm::floor(t3), horizon_s);
+        self.lines
+            .extend(seconds.map(|time_s| change.line_at(time_s)));
+        let way = Way {
+            begin,
+            rate,
+            late,
+            rate_since_s: t1,
+            rate_until_s: t2,
+            level_since_s: t3,
         };
-        self.lines.push(line);
-        self.targets.push(Target { first_line, way });
+        self.add_level(change.line_at(t3.max(0.0)), Some(way));
     }
 }
 
@@ -210,24 +249,19 @@ impl Levels {
 pub(crate) struct LevelSearch<'a> {
     pub(crate) levels: &'a Levels,
     /// The task's volume.
-    pub(crate) later: Meeting<'a>,
+    pub(crate) later: &'a Meeting<'a>,
     /// The task's earlier volume.
-    pub(crate) before: Option<Meeting<'a>>,
-    /// What is known of a task with an earlier volume.
-    pub(super) openings: Option<&'a SideOpenings>,
+    pub(crate) before: Option<&'a Meeting<'a>>,
 }
 
 impl LevelSearch<'_> {
     /// Whether one of these lines meets a conflict at the time at which the ownship is on it.
     fn violates(&self, lines: Range<usize>, task: &Task) -> bool {
-        let begin = lines.start;
-        let lines = self.levels.lines.get(lines).unwrap_or_default();
-        lines.iter().zip(begin..).any(|(line, index)| {
-            let time_s = line.since_s;
-            let meets = |meeting: &Meeting| meeting.meets_on_the_way(index, 0.0);
-            (task.from_s <= time_s && meets(&self.later))
-                || (time_s <= task.from_s && self.before.as_ref().is_some_and(meets))
-        })
+        self.later
+            .meets_at_begin(lines.clone(), task.from_s, f64::INFINITY)
+            || self
+                .before
+                .is_some_and(|before| before.meets_at_begin(lines, 0.0, task.from_s))
     }
 
     fn line_leads_past(&self, index: usize, task: &Task, until_s: f64) -> bool {
@@ -238,22 +272,15 @@ impl LevelSearch<'_> {
     }
 
     /// Whether flying to an altitude meets no conflict.
-    fn leads_past(&self, target: &Target, task: &Task) -> bool {
-        let begin = target.first_line;
-        let Some(way) = &target.way else {
-            return self.line_leads_past(begin, task, task.until_s);
+    pub(super) fn leads_past(&self, target: &Target, task: &Task) -> bool {
+        let level = target.level();
+        let Some(way) = target.way() else {
+            return self.line_leads_past(level, task, task.until_s);
         };
-        let (rate, level) = target.rate_and_level();
-        let may_meet = |meeting: &Meeting| {
-            let live = meeting.live();
-            live.start <= level && begin < live.end
-        };
-        if !may_meet(&self.later) && !self.before.as_ref().is_some_and(may_meet) {
-            return true;
-        }
-        if self.violates(begin..rate, task) {
+        if self.violates(way.early(), task) {
             return false;
         }
+        let rate = way.rate();
         let (t1, t2, t3) = (way.rate_since_s, way.rate_until_s, way.level_since_s);
         let met = &self.later.met;
         let until_s = met.horizon_s(task.until_s, t1.max(0.0)).min(t2);
@@ -265,15 +292,11 @@ impl LevelSearch<'_> {
         {
             return false;
         }
-        !self.violates(rate + 1..level, task)
+        !self.violates(target.late(), task)
             && self.line_leads_past(level, task, met.horizon_s(task.until_s, t3.max(0.0)))
     }
 
     fn part_leads_past(&self, part: &Part, task: &Task) -> bool {
-        let known = self.openings;
-        if let Some(is_free) = known.and_then(|known| known.is_free(part.target, task.from_s)) {
-            return is_free;
-        }
         let target = self.levels.targets.get(part.target);
         target.is_none_or(|target| self.leads_past(target, task))
     }
@@ -368,7 +391,7 @@ impl LevelSearch<'_> {
                 .levels
                 .targets
                 .iter()
-                .all(|target| target.way.is_some_and(|way| way.early > 0))
+                .all(|target| target.way.is_some_and(|way| way.begin < way.rate))
             && self.later.meets_on_the_way(0, 0.0)
     }
 

@@ -114,6 +114,7 @@ impl Fan {
         } else {
             step_s(quantity, settings, ownship)
         };
+        let step_s = self.step_s;
         let [low, high] = &mut self.sides;
         low.clear();
         high.clear();
@@ -134,33 +135,33 @@ impl Fan {
             now_mps,
             instantaneous,
         };
-        for k in 0..=steps {
-            let change = k as f64 * span.step;
-            let time_s = self.step_s * k as f64;
-            let lines = if change == 0.0 {
-                [maneuver.unchanged(); 2]
-            } else {
-                match quantity {
-                    Quantity::Direction => {
-                        let turn = self.turns.table.get(k).copied().unwrap_or_default();
-                        maneuver.turns(change, time_s, turn)
-                    }
-                    Quantity::HorizontalSpeed => {
-                        let acceleration = settings.horizontal_acceleration_mps2;
-                        maneuver.accelerates(change, time_s, acceleration)
-                    }
-                    Quantity::VerticalSpeed => {
-                        maneuver.climbs(change, time_s, settings.vertical_acceleration_mps2)
-                    }
-                    Quantity::Altitude => [maneuver.unchanged(); 2],
+        for (lines, count, sign) in [(low, span.steps_down, -1.0), (high, span.steps_up, 1.0)] {
+            lines.push(maneuver.unchanged());
+            let changes = (1..=count).map(|k| (k as f64 * span.step, step_s * k as f64));
+            match quantity {
+                Quantity::Direction => {
+                    let turns = self.turns.table.iter().skip(1);
+                    let changes = changes.zip(turns);
+                    lines.extend(
+                        changes.map(|((change, t), turn)| maneuver.turns(change, t, *turn, sign)),
+                    );
                 }
-            };
-            let [to_low, to_high] = lines;
-            if k <= span.steps_down {
-                low.push(to_low);
-            }
-            if k <= span.steps_up {
-                high.push(to_high);
+                Quantity::HorizontalSpeed => {
+                    let acceleration = settings.horizontal_acceleration_mps2;
+                    let ahead = maneuver.ahead();
+                    lines.extend(changes.map(|(change, t)| {
+                        maneuver.accelerates(sign * change, t, sign * acceleration, ahead)
+                    }));
+                }
+                Quantity::VerticalSpeed => {
+                    let acceleration = settings.vertical_acceleration_mps2;
+                    lines.extend(
+                        changes.map(|(change, t)| {
+                            maneuver.climbs(sign * change, t, sign * acceleration)
+                        }),
+                    );
+                }
+                Quantity::Altitude => {}
             }
         }
     }
@@ -209,70 +210,65 @@ struct Maneuver<'a> {
     instantaneous: bool,
 }
 
-/// The same to the low and to the high side.
-#[inline]
-fn both(line: impl Fn(f64) -> Line) -> [Line; 2] {
-    [line(-1.0), line(1.0)]
-}
-
 impl Maneuver<'_> {
     fn unchanged(&self) -> Line {
         Line::at(0.0, self.position_m, self.velocity_mps)
     }
 
-    fn turns(&self, change: f64, t: f64, (sin, cos): (f64, f64)) -> [Line; 2] {
+    #[inline]
+    fn turns(&self, change: f64, t: f64, (sin, cos): (f64, f64), side: f64) -> Line {
         let (s, v) = (self.position_m, self.velocity_mps);
-        let rate = change / t;
         // Right turns are clockwise from above; a left turn mirrors the sine.
-        both(|side| {
-            let sin = sin * side;
-            let turned = DVec3::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin, v.z);
-            if self.instantaneous {
-                return Line::at(0.0, s, turned);
-            }
-            let rate = rate * side;
-            let position_m = DVec3::new(
-                s.x + (v.y - turned.y) / rate,
-                s.y + (turned.x - v.x) / rate,
-                s.z + v.z * t,
-            );
-            Line::at(t, position_m, turned)
-        })
+        let sin = sin * side;
+        let turned = DVec3::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin, v.z);
+        if self.instantaneous {
+            return Line::at(0.0, s, turned);
+        }
+        let rate = change / t * side;
+        let position_m = DVec3::new(
+            s.x + (v.y - turned.y) / rate,
+            s.y + (turned.x - v.x) / rate,
+            s.z + v.z * t,
+        );
+        Line::at(t, position_m, turned)
     }
 
-    fn accelerates(&self, change: f64, t: f64, acceleration_mps2: f64) -> [Line; 2] {
+    /// The direction of flight, without one north.
+    fn ahead(&self) -> DVec3 {
+        if self.now_mps > 0.0 {
+            self.velocity_mps / self.now_mps
+        } else {
+            DVec3::Y
+        }
+    }
+
+    #[inline]
+    fn accelerates(&self, change: f64, t: f64, acceleration_mps2: f64, ahead: DVec3) -> Line {
         let (s, v, now_mps) = (self.position_m, self.velocity_mps, self.now_mps);
-        both(|sign| {
-            let faster_mps = now_mps + sign * change;
-            if faster_mps < 0.0 {
-                // No aircraft flies backwards: the line never meets anything.
-                return Line::at(t, s, DVec3::NAN);
-            }
-            let faster = with_speed(self.ownship, now_mps, faster_mps);
-            if self.instantaneous {
-                return Line::at(0.0, s, faster);
-            }
-            let ahead = if now_mps > 0.0 { v / now_mps } else { DVec3::Y };
-            let acceleration = sign * acceleration_mps2;
-            let way_m = now_mps * t + 0.5 * acceleration * t * t;
-            let position_m =
-                DVec3::new(s.x + ahead.x * way_m, s.y + ahead.y * way_m, s.z + v.z * t);
-            Line::at(t, position_m, faster)
-        })
+        let faster_mps = now_mps + change;
+        if faster_mps < 0.0 {
+            // No aircraft flies backwards: the line never meets anything.
+            return Line::at(t, s, DVec3::NAN);
+        }
+        let faster = with_speed(self.ownship, now_mps, faster_mps);
+        if self.instantaneous {
+            return Line::at(0.0, s, faster);
+        }
+        let way_m = now_mps * t + 0.5 * acceleration_mps2 * t * t;
+        let position_m = DVec3::new(s.x + ahead.x * way_m, s.y + ahead.y * way_m, s.z + v.z * t);
+        Line::at(t, position_m, faster)
     }
 
-    fn climbs(&self, change: f64, t: f64, acceleration_mps2: f64) -> [Line; 2] {
+    #[inline]
+    fn climbs(&self, change: f64, t: f64, acceleration_mps2: f64) -> Line {
         let (s, v) = (self.position_m, self.velocity_mps);
-        both(|sign| {
-            let turned = DVec3::new(v.x, v.y, v.z + sign * change);
-            if self.instantaneous {
-                return Line::at(0.0, s, turned);
-            }
-            let acceleration = sign * acceleration_mps2;
-            let climbed_m = v.z * t + 0.5 * acceleration * t * t;
-            let position_m = DVec3::new(s.x + v.x * t, s.y + v.y * t, s.z + climbed_m);
-            Line::at(t, position_m, turned)
-        })
+        let turned = DVec3::new(v.x, v.y, v.z + change);
+        if self.instantaneous {
+            return Line::at(0.0, s, turned);
+        }
+        let climbed_m = v.z * t + 0.5 * acceleration_mps2 * t * t;
+        let position_m = DVec3::new(s.x + v.x * t, s.y + v.y * t, s.z + climbed_m);
+        Line::at(t, position_m, turned)
     }
 }
 
@@ -384,6 +380,18 @@ impl LevelChange {
         self.rate_since_s = delay_s + since_s;
         self.rate_until_s = delay_s + until_s;
         self.level_since_s = delay_s + level_s;
+    }
+
+    /// Whether this change, of the same ownship, has the same lines as another until it reaches its rate: there the
+    /// line depends only on the first acceleration.
+    pub(crate) fn begins_as(&self, other: &Self) -> bool {
+        let is_ordered = |change: &Self| {
+            change.rate_since_s >= 0.0 && change.rate_since_s <= change.level_since_s
+        };
+        self.rate_since_s.to_bits() == other.rate_since_s.to_bits()
+            && self.first_mps2.to_bits() == other.first_mps2.to_bits()
+            && is_ordered(self)
+            && is_ordered(other)
     }
 
     /// The ownship's line at a time.

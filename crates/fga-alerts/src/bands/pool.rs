@@ -1,7 +1,6 @@
-//! Windows of lines, computed once for each intruder and volume of a step.
+//! Windows of lines, found at most once for each intruder and volume of a step.
 
-use crate::bands::met::{Approaches, Asked, Meeting, Met, Windows, meetings_once};
-use crate::bands::opening::Openings;
+use crate::bands::met::{Places, Windows};
 use crate::bands::path::Lines;
 use crate::settings::Settings;
 use crate::volume::{Cylinder, Volume};
@@ -14,24 +13,19 @@ pub(super) enum Key {
     Cylinder(Cylinder),
 }
 
-/// Windows of lines, computed once for each intruder and volume of a step.
+/// Windows of lines, found at most once for each intruder and volume of a step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct WindowPool {
     keys: Vec<(usize, Key)>,
     windows: Vec<Windows>,
-    /// Aircraft of which the approaches are known.
-    known: Vec<usize>,
-    approaches: Vec<Approaches>,
-    /// The places of two windows and the horizon, seconds, of which the openings are known.
-    opened: Vec<((usize, usize), f64)>,
-    openings: Vec<Openings>,
+    /// Until when no way meets anything, as far as that is known, seconds.
+    quiet_s: Vec<f64>,
 }
 
 impl WindowPool {
     pub(super) fn clear(&mut self) {
         self.keys.clear();
-        self.known.clear();
-        self.opened.clear();
+        self.quiet_s.clear();
     }
 
     /// The place of the windows of an intruder and a volume; `None` where these depend on the time
@@ -39,9 +33,7 @@ impl WindowPool {
     pub(super) fn ensure(
         &mut self,
         intruder: usize,
-        key: Key,
-        met: &Met,
-        volume: &Volume,
+        (volume, key): (&Volume, Key),
         lines: Lines,
     ) -> Option<usize> {
         if volume.depends_on_time() {
@@ -55,85 +47,35 @@ impl WindowPool {
         if self.windows.len() <= place {
             self.windows.push(Windows::default());
         }
-        let at = self.approached(intruder, met, lines);
-        if let (Some(windows), Some(approaches)) =
-            (self.windows.get_mut(place), self.approaches.get(at))
-        {
-            // A cylinder of recovery counts from the begin, a level's volume perhaps from later on.
-            let asked = match key {
-                Key::Level { .. } => Asked::All,
-                Key::Cylinder(_) => Asked::UntilMet,
-            };
-            windows.fill(met, volume, lines, approaches, asked);
+        if let Some(windows) = self.windows.get_mut(place) {
+            windows.reset(lines);
         }
         self.keys.push((intruder, key));
+        self.quiet_s.push(f64::NEG_INFINITY);
         Some(place)
     }
 
-    /// The approaches at an index.
-    pub(super) fn approaches(&self, at: usize) -> Option<&Approaches> {
-        self.approaches.get(at)
+    /// Whether no way meets anything until a time: it does not if it does not until a later one.
+    pub(super) fn is_quiet(&self, place: Option<usize>, until_s: f64) -> bool {
+        let quiet_s = place.and_then(|place| self.quiet_s.get(place));
+        quiet_s.is_some_and(|quiet_s| until_s <= *quiet_s)
     }
 
-    /// The place of an intruder's approaches.
-    pub(super) fn approached(&mut self, intruder: usize, met: &Met, lines: Lines) -> usize {
-        if let Some(at) = self.known.iter().position(|known| *known == intruder) {
-            return at;
+    /// Remembers that no way meets anything until a time.
+    pub(super) fn keep_quiet(&mut self, place: Option<usize>, until_s: f64) {
+        if let Some(quiet_s) = place.and_then(|place| self.quiet_s.get_mut(place)) {
+            *quiet_s = until_s.max(*quiet_s);
         }
-        let at = self.known.len();
-        if self.approaches.len() <= at {
-            self.approaches.push(Approaches::default());
-        }
-        if let Some(approaches) = self.approaches.get_mut(at) {
-            approaches.fill(met, lines);
-        }
-        self.known.push(intruder);
-        at
     }
 
-    /// How lines meet a volume of which the windows are known, or are found one by one.
-    pub(super) fn meetings<'a>(
-        &'a self,
-        place: Option<usize>,
-        met: &Met<'a>,
-        volume: &'a Volume,
-        lines: Lines<'a>,
-    ) -> [Meeting<'a>; 2] {
-        place.and_then(|place| self.windows.get(place)).map_or_else(
-            || meetings_once(met, volume, lines),
-            |windows| windows.of(met, volume, lines),
-        )
+    /// The windows at a place.
+    pub(super) fn windows(&mut self, place: Option<usize>) -> Option<Places<'_>> {
+        self.windows.get_mut(place?).map(Windows::places)
     }
 
-    /// The place of the openings between the later windows and the earlier ones.
-    pub(super) fn ensure_open(
-        &mut self,
-        places: (usize, usize),
-        until_s: f64,
-        fill: impl FnOnce(&Self, &mut Openings),
-    ) -> usize {
-        let key = (places, until_s);
-        if let Some(known) = self.opened.iter().position(|known| *known == key) {
-            return known;
-        }
-        let place = self.opened.len();
-        let mut openings = self
-            .openings
-            .get_mut(place)
-            .map(core::mem::take)
-            .unwrap_or_default();
-        fill(self, &mut openings);
-        match self.openings.get_mut(place) {
-            Some(known) => *known = openings,
-            None => self.openings.push(openings),
-        }
-        self.opened.push(key);
-        place
-    }
-
-    /// The openings at an index.
-    pub(super) fn openings(&self, place: usize) -> Option<&Openings> {
-        self.openings.get(place)
+    /// All windows, by their places.
+    pub(super) fn all(&mut self) -> Vec<Places<'_>> {
+        self.windows.iter_mut().map(Windows::places).collect()
     }
 }
 

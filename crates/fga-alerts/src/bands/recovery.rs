@@ -1,13 +1,16 @@
 //! Resolutions where every manoeuvre leads into the corrective volume.
 
 use crate::aircraft::State;
-use crate::bands::free::Instead;
+use crate::bands::free::Kept;
+use crate::bands::guards::{Guard, Guards};
 use crate::bands::intervals::Intervals;
+use crate::bands::met::meetings;
+use crate::bands::pool::{Key, level_key};
 use crate::bands::shrinking::{Avoided, Blocking};
 use crate::bands::span::Span;
 use crate::bands::{Contribution, Picture, QuantityBands};
 use crate::settings::Settings;
-use crate::volume::{Advisory, Cylinder};
+use crate::volume::{Advisory, Cylinder, Volume};
 use alloc::vec::Vec;
 
 /// The result of recovery bands, where every manoeuvre leads into the corrective volume.
@@ -73,7 +76,7 @@ impl QuantityBands {
         }
         let distances = distances(settings, &picture.ownship.state);
         if distances.is_empty() || !self.surely_frees_any(picture, span, &painting, nmac) {
-            let past_nmac = self.free_of(picture, span, &painting, Instead::Cylinder(nmac));
+            let past_nmac = self.free_of(picture, span, &painting, Kept::Cylinder(nmac));
             if distances.is_empty() || past_nmac.is_empty() {
                 return past_nmac;
             }
@@ -81,10 +84,9 @@ impl QuantityBands {
         let blocked = self.blocked(picture, span, &painting, &distances);
         for (&kept, shrinkings) in distances.iter().zip(0..).skip(blocked) {
             if !self.is_blocked_at_once(picture, &painting, kept)
-                && self.frees_any(picture, span, &painting, Instead::Cylinder(kept))
+                && self.frees_any(picture, span, &painting, kept)
             {
-                let time_s = self.recovery_time_s(picture, span, &painting, kept);
-                let ways_out = self.free_of(picture, span, &painting, Instead::Until(kept, time_s));
+                let (time_s, ways_out) = self.way_back(picture, span, &painting, kept);
                 if !ways_out.is_empty() {
                     self.recovery = Recovery::Found {
                         time_s,
@@ -118,20 +120,11 @@ impl QuantityBands {
         if grows || (painting.len() > 1 && !span.tells_steps_apart()) {
             return 0;
         }
-        let lines = self.ways.lines();
-        let mut places = Vec::new();
-        for contribution in painting {
-            let level = contribution.level(picture.settings);
-            if let (Some(_), Some(met)) = (level, picture.met(contribution.intruder)) {
-                let place = self.pool.approached(contribution.intruder, &met, lines);
-                places.push((place, met, contribution.horizon_s));
-            }
-        }
-        let avoided = places.into_iter().filter_map(|(place, met, horizon_s)| {
+        let avoided = painting.iter().filter_map(|contribution| {
+            contribution.level(picture.settings)?;
             Some(Avoided {
-                met,
-                approaches: self.pool.approaches(place)?,
-                horizon_s,
+                met: picture.met(contribution.intruder)?,
+                horizon_s: contribution.horizon_s,
             })
         });
         let aircraft: Vec<Avoided> = avoided.collect();
@@ -143,30 +136,47 @@ impl QuantityBands {
         .count(&self.ways)
     }
 
-    /// The earliest time, to half a second, after which well clear is possible again.
-    fn recovery_time_s(
+    /// The time after which well clear is possible again, and the values that are free of the cylinder until then
+    /// and of each aircraft's own volume afterwards.
+    fn way_back(
         &mut self,
         picture: &Picture,
         span: &Span,
         painting: &[Contribution],
         kept: Cylinder,
-    ) -> f64 {
-        let lookahead_s = picture.settings.lookahead_s;
-        let (mut blocked_s, mut open_s) = (0.0, lookahead_s + 1.0);
-        let mut tried_s = open_s - 1.0;
-        while open_s - blocked_s > 0.5 {
-            if self.frees_any(picture, span, painting, Instead::Until(kept, tried_s)) {
-                open_s = tried_s;
-            } else {
-                blocked_s = tried_s;
+    ) -> (f64, Intervals) {
+        let settings = picture.settings;
+        let lines = self.ways.lines();
+        let cylinder = Volume::Cylinder(kept);
+        let mut aircraft = Vec::new();
+        for contribution in painting {
+            let intruder = contribution.intruder;
+            let level = contribution.level(settings);
+            if let (Some(level), Some(met)) = (level, picture.met(intruder)) {
+                let key = level_key(settings, contribution.alerter, contribution.level);
+                let own = self.pool.ensure(intruder, (&level.volume, key), lines);
+                let key = Key::Cylinder(kept);
+                let before = self.pool.ensure(intruder, (&cylinder, key), lines);
+                let horizon_s = contribution.horizon_s;
+                aircraft.push((met, &level.volume, own, before, horizon_s));
             }
-            tried_s = f64::midpoint(blocked_s, open_s);
         }
-        if open_s <= lookahead_s {
-            lookahead_s.min(open_s + picture.settings.recovery_stability_s)
-        } else {
-            blocked_s
-        }
+        let windows = self.pool.all();
+        let known = |place: Option<usize>| windows.get(place?).copied();
+        let guards = aircraft
+            .iter()
+            .map(|(met, volume, own, before, horizon_s)| Guard {
+                own: meetings(met, volume, lines, known(*own)),
+                cylinder: meetings(met, &cylinder, lines, known(*before)),
+                horizon_s: *horizon_s,
+            });
+        let guards = Guards {
+            ways: &self.ways,
+            span,
+            aircraft: guards.collect(),
+        };
+        let time_s = guards.recovery_time_s(settings);
+        (time_s, guards.free(time_s))
     }
 }
 

@@ -1,11 +1,11 @@
 //! Finds the steps of a manoeuvre that lead into a conflict.
 
 use crate::bands::intervals::Intervals;
-use crate::bands::met::Meeting;
-use crate::bands::opening::{Openings, SideOpenings, hull};
+use crate::bands::met::{Change, Meeting};
+use crate::bands::path::Line;
 use crate::bands::span::Span;
+use crate::loss::{earlier_of, later_of};
 use alloc::vec::Vec;
-use core::ops::Range;
 
 /// When a volume must not be met; until then another one, in recovery.
 #[derive(Debug, Clone, Copy)]
@@ -19,14 +19,15 @@ pub(crate) struct Task {
 /// A fan of manoeuvres against one intruder.
 pub(crate) struct FanSearch<'a> {
     /// The task's volume, by sides.
-    pub(crate) later: [Meeting<'a>; 2],
+    pub(crate) later: &'a [Meeting<'a>; 2],
     /// The task's earlier volume.
-    pub(crate) before: Option<[Meeting<'a>; 2]>,
+    pub(crate) before: Option<&'a [Meeting<'a>; 2]>,
     /// Time of one step, seconds; 0 where a maneuver takes none.
     pub(crate) step_s: f64,
-    /// What is known of a task with an earlier volume.
-    pub(super) openings: Option<&'a Openings>,
 }
+
+/// Lines that are looked at before it is asked again how many meet nothing.
+const LINES_BETWEEN: usize = 8;
 
 /// When a run of free steps is named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,28 +43,33 @@ struct SideSearch<'a> {
     later: &'a Meeting<'a>,
     before: Option<&'a Meeting<'a>>,
     step_s: f64,
-    task: &'a Task,
-    /// Steps outside of it meet nothing.
-    live: Range<usize>,
-    openings: Option<&'a SideOpenings>,
+    task: Task,
+    /// First and last step on the way from which the volume counts.
+    counts: (usize, usize),
+    /// Last step on the way from which the earlier volume counts.
+    last_before: usize,
 }
 
 impl FanSearch<'_> {
-    fn sides<'b>(&'b self, task: &'b Task) -> [SideSearch<'b>; 2] {
-        let [low, high] = &self.later;
-        let before = self.before.as_ref();
-        let side = |index, later: &'b Meeting<'b>, before: Option<&'b Meeting<'b>>| SideSearch {
-            openings: self.openings.and_then(|openings| openings.side(index)),
+    fn sides(&self, task: &Task) -> [SideSearch<'_>; 2] {
+        let [low, high] = self.later;
+        // The volume counts from the first step at or after `from_s`, the earlier one until then.
+        let steps = task.from_s / self.step_s;
+        let last_before = count_of(steps);
+        let from = last_before.saturating_add(usize::from((last_before as f64) < steps));
+        let last = count_of(low.met.settings.lookahead_s / self.step_s);
+        let side = |later, before| SideSearch {
             later,
             before,
             step_s: self.step_s,
-            task,
-            live: hull(later.live(), before.map_or(0..0, Meeting::live)),
+            task: *task,
+            counts: (from, last),
+            last_before,
         };
-        [
-            side(0, low, before.map(|[low, _]| low)),
-            side(1, high, before.map(|[_, high]| high)),
-        ]
+        let [low_before, high_before] = self
+            .before
+            .map_or([None, None], |before| before.each_ref().map(Some));
+        [side(low, low_before), side(high, high_before)]
     }
 
     /// Whether no maneuver can begin: the current line meets the volume at once.
@@ -105,7 +111,7 @@ impl FanSearch<'_> {
         found
     }
 
-    /// Two neighbouring values that lead past every aircraft, where the volumes count from now on.
+    /// Two neighbouring values that lead past every aircraft.
     pub(crate) fn common_neighbors(searches: &[(Self, Task)], span: &Span) -> Option<(f64, f64)> {
         [-1.0, 1.0]
             .into_iter()
@@ -116,13 +122,13 @@ impl FanSearch<'_> {
                     sides.nth(side)
                 });
                 let sides: Vec<SideSearch> = sides.collect();
-                let count = sides.first().map_or(0, SideSearch::count);
+                let lines = sides.first().map_or(&[][..], |side| side.later.lines);
                 let mut is_free_before = false;
-                for index in 0..count {
-                    if sides.iter().any(|side| side.stops_at(index)) {
-                        return None;
+                for (index, line) in lines.iter().enumerate() {
+                    let mut is_free = true;
+                    for side in &sides {
+                        is_free &= side.look(index, line)?;
                     }
-                    let is_free = sides.iter().all(|side| side.leads_past(index));
                     if is_free && is_free_before {
                         let value = |index| span.value + sign * span.step * f64::from(int(index));
                         let (near, far) = (value(index - 1), value(index));
@@ -190,72 +196,103 @@ impl SideSearch<'_> {
         self.later.lines.len()
     }
 
+    /// Until when a line that begins at a time is looked at.
+    #[expect(clippy::inline_always, reason = "asked for each line of each quantity")]
+    #[inline(always)]
+    fn until_s(&self, since_s: f64) -> f64 {
+        if self.step_s == 0.0 {
+            return self.task.until_s;
+        }
+        self.later.met.horizon_s(self.task.until_s, since_s)
+    }
+
     /// Whether the straight line after a step is free of conflicts.
     #[inline]
     fn leads_past(&self, index: usize) -> bool {
-        let known = self.openings;
-        known
-            .and_then(|openings| openings.is_free(index, self.task.from_s))
-            .unwrap_or_else(|| self.finds_past(index))
-    }
-
-    /// Whether the volume, which counts from now on, is met on the way to the next step.
-    fn stops_at(&self, index: usize) -> bool {
-        self.step_s > 0.0
-            && index as f64 <= libm::floor(self.later.met.settings.lookahead_s / self.step_s)
-            && self.later.meets_on_the_way(index, self.step_s)
-    }
-
-    fn finds_past(&self, index: usize) -> bool {
-        let task = self.task;
-        let until_s = if self.step_s == 0.0 {
-            task.until_s
-        } else {
-            let since_s = self.later.lines.get(index).map_or(0.0, |line| line.since_s);
-            self.later.met.horizon_s(task.until_s, since_s)
-        };
-        !self.later.meets_later(index, task.from_s, until_s)
+        let from_s = self.task.from_s;
+        let since_s = self.later.lines.get(index).map_or(0.0, |line| line.since_s);
+        !self.later.meets_later(index, from_s, self.until_s(since_s))
             && !self
                 .before
-                .is_some_and(|before| before.meets_later(index, 0.0, task.from_s))
+                .is_some_and(|before| before.meets_later(index, 0.0, from_s))
     }
 
-    fn any_conflict(&self) -> bool {
-        self.live.clone().any(|index| !self.leads_past(index))
-    }
-
-    /// Number of steps before the manoeuvre itself violates the volume.
-    fn flyable_steps(&self) -> usize {
-        let task = self.task;
-        let step_s = self.step_s;
-        if step_s == 0.0 {
-            return self.count();
+    /// Whether the straight line after a step is free of conflicts; `None` where a volume that counts is met on the
+    /// way to the next step: no later one can be flown to, nor this one.
+    #[expect(clippy::inline_always, reason = "asked for each line of each quantity")]
+    #[inline(always)]
+    fn look(&self, index: usize, line: &Line) -> Option<bool> {
+        let (later, since_s) = (self.later, line.since_s);
+        // Most lines meet nothing at all.
+        if self.before.is_none() && later.never_meets(index, line) {
+            return Some(true);
         }
-        // The volume counts from the first step at or after `from_s`, the earlier one until then.
-        let from = count_of(libm::ceil(task.from_s / step_s));
-        let last = count_of(libm::floor(self.later.met.settings.lookahead_s / step_s));
-        let last_before = count_of(libm::floor(task.from_s / step_s));
-        let Range { start, mut end } = self.live.clone();
-        let before = self.before.and_then(|before| {
-            let lines = start..end.min(last_before.saturating_add(1));
-            before.first_met(lines, step_s)
-        });
-        end = before.unwrap_or(end);
-        let lines = start.max(from)..end.min(last.saturating_add(1));
-        let later = self.later.first_met(lines, step_s);
-        later.or(before).unwrap_or(self.count())
+        let lookahead_s = later.met.settings.lookahead_s;
+        let from_s = self.task.from_s;
+        let goes_on = self.step_s > 0.0 && since_s < lookahead_s;
+        let way_s = (since_s, since_s + self.step_s);
+        let mut meets = false;
+        if let Some(before) = self.before {
+            let stops = goes_on && index <= self.last_before;
+            let line_s = (since_s, earlier_of(from_s, lookahead_s));
+            let counts = line_s.0 <= line_s.1;
+            if (stops || counts) && !before.never_meets(index, line) {
+                let window = before.window(index, line);
+                if stops && before.overlaps(window, line, way_s) {
+                    return None;
+                }
+                meets = counts && before.overlaps(window, line, line_s);
+            }
+        }
+        let (from, last) = self.counts;
+        let stops = goes_on && from <= index && index <= last;
+        let line_s = (
+            later_of(from_s, since_s),
+            earlier_of(self.until_s(since_s), lookahead_s),
+        );
+        let counts = line_s.0 <= line_s.1 && !meets;
+        let is_over = !stops && later.is_surely_over(index, line_s.0);
+        if (stops || counts) && !is_over && !later.never_meets(index, line) {
+            let window = later.window(index, line);
+            if stops && later.overlaps(window, line, way_s) {
+                return None;
+            }
+            meets = meets || (counts && later.overlaps(window, line, line_s));
+        }
+        Some(!meets)
+    }
+
+    /// Whether any step leads into the volume, which counts from now on.
+    fn any_conflict(&self) -> bool {
+        let change = Change::of(self.later.lines);
+        let last_s = self.until_s(self.later.lines.last().map_or(0.0, |line| line.since_s));
+        let mut index = 0;
+        while index < self.count() {
+            let quiet = change.map_or(0, |change| self.later.quiet(index, last_s, &change));
+            // Where it is not quiet, a few lines are looked at before that is asked again.
+            let asked = index..index.saturating_add(LINES_BETWEEN).min(self.count());
+            if quiet == 0 && asked.clone().any(|index| !self.leads_past(index)) {
+                return true;
+            }
+            index = if quiet == 0 {
+                asked.end
+            } else {
+                index.saturating_add(quiet)
+            };
+        }
+        false
     }
 
     /// Calls `take` for each run of steps without conflict, as long as it wants more.
     fn free_runs(&self, when: When, mut take: impl FnMut(usize, usize) -> bool) {
-        let steps = self.flyable_steps();
-        let Some(last) = steps.checked_sub(1) else {
-            return;
-        };
-        // Up to the first live step all are free.
-        let mut first = (self.live.start > 0 || self.live.is_empty()).then_some(0);
-        for index in self.live.start..self.live.end.min(steps) {
-            if self.leads_past(index) {
+        let mut first: Option<usize> = None;
+        let mut steps = 0;
+        for (index, line) in self.later.lines.iter().enumerate() {
+            let Some(is_free) = self.look(index, line) else {
+                break;
+            };
+            steps = index + 1;
+            if is_free {
                 let first = *first.get_or_insert(index);
                 if when == When::Soon && first != index && !take(first, index) {
                     return;
@@ -267,27 +304,22 @@ impl SideSearch<'_> {
                 return;
             }
         }
-        // Behind the last one too.
-        let first = first.or_else(|| (self.live.end < steps).then_some(self.live.end));
         if let Some(first) = first
-            && first != last
+            && first + 1 != steps
         {
-            take(first, last);
+            take(first, steps.saturating_sub(1));
         }
     }
 
     /// Whether some step is reachable and leads past.
     fn finds_a_way(&self) -> bool {
-        let task = self.task;
+        let from_s = self.task.from_s;
         for (index, line) in self.later.lines.iter().enumerate() {
-            if !self.live.contains(&index) {
-                return true;
-            }
             if self.step_s > 0.0 {
                 let at_s = line.since_s;
                 let violates = |meeting: &Meeting| meeting.meets_on_the_way(index, 0.0);
-                if (task.from_s <= at_s && violates(self.later))
-                    || (at_s <= task.from_s && self.before.is_some_and(violates))
+                if (from_s <= at_s && violates(self.later))
+                    || (at_s <= from_s && self.before.is_some_and(violates))
                 {
                     return false;
                 }

@@ -6,9 +6,9 @@
 //! distances in question rules out all larger ones.
 
 use crate::bands::level::Target;
-use crate::bands::met::{Approaches, Met};
+use crate::bands::met::Met;
 use crate::bands::opening::clear_s;
-use crate::bands::path::{Fan, Line};
+use crate::bands::path::Line;
 use crate::bands::ways::Ways;
 use crate::loss::Loss;
 use crate::settings::Settings;
@@ -18,7 +18,6 @@ use crate::volume::{Approach, Cylinder, Volume};
 #[derive(Debug)]
 pub(super) struct Avoided<'a> {
     pub(super) met: Met<'a>,
-    pub(super) approaches: &'a Approaches,
     /// Horizon of its conflict, seconds.
     pub(super) horizon_s: f64,
 }
@@ -52,15 +51,14 @@ impl Blocking<'_> {
         let mut last = 0;
         match ways {
             Ways::Fan(fan) => {
-                for (side, lines) in fan.sides.iter().enumerate() {
-                    self.reduce_by_side(&mut blocked, &mut last, fan, (side, lines));
+                for lines in &fan.sides {
+                    self.reduce_by_side(&mut blocked, &mut last, fan.step_s, lines);
                 }
             }
             Ways::Levels(levels) => {
                 for target in levels.targets() {
                     self.reduce(&mut blocked, &mut last, |avoided, cylinder| {
-                        let line = SideLines::of(avoided, 0, &levels.lines);
-                        if self.blocks_target(avoided, target, &line, cylinder) {
+                        if self.blocks_target(avoided, target, &levels.lines, cylinder) {
                             Found::Met
                         } else {
                             Found::Unclear
@@ -99,26 +97,20 @@ impl Blocking<'_> {
 
     /// Lowers the count by the steps of one side, up to the one on the way to which the smallest distances are
     /// met.
-    fn reduce_by_side(
-        &self,
-        blocked: &mut usize,
-        last: &mut usize,
-        fan: &Fan,
-        (side, lines): (usize, &[Line]),
-    ) {
+    fn reduce_by_side(&self, blocked: &mut usize, last: &mut usize, step_s: f64, lines: &[Line]) {
         let lookahead_s = self.settings.lookahead_s;
-        let last_step = libm::floor(lookahead_s / fan.step_s);
+        let last_step = libm::floor(lookahead_s / step_s);
         for (index, line) in lines.iter().enumerate() {
             let since_s = line.since_s;
-            let on_the_way = fan.step_s > 0.0 && since_s < lookahead_s && index as f64 <= last_step;
+            let on_the_way = step_s > 0.0 && since_s < lookahead_s && index as f64 <= last_step;
             let found = self.reduce(blocked, last, |avoided, cylinder| {
-                let until_s = if fan.step_s == 0.0 {
+                let until_s = if step_s == 0.0 {
                     avoided.horizon_s
                 } else {
                     avoided.met.horizon_s(avoided.horizon_s, since_s)
                 };
-                let window = SideLines::of(avoided, side, lines).window(index, cylinder);
-                if on_the_way && self.is_within(window, since_s, since_s + fan.step_s) {
+                let window = avoided.window(line, cylinder);
+                if on_the_way && self.is_within(window, since_s, since_s + step_s) {
                     Found::Stop
                 } else if self.is_within(window, since_s, until_s.min(lookahead_s)) {
                     Found::Met
@@ -142,65 +134,44 @@ impl Blocking<'_> {
         &self,
         avoided: &Avoided,
         target: &Target,
-        lines: &SideLines,
+        lines: &[Line],
         cylinder: Cylinder,
     ) -> bool {
         let lookahead_s = self.settings.lookahead_s;
         let horizon_s = avoided.horizon_s;
         let until_s = |maneuver_s: f64| avoided.met.horizon_s(horizon_s, maneuver_s.max(0.0));
         let meets = |index: usize, until_s: f64| {
-            let since_s = lines.since_s(index);
-            let window = lines.window(index, cylinder);
-            self.is_within(window, since_s, until_s.min(lookahead_s))
+            lines.get(index).is_some_and(|line| {
+                let window = avoided.window(line, cylinder);
+                self.is_within(window, line.since_s, until_s.min(lookahead_s))
+            })
         };
         let Some(way) = target.way() else {
-            return meets(target.first_line(), horizon_s);
+            return meets(target.level(), horizon_s);
         };
-        let (rate, level) = target.rate_and_level();
         let rate_until_s = until_s(way.rate_since_s).min(way.rate_until_s);
-        if meets(rate, rate_until_s) || meets(level, until_s(way.level_since_s)) {
+        if meets(way.rate(), rate_until_s) || meets(target.level(), until_s(way.level_since_s)) {
             return true;
         }
         // On the other lines the ownship is for a moment.
-        let mut moments = (target.first_line()..rate).chain(rate + 1..level);
+        let mut moments = way.early().chain(target.late());
         moments.any(|index| {
-            let since_s = lines.since_s(index);
-            let window = lines.window(index, cylinder);
-            since_s < lookahead_s
-                && window.entry_s <= since_s
-                && self.is_within(window, since_s, since_s + 1.0)
+            lines.get(index).is_some_and(|line| {
+                let since_s = line.since_s;
+                let window = avoided.window(line, cylinder);
+                since_s < lookahead_s
+                    && window.entry_s <= since_s
+                    && self.is_within(window, since_s, since_s + 1.0)
+            })
         })
     }
 }
 
-/// The lines of one side and how they approach an aircraft.
-struct SideLines<'a> {
-    met: &'a Met<'a>,
-    lines: &'a [Line],
-    approaches: &'a [Approach],
-}
-
-impl<'a> SideLines<'a> {
-    fn of(avoided: &'a Avoided<'a>, side: usize, lines: &'a [Line]) -> Self {
-        Self {
-            met: &avoided.met,
-            lines,
-            approaches: avoided.approaches.side(side),
-        }
-    }
-
-    fn since_s(&self, index: usize) -> f64 {
-        self.lines
-            .get(index)
-            .map_or(f64::INFINITY, |line| line.since_s)
-    }
-
-    fn window(&self, index: usize, cylinder: Cylinder) -> Loss {
-        match (self.lines.get(index), self.approaches.get(index)) {
-            (Some(line), Some(approach)) => {
-                self.met.window(&Volume::Cylinder(cylinder), line, approach)
-            }
-            _ => Loss::NEVER,
-        }
+impl Avoided<'_> {
+    /// When a line meets a cylinder around the aircraft.
+    fn window(&self, line: &Line, cylinder: Cylinder) -> Loss {
+        let approach = Approach::of(&line.state, self.met.intruder);
+        let volume = Volume::Cylinder(cylinder);
+        self.met.window(&volume, line, &approach)
     }
 }

@@ -4,7 +4,6 @@ use crate::aircraft::State;
 use crate::bands::intervals::Intervals;
 use crate::bands::level::{LevelSearch, Levels};
 use crate::bands::met::Meeting;
-use crate::bands::opening::Openings;
 use crate::bands::path::{Fan, Lines};
 use crate::bands::search::{FanSearch, Task};
 use crate::bands::span::{Quantity, Span};
@@ -78,16 +77,14 @@ impl Ways {
     /// A search along the ways, past the task's volume and its earlier one.
     pub(super) fn search<'a>(
         &'a self,
-        later: [Meeting<'a>; 2],
-        before: Option<[Meeting<'a>; 2]>,
-        openings: Option<&'a Openings>,
+        later: &'a [Meeting<'a>; 2],
+        before: Option<&'a [Meeting<'a>; 2]>,
     ) -> Search<'a> {
         match self {
             Self::Fan(fan) => Search::Fan(FanSearch {
                 later,
                 before,
                 step_s: fan.step_s,
-                openings,
             }),
             Self::Levels(levels) => {
                 let [later, _] = later;
@@ -95,7 +92,6 @@ impl Ways {
                     levels,
                     later,
                     before: before.map(|[before, _]| before),
-                    openings: openings.and_then(|openings| openings.side(0)),
                 })
             }
         }
@@ -104,50 +100,31 @@ impl Ways {
     /// Two neighbouring values that lead past the volumes of all aircraft, which count from now on.
     pub(super) fn common_neighbors<'a>(
         &'a self,
-        aircraft: impl Iterator<Item = ([Meeting<'a>; 2], Task)>,
+        aircraft: &'a [([Meeting<'a>; 2], Task)],
         span: &Span,
     ) -> Option<(f64, f64)> {
         match self {
             Self::Fan(fan) => {
-                let searches = aircraft.map(|(later, task)| {
+                let searches = aircraft.iter().map(|(later, task)| {
                     let search = FanSearch {
                         later,
                         before: None,
                         step_s: fan.step_s,
-                        openings: None,
                     };
-                    (search, task)
+                    (search, *task)
                 });
                 FanSearch::common_neighbors(&searches.collect::<Vec<_>>(), span)
             }
             Self::Levels(levels) => {
-                let searches = aircraft.map(|([later, _], task)| {
+                let searches = aircraft.iter().map(|([later, _], task)| {
                     let search = LevelSearch {
                         levels,
                         later,
                         before: None,
-                        openings: None,
                     };
-                    (search, task)
+                    (search, *task)
                 });
                 LevelSearch::common_neighbors(&searches.collect::<Vec<_>>(), span)
-            }
-        }
-    }
-
-    /// Finds the openings of a task with an earlier volume.
-    pub(super) fn open(
-        &self,
-        later: &[Meeting; 2],
-        before: &[Meeting; 2],
-        task: &Task,
-        openings: &mut Openings,
-    ) {
-        match self {
-            Self::Fan(fan) => openings.fill_fan(fan, later, before, task),
-            Self::Levels(levels) => {
-                let ([later, _], [before, _]) = (later, before);
-                openings.fill_levels(levels, later, before, task);
             }
         }
     }

@@ -46,6 +46,7 @@ impl Cylinder {
             square_m2: self.radius_m * self.radius_m,
             height_m: self.half_height_m,
             tau_s: Some(0.0),
+            coaltitude_s: 0.0,
         }
     }
 

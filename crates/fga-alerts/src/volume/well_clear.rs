@@ -197,6 +197,7 @@ impl WellClear {
             square_m2: self.distance_m * self.distance_m,
             height_m: self.height_m,
             tau_s: (self.horizontal_time == HorizontalTime::ModifiedTau).then_some(self.tau_s),
+            coaltitude_s: self.coaltitude_s,
         })
     }
 
