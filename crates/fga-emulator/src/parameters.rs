@@ -1,6 +1,6 @@
 //! Parameters: the few that the emulation or a companion reads, with ArduPlane's names.
 
-/// Parameters by name, in a fixed order.
+/// Parameters, in the order of their names.
 #[derive(Debug, Clone)]
 pub struct Parameters(Vec<(&'static str, f64)>);
 
@@ -39,9 +39,13 @@ impl Default for Parameters {
 }
 
 impl Parameters {
+    fn place(&self, name: &str) -> Option<usize> {
+        self.0.binary_search_by(|row| row.0.cmp(name)).ok()
+    }
+
     /// The value of an existing parameter.
     pub fn get(&self, name: &str) -> Option<f64> {
-        self.0.iter().find(|row| row.0 == name).map(|row| row.1)
+        self.place(name).map(|place| self.0[place].1)
     }
 
     /// The value, or 0 for an unknown one.
@@ -51,8 +55,8 @@ impl Parameters {
 
     /// Sets an existing one; `false` for an unknown one.
     pub fn set(&mut self, name: &str, value: f64) -> bool {
-        let row = self.0.iter_mut().find(|row| row.0 == name);
-        row.map(|row| row.1 = value).is_some()
+        let place = self.place(name);
+        place.map(|place| self.0[place].1 = value).is_some()
     }
 
     /// Removes a parameter: an older or newer firmware lacks it.
@@ -63,5 +67,15 @@ impl Parameters {
     /// All, in order.
     pub fn rows(&self) -> &[(&'static str, f64)] {
         &self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_in_order() {
+        assert!(Parameters::default().rows().is_sorted_by_key(|row| row.0));
     }
 }

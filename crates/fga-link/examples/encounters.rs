@@ -12,9 +12,9 @@
 //! them on to the program's link as long as its `ADSB_TYPE` is 0. The vehicle's telemetry on the ground station's link is the
 //! judge. Real time: the vehicle runs at speed 1; several vehicles side by side need several runs of this program.
 
-#[path = "../tests/common/ground.rs"]
+#[path = "../tests/link/common/ground.rs"]
 mod ground;
-#[path = "../tests/common/random.rs"]
+#[path = "../tests/link/common/random.rs"]
 mod random;
 
 use core::time::Duration;

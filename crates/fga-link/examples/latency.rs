@@ -12,7 +12,7 @@
     reason = "indices into lists of times, numbers of the wire"
 )]
 
-#[path = "../tests/common/random.rs"]
+#[path = "../tests/link/common/random.rs"]
 mod random;
 
 use core::time::Duration;

@@ -109,7 +109,12 @@ impl VehicleParameters {
 
     /// Requests unknown values.
     pub fn tick(&mut self, now_s: f64, target_system: u8, outbox: &mut Outbox) {
-        if now_s < self.again_s || self.is_complete() {
+        if now_s < self.again_s {
+            return;
+        }
+        if self.is_complete() {
+            // It stays so.
+            self.again_s = f64::INFINITY;
             return;
         }
         self.again_s = now_s + ANSWER_S;

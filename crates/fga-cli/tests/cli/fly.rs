@@ -1,0 +1,269 @@
+//! `fga fly` as a program in real time, with the ArduPlane-like emulator: signals, a full disk, a held
+//! terminal, a frozen browser, a sudden end. Each test is named after a way in which an earlier version
+//! lost the vehicle or its mode.
+#![allow(clippy::pedantic, reason = "a bench in real time")]
+
+use core::net::SocketAddr;
+use core::time::Duration;
+use std::fs;
+use std::io::{Read as _, Write as _};
+use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread;
+use std::time::{Instant, SystemTime};
+
+use crate::live::{self, AHEAD_M, Live, RADIUS_M};
+use crate::support::decisions_follow_their_schema;
+use fga_emulator::Mode;
+
+/// The program; it ends with the test.
+struct Program(Child);
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        drop(self.0.kill());
+        drop(self.0.wait());
+    }
+}
+
+impl Program {
+    fn signal(&self, name: &str) {
+        let done = Command::new("sh")
+            .args(["-c", &format!("kill -{name} {}", self.0.id())])
+            .status();
+        assert!(done.is_ok_and(|status| status.success()));
+    }
+
+    fn ended(&mut self) -> ExitStatus {
+        let since = Instant::now();
+        loop {
+            if let Some(status) = self.0.try_wait().expect("a child") {
+                return status;
+            }
+            assert!(since.elapsed() < Duration::from_secs(20), "it does not end");
+            thread::sleep(Duration::from_millis(20));
+        }
+    }
+}
+
+/// `fga fly` for a vehicle, run by a shell line that ends in `exec "$@"`.
+fn command(shell: &str, live: &Live, folder: &Path, more: &[&str]) -> Command {
+    let config = folder.join("fly.toml");
+    fs::write(&config, live::config()).expect("a configuration");
+    let mut command = Command::new("sh");
+    command
+        .args(["-c", shell, "sh", env!("CARGO_BIN_EXE_fga"), "fly"])
+        .args(["--connect", &format!("udpout:{}", live.address)])
+        .arg("--config")
+        .arg(config)
+        .arg("--out")
+        .arg(folder.join("out"))
+        .args(more)
+        .stdin(Stdio::null());
+    command
+}
+
+fn start(live: &Live, folder: &Path) -> Program {
+    let child = command("exec \"$@\"", live, folder, &["--quiet"]).spawn();
+    Program(child.expect("the program starts"))
+}
+
+/// The aircraft passes the disc without touching it, with one command of a mode out and at most one
+/// back. Other tests check the way back.
+fn avoids(live: &Live) {
+    passes(live);
+    assert!(live.commands().len() <= 2, "{:?}", live.commands());
+}
+
+fn passes(live: &Live) {
+    live.wait_until("the other side of the disc", |live| {
+        live.emulator().plant().position_m()[1] > AHEAD_M + RADIUS_M + 10.0
+    });
+    assert!(live.least_m() >= RADIUS_M, "{}", live.least_m());
+}
+
+#[test]
+fn sigint_sigterm_sighup_hand_back_alike() {
+    let mut flights: Vec<_> = ["INT", "TERM", "HUP"]
+        .into_iter()
+        .map(|signal| {
+            let live = Live::udp(None, None);
+            let folder = live::folder(&format!("signal-{signal}"));
+            let program = start(&live, &folder);
+            (signal, live, program, folder)
+        })
+        .collect();
+    for (signal, live, program, folder) in &mut flights {
+        live.wait_for_maneuver();
+        program.signal(signal);
+        assert!(program.ended().success(), "{signal}");
+        assert_eq!(live.mode(), Mode::Auto, "{signal}");
+        let written = fs::read_dir(folder.join("out"));
+        let log = written
+            .expect("a folder")
+            .map(|entry| entry.expect("an entry").path())
+            .find(|path| path.extension().is_some_and(|ending| ending == "jsonl"));
+        let log = log.expect("a log of decisions");
+        assert!(decisions_follow_their_schema(&log) > 3, "{signal}");
+        assert!(
+            live.was_told("fga: program ends, mode restored"),
+            "{signal}"
+        );
+    }
+}
+
+#[test]
+fn stopped_and_continued_after_the_pilots_choice() {
+    let live = Live::udp(None, None);
+    let program = start(&live, &live::folder("stopped"));
+    live.wait_for_maneuver();
+    program.signal("STOP");
+    thread::sleep(Duration::from_millis(300));
+    live.emulator().pilot_mode(Mode::Manual);
+    thread::sleep(Duration::from_secs(6));
+    let before = live.commands();
+    program.signal("CONT");
+    thread::sleep(Duration::from_secs(4));
+    assert_eq!(live.mode(), Mode::Manual);
+    assert_eq!(live.commands(), before);
+}
+
+#[test]
+fn stopped_and_continued_without_a_pilot_the_mode_is_given_back() {
+    let live = Live::udp(None, None);
+    let program = start(&live, &live::folder("stopped-alone"));
+    live.wait_for_maneuver();
+    program.signal("STOP");
+    thread::sleep(Duration::from_secs(5));
+    program.signal("CONT");
+    live.wait_until("AUTO", |live| live.mode() == Mode::Auto);
+}
+
+#[test]
+fn kill_9_in_command_and_restarted_one_second_later() {
+    let live = Live::udp(None, None);
+    let folder = live::folder("killed");
+    let program = start(&live, &folder);
+    live.wait_for_maneuver();
+    program.signal("KILL");
+    thread::sleep(Duration::from_secs(1));
+    let _program = start(&live, &folder);
+    live.wait_until("words", |live| {
+        live.was_told("fga: restarted, goes on avoiding")
+            || live.was_told("fga: restarted, mode restored")
+    });
+    passes(&live);
+}
+
+#[test]
+fn standard_error_into_a_pipe_that_nobody_reads_and_a_closed_one() {
+    let (stalled, closed) = (Live::udp(None, None), Live::udp(None, None));
+    let (_reader, mut writer) = std::io::pipe().expect("a pipe");
+    // A pipe holds 64 KiB: the next byte waits for a reader.
+    writer.write_all(&[b'.'; 65_536]).expect("room");
+    let folder = live::folder("stalled");
+    let child = command("exec \"$@\"", &stalled, &folder, &[])
+        .stderr(writer)
+        .spawn();
+    let mut program = Program(child.expect("the program starts"));
+    let folder = live::folder("closed");
+    let child = command("exec \"$@\" 2>&-", &closed, &folder, &[]).spawn();
+    let mut other = Program(child.expect("the program starts"));
+    avoids(&stalled);
+    avoids(&closed);
+    program.signal("TERM");
+    assert!(program.ended().success(), "it ends without a reader");
+    other.signal("TERM");
+    assert!(other.ended().success());
+}
+
+#[test]
+fn disk_full_in_a_manoeuvre_and_a_restart_on_the_full_disk() {
+    // A file may grow to 48 KiB: reached after some seconds.
+    let growing = Live::udp(None, None);
+    let folder = live::folder("disk-grows");
+    let shell = "trap '' XFSZ; ulimit -f 96; exec \"$@\"";
+    let child = command(shell, &growing, &folder, &["--quiet"]).spawn();
+    let mut program = Program(child.expect("the program starts"));
+    // And a disk without any room: every write there fails with ENOSPC.
+    let full = Live::udp(None, None);
+    let folder = live::folder("disk-full");
+    fs::create_dir_all(folder.join("out")).expect("a folder");
+    let now_s = SystemTime::now()
+        .duration_since(SystemTime::UNIX_EPOCH)
+        .expect("a clock")
+        .as_secs();
+    for second in now_s..now_s + 60 {
+        for ending in ["tlog", "jsonl"] {
+            let path = folder.join(format!("out/fly-{second}.{ending}"));
+            std::os::unix::fs::symlink("/dev/full", path).expect("a link");
+        }
+    }
+    let mut other = start(&full, &folder);
+    avoids(&growing);
+    avoids(&full);
+    assert!(growing.was_told("fga: log stopped: file too large"));
+    assert!(full.was_told("fga: log stopped: disk full"));
+    for program in [&mut program, &mut other] {
+        assert!(
+            program.0.try_wait().expect("a child").is_none(),
+            "it flies on"
+        );
+        program.signal("TERM");
+        assert!(program.ended().success());
+    }
+}
+
+#[test]
+fn the_folder_of_the_log_removed_in_a_manoeuvre() {
+    let live = Live::udp(None, None);
+    let folder = live::folder("removed");
+    let _program = start(&live, &folder);
+    live.wait_for_maneuver();
+    fs::remove_dir_all(folder.join("out")).expect("removed");
+    avoids(&live);
+    live.wait_until("words", |live| {
+        live.was_told("fga: log stopped: no such folder")
+    });
+}
+
+fn free_address() -> SocketAddr {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    listener.local_addr().expect("an address")
+}
+
+/// A browser that asks for the flight and then reads nothing.
+fn frozen_browser(address: SocketAddr) -> TcpStream {
+    let since = Instant::now();
+    let mut stream = loop {
+        match TcpStream::connect(address) {
+            Ok(stream) => break stream,
+            Err(error) => assert!(since.elapsed() < Duration::from_secs(20), "{error}"),
+        }
+        thread::sleep(Duration::from_millis(50));
+    };
+    let request = format!(
+        "GET /live HTTP/1.1\r\nHost: {address}\r\nOrigin: http://{address}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    );
+    stream.write_all(request.as_bytes()).expect("a request");
+    let mut answer = [0; 12];
+    stream.read_exact(&mut answer).expect("an answer");
+    assert_eq!(&answer, b"HTTP/1.1 101", "the flight is shown");
+    stream
+}
+
+#[test]
+fn a_browser_that_is_frozen() {
+    let live = Live::udp(None, None);
+    let folder: PathBuf = live::folder("browser");
+    let address = free_address();
+    let listen = address.to_string();
+    let more = ["--quiet", "--live", "--listen", &listen];
+    let child = command("exec \"$@\"", &live, &folder, &more).spawn();
+    let mut program = Program(child.expect("the program starts"));
+    let _frozen: Vec<TcpStream> = (0..3).map(|_| frozen_browser(address)).collect();
+    avoids(&live);
+    program.signal("TERM");
+    assert!(program.ended().success());
+}

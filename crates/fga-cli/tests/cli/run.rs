@@ -1,0 +1,361 @@
+//! `fga run`: scenarios, recordings, exit codes and wrong input.
+
+use std::fs;
+use std::path::Path;
+
+use crate::support::{columns, data, decisions_follow_their_schema, errors, fga_in, repository};
+
+const MAST: &str = "name = 'past-a-mast'
+duration_s = 60.0
+[mission]
+waypoints_m = [[0, 0, 100], [600, 0, 100]]
+[[obstacle]]
+name = 'mast'
+position_m = [300, 5, 100]
+";
+
+fn summary(output: &std::process::Output) -> serde_json::Value {
+    serde_json::from_slice(&output.stdout).expect("JSON on standard output")
+}
+
+#[test]
+fn a_scenario_is_flown_and_everything_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("mast.toml"), MAST).unwrap();
+    let output = fga_in(folder.path(), &["run", "mast.toml", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    let summary = summary(&output);
+    assert_eq!(summary["separated"], true);
+    assert!(summary["min_separation_m"].as_f64().unwrap() >= 30.0);
+    assert!(
+        summary["obstacles"][0]["min_separation_m"]
+            .as_f64()
+            .unwrap()
+            >= 30.0
+    );
+    assert!(summary["rejoined_s"].is_number());
+    // Without --out the results are in out/<name of the input>.
+    let out = folder.path().join("out/mast");
+    let track = columns(&out.join("track.csv"));
+    assert_eq!(track["t_s"][0], 0.0);
+    assert!(
+        (track["y_m"].last().unwrap()).abs() < 1.0,
+        "back on the leg"
+    );
+    let header = fs::read_to_string(out.join("track.csv")).unwrap();
+    assert!(header.starts_with("t_s,x_m,y_m,z_m,course_rad,climb_rad,bank_rad,state\n"));
+    assert!(
+        fs::read_to_string(out.join("overview.svg"))
+            .unwrap()
+            .contains("<svg")
+    );
+    let run: serde_json::Value =
+        serde_json::from_slice(&fs::read(out.join("run.json")).unwrap()).unwrap();
+    let conflicts = summary["conflicts"].as_array().unwrap();
+    assert_eq!(conflicts.len(), 1, "one mast, one conflict");
+    assert_eq!(conflicts[0]["threat_s"], summary["threat_s"]);
+    assert_eq!(conflicts[0]["rejoined_s"], summary["rejoined_s"]);
+    for key in ["version", "configuration_hash", "seed", "target", "wall_s"] {
+        assert!(!run[key].is_null(), "{key}");
+    }
+    for line in fs::read_to_string(out.join("events.jsonl"))
+        .unwrap()
+        .lines()
+    {
+        let event: serde_json::Value = serde_json::from_str(line).unwrap();
+        assert!(event["t_s"].is_number() && event["text"].is_string());
+    }
+    assert!(decisions_follow_their_schema(&out.join("events.jsonl")) > 3);
+}
+
+#[test]
+fn a_lost_scenario_ends_with_code_2() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("mast.toml"), MAST).unwrap();
+    let output = fga_in(
+        folder.path(),
+        &["run", "mast.toml", "--policy", "none", "--json"],
+    );
+    assert_eq!(output.status.code(), Some(2));
+    let summary = summary(&output);
+    assert_eq!(summary["separated"], false);
+    assert!((summary["min_margin_m"].as_f64().unwrap() + 25.0).abs() < 1e-9);
+}
+
+#[test]
+fn two_runs_write_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("mast.toml"),
+        format!("{MAST}\n[noise]\nposition_m = 2.0\n"),
+    )
+    .unwrap();
+    for out in ["a", "b"] {
+        fga_in(folder.path(), &["run", "mast.toml", "--out", out]);
+    }
+    for name in ["track.csv", "events.jsonl", "overview.svg"] {
+        let read = |out: &str| fs::read(folder.path().join(out).join(name)).unwrap();
+        assert!(read("a") == read("b"), "{name} differs");
+    }
+}
+
+#[test]
+fn the_first_flight_collides_without_avoidance_and_comes_back_with_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = repository().join("scenarios/first-flight.toml");
+    let scenario = scenario.to_str().unwrap();
+    let none = fga_in(
+        folder.path(),
+        &["run", scenario, "--policy", "none", "--json", "--out", "n"],
+    );
+    assert_eq!(none.status.code(), Some(2), "{}", errors(&none));
+    let flown = fga_in(folder.path(), &["run", scenario, "--json", "--out", "f"]);
+    assert_eq!(flown.status.code(), Some(0), "{}", errors(&flown));
+    assert_eq!(summary(&flown)["mission_flown"], true);
+}
+
+#[test]
+fn every_shipped_scenario_is_flown() {
+    let folder = tempfile::tempdir().unwrap();
+    for entry in fs::read_dir(repository().join("scenarios")).unwrap() {
+        let path = entry.unwrap().path();
+        let output = fga_in(
+            folder.path(),
+            &[
+                "run",
+                path.to_str().unwrap(),
+                "--policy",
+                "none",
+                "--out",
+                "o",
+            ],
+        );
+        let lost = path.file_stem().unwrap() != "fig-03";
+        let expected = if lost { 2 } else { 0 };
+        assert_eq!(
+            output.status.code(),
+            Some(expected),
+            "{}: {}",
+            path.display(),
+            errors(&output)
+        );
+    }
+}
+
+/// The rows of one aircraft of a recording, read by the test: latitude, longitude in radians, altitude in
+/// metres, time in seconds.
+fn recorded(path: &Path, name: &str, time_column: usize) -> Vec<[f64; 4]> {
+    fs::read_to_string(path)
+        .unwrap()
+        .lines()
+        .filter_map(|line| {
+            let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+            let number = |k: usize| fields.get(k)?.parse::<f64>().ok();
+            (fields[0] == name).then_some(())?;
+            Some([
+                number(1)?.to_radians(),
+                number(2)?.to_radians(),
+                number(3)? * 0.3048,
+                number(time_column)?,
+            ])
+        })
+        .collect()
+}
+
+/// The least separation of two recorded aircraft, linear between rows, on the sphere on which a
+/// minute of arc is a nautical mile, by the haversine's chord.
+fn least_separation(own: &[[f64; 4]], other: &[[f64; 4]]) -> f64 {
+    let radius = 1852.0 * 60.0 * 180.0 / core::f64::consts::PI;
+    let offset = |a: &[f64; 4], b: &[f64; 4]| {
+        let middle = 0.5 * (a[0] + b[0]);
+        [
+            (b[1] - a[1]) * middle.cos() * radius,
+            (b[0] - a[0]) * radius,
+            b[2] - a[2],
+        ]
+    };
+    let mut least = f64::INFINITY;
+    let offsets: Vec<[f64; 3]> = own.iter().zip(other).map(|(a, b)| offset(a, b)).collect();
+    for pair in offsets.windows(2) {
+        for k in 0..=1000 {
+            let share = f64::from(k) / 1000.0;
+            let at = [0, 1, 2].map(|i| pair[0][i] + share * (pair[1][i] - pair[0][i]));
+            least = least.min((at[0] * at[0] + at[1] * at[1] + at[2] * at[2]).sqrt());
+        }
+    }
+    least
+}
+
+#[test]
+fn recordings_keep_their_separations() {
+    let vehicle = repository().join("vehicles/general-aviation.toml");
+    let folder = tempfile::tempdir().unwrap();
+    for (name, time_column) in [("C0_0_120", 9), ("C1_0_120", 9), ("H1", 7)] {
+        let Some(path) = data(&format!("daidalus/{name}.daa")) else {
+            return;
+        };
+        let output = fga_in(
+            folder.path(),
+            &[
+                "run",
+                path.to_str().unwrap(),
+                "--policy",
+                "none",
+                "--vehicle",
+                vehicle.to_str().unwrap(),
+                "--json",
+                "--out",
+                "o",
+            ],
+        );
+        let found = summary(&output)["min_separation_m"].as_f64().unwrap();
+        let own = recorded(&path, "Ownship", time_column);
+        let other = recorded(&path, "Intruder", time_column);
+        assert!(own.len() > 100 && own.len() == other.len());
+        let expected = least_separation(&own, &other);
+        eprintln!("{name}: {found:.3} m, computed from the file {expected:.3} m");
+        let allowed = (0.005 * expected).max(0.25);
+        assert!(
+            (found - expected).abs() <= allowed,
+            "{name}: {found} against {expected}"
+        );
+    }
+}
+
+#[test]
+fn a_recorded_ownship_manoeuvres_at_its_recorded_airspeed() {
+    let Some(path) = data("daidalus/H1.daa") else {
+        return;
+    };
+    let vehicle = repository().join("vehicles/general-aviation.toml");
+    let folder = tempfile::tempdir().unwrap();
+    let output = fga_in(
+        folder.path(),
+        &[
+            "run",
+            path.to_str().unwrap(),
+            "--vehicle",
+            vehicle.to_str().unwrap(),
+            "--json",
+            "--out",
+            "o",
+        ],
+    );
+    let summary = summary(&output);
+    assert!(output.status.code().is_some(), "{}", errors(&output));
+    let track = columns(&folder.path().join("o/track.csv"));
+    // 200 knots, recorded.
+    for k in 1..track["t_s"].len() {
+        let step: f64 = ["x_m", "y_m", "z_m"]
+            .iter()
+            .map(|c| (track[*c][k] - track[*c][k - 1]).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        let time = track["t_s"][k] - track["t_s"][k - 1];
+        if time > 0.05 {
+            assert!(
+                (step / time / (200.0 * 1852.0 / 3600.0) - 1.0).abs() < 0.01,
+                "{}",
+                step / time
+            );
+        }
+    }
+    assert!(summary["min_margin_m"].is_number());
+}
+
+#[test]
+fn wrong_input_is_one_sentence_with_code_1() {
+    let folder = tempfile::tempdir().unwrap();
+    let daa = "NAME lat lon alt trk gs vs time\n[none] [deg] [deg] [ft] [deg] [knot] [fpm] [s]\n\
+               A, 40, -74, 1000, 0, 100, 0, 0\nA, 40.01, -74, 1000, 0, 100, 0, 10\n";
+    for (name, text, expected) in [
+        (
+            "a.toml",
+            MAST.replace("duration_s", "duration_ms"),
+            "line 2",
+        ),
+        (
+            "a.toml",
+            MAST.replace(", [600, 0, 100]", ""),
+            "line 4: mission has 1 waypoint",
+        ),
+        (
+            "a.toml",
+            MAST.replace("300, 5", "3, 5"),
+            "on top of the aircraft",
+        ),
+        (
+            "a.toml",
+            format!("{MAST}radius_m = -1\n"),
+            "line 8: radius_m is -1",
+        ),
+        (
+            "a.toml",
+            format!("{MAST}id = 5\n[[obstacle]]\nid = 5\nposition_m = [500, 90, 100]\n"),
+            "number 5 is used twice",
+        ),
+        (
+            "a.toml",
+            format!("vehicle = 'missing.toml'\n{MAST}"),
+            "missing.toml",
+        ),
+        ("a.daa", daa.replace("[ft]", "[furlong]"), "line 2"),
+        ("a.daa", daa.replace(" gs", ""), "a.daa"),
+        ("a.daa", daa.replace("0, 10\n", "0, -10\n"), "line 4"),
+        ("a.daa", String::new(), "empty"),
+        (
+            "a.txt",
+            String::new(),
+            "expected a .toml scenario or a .daa recording",
+        ),
+    ] {
+        fs::write(folder.path().join(name), &text).unwrap();
+        let output = fga_in(folder.path(), &["run", name, "--out", "o"]);
+        let message = errors(&output);
+        assert_eq!(output.status.code(), Some(1), "{name}: {message}");
+        assert_eq!(message.trim_end().lines().count(), 1, "{message}");
+        assert!(message.contains(expected), "{message} lacks {expected}");
+        assert!(!folder.path().join("o").exists(), "{message}");
+        assert!(output.stdout.is_empty());
+    }
+}
+
+#[test]
+fn wrong_usage_is_code_1_and_help_is_code_0() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("mast.toml"), MAST).unwrap();
+    fs::write(folder.path().join("a-file"), "").unwrap();
+    for (arguments, expected) in [
+        (vec!["fly-to-the-moon"], "fly-to-the-moon"),
+        (vec!["run"], "FILE"),
+        (vec!["run", "missing.toml"], "missing.toml: cannot be read"),
+        (
+            vec!["run", "mast.toml", "--policy", "luck"],
+            "unknown policy",
+        ),
+        (
+            vec!["run", "mast.toml", "--policy", "none", "--start", "t0"],
+            "no start time",
+        ),
+        (
+            vec!["run", "mast.toml", "--out", "a-file/below"],
+            "a-file/below cannot be written",
+        ),
+        (vec!["batch", "missing.csv"], "missing.csv: cannot be read"),
+        (
+            vec!["batch", "mast.toml", "--horizon", "-3"],
+            "positive number of seconds",
+        ),
+        (vec!["batch", "mast.toml", "--threads", "0"], "threads"),
+    ] {
+        let output = fga_in(folder.path(), &arguments);
+        let message = errors(&output);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
+        assert!(message.contains(expected), "{message} lacks {expected}");
+    }
+    assert_eq!(fga_in(folder.path(), &["--help"]).status.code(), Some(0));
+    assert_eq!(
+        fga_in(folder.path(), &["run", "--help"]).status.code(),
+        Some(0)
+    );
+}

@@ -1,0 +1,34 @@
+//! The companion against the ArduPlane-like emulator, receivers, other codecs and ground stations. One
+//! program, so that tests which wait in real time (`program`, `mavproxy`) do so beside those that
+//! compute: `cargo test -p fga-link --test link faults::` runs the tests of one file.
+
+extern crate alloc;
+
+mod common;
+
+mod adversary;
+mod alerts;
+mod arduplane;
+mod closed_loop;
+mod encounters;
+mod faults;
+mod flights;
+mod gaps;
+mod items;
+mod latency;
+mod mavproxy;
+mod mission;
+mod new_leg;
+mod pressure;
+mod program;
+mod pymavlink;
+mod rally;
+mod rates;
+mod receivers;
+mod robust;
+mod safety;
+mod safety_case;
+mod sbs_log;
+mod sequences;
+mod survivors;
+mod traffic;

@@ -1,0 +1,548 @@
+//! Seeded sequences of faults: random ones at random moments, two at once in half of them, in scaled
+//! time. The companion, the watchdog and the check at the moment of sending fly against the emulator;
+//! code outside of all three watches for what must never happen.
+//!
+//! `FGA_SEQUENCES` sets their number, `FGA_SEQUENCE` flies one seed with a trace.
+#![allow(
+    unreachable_pub,
+    clippy::std_instead_of_alloc,
+    clippy::std_instead_of_core,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a bench"
+)]
+
+mod judge;
+mod plan;
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::common::random::Random;
+use fga_emulator::{Emulator, Item, STEP_S, Settings};
+use fga_link::authority::{Beat, Hearing, LOOK_EVERY_S, Order, Owed, Watchdog};
+use fga_link::commands::Command;
+use fga_link::mode::{Mode as LinkMode, ModeChange};
+use fga_link::restart::Note;
+use fga_link::{Companion, Config};
+use judge::Judge;
+use mavlink::MavHeader;
+use mavlink::dialects::ardupilotmega::{
+    ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, HEARTBEAT_DATA, MavAutopilot, MavCmd,
+    MavMessage, MavModeFlag, MavState, MavType,
+};
+use plan::{Fault, PILOTS, Planned, plan};
+
+/// Length of a sequence, seconds.
+const LENGTH_S: f64 = 75.0;
+/// Longest flight of a manoeuvre without telemetry, seconds.
+const LONGEST_PROOF_S: f64 = 10.0;
+struct Packet {
+    due_s: f64,
+    sent_s: f64,
+    header: MavHeader,
+    message: MavMessage,
+}
+
+struct Rig {
+    random: Random,
+    emulator: Emulator,
+    companion: Companion,
+    /// The reading thread's.
+    hearing: Hearing,
+    watchdog: Watchdog,
+    ticks: u64,
+    look_s: f64,
+    alive: bool,
+    owed: Option<Owed>,
+    note: Option<Note>,
+    time_s: f64,
+    sequences: [u8; 3],
+    forge_s: f64,
+    to_vehicle: VecDeque<Packet>,
+    to_companion: VecDeque<Packet>,
+    /// Data that the reading thread has passed to a thread that stands still.
+    inbox: VecDeque<Packet>,
+    report_s: f64,
+    intruder_m: [f64; 3],
+    planned: Vec<Planned>,
+    judge: Judge,
+    /// Texts to the operator, arrived or not.
+    texts: Vec<String>,
+    trace: bool,
+}
+
+impl Rig {
+    fn new(seed: u64, trace: bool) -> Self {
+        let mut random = Random::new(seed);
+        let planned = plan(&mut random);
+        let mut emulator = Emulator::new(Settings::default());
+        let home = *emulator.home();
+        let points = [[0.0, 0.0, 4.0], [0.0, 0.0, 100.0], [0.0, 9000.0, 100.0]];
+        emulator.set_mission(points.map(|point| Item::waypoint(&home, point)).to_vec(), 2);
+        // Head-on, met between 15 and 40 s.
+        let meeting_s = random.uniform(18.0, 42.0);
+        Self {
+            emulator,
+            companion: Companion::new(Config::default(), false).expect("a companion"),
+            hearing: Hearing::default(),
+            watchdog: Watchdog::default(),
+            ticks: 0,
+            look_s: 0.0,
+            alive: true,
+            owed: None,
+            note: None,
+            time_s: 0.0,
+            sequences: [0; 3],
+            forge_s: 0.0,
+            to_vehicle: VecDeque::new(),
+            to_companion: VecDeque::new(),
+            inbox: VecDeque::new(),
+            report_s: 0.0,
+            intruder_m: [random.uniform(-20.0, 20.0), 50.0 * meeting_s, 100.0],
+            planned,
+            judge: Judge {
+                pilot: None,
+                known_s: None,
+                telemetry_s: 0.0,
+                able: false,
+                lost_s: 0.0,
+                told_s: 0.0,
+                failures: Vec::new(),
+            },
+            random,
+            texts: Vec::new(),
+            trace,
+        }
+    }
+
+    fn is_on(&self, fault: Fault) -> bool {
+        let time_s = self.time_s;
+        self.planned
+            .iter()
+            .any(|row| row.fault == fault && time_s >= row.begin_s && time_s < row.end_s)
+    }
+
+    /// Whether a fault of any mode is on; returns it.
+    fn forged(&self) -> Option<(u32, u8)> {
+        let time_s = self.time_s;
+        self.planned.iter().find_map(|row| match row.fault {
+            Fault::Forged(mode, ahead) if time_s >= row.begin_s && time_s < row.end_s => {
+                Some((mode, ahead))
+            }
+            _ => None,
+        })
+    }
+
+    fn say(&self, words: &str) {
+        if self.trace {
+            eprintln!("{:6.2} {words}", self.time_s);
+        }
+    }
+
+    fn fail(&mut self, words: String) {
+        self.say(&words);
+        self.judge.failures.push(words);
+    }
+
+    /// Starts due faults.
+    fn begin_faults(&mut self) {
+        let (before_s, now_s) = (self.time_s - STEP_S, self.time_s);
+        for row in self.planned.clone() {
+            let begins = row.begin_s > before_s && row.begin_s <= now_s;
+            let ends = row.end_s > before_s && row.end_s <= now_s;
+            if begins {
+                self.say(&format!("begins {:?}", row.fault));
+            }
+            match row.fault {
+                Fault::Pilot(mode) if begins => {
+                    self.judge.pilot = Some((mode, now_s));
+                    self.judge.known_s = None;
+                    self.emulator.pilot_mode(mode);
+                }
+                Fault::Disarmed if begins => {
+                    let sequence = self.sequences[0];
+                    let mode = self.emulator.mode().number();
+                    self.forge(sequence, mode, false);
+                }
+                Fault::RollLimit if begins => self.set_roll_limit(5.0),
+                Fault::RollLimit if ends => self.set_roll_limit(55.0),
+                Fault::Refuses if begins || ends => self.emulator.refuse_commands(begins),
+                Fault::Ignores if begins || ends => self.emulator.ignore_targets(begins),
+                Fault::Reboots if begins => self.emulator.reboot(),
+                Fault::Sinks if begins => self.emulator.displace([0.0, 0.0, -85.0]),
+                Fault::Killed if begins => self.alive = false,
+                Fault::Killed if ends && !self.alive => self.start_again(),
+                _ => {}
+            }
+        }
+    }
+
+    fn set_roll_limit(&mut self, degrees: f32) {
+        use mavlink::dialects::ardupilotmega::{MavParamType, PARAM_SET_DATA};
+        let header = MavHeader {
+            system_id: 255,
+            component_id: 190,
+            sequence: 0,
+        };
+        let set = MavMessage::PARAM_SET(PARAM_SET_DATA {
+            param_value: degrees,
+            target_system: 1,
+            target_component: 1,
+            param_id: "ROLL_LIMIT_DEG".into(),
+            param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+        });
+        self.emulator.receive(&header, &set);
+    }
+
+    /// A service manager starts the program again, with the note that it left.
+    fn start_again(&mut self) {
+        self.say("starts again");
+        self.companion = Companion::new(Config::default(), false).expect("a companion");
+        self.companion.set_notes(self.note.into_iter().collect());
+        self.hearing = Hearing::default();
+        self.watchdog = Watchdog::default();
+        self.owed = None;
+        self.inbox.clear();
+        self.to_companion.clear();
+        self.alive = true;
+        self.judge.able = false;
+        self.judge.known_s = None;
+        self.judge.telemetry_s = self.time_s;
+    }
+
+    fn forge(&mut self, sequence: u8, mode: u32, armed: bool) {
+        let message = MavMessage::HEARTBEAT(HEARTBEAT_DATA {
+            custom_mode: mode,
+            mavtype: MavType::MAV_TYPE_FIXED_WING,
+            autopilot: MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
+            base_mode: if armed {
+                MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED
+            } else {
+                MavModeFlag::empty()
+            },
+            system_status: MavState::MAV_STATE_ACTIVE,
+            mavlink_version: 3,
+        });
+        self.to_companion.push_back(Packet {
+            due_s: self.time_s,
+            // Not the vehicle's: it tells nothing of the pilot.
+            sent_s: f64::NEG_INFINITY,
+            header: MavHeader {
+                system_id: 1,
+                component_id: 1,
+                sequence,
+            },
+            message,
+        });
+    }
+
+    fn step(&mut self) {
+        self.time_s += STEP_S;
+        self.begin_faults();
+        self.emulator.advance(STEP_S);
+        self.intruder_m[1] -= 25.0 * STEP_S;
+        self.telemetry();
+        if let Some((mode, ahead)) = self.forged()
+            && self.time_s >= self.forge_s
+        {
+            self.forge_s = self.time_s + 0.1;
+            self.forge(self.sequences[0].wrapping_add(ahead), mode, true);
+        }
+        while self
+            .to_vehicle
+            .front()
+            .is_some_and(|p| p.due_s <= self.time_s)
+        {
+            let Some(packet) = self.to_vehicle.pop_front() else {
+                break;
+            };
+            self.arrive(&packet);
+        }
+        if !self.alive {
+            self.to_companion.clear();
+            return;
+        }
+        if self.is_on(Fault::Stopped) {
+            return;
+        }
+        self.read();
+        if self.is_on(Fault::Stalled) {
+            self.watch();
+        } else {
+            self.decide();
+            self.watch();
+        }
+        self.judge();
+    }
+
+    /// Sends the messages of the vehicle and the receiver on their way.
+    fn telemetry(&mut self) {
+        let lost = self.is_on(Fault::Deaf) || self.is_on(Fault::Cut);
+        let delay_s = if self.is_on(Fault::Late) { 1.5 } else { 0.02 };
+        for message in self.emulator.drain() {
+            let sequence = self.sequences[0];
+            self.sequences[0] = sequence.wrapping_add(1);
+            let is_beat = matches!(message, MavMessage::HEARTBEAT(_));
+            if lost || (self.is_on(Fault::Telemetry) && !is_beat) {
+                continue;
+            }
+            self.to_companion.push_back(Packet {
+                due_s: self.time_s + delay_s,
+                sent_s: self.time_s,
+                header: MavHeader {
+                    system_id: 1,
+                    component_id: 1,
+                    sequence,
+                },
+                message,
+            });
+        }
+        let own_m = self.emulator.plant().position_m();
+        let range_m = (self.intruder_m[1] - own_m[1]).hypot(self.intruder_m[0] - own_m[0]);
+        if range_m < 900.0 && self.time_s >= self.report_s {
+            self.report_s = self.time_s + 0.5;
+            let place = self.emulator.home().to_place(self.intruder_m);
+            let message = MavMessage::ADSB_VEHICLE(ADSB_VEHICLE_DATA {
+                ICAO_address: 0xAB_CDEF,
+                lat: place.latitude_e7,
+                lon: place.longitude_e7,
+                altitude: place.altitude_mm,
+                heading: 18_000,
+                hor_velocity: 2500,
+                flags: AdsbFlags::ADSB_FLAGS_VALID_COORDS
+                    | AdsbFlags::ADSB_FLAGS_VALID_ALTITUDE
+                    | AdsbFlags::ADSB_FLAGS_VALID_HEADING
+                    | AdsbFlags::ADSB_FLAGS_VALID_VELOCITY,
+                altitude_type: AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC,
+                callsign: "TEST".into(),
+                ..ADSB_VEHICLE_DATA::DEFAULT
+            });
+            self.to_companion.push_back(Packet {
+                due_s: self.time_s + 0.02,
+                sent_s: self.time_s,
+                header: MavHeader {
+                    system_id: 200,
+                    component_id: 156,
+                    sequence: 0,
+                },
+                message,
+            });
+        }
+    }
+
+    /// The reading thread.
+    fn read(&mut self) {
+        // Delays that shrink again deliver in order, as a stream does.
+        while self
+            .to_companion
+            .front()
+            .is_some_and(|p| p.due_s <= self.time_s)
+        {
+            let Some(packet) = self.to_companion.pop_front() else {
+                break;
+            };
+            let header = packet.header;
+            match &packet.message {
+                MavMessage::HEARTBEAT(data) if header.system_id == 1 => {
+                    let beat = Beat {
+                        sequence: header.sequence,
+                        mode: LinkMode(data.custom_mode),
+                        armed: data
+                            .base_mode
+                            .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED),
+                    };
+                    self.hearing.hear(beat, self.time_s);
+                    if let Some((mode, chosen_s)) = self.judge.pilot
+                        && packet.sent_s >= chosen_s
+                        && data.custom_mode == mode.number()
+                    {
+                        self.judge.known_s.get_or_insert(self.time_s);
+                    }
+                }
+                MavMessage::ATTITUDE(data) => {
+                    self.hearing.stamp(data.time_boot_ms, self.time_s);
+                    self.judge.telemetry_s = self.time_s;
+                }
+                _ => {}
+            }
+            self.inbox.push_back(packet);
+        }
+    }
+
+    /// The deciding thread.
+    fn decide(&mut self) {
+        while let Some(packet) = self.inbox.pop_front() {
+            self.companion
+                .receive(&packet.header, &packet.message, self.time_s);
+        }
+        self.companion.tick(self.time_s);
+        self.ticks += 1;
+        self.owed = self.companion.owed();
+        self.note = self.companion.restart_note();
+        for outgoing in self.companion.outbox() {
+            if let MavMessage::STATUSTEXT(data) = &outgoing.message {
+                self.judge.told_s = self.time_s;
+                let words = data.text.to_str().unwrap_or_default();
+                self.say(words);
+                self.texts.push(words.to_owned());
+            }
+            if matches!(outgoing.message, MavMessage::SET_ATTITUDE_TARGET(_)) {
+                let age_s = self.time_s - self.judge.telemetry_s;
+                if age_s > LONGEST_PROOF_S {
+                    self.fail(format!("a target {age_s:.1} s after the last telemetry"));
+                }
+            }
+            self.send(outgoing.change, outgoing.message);
+        }
+        self.companion.take_log();
+    }
+
+    /// The writing thread: checks at the last moment what leaves a mode.
+    fn send(&mut self, change: Option<ModeChange>, message: MavMessage) {
+        if change.is_some_and(|change| !self.hearing.ask(change, self.time_s)) {
+            return;
+        }
+        if self.is_on(Fault::Mute) || self.is_on(Fault::Cut) {
+            return;
+        }
+        let delay_s = 0.01 + self.random.uniform(0.0, 0.02);
+        let due_s = self
+            .to_vehicle
+            .back()
+            .map_or(0.0, |packet| packet.due_s)
+            .max(self.time_s + delay_s);
+        self.to_vehicle.push_back(Packet {
+            due_s,
+            sent_s: self.time_s,
+            header: MavHeader {
+                system_id: 1,
+                component_id: 196,
+                sequence: 0,
+            },
+            message,
+        });
+    }
+
+    /// The watching thread.
+    fn watch(&mut self) {
+        if self.time_s < self.look_s {
+            return;
+        }
+        self.look_s = self.time_s + LOOK_EVERY_S;
+        match self
+            .watchdog
+            .look(self.ticks, self.owed, &self.hearing, self.time_s)
+        {
+            Order::Wait => {}
+            Order::Restore(owed) => {
+                self.say("the watchdog restores");
+                let message = Command::set_mode(owed.previous, owed.owned).message(1, 0);
+                let change = ModeChange {
+                    from: owed.owned,
+                    to: owed.previous,
+                };
+                self.send(Some(change), message);
+            }
+            Order::EndProgram => {
+                self.say("the watchdog ends the program");
+                self.start_again();
+            }
+        }
+    }
+
+    /// A packet reaches the vehicle.
+    fn arrive(&mut self, packet: &Packet) {
+        if let MavMessage::COMMAND_LONG(data) = &packet.message
+            && data.command == MavCmd::MAV_CMD_DO_SET_MODE
+        {
+            let mode = self.emulator.mode();
+            let by_pilot = self
+                .emulator
+                .mode_changes()
+                .last()
+                .is_some_and(|change| change.component_id == 0);
+            self.say(&format!("mode {} asked for in {mode:?}", data.param2));
+            let knew = self.judge.known_s.is_some_and(|s| packet.sent_s > s);
+            if by_pilot && knew && PILOTS.contains(&mode) {
+                self.fail(format!(
+                    "a mode was commanded in {mode:?}, which the pilot chose and it had heard"
+                ));
+            }
+        }
+        self.emulator.receive(&packet.header, &packet.message);
+    }
+}
+
+fn fly(seed: u64, trace: bool) -> Option<String> {
+    let flown = std::panic::catch_unwind(|| {
+        let mut rig = Rig::new(seed, trace);
+        while rig.time_s < LENGTH_S {
+            rig.step();
+        }
+        rig.at_the_end();
+        (rig.judge.failures, rig.planned)
+    });
+    match flown {
+        Ok((failures, _)) if failures.is_empty() => None,
+        Ok((failures, planned)) => Some(format!("seed {seed}: {failures:?} {planned:?}")),
+        Err(_) => Some(format!("seed {seed}: a panic")),
+    }
+}
+
+/// The link delays by seconds and the traffic passes before the take-over is confirmed: a request for GUIDED
+/// arrives when nobody waits for it any more (5150, 8945). After a lost link the first heartbeats are forged (3380).
+#[test]
+fn guided_is_never_nobodys_on_a_late_link_or_after_forged_heartbeats() {
+    for seed in [5150, 8945, 3380] {
+        assert_eq!(fly(seed, false), None);
+    }
+}
+
+#[test]
+fn in_no_sequence_of_faults_the_pilot_loses_or_an_ability_is_lost_in_silence() {
+    if let Some(seed) = std::env::var("FGA_SEQUENCE")
+        .ok()
+        .and_then(|s| s.parse().ok())
+    {
+        assert_eq!(fly(seed, true), None);
+        return;
+    }
+    let count = std::env::var("FGA_SEQUENCES")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(300);
+    let next = AtomicU64::new(0);
+    let failures: Vec<String> = std::thread::scope(|scope| {
+        let threads = std::thread::available_parallelism().map_or(2, usize::from);
+        let fliers: Vec<_> = (0..threads)
+            .map(|_| {
+                scope.spawn(|| {
+                    let mut failures = Vec::new();
+                    loop {
+                        let seed = next.fetch_add(1, Ordering::Relaxed);
+                        if seed >= count {
+                            return failures;
+                        }
+                        failures.extend(fly(seed, false));
+                    }
+                })
+            })
+            .collect();
+        fliers
+            .into_iter()
+            .flat_map(|flier| flier.join().expect("no panic"))
+            .collect()
+    });
+    assert!(
+        failures.is_empty(),
+        "{} of {count} sequences, the first: {}",
+        failures.len(),
+        failures
+            .iter()
+            .take(12)
+            .cloned()
+            .collect::<Vec<_>>()
+            .join("\n")
+    );
+}

@@ -1,0 +1,99 @@
+//! The faults of a sequence, and their times.
+
+use fga_emulator::Mode;
+
+use crate::common::random::Random;
+
+/// The companion is ready by then; faults come later, and none lasts beyond [`LAST_FAULT_S`].
+const FIRST_FAULT_S: f64 = 12.0;
+const LAST_FAULT_S: f64 = 45.0;
+/// Modes that the companion must never leave.
+pub const PILOTS: [Mode; 5] = [
+    Mode::Manual,
+    Mode::Stabilize,
+    Mode::FlyByWireA,
+    Mode::Loiter,
+    Mode::Rtl,
+];
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fault {
+    Pilot(Mode),
+    /// Nothing comes from the vehicle.
+    Deaf,
+    /// Nothing reaches the vehicle.
+    Mute,
+    /// Neither.
+    Cut,
+    /// Only heartbeats come.
+    Telemetry,
+    /// The deciding thread stands still.
+    Stalled,
+    /// The whole program is stopped; messages to it wait.
+    Stopped,
+    /// The program is killed, and started again at the end.
+    Killed,
+    /// One heartbeat with the armed bit clear.
+    Disarmed,
+    /// Heartbeats of this mode, ten a second, with numbers this far ahead.
+    Forged(u32, u8),
+    RollLimit,
+    Refuses,
+    Ignores,
+    Reboots,
+    Sinks,
+    /// The network delays by more and more.
+    Late,
+}
+
+/// A fault with its start and end, seconds.
+#[derive(Debug, Clone, Copy)]
+pub struct Planned {
+    pub fault: Fault,
+    pub begin_s: f64,
+    pub end_s: f64,
+}
+
+pub fn plan(random: &mut Random) -> Vec<Planned> {
+    let two_at_once = random.next().is_multiple_of(2);
+    let count = if two_at_once { 2 } else { 1 } + random.next() % 2;
+    let mut planned: Vec<Planned> = Vec::new();
+    for number in 0..count {
+        let mode = PILOTS[(random.next() % 5) as usize];
+        let fault = match random.next() % 18 {
+            0..=2 => Fault::Pilot(mode),
+            3 => Fault::Deaf,
+            4 => Fault::Mute,
+            5 => Fault::Cut,
+            6 => Fault::Telemetry,
+            7 => Fault::Stalled,
+            8 => Fault::Stopped,
+            9 => Fault::Killed,
+            10 => Fault::Disarmed,
+            11 => Fault::Forged(15, random.next() as u8),
+            12 => Fault::Forged(mode.number(), random.next() as u8),
+            13 => Fault::RollLimit,
+            14 => Fault::Refuses,
+            15 => Fault::Ignores,
+            16 => {
+                if random.next().is_multiple_of(2) {
+                    Fault::Reboots
+                } else {
+                    Fault::Sinks
+                }
+            }
+            _ => Fault::Late,
+        };
+        let begin_s = match planned.first() {
+            Some(first) if number == 1 && two_at_once => first.begin_s,
+            _ => random.uniform(FIRST_FAULT_S, LAST_FAULT_S - 12.0),
+        };
+        let end_s = begin_s + random.uniform(0.3, 12.0);
+        planned.push(Planned {
+            fault,
+            begin_s,
+            end_s,
+        });
+    }
+    planned
+}

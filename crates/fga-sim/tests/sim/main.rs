@@ -1,0 +1,15 @@
+//! The simulated world: plant, oracle, missions, sources of encounters. One program, so that both cores are
+//! busy to its end: `cargo test -p fga-sim --test sim oracle::` runs the tests of one file.
+
+mod certificates;
+mod dead_time;
+mod encounters;
+mod identification;
+mod lost_once;
+mod missions;
+mod modeled;
+mod oracle;
+mod plant;
+mod stands;
+mod start_time;
+mod trials;
