@@ -117,3 +117,42 @@ impl<'a> TomlText<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn toml_messages_say_the_limits_of_a_whole_number() {
+        #[derive(Debug, serde::Deserialize)]
+        struct Keys {
+            #[serde(rename = "id")]
+            _id: Option<u8>,
+            #[serde(rename = "seed")]
+            _seed: Option<u64>,
+        }
+        for (text, expected) in [
+            (
+                "id = 256",
+                "found `256`, expected a whole number from 0 to 255",
+            ),
+            (
+                "seed = -1",
+                "found `-1`, expected a whole number from 0 to 9223372036854775807",
+            ),
+            (
+                "seed = 18446744073709551615",
+                "the number is too large, expected at most 9223372036854775807",
+            ),
+            (
+                "seed = 18446744073709551616",
+                "the number is too large, expected at most 9223372036854775807",
+            ),
+            ("id = 1\nid = 2", "the key is given twice, expected it once"),
+            ("id = 'a'", "found string \"a\", expected a whole number"),
+        ] {
+            let error = TomlText::new(Path::new("a"), text).read::<Keys>();
+            assert_eq!(error.unwrap_err().message, expected, "{text}");
+        }
+    }
+}
