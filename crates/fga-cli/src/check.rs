@@ -50,6 +50,14 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failur
         (Some("toml"), None) => {
             let text = read_text(path)?;
             let table: toml::Table = TomlText::new(path, &text).read()?;
+            if table.is_empty() {
+                return Err(InputError::in_file(
+                    path,
+                    "holds no key, expected a scenario, a campaign, a vehicle or a link file; \
+                     --kind says which",
+                )
+                .into());
+            }
             let kind = FileKind::of(&table).ok_or_else(|| {
                 InputError::in_file(
                     path,
@@ -60,19 +68,25 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failur
             Ok((format!("{kind} file"), toml_file(path, kind)?))
         }
         (_, Some(kind)) => Ok((format!("{kind} file"), toml_file(path, kind)?)),
-        (_, None) => Err(Failure::Input(format!(
-            "{}: a file of this kind cannot be checked, expected .toml, .daa or .csv",
-            path.display()
-        ))),
+        (_, None) => {
+            // A missing file or a folder is said first.
+            let _ = read_text(path)?;
+            Err(Failure::Input(format!(
+                "{}: a file of this kind cannot be checked, expected .toml, .daa or .csv",
+                path.display()
+            )))
+        }
     }
 }
 
 /// Describes a campaign whose encounters come from the command line; `None` if something else is wrong
 /// with it.
 fn outline(path: &Path) -> Option<String> {
+    let table: toml::Table = toml::from_str(&read_text(path).ok()?).ok()?;
     let outline = Overrides {
         outline: true,
-        encounters: Some(1),
+        // A number in the file is checked too.
+        encounters: (!table.contains_key("encounters")).then_some(1),
         ..Overrides::default()
     };
     let configuration = campaign_file::read(path, &outline).ok()?;

@@ -38,13 +38,14 @@ impl FileKind {
 
     /// The kind of a file, by the keys that only this kind has.
     pub(crate) fn of(table: &toml::Table) -> Option<Self> {
-        const LINK: [&str; 8] = [
+        const LINK: [&str; 9] = [
             "vehicle",
             "protection",
             "command",
             "safety",
             "response",
             "traffic",
+            "alerts",
             "link",
             "obstacle",
         ];
