@@ -49,8 +49,8 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failur
         (Some("csv"), None) => Ok(("file of encounters".into(), encounter_file(path)?)),
         (Some("toml"), None) => {
             let text = read_text(path)?;
-            let table: toml::Table = TomlText::new(path, &text).read()?;
-            if table.is_empty() {
+            let keys = TomlText::new(path, &text).keys()?;
+            if keys.is_empty() {
                 return Err(InputError::in_file(
                     path,
                     "holds no key, expected a scenario, a campaign, a vehicle or a link file; \
@@ -58,7 +58,7 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failur
                 )
                 .into());
             }
-            let kind = FileKind::of(&table).ok_or_else(|| {
+            let kind = FileKind::of(&keys).ok_or_else(|| {
                 InputError::in_file(
                     path,
                     "is of no kind that is known, expected a scenario (key mission), a campaign \
@@ -82,11 +82,12 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failur
 /// Describes a campaign whose encounters come from the command line; `None` if something else is wrong
 /// with it.
 fn outline(path: &Path) -> Option<String> {
-    let table: toml::Table = toml::from_str(&read_text(path).ok()?).ok()?;
+    let text = read_text(path).ok()?;
+    let keys = TomlText::new(path, &text).keys().ok()?;
     let outline = Overrides {
         outline: true,
         // A number in the file is checked too.
-        encounters: (!table.contains_key("encounters")).then_some(1),
+        encounters: (!keys.contains("encounters")).then_some(1),
         ..Overrides::default()
     };
     let configuration = campaign_file::read(path, &outline).ok()?;

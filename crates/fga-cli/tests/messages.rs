@@ -113,6 +113,26 @@ fn numbers_and_seeds_of_a_campaign_are_checked() {
 }
 
 #[test]
+fn check_takes_the_largest_seed_as_run_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    assert!(fga_in(at, &["init", "scenario"]).status.success());
+    let text = fs::read_to_string(at.join("scenario.toml")).unwrap();
+    let with = |seed: &str| text.replace("seed = 1\n", &format!("seed = {seed}\n"));
+    fs::write(at.join("largest.toml"), with("18446744073709551615")).unwrap();
+    fs::write(at.join("beyond.toml"), with("18446744073709551616")).unwrap();
+    let checked = fga_in(at, &["check", "largest.toml"]);
+    assert!(checked.status.success(), "{}", errors(&checked));
+    for command in ["check", "run"] {
+        refuses(
+            at,
+            &[command, "beyond.toml"],
+            "beyond.toml, line 8: the number is too large, expected at most 18446744073709551615",
+        );
+    }
+}
+
+#[test]
 fn every_table_of_a_link_file_shows_its_kind() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(

@@ -108,8 +108,8 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
 /// ```
 pub fn toml_sentence(message: &str) -> String {
     let mut told = message.trim().replace('\n', "; ");
-    if told == "u64 value was too large" || told.contains("as i128, expected") {
-        return format!("the number is too large, expected at most {}", i64::MAX);
+    if told.contains("` as i128, expected ") {
+        return format!("the number is too large, expected at most {}", u64::MAX);
     }
     if let Some(found) = told.strip_prefix("invalid value: integer ") {
         // The types of keys that hold a whole number are unsigned or i64.
@@ -117,8 +117,7 @@ pub fn toml_sentence(message: &str) -> String {
             ("u8", u64::from(u8::MAX)),
             ("u16", u64::from(u16::MAX)),
             ("u32", u64::from(u32::MAX)),
-            ("u64", i64::MAX.unsigned_abs()),
-            ("usize", i64::MAX.unsigned_abs()),
+            ("u64", u64::MAX),
         ] {
             if let Some(found) = found.strip_suffix(&format!(", expected {kind}")) {
                 return format!("found {found}, expected a whole number from 0 to {most}");
