@@ -1,6 +1,6 @@
 //! The kinds of TOML file that people write for fga.
 
-use std::collections::BTreeSet;
+use alloc::collections::BTreeSet;
 
 use clap::ValueEnum;
 

@@ -1,6 +1,6 @@
 //! Reads TOML with errors that name the file and the line.
 
-use std::collections::{BTreeMap, BTreeSet};
+use alloc::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use fga_formats::InputError;
@@ -49,6 +49,10 @@ impl<'a> TomlText<'a> {
     ///
     /// # Errors
     /// Text that is not TOML, with its line.
+    #[expect(
+        clippy::zero_sized_map_values,
+        reason = "serde reads a table of TOML only as a map"
+    )]
     pub fn keys(&self) -> Result<BTreeSet<String>, InputError> {
         let table: BTreeMap<String, IgnoredAny> = self.read()?;
         Ok(table.into_keys().collect())

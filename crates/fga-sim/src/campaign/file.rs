@@ -103,7 +103,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
             return Err(text.error_at(seeds, "seeds is empty, expected at least one"));
         }
         Some(seeds) => {
-            let mut seen = std::collections::BTreeSet::new();
+            let mut seen = alloc::collections::BTreeSet::new();
             if let Some(twice) = seeds.get_ref().iter().find(|seed| !seen.insert(**seed)) {
                 let message = format!("seed {twice} is named twice, expected each once");
                 return Err(text.error_at(seeds, message));
