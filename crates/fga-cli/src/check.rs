@@ -49,8 +49,16 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failur
         (Some("csv"), None) => Ok(("file of encounters".into(), encounter_file(path)?)),
         (Some("toml"), None) => {
             let text = read_text(path)?;
-            let table: toml::Table = TomlText::new(path, &text).read()?;
-            let kind = FileKind::of(&table).ok_or_else(|| {
+            let keys = TomlText::new(path, &text).keys()?;
+            if keys.is_empty() {
+                return Err(InputError::in_file(
+                    path,
+                    "holds no key, expected a scenario, a campaign, a vehicle or a link file; \
+                     --kind says which",
+                )
+                .into());
+            }
+            let kind = FileKind::of(&keys).ok_or_else(|| {
                 InputError::in_file(
                     path,
                     "is of no kind that is known, expected a scenario (key mission), a campaign \
@@ -60,19 +68,26 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failur
             Ok((format!("{kind} file"), toml_file(path, kind)?))
         }
         (_, Some(kind)) => Ok((format!("{kind} file"), toml_file(path, kind)?)),
-        (_, None) => Err(Failure::Input(format!(
-            "{}: a file of this kind cannot be checked, expected .toml, .daa or .csv",
-            path.display()
-        ))),
+        (_, None) => {
+            // A missing file or a folder is said first.
+            let _ = read_text(path)?;
+            Err(Failure::Input(format!(
+                "{}: a file of this kind cannot be checked, expected .toml, .daa or .csv",
+                path.display()
+            )))
+        }
     }
 }
 
 /// Describes a campaign whose encounters come from the command line; `None` if something else is wrong
 /// with it.
 fn outline(path: &Path) -> Option<String> {
+    let text = read_text(path).ok()?;
+    let keys = TomlText::new(path, &text).keys().ok()?;
     let outline = Overrides {
         outline: true,
-        encounters: Some(1),
+        // A number in the file is checked too.
+        encounters: (!keys.contains("encounters")).then_some(1),
         ..Overrides::default()
     };
     let configuration = campaign_file::read(path, &outline).ok()?;

@@ -1,5 +1,6 @@
 //! Common parts of the commands: options, output folder, threads, Ctrl-C, printing.
 
+use core::net::SocketAddr;
 use core::num::NonZeroUsize;
 use core::sync::atomic::{AtomicBool, Ordering};
 use std::io::{self, Write as _};
@@ -136,8 +137,8 @@ impl OutArgs {
 /// The number of threads.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct ThreadArgs {
-    /// Threads to use; without it one for each core.
-    #[arg(long, value_name = "N")]
+    /// Threads to use, 1 to 1024; without it one for each core.
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<NonZeroUsize>,
 }
 
@@ -150,6 +151,22 @@ impl ThreadArgs {
             .map_err(|error| Failure::Input(format!("threads cannot be started: {error}")))?;
         Ok(pool.install(work))
     }
+}
+
+/// More threads than this only take memory and time from each other.
+const MOST_THREADS: usize = 1024;
+
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    let count: Option<NonZeroUsize> = text.parse().ok();
+    count
+        .filter(|count| count.get() <= MOST_THREADS)
+        .ok_or_else(|| format!("expected a whole number from 1 to {MOST_THREADS}"))
+}
+
+/// An address to listen on, as `--listen` takes it.
+pub(crate) fn listen_address(text: &str) -> Result<SocketAddr, String> {
+    text.parse()
+        .map_err(|_| "expected ADDRESS:PORT, as in 127.0.0.1:8787".to_owned())
 }
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);

@@ -1,5 +1,7 @@
 //! The kinds of TOML file that people write for fga.
 
+use alloc::collections::BTreeSet;
+
 use clap::ValueEnum;
 
 /// A kind of TOML file.
@@ -37,25 +39,26 @@ impl FileKind {
     }
 
     /// The kind of a file, by the keys that only this kind has.
-    pub(crate) fn of(table: &toml::Table) -> Option<Self> {
-        const LINK: [&str; 8] = [
+    pub(crate) fn of(keys: &BTreeSet<String>) -> Option<Self> {
+        const LINK: [&str; 9] = [
             "vehicle",
             "protection",
             "command",
             "safety",
             "response",
             "traffic",
+            "alerts",
             "link",
             "obstacle",
         ];
-        let has = |key: &str| table.contains_key(key);
+        let has = |key: &str| keys.contains(key);
         if has("mission") {
             Some(Self::Scenario)
         } else if has("airspeed_mps") {
             Some(Self::Vehicle)
         } else if has("policies") {
             Some(Self::Campaign)
-        } else if table.keys().all(|key| LINK.contains(&key.as_str())) {
+        } else if keys.iter().all(|key| LINK.contains(&key.as_str())) {
             Some(Self::Link)
         } else {
             None

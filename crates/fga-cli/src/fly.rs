@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use fga_formats::InputError;
 use fga_formats::error::read_text;
 use fga_link::endpoint::Endpoint;
 use fga_link::fly::{FlyOptions, fly};
@@ -16,13 +17,15 @@ use fga_link::replay::replay;
 use fga_link::traffic::receiver::ReceiverEndpoint;
 use fga_link::{Companion, Config};
 
+use crate::common::listen_address;
 use crate::failure::Failure;
 use crate::fly_live::FlyLive;
 
 /// Flies avoiding manoeuvres on an ArduPlane vehicle over MAVLink.
 #[derive(Args)]
 pub(crate) struct FlyArgs {
-    /// Endpoint of the vehicle: udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or serial:PATH[:BAUD].
+    /// Endpoint of the vehicle: udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT
+    /// or serial:PATH[:BAUD].
     #[arg(long, value_name = "ENDPOINT", required_unless_present = "replay")]
     connect: Option<Endpoint>,
     /// The configuration (TOML); without it every key has its default.
@@ -48,7 +51,8 @@ pub(crate) struct FlyArgs {
         long,
         value_name = "ADDRESS:PORT",
         default_value = "127.0.0.1:0",
-        requires = "live"
+        requires = "live",
+        value_parser = listen_address
     )]
     listen: SocketAddr,
     /// No status line.
@@ -82,8 +86,20 @@ pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
     if let Some(live) = live {
         live.end();
     }
-    flown.map_err(|error| Failure::Input(format!("fly: {error}")))?;
+    flown
+        .map_err(|error| Failure::Input(format!("fly on {}: {error}", shown(&options.endpoint))))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The endpoint as `--connect` takes it.
+fn shown(endpoint: &Endpoint) -> String {
+    match endpoint {
+        Endpoint::UdpIn(address) => format!("udpin:{address}"),
+        Endpoint::UdpOut(address) => format!("udpout:{address}"),
+        Endpoint::Tcp(address) => format!("tcp:{address}"),
+        Endpoint::TcpIn(address) => format!("tcpin:{address}"),
+        Endpoint::Serial { path, baud } => format!("serial:{path}:{baud}"),
+    }
 }
 
 fn begin_live(address: SocketAddr) -> Result<FlyLive, Failure> {
@@ -112,17 +128,43 @@ fn read_config(path: Option<&PathBuf>) -> Result<Config, Failure> {
 
 /// Reads and checks a configuration.
 pub(crate) fn config_file(path: &Path) -> Result<Config, Failure> {
-    Config::parse(&read_text(path)?).map_err(|error| {
+    let text = read_text(path)?;
+    Config::parse(&text).map_err(|error| {
         let error = error.to_string();
-        // The sentence begins with the line, if it has one.
-        let mark = if error.starts_with("line ") { "," } else { ":" };
-        Failure::Input(format!("{}{mark} {error}", path.display()))
+        let shown = path.display();
+        // The sentence begins with the line, or with the key, if it has one.
+        let told = match line_of(&text, &error) {
+            Some(line) => format!("{shown}, line {line}: {error}"),
+            None if error.starts_with("line ") => format!("{shown}, {error}"),
+            None => format!("{shown}: {error}"),
+        };
+        Failure::Input(told)
     })
+}
+
+/// The line of the key, as in `protection.radius_m`, with which a sentence begins.
+fn line_of(text: &str, sentence: &str) -> Option<usize> {
+    let dotted = sentence.split([' ', ':']).next()?;
+    let (table, key) = dotted.split_once('.')?;
+    let mut within = "";
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if let Some(header) = line.strip_prefix('[') {
+            within = header.split(']').next().unwrap_or_default().trim();
+        } else if let Some((name, _)) = line.split_once('=') {
+            let name = name.trim();
+            if (within == table && name == key) || (within.is_empty() && name == dotted) {
+                return Some(index + 1);
+            }
+        }
+    }
+    None
 }
 
 fn run_replay(config: Config, path: &PathBuf) -> Result<ExitCode, Failure> {
     let named = |error: io::Error| Failure::Input(format!("{}: {error}", path.display()));
-    let log = BufReader::new(File::open(path).map_err(named)?);
+    let log = File::open(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let log = BufReader::new(log);
     let mut companion =
         Companion::new(config, false).map_err(|error| Failure::Input(error.to_string()))?;
     let mut failed = None;

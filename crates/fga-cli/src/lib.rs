@@ -45,7 +45,12 @@ use crate::failure::Failure;
 
 /// Real-time 3D collision avoidance for fixed-wing aircraft.
 #[derive(Parser)]
-#[command(name = "fga", version, max_term_width = 100)]
+#[command(
+    name = "fga",
+    version,
+    max_term_width = 100,
+    after_help = "Exit codes: 0 done; 1 wrong input or usage; 2, only from run: a protected volume was entered."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

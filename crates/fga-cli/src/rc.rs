@@ -19,12 +19,16 @@ use crate::failure::Failure;
 /// Fly by keyboard: arrows are roll and pitch, +/- throttle, c centres, 1 FBWA, 2 FBWB,
 /// 3 CRUISE, 4 AUTO, 5 RTL, x releases the channels, q ends.
 #[derive(Args)]
+#[command(
+    after_help = "Keys: arrows are roll and pitch, + and - throttle, c centres, 1 FBWA, 2 FBWB, \
+                        3 CRUISE, 4 AUTO, 5 RTL, x releases the channels, q ends."
+)]
 pub(crate) struct RcArgs {
     /// Endpoint of the vehicle.
     #[arg(long, value_name = "ENDPOINT")]
     connect: Endpoint,
     /// System id of the sender: the vehicle takes overrides only from its ground station's id.
-    #[arg(long, default_value_t = 255)]
+    #[arg(long, value_name = "ID", default_value_t = 255)]
     system: u8,
 }
 

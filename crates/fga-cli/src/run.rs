@@ -188,12 +188,17 @@ fn describe_conflicts(text: &mut String, log: &RunLog) -> core::fmt::Result {
             .collect();
         writeln!(
             text,
-            "threat seen {:.1} s ({}); manoeuvre began {}; clear {}; route rejoined {}",
+            "threat seen {:.1} s ({}); {}",
             conflict.threat_s,
             names.join(", "),
-            at(conflict.start_s),
-            at(conflict.clear_s),
-            at(conflict.rejoined_s)
+            match conflict.start_s {
+                None => "no manoeuvre".to_owned(),
+                Some(start_s) => format!(
+                    "manoeuvre began {start_s:.1} s; clear {}; route rejoined {}",
+                    at(conflict.clear_s),
+                    at(conflict.rejoined_s)
+                ),
+            }
         )?;
     }
     Ok(())

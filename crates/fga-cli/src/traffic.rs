@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use fga_formats::InputError;
 use fga_link::endpoint::Endpoint;
 use fga_link::play::{PlayOptions, Script, play};
 use fga_link::player::{Line, Played, from_recording, read_sbs_log, read_tracks};
@@ -17,7 +18,7 @@ use crate::fly::stop_on_interrupt;
 #[derive(Args)]
 pub(crate) struct TrafficArgs {
     /// The source: a .daa recording, a .json of state vectors or a BaseStation log (also .gz).
-    #[arg(value_name = "FILE", required_unless_present = "line")]
+    #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     /// A straight line: `ICAO,LATITUDE,LONGITUDE,ALTITUDE_M,TRACK_DEG,SPEED_MPS[,CLIMB_MPS[,AT_S]]`.
     #[arg(long, conflicts_with = "file", allow_hyphen_values = true)]
@@ -26,17 +27,25 @@ pub(crate) struct TrafficArgs {
     #[arg(long, value_name = "ENDPOINT")]
     to: Option<Endpoint>,
     /// Serve BaseStation lines on this address, such as 127.0.0.1:30003.
-    #[arg(long, value_name = "HOST:PORT", required_unless_present = "to")]
+    #[arg(long, value_name = "HOST:PORT", value_parser = host_and_port)]
     serve_sbs: Option<String>,
-    /// Speed as a multiple of the recorded time.
-    #[arg(long, default_value_t = 1.0)]
+    /// Speed as a multiple of the recorded time, 0.01 to 1000.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     speed: f64,
-    /// Reports of each aircraft per second.
-    #[arg(long, default_value_t = 2.0)]
+    /// Reports of each aircraft per second, 0.1 to 50.
+    #[arg(long, value_name = "HZ", default_value_t = 2.0)]
     rate: f64,
     /// Start again at the end.
     #[arg(long)]
     again: bool,
+}
+
+/// An address with a port; the name of the host is looked up later.
+fn host_and_port(text: &str) -> Result<String, String> {
+    text.rsplit_once(':')
+        .filter(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok())
+        .map(|_| text.to_owned())
+        .ok_or_else(|| "expected HOST:PORT, as in 127.0.0.1:30003".to_owned())
 }
 
 pub(crate) fn run(args: &TrafficArgs) -> Result<ExitCode, Failure> {
@@ -51,6 +60,16 @@ pub(crate) fn run(args: &TrafficArgs) -> Result<ExitCode, Failure> {
             "--rate is {}, expected 0.1 to 50",
             args.rate
         )));
+    }
+    if args.file.is_none() && args.line.is_empty() {
+        return Err(Failure::Input(
+            "nothing to play is given, expected a FILE or --line (see fga traffic --help)".into(),
+        ));
+    }
+    if args.to.is_none() && args.serve_sbs.is_none() {
+        return Err(Failure::Input(
+            "no receiver is given, expected --to or --serve-sbs (see fga traffic --help)".into(),
+        ));
     }
     let script = match &args.file {
         Some(path) => read_script(path)?,
@@ -87,7 +106,7 @@ fn read_script(path: &Path) -> Result<Script, Failure> {
             "aircraft with latitude and longitude",
         );
     }
-    let file = File::open(path).map_err(|error| named(&error))?;
+    let file = File::open(path).map_err(|error| InputError::unreadable(path, &error))?;
     let mut from: Box<dyn Read> = if plain == name {
         Box::new(file)
     } else {

@@ -9,7 +9,7 @@ use fga_formats::InputError;
 use fga_view::{Folder, Server};
 
 use crate::campaign_catalogue::CampaignCatalogue;
-use crate::common::print;
+use crate::common::{listen_address, print};
 use crate::failure::Failure;
 
 /// Options of `fga view`.
@@ -18,12 +18,15 @@ pub(crate) struct ViewArgs {
     /// A folder of runs, of batches, of a single run, or of a campaign.
     path: PathBuf,
     /// Address to listen on; port 0 takes a free one.
-    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8787")]
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8787", value_parser = listen_address)]
     listen: SocketAddr,
 }
 
 /// Serves the folder until the program ends.
 pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode, Failure> {
+    if args.path.is_file() {
+        return Err(InputError::in_file(&args.path, "is a file, expected a folder").into());
+    }
     let folder =
         Folder::open(&args.path).map_err(|error| InputError::unreadable(&args.path, &error))?;
     let server = match CampaignCatalogue::open(&args.path)? {

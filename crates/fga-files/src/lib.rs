@@ -12,6 +12,8 @@
 //! | [`sensors`] | a source of a campaign's knowledge about other aircraft |
 //! | [`text`] | any of them: reads TOML, with errors that name file and line |
 
+extern crate alloc;
+
 pub mod campaign;
 pub mod scenario;
 pub mod sensors;

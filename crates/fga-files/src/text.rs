@@ -1,10 +1,11 @@
 //! Reads TOML with errors that name the file and the line.
 
+use alloc::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use fga_formats::InputError;
 use fga_formats::error::toml_sentence;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use toml::Spanned;
 
 /// A TOML file with its name and text for messages.
@@ -42,6 +43,19 @@ impl<'a> TomlText<'a> {
                 None => InputError::in_file(self.path, message),
             }
         })
+    }
+
+    /// The keys of the top level, whatever they hold.
+    ///
+    /// # Errors
+    /// Text that is not TOML, with its line.
+    #[expect(
+        clippy::zero_sized_map_values,
+        reason = "serde reads a table of TOML only as a map"
+    )]
+    pub fn keys(&self) -> Result<BTreeSet<String>, InputError> {
+        let table: BTreeMap<String, IgnoredAny> = self.read()?;
+        Ok(table.into_keys().collect())
     }
 
     fn line_of(&self, byte: usize) -> u64 {
@@ -114,6 +128,48 @@ impl<'a> TomlText<'a> {
             Ok(found)
         } else {
             Err(self.error_at(value, format!("{key} is {found}, expected {expected}")))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_read_whatever_they_hold() {
+        let text = "seed = 18446744073709551615\n[mission]\nx = [1, 'a']";
+        let keys = TomlText::new(Path::new("a"), text).keys().unwrap();
+        assert!(keys.iter().eq(["mission", "seed"]));
+    }
+
+    #[test]
+    fn toml_messages_say_the_limits_of_a_whole_number() {
+        #[derive(Debug, serde::Deserialize)]
+        struct Keys {
+            #[serde(rename = "id")]
+            _id: Option<u8>,
+            #[serde(rename = "seed")]
+            _seed: Option<u64>,
+        }
+        for (text, expected) in [
+            (
+                "id = 256",
+                "found `256`, expected a whole number from 0 to 255",
+            ),
+            (
+                "seed = -1",
+                "found `-1`, expected a whole number from 0 to 18446744073709551615",
+            ),
+            (
+                "seed = 18446744073709551616",
+                "the number is too large, expected at most 18446744073709551615",
+            ),
+            ("id = 1\nid = 2", "the key is given twice, expected it once"),
+            ("id = 'a'", "found string \"a\", expected a whole number"),
+        ] {
+            let error = TomlText::new(Path::new("a"), text).read::<Keys>();
+            assert_eq!(error.unwrap_err().message, expected, "{text}");
         }
     }
 }

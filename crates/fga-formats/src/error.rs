@@ -108,10 +108,27 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
 /// ```
 pub fn toml_sentence(message: &str) -> String {
     let mut told = message.trim().replace('\n', "; ");
+    if told.contains("` as i128, expected ") {
+        return format!("the number is too large, expected at most {}", u64::MAX);
+    }
+    if let Some(found) = told.strip_prefix("invalid value: integer ") {
+        // The types of keys that hold a whole number are unsigned or i64.
+        for (kind, most) in [
+            ("u8", u64::from(u8::MAX)),
+            ("u16", u64::from(u16::MAX)),
+            ("u32", u64::from(u32::MAX)),
+            ("u64", u64::MAX),
+        ] {
+            if let Some(found) = found.strip_suffix(&format!(", expected {kind}")) {
+                return format!("found {found}, expected a whole number from 0 to {most}");
+            }
+        }
+    }
     told = told
         .replace("invalid type: ", "found ")
         .replace("invalid length ", "found length ")
         .replace("expected an array of length ", "expected length ")
+        .replace("duplicate key", "the key is given twice, expected it once")
         .replace("unknown variant ", "unknown word ");
     for (kinds, word) in [
         (&["f64", "f32"][..], "a number"),

@@ -139,6 +139,12 @@ pub fn content(path: &Path) -> Result<Content, InputError> {
             (false, _) => Ok(Content::Tracks),
         };
     }
+    if path.extension().is_some_and(|ending| ending == "toml") {
+        return Err(InputError::in_file(
+            path,
+            "is a .toml file, expected encounters (.csv, .parquet), a recording or a folder",
+        ));
+    }
     let bytes = std::fs::read(path).map_err(unreadable)?;
     if columns::is_parquet(&bytes) {
         return read::content(bytes, path);

@@ -51,6 +51,10 @@ impl Plan {
                 };
                 recording::read(path, model, ownship)
             }
+            _ if path.is_dir() => Err(InputError::in_file(
+                path,
+                "is a folder, expected a .toml scenario or a .daa recording; fga batch flies folders",
+            )),
             _ => Err(InputError::in_file(
                 path,
                 "is of no known kind, expected a .toml scenario or a .daa recording",

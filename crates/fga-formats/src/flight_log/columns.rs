@@ -39,7 +39,13 @@ pub(super) fn signals(bytes: &[u8], path: &Path) -> Result<Signals, InputError> 
         match first {
             Some((index, _)) if count == 1 => *place = index,
             _ => {
-                let message = format!("column {name} is there {count} times, expected once");
+                let message = match count {
+                    0 => format!(
+                        "the column {name} is missing, expected the columns {}",
+                        COLUMNS.join(",")
+                    ),
+                    _ => format!("the column {name} is there {count} times, expected it once"),
+                };
                 return Err(InputError::at_line(path, 1, message));
             }
         }

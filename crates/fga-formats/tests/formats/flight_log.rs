@@ -95,7 +95,7 @@ fn wrong_columns_are_said_in_a_sentence() {
         (String::new(), "log: is empty, expected the columns t_s,"),
         (
             "t_s,airspeed_mps\n0,1\n".into(),
-            "log, line 1: column bank_command_rad is there 0 times, expected once",
+            "log, line 1: the column bank_command_rad is missing, expected the columns t_s,airspeed_mps,bank_command_rad,bank_rad,course_rad,climb_rad",
         ),
         (
             csv(&rows).replace("\n0.05,20,", "\n0.05,x,"),

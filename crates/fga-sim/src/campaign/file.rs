@@ -102,7 +102,14 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         Some(seeds) if seeds.get_ref().is_empty() => {
             return Err(text.error_at(seeds, "seeds is empty, expected at least one"));
         }
-        Some(seeds) => seeds.get_ref().clone(),
+        Some(seeds) => {
+            let mut seen = alloc::collections::BTreeSet::new();
+            if let Some(twice) = seeds.get_ref().iter().find(|seed| !seen.insert(**seed)) {
+                let message = format!("seed {twice} is named twice, expected each once");
+                return Err(text.error_at(seeds, message));
+            }
+            seeds.get_ref().clone()
+        }
     };
     let policies = policies(&text, &file, overrides)?;
     let vehicle = match (&overrides.vehicle, &file.vehicle) {

@@ -1,0 +1,179 @@
+//! Wrong input and wrong usage give one sentence that says what was found and what was expected.
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use support::{errors, fga_in};
+
+const ENCOUNTERS: &str = "encounter,obstacle,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,radius_m
+0,0,300,0,0,-15,0,0,30
+";
+
+/// The command ends with code 1 and one sentence that holds `expected`, and prints nothing else.
+fn refuses(folder: &Path, arguments: &[&str], expected: &str) {
+    let output = fga_in(folder, arguments);
+    let said = errors(&output);
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
+    assert!(said.contains(expected), "{arguments:?}: {said}");
+    assert_eq!(said.trim_end().lines().count(), 1, "{arguments:?}: {said}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+}
+
+#[test]
+fn a_missing_file_a_folder_and_another_kind_of_file_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::create_dir(at.join("dir")).unwrap();
+    fs::write(at.join("e.csv"), ENCOUNTERS).unwrap();
+    fs::write(at.join("empty.toml"), "# nothing\n").unwrap();
+    assert!(fga_in(at, &["init", "scenario"]).status.success());
+    let no_file = "there is no such file or folder";
+    for (arguments, expected) in [
+        (&["check", "nope"][..], no_file),
+        (&["check", "dir"], "dir: cannot be read: it is a folder"),
+        (&["check", "empty.toml"], "empty.toml: holds no key"),
+        (&["run", "dir"], "dir: is a folder, expected a .toml"),
+        (
+            &["batch", "scenario.toml"],
+            "scenario.toml: is a .toml file",
+        ),
+        (
+            &["oracle", "scenario.toml"],
+            "scenario.toml: is a .toml file",
+        ),
+        (&["view", "e.csv"], "e.csv: is a file, expected a folder"),
+        (&["identify", "e.csv"], "the column t_s is missing"),
+        (&["fly", "--replay", "nope.tlog"], no_file),
+        (
+            &["fly", "--connect", "serial:/dev/nope"],
+            "fly on serial:/dev/nope:",
+        ),
+        (
+            &["traffic", "nope.log", "--to", "udpout:127.0.0.1:9"],
+            no_file,
+        ),
+    ] {
+        refuses(at, arguments, expected);
+    }
+}
+
+#[test]
+fn options_say_what_they_expect() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(at.join("e.csv"), ENCOUNTERS).unwrap();
+    let line = "ABC123,37,-122,100,180,25";
+    for (arguments, expected) in [
+        (
+            &["batch", "e.csv", "--threads", "1000000"][..],
+            "'1000000' for '--threads <N>': expected a whole number from 1 to 1024",
+        ),
+        (&["batch", "e.csv", "--threads", "0"], "from 1 to 1024"),
+        (
+            &["view", ".", "--listen", "here"],
+            "expected ADDRESS:PORT, as in 127.0.0.1:8787",
+        ),
+        (&["traffic"], "expected a FILE or --line"),
+        (&["traffic", "--line", line], "expected --to or --serve-sbs"),
+        (
+            &["traffic", "--line", line, "--serve-sbs", "foo"],
+            "'foo' for '--serve-sbs <HOST:PORT>': expected HOST:PORT",
+        ),
+    ] {
+        refuses(at, arguments, expected);
+    }
+    assert!(!at.join("out").exists(), "nothing is written");
+}
+
+#[test]
+fn numbers_and_seeds_of_a_campaign_are_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    assert!(fga_in(at, &["init", "campaign"]).status.success());
+    let text = fs::read_to_string(at.join("campaign.toml")).unwrap();
+    for (from, to, expected) in [
+        (
+            "encounters = 2_000",
+            "encounters = 0",
+            "line 5: encounters is 0, expected at least 1",
+        ),
+        (
+            "seeds = [1]",
+            "seeds = [3, 1, 3]",
+            "line 6: seed 3 is named twice, expected each once",
+        ),
+    ] {
+        assert!(text.contains(from), "{from}");
+        fs::write(at.join("wrong.toml"), text.replace(from, to)).unwrap();
+        refuses(at, &["check", "wrong.toml"], expected);
+        refuses(at, &["campaign", "run", "wrong.toml"], expected);
+    }
+}
+
+#[test]
+fn check_takes_the_largest_seed_as_run_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    assert!(fga_in(at, &["init", "scenario"]).status.success());
+    let text = fs::read_to_string(at.join("scenario.toml")).unwrap();
+    let with = |seed: &str| text.replace("seed = 1\n", &format!("seed = {seed}\n"));
+    fs::write(at.join("largest.toml"), with("18446744073709551615")).unwrap();
+    fs::write(at.join("beyond.toml"), with("18446744073709551616")).unwrap();
+    let checked = fga_in(at, &["check", "largest.toml"]);
+    assert!(checked.status.success(), "{}", errors(&checked));
+    for command in ["check", "run"] {
+        refuses(
+            at,
+            &[command, "beyond.toml"],
+            "beyond.toml, line 8: the number is too large, expected at most 18446744073709551615",
+        );
+    }
+}
+
+#[test]
+fn every_table_of_a_link_file_shows_its_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("fly.toml"),
+        "[alerts]\nlevels = \"f3442\"\n",
+    )
+    .unwrap();
+    let output = fga_in(folder.path(), &["check", "fly.toml"]);
+    assert!(output.status.success(), "{}", errors(&output));
+}
+
+#[test]
+fn a_value_of_a_link_file_out_of_range_is_named_with_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for (text, expected) in [
+        (
+            "[vehicle]\nmax_bank_deg = 40\n\n[protection] # metres\nradius_m = -1\n",
+            "fly.toml, line 5: protection.radius_m is -1, expected 1 to 5000",
+        ),
+        (
+            "# here\nsafety.floor_m = -3\n",
+            "fly.toml, line 2: safety.floor_m is -3, expected 0 to 10000",
+        ),
+        (
+            "[vehicle]\ntake_over = [\"LOITER\"]\n",
+            "fly.toml, line 2: vehicle.take_over: 'LOITER' cannot be taken over",
+        ),
+    ] {
+        fs::write(at.join("fly.toml"), text).unwrap();
+        refuses(at, &["check", "fly.toml"], expected);
+    }
+}
+
+#[test]
+fn the_help_names_the_exit_codes_and_the_keys_of_rc() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = |arguments: &[&str]| {
+        let output = fga_in(folder.path(), arguments);
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    assert!(help(&["--help"]).contains("Exit codes: 0 done"));
+    assert!(help(&["rc", "--help"]).contains("releases the channels"));
+}
