@@ -1,11 +1,9 @@
 //! Wrong input and wrong usage give one sentence that says what was found and what was expected.
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
-use support::{errors, fga_in};
+use crate::support::{errors, fga_in};
 
 const ENCOUNTERS: &str = "encounter,obstacle,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,radius_m
 0,0,300,0,0,-15,0,0,30
