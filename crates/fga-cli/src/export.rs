@@ -55,6 +55,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<ExitCode, Failure> {
         args.run.clone()
     };
     let flight = Flight::read(&file)?;
+    let sender = args.flightgear.as_deref().map(sender).transpose()?;
     let mut written = Vec::new();
     if let Some(format) = args.format {
         let out = args
@@ -64,25 +65,28 @@ pub(crate) fn run(args: &ExportArgs) -> Result<ExitCode, Failure> {
         export::write(&flight, format, &out)?;
         written.push(out.display().to_string());
     }
-    if args.flightgear.is_some() {
+    if sender.is_some() {
         let protocol = file.with_file_name("fga.xml");
         atomic::write(&protocol, flightgear::PROTOCOL_XML)?;
         written.push(protocol.display().to_string());
     }
     args.answer
         .print(|| written.join("\n") + "\n", &json!({ "files": written }))?;
-    if let Some(target) = &args.flightgear {
-        play(&flight, target, args.speed)?;
+    if let Some(sender) = &sender {
+        play(&flight, sender, args.speed)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Sends the flight at the chosen speed; Ctrl-C ends it.
-fn play(flight: &Flight, target: &str, speed: f64) -> Result<(), Failure> {
-    let sender = Sender::new(target).map_err(|error| {
+fn sender(target: &str) -> Result<Sender, Failure> {
+    Sender::new(target).map_err(|error| {
         let message = format!("cannot be sent to: {error}, expected HOST:PORT of a FlightGear");
-        InputError::in_file(target, message)
-    })?;
+        InputError::in_file(target, message).into()
+    })
+}
+
+/// Sends the flight at the chosen speed; Ctrl-C ends it.
+fn play(flight: &Flight, sender: &Sender, speed: f64) -> Result<(), Failure> {
     watch_for_interrupt();
     let frame = flight.frame();
     let begun = Instant::now();

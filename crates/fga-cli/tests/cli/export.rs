@@ -77,6 +77,15 @@ fn a_run_is_written_in_every_format() {
 }
 
 #[test]
+fn a_wrong_address_of_flightgear_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = flown(folder.path());
+    let output = fga(&["export", &run, "--flightgear", "foo"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(!folder.path().join("fga.xml").exists());
+}
+
+#[test]
 fn a_run_is_played_to_a_flight_simulator() {
     let folder = tempfile::tempdir().unwrap();
     let run = flown(folder.path());
