@@ -186,7 +186,7 @@ def test_an_identifier_that_is_used_twice_is_refused_as_in_a_scenario(root, tmp_
         (lambda: fga.Pilot("nobody"), ValueError, "unknown policy"),
         (lambda: fga.VehicleModel.read("none.toml"), ValueError, "none.toml"),
         (lambda: fga.Avoider().step(None), TypeError, "Situation"),
-        (lambda: fga.Decision([fga.Stage(0.0)] * 21), ValueError, "at most 20"),
+        (lambda: fga.Decision([fga.Stage(0.0)] * 41), ValueError, "at most 40"),
         (lambda: situation(float("nan")), ValueError, "NaN"),
         (lambda: situation(obstacles=[3]), TypeError, "sequence of Obstacle"),
         (lambda: pickle.dumps(fga.Avoider()), TypeError, "cannot be pickled"),

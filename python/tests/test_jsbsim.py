@@ -177,7 +177,7 @@ def test_identification_finds_a_known_vehicle():
 def test_a_wrong_log_is_said_in_a_sentence(log, tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("t_s,airspeed_mps\n0,1\n")
-    with pytest.raises(ValueError, match="line 1: column bank_command_rad is there 0 times"):
+    with pytest.raises(ValueError, match="line 1: the column bank_command_rad is missing"):
         fga.identify(path)
     with pytest.raises(ValueError, match="no such file"):
         fga.identify(tmp_path / "none.tlog")
