@@ -27,6 +27,15 @@ impl Side {
         }
     }
 
+    /// The opposite side.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
+
     /// The side to which `angle_rad` turns; zero counts as left.
     pub const fn of(angle_rad: f64) -> Self {
         if angle_rad < 0.0 {

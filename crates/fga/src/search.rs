@@ -10,6 +10,7 @@ mod ascent;
 mod cheapest;
 mod departure;
 mod front;
+mod lane_change;
 mod line;
 mod reach;
 mod start;

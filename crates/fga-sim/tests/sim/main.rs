@@ -3,6 +3,7 @@
 
 mod certificates;
 mod dead_time;
+mod departures;
 mod encounters;
 mod identification;
 mod lost_once;

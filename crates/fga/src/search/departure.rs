@@ -52,7 +52,7 @@ impl Departure {
     }
 
     /// What an objective counts, metres.
-    fn length_m(&self, objective: Objective) -> f64 {
+    pub(super) fn length_m(&self, objective: Objective) -> f64 {
         match objective {
             Objective::PaperCost => self.aside_m + self.extra_path_m(),
             Objective::LeastDeviation => self.aside_m,
@@ -137,10 +137,8 @@ impl Search<'_> {
         // What is cheapest by another objective lines do not tell.
         let departure_m = match objective {
             Objective::PaperCost => self.likely(entry, fronts).map(|tangent| {
-                let until_s = self.passed_s(wait_s, &tangent.state, tangent.velocity_mps);
-                let after_s = until_s - tangent.state.time_s;
-                let there_m = tangent.state.position_m + tangent.velocity_mps * after_s;
-                self.departure_at(there_m, until_s).length_m(objective)
+                self.departure_on(wait_s, &tangent.state, tangent.velocity_mps)
+                    .length_m(objective)
             }),
             Objective::LeastDeviation | Objective::ShortestPath => None,
         };
@@ -149,6 +147,18 @@ impl Search<'_> {
             side,
             departure_m: departure_m.unwrap_or(f64::MIN),
         })
+    }
+
+    /// How far the line on which a turn ends departs from the mission until the obstacles have passed.
+    pub(super) fn departure_on(
+        &mut self,
+        wait_s: f64,
+        end: &MotionState,
+        velocity_mps: Vec3,
+    ) -> Departure {
+        let until_s = self.passed_s(wait_s, end, velocity_mps);
+        let there_m = end.position_m + velocity_mps * (until_s - end.time_s);
+        self.departure_at(there_m, until_s)
     }
 
     /// How far a manoeuvre departs from the mission until the obstacles that it avoids have passed.
@@ -169,7 +179,7 @@ impl Search<'_> {
     }
 
     /// How far a place is from where the mission would have brought the aircraft by then.
-    fn departure_at(&self, there_m: Vec3, at_s: f64) -> Departure {
+    pub(super) fn departure_at(&self, there_m: Vec3, at_s: f64) -> Departure {
         let scene = self.scene;
         let planned = flown(scene.flyer, &scene.start, scene.nominal, at_s, &self.meter);
         let along = direction(scene.original.0, scene.original.1);

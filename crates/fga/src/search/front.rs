@@ -152,17 +152,27 @@ impl Search<'_> {
         climb_rad: f64,
     ) -> Option<f64> {
         let entry = Self::entry_at(from, f64::INFINITY);
+        self.turn_rad(&entry, (climb_rad, side), (f64::MIN, MAX_TURN_RAD))
+    }
+
+    /// The least turn between two that may do as far as lines tell, radians.
+    pub(super) fn turn_rad(
+        &mut self,
+        entry: &Entry,
+        (climb_rad, side): (f64, Side),
+        (least_rad, most_rad): (f64, f64),
+    ) -> Option<f64> {
         let mut front = Front {
             climb_rad,
             side,
-            least_rad: f64::MIN,
+            least_rad,
             ..Front::NONE
         };
         while !front.is_ready {
-            if front.is_closed() {
+            if front.least_rad > most_rad {
                 return None;
             }
-            self.advance(&entry, &mut front);
+            self.advance(entry, &mut front);
         }
         Some(front.least_rad)
     }

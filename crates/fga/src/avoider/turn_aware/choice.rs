@@ -46,7 +46,7 @@ pub(super) fn choose(
                 cost: other.cost,
                 verdict: Verdict::Certified,
             });
-            found
+            found.map(|single| search.lane_change(&single).unwrap_or(single))
         }
         Start::Latest | Start::Score(_) => {
             let score = if let Start::Score(score) = start {

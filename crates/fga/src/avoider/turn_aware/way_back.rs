@@ -45,6 +45,9 @@ const ROUGHLY: f64 = 0.05;
 /// It meets obstacles at most this much sooner or later, seconds.
 const ROUGHLY_S: f64 = 0.5;
 
+/// Parts of a step's work: one for the manoeuvre that is known.
+const HALVES: u32 = 2;
+
 /// Cycles between two searches for a way back, each at one intercept angle.
 const LOOK_BACK_EVERY: u32 = 2;
 
@@ -408,6 +411,36 @@ impl Avoider {
         })
     }
 
+    /// Meets the next encounter with a manoeuvre chosen anew. If that one is not certified, or it is the obstacle again that
+    /// the way back came from, with the manoeuvre that the way back was chosen with.
+    fn meet_next(
+        &mut self,
+        (plan, start_s): (&Plan, f64),
+        situation: &Situation<'_>,
+        now: &MotionState,
+        start: Start,
+    ) -> Decision {
+        let next = plan.threat.zip(self.returned);
+        let is_again = next.is_some_and(|(threat, came)| came.against.contains(threat.id));
+        if !is_again {
+            self.plan = None;
+            self.state = State::Cruise;
+            self.meter.reserve(HALVES);
+            let anew = self.watch(situation, now, start);
+            self.meter.extend(HALVES);
+            if !anew.record.reason.is_unproven() {
+                return anew;
+            }
+        }
+        self.plan = Some(Plan {
+            start_s,
+            next_start_s: None,
+            ..*plan
+        });
+        self.state = State::Threatened;
+        self.watch(situation, now, start)
+    }
+
     /// On the way back.
     pub(super) fn come_back(
         &mut self,
@@ -418,13 +451,7 @@ impl Avoider {
         let time_s = situation.time_s;
         if let Some(plan) = self.plan {
             if let Some(start_s) = plan.next_start_s.filter(|start_s| time_s >= *start_s) {
-                self.plan = Some(Plan {
-                    start_s,
-                    next_start_s: None,
-                    ..plan
-                });
-                self.state = State::Threatened;
-                return self.watch(situation, now, start);
+                return self.meet_next((&plan, start_s), situation, now, start);
             }
             // Beyond the mission's end there is nothing to return to.
             if time_s >= plan.joined_s || self.progress.is_complete() {
