@@ -8,6 +8,7 @@ use std::time::Instant;
 use clap::Args;
 use fga_formats::OutputError;
 use fga_formats::atomic::{self, AtomicFile};
+use fga_formats::words::counted;
 use fga_sim::batch::{
     BatchRow, BatchSettings, NAME_COLUMN, RESULT_COLUMNS, TIMING_COLUMNS, TRACK_COLUMNS,
 };
@@ -179,8 +180,8 @@ impl Totals {
         let (median_us, max_us) = self.decision_us();
         let mut lines = vec![
             format!(
-                "{} encounters, policy {}, vehicle {}",
-                self.encounters,
+                "{}, policy {}, vehicle {}",
+                counted(self.encounters, "encounter"),
                 settings.policy.name(),
                 settings.model.name
             ),

@@ -9,6 +9,7 @@ use std::time::Instant;
 use clap::{Args, Subcommand};
 use fga_formats::atomic;
 use fga_formats::error::read_text;
+use fga_formats::words::counted;
 use fga_results::campaign::summary::{document as summary_document, in_words};
 use fga_results::campaign::{document, finish};
 use fga_results::flight::summary as flight_summary;
@@ -25,7 +26,7 @@ use serde_json::{Value, json};
 use crate::campaign_draw::{self, DrawArgs};
 use crate::campaign_report::{self, ReportArgs};
 use crate::common::{
-    AnswerArgs, OutArgs, OverlayArgs, ThreadArgs, interrupted, watch_for_interrupt,
+    self, AnswerArgs, OutArgs, OverlayArgs, ThreadArgs, interrupted, watch_for_interrupt,
 };
 use crate::failure::Failure;
 
@@ -56,7 +57,7 @@ struct RunArgs {
     /// The campaign file (.toml).
     file: PathBuf,
     /// Number of encounters over all cells; without it the file's number.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = common::encounters)]
     encounters: Option<u64>,
     /// Continue with the results in the folder; an empty folder starts.
     #[arg(long)]
@@ -202,6 +203,9 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
         other => other?,
     };
     let fly_s = begun.elapsed().as_secs_f64();
+    if times.iter().all(|times| times.encounters == 0) {
+        tell_complete(&task.folder);
+    }
     let part = task.shard;
     let more = json!({
         "input": args.file.display().to_string(),
@@ -252,11 +256,20 @@ fn finished(task: &Task<'_>, manifest: &Manifest, answer: AnswerArgs) -> Result<
         .and_then(|document| Some(document.get("results_sha256")?.as_str()?.to_owned()));
     let assembled = reread(&task.folder, task.campaign, expected.as_deref())?;
     task.folder.remove_blocks()?;
+    tell_complete(&task.folder);
     answer.print(
         || in_words(task.campaign, &assembled.summary, task.folder.path()),
         &summary_document(task.campaign, &assembled.summary),
     )?;
     Ok(())
+}
+
+/// Says that earlier runs flew every encounter.
+fn tell_complete(folder: &Folder) {
+    eprintln!(
+        "nothing is left to fly: {} holds every encounter",
+        folder.path().display()
+    );
 }
 
 /// Left-out recordings are an error unless `--skip-damaged` accepts them.
@@ -314,7 +327,8 @@ fn rate(times: &[DecisionTimes], fly_s: f64) -> Option<String> {
     let encounters = times.first()?.encounters;
     (encounters > 0).then(|| {
         format!(
-            "{encounters} encounters flown in {fly_s:.1} s: {:.0} a second\n",
+            "{} flown in {fly_s:.1} s: {:.0} a second\n",
+            counted(encounters, "encounter"),
             encounters as f64 / fly_s
         )
     })

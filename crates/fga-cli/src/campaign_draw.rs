@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga_formats::atomic::{AtomicFile, AtomicFolder};
+use fga_formats::words::counted;
 use fga_formats::{OutputError, atomic, daa, encounters};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{Campaign, Scene};
@@ -13,7 +14,7 @@ use fga_sim::drawn::{Content, Origin, ROWS, TRACKS, TableWriter};
 use serde_json::json;
 
 use crate::campaign::SourceArgs;
-use crate::common::{AnswerArgs, OutArgs};
+use crate::common::{self, AnswerArgs, OutArgs};
 use crate::failure::Failure;
 
 /// The list of what was drawn.
@@ -28,7 +29,7 @@ pub(crate) struct DrawArgs {
     /// The campaign file (.toml).
     file: PathBuf,
     /// Number of encounters over all cells; without it the file's number.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = common::encounters)]
     encounters: Option<u64>,
     #[command(flatten)]
     sources: SourceArgs,
@@ -63,7 +64,13 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
         &folder
     };
     args.answer.print(
-        || format!("{count} encounters drawn: {}\n", shown.display()),
+        || {
+            format!(
+                "{} drawn: {}\n",
+                counted(count, "encounter"),
+                shown.display()
+            )
+        },
         &json!({
             "encounters": count,
             "file": shown.display().to_string(),

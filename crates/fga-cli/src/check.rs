@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use fga_files::TomlText;
 use fga_formats::error::read_text;
+use fga_formats::words::counted;
 use fga_formats::{InputError, daa, encounters};
 use fga_sim::campaign::Campaign;
 use fga_sim::campaign::file::{self as campaign_file, Overrides};
@@ -92,8 +93,8 @@ fn outline(path: &Path) -> Option<String> {
     };
     let configuration = campaign_file::read(path, &outline).ok()?;
     Some(format!(
-        "{} policies; its encounters come from the command line (--recordings, --model)",
-        configuration.policies.len()
+        "{}; its encounters come from the command line (--recordings, --model)",
+        counted(configuration.policies.len(), "policy")
     ))
 }
 
@@ -102,9 +103,9 @@ fn toml_file(path: &Path, kind: FileKind) -> Result<String, Failure> {
         FileKind::Scenario => {
             let plan = scenario::read(path, None)?;
             Ok(format!(
-                "{} waypoints, {} obstacles, vehicle {}",
-                plan.world.mission_m.len(),
-                plan.world.obstacles.len(),
+                "{}, {}, vehicle {}",
+                counted(plan.world.mission_m.len(), "waypoint"),
+                counted(plan.world.obstacles.len(), "obstacle"),
                 plan.model.name
             ))
         }
@@ -122,10 +123,10 @@ fn toml_file(path: &Path, kind: FileKind) -> Result<String, Failure> {
             };
             let campaign = Campaign::new(configuration, path)?;
             Ok(format!(
-                "{} encounters from {} sources, {} policies, vehicle {}",
-                campaign.configuration.encounters,
-                campaign.source_names().len(),
-                campaign.policies.len(),
+                "{} from {}, {}, vehicle {}",
+                counted(campaign.configuration.encounters, "encounter"),
+                counted(campaign.source_names().len(), "source"),
+                counted(campaign.policies.len(), "policy"),
                 campaign.model.name
             ))
         }
@@ -137,10 +138,10 @@ fn toml_file(path: &Path, kind: FileKind) -> Result<String, Failure> {
 fn link(path: &Path) -> Result<String, Failure> {
     let config = crate::fly::config_file(path)?;
     Ok(format!(
-        "takes over {}, keeps {} m, {} virtual obstacles",
+        "takes over {}, keeps {} m, {}",
         config.vehicle.take_over.join(" and "),
         config.protection.radius_m,
-        config.obstacle.len()
+        counted(config.obstacle.len(), "virtual obstacle")
     ))
 }
 
@@ -161,7 +162,8 @@ fn encounter_file(path: &Path) -> Result<String, Failure> {
     let encounters = encounters::read(path)?;
     let obstacles: usize = encounters.iter().map(|each| each.obstacles.len()).sum();
     Ok(format!(
-        "{} encounters, {obstacles} obstacles",
-        encounters.len()
+        "{}, {}",
+        counted(encounters.len(), "encounter"),
+        counted(obstacles, "obstacle")
     ))
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fga_formats::InputError;
-use fga_sim::campaign::parse_policy;
+use fga_sim::campaign::{MOST_ENCOUNTERS, parse_policy};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::vehicle_file::VehicleModel;
 
@@ -161,6 +161,14 @@ fn threads(text: &str) -> Result<NonZeroUsize, String> {
     count
         .filter(|count| count.get() <= MOST_THREADS)
         .ok_or_else(|| format!("expected a whole number from 1 to {MOST_THREADS}"))
+}
+
+/// A number of encounters, as `--encounters` takes it.
+pub(crate) fn encounters(text: &str) -> Result<u64, String> {
+    let number = text.parse().ok();
+    number
+        .filter(|number| (1..=MOST_ENCOUNTERS).contains(number))
+        .ok_or_else(|| format!("expected a whole number from 1 to {MOST_ENCOUNTERS}"))
 }
 
 /// An address to listen on, as `--listen` takes it.

@@ -8,7 +8,7 @@ use clap::Args;
 use fga_formats::OutputError;
 use fga_formats::atomic::AtomicFile;
 use fga_formats::number::push_fixed;
-use fga_formats::words::push_csv_field;
+use fga_formats::words::{counted, push_csv_field};
 use fga_sim::batch::{BatchSettings, Tracks};
 use fga_sim::drawn::{self, Content};
 use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge, OracleSettings, best_margin_of_tracks};
@@ -168,7 +168,8 @@ fn search_all(
     args.answer.print(
         || {
             format!(
-                "{count} encounters, vehicle {}: {avoidable} avoidable ({:.2} %); results in {}\n",
+                "{}, vehicle {}: {avoidable} avoidable ({:.2} %); results in {}\n",
+                counted(count, "encounter"),
                 model.name,
                 100.0 * share,
                 folder.display()

@@ -8,13 +8,14 @@ use clap::Args;
 use fga::situation::ProtectedVolume;
 use fga_formats::conf;
 use fga_formats::number::fixed;
+use fga_formats::words::counted;
 use fga_results::flight::{document, summary};
 use fga_results::flight_files;
 use fga_results::provenance::{Provenance, file_fingerprint};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, RunLog, fly};
 
-use crate::common::{AnswerArgs, OutArgs, OverlayArgs, PolicyArgs, ThreadArgs, VehicleArgs};
+use crate::common::{AnswerArgs, OutArgs, OverlayArgs, PolicyArgs, VehicleArgs};
 use crate::failure::Failure;
 use crate::live::LiveView;
 
@@ -40,8 +41,6 @@ pub(crate) struct RunArgs {
     config: Option<PathBuf>,
     #[command(flatten)]
     out: OutArgs,
-    #[command(flatten)]
-    _threads: ThreadArgs,
     #[command(flatten)]
     answer: AnswerArgs,
     /// Show the flight in the browser in real time.
@@ -194,7 +193,7 @@ fn describe_conflicts(text: &mut String, log: &RunLog) -> core::fmt::Result {
             match conflict.start_s {
                 None => "no manoeuvre".to_owned(),
                 Some(start_s) => format!(
-                    "manoeuvre began {start_s:.1} s; clear {}; route rejoined {}",
+                    "manoeuvre began {start_s:.1} s; clear {}; mission rejoined {}",
                     at(conflict.clear_s),
                     at(conflict.rejoined_s)
                 ),
@@ -215,7 +214,7 @@ fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::
     describe_conflicts(text, log)?;
     writeln!(
         text,
-        "largest distance from the route {:.1} m, extra path {} m{}",
+        "largest distance from the mission {:.1} m, extra path {} m{}",
         outcome.max_cross_track_m,
         // Never -0.0.
         fixed(outcome.extra_path_m, 1),
@@ -232,9 +231,9 @@ fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::
     {
         writeln!(
             text,
-            "{} of {} waypoints missed, waypoint {} by {:.1} m",
+            "{} of {} missed, waypoint {} by {:.1} m",
             log.missed.len(),
-            log.plan.world.mission_m.len(),
+            counted(log.plan.world.mission_m.len(), "waypoint"),
             farthest.index + 1,
             farthest.distance_m
         )?;
@@ -242,11 +241,11 @@ fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::
     let times = log.decision_times();
     writeln!(
         text,
-        "decision time: median {:.2} us, 99 % {:.2} us, longest {:.2} us ({} decisions)",
+        "decision time: median {:.2} us, 99 % {:.2} us, longest {:.2} us ({})",
         times.median_us,
         times.p99_us,
         times.max_us,
-        log.decisions.len()
+        counted(log.decisions.len(), "decision")
     )?;
     for log in overlaid {
         let least_m = log.outcome.min_margin_m;

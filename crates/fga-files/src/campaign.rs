@@ -102,11 +102,11 @@ pub struct Grid {
     /// Family of encounters.
     pub family: Spanned<String>,
     /// Numbers of intruders.
-    pub count: Spanned<Vec<u32>>,
+    pub count: Spanned<Vec<Spanned<u32>>>,
     /// Distances at which they are first seen, metres.
-    pub first_seen_m: Spanned<Vec<Interval>>,
+    pub first_seen_m: Spanned<Vec<Spanned<Interval>>>,
     /// Their speeds, metres per second.
-    pub speed_mps: Spanned<Vec<Interval>>,
+    pub speed_mps: Spanned<Vec<Spanned<Interval>>>,
     /// Whether all stay at one altitude.
     #[serde(default)]
     pub planar: Option<Spanned<Vec<bool>>>,

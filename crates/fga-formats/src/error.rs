@@ -105,6 +105,8 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
 ///
 /// let message = "invalid type: string \"30\", expected f64\n";
 /// assert_eq!(toml_sentence(message), "found string \"30\", expected a number");
+/// let message = "invalid length 2, expected an array of length 3\n";
+/// assert_eq!(toml_sentence(message), "found a list of 2 values, expected 3");
 /// ```
 pub fn toml_sentence(message: &str) -> String {
     let mut told = message.trim().replace('\n', "; ");
@@ -124,10 +126,14 @@ pub fn toml_sentence(message: &str) -> String {
             }
         }
     }
+    if let Some(lengths) = told.strip_prefix("invalid length ")
+        && let Some((found, expected)) = lengths.split_once(", expected an array of length ")
+    {
+        let values = if found == "1" { "value" } else { "values" };
+        return format!("found a list of {found} {values}, expected {expected}");
+    }
     told = told
         .replace("invalid type: ", "found ")
-        .replace("invalid length ", "found length ")
-        .replace("expected an array of length ", "expected length ")
         .replace("duplicate key", "the key is given twice, expected it once")
         .replace("unknown variant ", "unknown word ");
     for (kinds, word) in [

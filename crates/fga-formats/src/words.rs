@@ -1,4 +1,4 @@
-//! Words in files: a decision (the threat, the manoeuvre and the reason), and texts as CSV fields.
+//! Words in files and answers: a decision (the threat, the manoeuvre and the reason), counted things, and texts as CSV fields.
 
 use fga::angle::wrap_pi;
 use fga::avoider::{Candidate, Decision, Reason};
@@ -128,6 +128,24 @@ pub fn decision_words(
         parts.push(format!("to the other side: {}", candidate_words(other)));
     }
     parts.join("; ")
+}
+
+/// A number of things in words, with the plural in "s", or "ies" in the place of a "y".
+///
+/// ```
+/// use fga_formats::words::counted;
+///
+/// assert_eq!(counted(1_u64, "source"), "1 source");
+/// assert_eq!(counted(0_u64, "source"), "0 sources");
+/// assert_eq!(counted(2_u64, "policy"), "2 policies");
+/// ```
+pub fn counted(number: impl TryInto<u64>, thing: &str) -> String {
+    let number = number.try_into().unwrap_or(u64::MAX);
+    match (number, thing.strip_suffix('y')) {
+        (1, _) => format!("1 {thing}"),
+        (_, Some(stem)) => format!("{number} {stem}ies"),
+        (_, None) => format!("{number} {thing}s"),
+    }
 }
 
 /// A text as a CSV field; quoted where it has to be.

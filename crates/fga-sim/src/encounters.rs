@@ -8,7 +8,7 @@
 
 mod family;
 pub mod modeled;
-mod parse;
+pub(crate) mod parse;
 mod random;
 
 pub use family::{Family, Range};

@@ -91,8 +91,23 @@ fn the_same_bytes_on_one_and_two_threads_and_in_four_parts() {
     );
     assert_eq!(output.status.code(), Some(1));
     assert!(errors(&output).contains("twice"), "{}", errors(&output));
-    // A second merge gives the same.
-    campaign(at, &["--out", "one", "--resume"]);
+    // A finished campaign and a finished part say that nothing is left.
+    for (out, shard) in [("one", "1/1"), ("part1", "1/4")] {
+        let again = [
+            "campaign",
+            "run",
+            "small.toml",
+            "--out",
+            out,
+            "--shard",
+            shard,
+            "--resume",
+        ];
+        let output = fga_in(at, &again);
+        assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+        let expected = format!("nothing is left to fly: {out} holds every encounter\n");
+        assert_eq!(errors(&output), expected);
+    }
 }
 
 #[test]
@@ -334,12 +349,47 @@ fn unusable_campaigns_are_refused_in_one_sentence() {
     };
     for (from, to, told) in [
         ("\"none\"", "\"nobody\"", "unknown policy \"nobody\""),
-        ("count = [1, 2]", "count = []", "the grid is empty"),
+        ("count = [1, 2]", "count = []", "line 10: count is empty"),
         ("encounters = 600", "encounters = 0", "encounters is 0"),
         (
+            "encounters = 600",
+            "encounters = 268_435_457",
+            "line 3: encounters is 268435457, expected 1 to 268435456",
+        ),
+        (
             "count = [1, 2]",
-            "count = [0]",
-            "0: expected a number of obstacles",
+            "count = [\n1,\n0]",
+            "line 12: count 0: expected a number of obstacles",
+        ),
+        (
+            "count = [1, 2]",
+            "count = [1, \"a\"]",
+            "line 10: found string",
+        ),
+        (
+            "first_seen_m = [300]",
+            "first_seen_m = [300, -5]",
+            "line 11: first_seen_m -5: expected a number",
+        ),
+        (
+            "first_seen_m = [300]",
+            "first_seen_m = [\"near\"]",
+            "line 11: expected a number or [from, to]",
+        ),
+        (
+            "[[15, 30], 0]",
+            "[0, [30, 15]]",
+            "line 12: speed_mps 30-15: expected FROM not above TO",
+        ),
+        (
+            "[[15, 30], 0]",
+            "[[15, 30, 45]]",
+            "line 12: expected a number or [from, to]",
+        ),
+        (
+            "[[15, 30], 0]",
+            "[0]\nplanar = []",
+            "line 13: planar is empty",
         ),
         ("seeds = [3, 4]", "seeds = []", "seeds is empty"),
         ("horizon_s = 20", "horizon = 20", "unknown field `horizon`"),

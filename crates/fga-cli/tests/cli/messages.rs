@@ -70,6 +70,18 @@ fn options_say_what_they_expect() {
         ),
         (&["batch", "e.csv", "--threads", "0"], "from 1 to 1024"),
         (
+            &["run", "scenario.toml", "--threads", "1"],
+            "unexpected argument '--threads'",
+        ),
+        (
+            &["campaign", "run", "c.toml", "--encounters", "268435457"],
+            "expected a whole number from 1 to 268435456",
+        ),
+        (
+            &["campaign", "draw", "c.toml", "--encounters", "0"],
+            "expected a whole number from 1 to 268435456",
+        ),
+        (
             &["view", ".", "--listen", "here"],
             "expected ADDRESS:PORT, as in 127.0.0.1:8787",
         ),
@@ -95,7 +107,7 @@ fn numbers_and_seeds_of_a_campaign_are_checked() {
         (
             "encounters = 2_000",
             "encounters = 0",
-            "line 5: encounters is 0, expected at least 1",
+            "line 5: encounters is 0, expected 1 to 268435456",
         ),
         (
             "seeds = [1]",
@@ -127,6 +139,45 @@ fn check_takes_the_largest_seed_as_run_does() {
             &[command, "beyond.toml"],
             "beyond.toml, line 8: the number is too large, expected at most 18446744073709551615",
         );
+    }
+}
+
+#[test]
+fn a_waypoint_with_too_few_numbers_is_named_in_plain_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    assert!(fga_in(at, &["init", "scenario"]).status.success());
+    let text = fs::read_to_string(at.join("scenario.toml")).unwrap();
+    for (waypoint, expected) in [
+        ("[0, 0]", "found a list of 2 values, expected 3"),
+        ("[0]", "found a list of 1 value, expected 3"),
+    ] {
+        let changed = text.replace("[[0, 0, 100],", &format!("[\n{waypoint},"));
+        fs::write(at.join("wrong.toml"), changed).unwrap();
+        for command in ["check", "run"] {
+            let expected = format!("wrong.toml, line 21: {expected}");
+            refuses(at, &[command, "wrong.toml"], &expected);
+        }
+    }
+}
+
+#[test]
+fn one_thing_is_counted_in_the_singular() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(at.join("e.csv"), ENCOUNTERS).unwrap();
+    fs::write(
+        at.join("c.toml"),
+        "policies = ['none']\nfiles = ['e.csv']\n",
+    )
+    .unwrap();
+    for (file, expected) in [
+        ("e.csv", ": 1 encounter, 1 obstacle\n"),
+        ("c.toml", ": 1 encounter from 1 source, 1 policy, vehicle "),
+    ] {
+        let output = fga_in(at, &["check", file]);
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(said.contains(expected), "{said}{}", errors(&output));
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use fga_formats::OutputError;
 use fga_formats::atomic;
+use fga_formats::words::counted;
 use fga_report::interval::Estimate;
 use fga_sim::campaign::{Campaign, Quantiles, Summary, Totals};
 use serde_json::{Value, json};
@@ -125,10 +126,10 @@ pub fn write(folder: &Path, campaign: &Campaign, summary: &Summary) -> Result<()
 pub fn in_words(campaign: &Campaign, summary: &Summary, folder: &Path) -> String {
     let configuration = &campaign.configuration;
     let mut text = format!(
-        "{}: {} encounters from {} sources, vehicle {}\n",
+        "{}: {} from {}, vehicle {}\n",
         configuration.name,
-        configuration.encounters,
-        campaign.source_names().len(),
+        counted(configuration.encounters, "encounter"),
+        counted(campaign.source_names().len(), "source"),
         campaign.model.name
     );
     let _ = writeln!(

@@ -151,10 +151,31 @@ impl Configuration {
     }
 }
 
+/// Most encounters in a block.
+const LARGEST_BLOCK: u64 = 8192;
+
+/// Most encounters of a campaign: a Parquet file numbers its row groups, one for each block, from 0 with a signed number
+/// of 16 bits.
+pub const MOST_ENCOUNTERS: u64 = LARGEST_BLOCK << 15;
+
 /// Encounters in a block of a campaign of `encounters`: enough to keep every thread busy, few
 /// enough to lose little in a power failure.
 pub(super) fn block_size(encounters: u64) -> u64 {
-    encounters.div_ceil(16).clamp(256, 8192)
+    encounters.div_ceil(16).clamp(256, LARGEST_BLOCK)
+}
+
+/// The number of encounters, if a campaign can have it.
+///
+/// # Errors
+/// One sentence about a number that it cannot have.
+pub(super) fn number_of_encounters(number: u64) -> Result<u64, String> {
+    if (1..=MOST_ENCOUNTERS).contains(&number) {
+        Ok(number)
+    } else {
+        Err(format!(
+            "encounters is {number}, expected 1 to {MOST_ENCOUNTERS}"
+        ))
+    }
 }
 
 /// The policy called `name` with its start, as in `published --start t0`.
@@ -301,9 +322,7 @@ impl Campaign {
     fn check(&self) -> Result<(), CampaignError> {
         let configuration = &self.configuration;
         let other = |message: &str| Err(CampaignError::Other(message.into()));
-        if configuration.encounters == 0 {
-            return other("encounters is 0, expected at least 1");
-        }
+        number_of_encounters(configuration.encounters).map_err(CampaignError::Other)?;
         if configuration.block == 0 {
             return other("block is 0, expected at least 1");
         }

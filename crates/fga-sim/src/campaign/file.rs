@@ -37,11 +37,12 @@ use fga_formats::error::{read_text, shown};
 use toml::Spanned;
 
 use super::Configuration;
-use super::configuration::{FileSource, block_size, parse_policy};
+use super::configuration::{FileSource, block_size, number_of_encounters, parse_policy};
 use super::sources::{self, ModelFile};
 use crate::drawn;
 use crate::encounters::EncounterSource;
 use crate::encounters::modeled::Pairing;
+use crate::encounters::parse;
 use crate::fingerprint::fingerprint;
 use crate::recorded;
 use crate::vehicle_file::VehicleModel;
@@ -136,17 +137,13 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         + found.sources.iter().map(|f| f.encounters).sum::<u64>())
         * seeds.len() as u64;
     let encounters = match (overrides.encounters, &file.encounters) {
-        (Some(count), _) => count,
-        (None, Some(count)) if *count.get_ref() == 0 => {
-            return Err(text.error_at(count, "encounters is 0, expected at least 1"));
-        }
-        (None, Some(count)) => *count.get_ref(),
+        (Some(number), _) => number,
+        (None, Some(number)) => number_of_encounters(*number.get_ref())
+            .map_err(|message| text.error_at(number, message))?,
         (None, None) if cells.is_empty() && models.is_empty() => in_files,
         (None, None) => in_files + ENCOUNTERS,
     };
-    if encounters == 0 {
-        return Err(text.error("encounters is 0, expected at least 1"));
-    }
+    number_of_encounters(encounters).map_err(|message| text.error(message))?;
     Ok(Configuration {
         name: file.name.unwrap_or_else(|| {
             path.file_stem()
@@ -181,7 +178,6 @@ fn cells(
         cells.push((cell.get_ref().clone(), cell.span()));
     }
     for grid in &file.grid {
-        let from = cells.len();
         let family = &grid.get_ref().family;
         if !GRID_FAMILIES.contains(&family.get_ref().as_str()) {
             let message = format!(
@@ -191,13 +187,8 @@ fn cells(
             );
             return Err(text.error_at(family, message));
         }
+        check_values(text, grid.get_ref())?;
         cells_of(grid.get_ref(), &mut cells, &grid.span());
-        if cells.len() == from {
-            return Err(text.error_at(
-                grid,
-                "the grid is empty, expected at least one count, first_seen_m, speed_mps and planar",
-            ));
-        }
     }
     for (cell, span) in &cells {
         EncounterSource::parse(cell, 0)
@@ -342,6 +333,43 @@ fn policies(
     Ok(policies)
 }
 
+/// Whether each list of a grid holds values, and only usable ones.
+fn check_values(text: &TomlText<'_>, grid: &Grid) -> Result<(), InputError> {
+    check_list(text, "count", &grid.count, |value| {
+        parse::count(value).map(drop)
+    })?;
+    let distances = [
+        ("first_seen_m", &grid.first_seen_m),
+        ("speed_mps", &grid.speed_mps),
+    ];
+    for (key, list) in distances {
+        check_list(text, key, list, |value| parse::range(value).map(drop))?;
+    }
+    match &grid.planar {
+        Some(planar) if planar.get_ref().is_empty() => {
+            Err(text.error_at(planar, "planar is empty, expected at least one value"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn check_list<T: core::fmt::Display>(
+    text: &TomlText<'_>,
+    key: &str,
+    list: &Spanned<Vec<Spanned<T>>>,
+    check: impl Fn(&str) -> Result<(), String>,
+) -> Result<(), InputError> {
+    if list.get_ref().is_empty() {
+        let message = format!("{key} is empty, expected at least one value");
+        return Err(text.error_at(list, message));
+    }
+    for value in list.get_ref() {
+        check(&value.get_ref().to_string())
+            .map_err(|message| text.error_at(value, format!("{key} {message}")))?;
+    }
+    Ok(())
+}
+
 /// Every combination of a grid as a cell's name.
 fn cells_of(
     grid: &Grid,
@@ -353,6 +381,7 @@ fn cells_of(
         for speed in grid.speed_mps.get_ref() {
             for seen in grid.first_seen_m.get_ref() {
                 for count in grid.count.get_ref() {
+                    let (count, seen, speed) = (count.get_ref(), seen.get_ref(), speed.get_ref());
                     let family = grid.family.get_ref();
                     let mut cell = format!("{family}:{count}:{seen}:{speed}");
                     if *planar {

@@ -37,7 +37,7 @@ pub mod table;
 mod tail;
 pub mod totals;
 
-pub use configuration::{Campaign, Configuration, Drawn, Scene, parse_policy};
+pub use configuration::{Campaign, Configuration, Drawn, MOST_ENCOUNTERS, Scene, parse_policy};
 pub use flight::{Flown, Flyer, Row};
 pub use folder::{Folder, Manifest, RESULTS, Shard, Stamp};
 pub use merge::{Assembled, assemble, merge, reread};

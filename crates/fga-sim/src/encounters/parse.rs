@@ -59,14 +59,22 @@ impl EncounterSource {
     }
 }
 
-fn count(text: &str) -> Result<u32, String> {
+/// A number of obstacles.
+///
+/// # Errors
+/// The expected text.
+pub(crate) fn count(text: &str) -> Result<u32, String> {
     text.parse()
         .ok()
         .filter(|n| (1..=1000).contains(n))
         .ok_or_else(|| format!("{text}: expected a number of obstacles from 1 to 1000"))
 }
 
-fn range(text: &str) -> Result<Range, String> {
+/// A number that is not negative, or a range `FROM-TO`.
+///
+/// # Errors
+/// The expected text.
+pub(crate) fn range(text: &str) -> Result<Range, String> {
     let number = |part: &str| {
         part.parse::<f64>()
             .ok()

@@ -24,6 +24,9 @@ const LAST: f64 = 3.0;
 /// Largest change of tan(bank) in the last piece at the usual pace: its path stays within millimetres of the roll's.
 const LAST_CHANGE: f64 = 0.02;
 
+/// Within a shorter piece the course rate is constant, time constants.
+const SHORTEST_GROWTH: f64 = 1e-9;
+
 /// Share of its distance from 90° by which the bank may move in a piece.
 const FROM_UPRIGHT: f64 = 0.4;
 
@@ -130,8 +133,17 @@ impl Roll {
         }
         turn *= lasts;
         area *= lasts * lasts;
-        let growth = 12.0 * (0.5 * turn * lasts - area) / (lasts * lasts * lasts);
-        let rate = turn / lasts - 0.5 * growth * lasts;
+        // The quotient of what is left by rounding says nothing, and that of zeros is no number.
+        let growth = if lasts > SHORTEST_GROWTH {
+            12.0 * (0.5 * turn * lasts - area) / (lasts * lasts * lasts)
+        } else {
+            0.0
+        };
+        let rate = if lasts > SHORTEST_GROWTH {
+            turn / lasts - 0.5 * growth * lasts
+        } else {
+            tan(from_rad)
+        };
         Self {
             lasts,
             turn,
@@ -246,6 +258,19 @@ mod tests {
                 error < 1e-9 * (1.0 + roll_out(bank).abs()),
                 "{bank}: {error}"
             );
+        }
+    }
+
+    #[test]
+    fn a_piece_of_no_length_has_the_rate_of_its_bank() {
+        for lasts in [5e-324, 1e-300, 1e-103, 1e-20, 1e-8] {
+            let piece = Roll::part(0.5, -0.2, lasts);
+            assert!((piece.rate - 0.5_f64.tan()).abs() < 1e-6, "{piece:?}");
+            assert!(
+                piece.growth.is_finite() && piece.turn.is_finite(),
+                "{piece:?}"
+            );
+            assert!((piece.to_rad - 0.5).abs() < 1e-7, "{piece:?}");
         }
     }
 

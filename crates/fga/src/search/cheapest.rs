@@ -68,6 +68,7 @@ impl Search<'_> {
             let max_turn_rad = self.room_rad(&from, (climb_rad, side), most);
             let leave = self.smallest(&Sweep {
                 from,
+                first: None,
                 before_m: entry.before_m,
                 side,
                 climb_rad,

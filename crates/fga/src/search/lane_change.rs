@@ -27,14 +27,12 @@ const NEAR: f64 = 0.005;
 /// A lane change takes the place of a single turn if it departs at most by this share of its departure.
 const WORTH: f64 = 0.8;
 
-/// A first turn, and where a second one to the other side begins.
+/// A first turn, and a second one to the other side.
 #[derive(Debug, Clone, Copy)]
 struct Aside {
     /// What the first turn is commanded to.
     on: Target,
-    /// When the second one begins, seconds.
-    after_s: f64,
-    /// The aircraft then.
+    /// The aircraft where the second one begins.
     from: MotionState,
     /// Margin until there, metres.
     before_m: f64,
@@ -135,7 +133,6 @@ impl Search<'_> {
         let tangent = self.tangent(&entry, (climb_rad, other), turn_rad)?;
         let mut way = Aside {
             on,
-            after_s,
             from,
             before_m: before.margin_m,
             side: other,
@@ -168,8 +165,15 @@ impl Search<'_> {
         }
         self.evaluated += 1;
         let (start, climb_rad) = (self.scene.start, way.on.climb_rad);
-        let leave = self.smallest(&Sweep {
+        let first = Turns {
+            wait_s: 0.0,
+            turn_rad: way.on.course_rad - start.course_rad,
+            climb_rad,
+            second: None,
+        };
+        let sweep = Sweep {
             from: way.from,
+            first: Some(first),
             before_m: way.before_m,
             side: way.side,
             climb_rad,
@@ -177,18 +181,11 @@ impl Search<'_> {
             max_turn_rad: way.back_rad + BEYOND_RAD,
             floor_m: target_m,
             enough_m: target_m,
-        });
-        let Some(leave) = leave else { return };
-        let turns = Turns {
-            wait_s: 0.0,
-            turn_rad: way.on.course_rad - start.course_rad,
-            climb_rad,
-            second: Some(SecondTurn {
-                after_s: way.after_s,
-                turn_rad: way.from.course_rad + leave.turn_rad - way.on.course_rad,
-                climb_rad: leave.climb_rad,
-            }),
         };
+        let Some(leave) = self.smallest(&sweep) else {
+            return;
+        };
+        let turns = self.turns(&leave, &sweep);
         let departure = self.departure_of(&turns);
         let departure_m = self.with_swing(way, &leave.state, departure);
         let found = Found {

@@ -79,6 +79,7 @@ impl Search<'_> {
             };
             self.sweep(&Sweep {
                 from: *from,
+                first: None,
                 before_m,
                 side: *side,
                 climb_rad,

@@ -9,7 +9,7 @@ use crate::limit::Limit as _;
 use crate::meter::{LAGGED_STEP, Meter, SETUP};
 use crate::prediction::{CHORD_BOW_M, MAX_NODES, MotionState, Node, Target, whole};
 
-use super::{CLIMB_STEP_RAD, Search, Turns};
+use super::{CLIMB_STEP_RAD, Search, SecondTurn, Turns};
 
 use walk::{LastStep, Walk};
 
@@ -27,6 +27,8 @@ const ROLL_OUT_RAD: f64 = 1e-5;
 pub(super) struct Sweep {
     /// The aircraft at the start of the turn.
     pub from: MotionState,
+    /// The turn flown until then; without one the mission.
+    pub first: Option<Turns>,
     /// Lower bound of the separation until then, metres.
     pub before_m: f64,
     /// The side of the turn.
@@ -346,15 +348,37 @@ impl Search<'_> {
         })
     }
 
+    /// The whole manoeuvre of a turn.
+    pub(super) fn turns(&self, leave: &Leave, sweep: &Sweep) -> Turns {
+        let start = &self.scene.start;
+        let Some(first) = sweep.first else {
+            return Turns {
+                wait_s: sweep.from.time_s,
+                turn_rad: leave.turn_rad,
+                climb_rad: leave.climb_rad,
+                second: None,
+            };
+        };
+        let on_rad = start.course_rad + first.turn_rad;
+        let second = SecondTurn {
+            after_s: sweep.from.time_s - start.time_s,
+            turn_rad: sweep.from.course_rad + leave.turn_rad - on_rad,
+            climb_rad: leave.climb_rad,
+        };
+        Turns {
+            second: Some(second),
+            ..first
+        }
+    }
+
     /// A turn with its margin as a whole manoeuvre, if that is enough.
     fn certified(&mut self, leave: &Leave, sweep: &Sweep) -> Option<Leave> {
-        let turns = Turns {
-            wait_s: sweep.from.time_s,
-            turn_rad: leave.turn_rad,
-            climb_rad: leave.climb_rad,
-            second: None,
+        let turns = self.turns(leave, sweep);
+        let departure = match sweep.first {
+            Some(_) => self.scene.start,
+            None => sweep.from,
         };
-        let margin_m = self.certify(&turns, &sweep.from, sweep.enough_m).proven_m();
+        let margin_m = self.certify(&turns, &departure, sweep.enough_m).proven_m();
         (margin_m >= sweep.enough_m).then_some(Leave { margin_m, ..*leave })
     }
 

@@ -387,6 +387,7 @@ impl Search<'_> {
         for (kind, (climb_rad, side)) in self.scene.extreme_turns().enumerate() {
             let best = self.sweep(&Sweep {
                 from: *start,
+                first: None,
                 before_m: ENOUGH_M,
                 side,
                 climb_rad,
@@ -459,6 +460,7 @@ impl Search<'_> {
             let mut step = 0;
             let sweep = Sweep {
                 from: *start,
+                first: None,
                 before_m: ENOUGH_M,
                 side,
                 climb_rad,
@@ -550,6 +552,7 @@ impl Search<'_> {
                 let floor_m = seeds.floor_of_m(kind);
                 let Some(last) = self.sweep(&Sweep {
                     from,
+                    first: None,
                     before_m,
                     side,
                     climb_rad,

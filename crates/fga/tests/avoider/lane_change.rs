@@ -1,9 +1,10 @@
 //! Lane changes: out and back to the mission's direction, where a single turn leads far away.
 
 use fga::Vec3;
-use fga::avoider::{Start, State};
+use fga::avoider::{Candidate, Start, State};
+use fga::prediction::{FlightPath, MotionState};
 use fga::situation::Obstacle;
-use fga::vehicle::Vehicle;
+use fga::vehicle::{Response, Vehicle};
 
 use crate::flight::{planar, sphere, vehicle};
 use crate::policies::{avoider, settings};
@@ -59,4 +60,51 @@ fn a_climb_past_crossing_traffic_levels_off() {
     let (aside_m, least_m) = fly(vehicle(), &mut junction(200.0, 0));
     assert!(least_m >= RADIUS_M, "{least_m}");
     assert!(aside_m < 1.1 * RADIUS_M, "{aside_m}");
+}
+
+/// With bank lag the end of the last turn is looked at once more: as a part of both turns, not as a turn from the
+/// mission.
+#[test]
+fn with_bank_lag_the_margin_is_that_of_both_turns() {
+    let mut changes = 0;
+    for (case, lag_s) in [0.3, 0.6, 0.9].into_iter().cycle().take(60).enumerate() {
+        let part = case as f64 / 60.0;
+        let vehicle = Vehicle {
+            response: Response {
+                bank_time_constant_s: lag_s,
+                ..Response::default()
+            },
+            ..planar()
+        };
+        let mut flight = avoider(settings(Start::Free), vehicle);
+        flight.own.bank_rad = 0.8 * part - 0.4;
+        let meets_s = 7.0 + 10.0 * part;
+        let (u, v) = (14.0 + 4.0 * part, -24.0 + 6.0 * part);
+        let obstacle = crossing((15.0 * meets_s - u * meets_s, -v * meets_s), (u, v), 0);
+        let record = flight.decide(&[obstacle]).record;
+        let is_change = |chosen: &Candidate| chosen.maneuver.stages().len() == 2;
+        let Some(chosen) = record
+            .chosen
+            .filter(|chosen| !record.reason.is_unproven() && is_change(chosen))
+        else {
+            continue;
+        };
+        changes += 1;
+        let mut path = FlightPath::new();
+        let start = MotionState::of(&flight.own);
+        path.predict(&flight.flyer, &start, &chosen.maneuver, 61.0);
+        let least_m = (0..6000)
+            .map(|step| 0.01 * f64::from(step))
+            .map(|at_s| {
+                let own_m = path.state_at(&flight.flyer, at_s).unwrap().position_m;
+                (obstacle.position_after_m(at_s) - own_m).length() - RADIUS_M
+            })
+            .fold(f64::INFINITY, f64::min);
+        assert!(
+            chosen.margin_m <= least_m + 1e-3,
+            "{case}: {} of {least_m}",
+            chosen.margin_m
+        );
+    }
+    assert!(changes > 10, "{changes}");
 }
