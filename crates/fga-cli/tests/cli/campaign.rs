@@ -413,7 +413,12 @@ fn unusable_campaigns_are_refused_in_one_sentence() {
     assert_eq!(output.status.code(), Some(1));
     let output = fga_in(at, &["campaign", "run", "small.toml", "--shard", "0/4"]);
     assert_eq!(output.status.code(), Some(1));
-    // A folder of another configuration, and of the same one without --resume.
+}
+
+#[test]
+fn a_folder_of_another_campaign_or_without_resume_is_refused() {
+    let folder = written();
+    let at = folder.path();
     campaign(at, &["--encounters", "20", "--out", "mine"]);
     let before = results(at, "mine");
     let other = [
