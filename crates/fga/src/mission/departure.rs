@@ -1,6 +1,7 @@
 //! The distance of a way back from the mission.
 
 use super::{MOST_LEGS, Progress, Way};
+use crate::Vec3;
 use crate::limit::Limit as _;
 use crate::situation::Mission;
 
@@ -13,29 +14,50 @@ impl Progress {
         self.work.0.saturating_sub(self.work.1) >= LEAST_LEFT
     }
 
-    /// Largest distance of a way onto the leg that begins at waypoint `index` from the mission, metres.
-    pub(crate) fn departure_m(&mut self, mission: &Mission<'_>, way: &Way, index: usize) -> f64 {
-        let legs = mission.waypoints_m.windows(2).skip(self.index);
-        let legs = legs.take(index.saturating_sub(self.index).min(MOST_LEGS) + 1);
-        let meter = self.meter();
+    /// Largest distance of a way onto the leg that begins at waypoint `index` from the mission, metres, or some that is
+    /// at least `enough_m`.
+    pub(crate) fn departure_m(
+        &mut self,
+        mission: &Mission<'_>,
+        (way, index): (&Way, usize),
+        enough_m: f64,
+    ) -> f64 {
+        let last = index.saturating_sub(self.index);
         let mut farthest_m: f64 = 0.0;
-        for (place_m, at_s) in way.places() {
-            if meter.is_met() {
-                farthest_m = f64::INFINITY;
+        for place in way.places() {
+            if farthest_m >= enough_m {
                 break;
             }
-            meter.count(legs.len() / 2);
-            let place_m = *place_m + self.wind_mps * *at_s;
-            let mut nearest_m = f64::INFINITY;
-            for leg in legs.clone() {
-                let [from_m, to_m] = leg else { continue };
-                let (along, offset) = (*to_m - *from_m, place_m - *from_m);
-                let share = offset.dot(along) / along.length_squared().max(1e-9);
-                nearest_m = nearest_m.min((offset - along * share.limited(0.0, 1.0)).length());
-            }
-            farthest_m = farthest_m.max(nearest_m);
+            farthest_m = farthest_m.max(self.aside_m(mission, last, place));
         }
-        self.note(&meter);
         farthest_m
+    }
+
+    /// Distance of a place in the air, metres, at a time, seconds from the decision, from the present leg and the `last`
+    /// ones after it, metres; infinite once the work is done.
+    pub(crate) fn aside_m(
+        &mut self,
+        mission: &Mission<'_>,
+        last: usize,
+        (place_m, at_s): &(Vec3, f64),
+    ) -> f64 {
+        let legs = mission.waypoints_m.windows(2).skip(self.index);
+        let legs = legs.take(last.min(MOST_LEGS) + 1);
+        let meter = self.meter();
+        if meter.is_met() {
+            return f64::INFINITY;
+        }
+        meter.count(legs.len() / 2);
+        self.note(&meter);
+        let place_m = *place_m + self.wind_mps * *at_s;
+        let mut nearest_m = f64::INFINITY;
+        for leg in legs {
+            let [from_m, to_m] = leg else { continue };
+            let (along, offset) = (*to_m - *from_m, place_m - *from_m);
+            let share = offset.dot(along) / along.length_squared().max(1e-9);
+            let aside = offset - along * share.limited(0.0, 1.0);
+            nearest_m = nearest_m.min(aside.length_squared());
+        }
+        libm::sqrt(nearest_m)
     }
 }

@@ -227,9 +227,7 @@ impl Search<'_> {
             .rows()
             .iter()
             .all(|h| h.growth_mps == 0.0);
-        // With bank lag single turns are no proof: two of them have cleared what none of those did.
-        let is_provable = is_certain && self.scene.flyer.is_ideal();
-        if is_certain && self.is_enclosed() || is_provable && self.is_hopeless(&found) {
+        if is_certain && (self.is_enclosed() || self.is_hopeless(&found)) {
             return Some((found, Proof::Hopeless));
         }
         let far_m = target_m - FAR * self.scene.turn_radius_m();

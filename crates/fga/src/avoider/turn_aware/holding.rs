@@ -12,14 +12,18 @@ pub(super) const KEEP_SHARE: f64 = 0.5;
 /// The same where the manoeuvre was found with less than the wanted margin: drift takes the rest sooner.
 const KEEP_SHARE_OF_LESS: f64 = 0.8;
 
-/// Tolerance when comparing a prediction with what happened, m (velocities: a tenth of it, m/s).
+/// A certificate is renewed once the aircraft may be off its prediction by more than this share of the margin before the
+/// horizon; what it needs includes as much.
+const SPARE_SHARE: f64 = 0.1;
+
+/// A turn rate grows faster than the bank: at most so many times as fast below the largest bank.
+const BANKS: f64 = 4.0;
+
+/// Tolerance when comparing obstacles with how they were expected, m (velocities: a tenth of it, m/s).
 const SAME_M: f64 = 1e-6;
 
-/// The same tolerance for angles, radians.
-const SAME_RAD: f64 = 1e-9;
-
 /// A certificate is renewed after this long in any case, so that its horizon moves on, seconds.
-const RENEWED_AFTER_S: f64 = 1.0;
+const RENEWED_AFTER_S: f64 = 2.0;
 
 /// The assumptions of a certificate. While they hold, as in a simulation without noise, the certificate
 /// holds.
@@ -29,6 +33,8 @@ pub(in crate::avoider) struct Basis {
     since_s: f64,
     own: MotionState,
     obstacles: Outlook,
+    /// Margin beyond what the certificate needs, metres.
+    spare_m: f64,
 }
 
 /// The obstacles extrapolated to the plan's decision, in sums that distinguish them.
@@ -75,13 +81,16 @@ impl Avoider {
             KEEP_SHARE
         };
         let keep_m = share * plan.target_m;
+        let most_m = keep_m + SPARE_SHARE * plan.target_m;
         let remaining = plan.remaining(situation.time_s);
-        let holds = self.margin_of(&remaining, now, (keep_m, keep_m)) >= keep_m;
+        let margin_m = self.margin_of(&remaining, now, (keep_m, most_m));
+        let holds = margin_m >= keep_m;
         if let Some(plan) = self.plan.as_mut().filter(|_| holds) {
             plan.basis = Some(Basis {
                 since_s,
                 own: *now,
                 obstacles,
+                spare_m: margin_m.min(most_m) - keep_m,
             });
         }
         holds
@@ -105,14 +114,15 @@ impl Avoider {
             ..basis.own
         };
         let there = self.after(&from, &plan.maneuver, since_s);
-        let position_m = there.position_m + situation.wind_mps * passed_s;
-        let turned_rad = [
-            now.course_rad - there.course_rad,
-            now.climb_rad - there.climb_rad,
-            now.bank_rad - there.bank_rad,
-        ];
-        (position_m - now.position_m).abs().max_element() < SAME_M
-            && turned_rad.iter().all(|angle| angle.abs() < SAME_RAD)
+        let off_m = (there.position_m + situation.wind_mps * passed_s).distance(now.position_m);
+        // A bank that is off turns the aircraft until it has gone: by less than it does at the rate of the largest bank.
+        let full_rad = self.flyer.full_bank_rad().max(f64::MIN_POSITIVE);
+        let banked_s = self.flyer.bank_time_constant_s() * self.flyer.course_rate_radps();
+        let off_rad = (now.course_rad - there.course_rad).abs()
+            + (now.climb_rad - there.climb_rad).abs()
+            + BANKS * banked_s * (now.bank_rad - there.bank_rad).abs() / full_rad;
+        let ahead_m = self.flyer.airspeed_mps() * self.look_s;
+        off_m + off_rad * ahead_m <= basis.spare_m
     }
 
     fn outlook(&self, wind_mps: Vec3, since_s: f64) -> Outlook {

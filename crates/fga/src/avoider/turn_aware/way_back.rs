@@ -236,8 +236,17 @@ impl Avoider {
     ) -> Option<(f64, Way, usize)> {
         let climb_limits_rad = self.climb_limits_rad();
         let (progress, flyer) = (&mut self.progress, &self.flyer);
+        // Every way departs by what the aircraft does now.
+        let here = (from.position_m, from.time_s);
+        let least_m = progress.aside_m(mission, skipped, &here);
         let mut best: Option<(f64, (f64, Way, usize))> = None;
         for intercept_rad in intercepts_rad {
+            let most_m = best
+                .as_ref()
+                .map_or(f64::INFINITY, |(away_m, _)| CLEARLY_NEARER * away_m);
+            if least_m >= most_m {
+                break;
+            }
             let limits = JoinLimits {
                 intercept_rad: *intercept_rad,
                 climb_limits_rad,
@@ -247,8 +256,8 @@ impl Avoider {
             }
             let way = progress.way_back_roughly(mission, from, flyer, &limits, skipped);
             let Some((way, index)) = way else { continue };
-            let away_m = progress.departure_m(mission, &way, index);
-            if best.is_none_or(|(least_m, _)| away_m < CLEARLY_NEARER * least_m) {
+            let away_m = progress.departure_m(mission, (&way, index), most_m);
+            if best.is_none() || away_m < most_m {
                 best = Some((away_m, (*intercept_rad, way, index)));
             }
         }
