@@ -121,6 +121,8 @@ pub struct Avoider {
     plan: Option<Plan>,
     /// The last chosen way back.
     returned: Option<Returned>,
+    /// The ways back that led to obstacles when they were last looked at.
+    refusals: turn_aware::Refusals,
     /// Time of the last step, seconds on a clock that never goes back, which is ahead of the situation's clock by this, seconds.
     last_time_s: f64,
     set_back_s: f64,
@@ -169,6 +171,7 @@ impl Avoider {
             path: FlightPath::new(),
             plan: None,
             returned: None,
+            refusals: turn_aware::Refusals::NONE,
             last_time_s: f64::NEG_INFINITY,
             set_back_s: 0.0,
             cycle: 0,
@@ -198,6 +201,7 @@ impl Avoider {
         self.tracks.forget();
         self.plan = None;
         self.returned = None;
+        self.refusals = turn_aware::Refusals::NONE;
         (self.last_time_s, self.set_back_s) = (f64::NEG_INFINITY, 0.0);
         self.cycle = 0;
         (self.cut, self.improved_to) = (0, 0);

@@ -8,11 +8,13 @@ mod farther;
 mod holding;
 mod need;
 mod room;
+mod sight;
 mod small;
 mod sooner;
 mod way_back;
 
 pub(super) use holding::Basis;
+pub(super) use sight::Refusals;
 
 use crate::avoider::quiet::LineAhead;
 use crate::avoider::{

@@ -31,6 +31,7 @@ const RENEWED_AFTER_S: f64 = 2.0;
 pub(in crate::avoider) struct Basis {
     /// Its time, seconds from the plan's decision.
     since_s: f64,
+    /// The aircraft as predicted for the last step, its time counted from the plan's decision.
     own: MotionState,
     obstacles: Outlook,
     /// Margin beyond what the certificate needs, metres.
@@ -68,11 +69,13 @@ impl Avoider {
         }
         let since_s = situation.time_s - plan.decided_s;
         let obstacles = self.outlook(situation.wind_mps, since_s);
-        let comes_true = !self.tracks.has_aircraft()
-            && plan.basis.is_some_and(|basis| {
-                basis.obstacles.is(&obstacles) && self.flies_as(plan, &basis, situation, now)
-            });
-        if comes_true {
+        let basis = (plan.basis)
+            .filter(|basis| !self.tracks.has_aircraft() && basis.obstacles.is(&obstacles))
+            .and_then(|basis| self.flies_as(plan, &basis, situation, now));
+        if basis.is_some() {
+            if let Some(plan) = self.plan.as_mut() {
+                plan.basis = basis;
+            }
             return true;
         }
         let share = if plan.target_m < self.wanted_m {
@@ -88,7 +91,10 @@ impl Avoider {
         if let Some(plan) = self.plan.as_mut().filter(|_| holds) {
             plan.basis = Some(Basis {
                 since_s,
-                own: *now,
+                own: MotionState {
+                    time_s: since_s,
+                    ..*now
+                },
                 obstacles,
                 spare_m: margin_m.min(most_m) - keep_m,
             });
@@ -96,25 +102,25 @@ impl Avoider {
         holds
     }
 
-    /// Whether the aircraft has followed the plan since its certificate.
+    /// The certificate's assumptions with the aircraft as predicted for now, if it has followed the plan since then.
     fn flies_as(
         &self,
         plan: &Plan,
         basis: &Basis,
         situation: &Situation<'_>,
         now: &MotionState,
-    ) -> bool {
+    ) -> Option<Basis> {
         let since_s = situation.time_s - plan.decided_s;
-        let passed_s = since_s - basis.since_s;
-        if !(0.0..RENEWED_AFTER_S).contains(&passed_s) {
-            return false;
+        let passed_s = since_s - basis.own.time_s;
+        if passed_s < 0.0 || since_s - basis.since_s >= RENEWED_AFTER_S {
+            return None;
         }
-        let from = MotionState {
-            time_s: basis.since_s,
-            ..basis.own
+        let air = self.after(&basis.own, &plan.maneuver, since_s);
+        let there = MotionState {
+            position_m: air.position_m + situation.wind_mps * passed_s,
+            ..air
         };
-        let there = self.after(&from, &plan.maneuver, since_s);
-        let off_m = (there.position_m + situation.wind_mps * passed_s).distance(now.position_m);
+        let off_m = there.position_m.distance(now.position_m);
         // A bank that is off turns the aircraft until it has gone: by less than it does at the rate of the largest bank.
         let full_rad = self.flyer.full_bank_rad().max(f64::MIN_POSITIVE);
         let banked_s = self.flyer.bank_time_constant_s() * self.flyer.course_rate_radps();
@@ -122,7 +128,11 @@ impl Avoider {
             + (now.climb_rad - there.climb_rad).abs()
             + BANKS * banked_s * (now.bank_rad - there.bank_rad).abs() / full_rad;
         let ahead_m = self.flyer.airspeed_mps() * self.look_s;
-        off_m + off_rad * ahead_m <= basis.spare_m
+        let is_spared = off_m + off_rad * ahead_m <= basis.spare_m;
+        is_spared.then_some(Basis {
+            own: there,
+            ..*basis
+        })
     }
 
     fn outlook(&self, wind_mps: Vec3, since_s: f64) -> Outlook {

@@ -17,7 +17,10 @@ use super::{ENOUGH_M, NEXT_ENCOUNTER_S};
 const MAX_SKIPPED: usize = 64;
 
 /// Intercept angles of the way back, radians, preferred first.
-const INTERCEPTS_RAD: [f64; 6] = [0.52, 0.79, 0.35, 1.05, 0.17, 1.45];
+const INTERCEPTS_RAD: [f64; INTERCEPTS] = [0.52, 0.79, 0.35, 1.05, 0.17, 1.45];
+
+/// How many they are.
+pub(super) const INTERCEPTS: usize = 6;
 
 /// Smaller intercept angles are only for a near mission, radians.
 const SHALLOW_RAD: f64 = 0.5;
@@ -106,7 +109,6 @@ impl Avoider {
         if !self.cycle.is_multiple_of(LOOK_BACK_EVERY) || self.meter.is_met() {
             return None;
         }
-        self.flyer.keep_rolls_from(now.bank_rad);
         let turn = (self.cycle / LOOK_BACK_EVERY) as usize;
         let other = 1 + turn / 2 % (INTERCEPTS_RAD.len() - 1);
         let place = if turn.is_multiple_of(2) { 0 } else { other };
@@ -120,6 +122,10 @@ impl Avoider {
         let detour = (turn % 2 == 1)
             .then(|| self.detour(situation, now, (waited_s, turn / 2)))
             .flatten();
+        if detour.is_none() && self.refusals.holds(place, plan, situation.time_s) {
+            return None;
+        }
+        self.flyer.keep_rolls_from(now.bank_rad);
         let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
         let is_any = detour.is_none() && turn.is_multiple_of(2);
         let intercepts_rad: &[f64] = if is_any {
@@ -131,10 +137,15 @@ impl Avoider {
         let joins_s = nearest.and_then(|(_, way, _)| Some(way.end()?.1));
         let late_s = self.returned.map_or(0.0, |returned| returned.late_s);
         let is_late = joins_s.is_some_and(|joins_s| situation.time_s + joins_s + late_s > latest_s);
-        let leads_to =
-            |(_, way, index)| self.leads_to_obstacle(&way, index, plan, (situation, now));
-        let is_useless = is_late || nearest.is_some_and(leads_to);
-        if detour.is_none() && is_useless {
+        let into_m = (nearest.as_ref())
+            .filter(|_| detour.is_none() && !is_late)
+            .and_then(|(_, way, index)| {
+                self.leads_to_obstacle(way, *index, plan, (situation, now))
+            });
+        if let Some(into_m) = into_m {
+            (self.refusals).refuse(place, plan, (situation.time_s, into_m));
+        }
+        if detour.is_none() && is_late || into_m.is_some() {
             self.count_mission();
             return None;
         }
@@ -264,24 +275,30 @@ impl Avoider {
         best.map(|(_, nearest)| nearest)
     }
 
-    /// Whether a way back leads to an obstacle, wherever in its neighbourhood it lies.
+    /// By how many metres a way back leads into an obstacle, wherever in its neighbourhood it lies; `None` for one that does
+    /// not.
     fn leads_to_obstacle(
         &self,
         way: &Way,
         index: usize,
         plan: &Plan,
         now: (&Situation<'_>, &MotionState),
-    ) -> bool {
-        self.is_blocked(way) || (index == self.progress.index() && self.leads_back(way, plan, now))
+    ) -> Option<f64> {
+        let is_here = index == self.progress.index();
+        self.is_blocked(way)
+            .or_else(|| is_here.then(|| self.leads_back(way, plan, now)).flatten())
     }
 
-    /// Whether an obstacle stands on a way back.
-    fn is_blocked(&self, way: &Way) -> bool {
+    /// By how many metres a way back leads into an obstacle that stands on it; `None` where none does.
+    fn is_blocked(&self, way: &Way) -> Option<f64> {
         let inside_m = self.target_m - self.roughly_m();
         let hazards = self.tracks.hazards().rows();
         let turns_mps2 = self.flyer.airspeed_mps() * self.flyer.course_rate_radps();
-        way.lines().any(|(line, turns)| {
+        let found = way.lines().filter_map(|(line, turns)| {
             let duration_s = line.duration_s.min(self.far_s - line.at_s);
+            if duration_s <= 0.0 {
+                return None;
+            }
             let bow_m = if turns {
                 turns_mps2 * line.duration_s * line.duration_s / 8.0
             } else {
@@ -289,24 +306,24 @@ impl Avoider {
             };
             self.meter.count(hazards.len());
             let line = Line { duration_s, ..line };
-            duration_s > 0.0
-                && hazards.iter().any(|hazard| {
-                    let found = hazard.least_on_line(&line, inside_m - bow_m, &self.meter);
-                    found.is_some()
-                })
-        })
+            let into_m = hazards.iter().filter_map(|hazard| {
+                let (margin_m, _) = hazard.least_on_line(&line, inside_m - bow_m, &self.meter)?;
+                Some(inside_m - bow_m - margin_m)
+            });
+            into_m.reduce(f64::max)
+        });
+        found.reduce(f64::max)
     }
 
-    /// Whether a way back onto the present leg leads to an obstacle of the same encounter once it is there.
+    /// By how many metres a way back onto the present leg leads into an obstacle of the same encounter once it is there;
+    /// `None` for one that does not.
     fn leads_back(
         &self,
         way: &Way,
         plan: &Plan,
         (situation, now): (&Situation<'_>, &MotionState),
-    ) -> bool {
-        let Some((end_m, end_s)) = way.end() else {
-            return false;
-        };
+    ) -> Option<f64> {
+        let (end_m, end_s) = way.end()?;
         let leg = self.progress.leg(now);
         let (low, high) = self.climb_limits_rad();
         let on_leg = MotionState {
@@ -326,10 +343,11 @@ impl Avoider {
         let hazards = self.tracks.hazards().rows();
         self.meter.count(hazards.len());
         let mut same = hazards.iter().filter(|h| plan.against.contains(h.id));
-        same.any(|hazard| {
+        same.find_map(|hazard| {
             let until_s = passes_s(hazard, situation) + NEXT_ENCOUNTER_S - ROUGHLY_S;
-            let found = hazard.least_on_line(&line, inside_m, &self.meter);
-            found.is_some_and(|(_, at_s)| at_s < until_s && at_s < end_s + line.duration_s)
+            let (margin_m, at_s) = hazard.least_on_line(&line, inside_m, &self.meter)?;
+            let is_same = at_s < until_s && at_s < end_s + line.duration_s;
+            is_same.then(|| inside_m - margin_m)
         })
     }
 
