@@ -3,12 +3,13 @@
 //! The front that could be cheapest is looked at next, until its first turn may do; then it is swept from there.
 
 use crate::angle::Side;
-use crate::prediction::MotionState;
+use crate::certificate::{ALWAYS, Certificate, Hazard};
+use crate::prediction::{CHORD_BOW_M, MotionState};
 
 use super::front::Fronts;
 use super::line::{Entry, Tangent};
-use super::sweep::{LONGEST_STEP_RAD, Sweep};
-use super::{Found, MAX_TURN_RAD, Objective, Search};
+use super::sweep::{LONGEST_STEP_RAD, Leave, Sweep};
+use super::{CLIMB_STEP_RAD, Found, MAX_TURN_RAD, Objective, Search};
 
 /// What the line of the smallest turn keeps beyond the target, turn radii.
 const NEAR: f64 = 0.005;
@@ -18,6 +19,18 @@ const USUAL: f64 = 0.7;
 
 /// Most lines on the way to the smallest turn that does.
 const LINES: usize = 3;
+
+/// Most certificates on the way to the least turn that is certified.
+const CERTIFICATES: usize = 6;
+
+/// A turn or climb that keeps at most this many times as much beyond the target is the least one.
+const MOST_NEAR: f64 = 3.0;
+
+/// The least certified turn is known to this, radians.
+const FINEST_RAD: f64 = 1.0 / 1280.0;
+
+/// A turn moves what happens sooner after it as if it happened this long after it, seconds.
+const LEAST_LEVER_S: f64 = 0.5;
 
 /// It is no farther from the first one that may do, radians.
 const MOST_BY_LINES_RAD: f64 = 0.04;
@@ -40,7 +53,8 @@ impl Search<'_> {
             let next = fronts.next_mut()?;
             if next.is_ready || self.limit_met() {
                 let (what, from_rad) = ((next.climb_rad, next.side), next.least_rad);
-                let turn_rad = self.by_lines(entry, what, from_rad)?;
+                // Rather too small than too large: what departs more than it seems is found out later.
+                let turn_rad = self.by_lines(entry, what, (from_rad, MOST_BY_LINES_RAD))?;
                 return self.tangent(entry, what, turn_rad);
             }
             self.advance(entry, next);
@@ -66,7 +80,7 @@ impl Search<'_> {
             let (climb_rad, side, from_rad) = (next.climb_rad, next.side, next.least_rad);
             next.close();
             let max_turn_rad = self.room_rad(&from, (climb_rad, side), most);
-            let leave = self.smallest(&Sweep {
+            let sweep = Sweep {
                 from,
                 first: None,
                 before_m: entry.before_m,
@@ -76,7 +90,11 @@ impl Search<'_> {
                 max_turn_rad,
                 floor_m: scene.target_m,
                 enough_m: scene.target_m,
-            });
+            };
+            let leave = match self.closed_in(entry, &sweep) {
+                Ok(leave) => leave,
+                Err(from_rad) => self.smallest(&Sweep { from_rad, ..sweep }),
+            };
             let Some(leave) = leave else {
                 if best.is_none() && !has_failed {
                     has_failed = true;
@@ -99,12 +117,147 @@ impl Search<'_> {
         best
     }
 
+    /// The least certified turn of a sweep, closed in on by certificates, if there is one; or a turn up to which none is,
+    /// radians, where they did not tell.
+    fn closed_in(&mut self, entry: &Entry, sweep: &Sweep) -> Result<Option<Leave>, f64> {
+        let scene = self.scene;
+        let what = (sweep.climb_rad, sweep.side);
+        let is_steady = |hazard: &Hazard| hazard.window_s == ALWAYS;
+        // What may happen at some times only makes margins that jump.
+        if !scene.hazards.rows().iter().all(is_steady) {
+            return Err(sweep.from_rad);
+        }
+        let near_m = NEAR * scene.turn_radius_m();
+        let mut fails_rad = sweep.from_rad;
+        let mut best: Option<Leave> = None;
+        let mut before: Option<(f64, f64)> = None;
+        let begun = self.by_lines(entry, what, (sweep.from_rad, MAX_TURN_RAD));
+        let mut turn_rad = begun.ok_or(fails_rad)?;
+        let least_rad = turn_rad.min(self.least_rad(entry, sweep).ok_or(fails_rad)?);
+        for _ in 0..CERTIFICATES {
+            if self.limit_met() {
+                break;
+            }
+            if turn_rad > sweep.max_turn_rad && best.is_none() {
+                return Ok(None);
+            }
+            let (leave, certificate) = self.certified_at(entry, sweep, turn_rad);
+            let tangent = self.tangent(entry, what, turn_rad).ok_or(fails_rad)?;
+            let lacks_m = sweep.enough_m - leave.margin_m;
+            let left_s = certificate.at_s - tangent.parts_s;
+            let mut more_rad = 0.0;
+            if lacks_m <= 0.0 {
+                best = Some(leave);
+                if turn_rad <= least_rad {
+                    let left_s = certificate.at_s - entry.wait_s();
+                    return Ok(Some(self.less_climb(entry, sweep, (leave, left_s))));
+                }
+                if -lacks_m <= MOST_NEAR * near_m || turn_rad - fails_rad <= FINEST_RAD {
+                    return Ok(Some(leave));
+                }
+            } else {
+                fails_rad = fails_rad.max(turn_rad);
+                // The certificate is that of chords.
+                more_rad = self.least_more_rad(lacks_m - CHORD_BOW_M, left_s);
+                if more_rad == f64::INFINITY && best.is_none() {
+                    return Ok(None);
+                }
+                if left_s <= 0.0 {
+                    break;
+                }
+            }
+            let here = (turn_rad, leave.margin_m);
+            let usual = USUAL * scene.flyer.airspeed_mps() * left_s.max(LEAST_LEVER_S);
+            let slope = secant(before, here).unwrap_or(usual);
+            let step_rad = ((lacks_m + near_m) / slope).min(LONGEST_STEP_RAD);
+            before = Some(here);
+            let does_rad = best.map_or(f64::INFINITY, |best| best.turn_rad.abs());
+            turn_rad += step_rad.max(more_rad);
+            if turn_rad <= fails_rad.max(least_rad) || turn_rad >= does_rad {
+                turn_rad = 0.5 * (fails_rad.max(least_rad) + does_rad);
+            }
+        }
+        best.map(Some).ok_or(fails_rad)
+    }
+
+    /// A change of climb without a turn that keeps more than the wanted margin `left_s` after it begins, with less of a climb.
+    fn less_climb(&mut self, entry: &Entry, sweep: &Sweep, (most, left_s): (Leave, f64)) -> Leave {
+        let scene = self.scene;
+        let near_m = NEAR * scene.turn_radius_m();
+        let beyond_rad = sweep.climb_rad - scene.original.1;
+        let back_rad = CLIMB_STEP_RAD.min(beyond_rad.abs());
+        let sign = libm::copysign(1.0, beyond_rad);
+        let turn_rad = sweep.side.sign() * most.turn_rad;
+        let usual = USUAL * scene.flyer.airspeed_mps() * left_s.max(LEAST_LEVER_S);
+        let (mut best, mut at, mut before) = (most, (0.0, most.margin_m), None);
+        let mut fails_rad = back_rad;
+        for _ in 0..LINES {
+            // Less of a climb keeps less.
+            let slope = secant(before, (-at.0, at.1)).unwrap_or(usual);
+            let spare_m = at.1 - sweep.enough_m - near_m;
+            let least_rad = sign * (sweep.climb_rad - best.climb_rad);
+            let mut less_rad = at.0 + spare_m / slope;
+            if less_rad <= least_rad || less_rad > fails_rad {
+                less_rad = 0.5 * (least_rad + fails_rad);
+            }
+            let is_near = best.margin_m - sweep.enough_m <= MOST_NEAR * near_m;
+            if is_near || less_rad - least_rad < FINEST_RAD || self.limit_met() {
+                break;
+            }
+            let climb_rad = sweep.climb_rad - sign * less_rad;
+            if !self.may_do(&sweep.from, (climb_rad, sweep.side), turn_rad) {
+                fails_rad = less_rad;
+                continue;
+            }
+            let less = Sweep {
+                climb_rad,
+                ..*sweep
+            };
+            let (leave, _) = self.certified_at(entry, &less, turn_rad);
+            before = Some((-at.0, at.1));
+            at = (less_rad, leave.margin_m);
+            if leave.margin_m >= sweep.enough_m {
+                best = leave;
+            } else {
+                fails_rad = less_rad;
+            }
+        }
+        best
+    }
+
+    /// The least turn of a sweep: rolling out at once, radians.
+    fn least_rad(&mut self, entry: &Entry, sweep: &Sweep) -> Option<f64> {
+        let bank_rad = sweep.side.sign() * entry.from.bank_rad;
+        Some(self.bend(bank_rad, sweep.side)?.least_rad())
+    }
+
+    /// A turn of a sweep as a whole manoeuvre, and its certificate.
+    fn certified_at(
+        &mut self,
+        entry: &Entry,
+        sweep: &Sweep,
+        turn_rad: f64,
+    ) -> (Leave, Certificate) {
+        let turn_rad = sweep.side.sign() * turn_rad;
+        let turns = entry.turns(turn_rad, sweep.climb_rad);
+        let certificate = self.certify(&turns, &entry.from, f64::MIN);
+        let margin_m = certificate.proven_m();
+        let leave = Leave {
+            turn_rad,
+            climb_rad: sweep.climb_rad,
+            margin_m,
+            state: entry.from,
+            before_m: entry.before_m,
+        };
+        (leave, certificate)
+    }
+
     /// About the least turn of a front that does on the line on which it ends, from one that may, radians.
     fn by_lines(
         &mut self,
         entry: &Entry,
         (climb_rad, side): (f64, Side),
-        from_rad: f64,
+        (from_rad, step_rad): (f64, f64),
     ) -> Option<f64> {
         let scene = self.scene;
         let radius_m = scene.turn_radius_m();
@@ -123,10 +276,13 @@ impl Search<'_> {
                 break;
             }
             before = Some((turn_rad, look.margin_m));
-            turn_rad += (scene.target_m + NEAR * radius_m - look.margin_m) / slope;
+            let more_m = scene.target_m + NEAR * radius_m - look.margin_m;
+            turn_rad += (more_m / slope).min(LONGEST_STEP_RAD);
+            if turn_rad > least_rad + step_rad {
+                return Some(least_rad + step_rad);
+            }
         }
-        // Rather too small than too large: what departs more than it seems is found out later.
-        Some(turn_rad.min(least_rad + MOST_BY_LINES_RAD))
+        Some(turn_rad)
     }
 
     /// The largest turn that costs less than `most`, and a step more: its last part may be taken back again.

@@ -245,8 +245,8 @@ impl Search<'_> {
                 if is_arc {
                     return Some(f64::INFINITY);
                 }
-                let lever_m = flyer.airspeed_mps() * (found.at_s - tangent.parts_s);
-                let step_rad = (floor_m - found.margin_m) / lever_m.max(f64::MIN_POSITIVE);
+                let left_s = found.at_s - tangent.parts_s;
+                let step_rad = self.least_more_rad(floor_m - found.margin_m, left_s);
                 return Some(turn_rad + step_rad.max(LEAST_STEP_RAD));
             }
             here = there;
@@ -257,8 +257,8 @@ impl Search<'_> {
     /// The turn up to which those of a front are ruled out by the line on which its first one ends, radians; `None`
     /// where that tells too little.
     ///
-    /// A turn that goes on by Δψ has moved the aircraft by less than V Δψ (t − t₀) at the moment t of the closest
-    /// approach, where t₀ is when the roll-out of the first one begins.
+    /// A turn that goes on has moved the aircraft only so far by the moment of the closest approach
+    /// ([`Self::least_more_rad`]).
     fn rules_out_rad(&mut self, entry: &Entry, front: &Front) -> Option<f64> {
         if self.limit_met() {
             return None;
@@ -274,10 +274,7 @@ impl Search<'_> {
         if short_m <= 0.0 {
             return None;
         }
-        if look.lever_m <= 0.0 {
-            return Some(f64::INFINITY);
-        }
-        let step_rad = short_m / look.lever_m;
+        let step_rad = self.least_more_rad(short_m, look.left_s);
         (step_rad > LEAST_STEP_RAD).then_some(turn_rad + step_rad)
     }
 }

@@ -97,11 +97,12 @@ pub(super) struct Tangent {
 
 /// What the line on which a turn ends tells.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::struct_field_names, reason = "the postfix is the unit")]
 pub(super) struct Look {
     pub margin_m: f64,
     /// How far turning on by a radian moves the aircraft at most by the closest approach, metres.
     pub lever_m: f64,
+    /// From when turns that go on leave this one to the closest approach, seconds.
+    pub left_s: f64,
     pub inexact_m: f64,
 }
 
@@ -166,11 +167,33 @@ impl Search<'_> {
         let clear = Certificate::clear(enough_m);
         let (state, velocity_mps) = (&tangent.state, tangent.velocity_mps);
         let line = self.straight_on(state, velocity_mps, &clear, self.scene.target_m);
+        let left_s = line.at_s - tangent.parts_s;
         Some(Look {
             margin_m: line.margin_m,
-            lever_m: self.scene.flyer.airspeed_mps() * (line.at_s - tangent.parts_s),
+            lever_m: self.scene.flyer.airspeed_mps() * left_s,
+            left_s,
             inexact_m: tangent.inexact_m,
         })
+    }
+
+    /// How much farther a turn has to go on at least to move the aircraft by some metres until `left_s` after it leaves the
+    /// shorter one, radians; infinite if it never does.
+    ///
+    /// Their courses differ by Δψ at most, and by ω s at most s seconds after they part: until then the turn moves the aircraft
+    /// by V (Δψ t − Δψ² / 2ω) at most, and by V ω t² / 2 however far it goes.
+    pub(super) fn least_more_rad(&self, short_m: f64, left_s: f64) -> f64 {
+        if short_m <= 0.0 {
+            return 0.0;
+        }
+        let flyer = self.scene.flyer;
+        let rate_radps = flyer.course_rate_radps();
+        let short_s2 = 2.0 * short_m / (flyer.airspeed_mps() * rate_radps);
+        let left_s2 = left_s * left_s - short_s2;
+        if left_s <= 0.0 || left_s2 <= 0.0 {
+            return f64::INFINITY;
+        }
+        // As τ − √(τ² − s) without the loss of digits.
+        rate_radps * short_s2 / (left_s + libm::sqrt(left_s2))
     }
 
     /// The line on which a turn to a side at a climb target ends.

@@ -232,8 +232,7 @@ impl Search<'_> {
     /// The additional turn, beyond a state with too small a margin, before a margin of `floor_m` is
     /// possible, radians; infinite if it never is.
     ///
-    /// Turns that are longer by Δψ have moved the aircraft by less than V Δψ (t − t₀) at the moment t of
-    /// the closest approach, where t₀ is the end of the arc.
+    /// Longer turns have moved the aircraft only so far by the moment of the closest approach ([`Self::least_more_rad`]).
     fn failing(&self, state: &MotionState, tail: &Certificate, sweep: &Sweep, floor_m: f64) -> f64 {
         let flyer = self.scene.flyer;
         let (slack_m, slack_rad) = if self.is_settled(state, sweep.climb_rad) {
@@ -248,11 +247,8 @@ impl Search<'_> {
         if short_m <= 0.0 || turns_away {
             return 0.0;
         }
-        let lever_m = flyer.airspeed_mps() * (tail.at_s - state.time_s);
-        if lever_m <= 0.0 {
-            return f64::INFINITY;
-        }
-        (short_m / lever_m * (1.0 - 1e-9) - slack_rad).max(0.0)
+        let more_rad = self.least_more_rad(short_m, tail.at_s - state.time_s);
+        (more_rad * (1.0 - 1e-9) - slack_rad).max(0.0)
     }
 
     /// A turn of a sweep, shortened within its last step.
