@@ -38,7 +38,7 @@ const TARGETS: u32 = 4;
 
 /// With bank lag the same number of manoeuvres takes this many times the work, so searches that find nothing
 /// continue for this many times as many steps.
-const LAG_WORK: u32 = 3;
+const LAG_WORK: u32 = 2;
 
 /// Another uncertified manoeuvre must be better by this, metres.
 const CLEARLY_BETTER_M: f64 = 0.5;
@@ -396,7 +396,8 @@ impl Avoider {
         if self.flyer.is_ideal() {
             return news_s >= SEARCH_ALL_S;
         }
-        (self.settings.work_limit as usize).saturating_mul(GRIDS) <= self.searched as usize
+        let of_all = (self.settings.work_limit / LATER_SHARE) as usize;
+        of_all.saturating_mul(GRIDS) <= self.searched as usize
     }
 
     /// Flying the manoeuvre: keeps it, replaces it, or returns.

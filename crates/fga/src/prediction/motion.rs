@@ -22,7 +22,7 @@ mod lagged;
 
 pub(crate) use arc::ArcSteps;
 
-use self::lagged::{Rolls, SETTLES};
+use self::lagged::{Rolls, SETTLES, SETTLING, Settling};
 
 /// An angle closer to its target than this has reached it, radians.
 const REACHED_RAD: f64 = 1e-11;
@@ -158,9 +158,8 @@ pub struct Flyer {
     rolling_out: Rolls,
     /// First pieces of the rolls from level flight to either side, and from the bank of now to these and to level.
     begun: [Roll; 5],
-    /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of
-    /// the course at its start, metres.
-    settles_m: [(f64, f64); SETTLES],
+    /// Displacement of a roll-out from a bank up to each of its moments: forward and left of the course at its start, metres.
+    settles_m: [Settling; SETTLES],
     /// Turns from the largest bank to the other side, in which those from any bank are contained.
     widest_bend: Option<Bend>,
     /// Turns from level flight, and from the bank of now to the left and to the right.
@@ -186,7 +185,7 @@ impl Flyer {
             rolling_over: Rolls::NONE,
             rolling_out: Rolls::NONE,
             begun: [Roll::NONE; 5],
-            settles_m: [(0.0, 0.0); SETTLES],
+            settles_m: [[(0.0, 0.0); SETTLING.len()]; SETTLES],
             widest_bend: None,
             bends: [None; 3],
         };

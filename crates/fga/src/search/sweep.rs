@@ -71,10 +71,22 @@ impl Search<'_> {
     /// less of a climb if it does not turn at all, as long as the margin is enough.
     pub(super) fn smallest(&mut self, sweep: &Sweep) -> Option<Leave> {
         let (leave, last) = self.sweep_to(sweep)?;
-        Some(match last {
-            Some(step) => self.with_less_turn(&leave, &step, sweep),
-            None => self.with_less_climb(&leave, sweep),
-        })
+        let is_exact = self.scene.flyer.is_ideal();
+        let Some(step) = last else {
+            let leave = if is_exact {
+                Some(leave)
+            } else {
+                self.certified(&leave, sweep)
+            };
+            return leave.map(|leave| self.with_less_climb(&leave, sweep));
+        };
+        let less = self.with_less_turn(&leave, &step, sweep);
+        if is_exact {
+            return Some(less);
+        }
+        // Once more, exactly as flown.
+        self.certified(&less, sweep)
+            .or_else(|| self.certified(&leave, sweep))
     }
 
     /// The answer of [`Self::sweep`], and its last step.
@@ -212,6 +224,11 @@ impl Search<'_> {
         }
         // The straight flight after a roll-out fails most often, and is one line.
         let flyer = self.scene.flyer;
+        if state.climb_rad == climb_rad
+            && let Some(places) = flyer.settling(state)
+        {
+            return self.settles(state, &places, before, floor_m);
+        }
         if floor_m > f64::MIN
             && let Some(end) = flyer
                 .settled(state, climb_rad)
@@ -257,7 +274,7 @@ impl Search<'_> {
         let between_rad = (leave.turn_rad - self.turn_at(&last.from, sweep)).abs();
         let useless_rad = sweep.side.sign() * leave.turn_rad - sweep.from_rad;
         let most = (useless_rad / between_rad.max(f64::MIN_POSITIVE)).limited(0.0, 1.0);
-        let less = self.halved(leave, most, |search, share| {
+        self.halved(leave, most, |search, share| {
             let part_s = (1.0 - share) * last.lasts_s;
             let (turn_rad, state) = if flyer.is_ideal() {
                 let between_rad = leave.turn_rad - search.turn_at(&last.from, sweep);
@@ -275,12 +292,7 @@ impl Search<'_> {
                 ..*leave
             };
             search.evaluated_at(&left, sweep)
-        });
-        if flyer.is_ideal() || less == *leave {
-            return less;
-        }
-        // Once more, exactly as flown.
-        self.certified(&less, sweep).unwrap_or(*leave)
+        })
     }
 
     /// A change of climb, shortened.
@@ -475,14 +487,63 @@ impl Search<'_> {
         floor_m: f64,
     ) -> Certificate {
         let flyer = self.scene.flyer;
+        let mut worst = *before;
         let rest = Target {
             course_rad: state.course_rad + flyer.rollout_rad(state.bank_rad),
             climb_rad,
             rate_share: 1.0,
         };
-        let mut worst = *before;
         let state = self.glide(state, &rest, self.scene.horizon_s, floor_m, &mut worst);
         self.straight_on(&state, flyer.velocity_mps(&state), &worst, floor_m)
+    }
+
+    /// `before` lowered by a roll-out at a constant climb angle, along the lines between its moments, and by the straight
+    /// flight after it: to decimetres.
+    fn settles(
+        &mut self,
+        state: &MotionState,
+        places: &[(Vec3, f64, f64)],
+        before: &Certificate,
+        floor_m: f64,
+    ) -> Certificate {
+        let flyer = self.scene.flyer;
+        let mut worst = *before;
+        if let Some((position_m, time_s, _)) = places.last().copied() {
+            let end = MotionState {
+                time_s,
+                position_m,
+                course_rad: state.course_rad + flyer.rollout_rad(state.bank_rad),
+                ..*state
+            };
+            worst = self.straight_on(&end, flyer.velocity_mps(&end), before, floor_m);
+        }
+        let (mut from_m, mut at_s) = (state.position_m, state.time_s);
+        for (place_m, until_s, bow_m) in places {
+            if worst.margin_m < floor_m || at_s >= self.scene.horizon_s {
+                break;
+            }
+            let duration_s = until_s - at_s;
+            let line = Line {
+                from_m,
+                velocity_mps: (place_m - from_m) / duration_s,
+                at_s,
+                duration_s,
+            };
+            self.lower(
+                &line,
+                *bow_m,
+                floor_m,
+                &mut worst,
+                |hazard, worst, meter| {
+                    let below_m = worst.margin_m + bow_m;
+                    if let Some((least_m, at_s)) = hazard.least_on_line(&line, below_m, meter) {
+                        (worst.margin_m, worst.at_s) = (least_m - bow_m, at_s);
+                    }
+                },
+            );
+            (from_m, at_s) = (*place_m, *until_s);
+        }
+        worst
     }
 
     /// Flies on under one command up to `until_s` and lowers `worst` by it; ends early below

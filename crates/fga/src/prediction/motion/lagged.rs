@@ -3,7 +3,6 @@
 use core::f64::consts::FRAC_PI_2;
 
 use crate::Vec3;
-use crate::angle::direction;
 use crate::limit::Limit as _;
 use crate::prediction::motion::{Flyer, MotionState, Piece, REACHED_RAD, Target};
 use crate::prediction::roll::{Roll, roll_out, tan_share};
@@ -30,8 +29,15 @@ const KEPT_ROLLS: usize = 24;
 /// Banks with a tabulated roll-out, from level to the largest.
 pub(super) const SETTLES: usize = 33;
 
-/// A roll-out is over after this many time constants: thousandths of the bank are left.
+/// Moments of a roll-out, time constants after it begins; after the last one it is over: thousandths of the bank are left.
+pub(super) const SETTLING: [f64; 5] = [0.5, 1.0, 1.75, 3.0, SETTLED_AFTER];
 const SETTLED_AFTER: f64 = 6.0;
+
+/// Displacement up to each of them: forward and left of the course at the beginning, metres.
+pub(super) type Settling = [(f64, f64); SETTLING.len()];
+
+/// What is left of the bank at those moments, e to the minus them.
+const BANK_LEFT: [f64; 5] = [0.606_531, 0.367_880, 0.173_775, 0.049_788, 0.002_479];
 
 /// Most pieces of a roll-out.
 const MOST_PIECES: usize = 64;
@@ -120,36 +126,86 @@ impl Flyer {
         self.rolling_out = Rolls::new(full_rad, 0.0, self.pace);
         self.begin_rolls_from(0.0);
         let step_rad = full_rad / (SETTLES - 1) as f64;
-        let mut settles_m = [(0.0, 0.0); SETTLES];
+        let mut settles_m = [[(0.0, 0.0); SETTLING.len()]; SETTLES];
         for (place, settles) in settles_m.iter_mut().enumerate() {
             *settles = self.settles_m(place as f64 * step_rad);
         }
         self.settles_m = settles_m;
     }
 
-    /// Displacement of a roll-out from a bank, as in the table, from its pieces.
-    fn settles_m(&self, bank_rad: f64) -> (f64, f64) {
+    /// Displacement of a roll-out from a bank up to each of its moments, as in the table, from its pieces.
+    fn settles_m(&self, bank_rad: f64) -> Settling {
+        let tau = self.bank_time_constant_s;
         let mut state = MotionState::ahead(bank_rad);
         let target = Target {
             course_rad: self.rollout_rad(bank_rad),
             climb_rad: 0.0,
             rate_share: 1.0,
         };
-        for _ in 0..MOST_PIECES {
-            let piece = self.next_piece(&state, &target);
-            if piece.duration_s == f64::INFINITY {
-                break;
+        SETTLING.map(|moment| {
+            for _ in 0..MOST_PIECES {
+                let left_s = moment * tau - state.time_s;
+                if left_s <= 0.0 {
+                    break;
+                }
+                let piece = self.next_piece_within(&state, &target, left_s);
+                let for_s = piece.duration_s.min(left_s);
+                state = self.advance(&state, &piece, for_s);
+                if for_s == left_s {
+                    state.time_s = moment * tau;
+                }
             }
-            state = self.advance(&state, &piece, piece.duration_s);
+            (state.position_m.x, state.position_m.y)
+        })
+    }
+
+    /// Where the aircraft is at the moments of a roll-out from a state at a constant climb angle, metres, to decimetres, and
+    /// when, seconds; and for how far the flight bows from the line between a moment and the one before it, metres. `None` for
+    /// banks beyond its largest.
+    pub(crate) fn settling(
+        &self,
+        state: &MotionState,
+    ) -> Option<[(Vec3, f64, f64); SETTLING.len()]> {
+        let settles_m = self.settling_m(state.bank_rad)?;
+        let tau = self.bank_time_constant_s;
+        let (sin, cos) = libm::sincos(state.course_rad);
+        let (up, level) = libm::sincos(state.climb_rad);
+        let acceleration_mps2 = self.airspeed_mps * self.rate_radps(state.bank_rad).abs();
+        let mut places = [(Vec3::ZERO, 0.0, 0.0); SETTLING.len()];
+        let mut before = (0.0, 1.0);
+        for (((slot, moment), left), (forward, aside)) in
+            (places.iter_mut().zip(SETTLING).zip(BANK_LEFT)).zip(settles_m)
+        {
+            let after_s = moment * tau;
+            let moved_m = Vec3::new(
+                level * (forward * cos - aside * sin),
+                level * (forward * sin + aside * cos),
+                up * self.airspeed_mps * after_s,
+            );
+            let lasts_s = after_s - before.0;
+            let bow_m = before.1 * acceleration_mps2 * lasts_s * lasts_s / 8.0;
+            *slot = (state.position_m + moved_m, state.time_s + after_s, bow_m);
+            before = (after_s, left);
         }
-        let straight_m = direction(target.course_rad, 0.0) * self.airspeed_mps * state.time_s;
-        let settles = state.position_m - straight_m;
-        (settles.x, settles.y)
+        Some(places)
     }
 
     /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the
     /// course at its start, metres, to decimetres. `None` for banks beyond its largest.
     pub(crate) fn roll_out_m(&self, bank_rad: f64) -> Option<(f64, f64)> {
+        let (low, high, share) = self.around(bank_rad)?;
+        let ([.., low], [.., high]) = (low, high);
+        let left = low.1 + share * (high.1 - low.1);
+        let (sin, cos) = libm::sincos(self.rollout_rad(bank_rad));
+        let straight_m = self.airspeed_mps * SETTLED_AFTER * self.bank_time_constant_s;
+        Some((
+            low.0 + share * (high.0 - low.0) - straight_m * cos,
+            libm::copysign(1.0, bank_rad) * left - straight_m * sin,
+        ))
+    }
+
+    /// The tabulated roll-outs from a smaller and a larger bank than one, and how far it is from the smaller to the larger.
+    fn around(&self, bank_rad: f64) -> Option<(&Settling, &Settling, f64)> {
         let place = bank_rad.abs() / self.full_bank_rad * (SETTLES - 1) as f64;
         if self.is_ideal() || place.is_nan() || place > (SETTLES - 1) as f64 {
             return None;
@@ -157,12 +213,22 @@ impl Flyer {
         let above = whole(place, SETTLES - 1);
         let below = above - 1;
         let (low, high) = (self.settles_m.get(below)?, self.settles_m.get(above)?);
-        let share = place - below as f64;
-        let left = low.1 + share * (high.1 - low.1);
-        Some((
-            low.0 + share * (high.0 - low.0),
-            libm::copysign(1.0, bank_rad) * left,
-        ))
+        Some((low, high, place - below as f64))
+    }
+
+    /// Displacement of a roll-out from a bank up to each of its moments: forward and left of the course at its start,
+    /// metres, to decimetres. `None` for banks beyond its largest.
+    fn settling_m(&self, bank_rad: f64) -> Option<Settling> {
+        let (low, high, share) = self.around(bank_rad)?;
+        let sign = libm::copysign(1.0, bank_rad);
+        let mut settles_m = [(0.0, 0.0); SETTLING.len()];
+        for (slot, (low, high)) in settles_m.iter_mut().zip(low.iter().zip(high)) {
+            *slot = (
+                low.0 + share * (high.0 - low.0),
+                sign * (low.1 + share * (high.1 - low.1)),
+            );
+        }
+        Some(settles_m)
     }
 
     /// The approximate state after rolling out from a state and taking up a climb angle: to decimetres, only
