@@ -157,7 +157,7 @@ fn a_manoeuvre_is_kept_only_while_everything_goes_as_it_was_certified() {
             obstacle.velocity_mps = (back - obstacle.position_m) / 6.0;
         },
         |_, obstacle| obstacle.volume = ProtectedVolume::Sphere { radius_m: 60.0 },
-        |flight, _| flight.own.course_rad = 0.0,
+        |flight, _| flight.own.course_rad = 0.5,
     ];
     for (place, change) in moves.into_iter().enumerate() {
         let mut flight = flight(Start::AtDetection);
