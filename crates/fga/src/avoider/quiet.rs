@@ -39,16 +39,14 @@ impl LineAhead {
         }
     }
 
-    fn may_meet_row(&self, row: &Obstacle) -> bool {
+    /// Whether an obstacle may come within its volume on the line, or near the aircraft if it may turn.
+    pub(super) fn may_meet_row(&self, row: &Obstacle) -> bool {
         let offset = row.position_m - self.position_m;
         let velocity = self.velocity_mps - row.velocity_mps;
         if row.movement.bounds().is_some() && self.may_come_near(row) {
             return true;
         }
-        let volume_m = row.volume.radius_m() + row.volume.half_height_m();
-        let growth_m = self.sigmas
-            * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
-        let reach_m = volume_m + growth_m + self.margin_m;
+        let reach_m = self.reach_m(row);
         let beyond = offset.length_squared() > square(self.surveillance_radius_m);
         !beyond
             && may_meet(
@@ -59,15 +57,28 @@ impl LineAhead {
             )
     }
 
-    /// Whether an aircraft could come near within the horizon, whatever its turns.
+    /// Distance on the line at which an obstacle may be met, metres.
+    pub(super) fn reach_m(&self, row: &Obstacle) -> f64 {
+        let volume_m = row.volume.radius_m() + row.volume.half_height_m();
+        let growth_m = self.sigmas
+            * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
+        volume_m + growth_m + self.margin_m
+    }
+
+    /// Distance at which an aircraft could come near within the horizon, whatever its turns, at the sum of the speeds,
+    /// metres.
+    pub(super) fn near_m(&self, row: &Obstacle, speed_mps: f64) -> f64 {
+        let volume_m = row.volume.radius_m() + row.volume.half_height_m();
+        let uncertain_m = self.sigmas
+            * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
+        speed_mps * self.horizon_s + volume_m + uncertain_m + NEAR_M
+    }
+
     fn may_come_near(&self, row: &Obstacle) -> bool {
         let offset = row.position_m - self.position_m;
         let distance_m = offset.length();
         let speed_mps = self.velocity_mps.length() + row.velocity_mps.length();
-        let volume_m = row.volume.radius_m() + row.volume.half_height_m();
-        let uncertain_m = self.sigmas
-            * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
-        let reach_m = speed_mps * self.horizon_s + volume_m + uncertain_m + NEAR_M;
+        let reach_m = self.near_m(row, speed_mps);
         distance_m <= self.surveillance_radius_m && distance_m <= reach_m
     }
 
