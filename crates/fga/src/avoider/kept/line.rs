@@ -9,9 +9,10 @@ use crate::Vec3;
 use crate::avoider::kept::block::Slot;
 use crate::avoider::quiet::LineAhead;
 
-/// Least and largest distance off the line, metres, and off its velocity, metres per second.
-const OFF_M: (f64, f64) = (30.0, 240.0);
-const OFF_MPS: (f64, f64) = (1.0, 8.0);
+/// Least and largest distance off the line, metres, and off its velocity, metres per second. Little is enough for most
+/// flights: a step is quiet only on the leg itself.
+const OFF_M: (f64, f64) = (4.0, 64.0);
+const OFF_MPS: (f64, f64) = (0.25, 4.0);
 
 /// Share of these at which the line is left: what remains is for rounding.
 const USED: f64 = 0.99;
