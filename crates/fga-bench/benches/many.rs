@@ -23,6 +23,9 @@ const RUNS: usize = 51;
 /// Obstacles for a square kilometre of the scene `sky`.
 const DENSITY: f64 = 10.0;
 
+/// No obstacle comes closer, metres: all steps are quiet.
+const CLEAR_M: f64 = 100.0;
+
 /// Processor time of this thread, microseconds.
 fn thread_us() -> f64 {
     let now = clock_gettime(ClockId::ThreadCPUTime);
@@ -140,7 +143,7 @@ fn main() {
                 ..settings()
             };
             let avoider = Avoider::new(settings, vehicle()).expect("settings are valid");
-            let crowd = Crowd::in_the_clear_within(count, 1, half_m);
+            let crowd = Crowd::clear_by(count, 1, CLEAR_M, half_m);
             for (form, columns) in [("rows", false), ("columns", true)] {
                 let mut steps = given(&crowd, &avoider, columns, clock_us);
                 report(scene, count, form, &mut steps);

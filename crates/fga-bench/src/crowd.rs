@@ -46,18 +46,18 @@ impl Crowd {
 
     /// Without those that would come closer than 60 m.
     pub fn in_the_clear(count: usize, seed: u64) -> Self {
-        Self::in_the_clear_within(count, seed, HALF_M)
+        Self::clear_by(count, seed, 2.0 * RADIUS_M, HALF_M)
     }
 
-    /// The same, up to `half_m` metres to each side.
-    pub fn in_the_clear_within(count: usize, seed: u64, half_m: f64) -> Self {
+    /// Up to `half_m` metres to each side, without those that would come closer than `clear_m` metres.
+    pub fn clear_by(count: usize, seed: u64, clear_m: f64, half_m: f64) -> Self {
         Self::keep(count, seed, half_m, |obstacle| {
             let (r, v) = (
                 obstacle.position_m,
                 ownship().velocity_mps() - obstacle.velocity_mps,
             );
             let closest_s = (r.dot(v) / v.length_squared().max(1e-9)).max(0.0);
-            (r - v * closest_s).length() > 2.0 * RADIUS_M
+            (r - v * closest_s).length() > clear_m
         })
     }
 

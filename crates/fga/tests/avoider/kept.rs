@@ -211,9 +211,13 @@ impl<'m> Flight<'m> {
             self.wind_mps = self.draw.vector(12.0, 1.0);
         }
         if self.draw.one_in(20 * calm) {
-            self.own.airspeed_mps = self.draw.within(8.0, 40.0);
-        } else if self.draw.one_in(20 * calm) {
-            self.own.airspeed_mps = vehicle().airspeed_mps;
+            let is_usual = self.own.airspeed_mps == vehicle().airspeed_mps;
+            let other_mps = self.draw.within(8.0, 40.0);
+            self.own.airspeed_mps = if is_usual {
+                other_mps
+            } else {
+                vehicle().airspeed_mps
+            };
         }
         if self.draw.one_in(20 * calm) {
             self.time_s += self.draw.within(-40.0, 40.0);
@@ -295,7 +299,6 @@ fn decisions_are_those_with_all_obstacles_within_a_surveillance_radius() {
             surveillance_radius_m,
             calm: 10,
         };
-        println!("{seen:?}");
         for (sum, count) in seen.iter_mut().zip(flown(world, 0..SEEDS, 400)) {
             *sum += count;
         }
@@ -318,10 +321,159 @@ fn decisions_are_those_with_all_obstacles_without_a_surveillance_radius() {
             surveillance_radius_m: f64::INFINITY,
             calm,
         };
-        println!("{seen:?}");
         for (sum, count) in seen.iter_mut().zip(flown(world, 0..SEEDS, 400)) {
             *sum += count;
         }
     }
     assert!(seen.iter().all(|count| *count > 300), "{seen:?}");
+}
+
+/// A step on the way to the east among kept obstacles.
+fn step(avoider: &mut Avoider, kept: &mut Kept<'_>, step: u32) -> State {
+    let time_s = 0.1 * f64::from(step);
+    let leg = [Vec3::ZERO, Vec3::X * 1e6];
+    let ownship = Ownship {
+        position_m: Vec3::X * (vehicle().airspeed_mps * time_s),
+        course_rad: 0.0,
+        climb_rad: 0.0,
+        bank_rad: 0.0,
+        airspeed_mps: vehicle().airspeed_mps,
+    };
+    let situation = Situation {
+        time_s,
+        ownship,
+        obstacles: Obstacles::Rows(&[]),
+        mission: Mission::new(&leg),
+        wind_mps: Vec3::ZERO,
+    };
+    avoider.step_kept(&situation, kept).state
+}
+
+#[test]
+fn a_step_looks_only_at_obstacles_that_could_matter() {
+    for surveillance_radius_m in [300.0, 5000.0, f64::INFINITY] {
+        let settings = Settings {
+            surveillance_radius_m,
+            ..Settings::default()
+        };
+        let mut avoider = Avoider::new(settings, vehicle()).unwrap();
+        let mut blocks = vec![Block::EMPTY; 5000 / Block::OBSTACLES + 1];
+        let mut kept = Kept::new(&mut blocks);
+        let mut draw = Draw(3);
+        for id in 0..5000 {
+            // Ten a square kilometre, none on the way.
+            let mut place_m = draw.vector(11e3, 100.0);
+            place_m.y += 200.0_f64.copysign(place_m.y);
+            let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+            let masts = Obstacle::new(id, place_m, Vec3::ZERO, volume);
+            kept.put(&masts, 0.0).unwrap();
+        }
+        assert_eq!(step(&mut avoider, &mut kept, 0), State::Cruise);
+        assert!(kept.looked() >= 5000);
+        let mut looked = 0;
+        for k in 1..=600 {
+            assert_eq!(step(&mut avoider, &mut kept, k), State::Cruise);
+            looked += kept.looked();
+        }
+        // All of them once more, for a line, and then a few in each step.
+        assert!(
+            looked < 5000 + 600 * 100,
+            "{looked} within {surveillance_radius_m} m"
+        );
+    }
+}
+
+#[test]
+fn an_obstacle_that_nobody_reports_again_is_met_where_it_flies() {
+    let mut avoider = Avoider::new(Settings::default(), vehicle()).unwrap();
+    let mut blocks = [const { Block::EMPTY }; 1];
+    let mut kept = Kept::new(&mut blocks);
+    // 25 m/s of closing speed and 30 m of radius: in sight, at 300 m, after 58 s.
+    let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+    let comes = Obstacle::new(7, Vec3::X * 1750.0, Vec3::X * -10.0, volume);
+    kept.put(&comes, 0.0).unwrap();
+    let seen = (0..=650).find(|k| step(&mut avoider, &mut kept, *k) != State::Cruise);
+    let speed_mps = 10.0 + vehicle().airspeed_mps;
+    let expected = (1450.0 / speed_mps * 10.0).ceil();
+    assert_eq!(seen.map(f64::from), Some(expected));
+}
+
+#[test]
+fn a_report_replaces_the_one_with_its_identifier_and_a_full_memory_says_so() {
+    let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+    let at = |id, x_m| Obstacle::new(id, Vec3::X * x_m, Vec3::X, volume);
+    let mut blocks = vec![Block::EMPTY; 2];
+    let mut kept = Kept::new(&mut blocks);
+    assert_eq!((kept.capacity(), kept.is_empty()), (32, true));
+    for id in 0..32 {
+        kept.put(&at(id * 0x0800_0000, 1.0), 5.0).unwrap();
+    }
+    let full = kept.put(&at(7, 2.0), 5.0).unwrap_err();
+    assert_eq!(full, KeptError::Full { capacity: 32 });
+    assert_eq!(
+        full.to_string(),
+        "32 obstacles are kept, there is no room for more"
+    );
+    // A known one has its room.
+    kept.put(&at(0x0800_0000, 9.0), 6.0).unwrap();
+    let places = |kept: &Kept<'_>| -> Vec<(u32, f64)> {
+        let obstacles = kept.obstacles(8.0);
+        obstacles.map(|o| (o.id, o.position_m.x)).collect()
+    };
+    assert_eq!(places(&kept)[1], (0x0800_0000, 11.0));
+    assert_eq!(places(&kept)[2], (0x1000_0000, 4.0));
+    assert!(kept.remove(0x1000_0000));
+    assert!(!kept.remove(0x1000_0000));
+    assert_eq!(kept.len(), 31);
+    let broken = kept.put(&at(7, f64::NAN), 5.0).unwrap_err();
+    assert_eq!(
+        broken.to_string(),
+        "obstacle 7 has an unusable number, expected finite ones up to 1e15 and no negative length"
+    );
+    kept.put(&at(7, 2.0), 8.0).unwrap();
+    assert_eq!(places(&kept)[2], (7, 2.0));
+    kept.clear();
+    assert_eq!((kept.len(), kept.obstacles(8.0).count()), (0, 0));
+    kept.put(&at(7, 2.0), 8.0).unwrap();
+    assert_eq!(places(&kept), [(7, 2.0)]);
+}
+
+#[test]
+fn without_memory_nothing_is_kept_and_steps_decide() {
+    let mut avoider = Avoider::new(Settings::default(), vehicle()).unwrap();
+    let mut kept = Kept::new(&mut []);
+    let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+    let mast = Obstacle::new(7, Vec3::X * 100.0, Vec3::ZERO, volume);
+    assert_eq!(kept.put(&mast, 0.0), Err(KeptError::Full { capacity: 0 }));
+    assert!(!kept.remove(7));
+    assert_eq!(step(&mut avoider, &mut kept, 0), State::Cruise);
+}
+
+#[test]
+fn the_position_of_an_old_report_is_as_uncertain_as_its_velocity_made_it() {
+    let mut blocks = vec![Block::EMPTY];
+    let mut kept = Kept::new(&mut blocks);
+    let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+    let known = Obstacle {
+        uncertainty: Uncertainty {
+            position_m: 2.0,
+            velocity_mps: 0.5,
+        },
+        ..Obstacle::new(1, Vec3::ZERO, Vec3::X, volume)
+    };
+    kept.put(&known, 10.0).unwrap();
+    let resting = Obstacle {
+        id: 2,
+        movement: Movement::AtRest,
+        ..known
+    };
+    kept.put(&resting, 10.0).unwrap();
+    let at = |time_s| -> Vec<(f64, f64)> {
+        let obstacles = kept.obstacles(time_s);
+        obstacles
+            .map(|o| (o.position_m.x, o.uncertainty.position_m))
+            .collect()
+    };
+    assert_eq!(at(14.0), [(4.0, 4.0), (0.0, 4.0)]);
+    assert_eq!(at(8.0), [(-2.0, 2.0), (0.0, 2.0)]);
 }
