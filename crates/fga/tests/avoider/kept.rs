@@ -117,6 +117,8 @@ struct World {
     surveillance_radius_m: f64,
     /// One in this many steps has each kind of surprise.
     calm: u64,
+    /// Whether the flight stays on its leg, among obstacles that do not turn: most steps are quiet.
+    quiet: bool,
 }
 
 /// A flight in a world by two avoiders: one takes all obstacles as rows, the other keeps them.
@@ -169,7 +171,10 @@ impl<'m> Flight<'m> {
             count, across_m, ..
         } = self.world;
         let id = self.draw.id(2 * count);
-        let obstacle = self.draw.obstacle(id, self.own.position_m, across_m);
+        let mut obstacle = self.draw.obstacle(id, self.own.position_m, across_m);
+        if self.world.quiet && obstacle.movement.bounds().is_some() {
+            obstacle.movement = Movement::Straight;
+        }
         let reported_s = self.time_s - self.draw.within(-0.5, 3.0);
         let _ = self.kept.put(&obstacle, reported_s);
     }
@@ -180,6 +185,7 @@ impl<'m> Flight<'m> {
             count,
             across_m,
             calm,
+            quiet,
             ..
         } = self.world;
         if self.draw.one_in(calm) {
@@ -198,6 +204,12 @@ impl<'m> Flight<'m> {
                 Err(KeptError::Unusable { id })
             );
             self.seen[2] += 1;
+        }
+        if quiet {
+            // A wind along the leg that changes, and gusts along it.
+            self.wind_mps.x = (self.wind_mps.x + self.draw.within(-0.1, 0.1)).clamp(-3.0, 3.0);
+            self.own.position_m.x += self.draw.within(-0.1, 0.1);
+            return;
         }
         if self.draw.one_in(20 * calm) {
             self.own.position_m += self.draw.vector(across_m, 0.0);
@@ -298,6 +310,7 @@ fn decisions_are_those_with_all_obstacles_within_a_surveillance_radius() {
             across_m,
             surveillance_radius_m,
             calm: 10,
+            quiet: false,
         };
         for (sum, count) in seen.iter_mut().zip(flown(world, 0..SEEDS, 400)) {
             *sum += count;
@@ -320,12 +333,35 @@ fn decisions_are_those_with_all_obstacles_without_a_surveillance_radius() {
             across_m,
             surveillance_radius_m: f64::INFINITY,
             calm,
+            quiet: false,
         };
         for (sum, count) in seen.iter_mut().zip(flown(world, 0..SEEDS, 400)) {
             *sum += count;
         }
     }
     assert!(seen.iter().all(|count| *count > 300), "{seen:?}");
+}
+
+#[test]
+fn decisions_are_those_with_all_obstacles_along_a_leg() {
+    let mut seen = [0; 3];
+    for (count, across_m, surveillance_radius_m) in [
+        (100, 10_000.0, f64::INFINITY),
+        (300, 20_000.0, f64::INFINITY),
+        (200, 3000.0, 2000.0),
+    ] {
+        let world = World {
+            count,
+            across_m,
+            surveillance_radius_m,
+            calm: 10,
+            quiet: true,
+        };
+        for (sum, count) in seen.iter_mut().zip(flown(world, 0..2 * SEEDS, 400)) {
+            *sum += count;
+        }
+    }
+    assert!(seen.iter().all(|count| *count > 500), "{seen:?}");
 }
 
 /// A step on the way to the east among kept obstacles.

@@ -114,3 +114,109 @@ impl Line {
         !(outside && (b <= 0.0 || b * b < (1.0 - 1e-9) * a * c))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::avoider::kept::Kept;
+    use crate::avoider::kept::block::Block;
+    use crate::situation::{Movement, Obstacle, ProtectedVolume, Uncertainty};
+
+    /// Numbers from a seed.
+    struct Draw(u64);
+
+    impl Draw {
+        fn within(&mut self, from: f64, to: f64) -> f64 {
+            self.0 = self.0.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
+            from + (self.0 >> 11) as f64 / (1_u64 << 53) as f64 * (to - from)
+        }
+
+        fn vector(&mut self, most: f64) -> Vec3 {
+            let [x, y, z] = [most; 3].map(|most| self.within(-most, most));
+            Vec3::new(x, y, z)
+        }
+
+        /// An obstacle that passes a line at a little more than the distance at which it may be met.
+        fn obstacle(&mut self, ahead: &LineAhead) -> (Obstacle, Vec3) {
+            let kind = self.within(0.0, 5.0);
+            let movement = if kind < 1.0 {
+                Movement::AtRest
+            } else if kind < 2.0 {
+                Movement::CREWED
+            } else {
+                Movement::Straight
+            };
+            let velocity_mps = if self.within(0.0, 1.0) < 0.2 {
+                Vec3::ZERO
+            } else {
+                self.vector(30.0)
+            };
+            let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+            let mut obstacle = Obstacle::new(1, Vec3::ZERO, velocity_mps, volume);
+            obstacle.movement = movement;
+            obstacle.uncertainty = Uncertainty {
+                position_m: 1.0,
+                velocity_mps: self.within(-1.0, 1.0).max(0.0),
+            };
+            let relative = ahead.velocity_mps - velocity_mps;
+            let aside = relative.cross(self.vector(1.0)).normalize_or_zero();
+            let mut reach_m = ahead.reach_m(&obstacle);
+            if movement.bounds().is_some() {
+                let speed_mps = ahead.velocity_mps.length() + velocity_mps.length();
+                reach_m = reach_m.max(ahead.near_m(&obstacle, speed_mps));
+            }
+            let after_s = self.within(-20.0, 250.0);
+            let aside_m =
+                reach_m + self.within(0.0, 12.0) + self.within(0.0, 0.5) * after_s.max(0.0);
+            obstacle.position_m = ahead.position_m + relative * after_s + aside * aside_m;
+            (obstacle, aside)
+        }
+    }
+
+    /// The states of an aircraft that follows a line, at the bounds and somewhat beyond, never meet an obstacle that
+    /// the line says cannot come near.
+    #[test]
+    fn an_obstacle_that_cannot_come_near_a_line_is_not_met_from_it() {
+        let mut draw = Draw(1);
+        let (mut clear, mut states) = (0, 0);
+        let mut blocks = [Block::EMPTY];
+        let mut kept = Kept::new(&mut blocks);
+        for _ in 0..20_000 {
+            let from = LineAhead {
+                position_m: draw.vector(1e4),
+                velocity_mps: draw.vector(20.0),
+                surveillance_radius_m: f64::INFINITY,
+                margin_m: draw.within(0.0, 5.0),
+                sigmas: 3.0,
+                horizon_s: 60.0,
+            };
+            let since_s = draw.within(-1e3, 1e3);
+            let line = Line::new(&from, since_s, None);
+            let (obstacle, aside) = draw.obstacle(&line.ahead);
+            kept.put(&obstacle, since_s).unwrap();
+            let slot = kept.memory.slot(0).unwrap();
+            if line.may_be_met_by(slot) {
+                continue;
+            }
+            clear += 1;
+            for _ in 0..40 {
+                let followed_s = draw.within(-30.0, 330.0);
+                let off_m = aside * draw.within(-1.3, 1.3) * OFF_M.0;
+                let off_mps = aside * draw.within(-1.3, 1.3) * OFF_MPS.0;
+                let now = LineAhead {
+                    position_m: from.position_m + from.velocity_mps * followed_s + off_m,
+                    velocity_mps: from.velocity_mps + off_mps,
+                    margin_m: from.margin_m * draw.within(0.5, 2.0),
+                    ..from
+                };
+                let time_s = since_s + followed_s;
+                if line.is_followed(&now, time_s) {
+                    states += 1;
+                    let met = now.may_meet_row(&slot.at(time_s));
+                    assert!(!met, "{now:?} {:?} after {followed_s} s", slot.obstacle);
+                }
+            }
+        }
+        assert!(clear > 1000 && states > 10_000, "{clear} {states}");
+    }
+}
