@@ -9,6 +9,9 @@ use fga_sim::encounters::{Random, Range};
 /// Protected radius, metres.
 const RADIUS_M: f64 = 30.0;
 
+/// Half of the width of the drawn crowds, metres.
+const HALF_M: f64 = 5e3;
+
 /// The aircraft of Table 4 at the origin, level along +x.
 pub const fn ownship() -> Ownship {
     Ownship {
@@ -38,29 +41,35 @@ impl Crowd {
 
     /// Unfiltered: about one in a hundred threatens.
     pub fn drawn(count: usize, seed: u64) -> Self {
-        Self::keep(count, seed, |_| true)
+        Self::keep(count, seed, HALF_M, |_| true)
     }
 
     /// Without those that would come closer than 60 m.
     pub fn in_the_clear(count: usize, seed: u64) -> Self {
-        Self::keep(count, seed, |obstacle| {
+        Self::clear_by(count, seed, 2.0 * RADIUS_M, HALF_M)
+    }
+
+    /// Up to `half_m` metres to each side, without those that would come closer than `clear_m` metres.
+    pub fn clear_by(count: usize, seed: u64, clear_m: f64, half_m: f64) -> Self {
+        Self::keep(count, seed, half_m, |obstacle| {
             let (r, v) = (
                 obstacle.position_m,
                 ownship().velocity_mps() - obstacle.velocity_mps,
             );
             let closest_s = (r.dot(v) / v.length_squared().max(1e-9)).max(0.0);
-            (r - v * closest_s).length() > 2.0 * RADIUS_M
+            (r - v * closest_s).length() > clear_m
         })
     }
 
-    fn keep(count: usize, seed: u64, wanted: impl Fn(&Obstacle) -> bool) -> Self {
+    fn keep(count: usize, seed: u64, half_m: f64, wanted: impl Fn(&Obstacle) -> bool) -> Self {
         let mut random = Random::new(seed, 0);
         let mut within = |from: f64, to: f64| random.within(Range(from, to));
         let volume = ProtectedVolume::Sphere { radius_m: RADIUS_M };
         let mut rows = Vec::with_capacity(count);
         while rows.len() < count {
             let id = u32::try_from(rows.len()).unwrap_or(u32::MAX);
-            let position = Vec3::new(within(-5e3, 5e3), within(-5e3, 5e3), within(-500.0, 500.0));
+            let (x, y) = (within(-half_m, half_m), within(-half_m, half_m));
+            let position = Vec3::new(x, y, within(-500.0, 500.0));
             let velocity = Vec3::new(within(-40.0, 40.0), within(-40.0, 40.0), within(-5.0, 5.0));
             let obstacle = Obstacle::new(id, position, velocity, volume);
             if wanted(&obstacle) {

@@ -11,6 +11,7 @@
 mod against;
 mod drift;
 mod intruders;
+mod kept;
 mod quiet;
 mod record;
 mod settings;
@@ -19,6 +20,7 @@ mod turn_aware;
 
 pub use crate::limit::SettingsError;
 pub use against::Against;
+pub use kept::{Block, Kept, KeptError};
 pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
 pub use settings::{LEAST_WORK, Settings, Start};
 pub use tracks::{MAX_TRACKED, Tracks};
@@ -281,6 +283,18 @@ impl Avoider {
     /// [`LARGEST`](crate::limit::LARGEST). A clock that is set back by up to a second changes nothing; a larger step
     /// back makes it forget its plan ([`Record::clock_set_back`]).
     pub fn step(&mut self, situation: &Situation<'_>) -> Decision {
+        self.step_among(situation, None)
+    }
+
+    /// Decides like [`Self::step`] among kept obstacles, whatever obstacles the situation has: the decision is the
+    /// same to the last bit as with [`Kept::obstacles`] of this time as rows. It looks only at those that could
+    /// matter: what a quiet step costs hardly depends on their number.
+    pub fn step_kept(&mut self, situation: &Situation<'_>, kept: &mut Kept<'_>) -> Decision {
+        kept.begin(situation.time_s);
+        self.step_among(situation, Some(kept))
+    }
+
+    fn step_among(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) -> Decision {
         if !situation.is_usable() {
             return self.decision(&Maneuver::hold(), Reason::InvalidInput);
         }
@@ -290,8 +304,8 @@ impl Avoider {
         self.meter = Meter::new(limit);
         self.progress.allow_work(limit / MISSION_SHARE);
         let mut decision = match self.in_need {
-            Some(in_need) => self.decide_with(in_need, situation),
-            None => self.decide(situation),
+            Some(in_need) => self.decide_with(in_need, situation, kept),
+            None => self.decide(situation, kept),
         };
         decision.record.work.work = self.meter.done();
         decision.record.work.limit_met |= self.meter.is_met();
@@ -324,7 +338,7 @@ impl Avoider {
         )
     }
 
-    fn decide(&mut self, situation: &Situation<'_>) -> Decision {
+    fn decide(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) -> Decision {
         let now = MotionState::of(&situation.ownship);
         self.progress.update(
             &situation.mission,
@@ -335,7 +349,7 @@ impl Avoider {
         );
         self.count_mission();
         self.measure_drift(situation, &now);
-        self.step_turn_aware(situation, &now, self.settings.start)
+        self.step_turn_aware(situation, &now, self.settings.start, kept)
     }
 
     /// Measures the drift and the distance kept clear for it.
@@ -370,14 +384,19 @@ impl Avoider {
         flown(&self.flyer, from, maneuver, until_s, &self.meter)
     }
 
-    fn load_tracks(&mut self, situation: &Situation<'_>) {
-        self.tracks.load(
-            situation,
-            self.settings.surveillance_radius_m,
-            self.settings.horizon_s,
-            self.settings.confidence_sigmas,
-        );
+    fn load_tracks(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) {
+        let limits = self.limits();
+        let sigmas = self.settings.confidence_sigmas;
+        match kept {
+            None => self.tracks.load(situation, limits.0, limits.1, sigmas),
+            Some(kept) => self.tracks.load_kept(kept, situation, limits, sigmas),
+        }
         self.meter.count(self.tracks.work());
+    }
+
+    /// Surveillance radius, metres, and horizon, seconds.
+    const fn limits(&self) -> (f64, f64) {
+        (self.settings.surveillance_radius_m, self.settings.horizon_s)
     }
 
     fn climb_limits_rad(&self) -> (f64, f64) {

@@ -39,16 +39,14 @@ impl LineAhead {
         }
     }
 
-    fn may_meet_row(&self, row: &Obstacle) -> bool {
+    /// Whether an obstacle may come within its volume on the line, or near the aircraft if it may turn.
+    pub(super) fn may_meet_row(&self, row: &Obstacle) -> bool {
         let offset = row.position_m - self.position_m;
         let velocity = self.velocity_mps - row.velocity_mps;
         if row.movement.bounds().is_some() && self.may_come_near(row) {
             return true;
         }
-        let volume_m = row.volume.radius_m() + row.volume.half_height_m();
-        let growth_m = self.sigmas
-            * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
-        let reach_m = volume_m + growth_m + self.margin_m;
+        let reach_m = self.reach_m(row);
         let beyond = offset.length_squared() > square(self.surveillance_radius_m);
         !beyond
             && may_meet(
@@ -59,24 +57,40 @@ impl LineAhead {
             )
     }
 
-    /// Whether an aircraft could come near within the horizon, whatever its turns.
+    /// Distance on the line at which an obstacle may be met, metres.
+    pub(super) fn reach_m(&self, row: &Obstacle) -> f64 {
+        let volume_m = row.volume.radius_m() + row.volume.half_height_m();
+        let growth_m = self.sigmas
+            * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
+        volume_m + growth_m + self.margin_m
+    }
+
+    /// Distance at which an aircraft could come near within the horizon, whatever its turns, at the sum of the speeds,
+    /// metres.
+    pub(super) fn near_m(&self, row: &Obstacle, speed_mps: f64) -> f64 {
+        let volume_m = row.volume.radius_m() + row.volume.half_height_m();
+        let uncertain_m = self.sigmas
+            * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
+        speed_mps * self.horizon_s + volume_m + uncertain_m + NEAR_M
+    }
+
     fn may_come_near(&self, row: &Obstacle) -> bool {
         let offset = row.position_m - self.position_m;
         let distance_m = offset.length();
         let speed_mps = self.velocity_mps.length() + row.velocity_mps.length();
-        let volume_m = row.volume.radius_m() + row.volume.half_height_m();
-        let uncertain_m = self.sigmas
-            * (row.uncertainty.position_m + row.uncertainty.velocity_mps * self.horizon_s);
-        let reach_m = speed_mps * self.horizon_s + volume_m + uncertain_m + NEAR_M;
+        let reach_m = self.near_m(row, speed_mps);
         distance_m <= self.surveillance_radius_m && distance_m <= reach_m
     }
 
     fn is_clear_of_columns(&self, columns: &Columns<'_>) -> bool {
         let count = columns.len();
+        let unlimited = self.surveillance_radius_m == f64::INFINITY;
         let mut from = 0;
         while from < count {
             let to = (from + BLOCK).min(count);
-            if self.any_in_range(columns, from, to) && self.may_meet_any(columns, from, to) {
+            if (unlimited || self.any_in_range(columns, from, to))
+                && self.may_meet_any(columns, from, to)
+            {
                 return false;
             }
             from = to;
@@ -97,13 +111,9 @@ impl LineAhead {
         any
     }
 
-    #[expect(
-        clippy::needless_bitwise_bool,
-        reason = "a branch would keep it from vector code"
-    )]
     fn may_meet_any(&self, columns: &Columns<'_>, from: usize, to: usize) -> bool {
-        fn part(column: &[f64], range: (usize, usize)) -> core::slice::Iter<'_, f64> {
-            column.get(range.0..range.1).unwrap_or(&[]).iter()
+        fn part(column: &[f64], (from, to): (usize, usize)) -> &[f64] {
+            column.get(from..to).unwrap_or(&[])
         }
         let range = (from, to);
         let mut reach = [0.0; BLOCK];
@@ -116,20 +126,46 @@ impl LineAhead {
             }
         }
         if let Some((position, velocity)) = columns.uncertainty {
-            let growth = part(position, range).zip(part(velocity, range));
+            let growth = part(position, range).iter().zip(part(velocity, range));
             for (reach, (position, velocity)) in reach.iter_mut().zip(growth) {
                 *reach += self.sigmas * (position + velocity * self.horizon_s);
             }
         }
+        let places = [columns.x_m, columns.y_m, columns.z_m].map(|column| part(column, range));
+        let velocities =
+            [columns.vx_mps, columns.vy_mps, columns.vz_mps].map(|column| part(column, range));
+        // Lanes of known length need no test for their end.
+        match (whole(places), whole(velocities)) {
+            (Some(places), Some(velocities)) => self.may_meet_any_of(
+                places.map(<[f64; BLOCK]>::as_slice),
+                velocities.map(<[f64; BLOCK]>::as_slice),
+                &reach,
+            ),
+            _ => self.may_meet_any_of(places, velocities, &reach),
+        }
+    }
+
+    #[expect(
+        clippy::needless_bitwise_bool,
+        reason = "a branch would keep it from vector code"
+    )]
+    #[expect(
+        clippy::inline_always,
+        reason = "a copy for blocks of known length, another one for the rest"
+    )]
+    #[inline(always)]
+    fn may_meet_any_of(
+        &self,
+        [x, y, z]: [&[f64]; 3],
+        [vx, vy, vz]: [&[f64]; 3],
+        reach: &[f64; BLOCK],
+    ) -> bool {
         let limit = square(self.surveillance_radius_m);
-        let places = part(columns.x_m, range)
-            .zip(part(columns.y_m, range))
-            .zip(part(columns.z_m, range));
-        let velocities = part(columns.vx_mps, range)
-            .zip(part(columns.vy_mps, range))
-            .zip(part(columns.vz_mps, range));
-        let mut any = false;
-        for ((((x, y), z), ((vx, vy), vz)), reach) in places.zip(velocities).zip(&reach) {
+        let places = x.iter().zip(y).zip(z);
+        let velocities = vx.iter().zip(vy).zip(vz);
+        // As wide as the numbers, for vector code.
+        let mut any = 0_u64;
+        for ((((x, y), z), ((vx, vy), vz)), reach) in places.zip(velocities).zip(reach) {
             let offset = Vec3::new(*x, *y, *z) - self.position_m;
             let velocity = self.velocity_mps - Vec3::new(*vx, *vy, *vz);
             let distance = offset.dot(offset);
@@ -139,10 +175,15 @@ impl LineAhead {
                 velocity.dot(velocity),
                 *reach,
             );
-            any |= meets & (distance <= limit);
+            any |= u64::from(meets & (distance <= limit));
         }
-        any
+        any != 0
     }
+}
+
+/// Three columns of a whole block.
+fn whole([x, y, z]: [&[f64]; 3]) -> Option<[&[f64; BLOCK]; 3]> {
+    Some([x.first_chunk()?, y.first_chunk()?, z.first_chunk()?])
 }
 
 /// Whether a point at squared distance `distance`, seen along the relative velocity at

@@ -1,6 +1,7 @@
 //! The obstacles that matter for a decision, in a buffer of fixed size.
 
 use crate::Vec3;
+use crate::avoider::Kept;
 use crate::avoider::intruders::{Clearance, Freedom, Motions, Room, Trend};
 use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
 use crate::situation::Situation;
@@ -221,6 +222,27 @@ impl Tracks {
         for obstacle in situation.obstacles.iter() {
             self.consider(situation, &obstacle, limits, sigmas);
         }
+        self.complete(situation, limits, sigmas);
+    }
+
+    /// The same for kept obstacles, in place of those of the situation.
+    pub(super) fn load_kept(
+        &mut self,
+        kept: &mut Kept<'_>,
+        situation: &Situation<'_>,
+        limits: (f64, f64),
+        sigmas: f64,
+    ) {
+        self.clear();
+        let others = kept.each_near(situation, limits, |obstacle| {
+            self.consider(situation, obstacle, limits, sigmas);
+        });
+        self.seen = self.seen.saturating_add(others);
+        self.complete(situation, limits, sigmas);
+    }
+
+    /// Adds those that are missing for a short time, and learns.
+    fn complete(&mut self, situation: &Situation<'_>, limits: (f64, f64), sigmas: f64) {
         let heard = self.hazards.rows().len();
         self.work += self.seen as usize / 2;
         // A missing one is extrapolated, for a limited time.

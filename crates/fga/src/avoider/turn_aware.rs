@@ -18,7 +18,7 @@ pub(super) use sight::Refusals;
 
 use crate::avoider::quiet::LineAhead;
 use crate::avoider::{
-    Against, Avoider, Candidate, Decision, Plan, Reason, Start, State, Threat, Verdict,
+    Against, Avoider, Candidate, Decision, Kept, Plan, Reason, Start, State, Threat, Verdict,
 };
 use crate::certificate::{Asked, certify_set, mark_close};
 use crate::limit::Limit as _;
@@ -85,15 +85,16 @@ impl Avoider {
         situation: &Situation<'_>,
         now: &MotionState,
         start: Start,
+        mut kept: Option<&mut Kept<'_>>,
     ) -> Decision {
         self.wanted_m = self.settings.margin_m + self.drift_m;
         self.target_m = self.wanted_m;
         if self.state == State::Cruise
-            && let Some(decision) = self.quiet(situation, now)
+            && let Some(decision) = self.quiet(situation, now, kept.as_deref_mut())
         {
             return decision;
         }
-        self.load_tracks(situation);
+        self.load_tracks(situation, kept);
         self.look_s = self.settings.horizon_s;
         self.far_s = self.far_horizon_s(now);
         match self.state {
@@ -107,7 +108,12 @@ impl Avoider {
     }
 
     /// The decision of the many cycles in which the leg ahead is straight and clear.
-    fn quiet(&mut self, situation: &Situation<'_>, now: &MotionState) -> Option<Decision> {
+    fn quiet(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        kept: Option<&mut Kept<'_>>,
+    ) -> Option<Decision> {
         let horizon_s = self.settings.horizon_s;
         let course_rad = self.progress.straight_on_rad(now, &self.flyer, horizon_s)?;
         let line = LineAhead {
@@ -118,7 +124,11 @@ impl Avoider {
             sigmas: self.settings.confidence_sigmas,
             horizon_s,
         };
-        line.is_clear_of(&situation.obstacles).then(|| {
+        let is_clear = match kept {
+            None => line.is_clear_of(&situation.obstacles),
+            Some(kept) => kept.is_clear_of(&line, situation),
+        };
+        is_clear.then(|| {
             let command = Maneuver::turn(0.0, course_rad, now.climb_rad);
             self.decision(&command, Reason::Clear)
         })

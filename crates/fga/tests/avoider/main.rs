@@ -4,6 +4,7 @@ mod aircraft;
 mod entered;
 mod flight;
 mod inside;
+mod kept;
 mod lane_change;
 mod need;
 mod objectives;

@@ -1,6 +1,6 @@
 //! Limits in need, for instance a steeper bank, if nothing is certified with the normal ones.
 
-use crate::avoider::{Avoider, Decision, Start};
+use crate::avoider::{Avoider, Decision, Kept, Start};
 use crate::prediction::{Flyer, MotionState};
 use crate::situation::Situation;
 use crate::vehicle::Vehicle;
@@ -20,10 +20,11 @@ impl Avoider {
         &mut self,
         in_need: Vehicle,
         situation: &Situation<'_>,
+        mut kept: Option<&mut Kept<'_>>,
     ) -> Decision {
         let before = (self.plan, self.state, self.returned);
         self.meter.reserve(HALVES);
-        let normal = self.decide(situation);
+        let normal = self.decide(situation, kept.as_deref_mut());
         self.meter.extend(HALVES);
         if !normal.record.reason.is_unproven() {
             return normal;
@@ -34,7 +35,7 @@ impl Avoider {
         (self.plan, self.state, self.returned) = before;
         let limits = (self.vehicle, self.flyer);
         (self.vehicle, self.flyer) = (in_need, Flyer::new(&in_need));
-        let mut steep = self.step_turn_aware(situation, &now, Start::AtDetection);
+        let mut steep = self.step_turn_aware(situation, &now, Start::AtDetection, kept);
         let steep_m = self.expected_m(&steep, &now);
         (self.vehicle, self.flyer) = limits;
         if steep.record.reason.is_unproven() && steep_m <= normal_m + CLEARLY_MORE_M {
