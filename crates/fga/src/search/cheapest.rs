@@ -4,7 +4,7 @@
 
 use crate::angle::Side;
 use crate::certificate::{ALWAYS, Certificate, Hazard};
-use crate::prediction::{CHORD_BOW_M, MotionState};
+use crate::prediction::{CHORD_BOW_M, MotionState, Target};
 
 use super::front::Fronts;
 use super::line::{Entry, Tangent};
@@ -20,8 +20,8 @@ const USUAL: f64 = 0.7;
 /// Most lines on the way to the smallest turn that does.
 const LINES: usize = 3;
 
-/// Most certificates on the way to the least turn that is certified.
-const CERTIFICATES: usize = 6;
+/// Most flights on the way to the least turn that is certified.
+const FLIGHTS: usize = 6;
 
 /// A turn or climb that keeps at most this many times as much beyond the target is the least one.
 const MOST_NEAR: f64 = 3.0;
@@ -92,7 +92,10 @@ impl Search<'_> {
                 enough_m: scene.target_m,
             };
             let leave = match self.closed_in(entry, &sweep) {
-                Ok(leave) => leave,
+                Ok(None) => None,
+                Ok(Some(leave)) => self
+                    .confirmed(leave, &sweep)
+                    .or_else(|| self.smallest(&sweep)),
                 Err(from_rad) => self.smallest(&Sweep { from_rad, ..sweep }),
             };
             let Some(leave) = leave else {
@@ -117,7 +120,7 @@ impl Search<'_> {
         best
     }
 
-    /// The least certified turn of a sweep, closed in on by certificates, if there is one; or a turn up to which none is,
+    /// The least certified turn of a sweep, closed in on by flights, if there is one; or a turn up to which none is,
     /// radians, where they did not tell.
     fn closed_in(&mut self, entry: &Entry, sweep: &Sweep) -> Result<Option<Leave>, f64> {
         let scene = self.scene;
@@ -134,14 +137,14 @@ impl Search<'_> {
         let begun = self.by_lines(entry, what, (sweep.from_rad, MAX_TURN_RAD));
         let mut turn_rad = begun.ok_or(fails_rad)?;
         let least_rad = turn_rad.min(self.least_rad(entry, sweep).ok_or(fails_rad)?);
-        for _ in 0..CERTIFICATES {
+        for _ in 0..FLIGHTS {
             if self.limit_met() {
                 break;
             }
             if turn_rad > sweep.max_turn_rad && best.is_none() {
                 return Ok(None);
             }
-            let (leave, certificate) = self.certified_at(entry, sweep, turn_rad);
+            let (leave, certificate) = self.flown_at(entry, sweep, turn_rad);
             let tangent = self.tangent(entry, what, turn_rad).ok_or(fails_rad)?;
             let lacks_m = sweep.enough_m - leave.margin_m;
             let left_s = certificate.at_s - tangent.parts_s;
@@ -157,7 +160,7 @@ impl Search<'_> {
                 }
             } else {
                 fails_rad = fails_rad.max(turn_rad);
-                // The certificate is that of chords.
+                // The margin is that of chords.
                 more_rad = self.least_more_rad(lacks_m - CHORD_BOW_M, left_s);
                 if more_rad == f64::INFINITY && best.is_none() {
                     return Ok(None);
@@ -213,7 +216,7 @@ impl Search<'_> {
                 climb_rad,
                 ..*sweep
             };
-            let (leave, _) = self.certified_at(entry, &less, turn_rad);
+            let (leave, _) = self.flown_at(entry, &less, turn_rad);
             before = Some((-at.0, at.1));
             at = (less_rad, leave.margin_m);
             if leave.margin_m >= sweep.enough_m {
@@ -231,25 +234,37 @@ impl Search<'_> {
         Some(self.bend(bank_rad, sweep.side)?.least_rad())
     }
 
-    /// A turn of a sweep as a whole manoeuvre, and its certificate.
-    fn certified_at(
-        &mut self,
-        entry: &Entry,
-        sweep: &Sweep,
-        turn_rad: f64,
-    ) -> (Leave, Certificate) {
+    /// A turn of a sweep, and the margin of its flight as far as it is enough.
+    fn flown_at(&mut self, entry: &Entry, sweep: &Sweep, turn_rad: f64) -> (Leave, Certificate) {
+        let scene = self.scene;
         let turn_rad = sweep.side.sign() * turn_rad;
-        let turns = entry.turns(turn_rad, sweep.climb_rad);
-        let certificate = self.certify(&turns, &entry.from, f64::MIN);
-        let margin_m = certificate.proven_m();
+        let (from, floor_m) = (entry.from, sweep.enough_m);
+        let target = Target {
+            course_rad: from.course_rad + turn_rad,
+            climb_rad: sweep.climb_rad,
+            rate_share: 1.0,
+        };
+        let mut worst = Certificate::clear(entry.before_m);
+        let end = self.glide(&from, &target, scene.horizon_s, floor_m, &mut worst);
+        if worst.margin_m >= floor_m {
+            worst = self.straight_on(&end, scene.flyer.velocity_mps(&end), &worst, floor_m);
+        }
         let leave = Leave {
             turn_rad,
             climb_rad: sweep.climb_rad,
-            margin_m,
-            state: entry.from,
+            margin_m: worst.margin_m,
+            state: from,
             before_m: entry.before_m,
         };
-        (leave, certificate)
+        (leave, worst)
+    }
+
+    /// A turn exactly as it is flown with bank lag, if it is certified.
+    fn confirmed(&mut self, leave: Leave, sweep: &Sweep) -> Option<Leave> {
+        if self.scene.flyer.is_ideal() {
+            return Some(leave).filter(|_| !self.limit_met());
+        }
+        self.certified(&leave, sweep)
     }
 
     /// About the least turn of a front that does on the line on which it ends, from one that may, radians.

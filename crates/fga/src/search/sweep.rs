@@ -380,7 +380,7 @@ impl Search<'_> {
     }
 
     /// A turn with its margin as a whole manoeuvre, if that is enough.
-    fn certified(&mut self, leave: &Leave, sweep: &Sweep) -> Option<Leave> {
+    pub(super) fn certified(&mut self, leave: &Leave, sweep: &Sweep) -> Option<Leave> {
         let turns = self.turns(leave, sweep);
         let departure = match sweep.first {
             Some(_) => self.scene.start,
