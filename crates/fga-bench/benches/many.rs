@@ -63,7 +63,7 @@ fn report(scene: &str, count: usize, form: &str, steps: &mut Steps) {
 }
 
 /// A situation on the way to the east.
-fn situation<'a>(own: Ownship, step: usize, waypoints_m: &'a [Vec3]) -> Situation<'a> {
+fn situation(own: Ownship, step: usize, waypoints_m: &[Vec3]) -> Situation<'_> {
     Situation {
         time_s: 0.1 * step as f64,
         ownship: own,

@@ -5,7 +5,7 @@
 use core::panic::PanicInfo;
 
 use fga::Vec3;
-use fga::avoider::{Avoider, Settings, Start};
+use fga::avoider::{Avoider, Block, Kept, Settings, Start};
 use fga::certificate::Hazard;
 use fga::pilot::Pilot;
 use fga::situation::{Mission, Obstacle, Obstacles, Ownship, ProtectedVolume, Situation};
@@ -107,6 +107,29 @@ pub extern "C" fn fga_step_start_s(x_m: f64, y_m: f64, radius_m: f64) -> f64 {
         return -1.0;
     };
     start_s(&mut avoider, x_m, y_m, radius_m)
+}
+
+/// One decision among kept obstacles; the number of those looked at.
+#[unsafe(no_mangle)]
+pub extern "C" fn fga_kept_looked(x_m: f64, y_m: f64, radius_m: f64, id: u32) -> usize {
+    let Ok(mut avoider) = Avoider::new(Settings::default(), Vehicle::table_4()) else {
+        return 0;
+    };
+    let mut blocks = [const { Block::EMPTY }; 20];
+    let mut kept = Kept::new(&mut blocks);
+    let volume = ProtectedVolume::Sphere { radius_m };
+    let obstacle = Obstacle::new(id, Vec3::new(x_m, y_m, 0.0), Vec3::ZERO, volume);
+    let put = kept.put(&obstacle, x_m).is_ok();
+    let situation = Situation {
+        time_s: 0.0,
+        ownship: ownship(0.0, 0.0, 0.0),
+        obstacles: Obstacles::Rows(&[]),
+        mission: Mission::new(&[]),
+        wind_mps: Vec3::ZERO,
+    };
+    avoider.step_kept(&situation, &mut kept);
+    let removed = kept.remove(id);
+    kept.looked() + usize::from(put) + usize::from(removed)
 }
 
 /// One decision by each rule of the paper: the earliest start.

@@ -11,7 +11,7 @@ use fga::situation::{
 use crate::flight::vehicle;
 
 /// Flights in each world.
-const SEEDS: u64 = 10;
+const SEEDS: u64 = 4;
 
 /// Numbers from a seed (`SplitMix64`).
 struct Draw(u64);
@@ -472,6 +472,29 @@ fn a_report_replaces_the_one_with_its_identifier_and_a_full_memory_says_so() {
     assert_eq!((kept.len(), kept.obstacles(8.0).count()), (0, 0));
     kept.put(&at(7, 2.0), 8.0).unwrap();
     assert_eq!(places(&kept), [(7, 2.0)]);
+}
+
+#[test]
+fn an_obstacle_that_is_removed_is_not_looked_at() {
+    let settings = Settings {
+        surveillance_radius_m: f64::INFINITY,
+        ..Settings::default()
+    };
+    let mut avoider = Avoider::new(settings, vehicle()).unwrap();
+    let mut blocks = vec![Block::EMPTY];
+    let mut kept = Kept::new(&mut blocks);
+    let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+    let mast = Obstacle::new(7, Vec3::X * 50_000.0, Vec3::ZERO, volume);
+    kept.put(&mast, 0.0).unwrap();
+    step(&mut avoider, &mut kept, 0);
+    step(&mut avoider, &mut kept, 1);
+    assert!(kept.looked() > 0);
+    kept.remove(7);
+    step(&mut avoider, &mut kept, 2);
+    assert_eq!(kept.looked(), 0);
+    kept.put(&mast, 0.2).unwrap();
+    step(&mut avoider, &mut kept, 3);
+    assert!(kept.looked() > 0);
 }
 
 #[test]

@@ -206,7 +206,7 @@ mod tests {
                 let now = LineAhead {
                     position_m: from.position_m + from.velocity_mps * followed_s + off_m,
                     velocity_mps: from.velocity_mps + off_mps,
-                    margin_m: from.margin_m * draw.within(0.5, 2.0),
+                    margin_m: from.margin_m * draw.within(0.5, 6.0),
                     ..from
                 };
                 let time_s = since_s + followed_s;
