@@ -3,15 +3,16 @@
 //!
 //! Processor time of the thread, each step the quickest of several from the same state, without the time of reading the clock. Prints rows
 //! of CSV: aircraft, obstacles, kind, steps, median, 99 %, largest in microseconds, and nanoseconds per unit of work. The
-//! adversarial set follows: microseconds and units of work, with 99.99 %, and the step with the most work, which
-//! `tests/instructions` counts.
+//! adversarial set follows: microseconds and units of work, with 99.99 %, the longest steps, and the step with the most
+//! work, which `tests/instructions` counts. With the argument `adversarial` it runs alone:
+//! `cargo bench -p fga-bench --bench cycles -- adversarial`.
+
+mod clock;
 
 use core::hint::black_box;
 
-use fga::avoider::Avoider;
-use fga::situation::Situation;
+use clock::{quickest_us, reading_us};
 use fga_bench::cycles::{Aircraft, Encounter, Kind};
-use rustix::time::{ClockId, clock_gettime};
 
 /// Repetitions of each step.
 const RUNS: usize = 5;
@@ -19,28 +20,11 @@ const RUNS: usize = 5;
 /// Encounters with one obstacle; fewer with more.
 const ENCOUNTERS: u64 = 40;
 
+/// Longest steps of the adversarial set that are listed.
+const LISTED: usize = 5;
+
 /// Encounters of the adversarial set.
 const ADVERSARIAL: u64 = 40;
-
-/// Processor time of this thread, microseconds.
-fn thread_us() -> f64 {
-    let now = clock_gettime(ClockId::ThreadCPUTime);
-    now.tv_sec as f64 * 1e6 + now.tv_nsec as f64 * 1e-3
-}
-
-/// Processor time of one step, microseconds.
-fn step_us(before: &Avoider, situation: &Situation<'_>, clock_us: f64) -> f64 {
-    let once = || {
-        let mut avoider = before.clone();
-        let begun = thread_us();
-        black_box(avoider.step(black_box(situation)));
-        thread_us() - begun - clock_us
-    };
-    (0..RUNS)
-        .map(|_| once())
-        .fold(f64::INFINITY, f64::min)
-        .max(0.0)
-}
 
 /// The measured step.
 struct Sample {
@@ -56,7 +40,12 @@ fn measure(encounter: Encounter, clock_us: f64, samples: &mut Vec<Sample>) {
         samples.push(Sample {
             kind: Kind::of(decision),
             cycle: samples.len() - first,
-            micros: step_us(before, situation, clock_us),
+            micros: quickest_us(
+                RUNS,
+                clock_us,
+                || before.clone(),
+                |avoider| avoider.step(black_box(situation)),
+            ),
             work: decision.record.work.work,
         });
         false
@@ -107,14 +96,18 @@ fn spread(name: &str, mut values: Vec<f64>) {
 }
 
 fn main() {
+    let asked = |word: &str| std::env::args().any(|argument| argument == word);
     // `cargo test --benches` passes no --bench: one encounter of each shows that it runs.
-    let quick = !std::env::args().any(|argument| argument == "--bench");
-    let clock_us = (0..1000)
-        .map(|_| {
-            let begun = thread_us();
-            thread_us() - begun
-        })
-        .fold(f64::INFINITY, f64::min);
+    let quick = !asked("--bench");
+    let clock_us = reading_us();
+    if !asked("adversarial") {
+        drawn(quick, clock_us);
+    }
+    adversarial(quick, clock_us);
+}
+
+/// The kinds of steps in drawn encounters.
+fn drawn(quick: bool, clock_us: f64) {
     println!("aircraft,obstacles,kind,steps,median_us,p99_us,largest_us,ns_a_unit");
     for aircraft in Aircraft::ALL {
         for count in [1, 3, 10, 30, 100] {
@@ -137,19 +130,35 @@ fn main() {
             }
         }
     }
+}
+
+/// The slowest steps that we could construct.
+fn adversarial(quick: bool, clock_us: f64) {
     let mut all = Vec::new();
-    let mut longest = (0, 0, 0);
     for number in 0..if quick { 1 } else { ADVERSARIAL } {
         let mut samples = Vec::new();
         measure(Encounter::adversarial(number), clock_us, &mut samples);
-        for sample in &samples {
-            longest = longest.max((sample.work, number, sample.cycle));
-        }
-        all.append(&mut samples);
+        all.extend(samples.into_iter().map(|sample| (number, sample)));
     }
     println!("adversarial,steps,median,p99,p99.99,largest");
-    spread("us", all.iter().map(|sample| sample.micros).collect());
-    spread("work", all.iter().map(|s| f64::from(s.work)).collect());
-    let (work, number, cycle) = longest;
-    println!("most work: {work} units, encounter {number}, cycle {cycle}");
+    spread("us", all.iter().map(|(_, sample)| sample.micros).collect());
+    let work = |(_, sample): &(u64, Sample)| f64::from(sample.work);
+    spread("work", all.iter().map(work).collect());
+    all.sort_by(|(_, a), (_, b)| b.micros.total_cmp(&a.micros));
+    println!("longest,encounter,cycle,kind,us,work");
+    for (place, (number, sample)) in (1..=LISTED).zip(&all) {
+        println!(
+            "{place},{number},{},{},{:.1},{}",
+            sample.cycle,
+            sample.kind.name(),
+            sample.micros,
+            sample.work
+        );
+    }
+    let most = all
+        .iter()
+        .max_by_key(|(number, s)| (s.work, *number, s.cycle));
+    if let Some((number, Sample { work, cycle, .. })) = most {
+        println!("most work: {work} units, encounter {number}, cycle {cycle}");
+    }
 }

@@ -87,7 +87,8 @@ impl Aircraft {
         }
     }
 
-    fn vehicle(self) -> Vehicle {
+    /// Its limits and response.
+    pub fn vehicle(self) -> Vehicle {
         let ideal = Vehicle::table_4();
         if self == Self::Ideal {
             return ideal;

@@ -1,10 +1,7 @@
 //! `fga campaign`: draws encounters by the million and flies each under every policy.
 
-use core::time::Duration;
-use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Instant;
 
 use clap::{Args, Subcommand};
 use fga_formats::atomic;
@@ -17,13 +14,14 @@ use fga_results::flight_files;
 use fga_results::provenance::{Provenance, TARGET};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{
-    Campaign, CampaignError, DecisionTimes, Folder, Manifest, Progress, RESULTS, Shard, Stamp,
-    Task, assemble, merge, reread, run as fly,
+    Campaign, CampaignError, DecisionTimes, Folder, Manifest, RESULTS, Shard, Stamp, Task,
+    assemble, merge, reread, run as fly,
 };
 use fga_sim::policy::PolicyChoice;
 use serde_json::{Value, json};
 
 use crate::campaign_draw::{self, DrawArgs};
+use crate::campaign_progress::Display;
 use crate::campaign_report::{self, ReportArgs};
 use crate::common::{
     self, AnswerArgs, OutArgs, OverlayArgs, ThreadArgs, interrupted, watch_for_interrupt,
@@ -188,7 +186,6 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
     }
     watch_for_interrupt();
     let mut display = Display::new();
-    let begun = Instant::now();
     let flown = args.threads.install(|| {
         fly(&task, &|| !interrupted(), &mut |progress| {
             display.show(progress);
@@ -202,7 +199,7 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
         }
         other => other?,
     };
-    let fly_s = begun.elapsed().as_secs_f64();
+    let fly_s = display.flying_s();
     if times.iter().all(|times| times.encounters == 0) {
         tell_complete(&task.folder);
     }
@@ -413,60 +410,4 @@ fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
     args.answer
         .print(|| crate::run::in_words(&log, &overlaid, &folder), &summary)?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// Progress on standard error: on a terminal a line that overwrites itself, else a line now and then.
-struct Display {
-    terminal: bool,
-    shown: Option<Instant>,
-}
-
-impl Display {
-    fn new() -> Self {
-        Self {
-            terminal: std::io::stderr().is_terminal(),
-            shown: None,
-        }
-    }
-
-    fn show(&mut self, progress: &Progress) {
-        let pause = Duration::from_millis(if self.terminal { 500 } else { 10_000 });
-        if self.shown.is_some_and(|shown| shown.elapsed() < pause) {
-            return;
-        }
-        self.shown = Some(Instant::now());
-        let rate = (progress.done - progress.before) as f64 / progress.elapsed_s.max(1e-9);
-        let left_s = (progress.total - progress.done) as f64 / rate.max(1e-9);
-        let line = format!(
-            "{} of {} encounters ({:.1} %), {rate:.0} a second, {} left",
-            progress.done,
-            progress.total,
-            100.0 * progress.done as f64 / progress.total.max(1) as f64,
-            duration(left_s)
-        );
-        let mut out = std::io::stderr().lock();
-        let _ = if self.terminal {
-            write!(out, "\r{line:<78}")
-        } else {
-            writeln!(out, "{line}")
-        };
-        let _ = out.flush();
-    }
-
-    fn end(&self) {
-        if self.terminal && self.shown.is_some() {
-            eprintln!();
-        }
-    }
-}
-
-/// A time in words.
-fn duration(seconds: f64) -> String {
-    if seconds < 90.0 {
-        format!("{seconds:.0} s")
-    } else if seconds < 5400.0 {
-        format!("{:.0} min", seconds / 60.0)
-    } else {
-        format!("{:.1} h", seconds / 3600.0)
-    }
 }

@@ -10,6 +10,7 @@ mod batch_replays;
 mod campaign;
 mod campaign_catalogue;
 mod campaign_draw;
+mod campaign_progress;
 mod campaign_report;
 mod check;
 mod common;

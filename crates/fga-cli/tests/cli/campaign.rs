@@ -110,6 +110,51 @@ fn the_same_bytes_on_one_and_two_threads_and_in_four_parts() {
     }
 }
 
+/// The number of encounters that standard error expects before its first line of progress.
+fn expected(output: &std::process::Output) -> Option<u64> {
+    let text = errors(output);
+    let first = text.lines().next()?.strip_prefix("expected: ")?;
+    let (before, _) = first.split_once(" encounters, ")?;
+    let processor = first.contains(" of processor time (by a sample of ");
+    before
+        .rsplit_once(' ')
+        .filter(|_| processor)?
+        .1
+        .parse()
+        .ok()
+}
+
+#[test]
+fn the_duration_is_expected_before_the_encounters_that_are_left() {
+    let folder = written();
+    let at = folder.path();
+    let run = |arguments: &[&str]| {
+        let output = fga_in(
+            at,
+            &[&["campaign", "run", "small.toml"], arguments].concat(),
+        );
+        assert!(output.status.success(), "{}", errors(&output));
+        output
+    };
+    assert_eq!(expected(&run(&["--out", "whole"])), Some(600));
+    // Three blocks of 256, 256 and 88: the second part has the second one, and flies the rest after a loss.
+    assert_eq!(
+        expected(&run(&["--shard", "1/2", "--out", "part"])),
+        Some(256 + 88)
+    );
+    let lost = blocks(&at.join("part"));
+    fs::remove_file(lost.iter().max().unwrap()).unwrap();
+    assert_eq!(
+        expected(&run(&["--shard", "1/2", "--out", "part", "--resume"])),
+        Some(88)
+    );
+    // Too few for a sample.
+    assert_eq!(
+        expected(&run(&["--encounters", "19", "--out", "few"])),
+        None
+    );
+}
+
 #[test]
 fn an_encounter_shown_alone_is_the_one_of_the_table() {
     let folder = written();

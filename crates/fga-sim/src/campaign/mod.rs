@@ -22,6 +22,7 @@
 //! | what do the rows show together? | [`Totals`], [`risk`] |
 
 pub mod configuration;
+mod expected;
 pub mod file;
 pub mod flight;
 pub mod folder;
@@ -38,6 +39,7 @@ mod tail;
 pub mod totals;
 
 pub use configuration::{Campaign, Configuration, Drawn, MOST_ENCOUNTERS, Scene, parse_policy};
+pub use expected::Expected;
 pub use flight::{Flown, Flyer, Row};
 pub use folder::{Folder, Manifest, RESULTS, Shard, Stamp};
 pub use merge::{Assembled, assemble, merge, reread};

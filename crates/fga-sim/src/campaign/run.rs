@@ -11,6 +11,7 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
+use super::expected::{Expected, expect};
 use super::flight::Flyer;
 use super::folder::{Manifest, read_block};
 use super::{Campaign, CampaignError, Flown, Folder, Quantiles, Row, Shard, Stamp};
@@ -41,6 +42,8 @@ pub struct Progress {
     pub total: u64,
     /// Seconds since the first block began.
     pub elapsed_s: f64,
+    /// What flying those that are not done when the run begins probably takes; unknown for a few.
+    pub expected: Option<Expected>,
 }
 
 /// Durations of the decisions of one policy.
@@ -87,7 +90,7 @@ const TAKEN: u64 = 4;
 /// Flies every missing block, on the threads of the current pool.
 ///
 /// Calls `go_on` now and then; once it returns false, running blocks are dropped and the finished ones
-/// stay. `show` gets every finished block. Returns the durations of the decisions of each policy, for
+/// stay. `show` gets the expected duration before the first block, which a sample tells, and every finished block. Returns the durations of the decisions of each policy, for
 /// the encounters of this run.
 ///
 /// # Errors
@@ -114,6 +117,7 @@ pub fn run(
             .map(size)
             .sum(),
         elapsed_s: 0.0,
+        expected: None,
     };
     for (block, path) in &finished {
         check(*block, path, task)?;
@@ -122,11 +126,14 @@ pub fn run(
     progress.before = progress.done;
     // Checks the settings once; the same ones fly every encounter.
     Flyer::new(campaign)?;
+    let blocks: Vec<u64> = (0..configuration.blocks())
+        .filter(|block| task.shard.has(*block) && !finished.contains_key(block))
+        .collect();
+    progress.expected = expect(campaign, &blocks, progress.total - progress.done, go_on)?;
+    show(&progress);
     let work = Work {
         task,
-        blocks: (0..configuration.blocks())
-            .filter(|block| task.shard.has(*block) && !finished.contains_key(block))
-            .collect(),
+        blocks,
         next: AtomicU64::new(0),
         begun: Instant::now(),
         state: Mutex::new(WorkState {

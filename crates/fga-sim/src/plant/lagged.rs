@@ -1,4 +1,7 @@
-//! Flight with a first-order bank response or under the PI autopilot, by Runge–Kutta steps.
+//! Flight with a first-order bank response, or under the PI autopilot by Runge–Kutta steps.
+//!
+//! A roll to a commanded bank is exact in bank; course and place are integrated by Simpson's rule, whose error is
+//! below 10⁻⁶ m a step. What is shown of a step is the arc of its mean rate: at most 0.2 mm off in between.
 //!
 //! The direct autopilot commands the bank of the full turn until the remaining turn equals the turn made
 //! while rolling out to level, then level. The moment is exact to rounding, so a turn ends on its course.
@@ -9,8 +12,17 @@ use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 use super::pi_controller::{PiController, PiGains};
 use super::{Arc, Autopilot, Plant, rate_to};
 
-/// Longest integration step, seconds (50 Hz).
+/// Longest integration step under the PI autopilot, seconds (50 Hz).
 const LONGEST_STEP_S: f64 = 0.02;
+
+/// Longest step of a roll, seconds.
+const LONGEST_ROLL_S: f64 = 0.05;
+
+/// Longest step of the end of a roll, seconds.
+const LONGEST_END_S: f64 = 0.1;
+
+/// A bank this close to its command is at the end of its roll, radians: the course rate hardly changes any more.
+const NEARLY_THERE_RAD: f64 = 0.1;
 
 /// The controllers of the PI autopilot (Eq. 13, 14); none under the direct one.
 #[derive(Debug, Clone, Copy, Default)]
@@ -61,8 +73,8 @@ impl Flight {
     }
 }
 
-/// Steps of the bank's time constant.
-const STEPS_OF_LAG: f64 = 16.0;
+/// Steps of the bank's time constant, at least.
+const STEPS_OF_LAG: f64 = 10.0;
 
 /// A bank this close to its command has reached it, radians.
 const THERE_RAD: f64 = 1e-6;
@@ -108,11 +120,9 @@ fn roll_out_integral(bank_rad: f64) -> f64 {
 }
 
 impl Plant {
-    /// Flies until `until_s` under the direct autopilot: rolls by Runge–Kutta steps, the rest in exact
-    /// arcs.
+    /// Flies until `until_s` under the direct autopilot: rolls in steps, the rest in exact arcs.
     pub(super) fn fly_rolling(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         let lag_s = self.vehicle.response.bank_time_constant_s;
-        let longest_s = LONGEST_STEP_S.min(lag_s / STEPS_OF_LAG);
         // The remaining turn beyond the roll-out's, where the last step has computed it.
         let mut known = None;
         let limit = self.active.map_or(0.0, |stage| {
@@ -177,8 +187,13 @@ impl Plant {
                 };
                 continue;
             }
+            let longest_s = if (self.bank_rad - command).abs() <= NEARLY_THERE_RAD {
+                LONGEST_END_S.min(2.0 * lag_s / STEPS_OF_LAG)
+            } else {
+                LONGEST_ROLL_S.min(lag_s / STEPS_OF_LAG)
+            };
             let mut step_s = longest_s.min(left_s).min(climb_s);
-            let mut after = self.rolled(command, climb_rate, step_s);
+            let mut after = self.rolling(command, climb_rate, step_s);
             let left_rad = self.left_rad(&after);
             let left = if !turns {
                 beyond
@@ -240,7 +255,7 @@ impl Plant {
                 break;
             }
             let c_s = b_s - at_b * (b_s - a_s) / (at_b - at_a);
-            *after = self.rolled(command, climb_rate, c_s);
+            *after = self.rolling(command, climb_rate, c_s);
             let at_c = self.beyond_at(after);
             if at_c * at_b < 0.0 {
                 (a_s, at_a) = (b_s, at_b);
@@ -274,6 +289,42 @@ impl Plant {
             * response.bank_time_constant_s
             * roll_out_integral(flight.bank_rad);
         stage.course_rad - flight.course_rad - rolling_out
+    }
+
+    /// The flight after a part of a roll: the bank decays exactly towards its command.
+    fn rolling(&self, bank_command: f64, climb_rate: f64, step_s: f64) -> Flight {
+        let response = self.vehicle.response;
+        let half_s = 0.5 * step_s;
+        let decay = libm::exp(-half_s / response.bank_time_constant_s);
+        let off = self.bank_rad - bank_command;
+        let middle_bank = bank_command + off * decay;
+        let end_bank = bank_command + off * decay * decay;
+        let gain = response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / self.airspeed_mps;
+        let rate = |bank_rad: f64| gain * libm::tan(bank_rad);
+        let (r0, r1, r2) = (rate(self.bank_rad), rate(middle_bank), rate(end_bank));
+        // The integrals of the parabola through the three rates.
+        let middle_course = self.course_rad + step_s / 24.0 * (5.0 * r0 + 8.0 * r1 - r2);
+        let end_course = self.course_rad + step_s / 6.0 * (r0 + 4.0 * r1 + r2);
+        let level = libm::sincos(self.climb_rad);
+        let heading = |course_rad: f64, after_s: f64| {
+            let (sin_climb, cos_climb) = if climb_rate == 0.0 || after_s == 0.0 {
+                level
+            } else {
+                libm::sincos(self.climb_rad + climb_rate * after_s)
+            };
+            let (sin_course, cos_course) = libm::sincos(course_rad);
+            Vec3::new(cos_climb * cos_course, cos_climb * sin_course, sin_climb)
+        };
+        let sum = heading(self.course_rad, 0.0)
+            + heading(middle_course, half_s) * 4.0
+            + heading(end_course, step_s);
+        Flight {
+            position_m: self.position_m
+                + sum * (self.airspeed_mps * step_s / 6.0)
+                + self.wind_mps * step_s,
+            course_rad: end_course,
+            bank_rad: end_bank,
+        }
     }
 
     /// The flight after one Runge–Kutta step under a bank command.
@@ -380,6 +431,60 @@ impl Plant {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Rolls to one side and then to the other, climbing, in wind, against the equations of motion in fine steps.
+    #[test]
+    fn a_roll_is_flown_as_fine_steps_fly_it() {
+        for (airspeed_mps, lag_s) in [(15.0, 0.2), (22.0, 0.6), (60.0, 1.2)] {
+            let mut vehicle = Vehicle::table_4();
+            vehicle.response.bank_time_constant_s = lag_s;
+            vehicle.response.turn_rate_factor = 0.74;
+            let vehicle = super::super::at_airspeed(&vehicle, airspeed_mps);
+            let mut plant = Plant::new(vehicle, Autopilot::Direct, Vec3::new(3.0, -4.0, 0.0));
+            plant.place(0.0, Vec3::ZERO, 0.3, 0.0);
+            let (mut fine, mut between_m, mut arcs) = (plant.clone(), 0.0_f64, 0);
+            for cycle in 0..12 {
+                let side = if cycle < 6 { 1.0 } else { -1.0 };
+                plant.active = Some(fga::maneuver::Stage {
+                    start_s: 0.0,
+                    course_rad: 6.0 * side,
+                    climb_rad: vehicle.climb_max_rad,
+                    rate_share: 1.0,
+                });
+                plant.advance(0.1, |arc, end_m| {
+                    arcs += 1;
+                    for tenth in 1..=10 {
+                        let after_s = arc.duration_s * f64::from(tenth) / 10.0;
+                        fly_finely(&mut fine, side, arc.start_s + after_s);
+                        let at_m = arc.position_at_m(after_s);
+                        between_m = between_m.max(at_m.distance(fine.position_m));
+                    }
+                    assert!(end_m.distance(fine.position_m) < 2e-5, "{arc:?}");
+                });
+            }
+            assert!((plant.course_rad - fine.course_rad).abs() < 1e-6);
+            assert!((plant.bank_rad - fine.bank_rad).abs() < 1e-9);
+            assert!(between_m < 6e-4, "{lag_s}: {between_m}");
+            assert!(arcs >= 24, "{arcs}");
+        }
+    }
+
+    /// Flies the reference in Runge–Kutta steps of at most 0.1 ms under the largest bank to one side.
+    fn fly_finely(fine: &mut Plant, side: f64, until_s: f64) {
+        let command = side * fine.bank_of(fine.course_rate_limit_radps());
+        let climb_rate = fine.vehicle.climb_rate_radps;
+        let span_s = until_s - fine.time_s;
+        let steps = (span_s / 1e-4).ceil().max(1.0) as u32;
+        let step_s = span_s / f64::from(steps);
+        for _ in 0..steps {
+            let after = fine.rolled(command, climb_rate, step_s);
+            fine.position_m = after.position_m;
+            fine.course_rad = after.course_rad;
+            fine.bank_rad = after.bank_rad;
+            fine.climb_rad += climb_rate * step_s;
+        }
+        fine.time_s = until_s;
+    }
 
     /// The bound by which a step leaves the integral out.
     #[test]
