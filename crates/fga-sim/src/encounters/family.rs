@@ -1,10 +1,7 @@
 //! The families: Table 4's cells and the hard ones.
 
-use core::f64::consts::FRAC_PI_2;
-
 use fga::Vec3;
 
-use super::random::planar_direction;
 use super::{Body, EncounterSource, Random};
 
 /// A range; equal ends are a fixed value.
@@ -111,69 +108,13 @@ fn level_threat(source: &EncounterSource, random: &mut Random, seen: Range, spee
     }
     loop {
         let distance = random.within(seen);
-        let (bearing, course) = (random.unit(), random.unit());
-        let speed = random.within(speed);
-        if clearly_no_threat(source, (distance, bearing), (speed, course)) {
-            continue;
-        }
         let body = Body {
-            position_m: planar_direction(bearing) * distance,
-            velocity_mps: planar_direction(course) * speed,
+            position_m: random.direction(true) * distance,
+            velocity_mps: random.direction(true) * random.within(speed),
         };
         if source.is_threat(&body) && meeting_s(source, &body) <= LATEST_MEETING_S {
             return body;
         }
-    }
-}
-
-/// Error of [`roughly`], of one; far above the true one, 4·10⁻⁷.
-const ROUGHLY: f64 = 1e-5;
-
-/// Whether a body misses the aircraft by so much, or flies away so fast, that rough directions show it.
-///
-/// Most draws are none, and exact directions would be most of the work of drawing.
-fn clearly_no_threat(
-    source: &EncounterSource,
-    (distance, bearing): (f64, f64),
-    (speed, course): (f64, f64),
-) -> bool {
-    let ((px, py), (vx, vy)) = (roughly(bearing), roughly(course));
-    let (x, y) = (px * distance, py * distance);
-    let (rx, ry) = (vx * speed - source.airspeed_mps, vy * speed);
-    let relative = libm::sqrt(rx * rx + ry * ry);
-    // The distances off, and the relative velocity by as much as both speeds are off.
-    let off_m = ROUGHLY * distance;
-    let off_mps = ROUGHLY * speed;
-    if relative <= 2.0 * off_mps {
-        return false;
-    }
-    // The direction of the relative velocity turns by at most twice this.
-    let turned = 2.0 * off_mps / relative;
-    let slack_m = 2.0 * off_m + 2.0 * turned * distance + 1e-6 * source.radius_m;
-    let along_m = -(x * rx + y * ry) / relative;
-    let across_m = (x * ry - y * rx).abs() / relative;
-    along_m < -slack_m || across_m > source.radius_m + slack_m
-}
-
-/// Cosine and sine of a share of a turn from 0 to 1, by Taylor polynomials within an eighth of a turn.
-fn roughly(turn: f64) -> (f64, f64) {
-    // The nearest quarter, and the angle from there.
-    let quarters = libm::floor(4.0 * turn + 0.5);
-    let x = (4.0 * turn - quarters) * FRAC_PI_2;
-    let x2 = x * x;
-    let sin = x * (1.0 - x2 / 6.0 * (1.0 - x2 / 20.0 * (1.0 - x2 / 42.0)));
-    let cos = 1.0 - x2 / 2.0 * (1.0 - x2 / 12.0 * (1.0 - x2 / 30.0 * (1.0 - x2 / 56.0)));
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a whole number from 0 to 4"
-    )]
-    let quarter = quarters as u8 & 3;
-    match quarter {
-        0 => (cos, sin),
-        1 => (-sin, cos),
-        2 => (-cos, -sin),
-        _ => (sin, -cos),
     }
 }
 
@@ -328,50 +269,4 @@ fn pincer(source: &EncounterSource, random: &mut Random, count: u32) -> Vec<Body
             }
         })
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rough_directions_are_closer_than_their_bound() {
-        for k in 0..100_000 {
-            let turn = f64::from(k) * 1e-5;
-            let (cos, sin) = roughly(turn);
-            let exact = planar_direction(turn);
-            let off = libm::hypot(cos - exact.x, sin - exact.y);
-            assert!(off < 0.1 * ROUGHLY, "{turn}: {off}");
-        }
-    }
-
-    #[test]
-    fn no_threat_is_taken_for_none() {
-        let source = EncounterSource::table_4(Family::Overtaking, true, 1);
-        let mut random = Random::new(5, 0);
-        let (mut threats, mut left_out) = (0_u32, 0_u32);
-        for _ in 0..400_000 {
-            let distance = random.within(Range(10.0, 2000.0));
-            let (bearing, course) = (random.unit(), random.unit());
-            // Also nearly the own velocity, where the relative one is tiny.
-            let (speed, course) = if random.unit() < 0.2 {
-                (15.0 + 1e-4 * random.unit(), 1e-5 * course)
-            } else {
-                (random.within(Range(0.0, 60.0)), course)
-            };
-            let body = Body {
-                position_m: planar_direction(bearing) * distance,
-                velocity_mps: planar_direction(course) * speed,
-            };
-            let clearly = clearly_no_threat(&source, (distance, bearing), (speed, course));
-            left_out += u32::from(clearly);
-            if source.is_threat(&body) {
-                threats += 1;
-                assert!(!clearly, "{body:?}");
-            }
-        }
-        // Nearly all that are no threats are left out.
-        assert!(threats > 5_000, "{threats}");
-        assert!(left_out > 300_000, "{left_out} and {threats}");
-    }
 }

@@ -8,12 +8,6 @@ use rand_core::{Rng, SeedableRng};
 
 use super::Range;
 
-/// The unit vector in the plane at a share of a turn from +x.
-pub(super) fn planar_direction(turn: f64) -> Vec3 {
-    let (sin, cos) = libm::sincos(TAU * turn);
-    Vec3::new(cos, sin, 0.0)
-}
-
 /// The random stream of one encounter.
 #[derive(Debug, Clone)]
 pub struct Random(ChaCha8Rng);
