@@ -1,7 +1,7 @@
 //! Flight with a first-order bank response, or under the PI autopilot by Runge–Kutta steps.
 //!
 //! A roll to a commanded bank is exact in bank; course and place are integrated by Simpson's rule, whose error is
-//! below 10⁻⁶ m a step. What is shown of a step is the arc of its mean rate: at most 0.2 mm off in between.
+//! below 10⁻⁶ m a step. What is shown of a step is the arc of its mean rate: less than a millimetre off in between.
 //!
 //! The direct autopilot commands the bank of the full turn until the remaining turn equals the turn made
 //! while rolling out to level, then level. The moment is exact to rounding, so a turn ends on its course.
@@ -473,17 +473,15 @@ mod tests {
     fn fly_finely(fine: &mut Plant, side: f64, until_s: f64) {
         let command = side * fine.bank_of(fine.course_rate_limit_radps());
         let climb_rate = fine.vehicle.climb_rate_radps;
-        let span_s = until_s - fine.time_s;
-        let steps = (span_s / 1e-4).ceil().max(1.0) as u32;
-        let step_s = span_s / f64::from(steps);
-        for _ in 0..steps {
+        while fine.time_s < until_s {
+            let step_s = (until_s - fine.time_s).min(1e-4);
             let after = fine.rolled(command, climb_rate, step_s);
             fine.position_m = after.position_m;
             fine.course_rad = after.course_rad;
             fine.bank_rad = after.bank_rad;
             fine.climb_rad += climb_rate * step_s;
+            fine.time_s += step_s;
         }
-        fine.time_s = until_s;
     }
 
     /// The bound by which a step leaves the integral out.

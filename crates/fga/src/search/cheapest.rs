@@ -148,7 +148,7 @@ impl Search<'_> {
             let tangent = self.tangent(entry, what, turn_rad).ok_or(fails_rad)?;
             let lacks_m = sweep.enough_m - leave.margin_m;
             let left_s = certificate.at_s - tangent.parts_s;
-            let mut more_rad = 0.0;
+            let mut more_rad = f64::NEG_INFINITY;
             if lacks_m <= 0.0 {
                 best = Some(leave);
                 if turn_rad <= least_rad {
@@ -171,13 +171,25 @@ impl Search<'_> {
             }
             let here = (turn_rad, leave.margin_m);
             let usual = USUAL * scene.flyer.airspeed_mps() * left_s.max(LEAST_LEVER_S);
-            let slope = secant(before, here).unwrap_or(usual);
-            let step_rad = ((lacks_m + near_m) / slope).min(LONGEST_STEP_RAD);
+            let step_rad = match (before, secant(before, here)) {
+                // A little more of a turn only brings it closer.
+                (Some(_), None) if best.is_none() => LONGEST_STEP_RAD,
+                (_, slope) => (lacks_m + near_m) / slope.unwrap_or(usual),
+            };
+            let step_rad = step_rad.min(LONGEST_STEP_RAD);
             before = Some(here);
             let does_rad = best.map_or(f64::INFINITY, |best| best.turn_rad.abs());
             turn_rad += step_rad.max(more_rad);
             if turn_rad <= fails_rad.max(least_rad) || turn_rad >= does_rad {
                 turn_rad = 0.5 * (fails_rad.max(least_rad) + does_rad);
+            }
+            // Lines are cheaper than flights with bank lag.
+            if best.is_none() && !scene.flyer.is_ideal() {
+                let room = (turn_rad, sweep.max_turn_rad);
+                let Some(next_rad) = self.turn_rad(entry, what, room) else {
+                    return Ok(None);
+                };
+                turn_rad = next_rad;
             }
         }
         best.map(Some).ok_or(fails_rad)

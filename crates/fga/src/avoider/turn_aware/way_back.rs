@@ -113,12 +113,11 @@ impl Avoider {
         let other = 1 + turn / 2 % (INTERCEPTS_RAD.len() - 1);
         let place = if turn.is_multiple_of(2) { 0 } else { other };
         let intercept_rad = *INTERCEPTS_RAD.get(place)?;
-        let mission = &situation.mission;
-        let target_m = self.target_m;
+        let (mission, target_m) = (&situation.mission, self.target_m);
         // Skipping a leg is only for a leg that the aircraft cannot join at any angle.
-        let patient = situation.time_s - plan.start_s < SKIP_AFTER_S;
-        let skipped = if patient { 0 } else { MAX_SKIPPED };
         let waited_s = situation.time_s - plan.start_s;
+        let patient = waited_s < SKIP_AFTER_S;
+        let skipped = if patient { 0 } else { MAX_SKIPPED };
         let detour = (turn % 2 == 1)
             .then(|| self.detour(situation, now, (waited_s, turn / 2)))
             .flatten();
@@ -137,15 +136,8 @@ impl Avoider {
         let joins_s = nearest.and_then(|(_, way, _)| Some(way.end()?.1));
         let late_s = self.returned.map_or(0.0, |returned| returned.late_s);
         let is_late = joins_s.is_some_and(|joins_s| situation.time_s + joins_s + late_s > latest_s);
-        let into_m = (nearest.as_ref())
-            .filter(|_| detour.is_none() && !is_late)
-            .and_then(|(_, way, index)| {
-                self.leads_to_obstacle(way, *index, plan, (situation, now))
-            });
-        if let Some(into_m) = into_m {
-            (self.refusals).refuse(place, plan, (situation.time_s, into_m));
-        }
-        if detour.is_none() && is_late || into_m.is_some() {
+        let seen = nearest.as_ref().map(|(_, way, index)| (way, *index));
+        if detour.is_none() && (is_late || self.is_refused(place, seen, plan, (situation, now))) {
             self.count_mission();
             return None;
         }
@@ -215,6 +207,23 @@ impl Avoider {
             self.return_to(index, plan, late_s, (situation, now));
         }
         back
+    }
+
+    /// Whether a way back onto the leg that begins at a waypoint leads to an obstacle, which is remembered.
+    fn is_refused(
+        &mut self,
+        place: usize,
+        seen: Option<(&Way, usize)>,
+        plan: &Plan,
+        (situation, now): (&Situation<'_>, &MotionState),
+    ) -> bool {
+        let into_m = seen
+            .and_then(|(way, index)| self.leads_to_obstacle(way, index, plan, (situation, now)));
+        if let Some(into_m) = into_m {
+            let look = (situation.time_s, into_m);
+            self.refusals.refuse(place, plan, look);
+        }
+        into_m.is_some()
     }
 
     /// Remembers a chosen way back and goes on to its leg.
@@ -347,7 +356,7 @@ impl Avoider {
             let until_s = passes_s(hazard, situation) + NEXT_ENCOUNTER_S - ROUGHLY_S;
             let (margin_m, at_s) = hazard.least_on_line(&line, inside_m, &self.meter)?;
             let is_same = at_s < until_s && at_s < end_s + line.duration_s;
-            is_same.then(|| inside_m - margin_m)
+            is_same.then_some(inside_m - margin_m)
         })
     }
 
