@@ -178,6 +178,7 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
         },
         folder: Folder::at(&args.out.prepare(&args.file)?),
         resume: args.resume,
+        is_expected: true,
     };
     let manifest = task.manifest();
     if args.resume && task.folder.file(RESULTS).exists() {

@@ -251,6 +251,7 @@ impl Campaign {
             stamp: Self::stamp(),
             folder,
             resume,
+            is_expected: false,
         };
         interruptible(py, threads, progress, |shared| {
             shared

@@ -13,7 +13,7 @@ use super::flight::Flyer;
 use super::{Campaign, CampaignError};
 
 /// The sample is at most one in this many encounters.
-const ONE_IN: u64 = 20;
+const ONE_IN: u64 = 50;
 
 /// Largest sample.
 const LARGEST_SAMPLE: u64 = 256;
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn a_sample_is_spread_over_what_is_left() {
-        for left in [20, 97, 600, 1_000_003] {
+        for left in [100, 970, 6000, 1_000_003] {
             let count = (left / ONE_IN).min(LARGEST_SAMPLE);
             let mut places: Vec<u64> = (0..count).map(|index| place(index, left)).collect();
             places.sort_unstable();

@@ -29,6 +29,8 @@ pub struct Task<'a> {
     pub folder: Folder,
     /// Whether to continue with existing results.
     pub resume: bool,
+    /// Whether a sample is flown first, which tells the expected duration.
+    pub is_expected: bool,
 }
 
 /// The progress of the work.
@@ -42,7 +44,7 @@ pub struct Progress {
     pub total: u64,
     /// Seconds since the first block began.
     pub elapsed_s: f64,
-    /// What flying those that are not done when the run begins probably takes; unknown for a few.
+    /// What flying those that are not done when the run begins probably takes; unknown for a few or without a sample.
     pub expected: Option<Expected>,
 }
 
@@ -90,8 +92,8 @@ const TAKEN: u64 = 4;
 /// Flies every missing block, on the threads of the current pool.
 ///
 /// Calls `go_on` now and then; once it returns false, running blocks are dropped and the finished ones
-/// stay. `show` gets the expected duration before the first block, which a sample tells, and every finished block. Returns the durations of the decisions of each policy, for
-/// the encounters of this run.
+/// stay. `show` gets the expected duration before the first block, and every finished block. Returns the durations of
+/// the decisions of each policy, for the encounters of this run.
 ///
 /// # Errors
 /// A folder of another campaign, a damaged block, an unwritable output, or
@@ -129,7 +131,9 @@ pub fn run(
     let blocks: Vec<u64> = (0..configuration.blocks())
         .filter(|block| task.shard.has(*block) && !finished.contains_key(block))
         .collect();
-    progress.expected = expect(campaign, &blocks, progress.total - progress.done, go_on)?;
+    if task.is_expected {
+        progress.expected = expect(campaign, &blocks, progress.total - progress.done, go_on)?;
+    }
     show(&progress);
     let work = Work {
         task,
