@@ -192,6 +192,8 @@ pub struct Search<'a> {
     patience: u32,
     /// The hazard that decided last: checked first, because it decides most often again.
     culprit: usize,
+    /// Whether sweeps look roll-outs up instead of flying them.
+    is_rough: bool,
     /// Turns to the left and to the right from the banks that were looked at last.
     bends: [Option<Bend>; 2],
     /// What comes too close on the mission, once that was asked.
@@ -214,6 +216,7 @@ impl<'a> Search<'a> {
             answering: false,
             patience,
             culprit: 0,
+            is_rough: false,
             bends: [None; 2],
             conflicts: None,
         }

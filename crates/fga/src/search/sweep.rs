@@ -62,31 +62,21 @@ pub(super) struct Leave {
 
 impl Search<'_> {
     /// The first turn of a sweep with enough margin; without one, the one with the largest margin above the
-    /// floor.
+    /// floor. With bank lag the margin after a roll-out is known to decimetres.
     pub(super) fn sweep(&mut self, sweep: &Sweep) -> Option<Leave> {
+        self.is_rough = true;
         self.sweep_to(sweep).map(|(leave, _)| leave)
     }
 
     /// The first turn of a sweep with enough margin, shortened within its last step, or with
     /// less of a climb if it does not turn at all, as long as the margin is enough.
     pub(super) fn smallest(&mut self, sweep: &Sweep) -> Option<Leave> {
+        self.is_rough = false;
         let (leave, last) = self.sweep_to(sweep)?;
-        let is_exact = self.scene.flyer.is_ideal();
-        let Some(step) = last else {
-            let leave = if is_exact {
-                Some(leave)
-            } else {
-                self.certified(&leave, sweep)
-            };
-            return leave.map(|leave| self.with_less_climb(&leave, sweep));
-        };
-        let less = self.with_less_turn(&leave, &step, sweep);
-        if is_exact {
-            return Some(less);
-        }
-        // Once more, exactly as flown.
-        self.certified(&less, sweep)
-            .or_else(|| self.certified(&leave, sweep))
+        Some(match last {
+            Some(step) => self.with_less_turn(&leave, &step, sweep),
+            None => self.with_less_climb(&leave, sweep),
+        })
     }
 
     /// The answer of [`Self::sweep`], and its last step.
@@ -224,7 +214,8 @@ impl Search<'_> {
         }
         // The straight flight after a roll-out fails most often, and is one line.
         let flyer = self.scene.flyer;
-        if state.climb_rad == climb_rad
+        if self.is_rough
+            && state.climb_rad == climb_rad
             && let Some(places) = flyer.settling(state)
         {
             return self.settles(state, &places, before, floor_m);
@@ -274,7 +265,7 @@ impl Search<'_> {
         let between_rad = (leave.turn_rad - self.turn_at(&last.from, sweep)).abs();
         let useless_rad = sweep.side.sign() * leave.turn_rad - sweep.from_rad;
         let most = (useless_rad / between_rad.max(f64::MIN_POSITIVE)).limited(0.0, 1.0);
-        self.halved(leave, most, |search, share| {
+        let less = self.halved(leave, most, |search, share| {
             let part_s = (1.0 - share) * last.lasts_s;
             let (turn_rad, state) = if flyer.is_ideal() {
                 let between_rad = leave.turn_rad - search.turn_at(&last.from, sweep);
@@ -292,7 +283,12 @@ impl Search<'_> {
                 ..*leave
             };
             search.evaluated_at(&left, sweep)
-        })
+        });
+        if flyer.is_ideal() || less == *leave {
+            return less;
+        }
+        // Once more, exactly as flown.
+        self.certified(&less, sweep).unwrap_or(*leave)
     }
 
     /// A change of climb, shortened.
