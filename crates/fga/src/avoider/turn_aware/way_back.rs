@@ -34,8 +34,11 @@ const CLEARLY_NEARER: f64 = 0.9;
 /// Longest flight at a shallow intercept angle, seconds.
 const SHALLOW_S: f64 = 15.0;
 
-/// An obstacle that takes longer than this to pass flies alongside; the mission does not wait for
-/// it, seconds.
+/// An obstacle of less speed relative to the aircraft than this share of its airspeed flies
+/// alongside.
+const ALONGSIDE: f64 = 0.5;
+
+/// The mission waits at most this long for an obstacle that flies alongside, seconds.
 const LONGEST_PASS_S: f64 = 20.0;
 
 /// Memory of a way back: one that led back to the same obstacle is not repeated within this time,
@@ -74,7 +77,13 @@ fn passes_s(hazard: &Hazard, situation: &Situation<'_>) -> f64 {
     let offset = hazard.position_m - own.position_m;
     let relative = own.velocity_mps() - hazard.velocity_mps;
     let square = relative.length_squared().max(1e-9);
-    (offset.dot(relative) / square).limited(0.0, LONGEST_PASS_S)
+    let slow_mps = ALONGSIDE * own.velocity_mps().length();
+    let longest_s = if square < slow_mps * slow_mps {
+        LONGEST_PASS_S
+    } else {
+        f64::MAX
+    };
+    (offset.dot(relative) / square).limited(0.0, longest_s)
 }
 
 impl Avoider {
