@@ -6,6 +6,7 @@ mod steps;
 
 pub use stepped::SteppedFlight;
 
+use stands::Alike;
 use steps::{LONGEST_SAMPLE_S, fly_step, recorded_arcs, sample_of};
 
 use std::time::Instant;
@@ -13,6 +14,7 @@ use std::time::Instant;
 use fga::Vec3;
 use fga::angle::{climb_of, course_of};
 use fga::avoider::{Decision, Reason, State};
+use fga::maneuver::Maneuver;
 use fga::pilot::Pilot;
 use fga::situation::Ownship;
 use fga::situation::{Mission, Obstacles, Situation};
@@ -284,16 +286,39 @@ impl<'a> Flight<'a> {
         let end_s = loop {
             let time_s = self.time_s();
             let decision = self.decide(time_s, pilot, observer);
-            let cycles = if observer.watches() {
-                1
+            let alike = if observer.watches() {
+                Alike::ONE
             } else {
-                self.cycles_alike(time_s, &decision, pilot)
+                self.alike(time_s, &decision, pilot)
             };
-            if let Some(end_s) = self.fly_on(&decision, cycles, observer) {
+            if let Some(end_s) = self.fly_alike(&decision, alike, observer) {
                 break end_s;
             }
+            pilot.leave_out(alike.cycles - 1);
         };
         self.outcome(end_s)
+    }
+
+    /// Flies a decision for as many cycles as are alike; returns the time of the end once it is reached.
+    fn fly_alike(
+        &mut self,
+        decision: &Decision,
+        alike: Alike,
+        observer: &mut impl Observer,
+    ) -> Option<f64> {
+        let (command, state) = (&decision.command, decision.state);
+        if alike.is_straight {
+            return self.fly_on(command, state, alike.cycles, observer);
+        }
+        let period_s = self.world.settings.avoider.decision_period_s;
+        (0..alike.cycles).find_map(|cycle| {
+            if cycle == 0 {
+                return self.fly_on(command, state, 1, observer);
+            }
+            self.follow_mission(self.time_s());
+            let rest = command.after(f64::from(cycle) * period_s);
+            self.fly_on(&rest, state, 1, observer)
+        })
     }
 
     /// Time of the next decision, seconds.
@@ -307,10 +332,11 @@ impl<'a> Flight<'a> {
         world.recorded.as_ref().filter(|_| self.state.replaying)
     }
 
-    /// Flies a decision for some cycles; returns the time of the end once it is reached.
+    /// Flies a command for some cycles; returns the time of the end once it is reached.
     fn fly_on(
         &mut self,
-        decision: &Decision,
+        command: &Maneuver,
+        state: State,
         cycles: u32,
         observer: &mut impl Observer,
     ) -> Option<f64> {
@@ -337,11 +363,16 @@ impl<'a> Flight<'a> {
         } else {
             LONGEST_SAMPLE_S
         };
-        self.advance(decision, time_s, (step_s, longest_sample_s), observer);
+        self.advance(
+            (command, state),
+            time_s,
+            (step_s, longest_sample_s),
+            observer,
+        );
         if last {
             self.follow_recording(limit_s);
             self.follow_mission(limit_s);
-            self.show(limit_s, decision.state, observer);
+            self.show(limit_s, state, observer);
             return Some(limit_s);
         }
         self.state.cycle += cycles;
@@ -419,7 +450,7 @@ impl<'a> Flight<'a> {
     /// Flies until the next decision and measures.
     fn advance(
         &mut self,
-        decision: &Decision,
+        (command, state): (&Maneuver, State),
         time_s: f64,
         (step_s, longest_sample_s): (f64, f64),
         observer: &mut impl Observer,
@@ -439,10 +470,10 @@ impl<'a> Flight<'a> {
                 measure(arc, arc.end_m());
             });
         } else {
-            self.plant.command(&decision.command, step_s);
+            self.plant.command(command, step_s);
             let lengths_s = (step_s, longest_sample_s);
             let sample = |ownship: &Ownship, wind, time| {
-                observer.sample(&sample_of(ownship, wind, time, decision.state));
+                observer.sample(&sample_of(ownship, wind, time, state));
             };
             self.state.flown_m += fly_step(self.plant, lengths_s, measure, sample);
         }

@@ -363,6 +363,15 @@ impl Progress {
         })
     }
 
+    /// How far the aircraft can surely fly from a place before it leaves the leg for the next one, metres.
+    pub(crate) fn leaves_after_m(&self, position_m: Vec3) -> f64 {
+        self.leg
+            .filter(|_| !self.from_start && !self.complete)
+            .map_or(0.0, |leg| {
+                leg.length_m - self.lead_m() - leg.position(position_m, 0.0).along_m
+            })
+    }
+
     /// The guidance along the mission from `state`: onto the leg, and round the corners up to
     /// `horizon_s`, with the moment from which it is straight.
     pub fn guidance(

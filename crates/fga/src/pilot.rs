@@ -22,6 +22,16 @@ pub trait Pilot {
         0.0
     }
 
+    /// How many of the decisions after the one of this situation only fly on what that one commands, if the aircraft flies
+    /// so and the obstacles of the situation, and no others, keep their velocities; 0 for a pilot that cannot tell. A simulator
+    /// may leave them out, and then says so by [`Self::leave_out`].
+    fn known_decisions(&self, _situation: &Situation<'_>) -> u32 {
+        0
+    }
+
+    /// Goes on as if it had made that many known decisions.
+    fn leave_out(&mut self, _decisions: u32) {}
+
     /// Applies changed limits of the vehicle; called only before it has manoeuvred. Unusable limits
     /// change nothing.
     fn retune(&mut self, vehicle: &Vehicle);
@@ -34,6 +44,14 @@ pub trait Pilot {
 impl Pilot for Avoider {
     fn step(&mut self, situation: &Situation<'_>) -> Decision {
         Self::step(self, situation)
+    }
+
+    fn known_decisions(&self, situation: &Situation<'_>) -> u32 {
+        Self::known_decisions(self, situation)
+    }
+
+    fn leave_out(&mut self, decisions: u32) {
+        self.skip_cycles(decisions);
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {

@@ -282,14 +282,16 @@ impl Tracks {
         self.work += count * (LEARN_WORK + before.len / 16);
         let tracked = self.obstacles.iter().zip(&mut self.trend).take(count);
         for (place, (known, trend)) in tracked.enumerate() {
-            self.aircraft += usize::from(known.movement.bounds().is_some());
+            let is_aircraft = known.movement.bounds().is_some();
+            self.aircraft += usize::from(is_aircraft);
             let last = before.of(known.id, place);
             *trend = last.map_or_else(|| Trend::of(known), |last| last.trend);
             if let Some(last) = last.filter(|_| place >= heard) {
                 now.add(last);
                 continue;
             }
-            if let Some(last) = last {
+            // What keeps its velocity has no turn to learn.
+            if let Some(last) = last.filter(|_| is_aircraft) {
                 trend.learn(
                     last.obstacle.velocity_mps - situation.wind_mps,
                     known.velocity_mps - situation.wind_mps,

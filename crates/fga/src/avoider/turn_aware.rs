@@ -5,6 +5,7 @@ mod choice;
 mod depth;
 mod detour;
 mod farther;
+mod foresight;
 mod holding;
 mod need;
 mod room;

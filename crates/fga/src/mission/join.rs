@@ -124,27 +124,19 @@ fn fly(flyer: &Flyer, leg: &Leg, state: &MotionState, shot: &Shot, meter: &Meter
     }
 }
 
-/// About the same and where it leads, without flying it.
+/// About where the same leads, without flying it, and how far along the leg it ends, metres.
 pub(crate) fn join_roughly(
     flyer: &Flyer,
     leg: &Leg,
     state: &MotionState,
     limits: &JoinLimits,
     meter: &Meter,
-) -> (Join, Way) {
+) -> (f64, Way) {
     meter.count(SETUP);
     with_turns(flyer, state, meter, |turns| {
         let (shot, both) = turns.aim(leg, state, limits);
         let way = turns.way(state, &shot, &both);
         let (end_m, end_s) = way.end().unwrap_or((state.position_m, state.time_s));
-        let position = leg.position(end_m, end_s);
-        let join = Join {
-            maneuver: shot.maneuver(state.time_s),
-            joined_s: end_s,
-            along_m: position.along_m,
-            cross_m: position.cross_m,
-            above_m: position.above_m,
-        };
-        (join, way)
+        (leg.position(end_m, end_s).along_m, way)
     })
 }

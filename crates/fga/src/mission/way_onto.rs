@@ -55,14 +55,16 @@ impl Progress {
     ) -> Option<(Join, usize)> {
         let meter = self.meter();
         let air = self.air(flyer, &meter);
-        let onto = |leg: &Leg| (join(flyer, leg, state, limits, &meter), ());
-        let round = |leg: &Leg| Some((Self::round_to_beginning(leg, state, &air)?, ()));
+        let onto = |leg: &Leg| {
+            let joined = join(flyer, leg, state, limits, &meter);
+            (joined.along_m, joined)
+        };
+        let round = |leg: &Leg| Self::round_to_beginning(leg, state, &air);
         let found = self.way_onto(mission, state, &air, skipped, (onto, round));
         self.note(&meter);
         // If a cut search got to the same leg as the last one, the next begins again.
         self.looked_to = found.as_ref().err().copied().unwrap_or(0);
-        let (joined, (), index) = found.ok().flatten()?;
-        Some((joined, index))
+        found.ok().flatten()
     }
 
     /// About where [`Self::way_back`] leads, without flying it; `None` also where it turns round.
@@ -79,27 +81,21 @@ impl Progress {
         let onto = |leg: &Leg| join_roughly(flyer, leg, state, limits, &meter);
         let found = self.way_onto(mission, state, &air, skipped, (onto, |_: &Leg| None));
         self.note(&meter);
-        let (_, way, index) = found.ok().flatten()?;
-        Some((way, index))
+        found.ok().flatten()
     }
 
-    /// The first leg that a way joins, by a join or by a turn round, or the number of legs examined before the work ended.
+    /// The way onto the first leg that one joins, by a join, of which `onto` also says how far along the leg it ends, metres, or
+    /// by a turn round; or the number of legs examined before the work ended.
     fn way_onto<T>(
         &self,
         mission: &Mission<'_>,
         state: &MotionState,
         air: &Air<'_>,
         skipped: usize,
-        (onto, round): (
-            impl Fn(&Leg) -> (Join, T),
-            impl Fn(&Leg) -> Option<(Join, T)>,
-        ),
-    ) -> Result<Option<(Join, T, usize)>, usize> {
+        (onto, round): (impl Fn(&Leg) -> (f64, T), impl Fn(&Leg) -> Option<T>),
+    ) -> Result<Option<(T, usize)>, usize> {
         let mut leg = self.leg(state);
-        let round = |leg: &Leg, index: usize| {
-            let found = round(leg);
-            Ok(found.map(|(joined, more)| (joined, more, index)))
-        };
+        let round = |leg: &Leg, index: usize| Ok(round(leg).map(|way| (way, index)));
         if self.from_start {
             return round(&leg, self.index);
         }
@@ -112,16 +108,16 @@ impl Progress {
             let is_tried = count < ONE_BY_ONE || passed_m >= 0.5 * radius_m || next.is_none();
             if is_tried && count >= self.looked_to {
                 passed_m = 0.0;
-                let (joined, more) = onto(&leg);
+                let (along_m, way) = onto(&leg);
                 let room_m = next.map_or(f64::INFINITY, |next| leg.length_m - next.lead_m);
-                let is_behind = joined.along_m > room_m;
-                let is_far_before = count > 0 && joined.along_m < -BEFORE_RADII * radius_m;
+                let is_behind = along_m > room_m;
+                let is_far_before = count > 0 && along_m < -BEFORE_RADII * radius_m;
                 if is_far_before || (is_behind && count > 0 && leg.length_m > LONG_RADII * radius_m)
                 {
                     return round(&leg, index);
                 }
                 if !is_behind {
-                    return Ok(Some((joined, more, index)));
+                    return Ok(Some((way, index)));
                 }
             }
             let Some(corner_here) = next else { break };

@@ -23,19 +23,19 @@ const BANKS: f64 = 4.0;
 const SAME_M: f64 = 1e-6;
 
 /// A certificate is renewed after this long in any case, so that its horizon moves on, seconds.
-const RENEWED_AFTER_S: f64 = 2.0;
+pub(super) const RENEWED_AFTER_S: f64 = 2.0;
 
 /// The assumptions of a certificate. While they hold, as in a simulation without noise, the certificate
 /// holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::avoider) struct Basis {
     /// Its time, seconds from the plan's decision.
-    since_s: f64,
+    pub(super) since_s: f64,
     /// The aircraft as predicted for the last step, its time counted from the plan's decision.
-    own: MotionState,
+    pub(super) own: MotionState,
     obstacles: Outlook,
     /// Margin beyond what the certificate needs, metres.
-    spare_m: f64,
+    pub(super) spare_m: f64,
 }
 
 /// The obstacles extrapolated to the plan's decision, in sums that distinguish them.

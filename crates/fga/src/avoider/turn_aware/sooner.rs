@@ -9,7 +9,7 @@ use crate::prediction::MotionState;
 use crate::situation::Situation;
 
 /// Cycles between two looks for another way back.
-const LOOK_EVERY: u32 = 10;
+pub(super) const LOOK_EVERY: u32 = 10;
 
 /// Another way back joins the mission sooner by this, seconds.
 const SOONER_S: f64 = 5.0;

@@ -86,6 +86,14 @@ fn passes_s(hazard: &Hazard, situation: &Situation<'_>) -> f64 {
     (offset.dot(relative) / square).limited(0.0, longest_s)
 }
 
+/// The number of the look for a way back in a cycle, and the place of its intercept angle.
+fn turn_to_look(cycle: u32) -> (usize, usize) {
+    let turn = (cycle / LOOK_BACK_EVERY) as usize;
+    let other = 1 + turn / 2 % (INTERCEPTS_RAD.len() - 1);
+    let place = if turn.is_multiple_of(2) { 0 } else { other };
+    (turn, place)
+}
+
 impl Avoider {
     /// A certified way back to the mission, if there is one now. Does not look at one that seems to join it after
     /// `latest_s`.
@@ -118,9 +126,7 @@ impl Avoider {
         if !self.cycle.is_multiple_of(LOOK_BACK_EVERY) || self.meter.is_met() {
             return None;
         }
-        let turn = (self.cycle / LOOK_BACK_EVERY) as usize;
-        let other = 1 + turn / 2 % (INTERCEPTS_RAD.len() - 1);
-        let place = if turn.is_multiple_of(2) { 0 } else { other };
+        let (turn, place) = turn_to_look(self.cycle);
         let intercept_rad = *INTERCEPTS_RAD.get(place)?;
         let (mission, target_m) = (&situation.mission, self.target_m);
         // Skipping a leg is only for a leg that the aircraft cannot join at any angle.
@@ -218,6 +224,16 @@ impl Avoider {
         back
     }
 
+    /// Whether a step in a cycle at a time may look for a way back.
+    pub(super) fn looks_back(&self, plan: &Plan, (cycle, time_s): (u32, f64)) -> bool {
+        if !cycle.is_multiple_of(LOOK_BACK_EVERY) {
+            return false;
+        }
+        let (turn, place) = turn_to_look(cycle);
+        let may_detour = turn % 2 == 1 && self.may_detour(time_s - plan.start_s);
+        may_detour || !self.refusals.holds(place, plan, time_s)
+    }
+
     /// Whether a way back onto the leg that begins at a waypoint leads to an obstacle, which is remembered.
     fn is_refused(
         &mut self,
@@ -285,7 +301,12 @@ impl Avoider {
             }
             let way = progress.way_back_roughly(mission, from, flyer, &limits, skipped);
             let Some((way, index)) = way else { continue };
-            let away_m = progress.departure_m(mission, (&way, index), most_m);
+            let is_only = intercepts_rad.len() == 1;
+            let away_m = if is_only {
+                0.0
+            } else {
+                progress.departure_m(mission, (&way, index), most_m)
+            };
             if best.is_none() || away_m < most_m {
                 best = Some((away_m, (*intercept_rad, way, index)));
             }
