@@ -124,10 +124,11 @@ impl Way {
     }
 }
 
-/// A turn, and the course and the time at which it begins.
+/// A turn, and the course on which it begins.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Turning {
-    course_rad: f64,
+    /// Unit vector along the course.
+    along: Vec3,
     /// 1 to the left, -1 to the right.
     side: f64,
     exit: Exit,
@@ -136,18 +137,25 @@ pub(super) struct Turning {
 impl Turning {
     /// A place in the frame of its beginning, metres: forward and to its side.
     fn turned_m(&self, (forward, aside): (f64, f64)) -> Vec3 {
-        let (sin, cos) = libm::sincos(self.course_rad);
-        let left = self.side * aside;
-        Vec3::new(forward * cos - left * sin, forward * sin + left * cos, 0.0)
+        let (along, left) = (self.along, self.side * aside);
+        Vec3::new(
+            forward * along.x - left * along.y,
+            forward * along.y + left * along.x,
+            0.0,
+        )
     }
 
-    /// How far it moves the aircraft to the left of a course by the time at which its roll-out begins, as if it then flew
+    /// How far it moves the aircraft to the left of a leg by the time at which its roll-out begins, as if it then flew
     /// straight, metres.
-    fn across_m(&self, course_rad: f64, drift_mps: f64) -> f64 {
-        let (sin, cos) = libm::sincos(self.course_rad - course_rad);
-        let (forward, aside) = self.exit.from_m;
-        forward * sin + self.side * aside * cos + drift_mps * self.exit.begins_s
+    fn across_m(&self, leg: &Leg, drift_mps: f64) -> f64 {
+        leg.left_of(self.turned_m(self.exit.from_m)) + drift_mps * self.exit.begins_s
     }
+}
+
+/// Unit vector along a course.
+fn along(course_rad: f64) -> Vec3 {
+    let (sin, cos) = libm::sincos(course_rad);
+    Vec3::new(cos, sin, 0.0)
 }
 
 /// Turns from the bank of now to either side, and from level flight.
@@ -191,7 +199,7 @@ pub(super) fn with_turns<T>(
 
 impl Turns<'_> {
     /// A turn from now.
-    fn first(&self, course_rad: f64, by_rad: f64) -> Turning {
+    fn first(&self, along: Vec3, by_rad: f64) -> Turning {
         let side = if by_rad < self.rolls_out_rad {
             -1.0
         } else {
@@ -199,17 +207,17 @@ impl Turns<'_> {
         };
         let exit = self.bend(side).and_then(|bend| bend.exit(side * by_rad));
         Turning {
-            course_rad,
+            along,
             side,
             exit: exit.unwrap_or_default(),
         }
     }
 
     /// A turn from level flight.
-    fn second(&self, course_rad: f64, by_rad: f64) -> Turning {
+    fn second(&self, along: Vec3, by_rad: f64) -> Turning {
         let exit = self.level.and_then(|bend| bend.exit(by_rad.abs()));
         Turning {
-            course_rad,
+            along,
             side: libm::copysign(1.0, by_rad),
             exit: exit.unwrap_or_default(),
         }
@@ -236,15 +244,16 @@ impl Turns<'_> {
         let drift_mps = leg.cross_speed_mps(speed_mps, leg.course_rad);
         // The bank has mostly gone before it turns again.
         let settles_s = SETTLES * flyer.bank_time_constant_s();
+        let begins = along(state.course_rad);
         let turns = |offset: f64, by_rad: f64| {
-            let first = self.first(state.course_rad, by_rad);
-            [first, self.second(leg.air_course_rad + offset, -offset)]
+            let intercepts = along(leg.air_course_rad + offset);
+            [self.first(begins, by_rad), self.second(intercepts, -offset)]
         };
         // Cross-track distance after a turn to `offset` from the leg's course, and from there onto it.
         let after_turns = |offset: f64, by_rad: f64| {
-            let settling_mps = leg.cross_speed_mps(speed_mps, leg.air_course_rad + offset);
-            let across_m =
-                turns(offset, by_rad).map(|turn| turn.across_m(leg.course_rad, drift_mps));
+            let both = turns(offset, by_rad);
+            let across_m = both.map(|turn| turn.across_m(leg, drift_mps));
+            let settling_mps = speed_mps * leg.left_of(both[1].along) + drift_mps;
             position.cross_m + across_m.iter().sum::<f64>() + settling_mps * settles_s
         };
         let (mut offset, mut by_rad) = (0.0, onto);

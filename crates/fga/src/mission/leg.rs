@@ -128,6 +128,11 @@ impl Leg {
         self.from_m + self.along * along_m
     }
 
+    /// How far a vector leads to the left of the leg.
+    pub(crate) fn left_of(&self, vector: Vec3) -> f64 {
+        self.along.x * vector.y - self.along.y * vector.x
+    }
+
     /// Cross-track speed at a course through the air, metres per second, left positive.
     pub fn cross_speed_mps(&self, airspeed_mps: f64, course_rad: f64) -> f64 {
         airspeed_mps * libm::sin(course_rad - self.course_rad) + self.along.x * self.wind_mps.y

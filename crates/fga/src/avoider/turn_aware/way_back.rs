@@ -61,14 +61,14 @@ const LOOK_BACK_EVERY: u32 = 2;
 const MORE_ROOM_S: f64 = 20.0;
 
 /// The obstacles on a way back.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum WayAhead {
     /// Nothing over the whole horizon.
     Clear,
     /// Only obstacles of another encounter, once it is back on the mission.
     NextEncounter,
-    /// An obstacle of this encounter, or any before the return.
-    Blocked,
+    /// An obstacle of this encounter, or any before the return, comes closer than asked for by some metres.
+    Blocked(f64),
 }
 
 /// When an obstacle has passed, as far as the mission waits for it, seconds.
@@ -208,7 +208,13 @@ impl Avoider {
             ..*plan
         };
         let back = match ahead {
-            WayAhead::Blocked => None,
+            WayAhead::Blocked(short_m) => {
+                if detour.is_none() {
+                    self.refusals
+                        .refuse(place, plan, (situation.time_s, short_m));
+                }
+                None
+            }
             WayAhead::Clear => {
                 let margin_m = self.margin_of(&maneuver, now, (f64::MIN, ENOUGH_M));
                 Some(Plan { margin_m, ..back })
@@ -245,8 +251,9 @@ impl Avoider {
         let into_m = seen
             .and_then(|(way, index)| self.leads_to_obstacle(way, index, plan, (situation, now)));
         if let Some(into_m) = into_m {
-            let look = (situation.time_s, into_m);
-            self.refusals.refuse(place, plan, look);
+            let short_m = into_m + self.roughly_m();
+            self.refusals
+                .refuse(place, plan, (situation.time_s, short_m));
         }
         into_m.is_some()
     }
@@ -447,8 +454,13 @@ impl Avoider {
             if whole.holds(target_m) {
                 continue;
             }
-            if !along(joined_s.min(horizon_s)).holds(target_m) {
-                return WayAhead::Blocked;
+            let blocked = |until_s: f64| {
+                let closest = self.certify_one(hazard, until_s, f64::MIN);
+                WayAhead::Blocked(target_m - closest.margin_m)
+            };
+            let returns_s = joined_s.min(horizon_s);
+            if !along(returns_s).holds(target_m) {
+                return blocked(returns_s);
             }
             if plan.against.contains(hazard.id) {
                 // Before the obstacle has passed, or from farther behind it, it would be the same encounter again.
@@ -458,7 +470,7 @@ impl Avoider {
                 let its_m = (ground_mps.x * cos + ground_mps.y * sin) * joined_s;
                 let falls_back = gained_m - its_m < -self.diameter_m();
                 if is_again || falls_back || whole.at_s < passes_s + NEXT_ENCOUNTER_S {
-                    return WayAhead::Blocked;
+                    return blocked(horizon_s);
                 }
             }
             ahead = WayAhead::NextEncounter;
