@@ -77,7 +77,7 @@ impl Flight {
 const STEPS_OF_LAG: f64 = 10.0;
 
 /// A bank this close to its command has reached it, radians.
-const THERE_RAD: f64 = 1e-6;
+const THERE_RAD: f64 = 1e-4;
 
 /// A smaller turn does not roll in, radians.
 const LITTLE_RAD: f64 = 1e-7;
