@@ -372,6 +372,14 @@ impl Progress {
             })
     }
 
+    /// The least time in which an aircraft of some airspeed can reach the line of the leg from a place, seconds.
+    pub(crate) fn least_s_to_leg(&self, position_m: Vec3, airspeed_mps: f64) -> f64 {
+        let most_mps = airspeed_mps + self.wind_mps.length();
+        self.leg.map_or(0.0, |leg| {
+            leg.position(position_m, 0.0).cross_m.abs() / most_mps
+        })
+    }
+
     /// The guidance along the mission from `state`: onto the leg, and round the corners up to
     /// `horizon_s`, with the moment from which it is straight.
     pub fn guidance(

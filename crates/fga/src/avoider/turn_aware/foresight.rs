@@ -2,6 +2,7 @@
 //! nothing is looked for again.
 
 use crate::avoider::{Avoider, Plan, State};
+use crate::prediction::MotionState;
 use crate::situation::Situation;
 
 use super::SEARCH_AGAIN;
@@ -9,7 +10,7 @@ use super::holding::{Basis, RENEWED_AFTER_S};
 use super::sooner::LOOK_EVERY;
 
 /// Most decisions that are known.
-const MOST: u32 = 20;
+const MOST: u32 = 40;
 
 /// A certificate with less to spare may have to be made again because of rounding, metres.
 const LEAST_SPARE_M: f64 = 1e-4;
@@ -35,9 +36,11 @@ impl Avoider {
             return 0;
         }
         let until_s = self.alike_until_s(situation);
+        let now = MotionState::of(&situation.ownship);
+        let may_come_sooner = self.may_come_sooner(plan, self.last_time_s, &now);
         let known = |later: &u32| {
             let time_s = self.last_time_s + f64::from(*later) * self.settings.decision_period_s;
-            time_s + ROUNDING_S < until_s && !self.decides(plan, basis, (*later, time_s))
+            time_s + ROUNDING_S < until_s && !self.decides(plan, basis, (*later, time_s), may_come_sooner)
         };
         (1..=MOST).take_while(known).count() as u32
     }
@@ -56,7 +59,13 @@ impl Avoider {
     }
 
     /// Whether a decision some cycles later, at a time on the avoider's clock, may look for something else.
-    fn decides(&self, plan: &Plan, basis: &Basis, (later, time_s): (u32, f64)) -> bool {
+    fn decides(
+        &self,
+        plan: &Plan,
+        basis: &Basis,
+        (later, time_s): (u32, f64),
+        may_come_sooner: bool,
+    ) -> bool {
         let cycle = self.cycle.wrapping_add(later);
         let is_over = |moment_s: f64| time_s + ROUNDING_S >= moment_s;
         if is_over(plan.decided_s + basis.since_s + RENEWED_AFTER_S) {
@@ -70,7 +79,7 @@ impl Avoider {
                     || self.looks_back(plan, (cycle, time_s + ROUNDING_S))
             }
             State::Recovering => {
-                cycle.is_multiple_of(LOOK_EVERY)
+                (cycle.is_multiple_of(LOOK_EVERY) && may_come_sooner)
                     || is_over(plan.joined_s)
                     || plan.next_start_s.is_some_and(is_over)
             }

@@ -23,7 +23,7 @@ const BANKS: f64 = 4.0;
 const SAME_M: f64 = 1e-6;
 
 /// A certificate is renewed after this long in any case, so that its horizon moves on, seconds.
-pub(super) const RENEWED_AFTER_S: f64 = 2.0;
+pub(super) const RENEWED_AFTER_S: f64 = 4.0;
 
 /// The assumptions of a certificate. While they hold, as in a simulation without noise, the certificate
 /// holds.

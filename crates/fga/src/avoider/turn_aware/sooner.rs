@@ -21,6 +21,9 @@ const EARLY_S: f64 = 0.5;
 /// Ways back with courses within this are the same, radians.
 const SAME_RAD: f64 = 0.05;
 
+/// An aircraft this near to its prediction, seconds of its flight, flies as planned.
+const AS_PLANNED_S: f64 = 0.1;
+
 impl Avoider {
     /// A certified way back that joins the mission sooner than this one, if there is one now.
     pub(super) fn sooner_back(
@@ -30,9 +33,7 @@ impl Avoider {
         plan: &Plan,
     ) -> Option<Plan> {
         let time_s = situation.time_s;
-        let left_s = plan.joined_s - time_s;
-        if !self.cycle.is_multiple_of(LOOK_EVERY) || left_s < EARLY_S || plan.next_start_s.is_some()
-        {
+        if !self.cycle.is_multiple_of(LOOK_EVERY) || !self.may_come_sooner(plan, time_s, now) {
             return None;
         }
         let before = (self.progress, self.returned);
@@ -50,5 +51,22 @@ impl Avoider {
         }
         (self.progress, self.returned) = before;
         None
+    }
+
+    /// Whether another way back may join the mission clearly sooner. Once it cannot, it never can while the aircraft flies as
+    /// planned: the time left falls as fast as time passes, and what the straight way to the leg takes no faster.
+    pub(super) fn may_come_sooner(&self, plan: &Plan, time_s: f64, now: &MotionState) -> bool {
+        let left_s = plan.joined_s - time_s;
+        if left_s < EARLY_S || plan.next_start_s.is_some() {
+            return false;
+        }
+        let airspeed_mps = self.flyer.airspeed_mps();
+        let basis = self.plan.as_ref().and_then(|plan| plan.basis);
+        let is_as_planned = basis.is_some_and(|basis| {
+            let off_m = basis.own.position_m.distance(now.position_m);
+            off_m < AS_PLANNED_S * airspeed_mps
+        });
+        let least_s = self.progress.least_s_to_leg(now.position_m, airspeed_mps);
+        !is_as_planned || left_s - least_s >= SOONER_S
     }
 }
