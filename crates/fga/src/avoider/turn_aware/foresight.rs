@@ -40,7 +40,8 @@ impl Avoider {
         let may_come_sooner = self.may_come_sooner(plan, self.last_time_s, &now);
         let known = |later: &u32| {
             let time_s = self.last_time_s + f64::from(*later) * self.settings.decision_period_s;
-            time_s + ROUNDING_S < until_s && !self.decides(plan, basis, (*later, time_s), may_come_sooner)
+            time_s + ROUNDING_S < until_s
+                && !self.decides(plan, basis, (*later, time_s), may_come_sooner)
         };
         (1..=MOST).take_while(known).count() as u32
     }

@@ -25,6 +25,9 @@ const SAME_M: f64 = 1e-6;
 /// A certificate is renewed after this long in any case, so that its horizon moves on, seconds.
 pub(super) const RENEWED_AFTER_S: f64 = 4.0;
 
+/// An aircraft that has strayed less than this from its predictions, seconds of its flight, flies as planned.
+const AS_PLANNED_S: f64 = 0.1;
+
 /// The assumptions of a certificate. While they hold, as in a simulation without noise, the certificate
 /// holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +39,16 @@ pub(in crate::avoider) struct Basis {
     obstacles: Outlook,
     /// Margin beyond what the certificate needs, metres.
     pub(super) spare_m: f64,
+    /// How far the aircraft has strayed from the predictions of all certificates since the plan's decision, metres; infinite
+    /// where that is not known.
+    strayed_m: f64,
+}
+
+impl Basis {
+    /// Whether an aircraft of some airspeed has flown as predicted since the plan's decision.
+    pub(super) fn is_as_planned(&self, airspeed_mps: f64) -> bool {
+        self.strayed_m < AS_PLANNED_S * airspeed_mps
+    }
 }
 
 /// The obstacles extrapolated to the plan's decision, in sums that distinguish them.
@@ -78,6 +91,14 @@ impl Avoider {
             }
             return true;
         }
+        let strayed_m = match &plan.basis {
+            Some(basis) => {
+                let there = self.predicted(plan, basis, situation);
+                basis.strayed_m + there.position_m.distance(now.position_m)
+            }
+            None if since_s < 1.5 * self.settings.decision_period_s => 0.0,
+            None => f64::INFINITY,
+        };
         let share = if plan.target_m < self.wanted_m {
             KEEP_SHARE_OF_LESS
         } else {
@@ -97,6 +118,7 @@ impl Avoider {
                 },
                 obstacles,
                 spare_m: margin_m.min(most_m) - keep_m,
+                strayed_m,
             });
         }
         holds
@@ -111,15 +133,10 @@ impl Avoider {
         now: &MotionState,
     ) -> Option<Basis> {
         let since_s = situation.time_s - plan.decided_s;
-        let passed_s = since_s - basis.own.time_s;
-        if passed_s < 0.0 || since_s - basis.since_s >= RENEWED_AFTER_S {
+        if since_s < basis.own.time_s || since_s - basis.since_s >= RENEWED_AFTER_S {
             return None;
         }
-        let air = self.after(&basis.own, &plan.maneuver, since_s);
-        let there = MotionState {
-            position_m: air.position_m + situation.wind_mps * passed_s,
-            ..air
-        };
+        let there = self.predicted(plan, basis, situation);
         let off_m = there.position_m.distance(now.position_m);
         // A bank that is off turns the aircraft until it has gone: by less than it does at the rate of the largest bank.
         let full_rad = self.flyer.full_bank_rad().max(f64::MIN_POSITIVE);
@@ -133,6 +150,17 @@ impl Avoider {
             own: there,
             ..*basis
         })
+    }
+
+    /// The aircraft as predicted for now.
+    fn predicted(&self, plan: &Plan, basis: &Basis, situation: &Situation<'_>) -> MotionState {
+        let since_s = situation.time_s - plan.decided_s;
+        let passed_s = since_s - basis.own.time_s;
+        let air = self.after(&basis.own, &plan.maneuver, since_s);
+        MotionState {
+            position_m: air.position_m + situation.wind_mps * passed_s,
+            ..air
+        }
     }
 
     fn outlook(&self, wind_mps: Vec3, since_s: f64) -> Outlook {

@@ -21,9 +21,6 @@ const EARLY_S: f64 = 0.5;
 /// Ways back with courses within this are the same, radians.
 const SAME_RAD: f64 = 0.05;
 
-/// An aircraft this near to its prediction, seconds of its flight, flies as planned.
-const AS_PLANNED_S: f64 = 0.1;
-
 impl Avoider {
     /// A certified way back that joins the mission sooner than this one, if there is one now.
     pub(super) fn sooner_back(
@@ -62,10 +59,7 @@ impl Avoider {
         }
         let airspeed_mps = self.flyer.airspeed_mps();
         let basis = self.plan.as_ref().and_then(|plan| plan.basis);
-        let is_as_planned = basis.is_some_and(|basis| {
-            let off_m = basis.own.position_m.distance(now.position_m);
-            off_m < AS_PLANNED_S * airspeed_mps
-        });
+        let is_as_planned = basis.is_some_and(|basis| basis.is_as_planned(airspeed_mps));
         let least_s = self.progress.least_s_to_leg(now.position_m, airspeed_mps);
         !is_as_planned || left_s - least_s >= SOONER_S
     }
