@@ -39,7 +39,7 @@ impl Avoider {
             let time_s = self.last_time_s + f64::from(*later) * self.settings.decision_period_s;
             time_s + ROUNDING_S < until_s && !self.decides(plan, basis, (*later, time_s))
         };
-        (1..=MOST).take_while(known).count() as u32
+        (1..=MOST).take_while(known).last().unwrap_or(0)
     }
 
     /// Until when every obstacle surely stays within the surveillance radius and the aircraft on its leg, seconds.

@@ -116,6 +116,9 @@ impl Avoider {
             return None;
         }
         let air = self.after(&basis.own, &plan.maneuver, since_s);
+        if self.meter.is_spent() {
+            return None;
+        }
         let there = MotionState {
             position_m: air.position_m + situation.wind_mps * passed_s,
             ..air
@@ -139,7 +142,9 @@ impl Avoider {
         let mut outlook = Outlook::default();
         // Different weights, so that two obstacles cannot compensate each other.
         let mut weight = 1.0;
-        self.meter.count(self.tracks.hazards().rows().len() / 2);
+        if !self.meter.take(self.tracks.hazards().rows().len() / 2) {
+            return outlook;
+        }
         for hazard in self.tracks.hazards().rows() {
             let ground_mps = hazard.velocity_mps + wind_mps;
             outlook.count += 1;
