@@ -181,7 +181,7 @@ def test_an_identifier_that_is_used_twice_is_refused_as_in_a_scenario(root, tmp_
         (lambda: fga.Obstacle(1, (0, 0, 0), 1.0, kind="bird"), ValueError, "still, straight"),
         (lambda: fga.Obstacle(1, (0, 0, 0), 1.0, nature="bird"), ValueError, "nature is \"bird\", expected unknown"),
         (lambda: fga.Settings(work_limit=5), ValueError, "work_limit is 5"),
-        (lambda: fga.Settings(work_limit=-5), ValueError, "work_limit is -5, expected 40,000"),
+        (lambda: fga.Settings(work_limit=-5), ValueError, "work_limit is -5, expected 10,000"),
         (lambda: fga.Settings(start="soon"), ValueError, "unknown start"),
         (lambda: fga.Pilot("nobody"), ValueError, "unknown policy"),
         (lambda: fga.VehicleModel.read("none.toml"), ValueError, "none.toml"),

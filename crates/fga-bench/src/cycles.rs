@@ -230,6 +230,13 @@ impl Encounter {
         encounter
     }
 
+    /// The same with another limit of a step's work.
+    #[must_use]
+    pub const fn with_work_limit(mut self, work_limit: u32) -> Self {
+        self.settings.work_limit = work_limit;
+        self
+    }
+
     /// Flies it and shows each cycle: the avoider before its step, the situation, and the decision;
     /// ends when `look` has seen enough.
     ///

@@ -69,7 +69,7 @@ impl Settings {
             },
             work_limit: u32::try_from(work_limit).map_err(|_| {
                 PyValueError::new_err(format!(
-                    "work_limit is {work_limit}, expected 40,000 to 4,294,967,295"
+                    "work_limit is {work_limit}, expected 10,000 to 4,294,967,295"
                 ))
             })?,
         };

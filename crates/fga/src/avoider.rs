@@ -36,14 +36,17 @@ use crate::search::Proof;
 use crate::situation::Situation;
 use crate::vehicle::Vehicle;
 
-/// Work reserved for finishing the step after the limit.
-const LAST_WORK: u32 = 12_000;
+/// A step finishes when all but one part in this many of its work is done.
+const FINISH_SHARE: u32 = 8;
 
 /// A clock that is set back by at most this costs no plan, seconds.
 const MOST_SET_BACK_S: f64 = 1.0;
 
-/// The mission's geometry may take one part in this many of a step's work.
+/// The mission's geometry finishes when it has taken one part in this many of a step's work.
 const MISSION_SHARE: u32 = 4;
+
+/// It takes one part in this many at most: reading obstacles, which cannot be refused, comes after it.
+const MISSION_MOST: u32 = 2;
 
 /// A manoeuvre, flown or awaited.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,7 +117,7 @@ pub struct Avoider {
     /// The limits of its vehicle.
     made_for: Vehicle,
     /// The limits for cases without a certified manoeuvre under the normal ones.
-    in_need: Option<Vehicle>,
+    in_need: Option<(Vehicle, Flyer)>,
     flyer: Flyer,
     state: State,
     progress: Progress,
@@ -241,7 +244,10 @@ impl Avoider {
 
     /// The limits in need, if there are any.
     pub const fn vehicle_in_need(&self) -> Option<&Vehicle> {
-        self.in_need.as_ref()
+        match &self.in_need {
+            Some((vehicle, _)) => Some(vehicle),
+            None => None,
+        }
     }
 
     /// Sets limits for cases without a certified manoeuvre under the normal ones, for
@@ -253,7 +259,9 @@ impl Avoider {
         if let Some(vehicle) = &vehicle {
             vehicle.check()?;
         }
-        self.in_need = vehicle;
+        if self.vehicle_in_need() != vehicle.as_ref() {
+            self.in_need = vehicle.map(|vehicle| (vehicle, Flyer::new(&vehicle)));
+        }
         Ok(())
     }
 
@@ -305,12 +313,15 @@ impl Avoider {
         }
         let (situation, clock_set_back) = &self.in_order(situation);
         self.cycle = self.cycle.wrapping_add(1);
-        let limit = self.settings.work_limit.saturating_sub(LAST_WORK);
-        self.meter = Meter::new(limit);
-        self.progress.allow_work(limit / MISSION_SHARE);
-        let mut decision = match self.in_need {
-            Some(in_need) => self.decide_with(in_need, situation, kept),
-            None => self.decide(situation, kept),
+        let most = self.settings.work_limit;
+        let limit = most - most / FINISH_SHARE;
+        self.meter = Meter::new(limit, most);
+        self.progress
+            .begin_step(limit / MISSION_SHARE, most / MISSION_MOST);
+        let mut decision = if self.in_need.is_some() {
+            self.decide_with(situation, kept)
+        } else {
+            self.decide(situation, kept)
         };
         decision.record.work.work = self.meter.done();
         decision.record.work.limit_met |= self.meter.is_met();
@@ -345,14 +356,13 @@ impl Avoider {
 
     fn decide(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) -> Decision {
         let now = MotionState::of(&situation.ownship);
-        self.progress.update(
-            &situation.mission,
-            &now,
-            &self.flyer,
-            situation.wind_mps,
-            (situation.time_s, self.climb_limits_rad()),
-        );
-        self.count_mission();
+        let at = (situation.time_s, self.climb_limits_rad());
+        self.on_mission(|progress, flyer| {
+            let Situation {
+                mission, wind_mps, ..
+            } = situation;
+            progress.update(mission, &now, flyer, *wind_mps, at);
+        });
         self.measure_drift(situation, &now);
         self.step_turn_aware(situation, &now, self.settings.start, kept)
     }
@@ -368,9 +378,8 @@ impl Avoider {
 
     /// Predicts a manoeuvre into the path.
     fn predict(&mut self, maneuver: &Maneuver, now: &MotionState) {
-        let horizon_s = self.look_s;
-        self.path.predict(&self.flyer, now, maneuver, horizon_s);
-        self.meter.count(self.path.work(&self.flyer));
+        self.path
+            .predict_within(&self.flyer, now, maneuver, self.look_s, &self.meter);
     }
 
     /// Bounds the separation from one hazard along the path.
@@ -411,16 +420,17 @@ impl Avoider {
     /// The guidance along the mission, and the moment from which it is straight.
     fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> (Maneuver, f64) {
         let horizon_s = self.settings.horizon_s;
-        let guidance = self
-            .progress
-            .guidance(&situation.mission, now, &self.flyer, horizon_s);
-        self.count_mission();
-        guidance
+        self.on_mission(|progress, flyer| {
+            progress.guidance(&situation.mission, now, flyer, horizon_s)
+        })
     }
 
-    /// Counts the work of the mission's geometry.
-    fn count_mission(&mut self) {
+    /// Looks at the mission's geometry, with what is left of the step's work at most.
+    fn on_mission<T>(&mut self, look: impl FnOnce(&mut Progress, &Flyer) -> T) -> T {
+        self.progress.allow(self.meter.most_left());
+        let answer = look(&mut self.progress, &self.flyer);
         self.meter.count(self.progress.take_work() as usize);
+        answer
     }
 
     fn decision(&self, command: &Maneuver, reason: Reason) -> Decision {

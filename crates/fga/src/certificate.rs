@@ -18,8 +18,8 @@ use crate::prediction::{FlightPath, Flyer, MotionState, Node};
 /// A chord that decides the answer is split into this many.
 const SPLITS: u32 = 5;
 
-/// Work for flying to the ends of those.
-const SPLIT_WORK: usize = 12;
+/// Work for a look at it, and for flying to the ends of those.
+const SPLIT_WORK: usize = LOOK + 12;
 
 /// Whether the bound is proven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -125,6 +125,12 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     meter: &Meter,
 ) -> Certificate {
     let horizon_s = asked.horizon_s;
+    if meter.is_met() {
+        return Certificate {
+            status: Status::LimitMet,
+            ..Certificate::clear(asked.enough_m)
+        };
+    }
     // The prediction errs by at most this, so the certificate asks for that much more.
     let remainder_m = path.remainder_m();
     let (floor_m, enough_m) = (asked.floor_m + remainder_m, asked.enough_m + remainder_m);
@@ -180,7 +186,9 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     } else {
         worst.margin_m - remainder_m
     };
-    worst.status = if below_floor {
+    worst.status = if meter.is_spent() {
+        Status::LimitMet
+    } else if below_floor {
         Status::BelowFloor
     } else if above && path.is_complete() {
         Status::Proven
@@ -191,7 +199,7 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
 }
 
 /// Marks the hazards that may come closer than `below_m` anywhere along a path up to `horizon_s`, by
-/// spheres about them: the margins of all others are at least that.
+/// spheres about them: the margins of all others are at least that. Marks all if a meter refuses a look.
 pub(crate) fn mark_close(
     flyer: &Flyer,
     path: &FlightPath,
@@ -207,10 +215,10 @@ pub(crate) fn mark_close(
         true
     };
     let below_m = below_m + path.remainder_m();
-    for_each_chord(flyer, path, horizon_s, |chord| {
+    let goes_on = for_each_chord(flyer, path, horizon_s, |chord| {
         hazards.each_close(&chord.line, below_m + chord.bow_m, meter, &mut mark)
     });
-    if let Some(last) = path.nodes().last() {
+    if goes_on && let Some(last) = path.nodes().last() {
         let line = Line {
             from_m: last.state.position_m,
             velocity_mps: path.end_velocity_mps(),
@@ -218,6 +226,9 @@ pub(crate) fn mark_close(
             duration_s: (horizon_s - last.state.time_s).max(0.0),
         };
         hazards.each_close(&line, below_m, meter, &mut mark);
+    }
+    if meter.is_spent() {
+        return [true; MAX_HAZARDS];
     }
     marks
 }
@@ -254,8 +265,12 @@ impl<'a> Chord<'a> {
     /// Lowers `worst` to a bound over the shorter chords between exact points in between.
     fn split(&self, flyer: &Flyer, hazard: &Hazard, worst: &mut Certificate, meter: &Meter) {
         let mut from: MotionState = self.node.state;
-        meter.count(LOOK);
-        if self.bow_m == 0.0 {
+        let is_straight = self.bow_m == 0.0;
+        if !meter.take(if is_straight { LOOK } else { SPLIT_WORK }) {
+            lower(worst, f64::NEG_INFINITY, from.time_s, hazard);
+            return;
+        }
+        if is_straight {
             if let Some((margin, at_s)) = hazard.least_on_line(&self.line, worst.margin_m, meter) {
                 lower(worst, margin, at_s, hazard);
             }
@@ -264,7 +279,6 @@ impl<'a> Chord<'a> {
         let piece = self.node.piece();
         let step_s = self.line.duration_s / f64::from(SPLITS);
         let bow_m = self.bow_m / f64::from(SPLITS * SPLITS);
-        meter.count(SPLIT_WORK);
         for part in 1..=SPLITS {
             let to = if part == SPLITS {
                 MotionState {

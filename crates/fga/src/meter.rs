@@ -38,62 +38,121 @@ pub(crate) const WORD: usize = 12;
 /// Making the hazard of a motion.
 pub(crate) const MOTION: usize = 4;
 
-/// Counts work up to a limit. Count finished work; loops ask [`Self::is_met`] first.
+/// What fills a table of a search before it begins, a unit for each so many bytes.
+pub(crate) const BYTES_A_UNIT: usize = 512;
+
+/// Numbers that one unit compares.
+pub(crate) const COMPARED: usize = 16;
+
+/// The work of a step: what is done, from when on it finishes, and how much there may be at most.
+///
+/// **The bound.** All work of a length that depends on the input asks [`Self::take`] before it is done, piece by piece. A piece
+/// that does not fit within `most` is refused, and so is every later one: what is done never exceeds `most`, whatever the
+/// order. The rest of the step then only returns: loops ask for their pieces, so they end.
+///
+/// **The answers.** Searches and loops ask [`Self::is_met`] and end at `limit`, with the best answer so far; what is between
+/// `limit` and `most` finishes them: the certificate of an answer, the last line of a sweep. Where that does not suffice, what
+/// was computed may lack pieces. So after a refusal nothing is proven: a certificate has no margin, and a search has no answer.
 #[derive(Debug, Clone)]
 pub(crate) struct Meter {
     done: Cell<u32>,
-    limit: u32,
+    limit: Cell<u32>,
+    most: Cell<u32>,
 }
 
 impl Meter {
-    /// Nothing done yet.
-    pub(crate) const fn new(limit: u32) -> Self {
+    /// Nothing done yet: finishes from `limit` on, and never exceeds `most`.
+    pub(crate) const fn new(limit: u32, most: u32) -> Self {
         Self {
             done: Cell::new(0),
-            limit,
+            limit: Cell::new(limit),
+            most: Cell::new(most),
         }
     }
 
     /// Without a limit, for callers outside of a step.
     pub(crate) const fn unlimited() -> Self {
-        Self::new(u32::MAX)
+        Self::new(u32::MAX, u32::MAX)
     }
 
-    /// Counts some units.
+    /// For a part of the work: at most `limit` of what is left.
+    pub(crate) fn part(&self, limit: u32) -> Self {
+        Self::new(limit.min(self.left()), self.most_left())
+    }
+
+    /// Asks for some units before they are done. Once refused, it refuses everything.
+    #[inline]
+    #[must_use]
+    pub(crate) fn take(&self, units: usize) -> bool {
+        let units = u32::try_from(units).unwrap_or(u32::MAX);
+        let done = self.done.get().saturating_add(units);
+        if done > self.most.get() {
+            self.spend();
+            return false;
+        }
+        self.done.set(done);
+        true
+    }
+
+    /// Asks for filling a table.
+    pub(crate) fn take_table<T>(&self) -> bool {
+        self.take(size_of::<T>() / BYTES_A_UNIT)
+    }
+
+    #[cold]
+    fn spend(&self) {
+        self.limit.set(0);
+        self.most.set(0);
+    }
+
+    /// Counts what cannot be refused: reading obstacles, and what a part of this meter's work has taken from it.
     #[inline]
     pub(crate) fn count(&self, units: usize) {
         let units = u32::try_from(units).unwrap_or(u32::MAX);
         self.done.set(self.done.get().saturating_add(units));
     }
 
-    /// Units counted so far.
+    /// Units done so far.
     pub(crate) const fn done(&self) -> u32 {
         self.done.get()
     }
 
-    /// Units left.
+    /// Units left before it finishes.
     pub(crate) const fn left(&self) -> u32 {
-        self.limit.saturating_sub(self.done())
+        self.limit.get().saturating_sub(self.done())
     }
 
-    /// Whether the limit is met.
+    /// Units left before it refuses.
+    pub(crate) const fn most_left(&self) -> u32 {
+        self.most.get().saturating_sub(self.done())
+    }
+
+    /// Whether it is time to finish.
     #[inline]
     pub(crate) const fn is_met(&self) -> bool {
-        self.done() >= self.limit
+        self.done() >= self.limit.get()
+    }
+
+    /// Whether it refused something: what was computed with it may lack pieces.
+    #[inline]
+    pub(crate) const fn is_spent(&self) -> bool {
+        self.most.get() == 0
     }
 
     /// Leaves all but one part of the limit to others.
-    pub(crate) const fn share(&mut self, parts: u32) {
-        self.limit /= parts;
+    pub(crate) fn share(&self, parts: u32) {
+        self.limit.set(self.limit.get() / parts);
     }
 
     /// Keeps one part in `parts` of the limit for [`Self::extend`].
-    pub(crate) const fn reserve(&mut self, parts: u32) {
-        self.limit -= self.limit / parts;
+    pub(crate) fn reserve(&self, parts: u32) {
+        let limit = self.limit.get();
+        self.limit.set(limit - limit / parts);
     }
 
     /// Releases the reserve.
-    pub(crate) const fn extend(&mut self, parts: u32) {
-        self.limit += self.limit / (parts - 1);
+    pub(crate) fn extend(&self, parts: u32) {
+        let limit = self.limit.get();
+        self.limit.set(limit.saturating_add(limit / (parts - 1)));
     }
 }

@@ -39,6 +39,9 @@ const ROOM_TO_AVOID: usize = 2;
 /// Intercept angle of the guidance along the mission, radians.
 const GUIDANCE_INTERCEPT_RAD: f64 = 0.785;
 
+/// Work of laying a leg and looking whether it is over.
+const LEG: usize = 4;
+
 /// A turn round is planned again when the aircraft is off it by this, turn radii.
 const OFF_TURN_RADII: f64 = 0.2;
 
@@ -105,8 +108,10 @@ pub struct Progress {
     airspeed_mps: f64,
     climb_limits_rad: (f64, f64),
     complete: bool,
-    /// Allowed and finished work of this step.
-    work: (u32, u32),
+    /// Work of this step at which it finishes, work that it may do at most, and work done.
+    work: (u32, u32, u32),
+    /// Whether the corner was refused: it is planned in the next step.
+    is_cut: bool,
     /// The leg at which the next search for a way onto the mission begins after a cut.
     looked_to: usize,
 }
@@ -131,31 +136,41 @@ impl Progress {
             airspeed_mps: 0.0,
             climb_limits_rad: (0.0, 0.0),
             complete: false,
-            work: (u32::MAX, 0),
+            work: (u32::MAX, u32::MAX, 0),
+            is_cut: false,
             looked_to: 0,
         }
     }
 
-    /// Begins a step with its allowed work.
-    pub(crate) const fn allow_work(&mut self, most: u32) {
-        self.work = (most, 0);
+    /// Begins a step, whose work finishes after `limit` units and is `most` units at most.
+    pub(crate) const fn begin_step(&mut self, limit: u32, most: u32) {
+        self.work = (limit, most, 0);
+    }
+
+    /// Allows some of them until they are taken.
+    pub(crate) fn allow(&mut self, most: u32) {
+        self.work.1 = self.work.1.min(most);
     }
 
     /// Work since the last call in this step.
     pub(crate) const fn take_work(&mut self) -> u32 {
-        let (most, done) = self.work;
-        self.work = (most.saturating_sub(done), 0);
+        let (limit, most, done) = self.work;
+        self.work = (limit.saturating_sub(done), most.saturating_sub(done), 0);
         done
     }
 
     /// A meter for the remaining work.
     const fn meter(&self) -> Meter {
-        Meter::new(self.work.0.saturating_sub(self.work.1))
+        let (limit, most, done) = self.work;
+        Meter::new(limit.saturating_sub(done), most.saturating_sub(done))
     }
 
     /// Counts what a meter has counted.
     const fn note(&mut self, meter: &Meter) {
-        self.work.1 = self.work.1.saturating_add(meter.done());
+        // Outside of a step nothing limits it.
+        if self.work.1 < u32::MAX {
+            self.work.2 = self.work.2.saturating_add(meter.done());
+        }
     }
 
     /// Index of the waypoint at the start of the leg.
@@ -206,10 +221,13 @@ impl Progress {
     fn load(&mut self, mission: &Mission<'_>, state: &MotionState, flyer: &Flyer) {
         let laid = self.laid(mission);
         let meter = self.meter();
+        self.is_cut = !meter.take(LEG);
         self.leg = laid.leg(self.index);
         self.corner = self
             .leg
+            .filter(|_| !self.is_cut)
             .and_then(|leg| corner(&laid, self.index, &leg, &self.air(flyer, &meter)));
+        self.is_cut |= meter.is_spent();
         self.note(&meter);
         if self.leg.is_none() && !self.complete {
             // Past the last waypoint, or no mission: hold course and height from here.
@@ -236,6 +254,7 @@ impl Progress {
         let airspeed_mps = flyer.airspeed_mps();
         self.time_s = time_s;
         if self.leg.is_none()
+            || self.is_cut
             || wind_mps != self.wind_mps
             || airspeed_mps != self.airspeed_mps
             || climb_limits_rad != self.climb_limits_rad
@@ -249,7 +268,8 @@ impl Progress {
         self.update_turn(state, flyer);
         while let (Some(leg), false, false) = (self.leg, self.complete, self.from_start) {
             let position = leg.position(state.position_m, state.time_s);
-            if position.along_m < leg.length_m - self.lead_m() || self.meter().is_met() {
+            let is_on = position.along_m < leg.length_m - self.lead_m();
+            if is_on || self.is_cut || self.meter().is_met() {
                 break;
             }
             let (next, turns_round) = self
@@ -285,6 +305,9 @@ impl Progress {
             let since_s = self.time_s - turn.begun_s;
             let there = flown(flyer, &turn.from, &turn.maneuver, since_s, &meter);
             self.note(&meter);
+            if meter.is_spent() {
+                return;
+            }
             let planned_m = there.position_m + self.wind_mps * since_s;
             let off_m = planned_m.distance(state.position_m);
             if !(0.0..=OFF_TURN_RADII * radius_m).contains(&off_m) || since_s < 0.0 {
@@ -434,8 +457,10 @@ impl Progress {
         let meter = self.meter();
         if self.turn.is_none() {
             let found = Self::round_to_beginning(&leg, state, &self.air(flyer, &meter));
-            self.note(&meter);
-            let found = found?;
+            let Some(found) = found.filter(|_| !meter.is_spent()) else {
+                self.note(&meter);
+                return None;
+            };
             self.turn = Some(Turn {
                 maneuver: found.maneuver,
                 from: *state,
@@ -447,6 +472,7 @@ impl Progress {
         let along_m = leg
             .position(arrival(&leg, &self.air(flyer, &meter)).position_m, 0.0)
             .along_m;
+        self.note(&meter);
         Some(Join {
             maneuver: turn.maneuver.after(self.time_s - turn.begun_s),
             joined_s: turn.arrives_s - self.time_s,

@@ -204,15 +204,22 @@ impl<'a> Search<'a> {
     /// A search with about `limit` tests of a line against four obstacles at most, and more than
     /// `patience` only if it has come near.
     pub fn new(scene: Scene<'a>, path: &'a mut FlightPath, limit: u32, patience: u32) -> Self {
+        Self::within(scene, path, Meter::new(limit, u32::MAX), patience)
+    }
+
+    /// A search that ends at the limit of a meter, and takes no more than that has.
+    pub(crate) fn within(
+        scene: Scene<'a>,
+        path: &'a mut FlightPath,
+        meter: Meter,
+        patience: u32,
+    ) -> Self {
+        meter.reserve(ANSWER_SHARE);
         Self {
             scene,
             path,
             evaluated: 0,
-            meter: {
-                let mut meter = Meter::new(limit);
-                meter.reserve(ANSWER_SHARE);
-                meter
-            },
+            meter,
             answering: false,
             patience,
             culprit: 0,
@@ -228,9 +235,14 @@ impl<'a> Search<'a> {
     }
 
     /// Leaves all but one part of the work to other searches of the step.
-    pub const fn share_work(&mut self, parts: u32) {
+    pub fn share_work(&mut self, parts: u32) {
         self.meter.share(parts);
         self.patience /= parts;
+    }
+
+    /// Whether work was refused: then it has no answer.
+    pub(crate) const fn is_spent(&self) -> bool {
+        self.meter.is_spent()
     }
 
     /// Whether the limit of work was met.
@@ -239,7 +251,7 @@ impl<'a> Search<'a> {
     }
 
     /// Releases the reserve of work for the answer.
-    const fn answer(&mut self) {
+    fn answer(&mut self) {
         if !self.answering {
             self.answering = true;
             self.meter.extend(ANSWER_SHARE);
@@ -254,9 +266,9 @@ impl<'a> Search<'a> {
     /// Predicts a manoeuvre into the path.
     fn predict(&mut self, maneuver: &Maneuver) {
         let scene = self.scene;
+        let (flyer, start, meter) = (scene.flyer, &scene.start, &self.meter);
         self.path
-            .predict(scene.flyer, &scene.start, maneuver, scene.horizon_s);
-        self.meter.count(self.path.work(scene.flyer));
+            .predict_within(flyer, start, maneuver, scene.horizon_s, meter);
     }
 
     /// Certifies the path against some hazards up to a moment.

@@ -76,7 +76,7 @@ impl Flight<'_> {
             .alike_for_s(time_s, (at_m, ours_mps), &world.obstacles))
         .min(world.horizon_s - time_s);
         let most = alike_s / world.settings.avoider.decision_period_s - 2.0;
-        (0..known).take_while(|k| f64::from(*k) < most).count() as u32
+        (0..known).find(|k| f64::from(*k) >= most).unwrap_or(known)
     }
 
     /// Number of cycles of straight flight that a pilot flies on whatever it sees; at least one.

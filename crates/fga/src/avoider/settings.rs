@@ -58,14 +58,15 @@ pub struct Settings {
     pub objective: Objective,
     /// Most work of one step, in tests of a line against four obstacles, some 12 to 25 ns each on a
     /// desktop processor. The unit covers everything whose length depends on the input, and no step exceeds the limit:
-    /// a step near it answers with the best that it found, and the next one continues with other manoeuvres.
-    /// Only reading obstacles is never cut: beyond tens of thousands of them it may exceed the limit by itself.
+    /// a step near it answers with the best that it found, and the next one continues with other manoeuvres. Work is refused
+    /// rather than done beyond the limit, and nothing is certified that lacks refused work.
+    /// Only reading obstacles is never refused: half a unit for each, up to nine for each that replaces one of 128 tracked ones.
+    /// Half of the limit is kept for it, so only thousands of obstacles may exceed the default limit, and hundreds the least one.
     pub work_limit: u32,
 }
 
-/// Least [`Settings::work_limit`]: a look at the mission ahead among 128 obstacles, the reserve for
-/// finishing the step, and one short search.
-pub const LEAST_WORK: u32 = 40_000;
+/// Least [`Settings::work_limit`]: a corner of the mission, reading 128 obstacles, and one short search among a few.
+pub const LEAST_WORK: u32 = 10_000;
 
 impl Default for Settings {
     fn default() -> Self {
@@ -113,7 +114,7 @@ impl Settings {
             (
                 "work_limit",
                 f64::from(self.work_limit),
-                (f64::from(LEAST_WORK), 1e9, "40,000 or more"),
+                (f64::from(LEAST_WORK), 1e9, "10,000 or more"),
             ),
         ];
         for (name, value, (low, high, expected)) in rows {

@@ -4,6 +4,7 @@ use crate::Vec3;
 use crate::avoider::Kept;
 use crate::avoider::intruders::{Clearance, Freedom, Motions, Room, Trend};
 use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
+use crate::meter::{COMPARED, MOTION, Meter};
 use crate::situation::Situation;
 use crate::situation::{Movement, Obstacle, ProtectedVolume};
 
@@ -64,6 +65,9 @@ pub struct Tracks {
     work: usize,
     /// The farthest hazard of a full set: its index and distance, metres.
     farthest: Option<(usize, f64)>,
+    /// The distances of a full set, metres, once it has been asked for the farthest.
+    distances_m: [f64; MAX_TRACKED],
+    has_distances: bool,
     /// Obstacles within the surveillance radius.
     pub seen: u32,
     /// Whether the aircraft is inside a protected volume.
@@ -98,6 +102,8 @@ impl Tracks {
             aircraft: 0,
             work: 0,
             farthest: None,
+            distances_m: [0.0; MAX_TRACKED],
+            has_distances: false,
             seen: 0,
             inside: false,
             overflow: false,
@@ -112,7 +118,7 @@ impl Tracks {
         self.moving = false;
         self.aircraft = 0;
         self.work = 0;
-        self.farthest = None;
+        (self.farthest, self.has_distances) = (None, false);
         self.seen = 0;
         (self.inside, self.overflow, self.uncertain) = (false, false, false);
     }
@@ -146,17 +152,22 @@ impl Tracks {
             .all(|(hazard, _)| (hazard.position_m - own_m).dot(hazard.velocity_mps - own_mps) > 0.0)
     }
 
-    /// Replaces the hazards by the possible motions of aircraft; obstacles that keep their velocity stay the same.
+    /// Replaces the hazards by the possible motions of aircraft; obstacles that keep their velocity stay the same. Some are
+    /// missing if the meter refuses work.
     pub(super) fn withstand(
         &mut self,
         freedom: impl Fn(&Hazard) -> Freedom,
         own_m: Vec3,
         clearance: Clearance,
+        meter: &Meter,
     ) {
         self.motions.clear();
         self.moving = true;
         let rows = self.hazards.rows();
         let room = Motions::room_for(rows.len()).min(self.aircraft);
+        if !meter.take(rows.len() + rows.len() * room / 2) {
+            return;
+        }
         // Without room for all, the nearest ones may turn: they come first.
         let mut last = (f64::NEG_INFINITY, 0);
         for _ in 0..room {
@@ -180,8 +191,13 @@ impl Tracks {
             let may_turn = room > 0 && (hazard.margin_m(own_m, 0.0), place) <= last;
             let room = if may_turn { Room::Turns } else { straight };
             let freedom = (freedom(hazard), clearance);
+            let before = self.motions.hazards().rows().len();
             self.motions
                 .add_aircraft(hazard, (known, *trend), freedom, room);
+            let added = self.motions.hazards().rows().len() - before;
+            if !meter.take(MOTION * added) {
+                return;
+            }
         }
     }
 
@@ -361,6 +377,11 @@ impl Tracks {
         {
             *known = *obstacle;
         }
+        if self.has_distances
+            && let Some(distance_m) = self.distances_m.get_mut(place)
+        {
+            *distance_m = hazard.margin_m(own, 0.0);
+        }
         let uncertainty = obstacle.uncertainty;
         self.uncertain |= uncertainty.position_m > 0.0 || uncertainty.velocity_mps > 0.0;
     }
@@ -373,11 +394,19 @@ impl Tracks {
         if let Some(known) = self.farthest {
             return known;
         }
-        let rows = self.hazards.rows();
-        self.work += rows.len() / 2;
-        let farthest = rows
+        if !self.has_distances {
+            self.has_distances = true;
+            let rows = self.hazards.rows();
+            self.work += rows.len() / 2;
+            for (slot, hazard) in self.distances_m.iter_mut().zip(rows) {
+                *slot = hazard.margin_m(own_m, 0.0);
+            }
+        }
+        self.work += MAX_TRACKED / COMPARED;
+        let farthest = self
+            .distances_m
             .iter()
-            .map(|hazard| hazard.margin_m(own_m, 0.0))
+            .copied()
             .enumerate()
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .unwrap_or((0, f64::NEG_INFINITY));
@@ -569,7 +598,8 @@ mod tests {
                 margin_m: 0.0,
                 by_depth: false,
             };
-            tracks.withstand(|_| Freedom::Share(1.0), Vec3::ZERO, exact);
+            let meter = Meter::unlimited();
+            tracks.withstand(|_| Freedom::Share(1.0), Vec3::ZERO, exact, &meter);
             for id in 0..count {
                 let has = tracks.hazards().rows().iter().any(|hazard| hazard.id == id);
                 assert!(has, "{id} of {count}");

@@ -24,6 +24,7 @@ use crate::avoider::{
 use crate::certificate::{Asked, certify_set, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
+use crate::meter::BEND;
 use crate::prediction::MotionState;
 use crate::search::{Effort, Found, GRIDS, Proof, Scene, Search};
 
@@ -36,6 +37,9 @@ const LATER_SHARE: u32 = 2;
 
 /// Part of a step's work for a search with more than the margin of the settings, one in this many.
 const TARGETS: u32 = 4;
+
+/// Parts of a step's work: one is kept for the search while the threat is looked for.
+const THREAT_PARTS: u32 = 2;
 
 /// With bank lag the same number of manoeuvres takes this many times the work, so searches that find nothing
 /// continue for this many times as many steps.
@@ -96,6 +100,17 @@ impl Avoider {
             return decision;
         }
         self.load_tracks(situation, kept);
+        self.decide_among_tracks(situation, now, start)
+    }
+
+    /// The decision about the obstacles that were loaded.
+    fn decide_among_tracks(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        start: Start,
+    ) -> Decision {
+        self.target_m = self.wanted_m;
         self.look_s = self.settings.horizon_s;
         self.far_s = self.far_horizon_s(now);
         match self.state {
@@ -159,8 +174,16 @@ impl Avoider {
         self.plan_anew(situation, now, &nominal, threat, against, start)
     }
 
-    /// The obstacle that a manoeuvre comes too close to first, and those of the same encounter.
+    /// The obstacle that a manoeuvre comes too close to first, and those of the same encounter. Keeps work for the search that
+    /// follows.
     fn first_threat(&mut self, nominal: &Maneuver, now: &MotionState) -> Option<(Threat, Against)> {
+        self.meter.reserve(THREAT_PARTS);
+        let first = self.first_of_all(nominal, now);
+        self.meter.extend(THREAT_PARTS);
+        first
+    }
+
+    fn first_of_all(&mut self, nominal: &Maneuver, now: &MotionState) -> Option<(Threat, Against)> {
         let horizon_s = self.look_s;
         let target_m = self.target_m;
         self.predict(nominal, now);
@@ -224,14 +247,26 @@ impl Avoider {
         Some((first, against))
     }
 
-    /// Runs a search in the present scene; returns its result and the number of examined manoeuvres.
+    /// Keeps the rolls from the bank of now, from which many predictions are about to begin.
+    fn keep_rolls(&mut self, now: &MotionState) {
+        let is_kept = self.flyer.keeps_rolls_from(now.bank_rad);
+        if !is_kept && self.meter.take(2 * BEND) {
+            self.flyer.keep_rolls_from(now.bank_rad);
+        }
+    }
+
+    /// Runs a search in the present scene; returns its result, none if it met even the reserve for finishing, the number of
+    /// examined manoeuvres, and whether it met its limit.
     fn search<T>(
         &mut self,
         nominal: &Maneuver,
         now: &MotionState,
         look: impl FnOnce(&mut Search<'_>) -> T,
-    ) -> (T, u32, bool) {
-        self.flyer.keep_rolls_from(now.bank_rad);
+    ) -> (T, u32, bool)
+    where
+        T: Default,
+    {
+        self.keep_rolls(now);
         let limit = self.settings.work_limit;
         let later = limit / LATER_SHARE;
         let is_ideal = self.flyer.is_ideal();
@@ -263,8 +298,13 @@ impl Avoider {
             costs: (self.settings.heading_cost, self.settings.pitch_cost),
             objective: self.settings.objective,
         };
-        let mut search = Search::new(scene, &mut self.path, most.min(left), patience);
-        let answer = look(&mut search);
+        let meter = self.meter.part(most);
+        let mut search = Search::within(scene, &mut self.path, meter, patience);
+        let mut answer = look(&mut search);
+        if search.is_spent() {
+            // It may rest on pieces that were refused.
+            answer = T::default();
+        }
         let (evaluated, limit_met, work) = (search.evaluated, search.limit_met(), search.work());
         self.meter.count(work as usize);
         self.searched = self.searched.saturating_add(work);
@@ -554,6 +594,9 @@ impl Avoider {
         now: &MotionState,
         mut against: Against,
     ) -> Against {
+        if self.meter.is_met() {
+            return against;
+        }
         let reach = (self.settings.horizon_s, self.target_m);
         self.predict(maneuver, now);
         let hazards = self.tracks.hazards();

@@ -155,7 +155,8 @@ impl Hazard {
         })
     }
 
-    /// Least margin of a point in straight motion, and its time, if it is below `below_m`.
+    /// Least margin of a point in straight motion, and its time, if it is below `below_m`; minus infinity if a meter refuses
+    /// the look.
     #[inline]
     pub(crate) fn least_on_line(
         &self,
@@ -194,7 +195,9 @@ impl Hazard {
         if nearest_square >= reach * reach {
             return None;
         }
-        meter.count(LOOK);
+        if !meter.take(LOOK) {
+            return Some((f64::NEG_INFINITY, at_s));
+        }
         let (margin, when) = match self.volume {
             ProtectedVolume::Sphere { .. } if growth == 0.0 && !self.is_stretched() => {
                 (libm::sqrt(nearest_square) - radius, nearest_s)
@@ -295,7 +298,9 @@ fn least_of_convex(
     below: f64,
     meter: &Meter,
 ) -> Option<(f64, f64)> {
-    meter.count(LEAST_STEP);
+    if !meter.take(LEAST_STEP) {
+        return Some((f64::NEG_INFINITY, 0.0));
+    }
     let mut low = (0.0, function(0.0));
     if low.1.1 >= 0.0 || duration <= 0.0 {
         return Some((low.1.0, low.0));
@@ -323,7 +328,7 @@ fn least_of_convex(
         } else {
             a - slope_a * (b - a) / (slope_b - slope_a)
         };
-        if next <= a || next >= b {
+        if next <= a || next >= b || !meter.take(LEAST_STEP) {
             break;
         }
         let there = (next, function(next));
@@ -332,7 +337,6 @@ fn least_of_convex(
         } else {
             high = there;
         }
-        meter.count(LEAST_STEP);
     }
     Some((bound, at))
 }
@@ -340,7 +344,7 @@ fn least_of_convex(
 /// Hazards, and which of them a line may come close to.
 pub(crate) trait HazardSet {
     /// Shows each hazard whose margin on `line` may be below `below_m`, metres, and perhaps others,
-    /// until `visit` returns false. Returns whether none did.
+    /// until `visit` returns false. Returns whether none did, and the meter did not refuse it.
     fn each_close(
         &self,
         line: &Line,
@@ -358,8 +362,7 @@ impl HazardSet for [Hazard] {
         meter: &Meter,
         visit: impl FnMut(&Hazard) -> bool,
     ) -> bool {
-        meter.count(self.len().div_ceil(2));
-        self.iter().all(visit)
+        meter.take(self.len().div_ceil(2)) && self.iter().all(visit)
     }
 }
 
@@ -526,7 +529,9 @@ impl HazardSet for Hazards {
         meter: &Meter,
         mut visit: impl FnMut(&Hazard) -> bool,
     ) -> bool {
-        meter.count(self.block_count().max(1));
+        if !meter.take(self.block_count().max(1)) {
+            return false;
+        }
         if self.len <= FEW {
             return self.rows().iter().all(visit);
         }

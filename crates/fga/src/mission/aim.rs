@@ -8,7 +8,7 @@ use crate::angle::wrap_pi;
 use crate::certificate::Line;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
-use crate::meter::{BEND, Meter};
+use crate::meter::{BEND, Meter, SETUP};
 use crate::mission::join::{JoinLimits, ON_LEG_M};
 use crate::mission::leg::Leg;
 use crate::prediction::{Bend, Exit, Flyer, MotionState};
@@ -178,10 +178,10 @@ pub(super) fn with_turns<T>(
     let banks_rad = [bank_rad, -bank_rad];
     let kept = banks_rad.map(|bank_rad| flyer.bend_from(bank_rad));
     let is_kept = kept.iter().all(Option::is_some);
-    let made = if is_kept {
+    let work = if is_kept { SETUP } else { SETUP + 2 * BEND };
+    let made = if !meter.take(work) || is_kept {
         [None; 2]
     } else {
-        meter.count(2 * BEND);
         banks_rad.map(|bank_rad| Bend::new(flyer, bank_rad))
     };
     let [left, right] = &made;

@@ -14,7 +14,7 @@ use crate::Vec3;
 use crate::angle::wrap_pi;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
-use crate::meter::Meter;
+use crate::meter::{COMPARED, Meter};
 use crate::mission::join::{Join, JoinLimits, join};
 use crate::mission::leg::Leg;
 use crate::mission::turnaround::{Arrival, turnaround};
@@ -294,6 +294,9 @@ fn passes_all(
     const PLACES: usize = 24;
     if first == last {
         return true;
+    }
+    if !air.meter.take((last - first + 1) * PLACES / COMPARED) {
+        return false;
     }
     let mut places = [Vec3::ZERO; PLACES + 1];
     let mut state = *from;

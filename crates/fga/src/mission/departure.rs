@@ -5,13 +5,15 @@ use crate::Vec3;
 use crate::limit::Limit as _;
 use crate::situation::Mission;
 
-/// A step with less work left than this measures no further way back: those of 96 legs take at most this.
-const LEAST_LEFT: u32 = 8_000;
+/// Most work for measuring one way back, for each leg from which it is measured.
+const WORK_A_LEG: usize = 80;
 
 impl Progress {
-    /// Whether this step has work left to measure another way back.
-    pub(crate) const fn may_measure(&self) -> bool {
-        self.work.0.saturating_sub(self.work.1) >= LEAST_LEFT
+    /// Whether this step has work left to measure another way back, onto one of the `last` legs after the present one.
+    pub(crate) fn may_measure(&self, mission: &Mission<'_>, last: usize) -> bool {
+        let ahead = mission.waypoints_m.len().saturating_sub(self.index + 1);
+        let legs = (last.min(MOST_LEGS) + 1).min(ahead.max(1));
+        self.meter().left() as usize >= WORK_A_LEG * (legs + 3)
     }
 
     /// Largest distance of a way onto the leg that begins at waypoint `index` from the mission, metres, or some that is
@@ -44,10 +46,9 @@ impl Progress {
         let legs = mission.waypoints_m.windows(2).skip(self.index);
         let legs = legs.take(last.min(MOST_LEGS) + 1);
         let meter = self.meter();
-        if meter.is_met() {
+        if meter.is_met() || !meter.take(legs.len() / 2) {
             return f64::INFINITY;
         }
-        meter.count(legs.len() / 2);
         self.note(&meter);
         let place_m = *place_m + self.wind_mps * *at_s;
         let mut nearest_m = f64::INFINITY;

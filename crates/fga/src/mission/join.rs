@@ -5,7 +5,7 @@
 //! flight finds the moment of the second turn and of levelling off.
 
 use crate::maneuver::Maneuver;
-use crate::meter::{Meter, SETUP};
+use crate::meter::Meter;
 use crate::mission::aim::{Shot, Way, aim, with_turns};
 use crate::mission::leg::Leg;
 use crate::prediction::{Flyer, MotionState, flown};
@@ -87,7 +87,6 @@ pub(crate) fn join(
     limits: &JoinLimits,
     meter: &Meter,
 ) -> Join {
-    meter.count(SETUP);
     let mut shot = aim(flyer, leg, state, limits, meter);
     let mut join = fly(flyer, leg, state, &shot, meter);
     let near_m = if flyer.is_ideal() { EXACT_M } else { LAGGED_M };
@@ -132,7 +131,6 @@ pub(crate) fn join_roughly(
     limits: &JoinLimits,
     meter: &Meter,
 ) -> (f64, Way) {
-    meter.count(SETUP);
     with_turns(flyer, state, meter, |turns| {
         let (shot, both) = turns.aim(leg, state, limits);
         let way = turns.way(state, &shot, &both);

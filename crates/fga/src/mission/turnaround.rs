@@ -155,7 +155,9 @@ pub(crate) fn turnaround(air: &Air<'_>, state: &MotionState, to: &Arrival) -> Op
             let offset = to.position_m - state.position_m - wind_mps * (state.time_s + taken_s);
             let x = (cos * offset.x + sin * offset.y) / radius_m;
             let y = (cos * offset.y - sin * offset.x) / radius_m;
-            air.meter.count(WORD);
+            if !air.meter.take(WORD) {
+                return None;
+            }
             let Some(word) = word(kind, x, y, turn) else {
                 break;
             };

@@ -4,7 +4,7 @@ use super::corner::{Air, Legs as _, arrival, corner};
 use super::join::{Join, JoinLimits, join, join_roughly};
 use super::leg::Leg;
 use super::turnaround::turnaround;
-use super::{Progress, Way};
+use super::{LEG, Progress, Way};
 use crate::prediction::{Flyer, MotionState};
 use crate::situation::Mission;
 
@@ -105,6 +105,9 @@ impl Progress {
         let mut index = self.index;
         let mut passed_m = 0.0;
         for count in 0..MOST_LEGS {
+            if !air.meter.take(LEG) {
+                return Err(0);
+            }
             let is_tried = count < ONE_BY_ONE || passed_m >= 0.5 * radius_m || next.is_none();
             if is_tried && count >= self.looked_to {
                 passed_m = 0.0;

@@ -11,7 +11,7 @@ use core::f64::consts::FRAC_PI_2;
 use crate::Vec3;
 use crate::angle::direction;
 use crate::limit::Limit as _;
-use crate::meter::{LAGGED_PIECE, PIECE};
+use crate::meter::{LAGGED_NODE, LAGGED_PIECE, NODE, PIECE};
 use crate::prediction::Bend;
 use crate::prediction::roll::Roll;
 use crate::situation::Ownship;
@@ -231,6 +231,11 @@ impl Flyer {
     /// What a piece of a predicted flight takes, in units of work.
     pub(crate) fn piece_work(&self) -> usize {
         if self.is_ideal() { PIECE } else { LAGGED_PIECE }
+    }
+
+    /// What a node of a path takes, in units of work.
+    pub(crate) fn node_work(&self) -> usize {
+        if self.is_ideal() { NODE } else { LAGGED_NODE }
     }
 
     /// Whether the wings are level.

@@ -6,7 +6,7 @@ use core::slice::Iter;
 use crate::Vec3;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
-use crate::meter::{LAGGED_NODE, Meter, NODE, SETUP};
+use crate::meter::{Meter, SETUP};
 use crate::prediction::motion::{ArcSteps, Piece};
 use crate::prediction::{Flyer, MotionState, Target};
 
@@ -120,6 +120,21 @@ pub(crate) fn for_each_piece(
     limit_s: f64,
     mut visit: impl FnMut(&MotionState, &Piece, f64),
 ) -> MotionState {
+    let visit = |from: &MotionState, piece: &Piece, lasts_s: f64| {
+        visit(from, piece, lasts_s);
+        true
+    };
+    while_flown(flyer, start, maneuver, limit_s, visit)
+}
+
+/// The same while `visit` is true.
+fn while_flown(
+    flyer: &Flyer,
+    start: &MotionState,
+    maneuver: &Maneuver,
+    limit_s: f64,
+    mut visit: impl FnMut(&MotionState, &Piece, f64) -> bool,
+) -> MotionState {
     let mut state = *start;
     let mut pieces = Pieces::new(flyer, start, maneuver);
     for _ in 0..MAX_NODES {
@@ -127,8 +142,7 @@ pub(crate) fn for_each_piece(
             break;
         }
         let (piece, duration_s, until_s) = pieces.next(&state, limit_s);
-        visit(&state, &piece, duration_s);
-        if duration_s == f64::INFINITY {
+        if !visit(&state, &piece, duration_s) || duration_s == f64::INFINITY {
             break;
         }
         let ends = duration_s >= until_s - state.time_s;
@@ -140,7 +154,8 @@ pub(crate) fn for_each_piece(
     state
 }
 
-/// The aircraft at the end of a manoeuvre's flight up to `limit_s`, with its pieces counted.
+/// The aircraft at the end of a manoeuvre's flight up to `limit_s`, with its pieces counted; before it if the meter refuses
+/// one.
 pub(crate) fn flown(
     flyer: &Flyer,
     start: &MotionState,
@@ -148,10 +163,32 @@ pub(crate) fn flown(
     limit_s: f64,
     meter: &Meter,
 ) -> MotionState {
-    let piece = flyer.piece_work();
-    for_each_piece(flyer, start, maneuver, limit_s, |_, _, _| {
-        meter.count(piece);
-    })
+    flown_past(flyer, start, maneuver, limit_s, meter, |_, _, _| ())
+}
+
+/// [`for_each_piece`] with the pieces counted; ends where the meter refuses one.
+pub(crate) fn flown_past(
+    flyer: &Flyer,
+    start: &MotionState,
+    maneuver: &Maneuver,
+    limit_s: f64,
+    meter: &Meter,
+    mut visit: impl FnMut(&MotionState, &Piece, f64),
+) -> MotionState {
+    let work = flyer.piece_work();
+    while_flown(
+        flyer,
+        start,
+        maneuver,
+        limit_s,
+        |state, piece, duration_s| {
+            let goes_on = meter.take(work);
+            if goes_on {
+                visit(state, piece, duration_s);
+            }
+            goes_on
+        },
+    )
 }
 
 /// A predicted flight: nodes in time, then straight on from the last one.
@@ -209,12 +246,6 @@ impl FlightPath {
         self.complete
     }
 
-    /// Work of its prediction.
-    pub(crate) fn work(&self, flyer: &Flyer) -> usize {
-        let node = if flyer.is_ideal() { NODE } else { LAGGED_NODE };
-        SETUP + self.len * node
-    }
-
     /// Bound of the distance of the flight from its nodes and from the pieces between them, metres: 0
     /// without bank lag.
     pub const fn remainder_m(&self) -> f64 {
@@ -252,13 +283,14 @@ impl FlightPath {
     }
 
     /// Appends the nodes of one piece of constant rates and returns the state at its end;
-    /// `None` if the nodes ran out.
-    pub(crate) fn fly_piece(
+    /// `None` if the nodes ran out, or the meter refuses them.
+    fn fly_piece(
         &mut self,
         flyer: &Flyer,
         from: &MotionState,
         piece: &Piece,
         duration_s: f64,
+        meter: &Meter,
     ) -> Option<MotionState> {
         let acceleration = flyer.acceleration_mps2(piece);
         let longest_s = if acceleration > 0.0 {
@@ -267,6 +299,10 @@ impl FlightPath {
             f64::INFINITY
         };
         let count = whole(duration_s / longest_s, MAX_NODES + 1);
+        let work = count.min(MAX_NODES - self.len) * flyer.node_work();
+        if !meter.take(work) {
+            return None;
+        }
         self.remainder_m += piece.remainder_m;
         let mut node = Node {
             state: *from,
@@ -322,13 +358,31 @@ impl FlightPath {
         maneuver: &Maneuver,
         horizon_s: f64,
     ) {
+        let meter = Meter::unlimited();
+        self.predict_within(flyer, start, maneuver, horizon_s, &meter);
+    }
+
+    /// The same as far as a meter allows: the path is not complete if it refuses a piece.
+    pub(crate) fn predict_within(
+        &mut self,
+        flyer: &Flyer,
+        start: &MotionState,
+        maneuver: &Maneuver,
+        horizon_s: f64,
+        meter: &Meter,
+    ) {
         self.clear();
+        // The last node comes on top of those of the pieces.
+        if !meter.take(SETUP + flyer.node_work()) {
+            return;
+        }
         let mut state = *start;
         let mut pieces = Pieces::new(flyer, start, maneuver);
         loop {
             let (piece, duration_s, until_s) = pieces.next(&state, f64::INFINITY);
             let is_last = duration_s == f64::INFINITY || state.time_s >= horizon_s;
-            let flown = (!is_last).then(|| self.fly_piece(flyer, &state, &piece, duration_s));
+            let flown =
+                (!is_last).then(|| self.fly_piece(flyer, &state, &piece, duration_s, meter));
             let Some(mut end) = flown.flatten() else {
                 break;
             };
@@ -340,7 +394,7 @@ impl FlightPath {
         self.finish(flyer, &state);
         // A slow turn may need more nodes than there are: beyond the horizon they decide nothing.
         self.complete |= (self.nodes().last()).is_some_and(|last| last.state.time_s >= horizon_s);
-        self.complete &= maneuver.is_whole();
+        self.complete &= maneuver.is_whole() && !meter.is_spent();
     }
 
     /// The aircraft `at_s` seconds from the decision.

@@ -8,7 +8,7 @@ use crate::certificate::{Hazard, Line};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::meter::Meter;
-use crate::prediction::{Flyer, MotionState, for_each_piece};
+use crate::prediction::{Flyer, MotionState, flown_past};
 
 use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 
@@ -155,16 +155,20 @@ impl Ascent {
 
     /// The result, certified.
     pub(super) fn certified(&self, search: &mut Search<'_>) -> Found {
+        // Without work left to prove it: its seed, with the seed's margin.
+        let seed = Found {
+            margin_m: self.seed.margin_m.min(search.scene.target_m - LEAST_GAIN_M),
+            ..self.seed
+        };
+        if search.limit_met() {
+            return seed;
+        }
         let turns = self.turns(&self.at);
         let departure = search.departure(turns.wait_s);
         let certificate = search.certify(&turns, &departure, f64::MIN);
         let proven_m = certificate.proven_m();
         if proven_m == f64::NEG_INFINITY && search.limit_met() {
-            // No work was left to prove it: its seed, with the seed's margin.
-            return Found {
-                margin_m: self.seed.margin_m.min(search.scene.target_m - LEAST_GAIN_M),
-                ..self.seed
-            };
+            return seed;
         }
         Found {
             turns,
@@ -292,14 +296,13 @@ impl Ascent {
             *x += sign * difference;
             let maneuver = maneuver(search, &self.turns(&moved));
             let start = search.scene.start;
-            let work = flyer.piece_work();
-            for_each_piece(
+            flown_past(
                 flyer,
                 &start,
                 &maneuver,
                 horizon_s,
+                &search.meter,
                 |from, piece, lasts_s| {
-                    search.meter.count(work);
                     for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
                         let since_s = known.at_s - from.time_s;
                         if since_s < 0.0 || since_s > lasts_s {
@@ -339,7 +342,9 @@ impl Ascent {
         }
         let mut step = [0.0; PARAMETERS];
         let mut best = (step, self.least_m());
-        meter.count(1 + self.approaches.len * ROUNDS_WORK);
+        if !meter.take(1 + self.approaches.len * ROUNDS_WORK) {
+            return best;
+        }
         for round in 1..=ROUNDS {
             let mut least: Option<(f64, &Vector)> = None;
             for (known, slope) in self.approaches.iter().zip(slopes) {
@@ -380,7 +385,9 @@ fn predict(search: &mut Search<'_>, turns: &Turns) -> bool {
 fn nearest(search: &Search<'_>, place: usize, hazard: &Hazard) -> Option<Approach> {
     let scene = search.scene;
     let meter = &search.meter;
-    meter.count(1 + search.path.nodes().len() / 2);
+    if !meter.take(1 + search.path.nodes().len() / 2) {
+        return None;
+    }
     let mut least = (f64::INFINITY, 0.0);
     let mut look = |from: &MotionState, velocity_mps, until_s: f64| {
         let line = Line {

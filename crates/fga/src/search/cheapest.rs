@@ -39,6 +39,9 @@ impl Search<'_> {
     /// The cheapest certified single turn to one of some sides, as in [`Self::cheapest`].
     pub fn cheapest_to(&mut self, sides: &[Side], wait_s: f64) -> Option<Found> {
         let entry = self.entry(wait_s)?;
+        if !self.meter.take_table::<Fronts>() {
+            return None;
+        }
         let mut fronts = Fronts::new();
         if !self.open(&entry, sides, &mut fronts) {
             return None;
@@ -49,7 +52,9 @@ impl Search<'_> {
     /// The climb angle and the turn of the cheapest one that may do, as far as lines tell.
     pub(super) fn likely(&mut self, entry: &Entry, fronts: &mut Fronts) -> Option<Tangent> {
         loop {
-            self.meter.count(1);
+            if !self.meter.take(fronts.work_of_next()) {
+                return None;
+            }
             let next = fronts.next_mut()?;
             if next.is_ready || self.limit_met() {
                 let (what, from_rad) = ((next.climb_rad, next.side), next.least_rad);
@@ -67,12 +72,15 @@ impl Search<'_> {
         let from = entry.from;
         let mut best: Option<Found> = None;
         let mut has_failed = false;
+        let work = fronts.work_of_next();
         while let Some(next) = fronts.next_mut() {
             let most = best.map_or(f64::INFINITY, |found| found.cost);
             if next.cost >= most || self.limit_met() {
                 break;
             }
-            self.meter.count(1);
+            if !self.meter.take(work) {
+                break;
+            }
             if !next.is_ready {
                 self.advance(entry, next);
                 continue;

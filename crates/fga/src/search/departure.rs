@@ -15,6 +15,9 @@ const STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 /// Obstacles are treated as passed after at most this long, s.
 const LONGEST_PASS_S: f64 = 60.0;
 
+/// Conflicts of which one unit of work tells when they have passed.
+const PASSED: usize = 4;
+
 /// A start that may be better by no more than this is not looked at: a share, and turn radii.
 const CLOSE: (f64, f64) = (0.02, 0.02);
 
@@ -85,6 +88,9 @@ impl Search<'_> {
     pub fn least_departure(&mut self, entry_s: f64, cut: u32) -> [Option<Found>; 2] {
         let objective = self.scene.objective;
         let mut prospects = [None; 2 * STARTS.len()];
+        if !self.meter.take_table::<Fronts>() {
+            return [None; 2];
+        }
         let mut fronts = Fronts::new();
         for (share, pair) in STARTS.iter().zip(prospects.chunks_mut(2)) {
             let Some(entry) = self.entry(share * entry_s) else {
@@ -190,6 +196,9 @@ impl Search<'_> {
     fn passed_s(&mut self, wait_s: f64, end: &MotionState, end_velocity_mps: Vec3) -> f64 {
         let conflicts = self.conflicts();
         let mut until_s = wait_s;
+        if !self.meter.take(conflicts.count.div_ceil(PASSED)) {
+            return until_s;
+        }
         for (place, closest_s) in conflicts.all.iter().take(conflicts.count) {
             let Some(hazard) = self.scene.hazards.rows().get(*place) else {
                 continue;
@@ -213,6 +222,9 @@ impl Search<'_> {
             all: [(0, 0.0); MAX_HAZARDS],
             count: 0,
         };
+        if self.limit_met() {
+            return conflicts;
+        }
         self.predict(scene.nominal);
         let reach = (scene.horizon_s, scene.target_m);
         let marks = mark_close(scene.flyer, self.path, scene.hazards, reach, &self.meter);

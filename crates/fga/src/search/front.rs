@@ -5,6 +5,7 @@
 
 use crate::angle::Side;
 use crate::certificate::{Certificate, Line};
+use crate::meter::COMPARED;
 use crate::prediction::{MotionState, whole};
 
 use super::line::Entry;
@@ -15,6 +16,9 @@ const MOST_CLIMBS: usize = 129;
 
 /// Most fronts: climb targets to either side.
 const MOST_FRONTS: usize = 2 * MOST_CLIMBS;
+
+/// Fronts that one unit of work fills in.
+const FILLED: usize = 8;
 
 /// Where no more than this can be ruled out at once, the rest is swept, radians.
 const LEAST_STEP_RAD: f64 = 0.01;
@@ -80,6 +84,11 @@ impl Fronts {
         }
     }
 
+    /// What looking for the next one takes, in units of work.
+    pub(super) const fn work_of_next(&self) -> usize {
+        1 + self.count / COMPARED
+    }
+
     /// The front that could be cheapest, if any is left.
     pub(super) fn next_mut(&mut self) -> Option<&mut Front> {
         let mut least = f64::INFINITY;
@@ -101,6 +110,10 @@ impl Search<'_> {
     pub(super) fn open(&mut self, entry: &Entry, sides: &[Side], fronts: &mut Fronts) -> bool {
         let scene = self.scene;
         fronts.count = 0;
+        let count = scene.climb_targets().count() * sides.len();
+        if !self.meter.take(count.div_ceil(FILLED)) {
+            return false;
+        }
         for climb_rad in scene.climb_targets() {
             for side in sides {
                 let cost = self.least_cost(&entry.from, (climb_rad, *side), 0.0);

@@ -203,7 +203,9 @@ impl Search<'_> {
         (climb_rad, side): (f64, Side),
         turn_rad: f64,
     ) -> Option<Tangent> {
-        self.meter.count(LINE);
+        if !self.meter.take(LINE) {
+            return None;
+        }
         let Entry { from, course, .. } = entry;
         let sign = side.sign();
         let bend = self.bend(sign * from.bank_rad, side)?;
@@ -284,14 +286,14 @@ impl Search<'_> {
             return Some(bend);
         }
         let known = |bend: &Option<Bend>| bend.as_ref().is_some_and(|bend| bend.is_from(bank_rad));
-        let place = self.bends.iter().position(known).unwrap_or_else(|| {
-            let place = usize::from(side == Side::Right);
-            if let Some(slot) = self.bends.get_mut(place) {
-                self.meter.count(BEND);
-                *slot = Bend::new(flyer, bank_rad);
-            }
-            place
-        });
-        self.bends.get(place)?.as_ref()
+        if let Some(place) = self.bends.iter().position(known) {
+            return self.bends.get(place)?.as_ref();
+        }
+        if !self.meter.take(BEND) {
+            return None;
+        }
+        let slot = self.bends.get_mut(usize::from(side == Side::Right))?;
+        *slot = Bend::new(flyer, bank_rad);
+        slot.as_ref()
     }
 }

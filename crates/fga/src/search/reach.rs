@@ -61,7 +61,9 @@ impl Search<'_> {
     /// When straight flight is closest to the middle of a hazard, and for how long it is inside before or after that,
     /// seconds.
     fn inside_s(&self, hazard: &Hazard) -> Option<(f64, f64)> {
-        self.meter.count(1);
+        if !self.meter.take(1) {
+            return None;
+        }
         let start = &self.scene.start;
         let relative_mps = self.scene.flyer.velocity_mps(start) - hazard.velocity_mps;
         let offset_m = start.position_m - hazard.position_m;
@@ -163,7 +165,9 @@ impl Search<'_> {
             if left_s <= 0.0 {
                 return Some((farthest_m, state));
             }
-            self.meter.count(flyer.piece_work());
+            if !self.meter.take(flyer.piece_work()) {
+                return None;
+            }
             let piece = flyer.next_piece_within(&state, &Target::TURNING_LEFT, left_s);
             let for_s = piece.duration_s.min(longest_s).min(left_s);
             state = flyer.advance(&state, &piece, for_s);

@@ -93,7 +93,9 @@ impl Search<'_> {
         let mut best = None;
         let mut best_m = f64::MIN;
         let mut failing_rad = sweep.from_rad;
-        self.meter.count(SETUP);
+        if !self.meter.take(SETUP) {
+            return None;
+        }
         loop {
             let turn_rad = self.turn_at(&walk.state, sweep);
             if sign * turn_rad >= failing_rad {
@@ -103,6 +105,10 @@ impl Search<'_> {
                     failing_rad = turned_rad + self.failing(&walk.state, &tail, sweep, floor_m);
                 } else {
                     self.follow(&mut seen, &walk.state, floor_m, &mut worst);
+                    if seen.state.time_s < walk.state.time_s && worst.margin_m >= floor_m {
+                        // The limit was met before the whole arc was looked at.
+                        return best;
+                    }
                     let margin_m = tail.margin_m.min(worst.margin_m);
                     let leave = Leave {
                         turn_rad,
@@ -125,8 +131,7 @@ impl Search<'_> {
             if arc_fails || failing_rad > sweep.max_turn_rad + ROLL_OUT_RAD || self.limit_met() {
                 return best;
             }
-            self.count_step();
-            if !walk.step() {
+            if !self.takes_step() || !walk.step() {
                 return best;
             }
         }
@@ -136,7 +141,9 @@ impl Search<'_> {
     pub(super) fn arc(&mut self, sweep: &Sweep, mut visit: impl FnMut(Leave)) {
         let mut walk = Walk::new(self.scene.flyer, sweep);
         let mut worst = Certificate::clear(sweep.before_m);
-        self.meter.count(SETUP);
+        if !self.meter.take(SETUP) {
+            return;
+        }
         loop {
             visit(Leave {
                 turn_rad: self.turn_at(&walk.state, sweep),
@@ -145,8 +152,7 @@ impl Search<'_> {
                 state: walk.state,
                 before_m: worst.margin_m,
             });
-            self.count_step();
-            if !walk.step() {
+            if !self.takes_step() || !walk.step() {
                 return;
             }
             self.along_step(&walk, sweep.floor_m, &mut worst);
@@ -156,11 +162,9 @@ impl Search<'_> {
         }
     }
 
-    /// Counts a step along an arc.
-    fn count_step(&self) {
-        if !self.scene.flyer.is_ideal() {
-            self.meter.count(LAGGED_STEP);
-        }
+    /// Counts a step along an arc; false if it is refused.
+    fn takes_step(&self) -> bool {
+        self.scene.flyer.is_ideal() || self.meter.take(LAGGED_STEP)
     }
 
     /// Lowers `worst` by the last step of a walk.
@@ -190,8 +194,7 @@ impl Search<'_> {
         worst: &mut Certificate,
     ) {
         while walk.state.time_s < to.time_s && worst.margin_m >= floor_m {
-            self.count_step();
-            if !walk.step() || self.limit_met() {
+            if self.limit_met() || !self.takes_step() || !walk.step() {
                 return;
             }
             self.along_step(walk, floor_m, worst);
@@ -453,8 +456,10 @@ impl Search<'_> {
         let hazards = self.scene.hazards;
         let first = hazards.rows().get(self.culprit);
         if let Some(hazard) = first {
+            if !self.meter.take(1) {
+                return;
+            }
             look(hazard, worst, &self.meter);
-            self.meter.count(1);
             if worst.margin_m < floor_m {
                 return;
             }
@@ -589,7 +594,9 @@ impl Search<'_> {
             let longest_s = libm::sqrt(8.0 * CHORD_BOW_M / acceleration_mps2);
             let duration_s = piece.duration_s.min(until_s - state.time_s);
             let step_s = duration_s / whole(duration_s / longest_s, MAX_NODES) as f64;
-            self.meter.count(flyer.piece_work());
+            if !self.meter.take(flyer.piece_work()) {
+                return state;
+            }
             let node = Node::on(flyer, &state, &piece, 0.0);
             let end = flyer.advance(&state, &piece, step_s);
             self.along(&node, &end, floor_m, worst);

@@ -7,6 +7,7 @@
 use crate::angle::Side;
 use crate::certificate::{Asked, Certificate, Hazard, Hazards, Status, certify_set};
 use crate::maneuver::Maneuver;
+use crate::meter::COMPARED;
 use crate::prediction::{MotionState, Target, whole};
 
 use super::ascent::Ascent;
@@ -197,6 +198,9 @@ impl Search<'_> {
     ) -> Option<(Found, Proof)> {
         let target_m = self.scene.target_m;
         let mut best: Option<Found> = None;
+        if !self.meter.take_table::<Seeds>() {
+            return None;
+        }
         let mut seeds = Seeds::new(WORTH * self.scene.turn_radius_m());
         let start = self.scene.start;
         let has_layers = self.scene.hazards.rows().iter().any(Hazard::is_cylinder);
@@ -280,6 +284,9 @@ impl Search<'_> {
     /// Whether an obstacle would be unavoidable even if it were alone.
     fn is_too_much(&mut self, hazard: &Hazard) -> bool {
         let scene = self.scene;
+        if !self.meter.take_table::<(Hazards, Seeds)>() {
+            return false;
+        }
         let mut alone = Hazards::new();
         alone.put(
             0,
@@ -292,8 +299,8 @@ impl Search<'_> {
             hazards: &alone,
             ..scene
         };
-        let limit = self.meter.left();
-        let mut search = Search::new(scene_alone, self.path, limit, limit);
+        let meter = self.meter.part(u32::MAX);
+        let mut search = Search::within(scene_alone, self.path, meter, u32::MAX);
         let mut seeds = Seeds::new(WORTH * scene.turn_radius_m());
         let mut farthest = None;
         search.collect_single(&scene.start, &mut seeds);
@@ -343,6 +350,9 @@ impl Search<'_> {
     ) {
         let mut climbers: [Option<Ascent>; CLIMBERS] = [None; CLIMBERS];
         for slot in climbers.iter_mut().take(count) {
+            if !self.meter.take(KINDS / COMPARED) {
+                break;
+            }
             *slot = seeds.pop().map(|seed| Ascent::new(&seed, self.scene.flyer));
         }
         for (most, steps) in rounds.iter().copied() {
@@ -383,6 +393,9 @@ impl Search<'_> {
 
     fn collect_single(&mut self, start: &MotionState, seeds: &mut Seeds) {
         for (kind, (climb_rad, side)) in self.scene.extreme_turns().enumerate() {
+            if self.limit_met() && seeds.best_m > f64::MIN {
+                return;
+            }
             let best = self.sweep(&Sweep {
                 from: *start,
                 first: None,
@@ -453,6 +466,9 @@ impl Search<'_> {
     /// First turns and their ends, by side and climb target.
     fn departures(&mut self, start: &MotionState, floor_m: f64) -> Departures {
         let mut departures = [[None; PLACES]; KINDS_OF_ONE];
+        if !self.meter.take_table::<Departures>() {
+            return departures;
+        }
         for ((climb_rad, side), row) in self.scene.extreme_turns().zip(&mut departures) {
             let mut places = row.iter_mut();
             let mut step = 0;

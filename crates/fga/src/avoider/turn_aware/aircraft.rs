@@ -12,7 +12,6 @@ use crate::avoider::{Against, Avoider, Decision, Plan, Reason, Start, State, Thr
 use crate::certificate::Hazard;
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
-use crate::meter::MOTION;
 use crate::prediction::MotionState;
 use crate::search::{Effort, Found, Proof, Search};
 use crate::situation::Situation;
@@ -329,6 +328,10 @@ impl Avoider {
                 let (mut answer, looked_at) = self.cheapest_within(now, side, (-1.0, 0.0));
                 candidates += looked_at;
                 let again = flown.is_none() || self.cycle.is_multiple_of(LOOK_FOR_MORE);
+                if answer.is_none() && self.meter.is_met() {
+                    // No work is left for another search: what the first one found.
+                    return (best.filter(|_| is_better), candidates);
+                }
                 if answer.is_none() && again {
                     let (found, looked_at) = self.in_two_stages(now, flown.map(|(flown, _)| flown));
                     answer = found;
@@ -436,21 +439,17 @@ impl Avoider {
             margin_m,
             by_depth: false,
         };
-        self.tracks.withstand(|_| freedom, own_m, clearance);
-        self.count_motions();
-    }
-
-    /// Counts the work of making the motions.
-    pub(super) fn count_motions(&mut self) {
-        let motions = self.tracks.hazards().rows().len();
-        self.meter
-            .count(MOTION * motions + self.tracks.obstacle_count());
+        self.tracks
+            .withstand(|_| freedom, own_m, clearance, &self.meter);
     }
 
     /// Whether a way back withstands, for a time, all motions of the aircraft that do not move away from it.
     pub(super) fn is_robust_back(&mut self, back: &Maneuver, now: &MotionState) -> bool {
         if !self.tracks.has_aircraft() {
             return true;
+        }
+        if self.meter.is_met() {
+            return false;
         }
         let own_m = now.position_m;
         let mission_rad = now.course_rad + self.progress.leg(now).turn_onto_rad(now);
@@ -479,8 +478,8 @@ impl Avoider {
             by_depth: false,
             margin_m: self.target_m,
         };
-        self.tracks.withstand(freedom, own_m, clearance);
-        self.count_motions();
+        self.tracks
+            .withstand(freedom, own_m, clearance, &self.meter);
         self.look_s = BACK_WITHSTANDS_S;
         let target_m = self.target_m;
         let margin_m = self.margin_of(back, now, (target_m, target_m));
@@ -508,6 +507,9 @@ impl Avoider {
     fn resilience_of(&mut self, maneuver: &Maneuver, now: &MotionState, of_m: f64) -> Option<f64> {
         let target_m = super::holding::KEEP_SHARE * of_m;
         SHARES.into_iter().find(|share| {
+            if self.meter.is_met() {
+                return false;
+            }
             self.withstand(Freedom::Share(*share), now.position_m, 0.0);
             self.margin_of(maneuver, now, (target_m, target_m)) >= target_m
         })
@@ -525,6 +527,9 @@ impl Avoider {
         let mut candidates = 0;
         let shares = SHARES.into_iter();
         for share in shares.filter(|share| *share > above && *share <= most) {
+            if self.meter.is_met() {
+                break;
+            }
             self.withstand(Freedom::Share(share), now.position_m, BEYOND_M);
             let (answer, looked_at, _) = self.search(&hold, now, |search| {
                 search.share_work(SEARCHES);

@@ -5,6 +5,7 @@ use crate::maneuver::Maneuver;
 use crate::search::{Effort, Found, Proof, Search};
 
 /// The result of a search.
+#[derive(Default)]
 pub(super) struct Choice {
     /// The manoeuvre in both forms, with its certificate.
     pub(super) chosen: Option<(Found, Maneuver, Proof)>,

@@ -49,8 +49,11 @@ impl Avoider {
             margin_m: self.target_m,
             by_depth: true,
         };
-        self.tracks
-            .withstand(|_| Freedom::Share(0.0), now.position_m, clearance);
-        self.count_motions();
+        self.tracks.withstand(
+            |_| Freedom::Share(0.0),
+            now.position_m,
+            clearance,
+            &self.meter,
+        );
     }
 }

@@ -43,7 +43,7 @@ impl Avoider {
             time_s + ROUNDING_S < until_s
                 && !self.decides(plan, basis, (*later, time_s), may_come_sooner)
         };
-        (1..=MOST).take_while(known).count() as u32
+        (1..=MOST).take_while(known).last().unwrap_or(0)
     }
 
     /// Until when every obstacle surely stays within the surveillance radius and the aircraft on its leg, seconds.

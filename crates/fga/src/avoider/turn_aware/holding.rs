@@ -137,6 +137,9 @@ impl Avoider {
             return None;
         }
         let there = self.predicted(plan, basis, situation);
+        if self.meter.is_spent() {
+            return None;
+        }
         let off_m = there.position_m.distance(now.position_m);
         // A bank that is off turns the aircraft until it has gone: by less than it does at the rate of the largest bank.
         let full_rad = self.flyer.full_bank_rad().max(f64::MIN_POSITIVE);
@@ -167,7 +170,9 @@ impl Avoider {
         let mut outlook = Outlook::default();
         // Different weights, so that two obstacles cannot compensate each other.
         let mut weight = 1.0;
-        self.meter.count(self.tracks.hazards().rows().len() / 2);
+        if !self.meter.take(self.tracks.hazards().rows().len() / 2) {
+            return outlook;
+        }
         for hazard in self.tracks.hazards().rows() {
             let ground_mps = hazard.velocity_mps + wind_mps;
             outlook.count += 1;

@@ -1,9 +1,8 @@
 //! Limits in need, for instance a steeper bank, if nothing is certified with the normal ones.
 
 use crate::avoider::{Avoider, Decision, Kept, Start};
-use crate::prediction::{Flyer, MotionState};
+use crate::prediction::MotionState;
 use crate::situation::Situation;
-use crate::vehicle::Vehicle;
 
 use super::ENOUGH_M;
 
@@ -18,13 +17,12 @@ impl Avoider {
     /// limits in need, which apply if they certify something or keep clearly more.
     pub(in crate::avoider) fn decide_with(
         &mut self,
-        in_need: Vehicle,
         situation: &Situation<'_>,
-        mut kept: Option<&mut Kept<'_>>,
+        kept: Option<&mut Kept<'_>>,
     ) -> Decision {
         let before = (self.plan, self.state, self.returned);
         self.meter.reserve(HALVES);
-        let normal = self.decide(situation, kept.as_deref_mut());
+        let normal = self.decide(situation, kept);
         self.meter.extend(HALVES);
         if !normal.record.reason.is_unproven() {
             return normal;
@@ -33,17 +31,25 @@ impl Avoider {
         let normal_m = self.expected_m(&normal, &now);
         let after = (self.plan, self.state, self.returned);
         (self.plan, self.state, self.returned) = before;
-        let limits = (self.vehicle, self.flyer);
-        (self.vehicle, self.flyer) = (in_need, Flyer::new(&in_need));
-        let mut steep = self.step_turn_aware(situation, &now, Start::AtDetection, kept);
+        self.change_limits();
+        self.tracks.as_expected();
+        let mut steep = self.decide_among_tracks(situation, &now, Start::AtDetection);
         let steep_m = self.expected_m(&steep, &now);
-        (self.vehicle, self.flyer) = limits;
+        self.change_limits();
         if steep.record.reason.is_unproven() && steep_m <= normal_m + CLEARLY_MORE_M {
             (self.plan, self.state, self.returned) = after;
             return normal;
         }
         steep.record.in_need = true;
         steep
+    }
+
+    /// Takes the limits in need in place of the normal ones, or back again.
+    const fn change_limits(&mut self) {
+        if let Some((vehicle, flyer)) = &mut self.in_need {
+            core::mem::swap(vehicle, &mut self.vehicle);
+            core::mem::swap(flyer, &mut self.flyer);
+        }
     }
 
     /// The margin that a decision keeps from the expected motion of the obstacles, by depth, metres.

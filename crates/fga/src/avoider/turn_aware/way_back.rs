@@ -122,24 +122,23 @@ impl Avoider {
         plan: &Plan,
         latest_s: f64,
     ) -> Option<Plan> {
-        let horizon_s = self.settings.horizon_s;
         if !self.cycle.is_multiple_of(LOOK_BACK_EVERY) || self.meter.is_met() {
             return None;
         }
         let (turn, place) = turn_to_look(self.cycle);
         let intercept_rad = *INTERCEPTS_RAD.get(place)?;
-        let (mission, target_m) = (&situation.mission, self.target_m);
+        let mission = &situation.mission;
         // Skipping a leg is only for a leg that the aircraft cannot join at any angle.
         let waited_s = situation.time_s - plan.start_s;
-        let patient = waited_s < SKIP_AFTER_S;
-        let skipped = if patient { 0 } else { MAX_SKIPPED };
+        let skips = waited_s >= SKIP_AFTER_S;
+        let skipped = if skips { MAX_SKIPPED } else { 0 };
         let detour = (turn % 2 == 1)
             .then(|| self.detour(situation, now, (waited_s, turn / 2)))
             .flatten();
         if detour.is_none() && self.refusals.holds(place, plan, situation.time_s) {
             return None;
         }
-        self.flyer.keep_rolls_from(now.bank_rad);
+        self.keep_rolls(now);
         let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
         let is_any = detour.is_none() && turn.is_multiple_of(2);
         let intercepts_rad: &[f64] = if is_any {
@@ -149,21 +148,18 @@ impl Avoider {
         };
         let nearest = self.nearest_way_back(mission, &from, skipped, intercepts_rad);
         let joins_s = nearest.and_then(|(_, way, _)| Some(way.end()?.1));
-        let late_s = self.returned.map_or(0.0, |returned| returned.late_s);
-        let is_late = joins_s.is_some_and(|joins_s| situation.time_s + joins_s + late_s > latest_s);
+        let is_late = joins_s.is_some_and(|s| situation.time_s + s + self.late_s() > latest_s);
         let seen = nearest.as_ref().map(|(_, way, index)| (way, *index));
         if detour.is_none() && (is_late || self.is_refused(place, seen, plan, (situation, now))) {
-            self.count_mission();
             return None;
         }
         let limits = JoinLimits {
             intercept_rad: nearest.map_or(intercept_rad, |(nearest_rad, ..)| nearest_rad),
             climb_limits_rad: self.climb_limits_rad(),
         };
-        let way = self
-            .progress
-            .way_back(mission, &from, &self.flyer, &limits, skipped);
-        self.count_mission();
+        let way = self.on_mission(|progress, flyer| {
+            progress.way_back(mission, &from, flyer, &limits, skipped)
+        });
         let (joined, index) = way.filter(|(joined, _)| joined.is_on_leg())?;
         if !is_any && intercept_rad < SHALLOW_RAD && joined.joined_s > SHALLOW_S {
             return None;
@@ -172,20 +168,20 @@ impl Avoider {
         for stage in joined.maneuver.stages() {
             maneuver.push(*stage);
         }
+        let horizon_s = self.settings.horizon_s;
         let bend = Bend {
             index,
             straight_s: joined.joined_s,
             along_m: joined.along_m,
         };
-        self.progress
-            .round_corners(mission, &self.flyer, horizon_s, &mut maneuver, bend);
-        self.count_mission();
+        self.on_mission(|progress, flyer| {
+            progress.round_corners(mission, flyer, horizon_s, &mut maneuver, bend)
+        });
         self.look_s = self.far_s;
         self.predict(&maneuver, now);
         let leg = self.progress.leg(now);
-        let here = leg.position(now.position_m, now.time_s);
         let gained_m = if index == self.progress.index() {
-            joined.along_m - here.along_m
+            joined.along_m - leg.position(now.position_m, now.time_s).along_m
         } else {
             f64::INFINITY
         };
@@ -200,8 +196,8 @@ impl Avoider {
             start_s: situation.time_s,
             joined_s: situation.time_s + joined.joined_s,
             proof: Proof::Certified,
-            margin_m: target_m,
-            target_m,
+            margin_m: self.target_m,
+            target_m: self.target_m,
             cost: 0.0,
             next_start_s: None,
             basis: None,
@@ -209,9 +205,9 @@ impl Avoider {
         };
         let back = match ahead {
             WayAhead::Blocked(short_m) => {
+                let look = (situation.time_s, short_m);
                 if detour.is_none() {
-                    self.refusals
-                        .refuse(place, plan, (situation.time_s, short_m));
+                    self.refusals.refuse(place, plan, look);
                 }
                 None
             }
@@ -228,6 +224,11 @@ impl Avoider {
             self.return_to(index, plan, late_s, (situation, now));
         }
         back
+    }
+
+    /// How much later than it seemed to the last way back joined the mission, seconds.
+    fn late_s(&self) -> f64 {
+        self.returned.map_or(0.0, |returned| returned.late_s)
     }
 
     /// Whether a step in a cycle at a time may look for a way back.
@@ -273,8 +274,7 @@ impl Avoider {
             late_s,
         });
         let mission = &situation.mission;
-        self.progress.advance_to(leg, mission, now, &self.flyer);
-        self.count_mission();
+        self.on_mission(|progress, flyer| progress.advance_to(leg, mission, now, flyer));
     }
 
     /// Of the ways onto the mission at some intercept angles the one that departs least, its angle and the index of the
@@ -287,38 +287,39 @@ impl Avoider {
         intercepts_rad: &[f64],
     ) -> Option<(f64, Way, usize)> {
         let climb_limits_rad = self.climb_limits_rad();
-        let (progress, flyer) = (&mut self.progress, &self.flyer);
-        // Every way departs by what the aircraft does now.
-        let here = (from.position_m, from.time_s);
-        let least_m = progress.aside_m(mission, skipped, &here);
-        let mut best: Option<(f64, (f64, Way, usize))> = None;
-        for intercept_rad in intercepts_rad {
-            let most_m = best
-                .as_ref()
-                .map_or(f64::INFINITY, |(away_m, _)| CLEARLY_NEARER * away_m);
-            if least_m >= most_m {
-                break;
+        self.on_mission(|progress, flyer| {
+            // Every way departs by what the aircraft does now.
+            let here = (from.position_m, from.time_s);
+            let least_m = progress.aside_m(mission, skipped, &here);
+            let mut best: Option<(f64, (f64, Way, usize))> = None;
+            for intercept_rad in intercepts_rad {
+                let most_m = best
+                    .as_ref()
+                    .map_or(f64::INFINITY, |(away_m, _)| CLEARLY_NEARER * away_m);
+                if least_m >= most_m {
+                    break;
+                }
+                let limits = JoinLimits {
+                    intercept_rad: *intercept_rad,
+                    climb_limits_rad,
+                };
+                if !progress.may_measure(mission, skipped) {
+                    break;
+                }
+                let way = progress.way_back_roughly(mission, from, flyer, &limits, skipped);
+                let Some((way, index)) = way else { continue };
+                let is_only = intercepts_rad.len() == 1;
+                let away_m = if is_only {
+                    0.0
+                } else {
+                    progress.departure_m(mission, (&way, index), most_m)
+                };
+                if best.is_none() || away_m < most_m {
+                    best = Some((away_m, (*intercept_rad, way, index)));
+                }
             }
-            let limits = JoinLimits {
-                intercept_rad: *intercept_rad,
-                climb_limits_rad,
-            };
-            if !progress.may_measure() {
-                break;
-            }
-            let way = progress.way_back_roughly(mission, from, flyer, &limits, skipped);
-            let Some((way, index)) = way else { continue };
-            let is_only = intercepts_rad.len() == 1;
-            let away_m = if is_only {
-                0.0
-            } else {
-                progress.departure_m(mission, (&way, index), most_m)
-            };
-            if best.is_none() || away_m < most_m {
-                best = Some((away_m, (*intercept_rad, way, index)));
-            }
-        }
-        best.map(|(_, nearest)| nearest)
+            best.map(|(_, nearest)| nearest)
+        })
     }
 
     /// By how many metres a way back leads into an obstacle, wherever in its neighbourhood it lies; `None` for one that does
@@ -350,7 +351,9 @@ impl Avoider {
             } else {
                 0.0
             };
-            self.meter.count(hazards.len());
+            if !self.meter.take(hazards.len()) {
+                return None;
+            }
             let line = Line { duration_s, ..line };
             let into_m = hazards.iter().filter_map(|hazard| {
                 let (margin_m, _) = hazard.least_on_line(&line, inside_m - bow_m, &self.meter)?;
@@ -387,7 +390,9 @@ impl Avoider {
         };
         let inside_m = self.target_m - self.roughly_m();
         let hazards = self.tracks.hazards().rows();
-        self.meter.count(hazards.len());
+        if !self.meter.take(hazards.len()) {
+            return None;
+        }
         let mut same = hazards.iter().filter(|h| plan.against.contains(h.id));
         same.find_map(|hazard| {
             let until_s = passes_s(hazard, situation) + NEXT_ENCOUNTER_S - ROUGHLY_S;
@@ -441,6 +446,9 @@ impl Avoider {
         let horizon_s = self.look_s;
         let is_again = self.was_tried(plan, situation.time_s);
         let mut ahead = WayAhead::Clear;
+        if self.meter.is_met() {
+            return WayAhead::Blocked(0.0);
+        }
         let hazards = self.tracks.hazards();
         let reach = (horizon_s, target_m);
         let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);

@@ -318,12 +318,16 @@ impl Flyer {
         Piece::steady(climb_s.min(step_s), turn_left / step_s, climb_rate, 0.0)
     }
 
+    /// Whether it keeps the rolls from a bank.
+    pub(crate) fn keeps_rolls_from(&self, bank_rad: f64) -> bool {
+        self.is_ideal()
+            || bank_rad == 0.0
+            || self.begun.iter().any(|roll| roll.from_rad == bank_rad)
+    }
+
     /// Keeps the rolls from a bank at which many predictions are about to begin.
     pub(crate) fn keep_rolls_from(&mut self, bank_rad: f64) {
-        let is_kept = self.is_ideal()
-            || bank_rad == 0.0
-            || self.begun.iter().any(|roll| roll.from_rad == bank_rad);
-        if !is_kept {
+        if !self.keeps_rolls_from(bank_rad) {
             self.begin_rolls_from(bank_rad);
             let [left, right] = [bank_rad, -bank_rad].map(|bank_rad| Bend::new(self, bank_rad));
             let [level, ..] = self.bends;
