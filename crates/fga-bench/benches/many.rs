@@ -4,12 +4,15 @@
 //! microseconds, and the median number of obstacles looked at. `kept, first` is the first step after all obstacles were
 //! reported; `kept` are the steps of a minute after it. The scene `crowd` is 10 km wide whatever the number, in
 //! `sky` a square kilometre has ten.
+//!
+//! `sum of 5` and `sum of 7` are no steps: they add up the columns in the plane (places, velocities, radii), and all of
+//! them, which is what the machine's memory gives to whoever reads that much and nothing else.
 
 use core::hint::black_box;
 
 use fga::Vec3;
 use fga::avoider::{Avoider, Block, Kept, Settings, State};
-use fga::situation::{Mission, Obstacles, Ownship, Situation};
+use fga::situation::{Columns, Mission, Obstacles, Ownship, Situation};
 use fga_bench::{Crowd, ownship, settings, vehicle};
 use fga_sim::encounters::{Random, Range};
 use rustix::time::{ClockId, clock_gettime};
@@ -96,6 +99,27 @@ fn given(crowd: &Crowd, avoider: &Avoider, columns: bool, clock_us: f64) -> Step
     (0..RUNS).map(once).collect()
 }
 
+/// Adds up columns, without a step.
+fn sums(crowd: &Crowd, columns: &[&[f64]], clock_us: f64) -> Steps {
+    /// Numbers of a column that are added before those of the next one.
+    const LANES: usize = 16;
+    let groups: Vec<&[[f64; LANES]]> = columns.iter().map(|column| column.as_chunks().0).collect();
+    let once = |_| {
+        let begun = thread_us();
+        let mut sums = [0.0; LANES];
+        for group in 0..crowd.rows.len() / LANES {
+            for column in black_box(&groups) {
+                for (sum, number) in sums.iter_mut().zip(&column[group]) {
+                    *sum += number;
+                }
+            }
+        }
+        black_box(sums);
+        (thread_us() - begun - clock_us, crowd.rows.len())
+    };
+    (0..RUNS).map(once).collect()
+}
+
 /// The first step among kept obstacles of several flights, and the later ones of the last flight.
 fn kept(crowd: &Crowd, avoider: &Avoider, clock_us: f64) -> (Steps, Steps) {
     let waypoints = [Vec3::ZERO, Vec3::X * 1e6];
@@ -148,6 +172,25 @@ fn main() {
                 let mut steps = given(&crowd, &avoider, columns, clock_us);
                 report(scene, count, form, &mut steps);
             }
+            let Columns {
+                x_m,
+                y_m,
+                z_m,
+                vx_mps,
+                vy_mps,
+                vz_mps,
+                radius_m,
+                ..
+            } = crowd.columns();
+            let plane = [x_m, y_m, vx_mps, vy_mps, radius_m];
+            let all = [x_m, y_m, vx_mps, vy_mps, radius_m, z_m, vz_mps];
+            report(
+                scene,
+                count,
+                "sum of 5",
+                &mut sums(&crowd, &plane, clock_us),
+            );
+            report(scene, count, "sum of 7", &mut sums(&crowd, &all, clock_us));
             let (mut first, mut later) = kept(&crowd, &avoider, clock_us);
             report(scene, count, "kept: first", &mut first);
             report(scene, count, "kept", &mut later);
