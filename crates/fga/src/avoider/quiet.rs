@@ -152,12 +152,11 @@ impl LineAhead {
         near: &mut Near,
     ) -> bool {
         let (mut firsts, mut count) = ([0; BLOCK / LANES + 1], 0);
-        let mut add = |first, is_near| {
-            // Without a branch on it.
+        let mut add = |first| {
             if let Some(place) = firsts.get_mut(count) {
                 *place = first;
+                count += 1;
             }
-            count += usize::from(is_near);
         };
         let (x, rest) = part(columns.x_m, range).as_chunks();
         let (y, _) = part(columns.y_m, range).as_chunks();
@@ -165,11 +164,14 @@ impl LineAhead {
         let (vy, _) = part(columns.vy_mps, range).as_chunks();
         let groups = x.iter().zip(y).zip(vx).zip(vy).zip(reach.as_chunks().0);
         for (group, ((((x, y), vx), vy), reach)) in groups.enumerate() {
-            let is_near = self.may_pass_near([x, y, vx, vy, reach]);
-            add(range.0 + group * LANES, is_near);
+            if self.may_pass_near([x, y, vx, vy, reach]) {
+                add(range.0 + group * LANES);
+            }
         }
         // The rest, with some of the last group again.
-        add(range.1.saturating_sub(LANES), !rest.is_empty());
+        if !rest.is_empty() {
+            add(range.1.saturating_sub(LANES));
+        }
         for first in firsts.iter().take(count) {
             let mut lanes = self.may_meet_in_plane(columns, (*first, range.1.min(first + LANES)));
             while lanes != 0 {
