@@ -4,12 +4,15 @@
 //! microseconds, and the median number of obstacles looked at. `kept, first` is the first step after all obstacles were
 //! reported; `kept` are the steps of a minute after it. The scene `crowd` is 10 km wide whatever the number, in
 //! `sky` a square kilometre has ten.
+//!
+//! `read 5` and `read 7` are no steps: they read the columns in the plane (places, velocities, radii), and all of them, and
+//! do nothing else. That is what the machine's memory gives.
 
 use core::hint::black_box;
 
 use fga::Vec3;
 use fga::avoider::{Avoider, Block, Kept, Settings, State};
-use fga::situation::{Mission, Obstacles, Ownship, Situation};
+use fga::situation::{Columns, Mission, Obstacles, Ownship, Situation};
 use fga_bench::{Crowd, ownship, settings, vehicle};
 use fga_sim::encounters::{Random, Range};
 use rustix::time::{ClockId, clock_gettime};
@@ -96,6 +99,27 @@ fn given(crowd: &Crowd, avoider: &Avoider, columns: bool, clock_us: f64) -> Step
     (0..RUNS).map(once).collect()
 }
 
+/// Reads columns, without a step: a page of each in turn.
+fn read(columns: &[&[f64]], clock_us: f64) -> Steps {
+    /// Numbers of a page.
+    const PAGE: usize = 512;
+    let count = columns.iter().map(|column| column.len()).min().unwrap_or(0);
+    let once = |_| {
+        let begun = thread_us();
+        let mut all = 0;
+        for from in (0..count).step_by(PAGE) {
+            for column in columns {
+                // Its order is free, so the compiler makes vector code of it that waits for nothing but the memory.
+                let page = column[from..count.min(from + PAGE)].iter();
+                all ^= page.fold(0, |bits, number| bits ^ number.to_bits());
+            }
+        }
+        black_box(all);
+        (thread_us() - begun - clock_us, count)
+    };
+    (0..RUNS).map(once).collect()
+}
+
 /// The first step among kept obstacles of several flights, and the later ones of the last flight.
 fn kept(crowd: &Crowd, avoider: &Avoider, clock_us: f64) -> (Steps, Steps) {
     let waypoints = [Vec3::ZERO, Vec3::X * 1e6];
@@ -148,6 +172,20 @@ fn main() {
                 let mut steps = given(&crowd, &avoider, columns, clock_us);
                 report(scene, count, form, &mut steps);
             }
+            let Columns {
+                x_m,
+                y_m,
+                z_m,
+                vx_mps,
+                vy_mps,
+                vz_mps,
+                radius_m,
+                ..
+            } = crowd.columns();
+            let plane = [x_m, y_m, vx_mps, vy_mps, radius_m];
+            let all = [x_m, y_m, vx_mps, vy_mps, radius_m, z_m, vz_mps];
+            report(scene, count, "read 5", &mut read(&plane, clock_us));
+            report(scene, count, "read 7", &mut read(&all, clock_us));
             let (mut first, mut later) = kept(&crowd, &avoider, clock_us);
             report(scene, count, "kept: first", &mut first);
             report(scene, count, "kept", &mut later);

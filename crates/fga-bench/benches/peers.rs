@@ -7,6 +7,13 @@
 //!
 //! Prints rows of CSV: aircraft, obstacles, method, steps, median, 99 %, largest in microseconds of the thread's
 //! processor time, each step the quickest of several.
+//!
+//! With the arguments `situations FILE` it measures nothing and writes the situations in which fga chose, so that the same
+//! questions can be put to another library: `cargo bench -p fga-bench --bench peers -- situations /tmp/situations.csv`. A row
+//! an aircraft: `aircraft` (ideal, lagged), `obstacles` (their number), `step` (number of the situation), `id` (`own` is
+//! the aircraft itself, first in its situation), place `x_m,y_m,z_m` (east, north, up), velocity over the ground
+//! `vx_mps,vy_mps,vz_mps`, and `radius_m`, the radius of the sphere to keep clear of. There is no wind, and the mission leads from
+//! the origin along +x. The numbers read back as they were.
 
 extern crate alloc;
 
@@ -14,6 +21,8 @@ mod clock;
 
 use alloc::borrow::Cow;
 use core::hint::black_box;
+use std::fs::File;
+use std::io::{BufWriter, Write};
 
 use clock::{quickest_us, reading_us};
 use dodgy_3d::{Agent, AvoidanceOptions, Vec3 as Single};
@@ -29,6 +38,16 @@ const RUNS: usize = 5;
 
 /// Encounters with one obstacle; fewer with more.
 const ENCOUNTERS: u64 = 120;
+
+/// Aircraft and numbers of obstacles.
+const CASES: [(Aircraft, u32); 6] = [
+    (Aircraft::Ideal, 1),
+    (Aircraft::Ideal, 3),
+    (Aircraft::Ideal, 10),
+    (Aircraft::Lagged, 1),
+    (Aircraft::Lagged, 3),
+    (Aircraft::Lagged, 10),
+];
 
 /// The peers, and the paper's rules.
 const PEERS: [(&str, Option<&str>); 8] = [
@@ -127,50 +146,101 @@ fn measure(encounter: Encounter, clock_us: f64, methods: &mut [Measured]) {
     });
 }
 
+/// Encounters with a number of obstacles.
+fn encounters(aircraft: Aircraft, count: u32, quick: bool) -> impl Iterator<Item = Encounter> {
+    let encounters = if quick {
+        1
+    } else {
+        ENCOUNTERS / u64::from(count)
+    };
+    (0..encounters).map(move |number| Encounter::threats(aircraft, count, number))
+}
+
+/// Writes the situations in which fga chose.
+fn write_situations(file: &str, quick: bool) -> std::io::Result<()> {
+    let mut out = BufWriter::new(File::create(file)?);
+    writeln!(
+        out,
+        "aircraft,obstacles,step,id,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,radius_m"
+    )?;
+    for (aircraft, count) in CASES {
+        let mut rows = Vec::new();
+        let mut step = 0;
+        for encounter in encounters(aircraft, count, quick) {
+            encounter.fly(|_, situation, decision| {
+                if Kind::of(decision) == Kind::Choosing {
+                    let own = &situation.ownship;
+                    let head = format!("{},{count},{step}", aircraft.name());
+                    let mut row = |id: &str, at: Vec3, velocity: Vec3, radius_m: f64| {
+                        let numbers = [at.x, at.y, at.z, velocity.x, velocity.y, velocity.z];
+                        let numbers = numbers.map(|number| number.to_string()).join(",");
+                        rows.push(format!("{head},{id},{numbers},{radius_m}"));
+                    };
+                    row("own", own.position_m, own.velocity_mps(), 0.0);
+                    for other in situation.obstacles.iter() {
+                        let radius_m = other.volume.radius_m();
+                        row(
+                            &other.id.to_string(),
+                            other.position_m,
+                            other.velocity_mps,
+                            radius_m,
+                        );
+                    }
+                    step += 1;
+                }
+                false
+            });
+        }
+        for row in rows {
+            writeln!(out, "{row}")?;
+        }
+    }
+    out.flush()
+}
+
 fn main() {
     // `cargo test --benches` passes no --bench: one encounter of each shows that it runs.
     let quick = !std::env::args().any(|argument| argument == "--bench");
+    let mut words = std::env::args().skip_while(|argument| argument != "situations");
+    if words.next().is_some() {
+        let file = words.next().filter(|word| word != "--bench");
+        let file = file.expect("the name of a file behind `situations`");
+        write_situations(&file, quick).unwrap_or_else(|error| panic!("{file}: {error}"));
+        return;
+    }
     let clock_us = reading_us();
     let model = VehicleModel::built_in().expect("the built-in vehicle");
     let mut settings: PolicySettings = model.settings;
     settings.avoider.surveillance_radius_m = f64::INFINITY;
     println!("aircraft,obstacles,method,steps,median_us,p99_us,largest_us");
-    for aircraft in [Aircraft::Ideal, Aircraft::Lagged] {
-        for count in [1, 3, 10] {
-            let mut methods: Vec<Measured> = ["fga", "fga-every-cycle", "dodgy_3d"]
-                .map(Measured::new)
-                .into();
-            methods.extend(PEERS.map(|(name, start)| {
-                let choice = PolicyChoice::parse(name, start).expect("a policy by its name");
-                let pilot = choice.pilot(&settings, &aircraft.vehicle());
-                Measured {
-                    pilot: Some(pilot.expect("settings of Table 4")),
-                    ..Measured::new(&choice.name())
-                }
-            }));
-            let encounters = if quick {
-                1
-            } else {
-                ENCOUNTERS / u64::from(count)
+    for (aircraft, count) in CASES {
+        let mut methods: Vec<Measured> = ["fga", "fga-every-cycle", "dodgy_3d"]
+            .map(Measured::new)
+            .into();
+        methods.extend(PEERS.map(|(name, start)| {
+            let choice = PolicyChoice::parse(name, start).expect("a policy by its name");
+            let pilot = choice.pilot(&settings, &aircraft.vehicle());
+            Measured {
+                pilot: Some(pilot.expect("settings of Table 4")),
+                ..Measured::new(&choice.name())
+            }
+        }));
+        for encounter in encounters(aircraft, count, quick) {
+            measure(encounter, clock_us, &mut methods);
+        }
+        for Measured { name, micros, .. } in &mut methods {
+            micros.sort_by(f64::total_cmp);
+            let Some(last) = micros.len().checked_sub(1) else {
+                continue;
             };
-            for number in 0..encounters {
-                let encounter = Encounter::threats(aircraft, count, number);
-                measure(encounter, clock_us, &mut methods);
-            }
-            for Measured { name, micros, .. } in &mut methods {
-                micros.sort_by(f64::total_cmp);
-                let Some(last) = micros.len().checked_sub(1) else {
-                    continue;
-                };
-                println!(
-                    "{},{count},{name},{},{:.2},{:.1},{:.1}",
-                    aircraft.name(),
-                    micros.len(),
-                    micros[last / 2],
-                    micros[last * 99 / 100],
-                    micros[last]
-                );
-            }
+            println!(
+                "{},{count},{name},{},{:.2},{:.1},{:.1}",
+                aircraft.name(),
+                micros.len(),
+                micros[last / 2],
+                micros[last * 99 / 100],
+                micros[last]
+            );
         }
     }
 }

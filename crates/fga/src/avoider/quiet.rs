@@ -1,14 +1,28 @@
 //! Is anything near the straight line ahead? Nearly every cycle ends with this test.
 //!
 //! Conservative: an obstacle that passes the test cannot come closer than its volume on the line ahead. No
-//! square root, and over columns no branch per obstacle, so that the compiler makes vector code of it.
+//! square root, and over columns no branch per obstacle, so that the compiler makes vector code of it. Of columns it reads
+//! places, velocities and radii in the plane, 40 bytes an obstacle; altitudes only where these do not decide.
 
 use crate::Vec3;
 use crate::situation::Obstacle;
 use crate::situation::{Columns, Obstacles};
 
-/// Obstacles tested before the first check of the result.
-const BLOCK: usize = 64;
+/// Obstacles tested before the first look at the result.
+const BLOCK: usize = 512;
+
+/// Obstacles whose distances are tested before their lines are.
+const IN_RANGE_BLOCK: usize = 64;
+
+/// Obstacles of a group: four vectors of four, or two of eight.
+const LANES: usize = 16;
+
+/// Obstacles collected for the test in space.
+const NEAR: usize = 64;
+
+/// More than rounding takes from a distance in the plane out to 1,000 km, metres: what passes clear in the plane passes
+/// clear in space, to the last bit.
+const ROUNDING_M: f64 = 0.1;
 
 /// Added to the possible distance of an aircraft, metres.
 const NEAR_M: f64 = 200.0;
@@ -82,20 +96,27 @@ impl LineAhead {
         distance_m <= self.surveillance_radius_m && distance_m <= reach_m
     }
 
+    /// Blocks out of surveillance are passed over by x and y alone. Of the others most pass clear in the plane, whatever the
+    /// altitudes; the few that do not are collected and tested in space, so that they wait for the memory together.
     fn is_clear_of_columns(&self, columns: &Columns<'_>) -> bool {
         let count = columns.len();
         let unlimited = self.surveillance_radius_m == f64::INFINITY;
+        let block = if unlimited { BLOCK } else { IN_RANGE_BLOCK };
+        let mut near = Near {
+            places: [0; NEAR],
+            count: 0,
+        };
         let mut from = 0;
         while from < count {
-            let to = (from + BLOCK).min(count);
+            let to = (from + block).min(count);
             if (unlimited || self.any_in_range(columns, from, to))
-                && self.may_meet_any(columns, from, to)
+                && self.may_meet_any(columns, (from, to), &mut near)
             {
                 return false;
             }
             from = to;
         }
-        true
+        !self.may_meet_any_of(columns, &mut near)
     }
 
     /// Whether any obstacle of a block is within the surveillance radius, by x and y alone.
@@ -111,14 +132,139 @@ impl LineAhead {
         any
     }
 
-    fn may_meet_any(&self, columns: &Columns<'_>, from: usize, to: usize) -> bool {
-        fn part(column: &[f64], (from, to): (usize, usize)) -> &[f64] {
-            column.get(from..to).unwrap_or(&[])
+    /// Tests a block in the plane. What may be met there is added to `near`, and tested in space once that is full.
+    fn may_meet_any(&self, columns: &Columns<'_>, range: (usize, usize), near: &mut Near) -> bool {
+        if columns.half_height_m.is_none() && columns.uncertainty.is_none() {
+            let radius = part(columns.radius_m, range);
+            return self.may_meet_any_within(columns, range, radius, near);
         }
-        let range = (from, to);
         let mut reach = [0.0; BLOCK];
+        self.add_reach(columns, range, &mut reach);
+        self.may_meet_any_within(columns, range, &reach, near)
+    }
+
+    /// `reach` is without the margin.
+    fn may_meet_any_within(
+        &self,
+        columns: &Columns<'_>,
+        range: (usize, usize),
+        reach: &[f64],
+        near: &mut Near,
+    ) -> bool {
+        let (mut firsts, mut count) = ([0; BLOCK / LANES + 1], 0);
+        let mut add = |first| {
+            if let Some(place) = firsts.get_mut(count) {
+                *place = first;
+                count += 1;
+            }
+        };
+        let (x, rest) = part(columns.x_m, range).as_chunks();
+        let (y, _) = part(columns.y_m, range).as_chunks();
+        let (vx, _) = part(columns.vx_mps, range).as_chunks();
+        let (vy, _) = part(columns.vy_mps, range).as_chunks();
+        let groups = x.iter().zip(y).zip(vx).zip(vy).zip(reach.as_chunks().0);
+        for (group, ((((x, y), vx), vy), reach)) in groups.enumerate() {
+            if self.may_pass_near([x, y, vx, vy, reach]) {
+                add(range.0 + group * LANES);
+            }
+        }
+        // The rest, with some of the last group again.
+        if !rest.is_empty() {
+            add(range.1.saturating_sub(LANES));
+        }
+        for first in firsts.iter().take(count) {
+            let mut lanes = self.may_meet_in_plane(columns, (*first, range.1.min(first + LANES)));
+            while lanes != 0 {
+                let is_full = near.add(first + lanes.trailing_zeros() as usize);
+                if is_full && self.may_meet_any_of(columns, near) {
+                    return true;
+                }
+                lanes &= lanes - 1;
+            }
+        }
+        false
+    }
+
+    /// Whether the line through any obstacle of a group along its relative velocity passes within its reach in the plane, ahead
+    /// or behind: `(r × V_r)² ≤ d² V_r²`. True for values that are not numbers.
+    #[expect(
+        clippy::inline_always,
+        reason = "what is the same for all groups stays in registers"
+    )]
+    #[inline(always)]
+    fn may_pass_near(&self, [x, y, vx, vy, reach]: [&[f64; LANES]; 5]) -> bool {
+        let margin_m = self.margin_m + ROUNDING_M;
+        // As wide as the numbers, for vector code.
+        let mut any = 0_u64;
+        for ((((x, y), vx), vy), reach) in x.iter().zip(y).zip(vx).zip(vy).zip(reach) {
+            let (x, y) = (self.position_m.x - x, self.position_m.y - y);
+            let (vx, vy) = (self.velocity_mps.x - vx, self.velocity_mps.y - vy);
+            let clear = square(x * vy - y * vx) > square(reach + margin_m) * (vx * vx + vy * vy);
+            any |= u64::from(!clear);
+        }
+        any != 0
+    }
+
+    /// Which obstacles of a group may be met in the plane ahead, one bit each. The distance in space is at least that in
+    /// the plane; an altitude that is not a number counts as far, for the avoider ignores such obstacles.
+    fn may_meet_in_plane(&self, columns: &Columns<'_>, range: (usize, usize)) -> u64 {
+        // Fewer than a group: all of them.
+        let few = (1 << (range.1 - range.0)) - 1;
+        let group = |column| part(column, range).first_chunk::<LANES>();
+        let (Some(x), Some(y)) = (group(columns.x_m), group(columns.y_m)) else {
+            return few;
+        };
+        let (Some(vx), Some(vy)) = (group(columns.vx_mps), group(columns.vy_mps)) else {
+            return few;
+        };
+        let mut reach = [self.margin_m + ROUNDING_M; LANES];
+        self.add_reach(columns, range, &mut reach);
+        let mut lanes = 0;
+        let numbers = x.iter().zip(y).zip(vx.iter().zip(vy)).zip(reach);
+        for (lane, (((x, y), (vx, vy)), reach)) in numbers.enumerate() {
+            let (x, y) = (x - self.position_m.x, y - self.position_m.y);
+            let (vx, vy) = (self.velocity_mps.x - vx, self.velocity_mps.y - vy);
+            let meets = may_meet(x * x + y * y, x * vx + y * vy, vx * vx + vy * vy, reach);
+            lanes |= u64::from(meets) << lane;
+        }
+        lanes
+    }
+
+    /// Tests collected obstacles in space, and forgets them.
+    fn may_meet_any_of(&self, columns: &Columns<'_>, near: &mut Near) -> bool {
+        let mut meets = false;
+        for place in near.places.iter().take(near.count) {
+            meets |= self.may_meet_at(columns, *place);
+        }
+        near.count = 0;
+        meets
+    }
+
+    /// As [`Self::may_meet_row`], without reading more than it needs.
+    fn may_meet_at(&self, columns: &Columns<'_>, place: usize) -> bool {
+        let at = |column: &[f64]| column.get(place).copied().unwrap_or(f64::NAN);
+        let place_m = Vec3::new(at(columns.x_m), at(columns.y_m), at(columns.z_m));
+        let velocity_mps = Vec3::new(at(columns.vx_mps), at(columns.vy_mps), at(columns.vz_mps));
+        let offset = place_m - self.position_m;
+        let velocity = self.velocity_mps - velocity_mps;
+        let mut reach = [0.0];
+        self.add_reach(columns, (place, place + 1), &mut reach);
+        let [reach_m] = reach;
+        let distance = offset.length_squared();
+        let meets = may_meet(
+            distance,
+            offset.dot(velocity),
+            velocity.dot(velocity),
+            reach_m + self.margin_m,
+        );
+        let beyond = distance > square(self.surveillance_radius_m);
+        !beyond & meets
+    }
+
+    /// Adds the distances at which obstacles may be met, without the margin, metres.
+    fn add_reach(&self, columns: &Columns<'_>, range: (usize, usize), reach: &mut [f64]) {
         for (reach, radius) in reach.iter_mut().zip(part(columns.radius_m, range)) {
-            *reach = radius + self.margin_m;
+            *reach += radius;
         }
         if let Some(half_height) = columns.half_height_m {
             for (reach, half_height) in reach.iter_mut().zip(part(half_height, range)) {
@@ -131,59 +277,29 @@ impl LineAhead {
                 *reach += self.sigmas * (position + velocity * self.horizon_s);
             }
         }
-        let places = [columns.x_m, columns.y_m, columns.z_m].map(|column| part(column, range));
-        let velocities =
-            [columns.vx_mps, columns.vy_mps, columns.vz_mps].map(|column| part(column, range));
-        // Lanes of known length need no test for their end.
-        match (whole(places), whole(velocities)) {
-            (Some(places), Some(velocities)) => self.may_meet_any_of(
-                places.map(<[f64; BLOCK]>::as_slice),
-                velocities.map(<[f64; BLOCK]>::as_slice),
-                &reach,
-            ),
-            _ => self.may_meet_any_of(places, velocities, &reach),
-        }
-    }
-
-    #[expect(
-        clippy::needless_bitwise_bool,
-        reason = "a branch would keep it from vector code"
-    )]
-    #[expect(
-        clippy::inline_always,
-        reason = "a copy for blocks of known length, another one for the rest"
-    )]
-    #[inline(always)]
-    fn may_meet_any_of(
-        &self,
-        [x, y, z]: [&[f64]; 3],
-        [vx, vy, vz]: [&[f64]; 3],
-        reach: &[f64; BLOCK],
-    ) -> bool {
-        let limit = square(self.surveillance_radius_m);
-        let places = x.iter().zip(y).zip(z);
-        let velocities = vx.iter().zip(vy).zip(vz);
-        // As wide as the numbers, for vector code.
-        let mut any = 0_u64;
-        for ((((x, y), z), ((vx, vy), vz)), reach) in places.zip(velocities).zip(reach) {
-            let offset = Vec3::new(*x, *y, *z) - self.position_m;
-            let velocity = self.velocity_mps - Vec3::new(*vx, *vy, *vz);
-            let distance = offset.dot(offset);
-            let meets = may_meet(
-                distance,
-                offset.dot(velocity),
-                velocity.dot(velocity),
-                *reach,
-            );
-            any |= u64::from(meets & (distance <= limit));
-        }
-        any != 0
     }
 }
 
-/// Three columns of a whole block.
-fn whole([x, y, z]: [&[f64]; 3]) -> Option<[&[f64; BLOCK]; 3]> {
-    Some([x.first_chunk()?, y.first_chunk()?, z.first_chunk()?])
+/// Obstacles to be tested in space.
+struct Near {
+    places: [usize; NEAR],
+    count: usize,
+}
+
+impl Near {
+    /// Adds one. Whether it is full.
+    fn add(&mut self, place: usize) -> bool {
+        if let Some(free) = self.places.get_mut(self.count) {
+            *free = place;
+            self.count += 1;
+        }
+        self.count == NEAR
+    }
+}
+
+/// A part of a column.
+fn part(column: &[f64], (from, to): (usize, usize)) -> &[f64] {
+    column.get(from..to).unwrap_or(&[])
 }
 
 /// Whether a point at squared distance `distance`, seen along the relative velocity at
@@ -202,4 +318,174 @@ fn may_meet(distance: f64, along: f64, speed: f64, reach_m: f64) -> bool {
 
 fn square(x: f64) -> f64 {
     x * x
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec;
+    use alloc::vec::Vec;
+
+    use super::*;
+    use crate::situation::{ProtectedVolume, Uncertainty};
+
+    /// Numbers from a seed.
+    struct Draw(u64);
+
+    impl Draw {
+        fn within(&mut self, from: f64, to: f64) -> f64 {
+            self.0 = self.0.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
+            from + (self.0 >> 11) as f64 / (1_u64 << 53) as f64 * (to - from)
+        }
+
+        fn below(&mut self, count: usize) -> usize {
+            self.within(0.0, 1.0);
+            usize::try_from(self.0 >> 33).unwrap() % count
+        }
+
+        fn vector(&mut self, most: f64) -> Vec3 {
+            let [x, y, z] = [most; 3].map(|most| self.within(-most, most));
+            Vec3::new(x, y, z)
+        }
+
+        fn line(&mut self) -> LineAhead {
+            let limits_m = [f64::INFINITY, self.within(0.0, 5e3)];
+            LineAhead {
+                position_m: self.vector(1e3),
+                velocity_mps: self.vector(20.0),
+                surveillance_radius_m: limits_m[usize::from(self.0 & (1 << 40) != 0)],
+                margin_m: self.within(0.0, 5.0),
+                sigmas: 3.0,
+                horizon_s: 60.0,
+            }
+        }
+
+        /// An obstacle that passes the line at its reach and some metres, level, above or below it.
+        fn obstacle(
+            &mut self,
+            line: &LineAhead,
+            (is_cylinder, is_certain): (bool, bool),
+            beyond_m: f64,
+        ) -> Obstacle {
+            let radius_m = self.within(0.0, 50.0);
+            // Rows of spheres keep twice their radius clear: columns of spheres are as rows of flat cylinders.
+            let half_height_m = if is_cylinder {
+                self.within(0.0, 50.0)
+            } else {
+                0.0
+            };
+            let volume = ProtectedVolume::Cylinder {
+                radius_m,
+                half_height_m,
+            };
+            let mut obstacle = Obstacle::new(1, Vec3::ZERO, self.vector(30.0), volume);
+            if !is_certain {
+                obstacle.uncertainty = Uncertainty {
+                    position_m: self.within(0.0, 5.0),
+                    velocity_mps: self.within(0.0, 0.5),
+                };
+            }
+            let relative = line.velocity_mps - obstacle.velocity_mps;
+            let across = if self.within(0.0, 1.0) < 0.5 {
+                Vec3::Z
+            } else {
+                self.vector(1.0)
+            };
+            let aside = relative.cross(across).normalize_or_zero();
+            let aside_m = line.reach_m(&obstacle) + beyond_m;
+            let after_s = self.within(-20.0, 100.0);
+            obstacle.position_m = line.position_m + relative * after_s + aside * aside_m;
+            obstacle
+        }
+    }
+
+    fn column(rows: &[Obstacle], of: impl Fn(&Obstacle) -> f64) -> Vec<f64> {
+        rows.iter().map(of).collect()
+    }
+
+    /// Whether obstacles are clear as columns.
+    fn is_clear_of_columns(
+        line: &LineAhead,
+        rows: &[Obstacle],
+        (is_cylinder, is_certain): (bool, bool),
+    ) -> bool {
+        let id = vec![1; rows.len()];
+        let [x_m, y_m, z_m] = [0, 1, 2].map(|axis| column(rows, |o| o.position_m[axis]));
+        let [vx_mps, vy_mps, vz_mps] = [0, 1, 2].map(|axis| column(rows, |o| o.velocity_mps[axis]));
+        let radius_m = column(rows, |o| o.volume.radius_m());
+        let half_height_m = column(rows, |o| o.volume.half_height_m());
+        let sigma_m = column(rows, |o| o.uncertainty.position_m);
+        let sigma_mps = column(rows, |o| o.uncertainty.velocity_mps);
+        let columns = Columns {
+            id: &id,
+            x_m: &x_m,
+            y_m: &y_m,
+            z_m: &z_m,
+            vx_mps: &vx_mps,
+            vy_mps: &vy_mps,
+            vz_mps: &vz_mps,
+            radius_m: &radius_m,
+            half_height_m: is_cylinder.then_some(&half_height_m),
+            uncertainty: (!is_certain).then_some((&sigma_m, &sigma_mps)),
+            movement: None,
+        };
+        line.is_clear_of(&Obstacles::Columns(columns))
+    }
+
+    /// Also where one obstacle of many is met or missed by less than a nanometre, wherever it stands.
+    #[test]
+    fn columns_are_clear_exactly_where_rows_are() {
+        let mut draw = Draw(7);
+        let mut met = 0;
+        for case in 0..4000 {
+            let line = draw.line();
+            let form = (case % 2 == 0, case % 3 == 0);
+            let most = [20, 200, 1300][case % 3];
+            let count = draw.below(most);
+            let mut rows = Vec::new();
+            while rows.len() < count {
+                let beyond_m = draw.within(0.0, 20.0) + draw.within(-5.0, 800.0).max(0.0);
+                let row = draw.obstacle(&line, form, beyond_m);
+                if !line.may_meet_row(&row) {
+                    rows.push(row);
+                }
+            }
+            assert!(
+                is_clear_of_columns(&line, &rows, form),
+                "{case}: {count} clear ones"
+            );
+            let beyond_m = draw.within(-1.0, 1.0) * [1.0, 1e-9, 1e-13][case % 3];
+            let row = draw.obstacle(&line, form, beyond_m);
+            rows.insert(draw.below(count + 1), row);
+            let meets = line.may_meet_row(&row);
+            met += usize::from(meets);
+            let is_clear = is_clear_of_columns(&line, &rows, form);
+            assert_eq!(is_clear, !meets, "{case}: {line:?} {row:?}");
+        }
+        assert!((1000..3000).contains(&met), "{met}");
+    }
+
+    /// Wherever the obstacle stands, unless its line passes clear whatever its altitude.
+    #[test]
+    fn columns_with_unusable_numbers_are_not_clear() {
+        let mut draw = Draw(9);
+        for case in 0..300 {
+            let line = LineAhead {
+                surveillance_radius_m: f64::INFINITY,
+                ..draw.line()
+            };
+            let form = (case % 2 == 0, case % 3 == 0);
+            let mut rows: Vec<Obstacle> =
+                (0..40).map(|_| draw.obstacle(&line, form, 900.0)).collect();
+            assert!(is_clear_of_columns(&line, &rows, form));
+            let row = &mut rows[case % 40];
+            let number = match case % 4 {
+                0 => &mut row.position_m.x,
+                1 => &mut row.position_m.y,
+                2 => &mut row.velocity_mps.x,
+                _ => &mut row.velocity_mps.y,
+            };
+            *number = f64::NAN;
+            assert!(!is_clear_of_columns(&line, &rows, form), "{case}");
+        }
+    }
 }
