@@ -6,7 +6,6 @@ mod steps;
 
 pub use stepped::SteppedFlight;
 
-use stands::Alike;
 use steps::{LONGEST_SAMPLE_S, fly_step, recorded_arcs, sample_of};
 
 use std::time::Instant;
@@ -286,39 +285,26 @@ impl<'a> Flight<'a> {
         let end_s = loop {
             let time_s = self.time_s();
             let decision = self.decide(time_s, pilot, observer);
-            let alike = if observer.watches() {
-                Alike::ONE
-            } else {
-                self.alike(time_s, &decision, pilot)
-            };
-            if let Some(end_s) = self.fly_alike(&decision, alike, observer) {
+            let (mut cycles, mut known) = (1, 0);
+            if !observer.watches() {
+                cycles = self.cycles_alike(time_s, &decision, pilot);
+                known = self.known_cycles(time_s, pilot);
+            }
+            let mut end_s = self.fly_on(&decision.command, decision.state, cycles, observer);
+            for _ in 0..known {
+                if end_s.is_some() {
+                    break;
+                }
+                let time_s = self.time_s();
+                let command = pilot.known_command(time_s);
+                self.follow_mission(time_s);
+                end_s = self.fly_on(&command, decision.state, 1, observer);
+            }
+            if let Some(end_s) = end_s {
                 break end_s;
             }
-            pilot.leave_out(alike.cycles - 1);
         };
         self.outcome(end_s)
-    }
-
-    /// Flies a decision for as many cycles as are alike; returns the time of the end once it is reached.
-    fn fly_alike(
-        &mut self,
-        decision: &Decision,
-        alike: Alike,
-        observer: &mut impl Observer,
-    ) -> Option<f64> {
-        let (command, state) = (&decision.command, decision.state);
-        if alike.is_straight {
-            return self.fly_on(command, state, alike.cycles, observer);
-        }
-        let period_s = self.world.settings.avoider.decision_period_s;
-        (0..alike.cycles).find_map(|cycle| {
-            if cycle == 0 {
-                return self.fly_on(command, state, 1, observer);
-            }
-            self.follow_mission(self.time_s());
-            let rest = command.after(f64::from(cycle) * period_s);
-            self.fly_on(&rest, state, 1, observer)
-        })
     }
 
     /// Time of the next decision, seconds.

@@ -302,11 +302,6 @@ impl Avoider {
         self.step_among(situation, Some(kept))
     }
 
-    /// Counts cycles whose decisions were known and not made.
-    pub(crate) const fn skip_cycles(&mut self, cycles: u32) {
-        self.cycle = self.cycle.wrapping_add(cycles);
-    }
-
     fn step_among(&mut self, situation: &Situation<'_>, kept: Option<&mut Kept<'_>>) -> Decision {
         if !situation.is_usable() {
             return self.decision(&Maneuver::hold(), Reason::InvalidInput);

@@ -24,13 +24,15 @@ pub trait Pilot {
 
     /// How many of the decisions after the one of this situation only fly on what that one commands, if the aircraft flies
     /// so and the obstacles of the situation, and no others, keep their velocities; 0 for a pilot that cannot tell. A simulator
-    /// may leave them out, and then says so by [`Self::leave_out`].
+    /// may ask for the commands alone, by [`Self::known_command`].
     fn known_decisions(&self, _situation: &Situation<'_>) -> u32 {
         0
     }
 
-    /// Goes on as if it had made that many known decisions.
-    fn leave_out(&mut self, _decisions: u32) {}
+    /// The command of the next known decision, at a time, seconds on the situation's clock.
+    fn known_command(&mut self, _time_s: f64) -> Maneuver {
+        Maneuver::hold()
+    }
 
     /// Applies changed limits of the vehicle; called only before it has manoeuvred. Unusable limits
     /// change nothing.
@@ -50,8 +52,8 @@ impl Pilot for Avoider {
         Self::known_decisions(self, situation)
     }
 
-    fn leave_out(&mut self, decisions: u32) {
-        self.skip_cycles(decisions);
+    fn known_command(&mut self, time_s: f64) -> Maneuver {
+        Self::known_command(self, time_s)
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {

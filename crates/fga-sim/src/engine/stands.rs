@@ -15,71 +15,44 @@ use crate::world::Ending;
 /// A flight that drifts off its line by more than this is not straight along it, metres.
 const ALONG_WITHIN_M: f64 = 1e-6;
 
-/// Cycles that fly on one decision.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Alike {
-    /// Their number, at least one.
-    pub cycles: u32,
-    /// Whether the aircraft flies straight in all of them.
-    pub is_straight: bool,
-}
-
-impl Alike {
-    /// The cycle of the decision alone.
-    pub(super) const ONE: Self = Self {
-        cycles: 1,
-        is_straight: true,
-    };
-}
-
 impl Flight<'_> {
-    /// The cycles that fly on a decision.
-    pub(super) fn alike(
+    /// Number of cycles for which a decision stands whatever the pilot sees; at least one.
+    pub(super) fn cycles_alike(
         &self,
         time_s: f64,
         decision: &Decision,
         pilot: &(impl Pilot + ?Sized),
-    ) -> Alike {
-        if self.replaying().is_some() || !self.state.progress.is_one_leg() {
-            return Alike::ONE;
-        }
+    ) -> u32 {
         let now = situation(self.world, self.plant.ownship(), self.sensor, time_s);
-        let is_straight = self.plant.is_straight_under(&decision.command);
         let stands_s = pilot.stands_s(&now);
-        if is_straight && stands_s > 0.0 {
-            let cycles = self.straight_cycles(time_s, stands_s);
-            return Alike {
-                cycles,
-                is_straight,
-            };
-        }
-        let known = self.known_cycles(time_s, pilot.known_decisions(&now));
-        let period_s = self.world.settings.avoider.decision_period_s;
-        let until_s = f64::from(1 + known) * period_s;
-        let mut later = decision.command.stages().iter().skip(1);
-        Alike {
-            cycles: 1 + known,
-            is_straight: is_straight && later.all(|stage| stage.start_s > until_s + 1e-9),
+        let is_known = stands_s > 0.0
+            && self.replaying().is_none()
+            && self.state.progress.is_one_leg()
+            && self.plant.is_straight_under(&decision.command);
+        if is_known {
+            self.straight_cycles(time_s, stands_s)
+        } else {
+            1
         }
     }
 
-    /// Of some known decisions those before the aircraft could see anything else and before the horizon.
-    fn known_cycles(&self, time_s: f64, known: u32) -> u32 {
+    /// Number of next decisions that the pilot knows, before the aircraft could see anything else and before the horizon.
+    pub(super) fn known_cycles(&self, time_s: f64, pilot: &(impl Pilot + ?Sized)) -> u32 {
         let world = self.world;
-        if known == 0 {
+        let now = situation(world, self.plant.ownship(), self.sensor, time_s);
+        let known = pilot.known_decisions(&now);
+        if known == 0 || self.replaying().is_some() {
             return 0;
         }
         let ours_mps = world.vehicle.airspeed_mps + world.wind_mps.length();
-        let at_m = self.plant.ownship().position_m;
-        let alike_s = (self
-            .sensor
-            .alike_for_s(time_s, (at_m, ours_mps), &world.obstacles))
-        .min(world.horizon_s - time_s);
+        let alike_s = (self.sensor)
+            .alike_for_s(time_s, (now.ownship.position_m, ours_mps), &world.obstacles)
+            .min(world.horizon_s - time_s);
         let most = alike_s / world.settings.avoider.decision_period_s - 2.0;
         (0..known).find(|k| f64::from(*k) >= most).unwrap_or(known)
     }
 
-    /// Number of cycles of straight flight that a pilot flies on whatever it sees; at least one.
+    /// Number of cycles of straight flight on which nothing ends; at least one.
     fn straight_cycles(&self, time_s: f64, stands_s: f64) -> u32 {
         let world = self.world;
         // Guidance corrects a drift once it has grown.

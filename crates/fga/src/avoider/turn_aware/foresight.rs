@@ -2,6 +2,7 @@
 //! nothing is looked for again.
 
 use crate::avoider::{Avoider, Plan, State};
+use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
 use crate::situation::Situation;
 
@@ -44,6 +45,15 @@ impl Avoider {
                 && !self.decides(plan, basis, (*later, time_s), may_come_sooner)
         };
         (1..=MOST).take_while(known).last().unwrap_or(0)
+    }
+
+    /// The command of the next decision, which is known, at a time on the situation's clock.
+    pub(crate) fn known_command(&mut self, time_s: f64) -> Maneuver {
+        self.cycle = self.cycle.wrapping_add(1);
+        let plan = self.plan.as_ref();
+        plan.map_or_else(Maneuver::hold, |plan| {
+            plan.remaining(time_s + self.set_back_s)
+        })
     }
 
     /// Until when every obstacle surely stays within the surveillance radius and the aircraft on its leg, seconds.
