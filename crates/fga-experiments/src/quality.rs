@@ -26,7 +26,7 @@ pub(crate) struct QualityArgs {
     draw: DrawArgs,
     /// Limits of work, as percentages of the default one; a smaller one than the least that the
     /// avoider accepts counts as that.
-    #[arg(long, value_delimiter = ',', default_values_t = [25.0, 50.0, 100.0, 200.0])]
+    #[arg(long, value_delimiter = ',', default_values_t = [10.0, 25.0, 50.0, 100.0])]
     limits: Vec<f64>,
     /// Time constant of the bank, seconds.
     #[arg(long, default_value_t = 0.0)]

@@ -37,7 +37,7 @@ use crate::situation::Situation;
 use crate::vehicle::Vehicle;
 
 /// A step finishes when all but one part in this many of its work is done.
-const FINISH_SHARE: u32 = 8;
+const FINISH_SHARE: u32 = 16;
 
 /// A clock that is set back by at most this costs no plan, seconds.
 const MOST_SET_BACK_S: f64 = 1.0;
@@ -109,7 +109,7 @@ impl Plan {
 
 /// Collision avoidance for one aircraft: call it each cycle with a [`Situation`] and fly its [`Decision`].
 ///
-/// It holds its scratch space (some 170 kB) and never allocates: keep it in one place.
+/// It holds its scratch space (some 190 kB) and never allocates: keep it in one place.
 #[derive(Debug, Clone)]
 pub struct Avoider {
     settings: Settings,

@@ -156,3 +156,38 @@ impl Meter {
         self.limit.set(limit.saturating_add(limit / (parts - 1)));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_done_never_exceeds_the_most_whatever_is_asked_for() {
+        let mut asked: usize = 1;
+        for most in 0..200 {
+            let meter = Meter::new(most / 2, most);
+            let mut has_refused = false;
+            for _ in 0..300 {
+                asked = asked.wrapping_mul(0x5851_f42d).wrapping_add(11) % 97 + 1;
+                let is_given = meter.take(asked);
+                assert!(meter.done() <= most);
+                assert!(!is_given || !has_refused, "work after a refusal");
+                has_refused |= !is_given;
+                assert_eq!(meter.is_spent(), has_refused || most == 0);
+                assert!(meter.is_met() || meter.done() < most / 2);
+            }
+            assert!(has_refused);
+        }
+    }
+
+    #[test]
+    fn a_part_has_no_more_than_its_whole_has_left() {
+        let whole = Meter::new(80, 100);
+        assert!(whole.take(60));
+        let part = whole.part(1000);
+        assert_eq!((part.left(), part.most_left()), (20, 40));
+        assert!(part.take(30) && part.is_met() && !part.take(11));
+        whole.count(part.done() as usize);
+        assert!(whole.done() == 90 && !whole.is_spent());
+    }
+}

@@ -41,6 +41,9 @@ const TARGETS: u32 = 4;
 /// Parts of a step's work: one is kept for the search while the threat is looked for.
 const THREAT_PARTS: u32 = 2;
 
+/// Work of the searches over some grids among few obstacles, whatever one step may do of it.
+const GRID_WORK: u32 = 80_000;
+
 /// With bank lag the same number of manoeuvres takes this many times the work, so searches that find nothing
 /// continue for this many times as many steps.
 const LAG_WORK: u32 = 2;
@@ -279,7 +282,7 @@ impl Avoider {
         let patience = if is_ideal {
             later.min(left)
         } else {
-            (LAG_WORK * later).saturating_sub(self.searched)
+            (LAG_WORK * GRID_WORK).saturating_sub(self.searched)
         };
         let leg = self.progress.leg(now);
         let (low, high) = self.climb_limits_rad();
@@ -447,7 +450,7 @@ impl Avoider {
         if self.flyer.is_ideal() {
             return news_s >= SEARCH_ALL_S;
         }
-        let of_all = (self.settings.work_limit / LATER_SHARE) as usize;
+        let of_all = GRID_WORK as usize;
         of_all.saturating_mul(GRIDS) <= self.searched as usize
     }
 
