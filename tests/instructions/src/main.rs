@@ -3,6 +3,7 @@
 //! NUMBER` prints the work of each of its steps.
 
 #[path = "../../../crates/fga-bench/src/cycles.rs"]
+#[expect(dead_code, reason = "the tests of the core use the rest")]
 mod cycles;
 
 use std::hint::black_box;

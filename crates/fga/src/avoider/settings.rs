@@ -60,8 +60,9 @@ pub struct Settings {
     /// desktop processor. The unit covers everything whose length depends on the input, and no step exceeds the limit:
     /// a step near it answers with the best that it found, and the next one continues with other manoeuvres. Work is refused
     /// rather than done beyond the limit, and nothing is certified that lacks refused work.
-    /// Only reading obstacles is never refused: half a unit for each, up to nine for each that replaces one of 128 tracked ones.
-    /// Half of the limit is kept for it, so only thousands of obstacles may exceed the default limit, and hundreds the least one.
+    /// Only reading obstacles is never refused: half a unit for each, up to nine for each that replaces one of 128 tracked ones,
+    /// nothing in a step whose way ahead is clear at once. Half of the limit is kept for it, so only thousands of obstacles may
+    /// exceed the default limit, and hundreds the least one.
     pub work_limit: u32,
 }
 
