@@ -55,9 +55,10 @@ pub(crate) const COMPARED: usize = 16;
 /// was computed may lack pieces. So after a refusal nothing is proven: a certificate has no margin, and a search has no answer.
 #[derive(Debug, Clone)]
 pub(crate) struct Meter {
-    done: Cell<u32>,
-    limit: Cell<u32>,
-    most: Cell<u32>,
+    // Wider than any sum of them.
+    done: Cell<u64>,
+    limit: Cell<u64>,
+    most: Cell<u64>,
 }
 
 impl Meter {
@@ -65,8 +66,8 @@ impl Meter {
     pub(crate) const fn new(limit: u32, most: u32) -> Self {
         Self {
             done: Cell::new(0),
-            limit: Cell::new(limit),
-            most: Cell::new(most),
+            limit: Cell::new(limit as u64),
+            most: Cell::new(most as u64),
         }
     }
 
@@ -84,8 +85,7 @@ impl Meter {
     #[inline]
     #[must_use]
     pub(crate) fn take(&self, units: usize) -> bool {
-        let units = u32::try_from(units).unwrap_or(u32::MAX);
-        let done = self.done.get().saturating_add(units);
+        let done = self.done.get() + units as u64;
         if done > self.most.get() {
             self.spend();
             return false;
@@ -108,29 +108,28 @@ impl Meter {
     /// Counts what cannot be refused: reading obstacles, and what a part of this meter's work has taken from it.
     #[inline]
     pub(crate) fn count(&self, units: usize) {
-        let units = u32::try_from(units).unwrap_or(u32::MAX);
-        self.done.set(self.done.get().saturating_add(units));
+        self.done.set(self.done.get() + units as u64);
     }
 
     /// Units done so far.
     pub(crate) const fn done(&self) -> u32 {
-        self.done.get()
+        narrow(self.done.get())
     }
 
     /// Units left before it finishes.
     pub(crate) const fn left(&self) -> u32 {
-        self.limit.get().saturating_sub(self.done())
+        narrow(self.limit.get().saturating_sub(self.done.get()))
     }
 
     /// Units left before it refuses.
     pub(crate) const fn most_left(&self) -> u32 {
-        self.most.get().saturating_sub(self.done())
+        narrow(self.most.get().saturating_sub(self.done.get()))
     }
 
     /// Whether it is time to finish.
     #[inline]
     pub(crate) const fn is_met(&self) -> bool {
-        self.done() >= self.limit.get()
+        self.done.get() >= self.limit.get()
     }
 
     /// Whether it refused something: what was computed with it may lack pieces.
@@ -141,19 +140,29 @@ impl Meter {
 
     /// Leaves all but one part of the limit to others.
     pub(crate) fn share(&self, parts: u32) {
-        self.limit.set(self.limit.get() / parts);
+        self.limit.set(self.limit.get() / u64::from(parts));
     }
 
     /// Keeps one part in `parts` of the limit for [`Self::extend`].
     pub(crate) fn reserve(&self, parts: u32) {
         let limit = self.limit.get();
-        self.limit.set(limit - limit / parts);
+        self.limit.set(limit - limit / u64::from(parts));
     }
 
     /// Releases the reserve.
     pub(crate) fn extend(&self, parts: u32) {
         let limit = self.limit.get();
-        self.limit.set(limit.saturating_add(limit / (parts - 1)));
+        self.limit.set(limit + limit / u64::from(parts - 1));
+    }
+}
+
+/// As a number of a record.
+#[expect(clippy::cast_possible_truncation, reason = "bounded just before")]
+const fn narrow(units: u64) -> u32 {
+    if units > u32::MAX as u64 {
+        u32::MAX
+    } else {
+        units as u32
     }
 }
 
