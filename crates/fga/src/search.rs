@@ -383,8 +383,8 @@ impl<'a> Search<'a> {
 
     /// The cheapest certified single turn that begins after `wait_s`.
     ///
-    /// Rules out turns and climb targets by the lines on which turns end, and sweeps what could be cheapest; then
-    /// halves the step between the last turn that fails and the first that does.
+    /// Rules out turns and climb targets by the lines on which turns end, and closes in on what could be cheapest by flights,
+    /// or by a sweep where these do not tell.
     pub fn cheapest(&mut self, wait_s: f64) -> Option<Found> {
         self.cheapest_to(&Side::BOTH, wait_s)
     }

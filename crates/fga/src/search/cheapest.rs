@@ -1,6 +1,7 @@
 //! Which single turn can be cheapest, told from the lines on which turns end: branch and bound.
 //!
-//! The front that could be cheapest is looked at next, until its first turn may do; then it is swept from there.
+//! The front that could be cheapest is looked at next, until its first turn may do; then flights close in on its least turn,
+//! while no other front could be cheaper.
 
 use crate::angle::Side;
 use crate::certificate::{ALWAYS, Certificate, Hazard};
