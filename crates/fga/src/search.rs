@@ -22,8 +22,10 @@ pub use two_stage::Effort;
 pub(crate) use two_stage::GRIDS;
 
 use departure::Conflicts;
+use front::Climbs;
 
-use crate::angle::Side;
+use crate::Vec3;
+use crate::angle::{Side, direction};
 use crate::certificate::{Asked, Certificate, Hazards, certify_set};
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
@@ -142,8 +144,8 @@ impl Scene<'_> {
         self.climb_limits_rad.0 == self.climb_limits_rad.1
     }
 
-    /// Climb targets, nearest to the original first; the limits are among them.
-    fn climb_targets(&self) -> impl Iterator<Item = f64> + use<> {
+    /// Climb targets, the steepest climb first, and whether each is the original: the limits are among them.
+    fn climb_targets(&self) -> impl Iterator<Item = (f64, bool)> + use<> {
         let (low, high) = self.climb_limits_rad;
         let original = self.original.1.limited(low, high);
         let steps = |room: f64| {
@@ -153,13 +155,12 @@ impl Scene<'_> {
                 0
             }
         };
-        let most = steps(high - original).max(steps(original - low));
-        core::iter::once(original).chain((1..=most).flat_map(move |k| {
-            let offset = k as f64 * CLIMB_STEP_RAD;
-            let up = (k <= steps(high - original)).then(|| (original + offset).min(high));
-            let down = (k <= steps(original - low)).then(|| (original - offset).max(low));
-            up.into_iter().chain(down)
-        }))
+        let step = |k: usize| k as f64 * CLIMB_STEP_RAD;
+        let ups = (1..=steps(high - original)).rev();
+        let ups = ups.map(move |k| ((original + step(k)).min(high), false));
+        let downs = 1..=steps(original - low);
+        let downs = downs.map(move |k| ((original - step(k)).max(low), false));
+        ups.chain(core::iter::once((original, true))).chain(downs)
     }
 
     /// The few climb targets that matter for the largest margin: original, steepest up and down.
@@ -197,7 +198,11 @@ pub struct Search<'a> {
     /// Turns to the left and to the right from the banks that were looked at last.
     bends: [Option<Bend>; 2],
     /// What comes too close on the mission, once that was asked.
-    conflicts: Option<Conflicts>,
+    conflicts: Conflicts,
+    /// The climb targets.
+    climbs: Climbs,
+    /// The mission's direction.
+    along: Vec3,
 }
 
 impl<'a> Search<'a> {
@@ -225,7 +230,9 @@ impl<'a> Search<'a> {
             culprit: 0,
             is_rough: false,
             bends: [None; 2],
-            conflicts: None,
+            conflicts: Conflicts::UNKNOWN,
+            climbs: Climbs::new(),
+            along: direction(scene.original.0, scene.original.1),
         }
     }
 
@@ -376,8 +383,8 @@ impl<'a> Search<'a> {
 
     /// The cheapest certified single turn that begins after `wait_s`.
     ///
-    /// Rules out turns and climb targets by the lines on which turns end, and sweeps what could be cheapest; then
-    /// halves the step between the last turn that fails and the first that does.
+    /// Rules out turns and climb targets by the lines on which turns end, and closes in on what could be cheapest by flights,
+    /// or by a sweep where these do not tell.
     pub fn cheapest(&mut self, wait_s: f64) -> Option<Found> {
         self.cheapest_to(&Side::BOTH, wait_s)
     }

@@ -1,13 +1,14 @@
 //! Which single turn can be cheapest, told from the lines on which turns end: branch and bound.
 //!
-//! The front that could be cheapest is looked at next, until its first turn may do; then it is swept from there.
+//! The front that could be cheapest is looked at next, until its first turn may do; then flights close in on its least turn,
+//! while no other front could be cheaper.
 
 use crate::angle::Side;
 use crate::certificate::{ALWAYS, Certificate, Hazard};
 use crate::prediction::{CHORD_BOW_M, MotionState, Target};
 
-use super::front::Fronts;
-use super::line::{Entry, Tangent};
+use super::front::{Fronts, Ready};
+use super::line::{Entry, Tangent, Way};
 use super::sweep::{LONGEST_STEP_RAD, Leave, Sweep};
 use super::{CLIMB_STEP_RAD, Found, MAX_TURN_RAD, Objective, Search};
 
@@ -35,58 +36,56 @@ const LEAST_LEVER_S: f64 = 0.5;
 /// It is no farther from the first one that may do, radians.
 const MOST_BY_LINES_RAD: f64 = 0.04;
 
+/// What flights tell about the least certified turn of a front.
+enum Closed {
+    /// It is this one.
+    At(Leave),
+    /// There is none.
+    None,
+    /// It is about this one or larger, radians: another front may be cheaper.
+    Later(f64),
+    /// Nothing, but that none up to a turn is, radians.
+    Open(f64),
+}
+
 impl Search<'_> {
     /// The cheapest certified single turn to one of some sides, as in [`Self::cheapest`].
     pub fn cheapest_to(&mut self, sides: &[Side], wait_s: f64) -> Option<Found> {
         let entry = self.entry(wait_s)?;
-        if !self.meter.take_table::<Fronts>() {
+        if !self.meter.take_table::<[Fronts; 2]>() {
             return None;
         }
-        let mut fronts = Fronts::new();
-        if !self.open(&entry, sides, &mut fronts) {
-            return None;
+        let mut fronts = [Fronts::NONE; 2];
+        let opened = fronts.get_mut(..sides.len())?;
+        for (fronts, side) in opened.iter_mut().zip(sides) {
+            self.open(fronts, &entry, *side);
         }
-        self.cheapest_of(&entry, &mut fronts, sides)
+        self.cheapest_of(opened)
     }
 
-    /// The climb angle and the turn of the cheapest one that may do, as far as lines tell.
-    pub(super) fn likely(&mut self, entry: &Entry, fronts: &mut Fronts) -> Option<Tangent> {
-        loop {
-            if !self.meter.take(fronts.work_of_next()) {
-                return None;
-            }
-            let next = fronts.next_mut()?;
-            if next.is_ready || self.limit_met() {
-                let (what, from_rad) = ((next.climb_rad, next.side), next.least_rad);
-                // Rather too small than too large: what departs more than it seems is found out later.
-                let turn_rad = self.by_lines(entry, what, (from_rad, MOST_BY_LINES_RAD))?;
-                return self.tangent(entry, what, turn_rad);
-            }
-            self.advance(entry, next);
-        }
+    /// The line on which the cheapest turn that may do ends, as far as lines tell.
+    pub(super) fn likely(&mut self, entry: &Entry, next: &Ready) -> Option<Tangent> {
+        // Rather too small than too large: what departs more than it seems is found out later.
+        let room = (next.least_rad, MOST_BY_LINES_RAD);
+        let turn_rad = self.by_lines(entry, &next.way, room)?;
+        self.tangent(entry, &next.way, turn_rad)
     }
 
     /// The cheapest of some fronts that is certified.
-    fn cheapest_of(&mut self, entry: &Entry, fronts: &mut Fronts, sides: &[Side]) -> Option<Found> {
+    pub(super) fn cheapest_of(&mut self, sets: &mut [Fronts]) -> Option<Found> {
         let scene = self.scene;
-        let from = entry.from;
         let mut best: Option<Found> = None;
         let mut has_failed = false;
-        let work = fronts.work_of_next();
-        while let Some(next) = fronts.next_mut() {
+        loop {
             let most = best.map_or(f64::INFINITY, |found| found.cost);
-            if next.cost >= most || self.limit_met() {
+            let Some(next) = self.next_ready(sets, most).filter(|_| !self.limit_met()) else {
                 break;
-            }
-            if !self.meter.take(work) {
+            };
+            let Some(Fronts { entry, .. }) = sets.get(next.set) else {
                 break;
-            }
-            if !next.is_ready {
-                self.advance(entry, next);
-                continue;
-            }
-            let (climb_rad, side, from_rad) = (next.climb_rad, next.side, next.least_rad);
-            next.close();
+            };
+            let (entry, way) = (*entry, next.way);
+            let (from, side, climb_rad) = (entry.from, way.side, way.climbing.climb_rad);
             let max_turn_rad = self.room_rad(&from, (climb_rad, side), most);
             let sweep = Sweep {
                 from,
@@ -94,22 +93,32 @@ impl Search<'_> {
                 before_m: entry.before_m,
                 side,
                 climb_rad,
-                from_rad,
+                from_rad: next.least_rad,
                 max_turn_rad,
                 floor_m: scene.target_m,
                 enough_m: scene.target_m,
             };
-            let leave = match self.closed_in(entry, &sweep) {
-                Ok(None) => None,
-                Ok(Some(leave)) => self
+            let closed_in = self.closed_in(&entry, &way, (&sweep, next.next_rad));
+            let left_rad = if let Closed::Later(from_rad) = closed_in {
+                from_rad
+            } else {
+                f64::INFINITY
+            };
+            self.leave(sets, &next, left_rad);
+            let leave = match closed_in {
+                Closed::Later(_) => continue,
+                Closed::None => None,
+                Closed::At(leave) => self
                     .confirmed(leave, &sweep)
                     .or_else(|| self.smallest(&sweep)),
-                Err(from_rad) => self.smallest(&Sweep { from_rad, ..sweep }),
+                Closed::Open(from_rad) => self.smallest(&Sweep { from_rad, ..sweep }),
             };
             let Some(leave) = leave else {
                 if best.is_none() && !has_failed {
                     has_failed = true;
-                    if !self.has_extreme_turn(&from, entry.before_m, sides) {
+                    let mut has_turn =
+                        |set: &Fronts| self.has_extreme_turn(&from, entry.before_m, &[set.side]);
+                    if !sets.iter().any(&mut has_turn) {
                         return None;
                     }
                 }
@@ -128,50 +137,56 @@ impl Search<'_> {
         best
     }
 
-    /// The least certified turn of a sweep, closed in on by flights, if there is one; or a turn up to which none is,
-    /// radians, where they did not tell.
-    fn closed_in(&mut self, entry: &Entry, sweep: &Sweep) -> Result<Option<Leave>, f64> {
+    /// The least certified turn of a sweep, closed in on by flights, unless it is beyond `next_rad`.
+    fn closed_in(&mut self, entry: &Entry, way: &Way, (sweep, next_rad): (&Sweep, f64)) -> Closed {
         let scene = self.scene;
-        let what = (sweep.climb_rad, sweep.side);
         let is_steady = |hazard: &Hazard| hazard.window_s == ALWAYS;
         // What may happen at some times only makes margins that jump.
         if !scene.hazards.rows().iter().all(is_steady) {
-            return Err(sweep.from_rad);
+            return Closed::Open(sweep.from_rad);
         }
         let near_m = NEAR * scene.turn_radius_m();
         let mut fails_rad = sweep.from_rad;
         let mut best: Option<Leave> = None;
         let mut before: Option<(f64, f64)> = None;
-        let begun = self.by_lines(entry, what, (sweep.from_rad, MAX_TURN_RAD));
-        let mut turn_rad = begun.ok_or(fails_rad)?;
-        let least_rad = turn_rad.min(self.least_rad(entry, sweep).ok_or(fails_rad)?);
+        let begun = self.by_lines(entry, way, (sweep.from_rad, MAX_TURN_RAD));
+        let (Some(mut turn_rad), Some(least_rad)) = (begun, self.least_rad(entry, sweep)) else {
+            return Closed::Open(fails_rad);
+        };
+        if turn_rad > sweep.from_rad && turn_rad > next_rad {
+            return Closed::Later(turn_rad);
+        }
+        let least_rad = least_rad.min(turn_rad);
         for _ in 0..FLIGHTS {
             if self.limit_met() {
                 break;
             }
             if turn_rad > sweep.max_turn_rad && best.is_none() {
-                return Ok(None);
+                return Closed::None;
             }
             let (leave, certificate) = self.flown_at(entry, sweep, turn_rad);
-            let tangent = self.tangent(entry, what, turn_rad).ok_or(fails_rad)?;
+            let Some(tangent) = self.tangent(entry, way, turn_rad) else {
+                return Closed::Open(fails_rad);
+            };
             let lacks_m = sweep.enough_m - leave.margin_m;
             let left_s = certificate.at_s - tangent.parts_s;
             let mut more_rad = f64::NEG_INFINITY;
             if lacks_m <= 0.0 {
                 best = Some(leave);
                 if turn_rad <= least_rad {
+                    let leave = self.ahead(entry, sweep, &leave).unwrap_or(leave);
                     let left_s = certificate.at_s - entry.wait_s();
-                    return Ok(Some(self.less_climb(entry, sweep, (leave, left_s))));
+                    return Closed::At(self.less_climb(entry, sweep, (leave, left_s)));
                 }
                 if -lacks_m <= MOST_NEAR * near_m || turn_rad - fails_rad <= FINEST_RAD {
-                    return Ok(Some(leave));
+                    return Closed::At(leave);
                 }
             } else {
                 fails_rad = fails_rad.max(turn_rad);
                 // The margin is that of chords.
                 more_rad = self.least_more_rad(lacks_m - CHORD_BOW_M, left_s);
                 if more_rad == f64::INFINITY && best.is_none() {
-                    return Ok(None);
+                    return Closed::None;
                 }
                 if left_s <= 0.0 {
                     break;
@@ -194,13 +209,27 @@ impl Search<'_> {
             // Lines are cheaper than flights with bank lag.
             if best.is_none() && !scene.flyer.is_ideal() {
                 let room = (turn_rad, sweep.max_turn_rad);
-                let Some(next_rad) = self.turn_rad(entry, what, room) else {
-                    return Ok(None);
+                let Some(more_rad) = self.turn_rad(entry, way, room) else {
+                    return Closed::None;
                 };
-                turn_rad = next_rad;
+                turn_rad = more_rad;
+            }
+            if best.is_none() && turn_rad > next_rad {
+                return Closed::Later(turn_rad);
             }
         }
-        best.map(Some).ok_or(fails_rad)
+        best.map_or(Closed::Open(fails_rad), Closed::At)
+    }
+
+    /// The turn onto the original course in place of a smaller one that is as good, if it does: it costs less.
+    fn ahead(&mut self, entry: &Entry, sweep: &Sweep, least: &Leave) -> Option<Leave> {
+        let sign = sweep.side.sign();
+        let ahead_rad = sign * (self.scene.original.0 - entry.from.course_rad);
+        if ahead_rad <= sign * least.turn_rad || ahead_rad > sweep.max_turn_rad {
+            return None;
+        }
+        let (leave, _) = self.flown_at(entry, sweep, ahead_rad);
+        (leave.margin_m >= sweep.enough_m).then_some(leave)
     }
 
     /// A change of climb without a turn that keeps more than the wanted margin `left_s` after it begins, with less of a climb.
@@ -291,18 +320,18 @@ impl Search<'_> {
     fn by_lines(
         &mut self,
         entry: &Entry,
-        (climb_rad, side): (f64, Side),
+        way: &Way,
         (from_rad, step_rad): (f64, f64),
     ) -> Option<f64> {
         let scene = self.scene;
         let radius_m = scene.turn_radius_m();
-        let bank_rad = side.sign() * entry.from.bank_rad;
-        let least_rad = from_rad.max(self.bend(bank_rad, side)?.least_rad());
+        let bank_rad = way.side.sign() * entry.from.bank_rad;
+        let least_rad = from_rad.max(self.bend(bank_rad, way.side)?.least_rad());
         let mut turn_rad = least_rad;
         let mut before: Option<(f64, f64)> = None;
         for _ in 0..LINES {
             let enough_m = scene.target_m + radius_m;
-            let look = self.look(entry, (climb_rad, side), turn_rad, enough_m)?;
+            let look = self.look(entry, way, turn_rad, enough_m)?;
             let usual = USUAL * look.lever_m;
             let slope = secant(before, (turn_rad, look.margin_m))
                 .unwrap_or(usual)
@@ -410,7 +439,7 @@ mod tests {
             let mut search = Search::new(scene, &mut path, u32::MAX, u32::MAX);
             let found = search.cheapest(0.0);
             let mut least = f64::INFINITY;
-            for climb_rad in scene.climb_targets() {
+            for (climb_rad, _) in scene.climb_targets() {
                 for k in -200..=200 {
                     let turns = Turns {
                         wait_s: 0.0,

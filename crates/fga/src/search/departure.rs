@@ -1,12 +1,11 @@
 //! How far a manoeuvre departs from the mission, and which single turn departs least.
 
 use crate::Vec3;
-use crate::angle::{Side, direction};
+use crate::angle::Side;
 use crate::certificate::{Asked, MAX_HAZARDS, certify_set, mark_close};
 use crate::prediction::{MotionState, flown};
 
 use super::front::Fronts;
-use super::line::Entry;
 use super::{Found, Objective, Search, Turns};
 
 /// Starts that are compared, as shares of the time to the first entry.
@@ -65,18 +64,34 @@ impl Departure {
 }
 
 /// The hazards that come too close on the mission, and when each is closest, seconds.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(super) struct Conflicts {
     all: [(usize, f64); MAX_HAZARDS],
     count: usize,
+    is_known: bool,
+}
+
+impl Conflicts {
+    /// Nothing known yet.
+    pub(super) const UNKNOWN: Self = Self {
+        all: [(0, 0.0); MAX_HAZARDS],
+        count: 0,
+        is_known: false,
+    };
 }
 
 /// A start and a side, and about how far the cheapest turn departs, metres.
-#[derive(Debug, Clone, Copy)]
 struct Prospect {
-    wait_s: f64,
-    side: Side,
+    fronts: [Fronts; 1],
+    /// Infinite where there is none.
     departure_m: f64,
+}
+
+impl Prospect {
+    const NONE: Self = Self {
+        fronts: [Fronts::NONE],
+        departure_m: f64::INFINITY,
+    };
 }
 
 impl Search<'_> {
@@ -87,35 +102,45 @@ impl Search<'_> {
     /// and others that could be better then. After searches that were `cut` it begins with others.
     pub fn least_departure(&mut self, entry_s: f64, cut: u32) -> [Option<Found>; 2] {
         let objective = self.scene.objective;
-        let mut prospects = [None; 2 * STARTS.len()];
-        if !self.meter.take_table::<Fronts>() {
+        if !self.meter.take_table::<[Prospect; 2 * STARTS.len()]>() {
             return [None; 2];
         }
-        let mut fronts = Fronts::new();
+        let mut prospects = [Prospect::NONE; 2 * STARTS.len()];
         for (share, pair) in STARTS.iter().zip(prospects.chunks_mut(2)) {
             let Some(entry) = self.entry(share * entry_s) else {
                 continue;
             };
-            for (side, slot) in Side::BOTH.into_iter().zip(pair) {
-                *slot = self.prospect(&entry, side, &mut fronts);
+            for (side, prospect) in Side::BOTH.into_iter().zip(pair) {
+                let [fronts] = &mut prospect.fronts;
+                self.open(fronts, &entry, side);
+                prospect.departure_m = self.departs_m(&mut prospect.fronts);
             }
         }
-        let length_m =
-            |prospect: &Option<Prospect>| prospect.map_or(f64::INFINITY, |p| p.departure_m);
-        prospects.sort_unstable_by(|a, b| length_m(a).total_cmp(&length_m(b)));
-        let others = cut as usize % prospects.len();
-        prospects.rotate_left(others);
+        let mut order = [0, 1, 2, 3, 4, 5, 6, 7];
+        let length_m = |place: usize| {
+            let prospect = prospects.get(place);
+            prospect.map_or(f64::INFINITY, |prospect| prospect.departure_m)
+        };
+        order.sort_unstable_by(|a, b| length_m(*a).total_cmp(&length_m(*b)));
+        order.rotate_left(cut as usize % (2 * STARTS.len()));
         let mut best: [Option<(f64, Found)>; 2] = [None; 2];
         let slack_m = CLOSE.1 * self.scene.turn_radius_m();
-        for prospect in prospects.into_iter().flatten() {
-            let Some(best) = best.get_mut(usize::from(prospect.side == Side::Right)) else {
+        for place in order {
+            let Some(prospect) = prospects.get_mut(place) else {
+                continue;
+            };
+            if prospect.departure_m == f64::INFINITY {
+                continue;
+            }
+            let [Fronts { side, .. }] = prospect.fronts;
+            let Some(best) = best.get_mut(usize::from(side == Side::Right)) else {
                 continue;
             };
             let enough_m = prospect.departure_m * (1.0 + CLOSE.0) + slack_m;
             if best.is_some_and(|(least_m, _)| least_m <= enough_m) {
                 continue;
             }
-            let Some(found) = self.cheapest_to(&[prospect.side], prospect.wait_s) else {
+            let Some(found) = self.cheapest_of(&mut prospect.fronts) else {
                 continue;
             };
             let departure_m = self.departure_of(&found.turns).length_m(objective);
@@ -133,25 +158,20 @@ impl Search<'_> {
         ordered.map(|best| best.map(|(_, found)| found))
     }
 
-    /// About how far the cheapest turn to a side departs; `None` where there is none.
-    fn prospect(&mut self, entry: &Entry, side: Side, fronts: &mut Fronts) -> Option<Prospect> {
-        let wait_s = entry.wait_s();
-        if !self.open(entry, &[side], fronts) {
-            return None;
-        }
+    /// About how far the cheapest turn of a front departs, metres; infinite where there is none.
+    fn departs_m(&mut self, fronts: &mut [Fronts; 1]) -> f64 {
         let objective = self.scene.objective;
-        // What is cheapest by another objective lines do not tell.
-        let departure_m = match objective {
-            Objective::PaperCost => self.likely(entry, fronts).map(|tangent| {
-                self.departure_on(wait_s, &tangent.state, tangent.velocity_mps)
-                    .length_m(objective)
-            }),
-            Objective::LeastDeviation | Objective::ShortestPath => None,
+        let Some(next) = self.next_ready(fronts, f64::INFINITY) else {
+            return f64::INFINITY;
         };
-        Some(Prospect {
-            wait_s,
-            side,
-            departure_m: departure_m.unwrap_or(f64::MIN),
+        // What is cheapest by another objective lines do not tell.
+        if objective != Objective::PaperCost {
+            return f64::MIN;
+        }
+        let [Fronts { entry, .. }] = fronts;
+        self.likely(entry, &next).map_or(f64::MIN, |tangent| {
+            self.departure_on(entry.wait_s(), &tangent.state, tangent.velocity_mps)
+                .length_m(objective)
         })
     }
 
@@ -175,7 +195,7 @@ impl Search<'_> {
         let scene = self.scene;
         let departure = self.departure(turns.wait_s);
         let maneuver = self.maneuver(turns, &departure);
-        self.conflicts();
+        self.find_conflicts();
         self.predict(&maneuver);
         let last = self.path.nodes().last();
         let end = last.map_or(scene.start, |node| node.state);
@@ -188,13 +208,13 @@ impl Search<'_> {
     pub(super) fn departure_at(&self, there_m: Vec3, at_s: f64) -> Departure {
         let scene = self.scene;
         let planned = flown(scene.flyer, &scene.start, scene.nominal, at_s, &self.meter);
-        let along = direction(scene.original.0, scene.original.1);
-        Departure::between(there_m - planned.position_m, along)
+        Departure::between(there_m - planned.position_m, self.along)
     }
 
     /// When a manoeuvre that ends straight has passed what comes too close on the mission, seconds.
     fn passed_s(&mut self, wait_s: f64, end: &MotionState, end_velocity_mps: Vec3) -> f64 {
-        let conflicts = self.conflicts();
+        self.find_conflicts();
+        let conflicts = &self.conflicts;
         let mut until_s = wait_s;
         if !self.meter.take(conflicts.count.div_ceil(PASSED)) {
             return until_s;
@@ -212,19 +232,13 @@ impl Search<'_> {
         until_s
     }
 
-    /// What comes too close on the mission. Uses the path once.
-    fn conflicts(&mut self) -> Conflicts {
-        if let Some(conflicts) = self.conflicts {
-            return conflicts;
+    /// Finds what comes too close on the mission, once. Uses the path.
+    fn find_conflicts(&mut self) {
+        if self.conflicts.is_known || self.limit_met() {
+            return;
         }
+        self.conflicts.is_known = true;
         let scene = self.scene;
-        let mut conflicts = Conflicts {
-            all: [(0, 0.0); MAX_HAZARDS],
-            count: 0,
-        };
-        if self.limit_met() {
-            return conflicts;
-        }
         self.predict(scene.nominal);
         let reach = (scene.horizon_s, scene.target_m);
         let marks = mark_close(scene.flyer, self.path, scene.hazards, reach, &self.meter);
@@ -234,8 +248,9 @@ impl Search<'_> {
             enough_m: scene.target_m,
         };
         let rows = scene.hazards.rows().iter().zip(marks).enumerate();
+        let conflicts = &mut self.conflicts;
         for (place, (hazard, _)) in rows.filter(|(_, (_, close))| *close) {
-            if self.limit_met() {
+            if self.meter.is_met() {
                 break;
             }
             let one = core::slice::from_ref(hazard);
@@ -247,7 +262,5 @@ impl Search<'_> {
                 conflicts.count += 1;
             }
         }
-        self.conflicts = Some(conflicts);
-        conflicts
     }
 }

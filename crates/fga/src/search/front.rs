@@ -1,24 +1,26 @@
 //! Fronts: turns to one side at one climb target, of which lines rule out the smaller ones.
 //!
 //! On the line on which a front's first turn ends an obstacle comes too close, and turns that go on by too little to
-//! have moved the aircraft out of its way by then are ruled out with it; or none does, and the front is ready.
+//! have moved the aircraft out of its way by then are ruled out with it, as are those at a climb target near by; or none
+//! does, and the front is ready.
 
+use crate::Vec3;
 use crate::angle::Side;
 use crate::certificate::{Certificate, Line};
 use crate::meter::COMPARED;
-use crate::prediction::{MotionState, whole};
+use crate::prediction::{Bend, MotionState, whole};
 
-use super::line::Entry;
+use super::line::{Climbing, Entry, Tangent, Way};
 use super::{MAX_TURN_RAD, Objective, Search};
 
-/// Most climb targets.
-const MOST_CLIMBS: usize = 129;
-
-/// Most fronts: climb targets to either side.
-const MOST_FRONTS: usize = 2 * MOST_CLIMBS;
+/// Most climb targets: steps of [`CLIMB_STEP_RAD`](super::CLIMB_STEP_RAD) from straight down to straight up.
+const MOST_CLIMBS: usize = 107;
 
 /// Fronts that one unit of work fills in.
 const FILLED: usize = 8;
+
+/// Climb targets that one unit of work prepares.
+const PREPARED: usize = 2;
 
 /// Where no more than this can be ruled out at once, the rest is swept, radians.
 const LEAST_STEP_RAD: f64 = 0.01;
@@ -27,134 +29,254 @@ const LEAST_STEP_RAD: f64 = 0.01;
 const ARC_STEP_RAD: f64 = 0.35;
 const MOST_ARC_STEPS: usize = 20;
 
-/// Turns to one side at one climb target.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Front {
-    pub climb_rad: f64,
+/// After lines for one in this many climb targets without a front that is ready, the original climb angle and the steepest
+/// ones tell whether there is one: hardly ever is one only in between.
+const PATIENCE: usize = 2;
+
+/// The climb targets of a search, steepest climb first, and what taking them up from a climb angle moves the aircraft by.
+#[derive(Debug)]
+pub(super) struct Climbs {
+    all: [Climbing; MOST_CLIMBS],
+    /// What each of them costs.
+    costs: [f64; MOST_CLIMBS],
+    count: usize,
+    /// Which one is the original climb angle.
+    original: usize,
+    /// Climb angle before, radians.
+    from_rad: f64,
+}
+
+impl Climbs {
+    /// None yet.
+    pub(super) const fn new() -> Self {
+        Self {
+            all: [Climbing::NONE; MOST_CLIMBS],
+            costs: [f64::INFINITY; MOST_CLIMBS],
+            count: 0,
+            original: 0,
+            from_rad: 0.0,
+        }
+    }
+}
+
+/// The fronts to one side from where turns begin: one for each climb target.
+pub(super) struct Fronts {
+    pub entry: Entry,
     pub side: Side,
     /// Smaller turns are ruled out, radians; infinite where all are.
-    pub least_rad: f64,
+    least_rad: [f64; MOST_CLIMBS],
     /// The least that a turn can cost that is not.
-    pub cost: f64,
-    /// Whether its first turn may do, as far as lines tell.
-    pub is_ready: bool,
-}
-
-impl Front {
-    const NONE: Self = Self {
-        climb_rad: 0.0,
-        side: Side::Left,
-        least_rad: f64::INFINITY,
-        cost: f64::INFINITY,
-        is_ready: false,
-    };
-
-    const fn is_closed(&self) -> bool {
-        self.least_rad == f64::INFINITY
-    }
-
-    pub(super) const fn close(&mut self) {
-        (self.least_rad, self.cost) = (f64::INFINITY, f64::INFINITY);
-    }
-}
-
-/// The fronts of a search.
-pub(super) struct Fronts {
-    all: [Front; MOST_FRONTS],
+    costs: [f64; MOST_CLIMBS],
+    /// Whether the first turn may do, as far as lines tell.
+    is_ready: [bool; MOST_CLIMBS],
     count: usize,
+    /// What a turn costs per radian, and up to which one none costs anything, radians.
+    cost: f64,
+    free_rad: f64,
+    /// Lines that were looked at, and whether a front was ready.
+    looked_at: usize,
+    had_ready: bool,
 }
 
 impl Fronts {
     /// None yet.
-    pub(super) const fn new() -> Self {
-        Self {
-            all: [Front::NONE; MOST_FRONTS],
-            count: 0,
-        }
-    }
+    pub(super) const NONE: Self = Self {
+        entry: Entry::NONE,
+        side: Side::Left,
+        least_rad: [f64::INFINITY; MOST_CLIMBS],
+        costs: [f64::INFINITY; MOST_CLIMBS],
+        is_ready: [false; MOST_CLIMBS],
+        count: 0,
+        cost: 0.0,
+        free_rad: 0.0,
+        looked_at: 0,
+        had_ready: false,
+    };
 
-    fn all_mut(&mut self) -> &mut [Front] {
-        self.all.get_mut(..self.count).unwrap_or(&mut [])
-    }
-
-    fn push(&mut self, front: Front) {
-        if let Some(slot) = self.all.get_mut(self.count) {
-            *slot = front;
-            self.count += 1;
-        }
-    }
-
-    /// What looking for the next one takes, in units of work.
-    pub(super) const fn work_of_next(&self) -> usize {
-        1 + self.count / COMPARED
-    }
-
-    /// The front that could be cheapest, if any is left.
-    pub(super) fn next_mut(&mut self) -> Option<&mut Front> {
-        let mut least = f64::INFINITY;
-        let mut place = 0;
-        for (k, front) in self.all_mut().iter().enumerate() {
-            if front.cost < least {
-                (least, place) = (front.cost, k);
+    /// The front that could be cheapest but for one, and its cost; infinite where none is left.
+    fn cheapest(&self, but_for: usize) -> (usize, f64) {
+        let mut least = (0, f64::INFINITY);
+        for (place, cost) in self.costs.iter().take(self.count).enumerate() {
+            if *cost < least.1 && place != but_for {
+                least = (place, *cost);
             }
         }
-        self.all_mut()
-            .get_mut(place)
-            .filter(|front| !front.is_closed())
+        least
+    }
+
+    /// The least that a turn of at least `least_rad` can cost at a climb target that costs `climb_cost`.
+    const fn cost(&self, least_rad: f64, climb_cost: f64) -> f64 {
+        self.cost * (least_rad - self.free_rad).max(0.0) + climb_cost
+    }
+
+    fn put(&mut self, place: usize, least_rad: f64, cost: f64) {
+        let slots = (self.least_rad.get_mut(place), self.costs.get_mut(place));
+        if let (Some(least), Some(least_cost)) = slots {
+            (*least, *least_cost) = (least_rad, cost);
+        }
+    }
+
+    fn close(&mut self, place: usize) {
+        self.put(place, f64::INFINITY, f64::INFINITY);
     }
 }
 
+/// A turn of a front that may be the cheapest one.
+pub(super) struct Ready {
+    /// Whose it is.
+    pub set: usize,
+    pub way: Way,
+    /// Smaller turns are ruled out, radians.
+    pub least_rad: f64,
+    /// A turn beyond this may cost more than one of another front to the same side, radians. What the other side costs must
+    /// not count: left and right are alike.
+    pub next_rad: f64,
+    place: usize,
+}
+
+/// What the line on which a turn ends rules out.
+struct RuledOut {
+    /// The line's turn, and the turn up to which those at its climb target are, radians.
+    turn_rad: f64,
+    until_rad: f64,
+    /// What another one has to move the aircraft by, metres, ...
+    short_m: f64,
+    /// ... how long that turn goes on, and the time from then to the closest approach, seconds.
+    turns_s: f64,
+    left_s: f64,
+}
+
 impl Search<'_> {
-    /// Fills in the fronts of all climb targets to some sides; false where no turn at the original climb angle, the
-    /// steepest climb or descent may do: hardly ever does one in between.
-    pub(super) fn open(&mut self, entry: &Entry, sides: &[Side], fronts: &mut Fronts) -> bool {
-        let scene = self.scene;
-        fronts.count = 0;
-        let count = scene.climb_targets().count() * sides.len();
-        if !self.meter.take(count.div_ceil(FILLED)) {
-            return false;
+    /// Opens the fronts of all climb targets to a side.
+    pub(super) fn open(&mut self, fronts: &mut Fronts, entry: &Entry, side: Side) {
+        self.prepare_climbs(entry);
+        if !self.meter.take(self.climbs.count.div_ceil(FILLED)) {
+            return;
         }
-        for climb_rad in scene.climb_targets() {
-            for side in sides {
-                let cost = self.least_cost(&entry.from, (climb_rad, *side), 0.0);
-                fronts.push(Front {
-                    climb_rad,
-                    side: *side,
-                    least_rad: f64::MIN,
-                    cost,
-                    is_ready: false,
-                });
-            }
+        let bend = self.bend(side.sign() * entry.from.bank_rad, side);
+        let least_rad = bend.map_or(f64::MIN, Bend::least_rad);
+        let scene = &self.scene;
+        (fronts.entry, fronts.side, fronts.count) = (*entry, side, self.climbs.count);
+        // Objectives other than the paper's cost no front tells.
+        fronts.cost = if scene.objective == Objective::PaperCost {
+            scene.costs.0
+        } else {
+            0.0
+        };
+        fronts.free_rad = (scene.original.0 - entry.from.course_rad) * side.sign();
+        for (place, climb_cost) in self.climbs.costs.iter().take(fronts.count).enumerate() {
+            let cost = fronts.cost(least_rad, *climb_cost);
+            fronts.put(place, least_rad, cost);
         }
-        let mut may_do = false;
-        let (low, high) = scene.climb_limits_rad;
-        for (place, front) in fronts.all_mut().iter_mut().enumerate() {
-            let is_original = place < sides.len();
-            let is_steepest = front.climb_rad == low || front.climb_rad == high;
-            if is_original || (!may_do && is_steepest) {
-                while !front.is_closed() && !front.is_ready {
-                    self.advance(entry, front);
-                }
-                may_do |= front.is_ready;
-            }
-        }
-        may_do
     }
 
-    /// The least that a turn of at least `least_rad` can cost.
-    fn least_cost(
-        &self,
-        from: &MotionState,
-        (climb_rad, side): (f64, Side),
-        least_rad: f64,
-    ) -> f64 {
-        let scene = &self.scene;
-        if scene.objective != Objective::PaperCost {
-            return f64::MIN;
+    /// Makes the climb targets those from the climb angle of an entry.
+    fn prepare_climbs(&mut self, entry: &Entry) {
+        let from_rad = entry.from.climb_rad;
+        if self.climbs.count > 0 && self.climbs.from_rad == from_rad {
+            return;
         }
-        let offset = (scene.original.0 - from.course_rad) * side.sign();
-        scene.costs.0 * (least_rad - offset).max(0.0)
-            + scene.costs.1 * (climb_rad - scene.original.1).abs()
+        self.climbs.count = 0;
+        let count = self.scene.climb_targets().count();
+        if !self.meter.take(count.div_ceil(PREPARED)) {
+            return;
+        }
+        let (mut count, mut original) = (0, 0);
+        let has_costs = self.scene.objective == Objective::PaperCost;
+        for (climb_rad, is_original) in self.scene.climb_targets() {
+            let climbing = self.climbing(entry, climb_rad);
+            let cost = self.scene.costs.1 * (climb_rad - self.scene.original.1).abs();
+            let (all, costs) = (&mut self.climbs.all, &mut self.climbs.costs);
+            if let (Some(slot), Some(slot_cost)) = (all.get_mut(count), costs.get_mut(count)) {
+                *slot = climbing;
+                *slot_cost = if has_costs { cost } else { f64::MIN };
+                if is_original {
+                    original = count;
+                }
+                count += 1;
+            }
+        }
+        self.climbs.count = count;
+        self.climbs.original = original;
+        self.climbs.from_rad = from_rad;
+    }
+
+    /// The next turn that could be cheapest and cost less than `most`, of some sets of fronts, as far as lines tell: of a
+    /// front that is ready.
+    pub(super) fn next_ready(&mut self, sets: &mut [Fronts], most: f64) -> Option<Ready> {
+        loop {
+            let all: usize = sets.iter().map(|fronts| fronts.count).sum();
+            if !self.meter.take(1 + all / COMPARED) {
+                return None;
+            }
+            let (mut set, mut place, mut cost) = (0, 0, most);
+            for (k, fronts) in sets.iter().enumerate() {
+                let (cheapest, its_cost) = fronts.cheapest(usize::MAX);
+                if its_cost < cost {
+                    (set, place, cost) = (k, cheapest, its_cost);
+                }
+            }
+            if cost >= most {
+                return None;
+            }
+            let fronts = sets.get_mut(set)?;
+            self.prepare_climbs(&fronts.entry);
+            if *fronts.is_ready.get(place)? || self.limit_met() {
+                fronts.had_ready = true;
+                let climb_cost = *self.climbs.costs.get(place)?;
+                let (_, next_cost) = fronts.cheapest(place);
+                return Some(Ready {
+                    set,
+                    way: self.way_of(fronts.side, place)?,
+                    least_rad: *fronts.least_rad.get(place)?,
+                    next_rad: fronts.free_rad + (next_cost - climb_cost) / fronts.cost,
+                    place,
+                });
+            }
+            self.advance(fronts, place);
+            let is_open = sets.iter().any(|fronts| fronts.had_ready);
+            let looked_at: usize = sets.iter().map(|fronts| fronts.looked_at).sum();
+            if !is_open && looked_at >= all / PATIENCE && !self.may_be_ready(sets) {
+                return None;
+            }
+        }
+    }
+
+    /// Whether lines leave a turn at the original climb angle or the steepest ones; without one, nothing is left.
+    fn may_be_ready(&mut self, sets: &mut [Fronts]) -> bool {
+        for fronts in &mut *sets {
+            self.prepare_climbs(&fronts.entry);
+            let steepest = self.climbs.count.saturating_sub(1);
+            for place in [self.climbs.original, 0, steepest] {
+                while let Some(least_rad) = fronts.least_rad.get(place)
+                    && *least_rad < f64::INFINITY
+                {
+                    if fronts.is_ready.get(place).is_some_and(|ready| *ready) {
+                        fronts.had_ready = true;
+                        return true;
+                    }
+                    self.advance(fronts, place);
+                }
+            }
+        }
+        for fronts in sets {
+            fronts.count = 0;
+        }
+        false
+    }
+
+    /// Takes the front of a turn out, or leaves it for turns from one on.
+    pub(super) fn leave(&self, sets: &mut [Fronts], ready: &Ready, from_rad: f64) {
+        let climb_cost = self.climbs.costs.get(ready.place);
+        if let (Some(fronts), Some(climb_cost)) = (sets.get_mut(ready.set), climb_cost) {
+            let cost = fronts.cost(from_rad, *climb_cost);
+            fronts.put(ready.place, from_rad, cost);
+        }
+    }
+
+    fn way_of(&self, side: Side, place: usize) -> Option<Way> {
+        let climbing = *self.climbs.all.get(place)?;
+        Some(Way { side, climbing })
     }
 
     /// The least turn to a side at a climb target that may do as far as lines tell, radians.
@@ -165,129 +287,203 @@ impl Search<'_> {
         climb_rad: f64,
     ) -> Option<f64> {
         let entry = Self::entry_at(from, f64::INFINITY);
-        self.turn_rad(&entry, (climb_rad, side), (f64::MIN, MAX_TURN_RAD))
+        let way = self.way(&entry, climb_rad, side);
+        self.turn_rad(&entry, &way, (f64::MIN, MAX_TURN_RAD))
     }
 
     /// The least turn between two that may do as far as lines tell, radians.
     pub(super) fn turn_rad(
         &mut self,
         entry: &Entry,
-        (climb_rad, side): (f64, Side),
+        way: &Way,
         (least_rad, most_rad): (f64, f64),
     ) -> Option<f64> {
-        let mut front = Front {
-            climb_rad,
-            side,
-            least_rad,
-            ..Front::NONE
-        };
-        while !front.is_ready {
-            if front.least_rad > most_rad {
-                return None;
-            }
-            self.advance(entry, &mut front);
+        let mut turn_rad = least_rad;
+        while turn_rad <= most_rad.min(MAX_TURN_RAD) {
+            let Some(ruled_out) = self.look_on(entry, way, turn_rad) else {
+                return Some(turn_rad);
+            };
+            turn_rad = ruled_out.until_rad;
         }
-        Some(front.least_rad)
+        None
     }
 
     /// Looks at the line on which the first turn of a front ends: rules out what that tells, or makes it ready.
-    pub(super) fn advance(&mut self, entry: &Entry, front: &mut Front) {
-        let ruled_out = self
-            .rules_out_rad(entry, front)
-            .or_else(|| self.way_rules_out_rad(entry, front));
-        match ruled_out {
-            Some(until_rad) if until_rad <= MAX_TURN_RAD => {
-                front.least_rad = until_rad;
-                let what = (front.climb_rad, front.side);
-                front.cost = self.least_cost(&entry.from, what, until_rad);
+    fn advance(&mut self, fronts: &mut Fronts, place: usize) {
+        fronts.looked_at += 1;
+        let (Some(way), Some(least_rad), Some(climb_cost)) = (
+            self.way_of(fronts.side, place),
+            fronts.least_rad.get(place),
+            self.climbs.costs.get(place).copied(),
+        ) else {
+            return;
+        };
+        let Some(ruled_out) = self.look_on(&fronts.entry, &way, *least_rad) else {
+            if let Some(is_ready) = fronts.is_ready.get_mut(place) {
+                *is_ready = true;
             }
-            Some(_) => front.close(),
-            None => front.is_ready = true,
+            return;
+        };
+        let until_rad = ruled_out.until_rad;
+        if until_rad <= MAX_TURN_RAD {
+            fronts.put(place, until_rad, fronts.cost(until_rad, climb_cost));
+        } else {
+            fronts.close(place);
+        }
+        let is_told = ruled_out.short_m > 0.0 && ruled_out.left_s > 0.0;
+        if is_told && self.meter.take(fronts.count.div_ceil(FILLED)) {
+            self.rule_out_beside(fronts, place, &ruled_out);
         }
     }
 
-    /// The turn up to which those of a front are ruled out by the way to the line on which its first one ends, radians;
-    /// `None` where that tells too little. What comes too close on the arc does so however far it is followed.
-    fn way_rules_out_rad(&mut self, entry: &Entry, front: &Front) -> Option<f64> {
+    /// Rules out turns at climb targets next to that of a front.
+    ///
+    /// Another climb angle moves the aircraft by V Δθ t at most until the turn parts from that of the front, and by
+    /// V √(Δψ² + Δθ²) t then.
+    fn rule_out_beside(&self, fronts: &mut Fronts, place: usize, ruled_out: &RuledOut) {
+        let short_s = ruled_out.short_m / self.scene.flyer.airspeed_mps();
+        let climbs = &self.climbs;
+        let Some(here) = climbs.all.get(place) else {
+            return;
+        };
+        let mut beside = |place: usize| {
+            let (Some(climb), Some(climb_cost), Some(least_rad), Some(is_ready)) = (
+                climbs.all.get(place),
+                climbs.costs.get(place),
+                fronts.least_rad.get(place),
+                fronts.is_ready.get(place),
+            ) else {
+                return false;
+            };
+            let beyond_rad = (climb.climb_rad - here.climb_rad).abs();
+            let reach_rad = (short_s - beyond_rad * ruled_out.turns_s) / ruled_out.left_s;
+            if reach_rad <= beyond_rad {
+                return false;
+            }
+            let half_rad = libm::sqrt(reach_rad * reach_rad - beyond_rad * beyond_rad);
+            let until_rad = ruled_out.turn_rad + half_rad;
+            let is_next = *least_rad >= ruled_out.turn_rad - half_rad;
+            if is_next && until_rad > *least_rad && !is_ready {
+                fronts.put(place, until_rad, fronts.cost(until_rad, *climb_cost));
+            }
+            true
+        };
+        let mut ups = (0..place).rev();
+        let mut downs = place + 1..climbs.count;
+        while ups.next().is_some_and(&mut beside) {}
+        while downs.next().is_some_and(&mut beside) {}
+    }
+
+    /// What the line on which a turn ends and the way to it rule out; `None` where they tell too little.
+    fn look_on(&mut self, entry: &Entry, way: &Way, least_rad: f64) -> Option<RuledOut> {
         if self.limit_met() {
             return None;
         }
-        let (from, side) = (entry.from, front.side);
-        let what = (front.climb_rad, side);
-        let tangent = self.tangent(entry, what, front.least_rad)?;
-        let bend = *self.bend(side.sign() * from.bank_rad, side)?;
-        let climbing = self.climbing(entry, front.climb_rad);
+        let tangent = self.tangent(entry, way, least_rad)?;
+        let ruled_out = self.rules_out(entry, &tangent);
+        ruled_out.or_else(|| self.way_rules_out(entry, way, &tangent))
+    }
+
+    /// What the way to the line on which a turn ends rules out; `None` where that tells too little. What comes too close on
+    /// the arc does so however far it is followed.
+    fn way_rules_out(&mut self, entry: &Entry, way: &Way, tangent: &Tangent) -> Option<RuledOut> {
+        let (from, side) = (entry.from, way.side);
+        let flyer = self.scene.flyer;
+        let bank_rad = side.sign() * from.bank_rad;
         let target_m = self.scene.target_m;
+        let turn_rad = tangent.turn_rad;
         let clear = Certificate::clear(target_m);
-        let least_rad = bend.least_rad();
-        let turn_rad = front.least_rad.max(least_rad);
+        let line = |(from_s, from_m): (f64, Vec3), (to_s, to_m): (f64, Vec3)| {
+            let duration_s = to_s - from_s;
+            Line {
+                from_m,
+                velocity_mps: (to_m - from_m) / duration_s,
+                at_s: from_s,
+                duration_s,
+            }
+        };
+        let rates_radps = flyer.course_rate_radps() + flyer.climb_rate_radps();
+        let bow_m = |lasts_s: f64, rates_radps: f64| {
+            flyer.airspeed_mps() * rates_radps * lasts_s * lasts_s / 8.0
+        };
+        let mut here = (from.time_s, from.position_m);
+        let end = (tangent.state.time_s, tangent.state.position_m);
+        let whole_s = end.0 - here.0;
+        if whole_s <= 0.0 {
+            return None;
+        }
+        // Mostly one line shows that the whole way is clear.
+        let enough_m = target_m + bow_m(whole_s, rates_radps);
+        let one = self.on_line(&line(here, end), &Certificate::clear(enough_m), enough_m);
+        if one.margin_m >= enough_m {
+            return None;
+        }
+        let least_rad = self.bend(bank_rad, side)?.least_rad();
         let steps = whole((turn_rad - least_rad) / ARC_STEP_RAD, MOST_ARC_STEPS);
         let step_rad = (turn_rad - least_rad) / steps as f64;
-        let mut here = (from.time_s, from.position_m);
+        let mut rolls_m = 0.0;
+        let ruled_out = |until_rad| {
+            Some(RuledOut {
+                turn_rad,
+                until_rad,
+                short_m: 0.0,
+                turns_s: 0.0,
+                left_s: 0.0,
+            })
+        };
         for step in 1..=steps + 1 {
-            let exit = bend.exit(turn_rad.min(least_rad + step_rad * step as f64))?;
             let is_arc = step <= steps;
             let there = if is_arc {
-                let place_m = entry.place_m(&exit, side, &climbing);
-                (from.time_s + exit.begins_s, place_m)
+                let at_rad = turn_rad.min(least_rad + step_rad * step as f64);
+                let exit = self.bend(bank_rad, side)?.exit(at_rad)?;
+                rolls_m = exit.rolls_out_m();
+                (from.time_s + exit.begins_s, entry.place_m(&exit, way))
             } else {
-                (tangent.state.time_s, tangent.state.position_m)
+                end
             };
             let lasts_s = there.0 - here.0;
             if lasts_s <= 0.0 {
                 continue;
             }
-            let flyer = self.scene.flyer;
-            let turns_radps = if is_arc {
-                flyer.course_rate_radps()
+            let (rates_radps, rolls_m) = if is_arc {
+                (rates_radps, 0.0)
             } else {
-                0.0
+                (flyer.climb_rate_radps(), rolls_m)
             };
-            let rates_radps = turns_radps + flyer.climb_rate_radps();
-            let bow_m = flyer.airspeed_mps() * rates_radps * lasts_s * lasts_s / 8.0;
-            let rolls_m = if is_arc { 0.0 } else { exit.rolls_out_m() };
-            let floor_m = target_m - bow_m - rolls_m - tangent.inexact_m;
-            let line = Line {
-                from_m: here.1,
-                velocity_mps: (there.1 - here.1) / lasts_s,
-                at_s: here.0,
-                duration_s: lasts_s,
-            };
-            let found = self.on_line(&line, &clear, floor_m);
+            let floor_m = target_m - bow_m(lasts_s, rates_radps) - rolls_m - tangent.inexact_m;
+            let found = self.on_line(&line(here, there), &clear, floor_m);
             if found.margin_m < floor_m {
                 if is_arc {
-                    return Some(f64::INFINITY);
+                    return ruled_out(f64::INFINITY);
                 }
                 let left_s = found.at_s - tangent.parts_s;
                 let step_rad = self.least_more_rad(floor_m - found.margin_m, left_s);
-                return Some(turn_rad + step_rad.max(LEAST_STEP_RAD));
+                return ruled_out(turn_rad + step_rad.max(LEAST_STEP_RAD));
             }
             here = there;
         }
         None
     }
 
-    /// The turn up to which those of a front are ruled out by the line on which its first one ends, radians; `None`
-    /// where that tells too little.
+    /// What the line on which a turn ends rules out; `None` where that tells too little.
     ///
     /// A turn that goes on has moved the aircraft only so far by the moment of the closest approach
     /// ([`Self::least_more_rad`]).
-    fn rules_out_rad(&mut self, entry: &Entry, front: &Front) -> Option<f64> {
-        if self.limit_met() {
-            return None;
-        }
-        let what = (front.climb_rad, front.side);
-        let bank_rad = front.side.sign() * entry.from.bank_rad;
-        let turn_rad = front
-            .least_rad
-            .max(self.bend(bank_rad, front.side)?.least_rad());
+    fn rules_out(&mut self, entry: &Entry, tangent: &Tangent) -> Option<RuledOut> {
         let target_m = self.scene.target_m;
-        let look = self.look(entry, what, turn_rad, target_m)?;
+        let look = self.look_along(tangent, target_m)?;
         let short_m = target_m - look.margin_m - look.inexact_m;
         if short_m <= 0.0 {
             return None;
         }
+        let turn_rad = tangent.turn_rad;
         let step_rad = self.least_more_rad(short_m, look.left_s);
-        (step_rad > LEAST_STEP_RAD).then_some(turn_rad + step_rad)
+        (step_rad > LEAST_STEP_RAD).then_some(RuledOut {
+            turn_rad,
+            until_rad: turn_rad + step_rad,
+            short_m,
+            turns_s: tangent.parts_s - entry.wait_s(),
+            left_s: look.left_s,
+        })
     }
 }

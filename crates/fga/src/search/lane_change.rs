@@ -125,12 +125,9 @@ impl Search<'_> {
         }
         let entry = Self::entry_at(&from, before.margin_m);
         let other = side.other();
-        let turn_rad = self.turn_rad(
-            &entry,
-            (climb_rad, other),
-            (back_rad, back_rad + BEYOND_RAD),
-        )?;
-        let tangent = self.tangent(&entry, (climb_rad, other), turn_rad)?;
+        let second = self.way(&entry, climb_rad, other);
+        let turn_rad = self.turn_rad(&entry, &second, (back_rad, back_rad + BEYOND_RAD))?;
+        let tangent = self.tangent(&entry, &second, turn_rad)?;
         let mut way = Aside {
             on,
             from,

@@ -24,19 +24,28 @@ pub(super) struct Entry {
 }
 
 impl Entry {
+    /// At the origin along +x.
+    pub(super) const NONE: Self = Self {
+        from: MotionState::ahead(0.0),
+        before_m: 0.0,
+        course: (1.0, 0.0),
+        climb: (1.0, 0.0),
+    };
+
     /// When it is, seconds.
     pub(super) const fn wait_s(&self) -> f64 {
         self.from.time_s
     }
 
     /// Where a turn's roll-out begins, metres.
-    pub(super) fn place_m(&self, exit: &Exit, side: Side, climbing: &Climbing) -> Vec3 {
+    pub(super) fn place_m(&self, exit: &Exit, way: &Way) -> Vec3 {
+        let Way { side, climbing } = *way;
         let Climbing {
             climbs_s,
             level,
             along_m,
             ..
-        } = *climbing;
+        } = climbing;
         let share = if exit.begins_s < climbs_s {
             exit.begins_s / climbs_s
         } else {
@@ -73,6 +82,8 @@ impl Entry {
 /// A change of climb angle, and what it moves the aircraft by beyond flying at its target at once.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Climbing {
+    /// The target, radians.
+    pub climb_rad: f64,
     /// Sine and cosine of the target.
     up: f64,
     level: f64,
@@ -83,9 +94,30 @@ pub(super) struct Climbing {
     up_m: f64,
 }
 
+impl Climbing {
+    /// To the horizontal, from there.
+    pub(super) const NONE: Self = Self {
+        climb_rad: 0.0,
+        up: 0.0,
+        level: 1.0,
+        climbs_s: 0.0,
+        along_m: 0.0,
+        up_m: 0.0,
+    };
+}
+
+/// The side of turns and the climb target taken up during them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Way {
+    pub side: Side,
+    pub climbing: Climbing,
+}
+
 /// The straight line on which a turn ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tangent {
+    /// The turn, radians.
+    pub turn_rad: f64,
     /// The aircraft on it, all of its turn and climb over.
     pub state: MotionState,
     pub velocity_mps: Vec3,
@@ -146,8 +178,9 @@ impl Search<'_> {
         turn_rad: f64,
     ) -> bool {
         let entry = Self::entry_at(from, f64::INFINITY);
+        let way = self.way(&entry, climb_rad, side);
         let target_m = self.scene.target_m;
-        self.look(&entry, (climb_rad, side), turn_rad, target_m)
+        self.look(&entry, &way, turn_rad, target_m)
             .is_none_or(|look| look.margin_m + look.inexact_m >= target_m)
     }
 
@@ -156,11 +189,16 @@ impl Search<'_> {
     pub(super) fn look(
         &mut self,
         entry: &Entry,
-        what: (f64, Side),
+        way: &Way,
         turn_rad: f64,
         enough_m: f64,
     ) -> Option<Look> {
-        let tangent = self.tangent(entry, what, turn_rad)?;
+        let tangent = self.tangent(entry, way, turn_rad)?;
+        self.look_along(&tangent, enough_m)
+    }
+
+    /// The same on a line that is known.
+    pub(super) fn look_along(&mut self, tangent: &Tangent, enough_m: f64) -> Option<Look> {
         if tangent.state.time_s >= self.scene.horizon_s {
             return None;
         }
@@ -197,28 +235,24 @@ impl Search<'_> {
     }
 
     /// The line on which a turn to a side at a climb target ends.
-    pub(super) fn tangent(
-        &mut self,
-        entry: &Entry,
-        (climb_rad, side): (f64, Side),
-        turn_rad: f64,
-    ) -> Option<Tangent> {
+    pub(super) fn tangent(&mut self, entry: &Entry, way: &Way, turn_rad: f64) -> Option<Tangent> {
         if !self.meter.take(LINE) {
             return None;
         }
         let Entry { from, course, .. } = entry;
-        let sign = side.sign();
-        let bend = self.bend(sign * from.bank_rad, side)?;
+        let sign = way.side.sign();
+        let bend = self.bend(sign * from.bank_rad, way.side)?;
         let turn_rad = turn_rad.max(bend.least_rad());
         let exit = bend.exit(turn_rad)?;
         let inexact_m = bend.inexact_m();
         let Climbing {
+            climb_rad,
             up,
             level,
             climbs_s,
             along_m,
             up_m,
-        } = self.climbing(entry, climb_rad);
+        } = way.climbing;
         let speed_mps = self.scene.flyer.airspeed_mps();
         let turned = (exit.turned.0, sign * exit.turned.1);
         let end = (
@@ -237,6 +271,7 @@ impl Search<'_> {
             up * speed_mps * after_s + up_m,
         );
         Some(Tangent {
+            turn_rad,
             state: MotionState {
                 time_s: from.time_s + after_s,
                 position_m: from.position_m + moved_m,
@@ -250,14 +285,24 @@ impl Search<'_> {
         })
     }
 
+    /// The side of turns and a climb target.
+    pub(super) fn way(&self, entry: &Entry, climb_rad: f64, side: Side) -> Way {
+        Way {
+            side,
+            climbing: self.climbing(entry, climb_rad),
+        }
+    }
+
     /// What changing the climb angle moves the aircraft by, by the means of cos θ and sin θ while θ changes.
     pub(super) fn climbing(&self, entry: &Entry, climb_rad: f64) -> Climbing {
         let flyer = self.scene.flyer;
         let (low, high) = self.scene.climb_limits_rad;
+        let target_rad = climb_rad;
         let climb_rad = climb_rad.limited(low, high);
         let change_rad = climb_rad - entry.from.climb_rad;
         let (level_now, up_now) = entry.climb;
         let mut climbing = Climbing {
+            climb_rad: target_rad,
             up: up_now,
             level: level_now,
             climbs_s: 0.0,
@@ -269,6 +314,7 @@ impl Search<'_> {
             let climbs_s = change_rad.abs() / flyer.climb_rate_radps();
             let path_m = flyer.airspeed_mps() * climbs_s;
             climbing = Climbing {
+                climb_rad: target_rad,
                 up,
                 level,
                 climbs_s,
