@@ -187,14 +187,16 @@ pub struct Search<'a> {
     /// Manoeuvres evaluated so far.
     pub evaluated: u32,
     meter: Meter,
+    /// Grids of two-stage manoeuvres that were looked at, also by the searches that this one continues.
+    pub passes: usize,
     /// Whether the reserve of work for the answer is in use.
     answering: bool,
-    /// Beyond this much work it continues only if it is near.
-    patience: u32,
     /// The hazard that decided last: checked first, because it decides most often again.
     culprit: usize,
     /// Whether sweeps look roll-outs up instead of flying them.
     is_rough: bool,
+    /// Turns of a rough sweep are at least this far apart, radians.
+    coarse_rad: f64,
     /// Turns to the left and to the right from the banks that were looked at last.
     bends: [Option<Bend>; 2],
     /// What comes too close on the mission, once that was asked.
@@ -206,29 +208,24 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// A search with about `limit` tests of a line against four obstacles at most, and more than
-    /// `patience` only if it has come near.
-    pub fn new(scene: Scene<'a>, path: &'a mut FlightPath, limit: u32, patience: u32) -> Self {
-        Self::within(scene, path, Meter::new(limit, u32::MAX), patience)
+    /// A search with about `limit` tests of a line against four obstacles at most.
+    pub fn new(scene: Scene<'a>, path: &'a mut FlightPath, limit: u32) -> Self {
+        Self::within(scene, path, Meter::new(limit, u32::MAX))
     }
 
     /// A search that ends at the limit of a meter, and takes no more than that has.
-    pub(crate) fn within(
-        scene: Scene<'a>,
-        path: &'a mut FlightPath,
-        meter: Meter,
-        patience: u32,
-    ) -> Self {
+    pub(crate) fn within(scene: Scene<'a>, path: &'a mut FlightPath, meter: Meter) -> Self {
         meter.reserve(ANSWER_SHARE);
         Self {
             scene,
             path,
             evaluated: 0,
+            passes: 0,
             meter,
             answering: false,
-            patience,
             culprit: 0,
             is_rough: false,
+            coarse_rad: 0.0,
             bends: [None; 2],
             conflicts: Conflicts::UNKNOWN,
             climbs: Climbs::new(),
@@ -244,7 +241,6 @@ impl<'a> Search<'a> {
     /// Leaves all but one part of the work to other searches of the step.
     pub fn share_work(&mut self, parts: u32) {
         self.meter.share(parts);
-        self.patience /= parts;
     }
 
     /// Whether work was refused: then it has no answer.

@@ -44,10 +44,6 @@ const THREAT_PARTS: u32 = 2;
 /// Work of the searches over some grids among few obstacles, whatever one step may do of it.
 const GRID_WORK: u32 = 80_000;
 
-/// With bank lag the same number of manoeuvres takes this many times the work, so searches that find nothing
-/// continue for this many times as many steps.
-const LAG_WORK: u32 = 2;
-
 /// Another uncertified manoeuvre must be better by this, metres.
 const CLEARLY_BETTER_M: f64 = 0.5;
 
@@ -278,12 +274,6 @@ impl Avoider {
         } else {
             later
         };
-        let left = self.meter.left();
-        let patience = if is_ideal {
-            later.min(left)
-        } else {
-            (LAG_WORK * GRID_WORK).saturating_sub(self.searched)
-        };
         let leg = self.progress.leg(now);
         let (low, high) = self.climb_limits_rad();
         let scene = Scene {
@@ -302,8 +292,11 @@ impl Avoider {
             objective: self.settings.objective,
         };
         let meter = self.meter.part(most);
-        let mut search = Search::within(scene, &mut self.path, meter, patience);
+        let mut search = Search::within(scene, &mut self.path, meter);
         let mut answer = look(&mut search);
+        if search.passes > 0 {
+            self.passes = search.passes;
+        }
         if search.is_spent() {
             // It may rest on pieces that were refused.
             answer = T::default();
@@ -332,7 +325,7 @@ impl Avoider {
         let period_s = self.settings.decision_period_s;
         let entry_s = threat.entry_s;
         let cut = self.cut;
-        self.searched = 0;
+        (self.searched, self.passes) = (0, 0);
         let (mut candidates, mut limit_met) = (0, false);
         let mut choice = Choice::NONE;
         for target_m in self.targets_m() {
@@ -494,7 +487,7 @@ impl Avoider {
             || (self.tracks.uncertain && self.cycle.is_multiple_of(LOOK_AT_NOISE));
         let open_since_s = if is_news { time_s } else { plan.open_since_s };
         if is_news {
-            self.searched = 0;
+            (self.searched, self.passes) = (0, 0);
         }
         let is_searched = self.has_searched(time_s - open_since_s);
         let look_again = self.cycle.is_multiple_of(SEARCH_AGAIN);
@@ -551,7 +544,12 @@ impl Avoider {
     /// Searches at the wanted margin, else step by step down to the margin of the settings.
     fn replacement(&mut self, (flown, kept_m): (&Maneuver, f64), now: &MotionState) -> Replacement {
         let hold = Maneuver::hold();
-        let variety = self.cycle;
+        // Obstacles that move as expected only leave fewer manoeuvres: the search goes on where the last one ended.
+        let (variety, passes) = if self.tracks.uncertain {
+            (self.cycle, 0)
+        } else {
+            (0, self.passes)
+        };
         let (mut found, mut candidates, mut limit_met) = (None, 0, false);
         for target_m in self.targets_m() {
             self.target_m = target_m;
@@ -562,6 +560,7 @@ impl Avoider {
                 }
                 let single = search.cheapest(0.0);
                 let single = single.map(|found| (found, Proof::Certified));
+                search.passes = passes;
                 let (found, proof) = if is_last {
                     single.or_else(|| search.best(Some(flown), Effort::Full, variety))?
                 } else {

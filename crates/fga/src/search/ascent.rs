@@ -4,6 +4,8 @@
 //! position at the moment of the closest approach. The step in a box that lifts the least of the
 //! margins most is a small linear program; the box shrinks where the truth falls short of it.
 
+mod linear;
+
 use crate::certificate::{Hazard, Line};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
@@ -11,6 +13,8 @@ use crate::meter::Meter;
 use crate::prediction::{Flyer, MotionState, flown_past};
 
 use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
+
+use linear::{Lifted, farthest_up, lifts_both};
 
 /// Parameters of a manoeuvre: wait s, turn rad, climb rad, after s, turn rad, climb rad.
 const PARAMETERS: usize = 6;
@@ -33,11 +37,23 @@ const ROUNDS: u32 = 60;
 /// Their work for each obstacle.
 const ROUNDS_WORK: usize = 40;
 
+/// Two obstacles decide a step if no other one is lower by more than this after it, metres.
+const DECIDED_M: f64 = 1e-6;
+
+/// The work of the closed form, beyond one unit for each obstacle.
+const CLOSED_WORK: usize = 4;
+
 /// The largest box of a step, in units of the natural steps.
 const LARGEST_BOX: f64 = 2.0;
 
 /// A climb with a smaller gain than this is over, metres.
 const LEAST_GAIN_M: f64 = 2e-3;
+
+/// So is one with a smaller gain than this share of what is missing.
+const LEAST_SHARE: f64 = 0.005;
+
+/// Climbs that are this close have met, in units of the natural steps.
+const SAME: f64 = 0.2;
 
 type Vector = [f64; PARAMETERS];
 
@@ -139,6 +155,15 @@ impl Ascent {
         self.done
     }
 
+    /// Whether another climb has come to the same manoeuvre.
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        let places = self.at.iter().zip(&other.at).zip(&self.scales);
+        self.used == other.used
+            && places
+                .take(self.used)
+                .all(|((a, b), scale)| (a - b).abs() < SAME * scale)
+    }
+
     /// Climbs some steps, until it is above the target, no longer rises, or meets the limit of
     /// work.
     pub(super) fn climb(&mut self, search: &mut Search<'_>, steps: u32) {
@@ -185,7 +210,8 @@ impl Ascent {
         loop {
             let (step, lifted_m) = self.best_step(&slopes, &bounds, &search.meter);
             let promised_m = lifted_m - here_m;
-            if promised_m < LEAST_GAIN_M || search.limit_met() {
+            let least_m = LEAST_GAIN_M.max(LEAST_SHARE * (search.scene.target_m - here_m));
+            if promised_m < least_m || search.limit_met() {
                 self.done = true;
                 return;
             }
@@ -323,7 +349,8 @@ impl Ascent {
     }
 
     /// The step within the box and the bounds that lifts the least margin most, to first order, and
-    /// its value: the linear program max t, mᵢ + sᵢ·d ≥ t, by subgradients.
+    /// its value: the linear program max t, mᵢ + sᵢ·d ≥ t. One or two obstacles mostly decide it, which is in closed
+    /// form; otherwise by subgradients.
     fn best_step(
         &self,
         slopes: &[Vector; CLOSEST],
@@ -340,30 +367,72 @@ impl Ascent {
             let up = ((high - x) / scale).min(self.size).max(0.0);
             *room = (down, up);
         }
+        if !meter.take(CLOSED_WORK + self.approaches.len) {
+            return ([0.0; PARAMETERS], self.least_m());
+        }
+        self.decided_by_two(slopes, &room)
+            .unwrap_or_else(|| self.by_subgradients(slopes, &room, meter))
+    }
+
+    /// The obstacle with the least margin after a step, to first order.
+    fn least_after(&self, slopes: &[Vector; CLOSEST], step: &Vector) -> Option<Lifted> {
+        let mut least: Option<Lifted> = None;
+        for (known, slope) in self.approaches.iter().zip(slopes) {
+            let lifted_m = known.margin_m + dot(slope, step);
+            if least.is_none_or(|least| lifted_m < least.after_m) {
+                least = Some(Lifted {
+                    after_m: lifted_m,
+                    margin_m: known.margin_m,
+                    slope: *slope,
+                });
+            }
+        }
+        least
+    }
+
+    /// The best step if one or two obstacles decide it.
+    fn decided_by_two(
+        &self,
+        slopes: &[Vector; CLOSEST],
+        room: &[(f64, f64); PARAMETERS],
+    ) -> Option<(Vector, f64)> {
+        let one = self.least_after(slopes, &[0.0; PARAMETERS])?;
+        let step = farthest_up(&one.slope, room);
+        let other = self.least_after(slopes, &step)?;
+        if other.slope == one.slope {
+            return Some((step, other.after_m));
+        }
+        let step = lifts_both(&one, &other, room);
+        let promised_m = one.after(&step).min(other.after(&step));
+        let least_m = self.least_after(slopes, &step)?.after_m;
+        (least_m >= promised_m - DECIDED_M).then_some((step, least_m))
+    }
+
+    fn by_subgradients(
+        &self,
+        slopes: &[Vector; CLOSEST],
+        room: &[(f64, f64); PARAMETERS],
+        meter: &Meter,
+    ) -> (Vector, f64) {
         let mut step = [0.0; PARAMETERS];
         let mut best = (step, self.least_m());
-        if !meter.take(1 + self.approaches.len * ROUNDS_WORK) {
+        if !meter.take(self.approaches.len * ROUNDS_WORK) {
             return best;
         }
         for round in 1..=ROUNDS {
-            let mut least: Option<(f64, &Vector)> = None;
-            for (known, slope) in self.approaches.iter().zip(slopes) {
-                let lifted = known.margin_m + dot(slope, &step);
-                if least.is_none_or(|(known, _)| lifted < known) {
-                    least = Some((lifted, slope));
-                }
+            let Some(least) = self.least_after(slopes, &step) else {
+                break;
+            };
+            if least.after_m > best.1 {
+                best = (step, least.after_m);
             }
-            let Some((lifted, slope)) = least else { break };
-            if lifted > best.1 {
-                best = (step, lifted);
-            }
-            let norm = libm::sqrt(dot(slope, slope));
+            let norm = libm::sqrt(dot(&least.slope, &least.slope));
             if norm <= 0.0 {
                 break;
             }
             let pace = 1.5 * self.size / (norm * libm::sqrt(f64::from(round)));
-            for ((x, slope), (down, up)) in step.iter_mut().zip(slope).zip(room) {
-                *x = (*x + pace * slope).limited(down, up);
+            for ((x, slope), (down, up)) in step.iter_mut().zip(least.slope).zip(room) {
+                *x = (*x + pace * slope).limited(*down, *up);
             }
         }
         best

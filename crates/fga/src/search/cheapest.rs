@@ -436,7 +436,7 @@ mod tests {
                 objective: Objective::PaperCost,
             };
             let mut path = FlightPath::new();
-            let mut search = Search::new(scene, &mut path, u32::MAX, u32::MAX);
+            let mut search = Search::new(scene, &mut path, u32::MAX);
             let found = search.cheapest(0.0);
             let mut least = f64::INFINITY;
             for (climb_rad, _) in scene.climb_targets() {

@@ -258,7 +258,7 @@ mod tests {
             objective: Objective::PaperCost,
         };
         let mut path = FlightPath::new();
-        let search = Search::new(scene, &mut path, u32::MAX, u32::MAX);
+        let search = Search::new(scene, &mut path, u32::MAX);
         let is_enclosed = search.is_enclosed();
         let mut maneuver = Maneuver::hold();
         for (start_s, course_rad, climb_rad) in stages {

@@ -93,6 +93,7 @@ impl Search<'_> {
         let mut best = None;
         let mut best_m = f64::MIN;
         let mut failing_rad = sweep.from_rad;
+        let coarse_rad = if self.is_rough { self.coarse_rad } else { 0.0 };
         if !self.meter.take(SETUP) {
             return None;
         }
@@ -125,6 +126,7 @@ impl Search<'_> {
                         (best_m, floor_m) = (margin_m, margin_m);
                     }
                 }
+                failing_rad = failing_rad.max(sign * turn_rad + coarse_rad);
             }
             // An obstacle too close to the arc stays so however far the turn goes.
             let arc_fails = worst.margin_m < floor_m || worst.margin_m <= best_m;

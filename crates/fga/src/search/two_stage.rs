@@ -4,15 +4,19 @@
 //! seed then climbs by small linear programs: the margin of every obstacle is linear in the
 //! parameters nearby, and the step in a box lifts the least of them most.
 
+mod seeds;
+
 use crate::angle::Side;
 use crate::certificate::{Asked, Certificate, Hazard, Hazards, Status, certify_set};
 use crate::maneuver::Maneuver;
 use crate::meter::COMPARED;
-use crate::prediction::{MotionState, Target, whole};
+use crate::prediction::{Flyer, MotionState, Target, flown, whole};
 
 use super::ascent::Ascent;
 use super::sweep::{Leave, Sweep};
 use super::{ENOUGH_M, Found, MAX_TURN_RAD, Proof, Scene, Search, SecondTurn, Turns};
+
+use seeds::Seeds;
 
 /// Straight flight between the two turns of a search, in turn radii.
 const GAPS: [f64; 6] = [0.0, 0.35, 0.75, 1.25, 2.0, 3.25];
@@ -39,27 +43,11 @@ pub(crate) const GRIDS: usize = COARSE * GAP_SHIFTS;
 const GRIDS_A_SEARCH: usize = 3;
 
 /// The grids in turn, each as coarse as climbing can make up for. One climb target for both turns
-/// is the most frequent success; two targets take longer and come in between.
-const PASSES: [(usize, Climbs); 2 * GRIDS] = {
+/// is the most frequent success. Of the searches that succeed four in five do so in the first grid and
+/// nearly all others in the second: after four nothing is left to find.
+const PASSES: [(usize, Climbs); 4] = {
     use Climbs::{Different, Same};
-    [
-        (0, Same),
-        (1, Same),
-        (2, Same),
-        (0, Different),
-        (3, Same),
-        (4, Same),
-        (1, Different),
-        (5, Same),
-        (6, Same),
-        (2, Different),
-        (7, Same),
-        (3, Different),
-        (4, Different),
-        (5, Different),
-        (6, Different),
-        (7, Different),
-    ]
+    [(0, Same), (1, Same), (0, Different), (2, Same)]
 };
 
 /// When a climb or descent straight ahead levels off, in turn radii.
@@ -83,6 +71,9 @@ const KINDS_OF_ONE: usize = 2 * CLIMBS;
 /// Those of one stage, of two in each range of first turns, and the manoeuvre under way.
 const KINDS: usize = KINDS_OF_ONE + KINDS_OF_ONE * KINDS_OF_ONE * BINS + 1;
 
+/// Seeds are turns this far apart, radians: climbing makes up for it.
+const COARSE_RAD: f64 = 0.15;
+
 /// Seeds this far below the best one are not worth a climb, turn radii.
 const WORTH: f64 = 0.27;
 
@@ -90,15 +81,18 @@ const WORTH: f64 = 0.27;
 /// radii.
 const ALONE: f64 = 0.0033;
 
-/// If a whole search ends this far short, another one over other grids finds nothing either: successful
-/// ones began at most a quarter of it away, turn radii.
-const FAR: f64 = 0.1;
+/// If the first grid ends this far short, or one after it, others find nothing either: those with which others did were
+/// within 0.14 and 0.04 turn radii.
+const FAR: (f64, f64) = (0.18, 0.07);
 
 /// Seeds that climb a little; the best of them continue.
 const CLIMBERS: usize = 16;
 
 /// Number of seeds that continue in each round, and of steps.
-const ROUNDS: [(usize, u32); 4] = [(CLIMBERS, 2), (CLIMBERS / 2, 4), (CLIMBERS / 4, 8), (2, 16)];
+const ROUNDS: [(usize, u32); 4] = [(CLIMBERS, 2), (CLIMBERS / 2, 4), (3, 8), (1, 16)];
+
+/// Single turns that climb.
+const SINGLES: usize = 5;
 
 /// The same for single turns.
 const SINGLE_ROUNDS: [(usize, u32); 3] = [(CLIMBERS, 2), (3, 4), (1, 16)];
@@ -125,58 +119,20 @@ enum Climbs {
 /// Ends of first turns with their climb targets, a row for each side and climb target.
 type Departures = [[Option<Leave>; PLACES]; KINDS_OF_ONE];
 
-/// The best manoeuvre of each kind.
-struct Seeds {
-    found: [Option<Found>; KINDS],
-    best_m: f64,
-    worth_m: f64,
-}
-
-impl Seeds {
-    const fn new(worth_m: f64) -> Self {
-        Self {
-            found: [None; KINDS],
-            best_m: f64::MIN,
-            worth_m,
-        }
-    }
-
-    fn floor_m(&self) -> f64 {
-        self.best_m - self.worth_m
-    }
-
-    fn floor_of_m(&self, kind: usize) -> f64 {
-        let held = self.found.get(kind).copied().flatten();
-        held.map_or(f64::MIN, |held| held.margin_m)
-            .max(self.floor_m())
-    }
-
-    fn take(&mut self, kind: usize, found: Found) {
-        self.best_m = self.best_m.max(found.margin_m);
-        if let Some(slot) = self.found.get_mut(kind)
-            && slot.is_none_or(|held| found.margin_m > held.margin_m)
-        {
-            *slot = Some(found);
-        }
-    }
-
-    /// Removes the best remaining one.
-    fn pop(&mut self) -> Option<Found> {
-        let best = self
-            .found
-            .iter_mut()
-            .filter(|slot| slot.is_some())
-            .max_by(|a, b| margin(a.as_ref()).total_cmp(&margin(b.as_ref())))?;
-        best.take()
-    }
-}
-
-fn margin(slot: Option<&Found>) -> f64 {
-    slot.map_or(f64::MIN, |found| found.margin_m)
-}
-
 fn height(climber: Option<&Ascent>) -> f64 {
     climber.map_or(f64::MIN, Ascent::least_m)
+}
+
+/// Removes climbers that have come to where a higher one is.
+fn leave_one_of_each(climbers: &mut [Option<Ascent>; CLIMBERS]) {
+    for place in 1..CLIMBERS {
+        let (higher, rest) = climbers.split_at_mut(place);
+        let Some(slot) = rest.first_mut() else { return };
+        let meets = |lower: &Ascent| higher.iter().flatten().any(|one| one.meets(lower));
+        if slot.as_ref().is_some_and(meets) {
+            *slot = None;
+        }
+    }
 }
 
 fn keep_larger(best: &mut Option<Found>, found: Found) {
@@ -203,6 +159,7 @@ impl Search<'_> {
         }
         let mut seeds = Seeds::new(WORTH * self.scene.turn_radius_m());
         let start = self.scene.start;
+        self.coarse_rad = COARSE_RAD;
         let has_layers = self.scene.hazards.rows().iter().any(Hazard::is_cylinder);
         if effort == Effort::Full && has_layers {
             // Few, and the only ones between layers: before the many, which may take all the work.
@@ -216,7 +173,7 @@ impl Search<'_> {
             seeds.take(KINDS - 1, found);
         }
         self.collect_single(&start, &mut seeds);
-        self.climb(&mut seeds, KINDS_OF_ONE + 2, &SINGLE_ROUNDS, &mut best);
+        self.climb(&mut seeds, SINGLES, &SINGLE_ROUNDS, &mut best);
         let found = best?;
         if found.margin_m >= target_m {
             return Some((found, Proof::Certified));
@@ -234,27 +191,65 @@ impl Search<'_> {
         if is_certain && (self.is_enclosed() || self.is_hopeless(&found)) {
             return Some((found, Proof::Hopeless));
         }
-        let far_m = target_m - FAR * self.scene.turn_radius_m();
-        let departures = self.departures(&start, seeds.floor_m());
-        for (shift, climbs) in PASSES {
+        if !self.meter.take_table::<Flyer>() {
+            return best.map(|found| (found, Proof::Open));
+        }
+        let without_lag = self.scene.flyer.without_lag(&start);
+        let departures = self.without_lag(without_lag.as_ref(), |search| {
+            search.departures(seeds.floor_m())
+        });
+        while let Some((shift, climbs)) = PASSES.get(self.passes).copied() {
+            self.passes += 1;
             if climbs == Climbs::Different && self.scene.is_planar() {
                 continue;
             }
             let grid = (GRIDS_A_SEARCH * variety as usize + shift) % GRIDS;
-            self.collect_double(&start, &departures, (grid, climbs), &mut seeds);
+            self.without_lag(without_lag.as_ref(), |search| {
+                search.collect_double(start.course_rad, &departures, (grid, climbs), &mut seeds);
+            });
             self.climb(&mut seeds, CLIMBERS, &ROUNDS, &mut best);
             let found = best?;
             if found.margin_m >= target_m {
                 return Some((found, Proof::Certified));
             }
-            if self.work() >= self.patience && is_certain && found.margin_m < far_m {
+            let far = if self.passes == 1 { FAR.0 } else { FAR.1 };
+            if is_certain && found.margin_m < target_m - far * self.scene.turn_radius_m() {
                 return Some((found, Proof::Hopeless));
             }
             if self.limit_met() || self.answering {
-                break;
+                return Some((found, Proof::Open));
             }
         }
-        best.map(|found| (found, Proof::Open))
+        let proof = if is_certain {
+            Proof::Hopeless
+        } else {
+            Proof::Open
+        };
+        best.map(|found| (found, proof))
+    }
+
+    /// Looks for seeds as an aircraft without bank lag would: with lag that takes several times the work, and climbing
+    /// makes up for metres.
+    fn without_lag<T>(
+        &mut self,
+        without_lag: Option<&(Flyer, MotionState)>,
+        look: impl FnOnce(&mut Search<'_>) -> T,
+    ) -> T {
+        let Some((flyer, start)) = without_lag else {
+            return look(self);
+        };
+        let scene = Scene {
+            flyer,
+            start: *start,
+            ..self.scene
+        };
+        let mut search = Search::within(scene, self.path, self.meter.part(u32::MAX));
+        search.coarse_rad = self.coarse_rad;
+        let answer = look(&mut search);
+        let (evaluated, work) = (search.evaluated, search.work());
+        self.evaluated += evaluated;
+        self.meter.count(work as usize);
+        answer
     }
 
     /// Whether a lone obstacle defeats any second turn.
@@ -300,7 +295,8 @@ impl Search<'_> {
             ..scene
         };
         let meter = self.meter.part(u32::MAX);
-        let mut search = Search::within(scene_alone, self.path, meter, u32::MAX);
+        let mut search = Search::within(scene_alone, self.path, meter);
+        search.coarse_rad = COARSE_RAD;
         let mut seeds = Seeds::new(WORTH * scene.turn_radius_m());
         let mut farthest = None;
         search.collect_single(&scene.start, &mut seeds);
@@ -379,6 +375,9 @@ impl Search<'_> {
                 return;
             }
             climbers.sort_unstable_by(|a, b| height(b.as_ref()).total_cmp(&height(a.as_ref())));
+            if self.meter.take(CLIMBERS * CLIMBERS / COMPARED) {
+                leave_one_of_each(&mut climbers);
+            }
         }
         if self.limit_met() {
             if best.is_some() {
@@ -404,7 +403,7 @@ impl Search<'_> {
                 climb_rad,
                 from_rad: f64::MIN,
                 max_turn_rad: MAX_TURN_RAD,
-                floor_m: f64::MIN,
+                floor_m: seeds.floor_m(),
                 enough_m: ENOUGH_M,
             });
             if let Some(leave) = best {
@@ -463,8 +462,21 @@ impl Search<'_> {
         }
     }
 
+    /// The aircraft at the start of the first turn, with the change of climb until then: only bank lag delays turns.
+    fn at_first_turn(&self, climb_rad: f64) -> MotionState {
+        let Scene { flyer, start, .. } = self.scene;
+        let flown_m = flyer.velocity_mps(&start) * start.time_s;
+        let began = MotionState {
+            time_s: 0.0,
+            position_m: start.position_m - flown_m,
+            ..start
+        };
+        let climb = Maneuver::turn(0.0, start.course_rad, climb_rad);
+        flown(flyer, &began, &climb, start.time_s, &self.meter)
+    }
+
     /// First turns and their ends, by side and climb target.
-    fn departures(&mut self, start: &MotionState, floor_m: f64) -> Departures {
+    fn departures(&mut self, floor_m: f64) -> Departures {
         let mut departures = [[None; PLACES]; KINDS_OF_ONE];
         if !self.meter.take_table::<Departures>() {
             return departures;
@@ -473,7 +485,7 @@ impl Search<'_> {
             let mut places = row.iter_mut();
             let mut step = 0;
             let sweep = Sweep {
-                from: *start,
+                from: self.at_first_turn(climb_rad),
                 first: None,
                 before_m: ENOUGH_M,
                 side,
@@ -497,7 +509,7 @@ impl Search<'_> {
 
     fn collect_double(
         &mut self,
-        start: &MotionState,
+        course_rad: f64,
         departures: &Departures,
         (grid, climbs): (usize, Climbs),
         seeds: &mut Seeds,
@@ -508,7 +520,7 @@ impl Search<'_> {
                 let Some(leave) = row.get(place).copied().flatten() else {
                     continue;
                 };
-                self.second_turns(start, &(kind, leave), gap_shift, climbs, seeds);
+                self.second_turns(course_rad, &(kind, leave), gap_shift, climbs, seeds);
                 if self.sweeps_done() {
                     return;
                 }
@@ -520,10 +532,10 @@ impl Search<'_> {
         }
     }
 
-    /// All second turns after the first one, over the gaps between them.
+    /// All second turns after the first one from a course, over the gaps between them.
     fn second_turns(
         &mut self,
-        start: &MotionState,
+        course_rad: f64,
         (first_kind, leave): &(usize, Leave),
         gap_shift: usize,
         climbs: Climbs,
@@ -537,19 +549,20 @@ impl Search<'_> {
             &GAPS
         };
         let bin = BINS.min(whole(leave.turn_rad.abs() / BIN_RAD, BINS)) - 1;
-        let first = Turns {
-            wait_s: start.time_s,
-            turn_rad: leave.turn_rad,
-            climb_rad: first_climb,
-            second: None,
-        };
-        let mut before = Certificate::clear(leave.before_m);
-        let mut from = leave.state;
+        let start = scene.start;
         let on = Target {
             course_rad: start.course_rad + leave.turn_rad,
             climb_rad: first_climb,
             rate_share: 1.0,
         };
+        let first = Turns {
+            wait_s: 0.0,
+            turn_rad: on.course_rad - course_rad,
+            climb_rad: first_climb,
+            second: None,
+        };
+        let mut before = Certificate::clear(leave.before_m);
+        let mut from = leave.state;
         for gap in gaps.iter().skip(gap_shift).step_by(GAP_SHIFTS) {
             let floor_m = seeds.floor_m();
             let at_s = leave.state.time_s + gap / scene.flyer.course_rate_radps();

@@ -367,3 +367,34 @@ fn an_aircraft_that_is_faster_than_planned_does_not_fly_past_the_mission_on_its_
     }
     assert!(past_m < 5.0, "{past_m} m beyond the mission");
 }
+
+/// Work of the searches of a flight between two obstacles that each let it pass and together do not, and the number of
+/// searches.
+fn spent_on_the_hopeless(aside_m: f64, lag_s: f64) -> (u32, usize) {
+    let mut vehicle = vehicle();
+    vehicle.response.bank_time_constant_s = lag_s;
+    let mut flight = avoider(settings(Start::Free), vehicle);
+    let closing_mps = Vec3::new(-40.0, 0.0, 0.0);
+    let mut obstacles = [
+        sphere(1, Vec3::new(125.0, aside_m, 0.0), closing_mps, 30.0),
+        sphere(2, Vec3::new(125.0, -aside_m, 0.0), closing_mps, 30.0),
+    ];
+    let works: Vec<u32> = (0..22)
+        .map(|_| flight.cycle(&mut obstacles).record.work)
+        .filter(|work| work.candidates > 0)
+        .map(|work| work.work)
+        .collect();
+    (works.iter().sum(), works.len())
+}
+
+#[test]
+fn what_cannot_succeed_is_searched_for_once() {
+    for lag_s in [0.0, 0.6] {
+        for aside_m in [20.0, 24.0, 27.0] {
+            let (work, searches) = spent_on_the_hopeless(aside_m, lag_s);
+            // Searches in each cycle take up to 1.2 million units and are 16.
+            assert!(searches <= 2, "{lag_s} s, {aside_m} m: {searches} searches");
+            assert!(work <= 100_000, "{lag_s} s, {aside_m} m: {work} of work");
+        }
+    }
+}

@@ -3,6 +3,7 @@
 use core::f64::consts::FRAC_PI_2;
 
 use crate::Vec3;
+use crate::angle::direction;
 use crate::limit::Limit as _;
 use crate::prediction::motion::{Flyer, MotionState, Piece, REACHED_RAD, Target};
 use crate::prediction::roll::{Roll, roll_out, tan_share};
@@ -202,6 +203,29 @@ impl Flyer {
             low.0 + share * (high.0 - low.0) - straight_m * cos,
             libm::copysign(1.0, bank_rad) * left - straight_m * sin,
         ))
+    }
+
+    /// The same motion without bank lag, and a state from which it leads to about the same places, to metres: a turn with
+    /// lag is one that begins later. `None` without lag.
+    pub(crate) fn without_lag(&self, state: &MotionState) -> Option<(Self, MotionState)> {
+        let (forward, left) = self.roll_out_m(state.bank_rad)?;
+        let later_s = self.full_roll_out_rad / self.course_rate_radps;
+        let (sin, cos) = libm::sincos(state.course_rad);
+        let course_rad = state.course_rad + self.rollout_rad(state.bank_rad);
+        let moved_m = Vec3::new(forward * cos - left * sin, forward * sin + left * cos, 0.0);
+        let straight_m = direction(course_rad, state.climb_rad) * (self.airspeed_mps * later_s);
+        let begins = MotionState {
+            time_s: state.time_s + later_s,
+            position_m: state.position_m + moved_m + straight_m,
+            course_rad,
+            climb_rad: state.climb_rad,
+            bank_rad: 0.0,
+        };
+        let ideal = Self {
+            bank_time_constant_s: 0.0,
+            ..*self
+        };
+        Some((ideal, begins))
     }
 
     /// The tabulated roll-outs from a smaller and a larger bank than one, and how far it is from the smaller to the larger.
