@@ -566,7 +566,8 @@ impl Avoider {
                 } else {
                     single?
                 };
-                Some(((found, search.maneuver(&found.turns, now)), proof))
+                // A wait lets the bank roll out, which turns the aircraft.
+                Some(((found, as_maneuver(search, &found)), proof))
             });
             (found, candidates, limit_met) = (answer, candidates + more, limit_met | met);
             if is_last || found.is_some() {
