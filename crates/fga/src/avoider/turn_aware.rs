@@ -31,17 +31,15 @@ use crate::search::{Effort, Found, GRIDS, Proof, Scene, Search};
 use crate::situation::Situation;
 use choice::{Choice, as_maneuver, choose};
 
-/// Work divisor of later searches. The first search of an encounter, once it is close to a solution, may use
-/// all: the first turn decides which solutions later searches can still reach.
-const LATER_SHARE: u32 = 2;
-
 /// Part of a step's work for a search with more than the margin of the settings, one in this many.
 const TARGETS: u32 = 4;
 
 /// Parts of a step's work: one is kept for the search while the threat is looked for.
 const THREAT_PARTS: u32 = 2;
 
-/// Work of the searches over some grids among few obstacles, whatever one step may do of it.
+/// Work of a search over some grids among few obstacles, whatever one step may do of it, and the most of later searches. The
+/// first search of an encounter, once it is close to a solution, may use all: the first turn decides which solutions later
+/// searches can still reach.
 const GRID_WORK: u32 = 80_000;
 
 /// Another uncertified manoeuvre must be better by this, metres.
@@ -267,7 +265,7 @@ impl Avoider {
     {
         self.keep_rolls(now);
         let limit = self.settings.work_limit;
-        let later = limit / LATER_SHARE;
+        let later = GRID_WORK.min(limit);
         let is_ideal = self.flyer.is_ideal();
         let most = if self.plan.is_none() || !is_ideal {
             limit
