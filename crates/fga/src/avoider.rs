@@ -60,8 +60,6 @@ struct Plan {
     joined_s: f64,
     /// Its certificate.
     proof: Proof,
-    /// Start of the time without a certified manoeuvre, seconds on the situation's clock.
-    open_since_s: f64,
     /// The obstacles at its last search.
     picture: tracks::Picture,
     margin_m: f64,
@@ -138,8 +136,6 @@ pub struct Avoider {
     cut: u32,
     /// Work of the searches since the last news.
     searched: u32,
-    /// Grids of two-stage manoeuvres that these looked at, among obstacles that move as expected.
-    passes: usize,
     /// The course at which the next look for a smaller departure begins.
     improved_to: u32,
     /// Predicted velocity of the aircraft over the ground, metres per second.
@@ -185,7 +181,6 @@ impl Avoider {
             meter: Meter::unlimited(),
             cut: 0,
             searched: 0,
-            passes: 0,
             improved_to: 0,
             drift: drift::Drift::default(),
             drift_m: 0.0,

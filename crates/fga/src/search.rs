@@ -19,7 +19,6 @@ mod two_stage;
 
 pub use departure::Departure;
 pub use two_stage::Effort;
-pub(crate) use two_stage::GRIDS;
 
 use departure::Conflicts;
 use front::Climbs;
@@ -187,8 +186,6 @@ pub struct Search<'a> {
     /// Manoeuvres evaluated so far.
     pub evaluated: u32,
     meter: Meter,
-    /// Grids of two-stage manoeuvres that were looked at, also by the searches that this one continues.
-    pub passes: usize,
     /// Whether the reserve of work for the answer is in use.
     answering: bool,
     /// The hazard that decided last: checked first, because it decides most often again.
@@ -220,7 +217,6 @@ impl<'a> Search<'a> {
             scene,
             path,
             evaluated: 0,
-            passes: 0,
             meter,
             answering: false,
             culprit: 0,

@@ -26,7 +26,7 @@ use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::meter::BEND;
 use crate::prediction::MotionState;
-use crate::search::{Effort, Found, GRIDS, Proof, Scene, Search};
+use crate::search::{Effort, Found, Proof, Scene, Search};
 
 use crate::situation::Situation;
 use choice::{Choice, as_maneuver, choose};
@@ -48,9 +48,9 @@ const CLEARLY_BETTER_M: f64 = 0.5;
 /// Cycles between two searches while nothing is certified.
 const SEARCH_AGAIN: u32 = 10;
 
-/// For this long without a certificate each step searches all manoeuvres, each time over other
-/// grids, seconds; later only every [`SEARCH_AGAIN`]th step does. With bank lag it is for the work of all grids.
-const SEARCH_ALL_S: f64 = 10.0;
+/// Without a certificate each step searches all manoeuvres, each time over other grids, until the searches since the last news
+/// have done this much work, without bank lag and with it; later only every [`SEARCH_AGAIN`]th step does.
+const SEARCHED: (u32, u32) = (30_000, 200_000);
 
 /// Cycles between two searches over all manoeuvres without a certificate among uncertain obstacles,
 /// which move from cycle to cycle.
@@ -292,9 +292,6 @@ impl Avoider {
         let meter = self.meter.part(most);
         let mut search = Search::within(scene, &mut self.path, meter);
         let mut answer = look(&mut search);
-        if search.passes > 0 {
-            self.passes = search.passes;
-        }
         if search.is_spent() {
             // It may rest on pieces that were refused.
             answer = T::default();
@@ -323,7 +320,7 @@ impl Avoider {
         let period_s = self.settings.decision_period_s;
         let entry_s = threat.entry_s;
         let cut = self.cut;
-        (self.searched, self.passes) = (0, 0);
+        self.searched = 0;
         let (mut candidates, mut limit_met) = (0, false);
         let mut choice = Choice::NONE;
         for target_m in self.targets_m() {
@@ -367,7 +364,6 @@ impl Avoider {
                     start_s: situation.time_s + found.turns.wait_s,
                     joined_s: f64::INFINITY,
                     proof,
-                    open_since_s: situation.time_s,
                     picture: self.tracks.picture(),
                     margin_m: found.margin_m,
                     target_m: self.target_m,
@@ -435,14 +431,10 @@ impl Avoider {
         certify_set(&self.flyer, &self.path, hazards, &asked, &self.meter).proven_m()
     }
 
-    /// Whether the searches since the last news, some seconds ago, have looked at all grids. With bank lag one takes most
-    /// of a step's work.
-    fn has_searched(&self, news_s: f64) -> bool {
-        if self.flyer.is_ideal() {
-            return news_s >= SEARCH_ALL_S;
-        }
-        let of_all = GRID_WORK as usize;
-        of_all.saturating_mul(GRIDS) <= self.searched as usize
+    /// Whether the searches since the last news have done what they may in a row.
+    fn has_searched(&self) -> bool {
+        let (ideal, lagged) = SEARCHED;
+        self.searched >= if self.flyer.is_ideal() { ideal } else { lagged }
     }
 
     /// Flying the manoeuvre: keeps it, replaces it, or returns.
@@ -483,11 +475,10 @@ impl Avoider {
             || (!inside && (kept_m - plan.margin_m).abs() > NEWS_M)
             || picture.differs_from(&plan.picture)
             || (self.tracks.uncertain && self.cycle.is_multiple_of(LOOK_AT_NOISE));
-        let open_since_s = if is_news { time_s } else { plan.open_since_s };
         if is_news {
-            (self.searched, self.passes) = (0, 0);
+            self.searched = 0;
         }
-        let is_searched = self.has_searched(time_s - open_since_s);
+        let is_searched = self.has_searched();
         let look_again = self.cycle.is_multiple_of(SEARCH_AGAIN);
         let rests = match plan.proof {
             Proof::Hopeless => !(is_news || inside && look_again),
@@ -506,7 +497,6 @@ impl Avoider {
                 start_s: plan.start_s.min(time_s),
                 joined_s: f64::INFINITY,
                 proof,
-                open_since_s,
                 picture,
                 margin_m: found.margin_m,
                 target_m: self.target_m,
@@ -526,7 +516,6 @@ impl Avoider {
         } else {
             let plan = Plan {
                 proof,
-                open_since_s,
                 picture,
                 margin_m: kept_m,
                 ..plan
@@ -542,12 +531,7 @@ impl Avoider {
     /// Searches at the wanted margin, else step by step down to the margin of the settings.
     fn replacement(&mut self, (flown, kept_m): (&Maneuver, f64), now: &MotionState) -> Replacement {
         let hold = Maneuver::hold();
-        // Obstacles that move as expected only leave fewer manoeuvres: the search goes on where the last one ended.
-        let (variety, passes) = if self.tracks.uncertain {
-            (self.cycle, 0)
-        } else {
-            (0, self.passes)
-        };
+        let variety = self.cycle;
         let (mut found, mut candidates, mut limit_met) = (None, 0, false);
         for target_m in self.targets_m() {
             self.target_m = target_m;
@@ -558,7 +542,6 @@ impl Avoider {
                 }
                 let single = search.cheapest(0.0);
                 let single = single.map(|found| (found, Proof::Certified));
-                search.passes = passes;
                 let (found, proof) = if is_last {
                     single.or_else(|| search.best(Some(flown), Effort::Full, variety))?
                 } else {

@@ -37,17 +37,24 @@ const COARSE: usize = 4;
 const GAP_SHIFTS: usize = 2;
 
 /// Grids that interleave.
-pub(crate) const GRIDS: usize = COARSE * GAP_SHIFTS;
+const GRIDS: usize = COARSE * GAP_SHIFTS;
 
 /// Number of grids within a search's work.
 const GRIDS_A_SEARCH: usize = 3;
 
 /// The grids in turn, each as coarse as climbing can make up for. One climb target for both turns
-/// is the most frequent success. Of the searches that succeed four in five do so in the first grid and
-/// nearly all others in the second: after four nothing is left to find.
-const PASSES: [(usize, Climbs); 4] = {
+/// is the most frequent success: four in five do so in the first grid and nearly all others in the second. The next search
+/// begins with another one.
+const PASSES: [(usize, Climbs); 6] = {
     use Climbs::{Different, Same};
-    [(0, Same), (1, Same), (0, Different), (2, Same)]
+    [
+        (0, Same),
+        (1, Same),
+        (2, Same),
+        (0, Different),
+        (3, Same),
+        (1, Different),
+    ]
 };
 
 /// When a climb or descent straight ahead levels off, in turn radii.
@@ -81,9 +88,9 @@ const WORTH: f64 = 0.27;
 /// radii.
 const ALONE: f64 = 0.0033;
 
-/// If the first grid ends this far short, or one after it, others find nothing either: those with which others did were
-/// within 0.14 and 0.04 turn radii.
-const FAR: (f64, f64) = (0.18, 0.07);
+/// If the first grid ends this far short, or one after it, others find nothing either: in drawn encounters those with which
+/// others did were within 0.14 and 0.04 turn radii, in ones that were made to be hard within 0.3 and 0.2.
+const FAR: (f64, f64) = (0.3, 0.2);
 
 /// Seeds that climb a little; the best of them continue.
 const CLIMBERS: usize = 16;
@@ -198,8 +205,8 @@ impl Search<'_> {
         let departures = self.without_lag(without_lag.as_ref(), |search| {
             search.departures(seeds.floor_m())
         });
-        while let Some((shift, climbs)) = PASSES.get(self.passes).copied() {
-            self.passes += 1;
+        let mut far = FAR.0;
+        for (shift, climbs) in PASSES {
             if climbs == Climbs::Different && self.scene.is_planar() {
                 continue;
             }
@@ -212,20 +219,15 @@ impl Search<'_> {
             if found.margin_m >= target_m {
                 return Some((found, Proof::Certified));
             }
-            let far = if self.passes == 1 { FAR.0 } else { FAR.1 };
             if is_certain && found.margin_m < target_m - far * self.scene.turn_radius_m() {
                 return Some((found, Proof::Hopeless));
             }
+            far = FAR.1;
             if self.limit_met() || self.answering {
                 return Some((found, Proof::Open));
             }
         }
-        let proof = if is_certain {
-            Proof::Hopeless
-        } else {
-            Proof::Open
-        };
-        best.map(|found| (found, proof))
+        best.map(|found| (found, Proof::Open))
     }
 
     /// Looks for seeds as an aircraft without bank lag would: with lag that takes several times the work, and climbing

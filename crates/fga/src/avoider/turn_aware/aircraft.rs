@@ -168,7 +168,6 @@ impl Avoider {
             start_s: time_s,
             joined_s: f64::INFINITY,
             proof: answer.proof,
-            open_since_s: time_s,
             picture: self.tracks.picture(),
             margin_m: answer.found.margin_m,
             target_m: self.target_m,
