@@ -24,7 +24,7 @@ impl Settings {
     #[pyo3(signature = (
         *, start = "free", decision_period_s = 0.1, surveillance_radius_m = 300.0, horizon_s = 60.0,
         margin_m = 0.05, confidence_sigmas = 3.0, heading_cost = 0.2, pitch_cost = 0.5,
-        objective = "paper-cost", work_limit = 160_000, drift_mps = 0.0,
+        objective = "paper-cost", work_limit = 100_000, drift_mps = 0.0,
     ))]
     #[expect(
         clippy::too_many_arguments,

@@ -82,7 +82,7 @@ impl Default for Settings {
             heading_cost: 0.2,
             pitch_cost: 0.5,
             objective: Objective::PaperCost,
-            work_limit: 160_000,
+            work_limit: 100_000,
         }
     }
 }

@@ -49,8 +49,9 @@ const CLEARLY_BETTER_M: f64 = 0.5;
 const SEARCH_AGAIN: u32 = 10;
 
 /// Without a certificate each step searches all manoeuvres, each time over other grids, until the searches since the last news
-/// have done this much work, without bank lag and with it; later only every [`SEARCH_AGAIN`]th step does.
-const SEARCHED: (u32, u32) = (30_000, 200_000);
+/// have done this much work; later only every [`SEARCH_AGAIN`]th step does. The second number is for searches with bank lag, of
+/// which one takes much of a step's work, and for those that the limit of work cuts.
+const SEARCH_WORK: (u32, u32) = (30_000, 200_000);
 
 /// Cycles between two searches over all manoeuvres without a certificate among uncertain obstacles,
 /// which move from cycle to cycle.
@@ -433,8 +434,9 @@ impl Avoider {
 
     /// Whether the searches since the last news have done what they may in a row.
     fn has_searched(&self) -> bool {
-        let (ideal, lagged) = SEARCHED;
-        self.searched >= if self.flyer.is_ideal() { ideal } else { lagged }
+        let (whole, cut) = SEARCH_WORK;
+        let is_whole = self.flyer.is_ideal() && self.cut == 0;
+        self.searched >= if is_whole { whole } else { cut }
     }
 
     /// Flying the manoeuvre: keeps it, replaces it, or returns.
