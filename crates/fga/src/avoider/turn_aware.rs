@@ -51,7 +51,7 @@ const SEARCH_AGAIN: u32 = 10;
 /// Without a certificate each step searches all manoeuvres, each time over other grids, until the searches since the last news
 /// have done this much work; later only every [`SEARCH_AGAIN`]th step does. The second number is for searches with bank lag, of
 /// which one takes much of a step's work, and for those that the limit of work cuts.
-const SEARCH_WORK: (u32, u32) = (30_000, 200_000);
+const SEARCH_WORK: (u32, u32) = (30_000, 120_000);
 
 /// Cycles between two searches over all manoeuvres without a certificate among uncertain obstacles,
 /// which move from cycle to cycle.
