@@ -353,9 +353,11 @@ impl Flyer {
     pub(crate) fn keep_rolls_from(&mut self, bank_rad: f64) {
         if !self.keeps_rolls_from(bank_rad) {
             self.begin_rolls_from(bank_rad);
-            let [left, right] = [bank_rad, -bank_rad].map(|bank_rad| Bend::new(self, bank_rad));
-            let [level, ..] = self.bends;
-            self.bends = [level, left, right];
+            let left = Bend::new(self, bank_rad);
+            let right = Bend::new(self, -bank_rad);
+            let [_, kept_left, kept_right] = &mut self.bends;
+            *kept_left = left;
+            *kept_right = right;
         }
     }
 
