@@ -38,7 +38,7 @@ pub(crate) const WORD: usize = 12;
 /// Making the hazard of a motion.
 pub(crate) const MOTION: usize = 4;
 
-/// What fills a table of a search before it begins, a unit for each so many bytes.
+/// Bytes of a search's tables that one unit fills.
 pub(crate) const BYTES_A_UNIT: usize = 512;
 
 /// Numbers that one unit compares.
