@@ -288,7 +288,10 @@ impl<'a> Flight<'a> {
             let (mut cycles, mut known) = (1, 0);
             if !observer.watches() {
                 cycles = self.cycles_alike(time_s, &decision, pilot);
-                known = self.known_cycles(time_s, pilot);
+                // What is known follows the decision, not the cycles for which it stands.
+                if cycles == 1 {
+                    known = self.known_cycles(time_s, pilot);
+                }
             }
             let mut end_s = self.fly_on(&decision.command, decision.state, cycles, observer);
             for _ in 0..known {

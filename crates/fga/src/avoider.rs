@@ -9,6 +9,8 @@
 //! ```
 
 mod against;
+#[cfg(test)]
+mod draw;
 mod drift;
 mod intruders;
 mod kept;

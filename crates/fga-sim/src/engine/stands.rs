@@ -39,9 +39,12 @@ impl Flight<'_> {
     /// Number of next decisions that the pilot knows, before the aircraft could see anything else and before the horizon.
     pub(super) fn known_cycles(&self, time_s: f64, pilot: &(impl Pilot + ?Sized)) -> u32 {
         let world = self.world;
+        if self.replaying().is_some() {
+            return 0;
+        }
         let now = situation(world, self.plant.ownship(), self.sensor, time_s);
         let known = pilot.known_decisions(&now);
-        if known == 0 || self.replaying().is_some() {
+        if known == 0 {
             return 0;
         }
         let ours_mps = world.vehicle.airspeed_mps + world.wind_mps.length();

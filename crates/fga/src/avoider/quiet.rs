@@ -326,25 +326,13 @@ mod tests {
     use alloc::vec::Vec;
 
     use super::*;
+    use crate::avoider::draw::Draw;
     use crate::situation::{ProtectedVolume, Uncertainty};
 
-    /// Numbers from a seed.
-    struct Draw(u64);
-
     impl Draw {
-        fn within(&mut self, from: f64, to: f64) -> f64 {
-            self.0 = self.0.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
-            from + (self.0 >> 11) as f64 / (1_u64 << 53) as f64 * (to - from)
-        }
-
         fn below(&mut self, count: usize) -> usize {
             self.within(0.0, 1.0);
             usize::try_from(self.0 >> 33).unwrap() % count
-        }
-
-        fn vector(&mut self, most: f64) -> Vec3 {
-            let [x, y, z] = [most; 3].map(|most| self.within(-most, most));
-            Vec3::new(x, y, z)
         }
 
         fn line(&mut self) -> LineAhead {

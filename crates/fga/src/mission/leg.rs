@@ -113,7 +113,7 @@ impl Leg {
         let along_m = offset.dot(self.along);
         LegPosition {
             along_m,
-            cross_m: self.along.x * offset.y - self.along.y * offset.x,
+            cross_m: self.left_of(offset),
             above_m: offset.z - self.slope * along_m,
         }
     }

@@ -118,26 +118,14 @@ impl Line {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::avoider::draw::Draw;
     use crate::avoider::kept::Kept;
     use crate::avoider::kept::block::Block;
     use crate::situation::{Movement, Obstacle, ProtectedVolume, Uncertainty};
 
-    /// Numbers from a seed.
-    struct Draw(u64);
-
     impl Draw {
-        fn within(&mut self, from: f64, to: f64) -> f64 {
-            self.0 = self.0.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
-            from + (self.0 >> 11) as f64 / (1_u64 << 53) as f64 * (to - from)
-        }
-
-        fn vector(&mut self, most: f64) -> Vec3 {
-            let [x, y, z] = [most; 3].map(|most| self.within(-most, most));
-            Vec3::new(x, y, z)
-        }
-
         /// An obstacle that passes a line at a little more than the distance at which it may be met.
-        fn obstacle(&mut self, ahead: &LineAhead) -> (Obstacle, Vec3) {
+        fn just_clear(&mut self, ahead: &LineAhead) -> (Obstacle, Vec3) {
             let kind = self.within(0.0, 5.0);
             let movement = if kind < 1.0 {
                 Movement::AtRest
@@ -192,7 +180,7 @@ mod tests {
             };
             let since_s = draw.within(-1e3, 1e3);
             let line = Line::new(&from, since_s, None);
-            let (obstacle, aside) = draw.obstacle(&line.ahead);
+            let (obstacle, aside) = draw.just_clear(&line.ahead);
             kept.put(&obstacle, since_s).unwrap();
             let slot = kept.memory.slot(0).unwrap();
             if line.may_be_met_by(slot) {
