@@ -17,14 +17,15 @@ pub mod join;
 pub mod leg;
 mod plan;
 pub mod turnaround;
+mod way;
 mod way_onto;
 
 pub use plan::planned_line;
 
-pub(crate) use self::aim::Way;
 use self::corner::{Air, Corner, Legs, arrival, corner};
 use self::join::{Join, JoinLimits, has_entered, is_on_leg, join};
 use self::leg::Leg;
+pub(crate) use self::way::Way;
 use self::way_onto::MOST_LEGS;
 use crate::Vec3;
 use crate::limit::Limit as _;
@@ -395,11 +396,11 @@ impl Progress {
             })
     }
 
-    /// The least time in which an aircraft of some airspeed can reach the line of the leg from a place, seconds.
-    pub(crate) fn least_s_to_leg(&self, position_m: Vec3, airspeed_mps: f64) -> f64 {
-        let most_mps = airspeed_mps + self.wind_mps.length();
+    /// The least time in which an aircraft can be on the line of the leg, on its course, seconds.
+    pub(crate) fn least_s_onto_leg(&self, state: &MotionState, flyer: &Flyer) -> f64 {
         self.leg.map_or(0.0, |leg| {
-            leg.position(position_m, 0.0).cross_m.abs() / most_mps
+            let flies = (flyer.airspeed_mps(), flyer.course_rate_radps());
+            leg.least_s_onto(state, flies) + flyer.settles_late_s()
         })
     }
 

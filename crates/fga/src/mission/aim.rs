@@ -5,7 +5,6 @@
 
 use crate::Vec3;
 use crate::angle::wrap_pi;
-use crate::certificate::Line;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::{BEND, Meter, SETUP};
@@ -15,6 +14,8 @@ use crate::prediction::{Bend, Exit, Flyer, MotionState};
 
 /// The two channels of a join before their moments are corrected.
 pub(super) struct Shot {
+    /// From this intercept angle on it is the same, radians; infinite where a larger one changes it.
+    pub same_from_rad: f64,
     pub intercept_course: f64,
     course: f64,
     pub turn_at_s: f64,
@@ -74,69 +75,19 @@ pub(super) fn aim(
 /// A turn onto a leg begins at least this many time constants after the roll-out of the one before began.
 const SETTLES: f64 = 2.0;
 
-/// Places of a way.
-const PLACES: usize = 2 * ARC_PLACES + 3;
-
-/// Places on each of its turns.
-const ARC_PLACES: usize = 4;
-
-/// Where a join leads, about: places in time, the straight flight to the leg between two of them.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Way {
-    places: [(Vec3, f64); PLACES],
-    len: usize,
-}
-
-impl Way {
-    fn push(&mut self, place_m: Vec3, at_s: f64) {
-        if let Some(slot) = self.places.get_mut(self.len) {
-            *slot = (place_m, at_s);
-            self.len += 1;
-        }
-    }
-
-    /// The places, metres, and their times, seconds from the decision.
-    pub(crate) fn places(&self) -> &[(Vec3, f64)] {
-        self.places.get(..self.len).unwrap_or(&[])
-    }
-
-    pub(crate) fn end(&self) -> Option<(Vec3, f64)> {
-        self.places().last().copied()
-    }
-
-    /// The lines between the places, and whether the aircraft turns along them.
-    pub(crate) fn lines(&self) -> impl Iterator<Item = (Line, bool)> {
-        let turns = |place: usize| place % (ARC_PLACES + 1) != ARC_PLACES;
-        let pairs = self.places().windows(2).enumerate();
-        pairs.filter_map(move |(place, pair)| {
-            let [(from_m, from_s), (to_m, to_s)] = pair else {
-                return None;
-            };
-            let duration_s = to_s - from_s;
-            let line = Line {
-                from_m: *from_m,
-                velocity_mps: (to_m - from_m) / duration_s,
-                at_s: *from_s,
-                duration_s,
-            };
-            (duration_s > 0.0).then_some((line, turns(place)))
-        })
-    }
-}
-
 /// A turn, and the course on which it begins.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Turning {
     /// Unit vector along the course.
     along: Vec3,
     /// 1 to the left, -1 to the right.
-    side: f64,
-    exit: Exit,
+    pub(super) side: f64,
+    pub(super) exit: Exit,
 }
 
 impl Turning {
     /// A place in the frame of its beginning, metres: forward and to its side.
-    fn turned_m(&self, (forward, aside): (f64, f64)) -> Vec3 {
+    pub(super) fn turned_m(&self, (forward, aside): (f64, f64)) -> Vec3 {
         let (along, left) = (self.along, self.side * aside);
         Vec3::new(
             forward * along.x - left * along.y,
@@ -160,9 +111,9 @@ fn along(course_rad: f64) -> Vec3 {
 
 /// Turns from the bank of now to either side, and from level flight.
 pub(super) struct Turns<'a> {
-    flyer: &'a Flyer,
+    pub(super) flyer: &'a Flyer,
     now: [Option<&'a Bend>; 2],
-    level: Option<&'a Bend>,
+    pub(super) level: Option<&'a Bend>,
     rolls_out_rad: f64,
 }
 
@@ -223,7 +174,7 @@ impl Turns<'_> {
         }
     }
 
-    fn bend(&self, side: f64) -> Option<&Bend> {
+    pub(super) fn bend(&self, side: f64) -> Option<&Bend> {
         let [left, right] = self.now;
         if side > 0.0 { left } else { right }
     }
@@ -257,7 +208,7 @@ impl Turns<'_> {
             position.cross_m + across_m.iter().sum::<f64>() + settling_mps * settles_s
         };
         let (mut offset, mut by_rad) = (0.0, onto);
-        let mut straight_s = 0.0;
+        let (mut straight_s, mut same_from_rad) = (0.0, 0.0);
         let cross_direct = after_turns(0.0, onto);
         if cross_direct.abs() >= ON_LEG_M {
             let side = if cross_direct > 0.0 { -1.0 } else { 1.0 };
@@ -270,7 +221,7 @@ impl Turns<'_> {
                 left = after_turns(steepest, by_rad);
             }
             if left * cross_direct > 0.0 {
-                offset = steepest;
+                (offset, same_from_rad) = (steepest, f64::INFINITY);
                 let closing = leg.cross_speed_mps(speed_mps, leg.air_course_rad + offset);
                 straight_s = if closing * side > 0.0 {
                     (-left / closing).max(0.0)
@@ -281,7 +232,7 @@ impl Turns<'_> {
                 // The leg is near: the intercept angle that needs no straight piece.
                 let near = |offset: f64| after_turns(offset, onto + offset);
                 offset = root(near, (0.0, cross_direct), (steepest, left));
-                by_rad = onto + offset;
+                (by_rad, same_from_rad) = (onto + offset, offset.abs());
             }
         }
         let [first, second] = turns(offset, by_rad);
@@ -301,6 +252,7 @@ impl Turns<'_> {
             turn_s + second.exit.begins_s,
         );
         let shot = Shot {
+            same_from_rad,
             intercept_course,
             course,
             turn_at_s: state.time_s + turn_s,
@@ -309,82 +261,6 @@ impl Turns<'_> {
             level_at_s: state.time_s + climb_s,
         };
         (shot, [first, second])
-    }
-
-    /// Where the turns of a join lead.
-    pub(super) fn way(
-        &self,
-        state: &MotionState,
-        shot: &Shot,
-        [first, second]: &[Turning; 2],
-    ) -> Way {
-        let speed_mps = self.flyer.airspeed_mps();
-        let climb = Ramp::new(self.flyer, state.climb_rad, shot.climb);
-        let level = Ramp::new(self.flyer, shot.climb, shot.final_climb);
-        let level_at_s = if shot.climb == shot.final_climb {
-            f64::INFINITY
-        } else {
-            shot.level_at_s
-        };
-        let lifted_m = |place_m: Vec3, at_s: f64| {
-            let climbs_m = climb.gains_m(at_s.min(level_at_s) - state.time_s);
-            place_m + Vec3::new(0.0, 0.0, climbs_m + level.gains_m(at_s - level_at_s))
-        };
-        let mut way = Way::default();
-        way.push(state.position_m, state.time_s);
-        let mut from = (state.position_m, state.time_s);
-        let second_s = shot.turn_at_s - state.time_s;
-        let parts = [
-            (first, self.bend(first.side), second_s),
-            (second, self.level, second.exit.over_s),
-        ];
-        for (turning, bend, until_s) in parts {
-            let (from_m, from_s) = from;
-            for place in 1..=ARC_PLACES {
-                let since_s = turning.exit.begins_s * place as f64 / ARC_PLACES as f64;
-                let turned = bend.and_then(|bend| bend.place_m(since_s));
-                let there_m = from_m + turning.turned_m(turned.unwrap_or_default());
-                way.push(lifted_m(there_m, from_s + since_s), from_s + since_s);
-            }
-            let straight_m = speed_mps * (until_s - turning.exit.begins_s);
-            let there_m = from_m
-                + turning.turned_m(turning.exit.from_m)
-                + turning.turned_m(turning.exit.turned) * straight_m;
-            from = (there_m, from_s + until_s);
-            way.push(lifted_m(there_m, from.1), from.1);
-        }
-        way
-    }
-}
-
-/// A change of climb angle and the flight after it, by vertical speeds that change evenly, metres per second.
-struct Ramp {
-    from_mps: f64,
-    to_mps: f64,
-    lasts_s: f64,
-}
-
-impl Ramp {
-    fn new(flyer: &Flyer, from_rad: f64, to_rad: f64) -> Self {
-        let rate_radps = flyer.climb_rate_radps();
-        let [from_mps, to_mps] =
-            [from_rad, to_rad].map(|climb_rad| flyer.airspeed_mps() * libm::sin(climb_rad));
-        Self {
-            from_mps,
-            to_mps: if rate_radps > 0.0 { to_mps } else { from_mps },
-            lasts_s: (to_rad - from_rad).abs() / rate_radps.max(f64::MIN_POSITIVE),
-        }
-    }
-
-    /// Height gained after a time, metres.
-    fn gains_m(&self, after_s: f64) -> f64 {
-        if after_s <= 0.0 {
-            return 0.0;
-        }
-        let share = (after_s / self.lasts_s.max(f64::MIN_POSITIVE)).min(1.0);
-        let mean_mps = self.from_mps + 0.5 * share * (self.to_mps - self.from_mps);
-        let ramp_s = self.lasts_s.min(after_s);
-        mean_mps * ramp_s + self.to_mps * (after_s - ramp_s)
     }
 }
 
@@ -516,15 +392,15 @@ mod tests {
             let meter = Meter::unlimited();
             let (_, way) = join_roughly(&flyer, &leg, &state, &limits, &meter);
             let exact = join(&flyer, &leg, &state, &limits, &meter);
-            let most_m = 0.1 * speed_mps / flyer.course_rate_radps();
-            for (place_m, at_s) in way.places() {
-                let there = flown(&flyer, &state, &exact.maneuver, *at_s, &meter);
+            // A climb shortens the way, which moves the second turn.
+            let share = if above_m == 0.0 { 0.1 } else { 0.3 };
+            let most_m = share * speed_mps / flyer.course_rate_radps();
+            for place in way.places() {
+                let (place_m, at_s) = (place.at_m, place.at_s);
+                let there = flown(&flyer, &state, &exact.maneuver, at_s, &meter);
                 let higher_m = there.position_m.z - place_m.z;
                 prop_assert!(higher_m.abs() < 1.0, "{higher_m} m higher at {at_s} s of {way:?}");
-                if above_m != 0.0 {
-                    continue;
-                }
-                let off_m = there.position_m.distance(*place_m);
+                let off_m = there.position_m.distance(place_m);
                 prop_assert!(off_m < most_m, "{off_m} m off at {at_s} s of {way:?}");
             }
             prop_assert!(above_m != 0.0 || exact.cross_m.abs() < 0.05, "{exact:?}");

@@ -30,7 +30,7 @@ impl Progress {
             if farthest_m >= enough_m {
                 break;
             }
-            farthest_m = farthest_m.max(self.aside_m(mission, last, place));
+            farthest_m = farthest_m.max(self.aside_m(mission, last, (place.at_m, place.at_s)));
         }
         farthest_m
     }
@@ -41,7 +41,7 @@ impl Progress {
         &mut self,
         mission: &Mission<'_>,
         last: usize,
-        (place_m, at_s): &(Vec3, f64),
+        (place_m, at_s): (Vec3, f64),
     ) -> f64 {
         let legs = mission.waypoints_m.windows(2).skip(self.index);
         let legs = legs.take(last.min(MOST_LEGS) + 1);
@@ -50,7 +50,7 @@ impl Progress {
             return f64::INFINITY;
         }
         self.note(&meter);
-        let place_m = *place_m + self.wind_mps * *at_s;
+        let place_m = place_m + self.wind_mps * at_s;
         let mut nearest_m = f64::INFINITY;
         for leg in legs {
             let [from_m, to_m] = leg else { continue };

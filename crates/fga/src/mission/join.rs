@@ -6,8 +6,9 @@
 
 use crate::maneuver::Maneuver;
 use crate::meter::Meter;
-use crate::mission::aim::{Shot, Way, aim, with_turns};
+use crate::mission::aim::{Shot, aim, with_turns};
 use crate::mission::leg::Leg;
+use crate::mission::way::Way;
 use crate::prediction::{Flyer, MotionState, flown};
 
 /// Largest cross-track and height error on the leg, metres.
@@ -134,7 +135,7 @@ pub(crate) fn join_roughly(
     with_turns(flyer, state, meter, |turns| {
         let (shot, both) = turns.aim(leg, state, limits);
         let way = turns.way(state, &shot, &both);
-        let (end_m, end_s) = way.end().unwrap_or((state.position_m, state.time_s));
-        (leg.position(end_m, end_s).along_m, way)
+        let end = way.end().copied().unwrap_or_default();
+        (leg.position(end.at_m, end.at_s).along_m, way)
     })
 }

@@ -3,6 +3,8 @@
 //! Along-track distance increases from the leg's start to its end; cross-track distance is positive to
 //! the left of the leg; height counts from the leg. All over the ground.
 
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+
 use crate::Vec3;
 use crate::angle::wrap_pi;
 use crate::limit::Limit as _;
@@ -139,8 +141,104 @@ impl Leg {
             - self.along.y * self.wind_mps.x
     }
 
+    /// The least time in which an aircraft of some airspeed, metres per second, that turns at once at a rate, radians per
+    /// second, can be on the line of the leg, on its course, seconds: it turns to either side until it flies straight at the leg,
+    /// and from there onto it.
+    pub(crate) fn least_s_onto(
+        &self,
+        state: &MotionState,
+        (airspeed_mps, rate_radps): (f64, f64),
+    ) -> f64 {
+        let cross_m = self.position(state.position_m, state.time_s).cross_m;
+        let radii = cross_m.abs() * rate_radps / airspeed_mps;
+        // How far the course is turned towards the leg.
+        let towards_rad = libm::copysign(1.0, cross_m) * self.turn_onto_rad(state);
+        let cos = libm::cos(state.course_rad - self.course_rad);
+        // Turns up to straight at the leg, and down to it from beyond.
+        let (up_rad, down_rad) = if towards_rad > FRAC_PI_2 {
+            (towards_rad - TAU, towards_rad)
+        } else {
+            (towards_rad, towards_rad + TAU)
+        };
+        let wind_share = self.wind_mps.length() / airspeed_mps;
+        let is_windy = wind_share > 0.0;
+        let turns_rad = |radii: f64| {
+            let straight = radii - 1.0 - cos;
+            let up = if straight >= 0.0 {
+                PI - up_rad + straight
+            } else if is_windy {
+                towards_rad.abs()
+            } else {
+                // So near that the second turn follows the first.
+                let steepest_rad = libm::acos((-0.5 * straight).min(1.0)).max(up_rad);
+                2.0 * steepest_rad - up_rad
+            };
+            up.min(down_rad + (radii - 1.0 + cos).max(0.0))
+        };
+        // Before it would be there in still air, wind brings the leg at most so much nearer.
+        let nearer = radii - wind_share * turns_rad(radii);
+        turns_rad(nearer.max(0.0)) / rate_radps
+    }
+
     /// Change from a course through the air to the one that keeps the leg, radians, shortest way.
     pub fn turn_onto_rad(&self, state: &MotionState) -> f64 {
         wrap_pi(self.air_course_rad - state.course_rad)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::meter::Meter;
+    use crate::mission::join::{JoinLimits, ON_LEG_M, join};
+    use crate::prediction::Flyer;
+    use crate::vehicle::{Response, Vehicle};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// No join, at whatever angle, is over sooner than the least time, and one without lag and wind is hardly later.
+        #[test]
+        fn no_join_is_sooner_than_the_least_time(
+            lag_s in prop_oneof![Just(0.0), 0.2..1.0f64],
+            (cross_m, course_rad) in (-600.0..600.0f64, -3.1..3.1f64),
+            wind_mps in prop_oneof![Just(0.0), -6.0..6.0f64],
+        ) {
+            let vehicle = Vehicle {
+                response: Response {
+                    dead_time_s: 0.0,
+                    bank_time_constant_s: lag_s,
+                    turn_rate_factor: 0.8,
+                },
+                ..Vehicle::table_4()
+            };
+            let flyer = Flyer::new(&vehicle);
+            let speed_mps = vehicle.airspeed_mps;
+            let wind_mps = Vec3::new(0.0, wind_mps, 0.0);
+            let leg = Leg::endless(Vec3::ZERO, 0.0, speed_mps, wind_mps);
+            let state = MotionState {
+                position_m: Vec3::new(0.0, cross_m, 0.0),
+                course_rad,
+                ..MotionState::ahead(0.0)
+            };
+            // A join may end a little aside.
+            let nearer_m = libm::copysign((cross_m.abs() - ON_LEG_M).max(0.0), cross_m);
+            let nearer = MotionState { position_m: Vec3::new(0.0, nearer_m, 0.0), ..state };
+            let least_s = leg.least_s_onto(&nearer, (speed_mps, flyer.course_rate_radps()))
+                + flyer.settles_late_s();
+            let meter = Meter::unlimited();
+            let joined_s = |intercept_rad: f64| {
+                let limits = JoinLimits { intercept_rad, climb_limits_rad: (0.0, 0.0) };
+                let joined = join(&flyer, &leg, &state, &limits, &meter);
+                (joined.cross_m.abs() < ON_LEG_M).then_some(joined.joined_s)
+            };
+            let all = (1..=78).filter_map(|step| joined_s(0.02 * f64::from(step)));
+            let soonest_s = all.fold(f64::INFINITY, f64::min);
+            prop_assert!(soonest_s > least_s - 1e-6, "{soonest_s} s, not {least_s} s");
+            let is_plain = lag_s == 0.0 && wind_mps == Vec3::ZERO;
+            let is_towards = course_rad * cross_m < 0.0;
+            if is_plain && is_towards && course_rad.abs() < 1.0 && cross_m.abs() > 100.0 {
+                prop_assert!(soonest_s < 1.02 * least_s + 0.05, "{soonest_s} s, not {least_s} s");
+            }
+        }
     }
 }

@@ -51,7 +51,7 @@ impl Avoider {
     }
 
     /// Whether another way back may join the mission clearly sooner. Once it cannot, it never can while the aircraft flies as
-    /// planned: the time left falls as fast as time passes, and what the straight way to the leg takes no faster.
+    /// planned: the time left falls as fast as time passes, and what the shortest way onto the leg takes no faster.
     pub(super) fn may_come_sooner(&self, plan: &Plan, time_s: f64, now: &MotionState) -> bool {
         let left_s = plan.joined_s - time_s;
         if left_s < EARLY_S || plan.next_start_s.is_some() {
@@ -60,7 +60,7 @@ impl Avoider {
         let airspeed_mps = self.flyer.airspeed_mps();
         let basis = self.plan.as_ref().and_then(|plan| plan.basis);
         let is_as_planned = basis.is_some_and(|basis| basis.is_as_planned(airspeed_mps));
-        let least_s = self.progress.least_s_to_leg(now.position_m, airspeed_mps);
+        let least_s = self.progress.least_s_onto_leg(now, &self.flyer);
         !is_as_planned || left_s - least_s >= SOONER_S
     }
 }

@@ -4,20 +4,21 @@ use crate::avoider::{Avoider, Decision, Plan, Reason, Returned, Start, State};
 use crate::certificate::{Hazard, Line, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
-use crate::mission::join::JoinLimits;
+use crate::mission::join::{Join, JoinLimits};
 use crate::mission::leg::Leg;
 use crate::mission::{Bend, Way};
 use crate::prediction::{MotionState, whole};
 use crate::search::Proof;
 use crate::situation::{Mission, Situation};
 
+use super::sight::Places;
 use super::{ENOUGH_M, NEXT_ENCOUNTER_S};
 
 /// Most legs that a way back may skip.
 const MAX_SKIPPED: usize = 64;
 
 /// Intercept angles of the way back, radians, preferred first.
-const INTERCEPTS_RAD: [f64; INTERCEPTS] = [0.52, 0.79, 0.35, 1.05, 0.17, 1.45];
+pub(super) const INTERCEPTS_RAD: [f64; INTERCEPTS] = [0.52, 0.79, 0.35, 1.05, 0.17, 1.45];
 
 /// How many they are.
 pub(super) const INTERCEPTS: usize = 6;
@@ -45,8 +46,8 @@ const LONGEST_PASS_S: f64 = 20.0;
 /// seconds.
 const TRIED_S: f64 = 60.0;
 
-/// A way that is not flown leads at most this far from where it seems to, turn radii.
-const ROUGHLY: f64 = 0.05;
+/// A way that is not flown leads hardly farther than this from where it seems to, turn radii: without bank lag and with it.
+const ROUGHLY: [f64; 2] = [0.002, 0.02];
 
 /// It meets obstacles at most this much sooner or later, seconds.
 const ROUGHLY_S: f64 = 0.5;
@@ -92,6 +93,16 @@ fn turn_to_look(cycle: u32) -> (usize, usize) {
     let other = 1 + turn / 2 % (INTERCEPTS_RAD.len() - 1);
     let place = if turn.is_multiple_of(2) { 0 } else { other };
     (turn, place)
+}
+
+/// From which intercept angle on a way onto the leg that begins at waypoint `index` is the same, radians. A larger one may
+/// lead onto a leg before it, if there is one after the present one.
+const fn same_from_rad(way: &Way, index: usize, present: usize) -> f64 {
+    if index == present {
+        way.same_from_rad
+    } else {
+        f64::INFINITY
+    }
 }
 
 impl Avoider {
@@ -147,10 +158,16 @@ impl Avoider {
             core::slice::from_ref(&intercept_rad)
         };
         let nearest = self.nearest_way_back(mission, &from, skipped, intercepts_rad);
-        let joins_s = nearest.and_then(|(_, way, _)| Some(way.end()?.1));
+        let joins_s = nearest.and_then(|(_, way, _)| Some(way.end()?.at_s));
         let is_late = joins_s.is_some_and(|s| situation.time_s + s + self.late_s() > latest_s);
         let seen = nearest.as_ref().map(|(_, way, index)| (way, *index));
-        if detour.is_none() && (is_late || self.is_refused(place, seen, plan, (situation, now))) {
+        let places = Places {
+            place,
+            same_from_rad: seen.map_or(f64::INFINITY, |(way, index)| {
+                same_from_rad(way, index, self.progress.index())
+            }),
+        };
+        if detour.is_none() && (is_late || self.is_refused(&places, seen, plan, (situation, now))) {
             return None;
         }
         let limits = JoinLimits {
@@ -164,21 +181,31 @@ impl Avoider {
         if !is_any && intercept_rad < SHALLOW_RAD && joined.joined_s > SHALLOW_S {
             return None;
         }
-        let mut maneuver = first;
-        for stage in joined.maneuver.stages() {
-            maneuver.push(*stage);
+        let ahead = self.fly_back(&first, (&joined, index), plan, (situation, now))?;
+        if let Err(short_m) = ahead
+            && detour.is_none()
+        {
+            let look = (situation.time_s, short_m);
+            self.refusals.refuse(&places, plan, look);
         }
+        let back = ahead
+            .ok()
+            .filter(|back| self.is_robust_back(&back.maneuver, now))?;
+        let late_s = joins_s.map_or(0.0, |joins_s| joined.joined_s - joins_s);
+        self.return_to(index, plan, late_s, (situation, now));
+        Some(back)
+    }
+
+    /// The plan to fly a manoeuvre and a join of the leg that begins at a waypoint after it, or by how many metres that leads
+    /// into an obstacle; `None` where it leads back for too long, or to another encounter that cannot be avoided.
+    fn fly_back(
+        &mut self,
+        first: &Maneuver,
+        (joined, index): (&Join, usize),
+        plan: &Plan,
+        (situation, now): (&Situation<'_>, &MotionState),
+    ) -> Option<Result<Plan, f64>> {
         let horizon_s = self.settings.horizon_s;
-        let bend = Bend {
-            index,
-            straight_s: joined.joined_s,
-            along_m: joined.along_m,
-        };
-        self.on_mission(|progress, flyer| {
-            progress.round_corners(mission, flyer, horizon_s, &mut maneuver, bend)
-        });
-        self.look_s = self.far_s;
-        self.predict(&maneuver, now);
         let leg = self.progress.leg(now);
         let gained_m = if index == self.progress.index() {
             joined.along_m - leg.position(now.position_m, now.time_s).along_m
@@ -189,7 +216,19 @@ impl Avoider {
             // In strong wind a shallow way leads back for minutes.
             return None;
         }
-        let ahead = self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg));
+        let mut maneuver = *first;
+        for stage in joined.maneuver.stages() {
+            maneuver.push(*stage);
+        }
+        let bend = Bend {
+            index,
+            straight_s: joined.joined_s,
+            along_m: joined.along_m,
+        };
+        self.on_mission(|progress, flyer| {
+            let mission = &situation.mission;
+            progress.round_corners(mission, flyer, horizon_s, &mut maneuver, bend)
+        });
         let back = Plan {
             maneuver,
             decided_s: situation.time_s,
@@ -203,26 +242,20 @@ impl Avoider {
             basis: None,
             ..*plan
         };
-        let back = match ahead {
-            WayAhead::Blocked(short_m) => {
-                let look = (situation.time_s, short_m);
-                if detour.is_none() {
-                    self.refusals.refuse(place, plan, look);
-                }
-                None
-            }
+        self.look_s = self.far_s;
+        self.predict(&maneuver, now);
+        let back = match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg)) {
+            WayAhead::Blocked(short_m) => Some(Err(short_m)),
             WayAhead::Clear => {
                 let margin_m = self.margin_of(&maneuver, now, (f64::MIN, ENOUGH_M));
-                Some(Plan { margin_m, ..back })
+                Some(Ok(Plan { margin_m, ..back }))
             }
-            WayAhead::NextEncounter => self.way_back_and_on(&back, joined.joined_s, now),
+            WayAhead::NextEncounter => {
+                let back = self.way_back_and_on(&back, joined.joined_s, now);
+                back.map(Ok)
+            }
         };
         self.look_s = self.settings.horizon_s;
-        let back = back.filter(|back| self.is_robust_back(&back.maneuver, now));
-        if back.is_some() {
-            let late_s = joins_s.map_or(0.0, |joins_s| joined.joined_s - joins_s);
-            self.return_to(index, plan, late_s, (situation, now));
-        }
         back
     }
 
@@ -244,7 +277,7 @@ impl Avoider {
     /// Whether a way back onto the leg that begins at a waypoint leads to an obstacle, which is remembered.
     fn is_refused(
         &mut self,
-        place: usize,
+        places: &Places,
         seen: Option<(&Way, usize)>,
         plan: &Plan,
         (situation, now): (&Situation<'_>, &MotionState),
@@ -254,7 +287,7 @@ impl Avoider {
         if let Some(into_m) = into_m {
             let short_m = into_m + self.roughly_m();
             self.refusals
-                .refuse(place, plan, (situation.time_s, short_m));
+                .refuse(places, plan, (situation.time_s, short_m));
         }
         into_m.is_some()
     }
@@ -290,7 +323,7 @@ impl Avoider {
         self.on_mission(|progress, flyer| {
             // Every way departs by what the aircraft does now.
             let here = (from.position_m, from.time_s);
-            let least_m = progress.aside_m(mission, skipped, &here);
+            let least_m = progress.aside_m(mission, skipped, here);
             let mut best: Option<(f64, (f64, Way, usize))> = None;
             for intercept_rad in intercepts_rad {
                 let most_m = best
@@ -298,6 +331,12 @@ impl Avoider {
                     .map_or(f64::INFINITY, |(away_m, _)| CLEARLY_NEARER * away_m);
                 if least_m >= most_m {
                     break;
+                }
+                let same_from_rad = best.as_ref().map_or(f64::INFINITY, |(_, (_, way, index))| {
+                    same_from_rad(way, *index, progress.index())
+                });
+                if *intercept_rad >= same_from_rad {
+                    continue;
                 }
                 let limits = JoinLimits {
                     intercept_rad: *intercept_rad,
@@ -340,17 +379,11 @@ impl Avoider {
     fn is_blocked(&self, way: &Way) -> Option<f64> {
         let inside_m = self.target_m - self.roughly_m();
         let hazards = self.tracks.hazards().rows();
-        let turns_mps2 = self.flyer.airspeed_mps() * self.flyer.course_rate_radps();
-        let found = way.lines().filter_map(|(line, turns)| {
+        let found = way.lines().filter_map(|(line, bow_m)| {
             let duration_s = line.duration_s.min(self.far_s - line.at_s);
             if duration_s <= 0.0 {
                 return None;
             }
-            let bow_m = if turns {
-                turns_mps2 * line.duration_s * line.duration_s / 8.0
-            } else {
-                0.0
-            };
             if !self.meter.take(hazards.len()) {
                 return None;
             }
@@ -372,7 +405,7 @@ impl Avoider {
         plan: &Plan,
         (situation, now): (&Situation<'_>, &MotionState),
     ) -> Option<f64> {
-        let (end_m, end_s) = way.end()?;
+        let (end_m, end_s) = way.end().map(|end| (end.at_m, end.at_s))?;
         let leg = self.progress.leg(now);
         let (low, high) = self.climb_limits_rad();
         let on_leg = MotionState {
@@ -402,9 +435,11 @@ impl Avoider {
         })
     }
 
-    /// A way that is not flown leads at most this far from where it seems to, metres.
+    /// A way that is not flown leads hardly farther than this from where it seems to, metres.
     fn roughly_m(&self) -> f64 {
-        ROUGHLY * self.flyer.airspeed_mps() / self.flyer.course_rate_radps()
+        let [ideal, lagged] = ROUGHLY;
+        let radii = if self.flyer.is_ideal() { ideal } else { lagged };
+        radii * self.flyer.turn_radius_m()
     }
 
     /// A way back that meets other obstacles later, with the manoeuvre that avoids those.
