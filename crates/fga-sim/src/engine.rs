@@ -293,15 +293,17 @@ impl<'a> Flight<'a> {
                     known = self.known_cycles(time_s, pilot);
                 }
             }
-            let mut end_s = self.fly_on(&decision.command, decision.state, cycles, observer);
+            let mut end_s = self.fly_on((&decision.command, 0.0), decision.state, cycles, observer);
             for _ in 0..known {
                 if end_s.is_some() {
                     break;
                 }
                 let time_s = self.time_s();
-                let command = pilot.known_command(time_s);
+                let Some(command) = pilot.known_command(time_s) else {
+                    break;
+                };
                 self.follow_mission(time_s);
-                end_s = self.fly_on(&command, decision.state, 1, observer);
+                end_s = self.fly_on(command, decision.state, 1, observer);
             }
             if let Some(end_s) = end_s {
                 break end_s;
@@ -321,10 +323,10 @@ impl<'a> Flight<'a> {
         world.recorded.as_ref().filter(|_| self.state.replaying)
     }
 
-    /// Flies a command for some cycles; returns the time of the end once it is reached.
+    /// Flies a manoeuvre, that has been flown for some seconds, on for some cycles; returns the time of the end once it is reached.
     fn fly_on(
         &mut self,
-        command: &Maneuver,
+        command: (&Maneuver, f64),
         state: State,
         cycles: u32,
         observer: &mut impl Observer,
@@ -439,7 +441,7 @@ impl<'a> Flight<'a> {
     /// Flies until the next decision and measures.
     fn advance(
         &mut self,
-        (command, state): (&Maneuver, State),
+        (command, state): ((&Maneuver, f64), State),
         time_s: f64,
         (step_s, longest_sample_s): (f64, f64),
         observer: &mut impl Observer,
@@ -459,12 +461,13 @@ impl<'a> Flight<'a> {
                 measure(arc, arc.end_m());
             });
         } else {
-            self.plant.command(command, step_s);
+            self.plant.command_on(command, step_s);
             let lengths_s = (step_s, longest_sample_s);
+            let is_sampled = observer.watches();
             let sample = |ownship: &Ownship, wind, time| {
                 observer.sample(&sample_of(ownship, wind, time, state));
             };
-            self.state.flown_m += fly_step(self.plant, lengths_s, measure, sample);
+            self.state.flown_m += fly_step(self.plant, lengths_s, is_sampled, measure, sample);
         }
     }
 

@@ -121,14 +121,12 @@ impl Maneuver {
             ..Self::hold()
         };
         let stages = self.stages();
-        for (index, stage) in stages.iter().enumerate() {
-            let over = stages
-                .get(index + 1)
-                .is_some_and(|next| next.start_s <= elapsed_s);
-            if !over {
-                let start_s = (stage.start_s - elapsed_s).max(0.0);
-                later.push(Stage { start_s, ..*stage });
-            }
+        let is_over = |next: &Stage| next.start_s <= elapsed_s;
+        // Of the first stages, which are in order, those whose next one has begun.
+        let over = stages.iter().skip(1).take_while(|next| is_over(next));
+        for stage in stages.iter().skip(over.count()) {
+            let start_s = (stage.start_s - elapsed_s).max(0.0);
+            later.push(Stage { start_s, ..*stage });
         }
         later
     }

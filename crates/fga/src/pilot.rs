@@ -29,9 +29,10 @@ pub trait Pilot {
         0
     }
 
-    /// The command of the next known decision, at a time, seconds on the situation's clock.
-    fn known_command(&mut self, _time_s: f64) -> Maneuver {
-        Maneuver::hold()
+    /// The command of the next known decision, at a time, seconds on the situation's clock: a manoeuvre and how long it has
+    /// been flown by then, seconds. `None` where it has to decide after all.
+    fn known_command(&mut self, _time_s: f64) -> Option<(&Maneuver, f64)> {
+        None
     }
 
     /// Applies changed limits of the vehicle; called only before it has manoeuvred. Unusable limits
@@ -52,7 +53,7 @@ impl Pilot for Avoider {
         Self::known_decisions(self, situation)
     }
 
-    fn known_command(&mut self, time_s: f64) -> Maneuver {
+    fn known_command(&mut self, time_s: f64) -> Option<(&Maneuver, f64)> {
         Self::known_command(self, time_s)
     }
 

@@ -24,6 +24,7 @@ const CORNER_APART_S: f64 = 1e-3;
 pub(super) fn fly_step(
     plant: &mut Plant,
     (step_s, longest_sample_s): (f64, f64),
+    is_sampled: bool,
     mut flown: impl FnMut(&Arc, Vec3),
     mut sample: impl FnMut(&Ownship, Vec3, f64),
 ) -> f64 {
@@ -46,6 +47,9 @@ pub(super) fn fly_step(
                 arc.position_m.distance(end_m)
             };
             flown(arc, end_m);
+            if !is_sampled {
+                return;
+            }
             let now = (arc.course_rate_radps, arc.climb_rate_radps);
             let (course_rate, climb_rate) = rates.replace(now).unwrap_or(now);
             let corner = (now.0 - course_rate).abs() > CORNER_RADPS

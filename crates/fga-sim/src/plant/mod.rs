@@ -132,22 +132,30 @@ impl Plant {
 
     /// Takes a command that holds for `duration_s` seconds from now.
     pub fn command(&mut self, maneuver: &Maneuver, duration_s: f64) {
+        self.command_on((maneuver, 0.0), duration_s);
+    }
+
+    /// Takes the command of a manoeuvre that has been flown for some seconds, for `duration_s` seconds from now.
+    pub fn command_on(&mut self, (maneuver, flown_s): (&Maneuver, f64), duration_s: f64) {
         let dead_time_s = self.vehicle.response.dead_time_s;
         let from_s = self.time_s + dead_time_s;
-        if dead_time_s == 0.0 {
-            self.pending.clear();
-        }
         // Before its first stage a manoeuvre holds course and climb angle.
-        let first = maneuver.stage_at(0.0).copied().unwrap_or(Stage {
+        let first = maneuver.stage_at(flown_s).copied().unwrap_or(Stage {
             start_s: 0.0,
             course_rad: self.course_rad,
             climb_rad: self.climb_rad,
             rate_share: 1.0,
         });
-        self.pending.push_back((from_s, first));
+        if dead_time_s == 0.0 {
+            self.pending.clear();
+            self.active = Some(first);
+        } else {
+            self.pending.push_back((from_s, first));
+        }
         for stage in maneuver.stages() {
-            if stage.start_s > 0.0 && stage.start_s < duration_s {
-                self.pending.push_back((from_s + stage.start_s, *stage));
+            let starts_s = stage.start_s - flown_s;
+            if starts_s > 0.0 && starts_s < duration_s {
+                self.pending.push_back((from_s + starts_s, *stage));
             }
         }
     }

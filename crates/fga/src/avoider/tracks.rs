@@ -5,8 +5,7 @@ use crate::avoider::Kept;
 use crate::avoider::intruders::{Clearance, Freedom, Motions, Room, Trend};
 use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
 use crate::meter::{COMPARED, MOTION, Meter};
-use crate::situation::Situation;
-use crate::situation::{Movement, Obstacle, ProtectedVolume};
+use crate::situation::{Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
 
 /// Most obstacles of a decision: the most urgent ones.
 pub const MAX_TRACKED: usize = MAX_HAZARDS;
@@ -235,8 +234,14 @@ impl Tracks {
     ) {
         self.clear();
         let limits = (surveillance_radius_m, horizon_s);
-        for obstacle in situation.obstacles.iter() {
-            self.consider(situation, &obstacle, limits, sigmas);
+        if let Obstacles::Rows(rows) = situation.obstacles {
+            for obstacle in rows {
+                self.consider(situation, obstacle, limits, sigmas);
+            }
+        } else {
+            for obstacle in situation.obstacles.iter() {
+                self.consider(situation, &obstacle, limits, sigmas);
+            }
         }
         self.complete(situation, limits, sigmas);
     }

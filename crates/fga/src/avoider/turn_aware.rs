@@ -451,13 +451,12 @@ impl Avoider {
             self.state = State::Recovering;
             return self.report(&back, time_s, Reason::RejoinChosen);
         }
-        let flown = plan.remaining(time_s);
         if self.still_holds(&plan, situation, now) {
-            if let Some(farther) = self.farther(&plan, &flown, now, time_s) {
+            if let Some(farther) = self.farther(&plan, now, time_s) {
                 self.plan = Some(farther);
                 return self.report(&farther, time_s, Reason::ManeuverReplaced);
             }
-            if let Some(roomier) = self.roomier(&plan, &flown, now, time_s) {
+            if let Some(roomier) = self.roomier(&plan, now, time_s) {
                 let is_same = roomier.decided_s == plan.decided_s;
                 self.plan = Some(roomier);
                 let reason = if is_same {
@@ -469,6 +468,7 @@ impl Avoider {
             }
             return self.report(&plan, time_s, Reason::ManeuverKept);
         }
+        let flown = plan.remaining(time_s);
         let kept_m = self.margin_of(&flown, now, (f64::MIN, ENOUGH_M));
         let picture = self.tracks.picture();
         // The volume around the aircraft shrinks with its depth.

@@ -41,26 +41,21 @@ impl Avoider {
     }
 
     /// A manoeuvre that is certified farther ahead than the present one, if that one is not.
-    pub(super) fn farther(
-        &mut self,
-        plan: &Plan,
-        flown: &Maneuver,
-        now: &MotionState,
-        time_s: f64,
-    ) -> Option<Plan> {
+    pub(super) fn farther(&mut self, plan: &Plan, now: &MotionState, time_s: f64) -> Option<Plan> {
         if self.far_s <= self.settings.horizon_s || !self.cycle.is_multiple_of(SEARCH_AGAIN) {
             return None;
         }
+        let flown = plan.remaining(time_s);
         let keep_m = KEEP_SHARE * plan.target_m;
         self.look_s = self.far_s;
-        let found = if self.margin_of(flown, now, (keep_m, keep_m)) >= keep_m {
+        let found = if self.margin_of(&flown, now, (keep_m, keep_m)) >= keep_m {
             None
         } else {
             let variety = self.cycle / SEARCH_AGAIN;
             let (found, ..) = self.search(&Maneuver::hold(), now, |search| {
                 let single = search.cheapest(0.0);
                 let found = single.or_else(|| {
-                    let (found, proof) = search.best(Some(flown), Effort::Full, variety)?;
+                    let (found, proof) = search.best(Some(&flown), Effort::Full, variety)?;
                     (proof == Proof::Certified).then_some(found)
                 })?;
                 Some((found, search.maneuver(&found.turns, now)))
@@ -77,7 +72,7 @@ impl Avoider {
             cost: found.cost,
             next_start_s: None,
             basis: None,
-            against: self.also_against(flown, now, plan.against),
+            against: self.also_against(&flown, now, plan.against),
             ..*plan
         })
     }

@@ -47,13 +47,12 @@ impl Avoider {
         (1..=MOST).take_while(known).last().unwrap_or(0)
     }
 
-    /// The command of the next decision, which is known, at a time on the situation's clock.
-    pub(crate) fn known_command(&mut self, time_s: f64) -> Maneuver {
+    /// The command of the next decision, which is known, at a time on the situation's clock: the manoeuvre and its age, seconds.
+    pub(crate) fn known_command(&mut self, time_s: f64) -> Option<(&Maneuver, f64)> {
+        let plan = self.plan.as_ref()?;
         self.cycle = self.cycle.wrapping_add(1);
-        let plan = self.plan.as_ref();
-        plan.map_or_else(Maneuver::hold, |plan| {
-            plan.remaining(time_s + self.set_back_s)
-        })
+        let flown_s = time_s + self.set_back_s - plan.decided_s;
+        Some((&plan.maneuver, flown_s))
     }
 
     /// Until when every obstacle surely stays within the surveillance radius and the aircraft on its leg, seconds.

@@ -12,25 +12,20 @@ const CLEARLY_MORE_M: f64 = 1.0;
 impl Avoider {
     /// A manoeuvre with more of the wanted margin than the present one was found with, or the present one if it has it
     /// by now. What drift takes from a margin without room for it, nothing gives back.
-    pub(super) fn roomier(
-        &mut self,
-        plan: &Plan,
-        flown: &Maneuver,
-        now: &MotionState,
-        time_s: f64,
-    ) -> Option<Plan> {
+    pub(super) fn roomier(&mut self, plan: &Plan, now: &MotionState, time_s: f64) -> Option<Plan> {
         if plan.target_m >= self.wanted_m - CLEARLY_MORE_M
             || !self.cycle.is_multiple_of(SEARCH_AGAIN)
         {
             return None;
         }
+        let flown = plan.remaining(time_s);
         let more = self
             .targets_m()
             .filter(|target_m| *target_m > plan.target_m + CLEARLY_MORE_M);
         let mut better = None;
         for target_m in more {
             self.target_m = target_m;
-            let margin_m = self.margin_of(flown, now, (target_m, target_m));
+            let margin_m = self.margin_of(&flown, now, (target_m, target_m));
             if margin_m >= target_m {
                 better = Some(Plan { target_m, ..*plan });
                 break;
