@@ -301,7 +301,8 @@ impl MissionProgress {
         let from_m = self.last_m;
         let step = position_m - from_m;
         self.last_m = position_m;
-        for index in 0..self.waypoints.len() {
+        // The aircraft comes from the first one, which it cannot miss.
+        for index in 1..self.waypoints.len() {
             let neighbour = |at: Option<usize>, none: f64| {
                 at.and_then(|at| self.waypoints.get(at))
                     .map_or(none, |waypoint| waypoint.at_m)

@@ -175,6 +175,24 @@ impl Separation {
     fn observe_near(&mut self, arc: &Arc, end_m: Vec3, track: &Track) {
         let end_s = arc.start_s + arc.duration_s;
         let acceleration_mps2 = arc.acceleration_bound_mps2();
+        if let Track::Straight {
+            position_m,
+            velocity_mps,
+        } = *track
+            && let ProtectedVolume::Sphere { .. } = self.volume
+        {
+            let from_m = arc.position_m - (position_m + velocity_mps * arc.start_s);
+            let to_m = end_m - (position_m + velocity_mps * end_s);
+            let departure_m = departure_m(acceleration_mps2, arc.duration_s);
+            // Most arcs come nearer all the time. What is nearest at its end may come nearer at once.
+            if recedes(to_m.dot(from_m - to_m), to_m.length_squared(), departure_m)
+                && to_m.length() < self.distance.value_m
+            {
+                note(&mut self.distance, to_m.length(), end_s);
+                self.skip_until_s = end_s;
+                return;
+            }
+        }
         let mut last = None;
         track.for_each_leg(arc.start_s, end_s, |leg| {
             let offset_at = |time_s: f64| {
@@ -223,6 +241,11 @@ fn note(least: &mut Least, value_m: f64, time_s: f64) {
     }
 }
 
+/// Largest distance of a path from its chord, metres.
+fn departure_m(acceleration_mps2: f64, span_s: f64) -> f64 {
+    acceleration_mps2 * span_s * span_s / 8.0
+}
+
 /// Relative motion while the obstacle flies straight.
 struct Piece<'a, F: Fn(f64) -> Vec3> {
     offset_at: &'a F,
@@ -242,11 +265,8 @@ fn recedes(along: f64, end_square: f64, departure_m: f64) -> bool {
 impl<F: Fn(f64) -> Vec3> Piece<'_, F> {
     fn refine(&self, measure: Measure, from: (f64, Vec3), to: (f64, Vec3), least: &mut Least) {
         let span_s = to.0 - from.0;
-        let departure_m = self.acceleration_mps2 * span_s * span_s / 8.0;
-        let (chord_m, share) = measure.least_on_chord(from.1, to.1, least.value_m + departure_m);
-        if chord_m - departure_m >= least.value_m {
-            return;
-        }
+        let departure_m = departure_m(self.acceleration_mps2, span_s);
+        // Most pieces come nearer or lead away all the time.
         if let Measure::Distance = measure {
             let along_m = to.1 - from.1;
             let nearer = if recedes(-to.1.dot(along_m), to.1.length_squared(), departure_m) {
@@ -260,6 +280,10 @@ impl<F: Fn(f64) -> Vec3> Piece<'_, F> {
                 note(least, measure.of(offset_m), time_s);
                 return;
             }
+        }
+        let (chord_m, share) = measure.least_on_chord(from.1, to.1, least.value_m + departure_m);
+        if chord_m - departure_m >= least.value_m {
+            return;
         }
         if departure_m <= STRAIGHT_M || span_s < 1e-6 {
             let time_s = from.0 + share * span_s;
@@ -290,7 +314,7 @@ impl<F: Fn(f64) -> Vec3> Piece<'_, F> {
     ) {
         let measure = Measure::Margin(*volume);
         let span_s = to.0 - from.0;
-        let departure_m = self.acceleration_mps2 * span_s * span_s / 8.0;
+        let departure_m = departure_m(self.acceleration_mps2, span_s);
         if measure.at_least_on_chord(from.1, to.1) - departure_m >= least.value_m {
             return;
         }
@@ -315,8 +339,8 @@ impl<F: Fn(f64) -> Vec3> Piece<'_, F> {
     /// Whether a piece is nowhere nearer to a cylinder than at one of its ends: beside the axis and above
     /// the middle, or in the one of both that decides there.
     fn is_least(&self, volume: &ProtectedVolume, end_m: Vec3, other_m: Vec3, span_s: f64) -> bool {
-        let beside_m = self.acceleration_mps2 * span_s * span_s / 8.0;
-        let above_m = self.upward_mps2 * span_s * span_s / 8.0;
+        let beside_m = departure_m(self.acceleration_mps2, span_s);
+        let above_m = departure_m(self.upward_mps2, span_s);
         let away_m = other_m - end_m;
         let is_beside = recedes(across(end_m, away_m), across(end_m, end_m), beside_m);
         let is_above = end_m.z * other_m.z >= 0.0
