@@ -8,6 +8,7 @@ use alloc::sync::Arc;
 use core::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use fga_formats::InputError;
 use fga_formats::error::shown;
@@ -138,8 +139,17 @@ pub fn csv_columns() -> String {
         .join(",")
 }
 
-/// The schema of the Parquet file.
-fn schema() -> String {
+/// The schema of the Parquet file. It is the same for every block, and reading it takes longer than some blocks.
+fn schema() -> Result<Arc<Type>, ParquetError> {
+    static SCHEMA: OnceLock<Arc<Type>> = OnceLock::new();
+    if let Some(schema) = SCHEMA.get() {
+        return Ok(Arc::clone(schema));
+    }
+    let schema = Arc::new(parse_message_type(&schema_in_words())?);
+    Ok(Arc::clone(SCHEMA.get_or_init(|| schema)))
+}
+
+fn schema_in_words() -> String {
     let mut schema = format!("message campaign {{{BASE}");
     for field in FIELDS {
         let kind = match field.access {
@@ -259,8 +269,7 @@ impl<W: Write + Send> TableWriter<W> {
             properties = properties
                 .set_column_encoding(ColumnPath::from(name), Encoding::DELTA_BINARY_PACKED);
         }
-        let schema = Arc::new(parse_message_type(&schema())?);
-        SerializedFileWriter::new(output, schema, Arc::new(properties.build())).map(Self)
+        SerializedFileWriter::new(output, schema()?, Arc::new(properties.build())).map(Self)
     }
 
     /// Writes one row group.
@@ -338,9 +347,9 @@ pub fn read<R: ChunkReader + 'static, E: From<ParquetError>>(
     mut take: impl FnMut(Vec<Row>) -> Result<(), E>,
 ) -> Result<(), E> {
     let reader = SerializedFileReader::new(input)?;
-    let expected = parse_message_type(&schema())?;
+    let expected = schema()?;
     let found = reader.metadata().file_metadata().schema();
-    if found != &expected {
+    if found != expected.as_ref() {
         return Err(ParquetError::General(other_columns(found, &expected)).into());
     }
     for index in 0..reader.num_row_groups() {
