@@ -10,25 +10,28 @@ use fga_sim::campaign::{Expected, Progress};
 /// Progress on standard error: on a terminal a line that overwrites itself, else a line now and then.
 pub(crate) struct Display {
     terminal: bool,
-    /// When flying began, after the sample.
-    begun: Option<Instant>,
+    /// When flying began, with the sample.
+    begun: Instant,
+    /// Whether the expected duration has been told.
+    is_told: bool,
     shown: Option<Instant>,
 }
 
 impl Display {
-    /// Nothing shown yet.
+    /// Nothing shown yet; flying begins now.
     pub(crate) fn new() -> Self {
         Self {
             terminal: std::io::stderr().is_terminal(),
-            begun: None,
+            begun: Instant::now(),
+            is_told: false,
             shown: None,
         }
     }
 
     /// Shows the expected duration first, then the progress now and then.
     pub(crate) fn show(&mut self, progress: &Progress) {
-        if self.begun.is_none() {
-            self.begun = Some(Instant::now());
+        if !self.is_told {
+            self.is_told = true;
             if let Some(expected) = &progress.expected {
                 eprintln!("{}", in_words(expected));
             }
@@ -59,8 +62,7 @@ impl Display {
 
     /// Time since flying began, seconds.
     pub(crate) fn flying_s(&self) -> f64 {
-        self.begun
-            .map_or(0.0, |begun| begun.elapsed().as_secs_f64())
+        self.begun.elapsed().as_secs_f64()
     }
 
     /// Ends the line on a terminal.

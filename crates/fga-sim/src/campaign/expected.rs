@@ -1,16 +1,17 @@
 //! The expected duration of a campaign, before it is flown.
 //!
-//! A small sample of what is left is flown first, on the same threads, and its rows are dropped: results do not
-//! depend on it. The sample is spread over all of the encounters, so that a campaign that grows harder towards its
-//! end is not underestimated.
+//! A small sample of what is left is flown first, on the same threads, and its rows are kept: no encounter is flown
+//! twice. The sample is spread over all of the encounters, so that a campaign that grows harder towards its end is not
+//! underestimated.
 
+use alloc::collections::BTreeMap;
 use core::sync::atomic::{AtomicU64, Ordering};
 use core::time::Duration;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use super::flight::Flyer;
-use super::{Campaign, CampaignError};
+use super::{Campaign, CampaignError, Flown};
 
 /// The sample is at most one in this many encounters.
 const ONE_IN: u64 = 50;
@@ -44,7 +45,10 @@ impl Expected {
     }
 }
 
-/// Flies a sample of the encounters in `blocks`, `left` altogether; `None` where there are too few or where `go_on`
+/// The rows of flown encounters by their numbers.
+pub(super) type Sample = BTreeMap<u64, Vec<Flown>>;
+
+/// Flies a sample of the encounters in `blocks`, `left` altogether; says nothing where there are too few or where `go_on`
 /// ends it.
 ///
 /// # Errors
@@ -54,15 +58,14 @@ pub(super) fn expect(
     blocks: &[u64],
     left: u64,
     go_on: &(impl Fn() -> bool + Sync),
-) -> Result<Option<Expected>, CampaignError> {
+) -> Result<(Option<Expected>, Sample), CampaignError> {
     let wanted = (left / ONE_IN).min(LARGEST_SAMPLE);
     let (next, begun) = (AtomicU64::new(0), Instant::now());
-    // Encounters flown and the time in their flights.
-    let sum = Mutex::new(Ok((0_u64, Duration::ZERO)));
-    let fly = || -> Result<(u64, Duration), CampaignError> {
+    // The flown encounters and the time in their flights.
+    let sum = Mutex::new(Ok((Sample::new(), Duration::ZERO)));
+    let fly = || -> Result<(Sample, Duration), CampaignError> {
         let mut flyer = Flyer::new(campaign)?;
-        let mut rows = Vec::with_capacity(campaign.policies.len());
-        let (mut flown, mut taken) = (0, Duration::ZERO);
+        let (mut flown, mut taken) = (Sample::new(), Duration::ZERO);
         while begun.elapsed() < SAMPLING_TIME && go_on() {
             let index = next.fetch_add(1, Ordering::Relaxed);
             let number = place(index, left);
@@ -71,10 +74,10 @@ pub(super) fn expect(
                 break;
             };
             let takes_off = Instant::now();
+            let mut rows = Vec::with_capacity(campaign.policies.len());
             flyer.fly(number, &mut rows)?;
             taken += takes_off.elapsed();
-            flown += 1;
-            rows.clear();
+            flown.insert(number, rows);
         }
         Ok((flown, taken))
     };
@@ -84,7 +87,7 @@ pub(super) fn expect(
             let mut sum = sum.lock().unwrap_or_else(PoisonError::into_inner);
             match (&mut *sum, one) {
                 (Ok((flown, taken)), Ok((more, time))) => {
-                    *flown += more;
+                    flown.extend(more);
                     *taken += time;
                 }
                 (Ok(_), Err(error)) => *sum = Err(error),
@@ -92,13 +95,15 @@ pub(super) fn expect(
             }
         });
     }
-    let (sample, taken) = sum.into_inner().unwrap_or_else(PoisonError::into_inner)?;
-    Ok((sample > 0).then(|| Expected {
+    let (flown, taken) = sum.into_inner().unwrap_or_else(PoisonError::into_inner)?;
+    let sample = flown.len() as u64;
+    let expected = (sample > 0).then(|| Expected {
         sample,
         left,
         threads: rayon::current_num_threads() as u64,
         processor_s: taken.as_secs_f64() * left as f64 / sample as f64,
-    }))
+    });
+    Ok((expected, flown))
 }
 
 /// The `index`-th place of a sample of `0..left`.

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use super::expected::{Expected, expect};
+use super::expected::{Expected, Sample, expect};
 use super::flight::Flyer;
 use super::folder::{Manifest, read_block};
 use super::{Campaign, CampaignError, Flown, Folder, Quantiles, Row, Shard, Stamp};
@@ -42,7 +42,7 @@ pub struct Progress {
     pub before: u64,
     /// Encounters of this part.
     pub total: u64,
-    /// Seconds since the first block began.
+    /// Seconds since the first flight began.
     pub elapsed_s: f64,
     /// What flying those that are not done when the run begins probably takes; unknown for a few or without a sample.
     pub expected: Option<Expected>,
@@ -131,15 +131,19 @@ pub fn run(
     let blocks: Vec<u64> = (0..configuration.blocks())
         .filter(|block| task.shard.has(*block) && !finished.contains_key(block))
         .collect();
+    let begun = Instant::now();
+    let mut sample = Sample::new();
     if task.is_expected {
-        progress.expected = expect(campaign, &blocks, progress.total - progress.done, go_on)?;
+        let left = progress.total - progress.done;
+        (progress.expected, sample) = expect(campaign, &blocks, left, go_on)?;
     }
     show(&progress);
     let work = Work {
         task,
         blocks,
+        sample,
         next: AtomicU64::new(0),
-        begun: Instant::now(),
+        begun,
         state: Mutex::new(WorkState {
             running: BTreeMap::new(),
             times: vec![DecisionTimes::default(); campaign.policies.len()],
@@ -168,6 +172,8 @@ struct Work<'a> {
     task: &'a Task<'a>,
     /// Numbers of the blocks to be flown.
     blocks: Vec<u64>,
+    /// What was flown for the expected duration.
+    sample: Sample,
     /// The next encounters to take, counted over these blocks in portions of [`TAKEN`].
     next: AtomicU64,
     begun: Instant,
@@ -224,8 +230,10 @@ impl<'a> Work<'a> {
                 if !go_on() {
                     return Ok(());
                 }
-                let mut rows = Vec::with_capacity(self.task.campaign.policies.len());
-                flyer.fly(number, &mut rows)?;
+                let mut rows = self.sample.get(&number).cloned().unwrap_or_default();
+                if rows.is_empty() {
+                    flyer.fly(number, &mut rows)?;
+                }
                 flown.push((number, rows));
             }
             if let Some(rows) = self.add(block, flown) {
