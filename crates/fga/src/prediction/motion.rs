@@ -112,7 +112,7 @@ pub struct Piece {
 
 impl Piece {
     /// At constant rates, without a roll.
-    const fn steady(
+    pub(crate) const fn steady(
         duration_s: f64,
         course_rate_radps: f64,
         climb_rate_radps: f64,

@@ -163,32 +163,8 @@ pub(crate) fn flown(
     limit_s: f64,
     meter: &Meter,
 ) -> MotionState {
-    flown_past(flyer, start, maneuver, limit_s, meter, |_, _, _| ())
-}
-
-/// [`for_each_piece`] with the pieces counted; ends where the meter refuses one.
-pub(crate) fn flown_past(
-    flyer: &Flyer,
-    start: &MotionState,
-    maneuver: &Maneuver,
-    limit_s: f64,
-    meter: &Meter,
-    mut visit: impl FnMut(&MotionState, &Piece, f64),
-) -> MotionState {
     let work = flyer.piece_work();
-    while_flown(
-        flyer,
-        start,
-        maneuver,
-        limit_s,
-        |state, piece, duration_s| {
-            let goes_on = meter.take(work);
-            if goes_on {
-                visit(state, piece, duration_s);
-            }
-            goes_on
-        },
-    )
+    while_flown(flyer, start, maneuver, limit_s, |_, _, _| meter.take(work))
 }
 
 /// A predicted flight: nodes in time, then straight on from the last one.

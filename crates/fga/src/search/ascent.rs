@@ -5,16 +5,19 @@
 //! margins most is a small linear program; the box shrinks where the truth falls short of it.
 
 mod linear;
+mod moves;
 
+use crate::Vec3;
 use crate::certificate::{Hazard, Line};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::meter::Meter;
-use crate::prediction::{Flyer, MotionState, flown_past};
+use crate::prediction::{Flyer, MotionState};
 
 use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 
 use linear::{Lifted, farthest_up, lifts_both};
+use moves::moves;
 
 /// Parameters of a manoeuvre: wait s, turn rad, climb rad, after s, turn rad, climb rad.
 const PARAMETERS: usize = 6;
@@ -43,6 +46,9 @@ const DECIDED_M: f64 = 1e-6;
 /// The work of the closed form, beyond one unit for each obstacle.
 const CLOSED_WORK: usize = 4;
 
+/// The work of the slopes, beyond one unit for each obstacle.
+const SLOPES_WORK: usize = 30;
+
 /// The largest box of a step, in units of the natural steps.
 const LARGEST_BOX: f64 = 2.0;
 
@@ -61,6 +67,7 @@ type Vector = [f64; PARAMETERS];
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Approach {
     place: usize,
+    position_m: Vec3,
     margin_m: f64,
     at_s: f64,
 }
@@ -76,6 +83,7 @@ impl Approaches {
     const NONE: Self = Self {
         all: [Approach {
             place: 0,
+            position_m: Vec3::ZERO,
             margin_m: ENOUGH_M,
             at_s: 0.0,
         }; CLOSEST],
@@ -206,7 +214,7 @@ impl Ascent {
     fn step(&mut self, search: &mut Search<'_>) {
         let here_m = self.least_m();
         let bounds = bounds(search.scene.climb_limits_rad);
-        let slopes = self.slopes(search, &bounds);
+        let slopes = self.slopes(search);
         loop {
             let (step, lifted_m) = self.best_step(&slopes, &bounds, &search.meter);
             let promised_m = lifted_m - here_m;
@@ -302,48 +310,44 @@ impl Ascent {
 
     /// The slope of each margin in each parameter, per natural step: the slope of the distance at
     /// the moment of the closest approach.
-    fn slopes(
-        &self,
-        search: &mut Search<'_>,
-        bounds: &[(f64, f64); PARAMETERS],
-    ) -> [Vector; CLOSEST] {
+    fn slopes(&self, search: &Search<'_>) -> [Vector; CLOSEST] {
         let hazards = search.scene.hazards.rows();
-        let (flyer, horizon_s) = (search.scene.flyer, search.scene.horizon_s);
         let mut slopes = [[0.0; PARAMETERS]; CLOSEST];
-        let moves = self.scales.iter().zip(bounds).enumerate().take(self.used);
-        for (parameter, (scale, (_, high))) in moves {
-            let mut moved = self.at;
-            let Some(x) = moved.get_mut(parameter) else {
-                continue;
-            };
-            // Away from a limit that it has reached.
-            let difference = DIFFERENCE * scale;
-            let sign = if *x + difference > *high { -1.0 } else { 1.0 };
-            *x += sign * difference;
-            let maneuver = maneuver(search, &self.turns(&moved));
-            let start = search.scene.start;
-            flown_past(
-                flyer,
-                &start,
-                &maneuver,
-                horizon_s,
-                &search.meter,
-                |from, piece, lasts_s| {
-                    for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
-                        let since_s = known.at_s - from.time_s;
-                        if since_s < 0.0 || since_s > lasts_s {
-                            continue;
-                        }
-                        let state = flyer.advance(from, piece, since_s);
-                        if let Some(hazard) = hazards.get(known.place)
-                            && let Some(slope) = slope.get_mut(parameter)
-                        {
-                            let margin_m = hazard.margin_m(state.position_m, known.at_s);
-                            *slope = sign * (margin_m - known.margin_m) / DIFFERENCE;
-                        }
+        if !search.meter.take(SLOPES_WORK + self.approaches.len) {
+            return slopes;
+        }
+        let turns = self.turns(&self.at);
+        let departure = search.departure(turns.wait_s);
+        let last_s = self
+            .approaches
+            .iter()
+            .fold(0.0, |last: f64, a| last.max(a.at_s));
+        moves(
+            search.scene.flyer,
+            &departure,
+            &turns,
+            last_s,
+            |from_s, until_s, at| {
+                for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
+                    if known.at_s < from_s || known.at_s > until_s {
+                        continue;
                     }
-                },
-            );
+                    let Some(hazard) = hazards.get(known.place) else {
+                        continue;
+                    };
+                    let moves = at(known.at_s - from_s);
+                    for ((slope, move_m), scale) in slope.iter_mut().zip(moves).zip(self.scales) {
+                        let moved_m = known.position_m + move_m * (DIFFERENCE * scale);
+                        let margin_m = hazard.margin_m(moved_m, known.at_s);
+                        *slope = (margin_m - known.margin_m) / DIFFERENCE;
+                    }
+                }
+            },
+        );
+        for slope in &mut slopes {
+            for unused in slope.iter_mut().skip(self.used) {
+                *unused = 0.0;
+            }
         }
         slopes
     }
@@ -487,6 +491,7 @@ fn nearest(search: &Search<'_>, place: usize, hazard: &Hazard) -> Option<Approac
     let state = search.path.state_at(scene.flyer, at_s)?;
     Some(Approach {
         place,
+        position_m: state.position_m,
         margin_m: hazard.margin_m(state.position_m, at_s),
         at_s,
     })

@@ -205,11 +205,16 @@ impl Flyer {
         ))
     }
 
+    /// How much later a turn without bank lag would begin to lead to about the same places, seconds.
+    pub(crate) fn turns_later_s(&self) -> f64 {
+        self.full_roll_out_rad / self.course_rate_radps
+    }
+
     /// The same motion without bank lag, and a state from which it leads to about the same places, to metres: a turn with
     /// lag is one that begins later. `None` without lag.
     pub(crate) fn without_lag(&self, state: &MotionState) -> Option<(Self, MotionState)> {
         let (forward, left) = self.roll_out_m(state.bank_rad)?;
-        let later_s = self.full_roll_out_rad / self.course_rate_radps;
+        let later_s = self.turns_later_s();
         let (sin, cos) = libm::sincos(state.course_rad);
         let course_rad = state.course_rad + self.rollout_rad(state.bank_rad);
         let moved_m = Vec3::new(forward * cos - left * sin, forward * sin + left * cos, 0.0);
