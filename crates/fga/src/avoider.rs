@@ -136,8 +136,9 @@ pub struct Avoider {
     meter: Meter,
     /// Consecutive searches that met the limit: the next one continues with other manoeuvres.
     cut: u32,
-    /// Work of the searches since the last news.
-    searched: u32,
+    /// Grids that the searches of this encounter have looked at, and until the last news.
+    grids: u32,
+    grids_at_news: u32,
     /// The course at which the next look for a smaller departure begins.
     improved_to: u32,
     /// Predicted velocity of the aircraft over the ground, metres per second.
@@ -182,7 +183,8 @@ impl Avoider {
             cycle: 0,
             meter: Meter::unlimited(),
             cut: 0,
-            searched: 0,
+            grids: 0,
+            grids_at_news: 0,
             improved_to: 0,
             drift: drift::Drift::default(),
             drift_m: 0.0,

@@ -19,6 +19,7 @@ mod two_stage;
 
 pub use departure::Departure;
 pub use two_stage::Effort;
+pub(crate) use two_stage::GRIDS_A_SEARCH;
 
 use departure::Conflicts;
 use front::Climbs;
@@ -185,6 +186,8 @@ pub struct Search<'a> {
     path: &'a mut FlightPath,
     /// Manoeuvres evaluated so far.
     pub evaluated: u32,
+    /// Grids of two turns that it has begun, at least one once they were asked for.
+    pub(crate) grids: u32,
     meter: Meter,
     /// Whether the reserve of work for the answer is in use.
     answering: bool,
@@ -217,6 +220,7 @@ impl<'a> Search<'a> {
             scene,
             path,
             evaluated: 0,
+            grids: 0,
             meter,
             answering: false,
             culprit: 0,

@@ -26,8 +26,7 @@ use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::meter::BEND;
 use crate::prediction::MotionState;
-use crate::search::{Effort, Found, Proof, Scene, Search};
-
+use crate::search::{Effort, Found, GRIDS_A_SEARCH, Proof, Scene, Search};
 use crate::situation::Situation;
 use choice::{Choice, as_maneuver, choose};
 
@@ -45,13 +44,9 @@ const GRID_WORK: u32 = 80_000;
 /// Another uncertified manoeuvre must be better by this, metres.
 const CLEARLY_BETTER_M: f64 = 0.5;
 
-/// Cycles between two searches while nothing is certified.
+/// Cycles between two searches once a whole search since the last news has found nothing. Until then each step searches over
+/// the grids that the limit of work left.
 const SEARCH_AGAIN: u32 = 10;
-
-/// Without a certificate each step searches all manoeuvres, each time over other grids, until the searches since the last news
-/// have done this much work; later only every [`SEARCH_AGAIN`]th step does. The second number is for searches with bank lag, of
-/// which one takes much of a step's work, and for those that the limit of work cuts.
-const SEARCH_WORK: (u32, u32) = (30_000, 120_000);
 
 /// Cycles between two searches over all manoeuvres without a certificate among uncertain obstacles,
 /// which move from cycle to cycle.
@@ -297,9 +292,9 @@ impl Avoider {
             // It may rest on pieces that were refused.
             answer = T::default();
         }
-        let (evaluated, limit_met, work) = (search.evaluated, search.limit_met(), search.work());
-        self.meter.count(work as usize);
-        self.searched = self.searched.saturating_add(work);
+        let (evaluated, limit_met, grids) = (search.evaluated, search.limit_met(), search.grids);
+        self.meter.count(search.work() as usize);
+        self.grids = self.grids.saturating_add(grids);
         self.cut = if limit_met {
             self.cut.wrapping_add(1)
         } else {
@@ -321,7 +316,7 @@ impl Avoider {
         let period_s = self.settings.decision_period_s;
         let entry_s = threat.entry_s;
         let cut = self.cut;
-        self.searched = 0;
+        (self.grids, self.grids_at_news) = (0, 0);
         let (mut candidates, mut limit_met) = (0, false);
         let mut choice = Choice::NONE;
         for target_m in self.targets_m() {
@@ -432,11 +427,10 @@ impl Avoider {
         certify_set(&self.flyer, &self.path, hazards, &asked, &self.meter).proven_m()
     }
 
-    /// Whether the searches since the last news have done what they may in a row.
-    fn has_searched(&self) -> bool {
-        let (whole, cut) = SEARCH_WORK;
-        let is_whole = self.flyer.is_ideal() && self.cut == 0;
-        self.searched >= if is_whole { whole } else { cut }
+    /// Grids that a whole search since the last news has left to look at.
+    const fn grids_left(&self) -> u32 {
+        let looked_at = self.grids.saturating_sub(self.grids_at_news);
+        GRIDS_A_SEARCH.saturating_sub(looked_at)
     }
 
     /// Flying the manoeuvre: keeps it, replaces it, or returns.
@@ -478,9 +472,9 @@ impl Avoider {
             || picture.differs_from(&plan.picture)
             || (self.tracks.uncertain && self.cycle.is_multiple_of(LOOK_AT_NOISE));
         if is_news {
-            self.searched = 0;
+            self.grids_at_news = self.grids;
         }
-        let is_searched = self.has_searched();
+        let is_searched = self.grids_left() == 0;
         let look_again = self.cycle.is_multiple_of(SEARCH_AGAIN);
         let rests = match plan.proof {
             Proof::Hopeless => !(is_news || inside && look_again),
@@ -534,6 +528,10 @@ impl Avoider {
     fn replacement(&mut self, (flown, kept_m): (&Maneuver, f64), now: &MotionState) -> Replacement {
         let hold = Maneuver::hold();
         let variety = self.cycle;
+        let effort = match self.grids_left() {
+            0 => Effort::WHOLE,
+            left => Effort::Grids(left),
+        };
         let (mut found, mut candidates, mut limit_met) = (None, 0, false);
         for target_m in self.targets_m() {
             self.target_m = target_m;
@@ -545,7 +543,7 @@ impl Avoider {
                 let single = search.cheapest(0.0);
                 let single = single.map(|found| (found, Proof::Certified));
                 let (found, proof) = if is_last {
-                    single.or_else(|| search.best(Some(flown), Effort::Full, variety))?
+                    single.or_else(|| search.best(Some(flown), effort, variety))?
                 } else {
                     single?
                 };

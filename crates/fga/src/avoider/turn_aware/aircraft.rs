@@ -357,7 +357,7 @@ impl Avoider {
         });
         let variety = self.cycle;
         let (answer, looked_at, _) = self.search(&Maneuver::hold(), now, |search| {
-            let (found, proof) = search.best(flown, Effort::Full, variety)?;
+            let (found, proof) = search.best(flown, Effort::WHOLE, variety)?;
             Some(Answer::new(search, found, proof, 0.0))
         });
         let answer = answer.and_then(|answer| {

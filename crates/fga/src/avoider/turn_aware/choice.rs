@@ -70,7 +70,7 @@ pub(super) fn choose(
     };
     let found = found
         .map(|found| (found, Proof::Certified))
-        .or_else(|| or_best.then(|| search.best(None, Effort::Full, cut))?);
+        .or_else(|| or_best.then(|| search.best(None, Effort::WHOLE, cut))?);
     Choice {
         chosen: found.map(|(found, proof)| (found, as_maneuver(search, &found), proof)),
         latest_s,

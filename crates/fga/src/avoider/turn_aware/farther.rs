@@ -55,7 +55,7 @@ impl Avoider {
             let (found, ..) = self.search(&Maneuver::hold(), now, |search| {
                 let single = search.cheapest(0.0);
                 let found = single.or_else(|| {
-                    let (found, proof) = search.best(Some(&flown), Effort::Full, variety)?;
+                    let (found, proof) = search.best(Some(&flown), Effort::WHOLE, variety)?;
                     (proof == Proof::Certified).then_some(found)
                 })?;
                 Some((found, search.maneuver(&found.turns, now)))
