@@ -7,7 +7,7 @@ use crate::angle::Side;
 use crate::certificate::{ALWAYS, Certificate, Hazard};
 use crate::prediction::{CHORD_BOW_M, MotionState, Target};
 
-use super::front::{Fronts, Ready};
+use super::front::{Fronts, Ready, RuledOut};
 use super::line::{Entry, Tangent, Way};
 use super::sweep::{LONGEST_STEP_RAD, Leave, Sweep};
 use super::{CLIMB_STEP_RAD, Found, MAX_TURN_RAD, Objective, Search};
@@ -60,7 +60,7 @@ impl Search<'_> {
         for (fronts, side) in opened.iter_mut().zip(sides) {
             self.open(fronts, &entry, *side);
         }
-        self.cheapest_of(opened)
+        self.cheapest_of(opened, |_, _| true)
     }
 
     /// The line on which the cheapest turn that may do ends, as far as lines tell.
@@ -71,11 +71,15 @@ impl Search<'_> {
         self.tangent(entry, &next.way, turn_rad)
     }
 
-    /// The cheapest of some fronts that is certified.
-    pub(super) fn cheapest_of(&mut self, sets: &mut [Fronts]) -> Option<Found> {
+    /// The cheapest of some fronts that is certified. Each time that turns are put off for others while nothing is found yet,
+    /// `goes_on` says whether to look on.
+    pub(super) fn cheapest_of(
+        &mut self,
+        sets: &mut [Fronts],
+        mut goes_on: impl FnMut(&mut Self, &mut [Fronts]) -> bool,
+    ) -> Option<Found> {
         let scene = self.scene;
         let mut best: Option<Found> = None;
-        let mut has_failed = false;
         loop {
             let most = best.map_or(f64::INFINITY, |found| found.cost);
             let Some(next) = self.next_ready(sets, most).filter(|_| !self.limit_met()) else {
@@ -98,15 +102,21 @@ impl Search<'_> {
                 floor_m: scene.target_m,
                 enough_m: scene.target_m,
             };
-            let closed_in = self.closed_in(&entry, &way, (&sweep, next.next_rad));
+            let mut failed = None;
+            let closed_in = self.closed_in(&entry, &way, (&sweep, next.next_rad), &mut failed);
             let left_rad = if let Closed::Later(from_rad) = closed_in {
                 from_rad
             } else {
                 f64::INFINITY
             };
-            self.leave(sets, &next, left_rad);
+            self.leave(sets, &next, left_rad, failed.as_ref());
             let leave = match closed_in {
-                Closed::Later(_) => continue,
+                Closed::Later(_) => {
+                    if best.is_none() && !goes_on(self, sets) {
+                        return None;
+                    }
+                    continue;
+                }
                 Closed::None => None,
                 Closed::At(leave) => self
                     .confirmed(leave, &sweep)
@@ -114,8 +124,11 @@ impl Search<'_> {
                 Closed::Open(from_rad) => self.smallest(&Sweep { from_rad, ..sweep }),
             };
             let Some(leave) = leave else {
+                let has_failed = sets.iter().any(|set| set.has_failed);
+                if let Some(set) = sets.get_mut(next.set) {
+                    set.has_failed = true;
+                }
                 if best.is_none() && !has_failed {
-                    has_failed = true;
                     let mut has_turn =
                         |set: &Fronts| self.has_extreme_turn(&from, entry.before_m, &[set.side]);
                     if !sets.iter().any(&mut has_turn) {
@@ -137,8 +150,15 @@ impl Search<'_> {
         best
     }
 
-    /// The least certified turn of a sweep, closed in on by flights, unless it is beyond `next_rad`.
-    fn closed_in(&mut self, entry: &Entry, way: &Way, (sweep, next_rad): (&Sweep, f64)) -> Closed {
+    /// The least certified turn of a sweep, closed in on by flights, unless it is beyond `next_rad`. Tells what the last of
+    /// them that failed rules out.
+    fn closed_in(
+        &mut self,
+        entry: &Entry,
+        way: &Way,
+        (sweep, next_rad): (&Sweep, f64),
+        failed: &mut Option<RuledOut>,
+    ) -> Closed {
         let scene = self.scene;
         let is_steady = |hazard: &Hazard| hazard.window_s == ALWAYS;
         // What may happen at some times only makes margins that jump.
@@ -184,7 +204,16 @@ impl Search<'_> {
             } else {
                 fails_rad = fails_rad.max(turn_rad);
                 // The margin is that of chords.
-                more_rad = self.least_more_rad(lacks_m - CHORD_BOW_M, left_s);
+                let short_m = lacks_m - CHORD_BOW_M;
+                more_rad = self.least_more_rad(short_m, left_s);
+                let left_s = left_s.max(0.0);
+                *failed = (short_m > 0.0).then_some(RuledOut {
+                    turn_rad,
+                    until_rad: turn_rad + more_rad,
+                    short_m,
+                    turns_s: certificate.at_s - left_s - entry.wait_s(),
+                    left_s,
+                });
                 if more_rad == f64::INFINITY && best.is_none() {
                     return Closed::None;
                 }

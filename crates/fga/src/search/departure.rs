@@ -11,6 +11,9 @@ use super::{Found, Objective, Search, Turns};
 /// Starts that are compared, as shares of the time to the first entry.
 const STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
+/// A start and a side each.
+const PROSPECTS: usize = 2 * STARTS.len();
+
 /// Obstacles are treated as passed after at most this long, s.
 const LONGEST_PASS_S: f64 = 60.0;
 
@@ -94,18 +97,35 @@ impl Prospect {
     };
 }
 
+/// The prospect that seems to depart least, but for some that are passed over, and how far the next one seems to, metres.
+fn next_of(prospects: &[Prospect; PROSPECTS], passed_over: usize) -> Option<(usize, f64)> {
+    let mut place = 0;
+    let mut order = prospects.each_ref().map(|prospect| {
+        place += 1;
+        (place - 1, prospect.departure_m)
+    });
+    order.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+    let is_left = |one: &&(usize, f64)| one.1 < f64::INFINITY;
+    let left = order.iter().take_while(is_left).count();
+    let first = passed_over.checked_rem(left)?;
+    let (place, _) = *order.get(first)?;
+    let next = order.get(first + 1);
+    Some((place, next.map_or(f64::INFINITY, |next| next.1)))
+}
+
 impl Search<'_> {
     /// The cheapest certified single turn to each side, of several starts up to a first entry that which departs
     /// least; the side that departs least first.
     ///
-    /// The lines on which turns end tell about how far each start and side would depart: only the best is certified,
-    /// and others that could be better then. After searches that were `cut` it begins with others.
+    /// The lines on which turns end tell about how far each start and side would depart: the best is closed in on until
+    /// another seems better, and only those are certified that could be better than what was. After searches that were `cut`
+    /// it begins with another.
     pub fn least_departure(&mut self, entry_s: f64, cut: u32) -> [Option<Found>; 2] {
         let objective = self.scene.objective;
-        if !self.meter.take_table::<[Prospect; 2 * STARTS.len()]>() {
+        if !self.meter.take_table::<[Prospect; PROSPECTS]>() {
             return [None; 2];
         }
-        let mut prospects = [Prospect::NONE; 2 * STARTS.len()];
+        let mut prospects = [Prospect::NONE; PROSPECTS];
         for (share, pair) in STARTS.iter().zip(prospects.chunks_mut(2)) {
             let Some(entry) = self.entry(share * entry_s) else {
                 continue;
@@ -116,35 +136,39 @@ impl Search<'_> {
                 prospect.departure_m = self.departs_m(&mut prospect.fronts);
             }
         }
-        let mut order = [0, 1, 2, 3, 4, 5, 6, 7];
-        let length_m = |place: usize| {
-            let prospect = prospects.get(place);
-            prospect.map_or(f64::INFINITY, |prospect| prospect.departure_m)
-        };
-        order.sort_unstable_by(|a, b| length_m(*a).total_cmp(&length_m(*b)));
-        order.rotate_left(cut as usize % (2 * STARTS.len()));
         let mut best: [Option<(f64, Found)>; 2] = [None; 2];
         let slack_m = CLOSE.1 * self.scene.turn_radius_m();
-        for place in order {
+        let enough_m = |departure_m: f64| departure_m + CLOSE.0 * departure_m.abs() + slack_m;
+        let mut passed_over = cut as usize;
+        while let Some((place, next_m)) = next_of(&prospects, passed_over) {
+            passed_over = 0;
             let Some(prospect) = prospects.get_mut(place) else {
-                continue;
+                break;
             };
-            if prospect.departure_m == f64::INFINITY {
-                continue;
-            }
             let [Fronts { side, .. }] = prospect.fronts;
             let Some(best) = best.get_mut(usize::from(side == Side::Right)) else {
-                continue;
+                break;
             };
-            let enough_m = prospect.departure_m * (1.0 + CLOSE.0) + slack_m;
-            if best.is_some_and(|(least_m, _)| least_m <= enough_m) {
+            let least_m = best.map_or(f64::INFINITY, |(least_m, _)| least_m);
+            if least_m <= enough_m(prospect.departure_m) {
+                prospect.departure_m = f64::INFINITY;
                 continue;
             }
-            let Some(found) = self.cheapest_of(&mut prospect.fronts) else {
+            // What seems to depart more than another one is left for that.
+            let most_m = enough_m(least_m.min(next_m));
+            let mut left_m = f64::INFINITY;
+            let found = self.cheapest_of(&mut prospect.fronts, |search, fronts| {
+                let departure_m = search.departs_m(fronts);
+                let goes_on = departure_m <= most_m;
+                left_m = if goes_on { left_m } else { departure_m };
+                goes_on
+            });
+            prospect.departure_m = left_m;
+            let Some(found) = found else {
                 continue;
             };
             let departure_m = self.departure_of(&found.turns).length_m(objective);
-            if best.is_none_or(|(least_m, _)| departure_m < least_m) {
+            if departure_m < least_m {
                 *best = Some((departure_m, found));
             }
         }
@@ -159,7 +183,7 @@ impl Search<'_> {
     }
 
     /// About how far the cheapest turn of a front departs, metres; infinite where there is none.
-    fn departs_m(&mut self, fronts: &mut [Fronts; 1]) -> f64 {
+    fn departs_m(&mut self, fronts: &mut [Fronts]) -> f64 {
         let objective = self.scene.objective;
         let Some(next) = self.next_ready(fronts, f64::INFINITY) else {
             return f64::INFINITY;
@@ -168,7 +192,9 @@ impl Search<'_> {
         if objective != Objective::PaperCost {
             return f64::MIN;
         }
-        let [Fronts { entry, .. }] = fronts;
+        let [Fronts { entry, .. }] = fronts else {
+            return f64::MIN;
+        };
         self.likely(entry, &next).map_or(f64::MIN, |tangent| {
             self.departure_on(entry.wait_s(), &tangent.state, tangent.velocity_mps)
                 .length_m(objective)

@@ -76,6 +76,8 @@ pub(super) struct Fronts {
     /// Lines that were looked at, and whether a front was ready.
     looked_at: usize,
     had_ready: bool,
+    /// Whether a turn failed that lines had not ruled out.
+    pub has_failed: bool,
 }
 
 impl Fronts {
@@ -91,6 +93,7 @@ impl Fronts {
         free_rad: 0.0,
         looked_at: 0,
         had_ready: false,
+        has_failed: false,
     };
 
     /// The front that could be cheapest but for one, and its cost; infinite where none is left.
@@ -134,16 +137,16 @@ pub(super) struct Ready {
     place: usize,
 }
 
-/// What the line on which a turn ends rules out.
-struct RuledOut {
-    /// The line's turn, and the turn up to which those at its climb target are, radians.
-    turn_rad: f64,
-    until_rad: f64,
+/// What a turn, or the line on which it ends, rules out.
+pub(super) struct RuledOut {
+    /// The turn, and the one up to which those at its climb target are, radians.
+    pub turn_rad: f64,
+    pub until_rad: f64,
     /// What another one has to move the aircraft by, metres, ...
-    short_m: f64,
+    pub short_m: f64,
     /// ... how long that turn goes on, and the time from then to the closest approach, seconds.
-    turns_s: f64,
-    left_s: f64,
+    pub turns_s: f64,
+    pub left_s: f64,
 }
 
 impl Search<'_> {
@@ -265,12 +268,23 @@ impl Search<'_> {
         false
     }
 
-    /// Takes the front of a turn out, or leaves it for turns from one on.
-    pub(super) fn leave(&self, sets: &mut [Fronts], ready: &Ready, from_rad: f64) {
+    /// Takes the front of a turn out, or leaves it for turns from one on; rules out what a flight does beside it.
+    pub(super) fn leave(
+        &self,
+        sets: &mut [Fronts],
+        ready: &Ready,
+        from_rad: f64,
+        flight: Option<&RuledOut>,
+    ) {
         let climb_cost = self.climbs.costs.get(ready.place);
         if let (Some(fronts), Some(climb_cost)) = (sets.get_mut(ready.set), climb_cost) {
             let cost = fronts.cost(from_rad, *climb_cost);
             fronts.put(ready.place, from_rad, cost);
+            if let Some(flight) = flight
+                && self.meter.take(fronts.count.div_ceil(FILLED))
+            {
+                self.rule_out_beside(fronts, ready.place, flight);
+            }
         }
     }
 
@@ -330,8 +344,7 @@ impl Search<'_> {
         } else {
             fronts.close(place);
         }
-        let is_told = ruled_out.short_m > 0.0 && ruled_out.left_s > 0.0;
-        if is_told && self.meter.take(fronts.count.div_ceil(FILLED)) {
+        if self.meter.take(fronts.count.div_ceil(FILLED)) {
             self.rule_out_beside(fronts, place, &ruled_out);
         }
     }
@@ -339,31 +352,43 @@ impl Search<'_> {
     /// Rules out turns at climb targets next to that of a front.
     ///
     /// Another climb angle moves the aircraft by V Δθ t at most until the turn parts from that of the front, and by
-    /// V √(Δψ² + Δθ²) t then.
+    /// V √(Δψ² + Δθ²) t then, or by V Δθ t and V ω t² / 2 however far it turns on.
     fn rule_out_beside(&self, fronts: &mut Fronts, place: usize, ruled_out: &RuledOut) {
-        let short_s = ruled_out.short_m / self.scene.flyer.airspeed_mps();
+        let flyer = self.scene.flyer;
+        let short_s = ruled_out.short_m / flyer.airspeed_mps();
+        let turns_on_s = 0.5 * flyer.course_rate_radps() * ruled_out.left_s * ruled_out.left_s;
         let climbs = &self.climbs;
         let Some(here) = climbs.all.get(place) else {
             return;
         };
         let mut beside = |place: usize| {
-            let (Some(climb), Some(climb_cost), Some(least_rad), Some(is_ready)) = (
+            let (Some(climb), Some(climb_cost), Some(least_rad)) = (
                 climbs.all.get(place),
                 climbs.costs.get(place),
                 fronts.least_rad.get(place),
-                fronts.is_ready.get(place),
             ) else {
                 return false;
             };
             let beyond_rad = (climb.climb_rad - here.climb_rad).abs();
             let reach_rad = (short_s - beyond_rad * ruled_out.turns_s) / ruled_out.left_s;
-            if reach_rad <= beyond_rad {
+            let half_rad = if ruled_out.left_s > 0.0 && reach_rad > beyond_rad {
+                libm::sqrt(reach_rad * reach_rad - beyond_rad * beyond_rad)
+            } else {
+                0.0
+            };
+            // However far it turns on, it moves the aircraft by no more than this.
+            let until_s = ruled_out.turns_s + ruled_out.left_s;
+            let is_last = short_s > beyond_rad * until_s + turns_on_s;
+            if half_rad <= 0.0 && !is_last {
                 return false;
             }
-            let half_rad = libm::sqrt(reach_rad * reach_rad - beyond_rad * beyond_rad);
-            let until_rad = ruled_out.turn_rad + half_rad;
+            let until_rad = if is_last {
+                f64::INFINITY
+            } else {
+                ruled_out.turn_rad + half_rad
+            };
             let is_next = *least_rad >= ruled_out.turn_rad - half_rad;
-            if is_next && until_rad > *least_rad && !is_ready {
+            if is_next && until_rad > *least_rad {
                 fronts.put(place, until_rad, fronts.cost(until_rad, *climb_cost));
             }
             true
@@ -422,15 +447,6 @@ impl Search<'_> {
         let steps = whole((turn_rad - least_rad) / ARC_STEP_RAD, MOST_ARC_STEPS);
         let step_rad = (turn_rad - least_rad) / steps as f64;
         let mut rolls_m = 0.0;
-        let ruled_out = |until_rad| {
-            Some(RuledOut {
-                turn_rad,
-                until_rad,
-                short_m: 0.0,
-                turns_s: 0.0,
-                left_s: 0.0,
-            })
-        };
         for step in 1..=steps + 1 {
             let is_arc = step <= steps;
             let there = if is_arc {
@@ -453,12 +469,20 @@ impl Search<'_> {
             let floor_m = target_m - bow_m(lasts_s, rates_radps) - rolls_m - tangent.inexact_m;
             let found = self.on_line(&line(here, there), &clear, floor_m);
             if found.margin_m < floor_m {
-                if is_arc {
-                    return ruled_out(f64::INFINITY);
-                }
-                let left_s = found.at_s - tangent.parts_s;
-                let step_rad = self.least_more_rad(floor_m - found.margin_m, left_s);
-                return ruled_out(turn_rad + step_rad.max(LEAST_STEP_RAD));
+                let short_m = floor_m - found.margin_m;
+                let left_s = if is_arc {
+                    0.0
+                } else {
+                    (found.at_s - tangent.parts_s).max(0.0)
+                };
+                let step_rad = self.least_more_rad(short_m, left_s);
+                return Some(RuledOut {
+                    turn_rad,
+                    until_rad: turn_rad + step_rad.max(LEAST_STEP_RAD),
+                    short_m,
+                    turns_s: found.at_s - left_s - entry.wait_s(),
+                    left_s,
+                });
             }
             here = there;
         }
