@@ -290,3 +290,22 @@ impl Search<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_prospect_is_next_and_those_passed_over_wait() {
+        let mut prospects = [Prospect::NONE; PROSPECTS];
+        assert_eq!(next_of(&prospects, 0), None);
+        for (place, departure_m) in [(2, 30.0), (5, 10.0), (6, 20.0)] {
+            prospects[place].departure_m = departure_m;
+        }
+        assert_eq!(next_of(&prospects, 0), Some((5, 20.0)));
+        assert_eq!(next_of(&prospects, 1), Some((6, 30.0)));
+        assert_eq!(next_of(&prospects, 2), Some((2, f64::INFINITY)));
+        // Three are left: what would be passed over thrice is the first again.
+        assert_eq!(next_of(&prospects, 3), Some((5, 20.0)));
+    }
+}
