@@ -136,9 +136,8 @@ pub struct Avoider {
     meter: Meter,
     /// Consecutive searches that met the limit: the next one continues with other manoeuvres.
     cut: u32,
-    /// Grids that the searches of this encounter have looked at, and until the last news.
+    /// Grids that searches have looked at since the last news.
     grids: u32,
-    grids_at_news: u32,
     /// The course at which the next look for a smaller departure begins.
     improved_to: u32,
     /// Predicted velocity of the aircraft over the ground, metres per second.
@@ -184,7 +183,6 @@ impl Avoider {
             meter: Meter::unlimited(),
             cut: 0,
             grids: 0,
-            grids_at_news: 0,
             improved_to: 0,
             drift: drift::Drift::default(),
             drift_m: 0.0,

@@ -174,6 +174,20 @@ impl Vehicle {
 mod tests {
     use super::*;
 
+    impl Vehicle {
+        /// The vehicle of Table 4 with a bank lag and the turn rate of a real aircraft.
+        pub(crate) const fn lagged(bank_time_constant_s: f64) -> Self {
+            Self {
+                response: Response {
+                    dead_time_s: 0.0,
+                    bank_time_constant_s,
+                    turn_rate_factor: 0.8,
+                },
+                ..Self::table_4()
+            }
+        }
+    }
+
     #[test]
     fn a_vehicle_from_its_bank_angle_turns_as_eq_8_says() {
         let vehicle = Vehicle::from_bank(15.0, 30f64.to_radians()).unwrap();

@@ -1,8 +1,8 @@
 //! The expected duration of a campaign, before it is flown.
 //!
-//! A small sample of what is left is flown first, on the same threads, and its rows are kept: no encounter is flown
-//! twice. The sample is spread over all of the encounters, so that a campaign that grows harder towards its end is not
-//! underestimated.
+//! The campaign flies a small sample of what is left first, on the same threads. It keeps the sample's rows and flies no
+//! encounter twice. The sample is spread over all encounters, so that a campaign that grows harder towards its end is
+//! not underestimated.
 
 use alloc::collections::BTreeMap;
 use core::sync::atomic::{AtomicU64, Ordering};

@@ -234,14 +234,13 @@ impl Tracks {
     ) {
         self.clear();
         let limits = (surveillance_radius_m, horizon_s);
-        if let Obstacles::Rows(rows) = situation.obstacles {
-            for obstacle in rows {
-                self.consider(situation, obstacle, limits, sigmas);
-            }
-        } else {
-            for obstacle in situation.obstacles.iter() {
-                self.consider(situation, &obstacle, limits, sigmas);
-            }
+        match situation.obstacles {
+            // Read in place.
+            Obstacles::Rows(rows) => rows
+                .iter()
+                .for_each(|obstacle| self.consider(situation, obstacle, limits, sigmas)),
+            Obstacles::Columns(_) => (situation.obstacles.iter())
+                .for_each(|obstacle| self.consider(situation, &obstacle, limits, sigmas)),
         }
         self.complete(situation, limits, sigmas);
     }

@@ -6,6 +6,7 @@ mod depth;
 mod detour;
 mod farther;
 mod foresight;
+mod glance;
 mod holding;
 mod need;
 mod room;
@@ -316,7 +317,7 @@ impl Avoider {
         let period_s = self.settings.decision_period_s;
         let entry_s = threat.entry_s;
         let cut = self.cut;
-        (self.grids, self.grids_at_news) = (0, 0);
+        self.grids = 0;
         let (mut candidates, mut limit_met) = (0, false);
         let mut choice = Choice::NONE;
         for target_m in self.targets_m() {
@@ -429,8 +430,7 @@ impl Avoider {
 
     /// Grids that a whole search since the last news has left to look at.
     const fn grids_left(&self) -> u32 {
-        let looked_at = self.grids.saturating_sub(self.grids_at_news);
-        GRIDS_A_SEARCH.saturating_sub(looked_at)
+        GRIDS_A_SEARCH.saturating_sub(self.grids)
     }
 
     /// Flying the manoeuvre: keeps it, replaces it, or returns.
@@ -472,7 +472,7 @@ impl Avoider {
             || picture.differs_from(&plan.picture)
             || (self.tracks.uncertain && self.cycle.is_multiple_of(LOOK_AT_NOISE));
         if is_news {
-            self.grids_at_news = self.grids;
+            self.grids = 0;
         }
         let is_searched = self.grids_left() == 0;
         let look_again = self.cycle.is_multiple_of(SEARCH_AGAIN);

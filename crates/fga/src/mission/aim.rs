@@ -346,7 +346,7 @@ mod tests {
     use super::*;
     use crate::mission::join::{join, join_roughly};
     use crate::prediction::flown;
-    use crate::vehicle::{Response, Vehicle};
+    use crate::vehicle::Vehicle;
     use proptest::prelude::*;
 
     proptest! {
@@ -364,14 +364,7 @@ mod tests {
                 (-40.0..40.0f64, -0.2..0.2f64),
             ],
         ) {
-            let vehicle = Vehicle {
-                response: Response {
-                    dead_time_s: 0.0,
-                    bank_time_constant_s: lag_s,
-                    turn_rate_factor: 0.8,
-                },
-                ..Vehicle::table_4()
-            };
+            let vehicle = Vehicle::lagged(lag_s);
             let mut flyer = Flyer::new(&vehicle);
             let bank_rad = bank * flyer.full_bank_rad();
             flyer.keep_rolls_from(bank_rad);

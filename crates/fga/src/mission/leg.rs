@@ -192,7 +192,7 @@ mod tests {
     use crate::meter::Meter;
     use crate::mission::join::{JoinLimits, ON_LEG_M, join};
     use crate::prediction::Flyer;
-    use crate::vehicle::{Response, Vehicle};
+    use crate::vehicle::Vehicle;
     use proptest::prelude::*;
 
     proptest! {
@@ -203,14 +203,7 @@ mod tests {
             (cross_m, course_rad) in (-600.0..600.0f64, -3.1..3.1f64),
             wind_mps in prop_oneof![Just(0.0), -6.0..6.0f64],
         ) {
-            let vehicle = Vehicle {
-                response: Response {
-                    dead_time_s: 0.0,
-                    bank_time_constant_s: lag_s,
-                    turn_rate_factor: 0.8,
-                },
-                ..Vehicle::table_4()
-            };
+            let vehicle = Vehicle::lagged(lag_s);
             let flyer = Flyer::new(&vehicle);
             let speed_mps = vehicle.airspeed_mps;
             let wind_mps = Vec3::new(0.0, wind_mps, 0.0);

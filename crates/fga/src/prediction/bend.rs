@@ -290,7 +290,7 @@ mod tests {
     use super::*;
     use crate::maneuver::Maneuver;
     use crate::prediction::FlightPath;
-    use crate::vehicle::{Response, Vehicle};
+    use crate::vehicle::Vehicle;
 
     #[test]
     fn a_turn_ends_on_the_line_that_was_told() {
@@ -304,12 +304,7 @@ mod tests {
             let vehicle = Vehicle {
                 airspeed_mps: speed_mps,
                 turn_radius_m: radius_m,
-                response: Response {
-                    dead_time_s: 0.0,
-                    bank_time_constant_s: lag_s,
-                    turn_rate_factor: 0.8,
-                },
-                ..Vehicle::table_4()
+                ..Vehicle::lagged(lag_s)
             };
             let flyer = Flyer::new(&vehicle);
             let full_rad = if lag_s > 0.0 {

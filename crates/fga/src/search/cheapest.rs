@@ -408,18 +408,11 @@ mod tests {
     use crate::prediction::{FlightPath, Flyer};
     use crate::search::{Scene, Turns};
     use crate::situation::ProtectedVolume;
-    use crate::vehicle::{Response, Vehicle};
+    use crate::vehicle::Vehicle;
     use proptest::prelude::*;
 
     fn vehicle(lag_s: f64) -> Vehicle {
-        Vehicle {
-            response: Response {
-                dead_time_s: 0.0,
-                bank_time_constant_s: lag_s,
-                turn_rate_factor: 0.8,
-            },
-            ..Vehicle::table_4()
-        }
+        Vehicle::lagged(lag_s)
     }
 
     proptest! {

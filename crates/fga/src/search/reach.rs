@@ -213,7 +213,7 @@ mod tests {
     use crate::prediction::{FlightPath, Flyer};
     use crate::search::Objective;
     use crate::situation::ProtectedVolume;
-    use crate::vehicle::{Response, Vehicle};
+    use crate::vehicle::Vehicle;
     use proptest::prelude::*;
     use proptest::test_runner::{Config, TestRunner};
 
@@ -224,14 +224,7 @@ mod tests {
         (course_rad, speed_mps): (f64, f64),
         stages: &[(f64, f64, f64)],
     ) -> (bool, f64) {
-        let vehicle = Vehicle {
-            response: Response {
-                dead_time_s: 0.0,
-                bank_time_constant_s: lag_s,
-                turn_rate_factor: 0.8,
-            },
-            ..Vehicle::table_4()
-        };
+        let vehicle = Vehicle::lagged(lag_s);
         let mut flyer = Flyer::new(&vehicle);
         let full_rad = flyer.bank_rad(flyer.course_rate_radps());
         let bank_rad = if lag_s > 0.0 { bank * full_rad } else { 0.0 };

@@ -193,7 +193,7 @@ mod tests {
     use crate::meter::Meter;
     use crate::prediction::flown;
     use crate::search::SecondTurn;
-    use crate::vehicle::{Response, Vehicle};
+    use crate::vehicle::Vehicle;
     use proptest::prelude::*;
 
     /// Steps of the differences: seconds and radians.
@@ -222,18 +222,16 @@ mod tests {
 
     /// Where a manoeuvre leads by a moment, straight from its definition.
     fn place(flyer: &Flyer, at: &[f64; PARAMETERS], at_s: f64) -> Vec3 {
-        let [
-            wait_s,
-            turn_rad,
-            climb_rad,
-            after_s,
-            second_rad,
-            second_climb,
-        ] = *at;
+        let first = to_turns(at);
+        let second = first.second.unwrap();
         let mut maneuver = Maneuver::hold();
         for (start_s, course_rad, climb_rad) in [
-            (wait_s, turn_rad, climb_rad),
-            (wait_s + after_s, turn_rad + second_rad, second_climb),
+            (first.wait_s, first.turn_rad, first.climb_rad),
+            (
+                first.wait_s + second.after_s,
+                first.turn_rad + second.turn_rad,
+                second.climb_rad,
+            ),
         ] {
             maneuver.push(Stage {
                 start_s,
@@ -278,14 +276,7 @@ mod tests {
     }
 
     fn flyer(lag_s: f64) -> Flyer {
-        Flyer::new(&Vehicle {
-            response: Response {
-                dead_time_s: 0.0,
-                bank_time_constant_s: lag_s,
-                turn_rate_factor: 0.8,
-            },
-            ..Vehicle::table_4()
-        })
+        Flyer::new(&Vehicle::lagged(lag_s))
     }
 
     proptest! {

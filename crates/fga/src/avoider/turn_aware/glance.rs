@@ -1,0 +1,100 @@
+//! A glance at a way back that is not flown: whether it leads to an obstacle.
+
+use crate::avoider::{Avoider, Plan};
+use crate::certificate::Line;
+use crate::limit::Limit as _;
+use crate::mission::Way;
+use crate::prediction::MotionState;
+use crate::situation::Situation;
+
+use super::NEXT_ENCOUNTER_S;
+use super::way_back::passes_s;
+
+/// A way that is not flown leads hardly farther than this from where it seems to, turn radii: without bank lag and with it.
+const ROUGHLY: [f64; 2] = [0.002, 0.02];
+
+/// It meets obstacles at most this much sooner or later, seconds.
+const ROUGHLY_S: f64 = 0.5;
+
+impl Avoider {
+    /// By how many metres a way back leads into an obstacle, wherever in its neighbourhood it lies; `None` for one that does
+    /// not.
+    pub(super) fn leads_to_obstacle(
+        &self,
+        way: &Way,
+        index: usize,
+        plan: &Plan,
+        now: (&Situation<'_>, &MotionState),
+    ) -> Option<f64> {
+        let is_here = index == self.progress.index();
+        self.blocked_by_m(way)
+            .or_else(|| is_here.then(|| self.leads_back(way, plan, now)).flatten())
+    }
+
+    /// By how many metres a way back leads into an obstacle that stands on it; `None` where none does.
+    fn blocked_by_m(&self, way: &Way) -> Option<f64> {
+        let inside_m = self.target_m - self.roughly_m();
+        let hazards = self.tracks.hazards().rows();
+        let found = way.lines().filter_map(|(line, bow_m)| {
+            let duration_s = line.duration_s.min(self.far_s - line.at_s);
+            if duration_s <= 0.0 {
+                return None;
+            }
+            if !self.meter.take(hazards.len()) {
+                return None;
+            }
+            let line = Line { duration_s, ..line };
+            let into_m = hazards.iter().filter_map(|hazard| {
+                let (margin_m, _) = hazard.least_on_line(&line, inside_m - bow_m, &self.meter)?;
+                Some(inside_m - bow_m - margin_m)
+            });
+            into_m.reduce(f64::max)
+        });
+        found.reduce(f64::max)
+    }
+
+    /// By how many metres a way back onto the present leg leads into an obstacle of the same encounter once it is there;
+    /// `None` for one that does not.
+    fn leads_back(
+        &self,
+        way: &Way,
+        plan: &Plan,
+        (situation, now): (&Situation<'_>, &MotionState),
+    ) -> Option<f64> {
+        let (end_m, end_s) = way.end().map(|end| (end.at_m, end.at_s))?;
+        let leg = self.progress.leg(now);
+        let (low, high) = self.climb_limits_rad();
+        let on_leg = MotionState {
+            course_rad: leg.air_course_rad,
+            climb_rad: leg.climb_rad.limited(low, high),
+            ..*now
+        };
+        let left_m = leg.length_m - leg.position(end_m, end_s).along_m;
+        let left_s = left_m / leg.ground_speed_mps.max(f64::MIN_POSITIVE);
+        let line = Line {
+            from_m: end_m,
+            velocity_mps: self.flyer.velocity_mps(&on_leg),
+            at_s: end_s,
+            duration_s: left_s.min(self.far_s - end_s).max(0.0),
+        };
+        let inside_m = self.target_m - self.roughly_m();
+        let hazards = self.tracks.hazards().rows();
+        if !self.meter.take(hazards.len()) {
+            return None;
+        }
+        let mut same = hazards.iter().filter(|h| plan.against.contains(h.id));
+        same.find_map(|hazard| {
+            let until_s = passes_s(hazard, situation) + NEXT_ENCOUNTER_S - ROUGHLY_S;
+            let (margin_m, at_s) = hazard.least_on_line(&line, inside_m, &self.meter)?;
+            let is_same = at_s < until_s && at_s < end_s + line.duration_s;
+            is_same.then_some(inside_m - margin_m)
+        })
+    }
+
+    /// A way that is not flown leads hardly farther than this from where it seems to, metres.
+    pub(super) fn roughly_m(&self) -> f64 {
+        let [ideal, lagged] = ROUGHLY;
+        let radii = if self.flyer.is_ideal() { ideal } else { lagged };
+        radii * self.flyer.turn_radius_m()
+    }
+}
