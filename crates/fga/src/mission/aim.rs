@@ -8,7 +8,7 @@ use crate::angle::wrap_pi;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::{BEND, Meter, SETUP};
-use crate::mission::join::{JoinLimits, ON_LEG_M};
+use crate::mission::join::{JoinLimits, ON_LEG_M, near_m};
 use crate::mission::leg::Leg;
 use crate::prediction::{Bend, Exit, Flyer, MotionState};
 
@@ -200,9 +200,10 @@ impl Turns<'_> {
             let intercepts = along(leg.air_course_rad + offset);
             [self.first(begins, by_rad), self.second(intercepts, -offset)]
         };
+        let mut both = [Turning::default(); 2];
         // Cross-track distance after a turn to `offset` from the leg's course, and from there onto it.
-        let after_turns = |offset: f64, by_rad: f64| {
-            let both = turns(offset, by_rad);
+        let mut after_turns = |offset: f64, by_rad: f64| {
+            both = turns(offset, by_rad);
             let across_m = both.map(|turn| turn.across_m(leg, drift_mps));
             let settling_mps = speed_mps * leg.left_of(both[1].along) + drift_mps;
             position.cross_m + across_m.iter().sum::<f64>() + settling_mps * settles_s
@@ -230,12 +231,22 @@ impl Turns<'_> {
                 };
             } else {
                 // The leg is near: the intercept angle that needs no straight piece.
-                let near = |offset: f64| after_turns(offset, onto + offset);
-                offset = root(near, (0.0, cross_direct), (steepest, left));
+                // Between two turns of one radius the distance is linear in its versed sine.
+                let of = |versine: f64| {
+                    libm::copysign(2.0 * libm::asin(libm::sqrt(0.5 * versine)), side)
+                };
+                let near = |versine: f64| after_turns(of(versine), onto + of(versine));
+                let most = 1.0 - libm::cos(steepest);
+                offset = of(root(
+                    near,
+                    ((0.0, cross_direct), (most, left)),
+                    near_m(flyer),
+                ));
                 (by_rad, same_from_rad) = (onto + offset, offset.abs());
             }
         }
-        let [first, second] = turns(offset, by_rad);
+        // The last turns looked at are those of the join.
+        let [first, second] = both;
         let intercept_course = state.course_rad + by_rad;
         let course = if offset == 0.0 {
             state.course_rad + onto
@@ -317,16 +328,21 @@ fn climb_back(
     }
     // Close to the height: the climb angle whose two ramps alone gain it.
     let left = |climb: f64| gain_m - ramps(climb);
-    let climb = root(left, (final_rad, left(final_rad)), (limit, left(limit)));
+    let ends = ((final_rad, left(final_rad)), (limit, left(limit)));
+    let climb = root(left, ends, near_m(flyer));
     (climb, (climb - now_rad).abs() / rate)
 }
 
-/// The zero of a function with opposite signs at two points (the Illinois method).
-fn root(function: impl Fn(f64) -> f64, low: (f64, f64), high: (f64, f64)) -> f64 {
+/// Where a function with opposite signs at two points is within a bound of zero (the Illinois method).
+fn root(
+    mut function: impl FnMut(f64) -> f64,
+    (low, high): ((f64, f64), (f64, f64)),
+    within: f64,
+) -> f64 {
     let ((mut a, mut at_a), (mut b, mut at_b)) = (low, high);
     for _ in 0..24 {
         let step = at_b - at_a;
-        if at_b.abs() < 1e-9 || step == 0.0 {
+        if at_b.abs() < within || step == 0.0 {
             break;
         }
         let c = b - at_b * (b - a) / step;

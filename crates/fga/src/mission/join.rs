@@ -80,6 +80,11 @@ pub fn is_on_leg(leg: &Leg, state: &MotionState) -> bool {
         && (leg.climb_rad - state.climb_rad).abs() < ON_COURSE_RAD
 }
 
+/// How near a way onto a leg must end, metres.
+pub(super) fn near_m(flyer: &Flyer) -> f64 {
+    if flyer.is_ideal() { EXACT_M } else { LAGGED_M }
+}
+
 /// The way onto a leg from a state, at an intercept angle or a smaller one if the leg is near.
 pub(crate) fn join(
     flyer: &Flyer,
@@ -90,7 +95,7 @@ pub(crate) fn join(
 ) -> Join {
     let mut shot = aim(flyer, leg, state, limits, meter);
     let mut join = fly(flyer, leg, state, &shot, meter);
-    let near_m = if flyer.is_ideal() { EXACT_M } else { LAGGED_M };
+    let near_m = near_m(flyer);
     for _ in 0..CORRECTIONS {
         if join.cross_m.abs() < near_m && join.above_m.abs() < near_m {
             break;
