@@ -134,24 +134,51 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     // The prediction errs by at most this, so the certificate asks for that much more.
     let remainder_m = path.remainder_m();
     let (floor_m, enough_m) = (asked.floor_m + remainder_m, asked.enough_m + remainder_m);
-    // First the unsplit chords: none whose margin less its bow is above this can decide. That is nothing
-    // new if floor and ceiling are equal.
     let mut worst = Certificate::clear(enough_m);
-    let one_mark = floor_m >= enough_m;
-    let above = one_mark
-        || for_each_chord(flyer, path, horizon_s, |chord| {
-            let below_m = worst.margin_m - chord.bow_m;
-            hazards.each_close(&chord.line, below_m, meter, |hazard| {
-                let below_m = worst.margin_m - chord.bow_m;
-                if let Some((margin, at_s)) = hazard.least_on_line(&chord.line, below_m, meter) {
-                    lower(&mut worst, margin + chord.bow_m, at_s, hazard);
+    // First the long straight line at the end: what comes close there rules out most chords.
+    let above = path.nodes().last().is_none_or(|last| {
+        let line = Line {
+            from_m: last.state.position_m,
+            velocity_mps: path.end_velocity_mps(),
+            at_s: last.state.time_s,
+            duration_s: horizon_s - last.state.time_s,
+        };
+        line.duration_s < 0.0
+            || hazards.each_close(&line, worst.margin_m, meter, |hazard| {
+                if let Some((margin, at_s)) = hazard.least_on_line(&line, worst.margin_m, meter) {
+                    lower(&mut worst, margin, at_s, hazard);
                 }
                 worst.margin_m >= floor_m
-            }) && !meter.is_met()
-        });
-    // Then the deciding ones, split until the bow no longer matters.
+            })
+    });
+    // Then the unsplit chords: only those whose margin less the bow is below what is known so far may decide, so the first and
+    // the last of them bound what is split. Without a gap between floor and ceiling all may.
+    let one_mark = floor_m >= enough_m;
+    let mut deciding_s = if one_mark {
+        (f64::NEG_INFINITY, f64::INFINITY)
+    } else {
+        (f64::INFINITY, f64::NEG_INFINITY)
+    };
     let above = above
-        && for_each_chord(flyer, path, horizon_s, |chord| {
+        && (one_mark
+            || for_each_chord(flyer, path, (f64::NEG_INFINITY, horizon_s), |chord| {
+                let below_m = worst.margin_m + chord.bow_m;
+                hazards.each_close(&chord.line, below_m, meter, |hazard| {
+                    let below_m = worst.margin_m + chord.bow_m;
+                    if let Some((margin, at_s)) = hazard.least_on_line(&chord.line, below_m, meter)
+                    {
+                        deciding_s = (deciding_s.0.min(chord.line.at_s), chord.line.at_s);
+                        lower(&mut worst, margin + chord.bow_m, at_s, hazard);
+                    }
+                    worst.margin_m >= floor_m
+                }) && !meter.is_met()
+            }));
+    // Those are split until the bow no longer matters.
+    let above = above
+        && for_each_chord(flyer, path, (deciding_s.0, horizon_s), |chord| {
+            if chord.line.at_s > deciding_s.1 {
+                return true;
+            }
             let below_m = worst.margin_m + chord.bow_m;
             hazards.each_close(&chord.line, below_m, meter, |hazard| {
                 let below_m = worst.margin_m + chord.bow_m;
@@ -160,24 +187,6 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
                 }
                 worst.margin_m >= floor_m
             }) && !meter.is_met()
-        });
-    let last = path.nodes().last().map(|last| last.state);
-    let above = above
-        && last.is_none_or(|state| {
-            let line = Line {
-                from_m: state.position_m,
-                velocity_mps: path.end_velocity_mps(),
-                at_s: state.time_s,
-                duration_s: horizon_s - state.time_s,
-            };
-            line.duration_s < 0.0
-                || hazards.each_close(&line, worst.margin_m, meter, |hazard| {
-                    if let Some((margin, at_s)) = hazard.least_on_line(&line, worst.margin_m, meter)
-                    {
-                        lower(&mut worst, margin, at_s, hazard);
-                    }
-                    worst.margin_m >= floor_m
-                })
         });
     let below_floor = worst.margin_m < floor_m;
     // A sufficient margin is exactly the requested one, despite rounding.
@@ -215,7 +224,7 @@ pub(crate) fn mark_close(
         true
     };
     let below_m = below_m + path.remainder_m();
-    let goes_on = for_each_chord(flyer, path, horizon_s, |chord| {
+    let goes_on = for_each_chord(flyer, path, (f64::NEG_INFINITY, horizon_s), |chord| {
         hazards.each_close(&chord.line, below_m + chord.bow_m, meter, &mut mark)
     });
     if goes_on && let Some(last) = path.nodes().last() {
@@ -327,19 +336,22 @@ impl<'a> Chord<'a> {
     }
 }
 
-/// Shows the chords of a path up to `horizon_s`, the last one cut there, until `visit` is false;
+/// Shows the chords of a path that begin at `from_s` or later, up to `horizon_s`, the last one cut there, until `visit` is false;
 /// returns whether it never was.
 #[inline]
 fn for_each_chord(
     flyer: &Flyer,
     path: &FlightPath,
-    horizon_s: f64,
+    (from_s, horizon_s): (f64, f64),
     mut visit: impl FnMut(&Chord<'_>) -> bool,
 ) -> bool {
     for pair in path.nodes().windows(2) {
         let [node, next] = pair else { continue };
         if node.state.time_s >= horizon_s {
             return true;
+        }
+        if node.state.time_s < from_s {
+            continue;
         }
         let chord = if next.state.time_s > horizon_s {
             let end = flyer.advance(&node.state, &node.piece(), horizon_s - node.state.time_s);
