@@ -136,13 +136,7 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     let (floor_m, enough_m) = (asked.floor_m + remainder_m, asked.enough_m + remainder_m);
     let mut worst = Certificate::clear(enough_m);
     // First the long straight line at the end: what comes close there rules out most chords.
-    let above = path.nodes().last().is_none_or(|last| {
-        let line = Line {
-            from_m: last.state.position_m,
-            velocity_mps: path.end_velocity_mps(),
-            at_s: last.state.time_s,
-            duration_s: horizon_s - last.state.time_s,
-        };
+    let above = end_line(path, horizon_s).is_none_or(|line| {
         line.duration_s < 0.0
             || hazards.each_close(&line, worst.margin_m, meter, |hazard| {
                 if let Some((margin, at_s)) = hazard.least_on_line(&line, worst.margin_m, meter) {
@@ -161,7 +155,7 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     };
     let above = above
         && (one_mark
-            || for_each_chord(flyer, path, (f64::NEG_INFINITY, horizon_s), |chord| {
+            || for_each_chord(flyer, path.nodes(), horizon_s, |chord| {
                 let below_m = worst.margin_m + chord.bow_m;
                 hazards.each_close(&chord.line, below_m, meter, |hazard| {
                     let below_m = worst.margin_m + chord.bow_m;
@@ -175,10 +169,7 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
             }));
     // Those are split until the bow no longer matters.
     let above = above
-        && for_each_chord(flyer, path, (deciding_s.0, horizon_s), |chord| {
-            if chord.line.at_s > deciding_s.1 {
-                return true;
-            }
+        && for_each_chord(flyer, chords_begun(path, deciding_s), horizon_s, |chord| {
             let below_m = worst.margin_m + chord.bow_m;
             hazards.each_close(&chord.line, below_m, meter, |hazard| {
                 let below_m = worst.margin_m + chord.bow_m;
@@ -224,16 +215,11 @@ pub(crate) fn mark_close(
         true
     };
     let below_m = below_m + path.remainder_m();
-    let goes_on = for_each_chord(flyer, path, (f64::NEG_INFINITY, horizon_s), |chord| {
+    let goes_on = for_each_chord(flyer, path.nodes(), horizon_s, |chord| {
         hazards.each_close(&chord.line, below_m + chord.bow_m, meter, &mut mark)
     });
-    if goes_on && let Some(last) = path.nodes().last() {
-        let line = Line {
-            from_m: last.state.position_m,
-            velocity_mps: path.end_velocity_mps(),
-            at_s: last.state.time_s,
-            duration_s: (horizon_s - last.state.time_s).max(0.0),
-        };
+    if goes_on && let Some(mut line) = end_line(path, horizon_s) {
+        line.duration_s = line.duration_s.max(0.0);
         hazards.each_close(&line, below_m, meter, &mut mark);
     }
     if meter.is_spent() {
@@ -336,22 +322,38 @@ impl<'a> Chord<'a> {
     }
 }
 
-/// Shows the chords of a path that begin at `from_s` or later, up to `horizon_s`, the last one cut there, until `visit` is false;
-/// returns whether it never was.
+/// The straight line from the last node of a path to `horizon_s`; its duration is negative where the path ends later.
+fn end_line(path: &FlightPath, horizon_s: f64) -> Option<Line> {
+    let last = path.nodes().last()?.state;
+    Some(Line {
+        from_m: last.position_m,
+        velocity_mps: path.end_velocity_mps(),
+        at_s: last.time_s,
+        duration_s: horizon_s - last.time_s,
+    })
+}
+
+/// The nodes of the chords of a path that begin within two moments, seconds.
+fn chords_begun(path: &FlightPath, (from_s, until_s): (f64, f64)) -> &[Node] {
+    let nodes = path.nodes();
+    let first = nodes.partition_point(|node| node.state.time_s < from_s);
+    let end = nodes.partition_point(|node| node.state.time_s <= until_s) + 1;
+    nodes.get(first..end.min(nodes.len())).unwrap_or(&[])
+}
+
+/// Shows the chords between nodes up to `horizon_s`, the last one cut there, until `visit` is false; returns whether it
+/// never was.
 #[inline]
 fn for_each_chord(
     flyer: &Flyer,
-    path: &FlightPath,
-    (from_s, horizon_s): (f64, f64),
+    nodes: &[Node],
+    horizon_s: f64,
     mut visit: impl FnMut(&Chord<'_>) -> bool,
 ) -> bool {
-    for pair in path.nodes().windows(2) {
+    for pair in nodes.windows(2) {
         let [node, next] = pair else { continue };
         if node.state.time_s >= horizon_s {
             return true;
-        }
-        if node.state.time_s < from_s {
-            continue;
         }
         let chord = if next.state.time_s > horizon_s {
             let end = flyer.advance(&node.state, &node.piece(), horizon_s - node.state.time_s);

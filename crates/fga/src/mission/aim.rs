@@ -235,13 +235,12 @@ impl Turns<'_> {
                 let of = |versine: f64| {
                     libm::copysign(2.0 * libm::asin(libm::sqrt(0.5 * versine)), side)
                 };
-                let near = |versine: f64| after_turns(of(versine), onto + of(versine));
-                let most = 1.0 - libm::cos(steepest);
-                offset = of(root(
-                    near,
-                    ((0.0, cross_direct), (most, left)),
-                    near_m(flyer),
-                ));
+                let near = |versine: f64| {
+                    let offset = of(versine);
+                    after_turns(offset, onto + offset)
+                };
+                let ends = ((0.0, cross_direct), (1.0 - libm::cos(steepest), left));
+                offset = of(root(near, ends, near_m(flyer)));
                 (by_rad, same_from_rad) = (onto + offset, offset.abs());
             }
         }

@@ -411,10 +411,6 @@ mod tests {
     use crate::vehicle::Vehicle;
     use proptest::prelude::*;
 
-    fn vehicle(lag_s: f64) -> Vehicle {
-        Vehicle::lagged(lag_s)
-    }
-
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
         /// No turn of a grid that is certified is cheaper than what branch and bound finds, and there is none where
@@ -428,7 +424,7 @@ mod tests {
                 1..4,
             ),
         ) {
-            let vehicle = vehicle(if lagged { 0.6 } else { 0.0 });
+            let vehicle = Vehicle::lagged(if lagged { 0.6 } else { 0.0 });
             let flyer = Flyer::new(&vehicle);
             let mut hazards = Hazards::new();
             for (place, (meets_s, aside_m, above_m, course_rad, speed_mps)) in

@@ -37,10 +37,7 @@ impl Avoider {
         let hazards = self.tracks.hazards().rows();
         let found = way.lines().filter_map(|(line, bow_m)| {
             let duration_s = line.duration_s.min(self.far_s - line.at_s);
-            if duration_s <= 0.0 {
-                return None;
-            }
-            if !self.meter.take(hazards.len()) {
+            if duration_s <= 0.0 || !self.meter.take(hazards.len()) {
                 return None;
             }
             let line = Line { duration_s, ..line };
