@@ -1,5 +1,8 @@
 //! The obstacles that matter for a decision, in a buffer of fixed size.
 
+mod memory;
+
+use self::memory::{Known, Memory};
 use crate::Vec3;
 use crate::avoider::Kept;
 use crate::avoider::intruders::{Clearance, Freedom, Motions, Room, Trend};
@@ -416,78 +419,6 @@ impl Tracks {
             .unwrap_or((0, f64::NEG_INFINITY));
         self.farthest = Some(farthest);
         farthest
-    }
-}
-
-/// The obstacles at the last step.
-#[derive(Debug, Clone)]
-struct Memory {
-    known: [Known; MAX_TRACKED],
-    len: usize,
-}
-
-impl Memory {
-    #[expect(
-        clippy::large_stack_arrays,
-        reason = "no allocation: the caller says where it lies"
-    )]
-    const NONE: Self = Self {
-        known: [Known::NONE; MAX_TRACKED],
-        len: 0,
-    };
-
-    fn known(&self, place: usize) -> Option<Known> {
-        let known = self.known.get(..self.len)?;
-        known.get(place).copied()
-    }
-
-    /// The obstacle with an identifier; most often it has the same index as before.
-    fn of(&self, id: u32, place: usize) -> Option<Known> {
-        let is_it = |known: &Known| known.obstacle.id == id;
-        self.known(place)
-            .filter(is_it)
-            .or_else(|| self.known.iter().take(self.len).copied().find(is_it))
-    }
-
-    fn add(&mut self, known: Known) {
-        if let Some(slot) = self.known.get_mut(self.len) {
-            *slot = known;
-            self.len += 1;
-        }
-    }
-}
-
-/// An obstacle at its last report, over the ground.
-#[derive(Debug, Clone, Copy)]
-struct Known {
-    obstacle: Obstacle,
-    heard_s: f64,
-    trend: Trend,
-}
-
-impl Known {
-    const NONE: Self = Self {
-        obstacle: Obstacle::new(
-            0,
-            Vec3::ZERO,
-            Vec3::ZERO,
-            ProtectedVolume::Sphere { radius_m: 0.0 },
-        ),
-        heard_s: f64::NEG_INFINITY,
-        trend: Trend::STRAIGHT,
-    };
-
-    /// Its extrapolation without reports: straight on, and within its bounds.
-    fn coasted(&self, missing_s: f64) -> Obstacle {
-        let mut obstacle = self.obstacle;
-        obstacle.position_m = obstacle.position_after_m(missing_s);
-        if let Some(bounds) = obstacle.movement.bounds() {
-            let speed_mps = obstacle.velocity_mps.length();
-            let across_mps2 = speed_mps * bounds.turn_rate_radps;
-            let change_mps2 = across_mps2.max(bounds.acceleration_mps2);
-            obstacle.uncertainty.position_m += 0.5 * change_mps2 * missing_s * missing_s;
-        }
-        obstacle
     }
 }
 

@@ -13,6 +13,7 @@ mod room;
 mod sight;
 mod small;
 mod sooner;
+mod threat;
 mod way_back;
 
 pub(super) use holding::Basis;
@@ -22,7 +23,7 @@ use crate::avoider::quiet::LineAhead;
 use crate::avoider::{
     Against, Avoider, Candidate, Decision, Kept, Plan, Reason, Start, State, Threat, Verdict,
 };
-use crate::certificate::{Asked, certify_set, mark_close};
+use crate::certificate::{Asked, certify_set};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::meter::BEND;
@@ -33,9 +34,6 @@ use choice::{Choice, as_maneuver, choose};
 
 /// Part of a step's work for a search with more than the margin of the settings, one in this many.
 const TARGETS: u32 = 4;
-
-/// Parts of a step's work: one is kept for the search while the threat is looked for.
-const THREAT_PARTS: u32 = 2;
 
 /// Work of a search over some grids among few obstacles, whatever one step may do of it, and the most of later searches. The
 /// first search of an encounter, once it is close to a solution, may use all: the first turn decides which solutions later
@@ -55,9 +53,6 @@ const LOOK_AT_NOISE: u32 = 2;
 
 /// When the margin of the present manoeuvre changes by this, the obstacles have moved, metres.
 const NEWS_M: f64 = 1.0;
-
-/// Halvings for the moment of an entry.
-const ENTRY_HALVINGS: usize = 24;
 
 /// Margins are capped at this value, m.
 const ENOUGH_M: f64 = 1e3;
@@ -166,79 +161,6 @@ impl Avoider {
             return self.decision(&nominal, Reason::Clear);
         };
         self.plan_anew(situation, now, &nominal, threat, against, start)
-    }
-
-    /// The obstacle that a manoeuvre comes too close to first, and those of the same encounter. Keeps work for the search that
-    /// follows.
-    fn first_threat(&mut self, nominal: &Maneuver, now: &MotionState) -> Option<(Threat, Against)> {
-        self.meter.reserve(THREAT_PARTS);
-        let first = self.first_of_all(nominal, now);
-        self.meter.extend(THREAT_PARTS);
-        first
-    }
-
-    fn first_of_all(&mut self, nominal: &Maneuver, now: &MotionState) -> Option<(Threat, Against)> {
-        let horizon_s = self.look_s;
-        let target_m = self.target_m;
-        self.predict(nominal, now);
-        let reach = (horizon_s, target_m);
-        let hazards = self.tracks.hazards();
-        let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
-        let mut first: Option<Threat> = None;
-        for (hazard, _) in hazards.rows().iter().zip(close).filter(|(_, close)| *close) {
-            let closest = self.certify_one(hazard, horizon_s, f64::MIN);
-            // A hazard that was not examined to its end may be anything.
-            if closest.margin_m >= target_m && !self.meter.is_met() {
-                continue;
-            }
-            // The margin up to a moment only falls with time: halve to the entry.
-            let (mut before_s, mut after_s) = (0.0, closest.at_s);
-            let entered_m = (closest.margin_m + 1e-3).max(0.0).min(target_m);
-            if let Some(first) = first {
-                let so_far = self.certify_one(hazard, first.entry_s, f64::MIN);
-                if so_far.margin_m > entered_m {
-                    // Its entry is later than the first one.
-                    continue;
-                }
-            }
-            for _ in 0..ENTRY_HALVINGS {
-                if self.meter.is_met() {
-                    break;
-                }
-                let middle = 0.5 * (before_s + after_s);
-                let so_far = self.certify_one(hazard, middle, f64::MIN);
-                if so_far.margin_m > entered_m {
-                    before_s = middle;
-                } else {
-                    after_s = middle;
-                }
-            }
-            if first.is_none_or(|threat| after_s < threat.entry_s) {
-                first = Some(Threat {
-                    id: hazard.id,
-                    entry_s: after_s,
-                    closest_s: closest.at_s,
-                    margin_m: closest.margin_m,
-                });
-            }
-            if self.meter.is_met() {
-                break;
-            }
-        }
-        let first = first?;
-        let mut against = Against::default();
-        against.add(first.id);
-        let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
-        for (hazard, _) in hazards.rows().iter().zip(close).filter(|(_, close)| *close) {
-            if self.meter.is_met() {
-                break;
-            }
-            let closest = self.certify_one(hazard, same_s, f64::MIN);
-            if closest.margin_m < target_m && !against.contains(hazard.id) {
-                against.add(hazard.id);
-            }
-        }
-        Some((first, against))
     }
 
     /// Keeps the rolls from the bank of now, from which many predictions are about to begin.
@@ -569,32 +491,6 @@ impl Avoider {
             candidates,
             limit_met,
         }
-    }
-
-    /// The obstacles of an encounter and those that a manoeuvre comes too close to.
-    fn also_against(
-        &mut self,
-        maneuver: &Maneuver,
-        now: &MotionState,
-        mut against: Against,
-    ) -> Against {
-        if self.meter.is_met() {
-            return against;
-        }
-        let reach = (self.settings.horizon_s, self.target_m);
-        self.predict(maneuver, now);
-        let hazards = self.tracks.hazards();
-        let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
-        for (hazard, _) in hazards.rows().iter().zip(close).filter(|(_, close)| *close) {
-            if self.meter.is_met() {
-                break;
-            }
-            let closest = self.certify_one(hazard, reach.0, reach.1);
-            if closest.margin_m < reach.1 && !against.contains(hazard.id) {
-                against.add(hazard.id);
-            }
-        }
-        against
     }
 
     /// The decision to fly the rest of a plan.

@@ -61,17 +61,6 @@ impl Shot {
     }
 }
 
-/// The moments of a join by where turns end, exact for level flight without lag.
-pub(super) fn aim(
-    flyer: &Flyer,
-    leg: &Leg,
-    state: &MotionState,
-    limits: &JoinLimits,
-    meter: &Meter,
-) -> Shot {
-    with_turns(flyer, state, meter, |turns| turns.aim(leg, state, limits).0)
-}
-
 /// A turn onto a leg begins at least this many time constants after the roll-out of the one before began.
 const SETTLES: f64 = 2.0;
 
@@ -179,7 +168,7 @@ impl Turns<'_> {
         if side > 0.0 { left } else { right }
     }
 
-    /// The moments of a join, and its two turns.
+    /// The moments of a join, exact for level flight without lag, and its two turns.
     pub(super) fn aim(
         &self,
         leg: &Leg,

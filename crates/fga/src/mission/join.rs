@@ -6,7 +6,7 @@
 
 use crate::maneuver::Maneuver;
 use crate::meter::Meter;
-use crate::mission::aim::{Shot, aim, with_turns};
+use crate::mission::aim::{Shot, Turns, with_turns};
 use crate::mission::leg::Leg;
 use crate::mission::way::Way;
 use crate::prediction::{Flyer, MotionState, flown};
@@ -93,7 +93,8 @@ pub(crate) fn join(
     limits: &JoinLimits,
     meter: &Meter,
 ) -> Join {
-    let mut shot = aim(flyer, leg, state, limits, meter);
+    let aim = |turns: &Turns<'_>| turns.aim(leg, state, limits).0;
+    let mut shot = with_turns(flyer, state, meter, aim);
     let mut join = fly(flyer, leg, state, &shot, meter);
     let near_m = near_m(flyer);
     for _ in 0..CORRECTIONS {

@@ -1,0 +1,115 @@
+//! Which obstacles a manoeuvre comes too close to: the first one, and those of the same encounter.
+
+use crate::avoider::{Against, Avoider, Threat};
+use crate::certificate::mark_close;
+use crate::maneuver::Maneuver;
+use crate::prediction::MotionState;
+
+use super::NEXT_ENCOUNTER_S;
+
+/// Parts of a step's work: one is kept for the search while the threat is looked for.
+const THREAT_PARTS: u32 = 2;
+
+/// Halvings for the moment of an entry.
+const ENTRY_HALVINGS: usize = 24;
+
+impl Avoider {
+    /// The obstacle that a manoeuvre comes too close to first, and those of the same encounter. Keeps work for the search that
+    /// follows.
+    pub(super) fn first_threat(
+        &mut self,
+        nominal: &Maneuver,
+        now: &MotionState,
+    ) -> Option<(Threat, Against)> {
+        self.meter.reserve(THREAT_PARTS);
+        let first = self.first_of_all(nominal, now);
+        self.meter.extend(THREAT_PARTS);
+        first
+    }
+
+    fn first_of_all(&mut self, nominal: &Maneuver, now: &MotionState) -> Option<(Threat, Against)> {
+        let reach @ (horizon_s, target_m) = (self.look_s, self.target_m);
+        self.predict(nominal, now);
+        let hazards = self.tracks.hazards();
+        let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
+        let mut first: Option<Threat> = None;
+        for (hazard, _) in hazards.rows().iter().zip(close).filter(|(_, close)| *close) {
+            let closest = self.certify_one(hazard, horizon_s, f64::MIN);
+            // A hazard that was not examined to its end may be anything.
+            if closest.margin_m >= target_m && !self.meter.is_met() {
+                continue;
+            }
+            // The margin up to a moment only falls with time: halve to the entry.
+            let (mut before_s, mut after_s) = (0.0, closest.at_s);
+            let entered_m = (closest.margin_m + 1e-3).max(0.0).min(target_m);
+            if let Some(first) = first {
+                let so_far = self.certify_one(hazard, first.entry_s, f64::MIN);
+                if so_far.margin_m > entered_m {
+                    // Its entry is later than the first one.
+                    continue;
+                }
+            }
+            for _ in 0..ENTRY_HALVINGS {
+                if self.meter.is_met() {
+                    break;
+                }
+                let middle = 0.5 * (before_s + after_s);
+                let so_far = self.certify_one(hazard, middle, f64::MIN);
+                if so_far.margin_m > entered_m {
+                    before_s = middle;
+                } else {
+                    after_s = middle;
+                }
+            }
+            if first.is_none_or(|threat| after_s < threat.entry_s) {
+                first = Some(Threat {
+                    id: hazard.id,
+                    entry_s: after_s,
+                    closest_s: closest.at_s,
+                    margin_m: closest.margin_m,
+                });
+            }
+            if self.meter.is_met() {
+                break;
+            }
+        }
+        let first = first?;
+        let mut against = Against::default();
+        against.add(first.id);
+        let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
+        Some((first, self.with_close(against, &close, same_s)))
+    }
+
+    /// The obstacles of an encounter and those that a manoeuvre comes too close to.
+    pub(super) fn also_against(
+        &mut self,
+        maneuver: &Maneuver,
+        now: &MotionState,
+        against: Against,
+    ) -> Against {
+        if self.meter.is_met() {
+            return against;
+        }
+        let reach = (self.settings.horizon_s, self.target_m);
+        self.predict(maneuver, now);
+        let hazards = self.tracks.hazards();
+        let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
+        self.with_close(against, &close, reach.0)
+    }
+
+    /// An encounter with the marked obstacles that the path comes too close to before a time, seconds.
+    fn with_close(&self, mut against: Against, close: &[bool], until_s: f64) -> Against {
+        let target_m = self.target_m;
+        let hazards = self.tracks.hazards().rows().iter().zip(close);
+        for (hazard, _) in hazards.filter(|(_, close)| **close) {
+            if self.meter.is_met() {
+                break;
+            }
+            let closest = self.certify_one(hazard, until_s, target_m);
+            if closest.margin_m < target_m && !against.contains(hazard.id) {
+                against.add(hazard.id);
+            }
+        }
+        against
+    }
+}
