@@ -218,15 +218,37 @@ fn tan(bank_rad: f64) -> f64 {
     bank_rad * tan_share(bank_rad)
 }
 
+/// Up to this bank a polynomial tells the turn of a roll-out, radians.
+const MODERATE_RAD: f64 = 0.9;
+
+/// The polynomial in u² of ∫ tan(u)/u du, by u: it meets it at twelve Chebyshev points, good to 10⁻¹³.
+const MODERATE: [f64; 12] = [
+    0.999_999_999_999_950_9,
+    0.111_111_111_128_527_9,
+    0.026_666_665_647_242_96,
+    0.007_709_773_825_228_495,
+    0.002_429_670_506_494_86,
+    0.000_807_622_214_240_716_7,
+    0.000_268_226_982_066_033_25,
+    0.000_119_777_916_348_911_17,
+    -7.089_337_432_458_716e-06,
+    6.182_451_941_441_808e-05,
+    -3.000_825_693_091_690_2e-05,
+    1.365_245_090_697_023e-05,
+];
+
 /// ∫ tan(u)/u du from 0 to a bank: the turn made while rolling out to level, in the units of
 /// [`Roll`].
 ///
-/// tan(u)/u is 8/(π² − 4u²), whose pole is at 90°, and a series for the rest, good to 10⁻¹¹.
+/// Beyond moderate banks, tan(u)/u is 8/(π² − 4u²), whose pole is at 90°, and a series for the rest, good to 10⁻¹¹.
 pub(super) fn roll_out(bank_rad: f64) -> f64 {
-    if bank_rad == 0.0 {
-        return 0.0;
-    }
     let square = bank_rad * bank_rad;
+    if bank_rad.abs() <= MODERATE_RAD {
+        // By pairs: half as many steps wait for the one before.
+        let fourth = square * square;
+        let pairs = MODERATE.as_chunks::<2>().0.iter().rev();
+        return bank_rad * pairs.fold(0.0, |sum, [a, b]| sum * fourth + (a + b * square));
+    }
     let series = SERIES
         .iter()
         .rev()
@@ -252,7 +274,7 @@ mod tests {
 
     #[test]
     fn a_roll_out_turns_the_integral_of_the_tangent_over_the_bank() {
-        for bank in [-1.3, -0.4, 1e-6, 0.2, 0.7, 1.05, 1.35] {
+        for bank in [-1.3, -0.4, 0.0, 1e-6, 0.2, 0.7, 0.899, 0.901, 1.05, 1.35] {
             let error = (roll_out(bank) - integrated(bank)).abs();
             assert!(
                 error < 1e-9 * (1.0 + roll_out(bank).abs()),

@@ -22,20 +22,30 @@ fn unit(angle_rad: f64) -> Complex {
     (cos, sin)
 }
 
-/// scale · sinc(half) · e^(i half): the mean of a unit complex number that turns by 2 · half, from
-/// e^(i half).
+/// The mean of a unit complex number that turns by 2 · half, by a scale, from e^(i half).
 fn mean(half_rad: f64, half: Complex, scale: f64) -> Complex {
-    let chord = scale * sinc(half_rad, half);
+    let chord = scale * sinc(half_rad);
     (chord * half.0, chord * half.1)
 }
 
-/// sin(x) / x, from e^(i x).
-fn sinc(x: f64, unit: Complex) -> f64 {
-    if x.abs() < 1e-4 {
-        1.0 - x * x / 6.0
-    } else {
-        unit.1 / x
+/// sin(x) / x in x², whose next term is below 10⁻¹⁷ up to 1.
+const SINC: [f64; 9] = {
+    let mut terms = [1.0; 9];
+    let mut k = 1;
+    while k < terms.len() {
+        terms[k] = -terms[k - 1] / (2 * k * (2 * k + 1)) as f64;
+        k += 1;
     }
+    terms
+};
+
+/// sin(x) / x.
+fn sinc(x: f64) -> f64 {
+    if x.abs() > 1.0 {
+        return libm::sin(x) / x;
+    }
+    let square = x * x;
+    SINC.iter().rev().fold(0.0, |sum, term| sum * square + term)
 }
 
 /// Steps of equal length along an arc of constant rates, without a transcendental call a step.
@@ -146,9 +156,8 @@ impl Flyer {
         let scale = self.airspeed_mps * after_s;
         let course = unit(course_rad + half_course);
         let climb = unit(climb_rad + half_climb);
-        let course_half = unit(half_course);
         if climb_rate_radps == 0.0 {
-            let chord = scale * sinc(half_course, course_half);
+            let chord = scale * sinc(half_course);
             let moved_m = Vec3::new(
                 chord * climb.0 * course.0,
                 chord * climb.0 * course.1,
@@ -156,19 +165,14 @@ impl Flyer {
             );
             return (moved_m, course, climb);
         }
-        let climb_half = unit(half_climb);
         let sum = times(course, climb);
         let difference = times(course, conjugate(climb));
-        let sum_chord = 0.5 * sinc(half_course + half_climb, times(course_half, climb_half));
-        let difference_chord = 0.5
-            * sinc(
-                half_course - half_climb,
-                times(course_half, conjugate(climb_half)),
-            );
+        let sum_chord = 0.5 * sinc(half_course + half_climb);
+        let difference_chord = 0.5 * sinc(half_course - half_climb);
         let moved_m = Vec3::new(
             scale * (sum_chord * sum.0 + difference_chord * difference.0),
             scale * (sum_chord * sum.1 + difference_chord * difference.1),
-            scale * sinc(half_climb, climb_half) * climb.1,
+            scale * sinc(half_climb) * climb.1,
         );
         (moved_m, course, climb)
     }

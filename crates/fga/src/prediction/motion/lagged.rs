@@ -315,19 +315,20 @@ impl Flyer {
         } else {
             self.bank_rad(limit)
         };
-        let beyond = turn_left - self.rollout_rad(state.bank_rad);
+        let beyond = self.beyond(turn_left, state.bank_rad);
         if full > 0.0 && beyond.abs() > ROLL_OUT_BEGINS_RAD {
             let command = libm::copysign(full, beyond);
             if state.bank_rad == command {
                 let rate = libm::copysign(limit, beyond);
-                return Piece::steady(climb_s.min(beyond / rate), rate, climb_rate, command);
+                let turn_s = (turn_left - self.rollout_rad(command)) / rate;
+                return Piece::steady(climb_s.min(turn_s), rate, climb_rate, command);
             }
             let roll = self.roll(state.bank_rad, command, most);
-            let left = self.beyond_after(&roll, turn_left);
+            let left = self.beyond(self.left_after(&roll, turn_left), roll.to_rad);
             let roll = if left * beyond > 0.0 {
                 roll
             } else {
-                self.roll_to_roll_out(&roll, turn_left, (beyond, left))
+                self.roll_to_roll_out(&roll, turn_left, left)
             };
             return self.piece_of(&roll, climb_rate);
         }
@@ -431,19 +432,30 @@ impl Flyer {
         }
     }
 
-    /// The remaining turn after a piece of a roll, beyond the roll-out's, radians.
-    fn beyond_after(&self, roll: &Roll, turn_left: f64) -> f64 {
-        let turned = self.gain_radps * self.bank_time_constant_s * roll.turn;
-        turn_left - turned - self.rollout_rad(roll.to_rad)
+    /// The remaining turn after a piece of a roll, radians.
+    fn left_after(&self, roll: &Roll, turn_left: f64) -> f64 {
+        turn_left - self.gain_radps * self.bank_time_constant_s * roll.turn
+    }
+
+    /// The remaining turn beyond the roll-out's, radians; the whole remaining turn, which has the same sign, where no
+    /// roll-out makes it.
+    fn beyond(&self, turn_left: f64, bank_rad: f64) -> f64 {
+        let is_more = turn_left.abs() > self.full_roll_out_rad + ROLL_OUT_BEGINS_RAD;
+        if is_more && bank_rad.abs() <= self.full_bank_rad {
+            turn_left
+        } else {
+            turn_left - self.rollout_rad(bank_rad)
+        }
     }
 
     /// The part of a piece of a roll after which the roll-out begins: the zero of the remaining turn beyond the
-    /// roll-out's, known at both ends.
+    /// roll-out's, which is `at_b` at its end.
     ///
     /// It falls at the rate c tan(φ)/φ, where c is the bank commanded: a cubic with that rate at both ends, then
     /// Newton's steps, kept between the ends.
-    fn roll_to_roll_out(&self, roll: &Roll, turn_left: f64, ends: (f64, f64)) -> Roll {
-        let ((mut a, at_a), (mut b, at_b)) = ((0.0, ends.0), (roll.lasts, ends.1));
+    fn roll_to_roll_out(&self, roll: &Roll, turn_left: f64, at_b: f64) -> Roll {
+        let (mut a, mut b) = (0.0, roll.lasts);
+        let at_a = turn_left - self.rollout_rad(roll.from_rad);
         let gain = self.gain_radps * self.bank_time_constant_s;
         let falls = |bank_rad: f64| -gain * roll.command_rad * tan_share(bank_rad);
         let span = at_b - at_a;
@@ -456,7 +468,7 @@ impl Flyer {
         let mut part = *roll;
         for _ in 0..STEPS_TO_ROLL_OUT {
             part = Roll::part(roll.from_rad, roll.command_rad, at);
-            let left = self.beyond_after(&part, turn_left);
+            let left = self.left_after(&part, turn_left) - self.rollout_rad(part.to_rad);
             if left.abs() < 0.1 * ROLL_OUT_BEGINS_RAD {
                 break;
             }
