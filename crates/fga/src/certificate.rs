@@ -280,7 +280,7 @@ impl<'a> Chord<'a> {
                     position_m: self.end_m,
                     ..from
                 }
-            } else if piece.course_growth_radps2 == 0.0 {
+            } else if !piece.is_rolling() {
                 flyer.advance(&from, &piece, step_s)
             } else {
                 flyer.advance(&self.node.state, &piece, f64::from(part) * step_s)

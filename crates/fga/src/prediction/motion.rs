@@ -4,7 +4,7 @@
 //! targets, and cos θ cos ψ = ½ [cos(ψ+θ) + cos(ψ−θ)] makes Eq. 10–12 integrals of cosines of
 //! linear functions. With a bank lag the bank follows its command exponentially: the command is the
 //! bank of the largest course rate until the remaining turn equals the turn made while rolling out to level,
-//! then level. A roll is a few pieces of linear course rate, with an exact course at their ends.
+//! then level. A roll is a few pieces of quadratic course rate, with an exact course at their ends.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -89,15 +89,17 @@ impl Target {
     };
 }
 
-/// One piece of flight: a constant climb rate, and a course rate that is linear in time.
+/// One piece of flight: a constant climb rate, and a course rate that is quadratic in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
     /// Duration, seconds; infinite for straight flight.
     pub duration_s: f64,
     /// Course rate at its beginning, radians per second, positive to the left.
     pub course_rate_radps: f64,
-    /// Slope of the course rate, radians per second squared; 0 unless the bank changes.
+    /// Slope of the course rate at its beginning, radians per second squared; 0 unless the bank changes.
     pub course_growth_radps2: f64,
+    /// Slope of that slope, radians per second cubed.
+    pub course_curve_radps3: f64,
     /// Rate of the climb angle, radians per second.
     pub climb_rate_radps: f64,
     /// Bank that the aircraft rolls to, radians.
@@ -106,7 +108,7 @@ pub struct Piece {
     pub bank_end_rad: f64,
     /// Bound of the course rate within it, radians per second.
     pub fastest_radps: f64,
-    /// Bound of the distance from the flight with a linear course rate, metres.
+    /// Bound of the distance of the flight from that with this course rate, metres.
     pub remainder_m: f64,
 }
 
@@ -122,6 +124,7 @@ impl Piece {
             duration_s,
             course_rate_radps,
             course_growth_radps2: 0.0,
+            course_curve_radps3: 0.0,
             climb_rate_radps,
             bank_command_rad: bank_rad,
             bank_end_rad: bank_rad,
@@ -132,7 +135,18 @@ impl Piece {
 
     /// Change of course after a time, radians.
     pub(crate) fn turn_rad(&self, after_s: f64) -> f64 {
-        (self.course_rate_radps + 0.5 * self.course_growth_radps2 * after_s) * after_s
+        self.mean_radps(after_s) * after_s
+    }
+
+    /// Mean course rate up to a time, radians per second.
+    fn mean_radps(&self, after_s: f64) -> f64 {
+        let growth = self.course_growth_radps2 + self.course_curve_radps3 * after_s / 3.0;
+        self.course_rate_radps + 0.5 * growth * after_s
+    }
+
+    /// Whether the course rate changes.
+    pub(crate) fn is_rolling(&self) -> bool {
+        self.course_growth_radps2 != 0.0 || self.course_curve_radps3 != 0.0
     }
 }
 

@@ -25,8 +25,10 @@ pub struct Node {
     pub state: MotionState,
     /// Course rate from here on, radians per second.
     pub course_rate_radps: f64,
-    /// Slope of the course rate until the next node, radians per second squared.
+    /// Slope of the course rate from here on, radians per second squared.
     pub course_growth_radps2: f64,
+    /// Slope of that slope until the next node, radians per second cubed.
+    pub course_curve_radps3: f64,
     /// Rate of the climb angle from here to the next node, radians per second.
     pub climb_rate_radps: f64,
     /// Bound of the acceleration from here to the next node, metres per second squared.
@@ -40,6 +42,7 @@ impl Node {
             duration_s: f64::INFINITY,
             course_rate_radps: self.course_rate_radps,
             course_growth_radps2: self.course_growth_radps2,
+            course_curve_radps3: self.course_curve_radps3,
             climb_rate_radps: self.climb_rate_radps,
             bank_command_rad: self.state.bank_rad,
             bank_end_rad: self.state.bank_rad,
@@ -50,10 +53,13 @@ impl Node {
 
     /// The node `after_s` seconds into a piece, at a state.
     pub(crate) fn on(flyer: &Flyer, state: &MotionState, piece: &Piece, after_s: f64) -> Self {
+        let curve = piece.course_curve_radps3;
+        let growth = piece.course_growth_radps2 + 0.5 * curve * after_s;
         Self {
             state: *state,
-            course_rate_radps: piece.course_rate_radps + piece.course_growth_radps2 * after_s,
-            course_growth_radps2: piece.course_growth_radps2,
+            course_rate_radps: piece.course_rate_radps + growth * after_s,
+            course_growth_radps2: piece.course_growth_radps2 + curve * after_s,
+            course_curve_radps3: curve,
             climb_rate_radps: piece.climb_rate_radps,
             acceleration_mps2: flyer.acceleration_mps2(piece),
         }
@@ -194,6 +200,7 @@ impl FlightPath {
             state: MotionState::ahead(0.0),
             course_rate_radps: 0.0,
             course_growth_radps2: 0.0,
+            course_curve_radps3: 0.0,
             climb_rate_radps: 0.0,
             acceleration_mps2: 0.0,
         };
@@ -242,6 +249,7 @@ impl FlightPath {
             state: *state,
             course_rate_radps: 0.0,
             course_growth_radps2: 0.0,
+            course_curve_radps3: 0.0,
             climb_rate_radps: 0.0,
             acceleration_mps2: 0.0,
         });
@@ -284,6 +292,7 @@ impl FlightPath {
             state: *from,
             course_rate_radps: piece.course_rate_radps,
             course_growth_radps2: piece.course_growth_radps2,
+            course_curve_radps3: piece.course_curve_radps3,
             climb_rate_radps: piece.climb_rate_radps,
             acceleration_mps2: acceleration,
         };
@@ -292,7 +301,7 @@ impl FlightPath {
                 .push(node)
                 .then(|| flyer.advance(from, piece, duration_s));
         }
-        if piece.course_growth_radps2 != 0.0 {
+        if piece.is_rolling() {
             for step in 0..count {
                 let after_s = duration_s * step as f64 / count as f64;
                 let state = flyer.advance(from, piece, after_s);
@@ -383,9 +392,7 @@ impl FlightPath {
         let since_s = (at_s - node.state.time_s).max(0.0);
         let mut state = flyer.advance(&node.state, &piece, since_s);
         if let Some(next) = self.nodes().get(index).filter(|_| !flyer.is_ideal()) {
-            // The bank moves little from node to node: linear between them.
-            let span_s = (next.state.time_s - node.state.time_s).max(f64::MIN_POSITIVE);
-            state.bank_rad += (next.state.bank_rad - node.state.bank_rad) * (since_s / span_s);
+            state.bank_rad = flyer.bank_between_rad(&node.state, &next.state, since_s);
         }
         Some(state)
     }

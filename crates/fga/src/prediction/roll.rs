@@ -1,7 +1,7 @@
 //! Rolling from one bank to another: the bank follows its command exponentially.
 //!
-//! The flight of a roll consists of a few pieces. In each the course rate is linear in time,
-//! with the exact change of course and its integral over time, so that course and position at the end
+//! The flight of a roll consists of a few pieces. In each the course rate is quadratic in time: it comes as near to
+//! the roll's as it can, with the exact change of course and its integral over time, so that course and position at the end
 //! of a piece are right to fractions of a millimetre; a bound covers the path in between.
 
 use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
@@ -14,28 +14,29 @@ const GAUSS: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_9),
 ];
 
-/// Longest pieces, in time constants, while the bank is farther than an angle from its command,
-/// radians.
-const LONGEST: [(f64, f64); 4] = [(0.3, 0.6), (0.1, 0.9), (0.02, 1.2), (0.004, 1.6)];
+/// Largest distance of a flight from that with the nearest quadratic course rate, as a share of the bound of the rate's
+/// third derivative times the fifth power of the duration: √5/30,000.
+const BOW: f64 = 7.454e-5;
+
+/// What a piece is to bow at the usual pace.
+const USUAL_BOW: f64 = 3.3e-4;
 
 /// The last piece of a roll, in time constants; it includes the whole rest.
-const LAST: f64 = 3.0;
+const LAST: f64 = 3.5;
 
-/// Largest change of tan(bank) in the last piece at the usual pace: its path stays within millimetres of the roll's.
-const LAST_CHANGE: f64 = 0.02;
+/// The course rate of a decay e^−u that makes its turn within the last piece: the curve that keeps it nearest to
+/// the decay's path, and the distance then.
+const LAST_CURVE: f64 = 0.366_42;
+const LAST_BOW: f64 = 0.0321;
+
+/// The last piece may bow by as many times what the others do.
+const LAST_SHARE: f64 = 4.0;
 
 /// Within a shorter piece the course rate is constant, time constants.
 const SHORTEST_GROWTH: f64 = 1e-9;
 
 /// Share of its distance from 90° by which the bank may move in a piece.
 const FROM_UPRIGHT: f64 = 0.4;
-
-/// Bound of the distance from the flight with a linear course rate, as a share of the roll's size times
-/// the fourth power of the piece's length.
-const BOW: f64 = 2e-3;
-
-/// The same for the last piece, as a share of the roll's size.
-const LAST_BOW: f64 = 0.12;
 
 /// A piece of a roll, with time in units of the time constant and course in units of the turn at a bank of
 /// 45° in one.
@@ -49,15 +50,17 @@ pub(super) struct Roll {
     pub lasts: f64,
     /// Change of course.
     pub turn: f64,
-    /// Course rate at its beginning, for a linear course rate.
+    /// Course rate at its beginning.
     pub rate: f64,
-    /// Slope of the course rate.
+    /// Slope of the course rate at its beginning.
     pub growth: f64,
+    /// Slope of that slope.
+    pub curve: f64,
     /// Bank at its end, radians.
     pub to_rad: f64,
     /// Largest course rate within it.
     pub fastest: f64,
-    /// Bound of the difference between the course and the linear rate's, times the duration.
+    /// Bound of the distance of the flight from that with this course rate.
     pub bow: f64,
 }
 
@@ -69,6 +72,7 @@ impl Roll {
         turn: 0.0,
         rate: 0.0,
         growth: 0.0,
+        curve: 0.0,
         to_rad: 0.0,
         fastest: 0.0,
         bow: 0.0,
@@ -76,37 +80,27 @@ impl Roll {
 
     /// The next piece of a roll, at most `most` long; `pace` stretches the usual length.
     pub(super) fn new(from_rad: f64, command_rad: f64, most: f64, pace: f64) -> Self {
-        let off_rad = from_rad - command_rad;
-        let size = off_rad.abs();
+        let size = (from_rad - command_rad).abs();
         let upright = FRAC_PI_2 - from_rad.abs().max(command_rad.abs());
-        let longest = LONGEST
-            .iter()
-            .find(|(beyond, _)| size > *beyond)
-            .or_else(|| {
-                LONGEST
-                    .last()
-                    .filter(|_| !Self::may_end(from_rad, command_rad, pace))
-            })
-            .map_or(LAST, |(_, longest)| pace * longest);
+        let unevenness = unevenness(tan(from_rad.abs()), size);
+        let square = pace * pace;
+        let may_end = LAST_BOW * unevenness <= LAST_SHARE * USUAL_BOW * square * square * pace;
+        let longest = if may_end {
+            LAST
+        } else {
+            pace * libm::pow(USUAL_BOW / (BOW * unevenness), 0.2)
+        };
         let room = FROM_UPRIGHT * upright;
         let longest = if size > room {
             longest.min(-libm::log(1.0 - room / size))
         } else {
             longest
         };
-        if longest >= LAST && most >= LAST {
+        if may_end && longest >= LAST && most >= LAST {
             Self::last(from_rad, command_rad)
         } else {
             Self::part(from_rad, command_rad, longest.min(most))
         }
-    }
-
-    /// Whether the last piece may be next: the pace falls as the fifth root of the roll's sideways distance.
-    fn may_end(from_rad: f64, command_rad: f64, pace: f64) -> bool {
-        let steepest = tan(from_rad.abs().max(command_rad.abs()));
-        let change = (from_rad - command_rad).abs() * (1.0 + steepest * steepest);
-        let square = pace * pace;
-        change <= LAST_CHANGE * square * square * pace
     }
 
     /// A piece of a given length.
@@ -124,33 +118,32 @@ impl Roll {
             middle / outer,
         ];
         let to_rad = command_rad + off_rad * middle * middle;
-        // The change of course and its integral over time.
-        let (mut turn, mut area) = (0.0, 0.0);
+        // The course rate in Legendre's polynomials over the piece.
+        let (mut mean, mut linear, mut quadratic) = (0.0, 0.0, 0.0);
         for ((at, weight), left) in GAUSS.into_iter().zip(left) {
-            let rate = tan(command_rad + off_rad * left);
-            turn += weight * rate;
-            area += weight * rate * (1.0 - at);
+            let rate = weight * tan(command_rad + off_rad * left);
+            mean += rate;
+            linear += rate * (3.0 * (2.0 * at - 1.0));
+            quadratic += rate * (5.0 * (6.0 * at * (at - 1.0) + 1.0));
         }
-        turn *= lasts;
-        area *= lasts * lasts;
-        // The quotient of what is left by rounding says nothing, and that of zeros is no number.
-        let growth = if lasts > SHORTEST_GROWTH {
-            12.0 * (0.5 * turn * lasts - area) / (lasts * lasts * lasts)
+        let rates = if lasts > SHORTEST_GROWTH {
+            let growth = (2.0 * linear - 6.0 * quadratic) / lasts;
+            let curve = 12.0 * quadratic / (lasts * lasts);
+            (mean - linear + quadratic, growth, curve)
         } else {
-            0.0
+            // The quotient of what is left by rounding says nothing, and that of zeros is no number.
+            (mean, 0.0, 0.0)
         };
-        let rate = if lasts > SHORTEST_GROWTH {
-            turn / lasts - 0.5 * growth * lasts
-        } else {
-            tan(from_rad)
-        };
+        let fastest = tan(from_rad.abs().max(to_rad.abs()));
+        let square = lasts * lasts;
         Self {
+            from_rad,
+            command_rad,
             lasts,
-            turn,
-            rate,
-            growth,
+            turn: mean * lasts,
             to_rad,
-            ..Self::bounded(from_rad, command_rad, lasts)
+            bow: BOW * square * square * lasts * unevenness(fastest, off_rad),
+            ..Self::with_rates(rates, lasts, fastest)
         }
     }
 
@@ -159,35 +152,47 @@ impl Roll {
         let off_rad = from_rad - command_rad;
         let steady = tan(command_rad);
         let slope = 1.0 + steady * steady;
-        // ∫ tan(c + d e^−u) − tan c du by its series in d.
+        // ∫ tan(c + d e^−u) − tan c du by its series in d, and how long it is missing altogether.
         let rest = slope * off_rad * (1.0 + 0.5 * steady * off_rad);
-        let turn = steady * LAST + rest;
-        // The integral of the course over time, as if the rest were already turned.
-        let growth = 12.0 * rest * (1.0 - 0.5 * LAST) / (LAST * LAST * LAST);
-        Self {
-            lasts: LAST,
-            turn,
-            rate: turn / LAST - 0.5 * growth * LAST,
-            growth,
-            to_rad: command_rad,
-            ..Self::bounded(from_rad, command_rad, LAST)
-        }
-    }
-
-    fn bounded(from_rad: f64, command_rad: f64, lasts: f64) -> Self {
-        let off_rad = from_rad - command_rad;
+        let late = slope * off_rad * (1.0 + 0.25 * steady * off_rad);
+        let curve = LAST_CURVE * slope * off_rad;
+        // The turn of the rest and its integral over time, as if it were already turned, without the curve's.
+        let turn = rest - curve * LAST * LAST * LAST / 6.0;
+        let area = rest * LAST - late - curve * LAST * LAST * LAST * LAST / 24.0;
+        let growth = 12.0 * (0.5 * turn * LAST - area) / (LAST * LAST * LAST);
+        let rate = steady + turn / LAST - 0.5 * growth * LAST;
         let fastest = tan(from_rad.abs().max(command_rad.abs()));
-        let steepness = 1.0 + fastest * fastest;
-        let square = lasts * lasts;
-        let bow = (BOW * square * square).min(LAST_BOW);
         Self {
             from_rad,
             command_rad,
-            fastest,
-            bow: bow * off_rad.abs() * steepness,
+            lasts: LAST,
+            turn: steady * LAST + rest,
+            to_rad: command_rad,
+            bow: LAST_BOW * unevenness(fastest, off_rad),
+            ..Self::with_rates((rate, growth, curve), LAST, fastest)
+        }
+    }
+
+    /// With a course rate, its slope and its curve, for a time, which come near to one that is never faster.
+    fn with_rates((rate, growth, curve): (f64, f64, f64), lasts: f64, fastest: f64) -> Self {
+        let end = rate + (growth + 0.5 * curve * lasts) * lasts;
+        Self {
+            rate,
+            growth,
+            curve,
+            fastest: fastest.max(rate.abs()).max(end.abs()),
             ..Self::NONE
         }
     }
+}
+
+/// Bound of the third derivative of the course rate over time while a bank moves over a distance from its command, from
+/// the largest course rate.
+///
+/// With t = tan φ and the distance d it is at most (1 + t²) d (1 + 6 t d + (2 + 6 t²) d²), and less on the way to steeper banks.
+fn unevenness(fastest: f64, off_rad: f64) -> f64 {
+    let (square, d) = (fastest * fastest, off_rad.abs());
+    (1.0 + square) * d * (1.0 + 6.0 * fastest * d + (2.0 + 6.0 * square) * d * d)
 }
 
 /// The series in u² of ∫ tan(u)/u du, by u, without the part of the pole at 90°.
@@ -326,5 +331,65 @@ mod tests {
             let error = turn - f64::tan(command) * lasts - excess;
             assert!(error.abs() < 1e-5, "{from} to {command}: {error}");
         }
+    }
+
+    /// With the time constant and the course's unit as units, the way aside is the integral of the course.
+    #[test]
+    fn no_piece_is_farther_from_the_roll_than_it_says() {
+        let mut largest = 0.0_f64;
+        for pace in [1.0, 0.5] {
+            for (from, command) in [
+                (0.0, 0.785),
+                (0.785, 0.0),
+                (-0.785, 0.785),
+                (-0.6, 0.9),
+                (0.3, 1.3),
+                (1.3, -1.3),
+                (0.02, 0.0),
+                (0.7, 0.72),
+            ] {
+                let mut bank = from;
+                while bank != command {
+                    let piece = Roll::new(bank, command, f64::INFINITY, pace);
+                    // The last one includes the rest, which is long over by then.
+                    let until = if piece.to_rad == command {
+                        12.0
+                    } else {
+                        piece.lasts
+                    };
+                    let steps = 4000;
+                    let h = until / f64::from(steps);
+                    let (mut course, mut told) = (0.0, 0.0);
+                    let (mut aside, mut told_aside) = (0.0, 0.0);
+                    let mut off = 0.0_f64;
+                    for step in 0..steps {
+                        let u = (f64::from(step) + 0.5) * h;
+                        let rate = f64::tan(command + (bank - command) * f64::exp(-u));
+                        let told_rate = if u < piece.lasts {
+                            piece.rate + (piece.growth + 0.5 * piece.curve * u) * u
+                        } else {
+                            f64::tan(command)
+                        };
+                        assert!(told_rate.abs() <= piece.fastest * (1.0 + 1e-9) + 1e-12);
+                        aside += (course + 0.5 * rate * h) * h;
+                        told_aside += (told + 0.5 * told_rate * h) * h;
+                        course += rate * h;
+                        told += told_rate * h;
+                        off = off.max((aside - told_aside).abs());
+                    }
+                    // Steps of another width than the piece's end in the wrong one.
+                    let inexact = 1e-6 + 2e-3 * h * bank.abs().max(command.abs());
+                    assert!(
+                        off <= piece.bow + inexact,
+                        "{bank} to {command}, {}: {off} of {}",
+                        piece.lasts,
+                        piece.bow
+                    );
+                    largest = largest.max(off / piece.bow);
+                    bank = piece.to_rad;
+                }
+            }
+        }
+        assert!(largest > 0.5, "{largest}: the bound may be closer");
     }
 }

@@ -73,10 +73,10 @@ impl Search<'_> {
     pub(super) fn smallest(&mut self, sweep: &Sweep) -> Option<Leave> {
         self.is_rough = false;
         let (leave, last) = self.sweep_to(sweep)?;
-        Some(match last {
+        match last {
             Some(step) => self.with_less_turn(&leave, &step, sweep),
-            None => self.with_less_climb(&leave, sweep),
-        })
+            None => Some(self.with_less_climb(&leave, sweep)),
+        }
     }
 
     /// The answer of [`Self::sweep`], and its last step.
@@ -264,8 +264,8 @@ impl Search<'_> {
         (more_rad * (1.0 - 1e-9) - slack_rad).max(0.0)
     }
 
-    /// A turn of a sweep, shortened within its last step.
-    fn with_less_turn(&mut self, leave: &Leave, last: &LastStep, sweep: &Sweep) -> Leave {
+    /// A turn of a sweep, shortened within its last step; with bank lag, `None` if neither is certified as flown.
+    fn with_less_turn(&mut self, leave: &Leave, last: &LastStep, sweep: &Sweep) -> Option<Leave> {
         let flyer = self.scene.flyer;
         let between_rad = (leave.turn_rad - self.turn_at(&last.from, sweep)).abs();
         let useless_rad = sweep.side.sign() * leave.turn_rad - sweep.from_rad;
@@ -289,11 +289,12 @@ impl Search<'_> {
             };
             search.evaluated_at(&left, sweep)
         });
-        if flyer.is_ideal() || less == *leave {
-            return less;
+        if flyer.is_ideal() {
+            return Some(less);
         }
         // Once more, exactly as flown.
-        self.certified(&less, sweep).unwrap_or(*leave)
+        let shorter = (less != *leave).then(|| self.certified(&less, sweep));
+        shorter.flatten().or_else(|| self.certified(leave, sweep))
     }
 
     /// A change of climb, shortened.

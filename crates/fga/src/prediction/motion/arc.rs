@@ -179,29 +179,30 @@ impl Flyer {
 
     /// Displacement `after_s` seconds into a piece, metres.
     ///
-    /// With a course rate linear in time the course follows its mean rate plus a parabola
-    /// e(t) = a t (t − T) / 2; this counts its first two orders.
+    /// With a course rate quadratic in time, the course differs from its mean rate by a parabola and a cubic that is odd
+    /// about the middle: e(t) = a (s² − T²/4) / 2 + b s (s² − T²/4) / 6, s = t − T/2. This counts the parabola's first two orders,
+    /// and the cubic's first.
     pub(super) fn moved_m(&self, state: &MotionState, piece: &Piece, after_s: f64) -> Vec3 {
-        let growth = piece.course_growth_radps2;
-        let mean_radps = piece.course_rate_radps + 0.5 * growth * after_s;
+        let mean_radps = piece.mean_radps(after_s);
         let climb_radps = piece.climb_rate_radps;
         let (course_rad, climb_rad) = (state.course_rad, state.climb_rad);
         let rates_radps = (mean_radps, climb_radps);
         let (chord_m, course, climb) = self.chord(course_rad, climb_rad, rates_radps, after_s);
-        if growth == 0.0 {
+        if !piece.is_rolling() {
             return chord_m;
         }
+        let curve = piece.course_curve_radps3;
+        let growth = piece.course_growth_radps2 + 0.5 * curve * after_s;
         let turn_rad = mean_radps * after_s;
         let square = after_s * after_s;
-        let speed_mps = self.airspeed_mps * climb.0;
-        let left_m =
-            -speed_mps * growth * square * after_s / 12.0 * (1.0 - turn_rad * turn_rad / 40.0);
-        let behind_m = speed_mps * growth * growth * square * square * after_s / 240.0;
+        let cube_m = self.airspeed_mps * climb.0 * square * after_s;
+        let left_m = -cube_m * growth / 12.0 * (1.0 - turn_rad * turn_rad / 40.0);
+        let ahead_m = cube_m * square * (mean_radps * curve / 720.0 - growth * growth / 240.0);
         let (cos, sin) = course;
         chord_m
             + Vec3::new(
-                -left_m * sin - behind_m * cos,
-                left_m * cos - behind_m * sin,
+                ahead_m * cos - left_m * sin,
+                ahead_m * sin + left_m * cos,
                 0.0,
             )
     }

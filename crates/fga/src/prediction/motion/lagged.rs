@@ -79,8 +79,8 @@ impl Rolls {
         kept
     }
 
-    /// The piece that begins at a bank: a kept one, or one that ends where the next one begins. `None` if it is longer
-    /// than `most`, or outside of the roll.
+    /// The piece that begins at a bank, at most `most` long: a kept one, or one that ends where the next one begins. `None`
+    /// outside of the roll.
     fn from(&self, bank_rad: f64, most: f64) -> Option<Roll> {
         let first = self.pieces.first()?;
         let command_rad = first.command_rad;
@@ -93,7 +93,11 @@ impl Rolls {
         let next = kept_rad.iter().position(|kept_rad| *kept_rad <= off_rad)?;
         let piece = self.pieces.get(next)?;
         if piece.from_rad == bank_rad {
-            return (piece.lasts <= most).then_some(*piece);
+            return Some(if piece.lasts <= most {
+                *piece
+            } else {
+                Roll::part(bank_rad, command_rad, most)
+            });
         }
         if next == 0 {
             return None;
@@ -106,9 +110,13 @@ impl Rolls {
                 let lasts = libm::log(off_rad / off);
                 (lasts >= SHORTEST).then_some((to.from_rad, lasts))
             })?;
-        (lasts <= most).then(|| Roll {
-            to_rad,
-            ..Roll::part(bank_rad, command_rad, lasts)
+        Some(if lasts <= most {
+            Roll {
+                to_rad,
+                ..Roll::part(bank_rad, command_rad, lasts)
+            }
+        } else {
+            Roll::part(bank_rad, command_rad, most)
         })
     }
 }
@@ -425,6 +433,7 @@ impl Flyer {
                 turn: sign * roll.turn,
                 rate: sign * roll.rate,
                 growth: sign * roll.growth,
+                curve: sign * roll.curve,
                 to_rad: sign * roll.to_rad,
                 ..roll
             },
@@ -487,12 +496,34 @@ impl Flyer {
         part
     }
 
+    /// The bank between two states of one piece, radians: what is left of a decay is the same share in equal times.
+    pub(crate) fn bank_between_rad(
+        &self,
+        from: &MotionState,
+        to: &MotionState,
+        since_s: f64,
+    ) -> f64 {
+        let moved_rad = to.bank_rad - from.bank_rad;
+        if moved_rad == 0.0 {
+            return from.bank_rad;
+        }
+        let done = |after_s: f64| -libm::expm1(-after_s / self.bank_time_constant_s);
+        let span_s = to.time_s - from.time_s;
+        let share = if since_s >= span_s {
+            1.0
+        } else {
+            done(since_s) / done(span_s)
+        };
+        from.bank_rad + moved_rad * share
+    }
+
     fn piece_of(&self, roll: &Roll, climb_rate_radps: f64) -> Piece {
         let tau = self.bank_time_constant_s;
         Piece {
             duration_s: roll.lasts * tau,
             course_rate_radps: self.gain_radps * roll.rate,
             course_growth_radps2: self.gain_radps * roll.growth / tau,
+            course_curve_radps3: self.gain_radps * roll.curve / (tau * tau),
             climb_rate_radps,
             bank_command_rad: roll.command_rad,
             bank_end_rad: roll.to_rad,

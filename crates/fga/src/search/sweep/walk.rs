@@ -86,7 +86,7 @@ impl<'a> Walk<'a> {
         self.state = if at.left == 0 {
             self.flyer
                 .advance(&at.begin, &at.piece, at.piece.duration_s)
-        } else if at.piece.course_growth_radps2 != 0.0 {
+        } else if at.piece.is_rolling() {
             let after_s = at.after_s + at.longest_s;
             self.flyer.advance(&at.begin, &at.piece, after_s)
         } else {
@@ -99,9 +99,7 @@ impl<'a> Walk<'a> {
     /// Velocity now, metres per second.
     pub(super) fn velocity_mps(&self) -> Vec3 {
         match &self.piece {
-            Some(at) if at.left > 0 && at.piece.course_growth_radps2 == 0.0 => {
-                at.steps.velocity_mps()
-            }
+            Some(at) if at.left > 0 && !at.piece.is_rolling() => at.steps.velocity_mps(),
             _ => self.flyer.velocity_mps(&self.state),
         }
     }
