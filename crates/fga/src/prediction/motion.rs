@@ -336,8 +336,12 @@ impl Flyer {
 
     /// Bound of the acceleration of a piece, metres per second squared: V √(ψ̇² + θ̇²).
     pub fn acceleration_mps2(&self, piece: &Piece) -> f64 {
-        let rates = piece.fastest_radps * piece.fastest_radps
-            + piece.climb_rate_radps * piece.climb_rate_radps;
-        self.airspeed_mps * libm::sqrt(rates)
+        let (turning, climbing) = (piece.fastest_radps, piece.climb_rate_radps);
+        let rate = if climbing == 0.0 {
+            turning.abs()
+        } else {
+            libm::sqrt(turning * turning + climbing * climbing)
+        };
+        self.airspeed_mps * rate
     }
 }

@@ -76,6 +76,16 @@ pub(crate) fn whole(steps: f64, most: usize) -> usize {
     libm::ceil(steps).limited(1.0, most as f64) as usize
 }
 
+/// The number of chords on which a flight of a duration, seconds, bows no more than [`CHORD_BOW_M`], from 1 to `most`.
+pub(crate) fn chords(acceleration_mps2: f64, duration_s: f64, most: usize) -> usize {
+    let bows = acceleration_mps2 * duration_s * duration_s / (8.0 * CHORD_BOW_M);
+    if bows > 1.0 {
+        whole(libm::sqrt(bows), most)
+    } else {
+        1
+    }
+}
+
 /// The pieces of constant rates of a manoeuvre's flight.
 struct Pieces<'a> {
     flyer: &'a Flyer,
@@ -277,12 +287,7 @@ impl FlightPath {
         meter: &Meter,
     ) -> Option<MotionState> {
         let acceleration = flyer.acceleration_mps2(piece);
-        let longest_s = if acceleration > 0.0 {
-            libm::sqrt(8.0 * CHORD_BOW_M / acceleration)
-        } else {
-            f64::INFINITY
-        };
-        let count = whole(duration_s / longest_s, MAX_NODES + 1);
+        let count = chords(acceleration, duration_s, MAX_NODES + 1);
         let work = count.min(MAX_NODES - self.len) * flyer.node_work();
         if !meter.take(work) {
             return None;
@@ -313,7 +318,7 @@ impl FlightPath {
         }
         // Where the nodes run out, those there are keep their distance.
         let step_s = if count > MAX_NODES {
-            longest_s
+            libm::sqrt(8.0 * CHORD_BOW_M / acceleration)
         } else {
             duration_s / count as f64
         };

@@ -7,7 +7,7 @@ use crate::angle::Side;
 use crate::certificate::{Certificate, Chord, Hazard, HazardSet as _, Line};
 use crate::limit::Limit as _;
 use crate::meter::{LAGGED_STEP, Meter, SETUP};
-use crate::prediction::{CHORD_BOW_M, MAX_NODES, MotionState, Node, Target, whole};
+use crate::prediction::{CHORD_BOW_M, MAX_NODES, MotionState, Node, Target, chords};
 
 use super::{CLIMB_STEP_RAD, Search, SecondTurn, Turns};
 
@@ -594,9 +594,8 @@ impl Search<'_> {
                 return state;
             }
             let acceleration_mps2 = flyer.acceleration_mps2(&piece);
-            let longest_s = libm::sqrt(8.0 * CHORD_BOW_M / acceleration_mps2);
             let duration_s = piece.duration_s.min(until_s - state.time_s);
-            let step_s = duration_s / whole(duration_s / longest_s, MAX_NODES) as f64;
+            let step_s = duration_s / chords(acceleration_mps2, duration_s, MAX_NODES) as f64;
             if !self.meter.take(flyer.piece_work()) {
                 return state;
             }

@@ -29,15 +29,17 @@ fn mean(half_rad: f64, half: Complex, scale: f64) -> Complex {
 }
 
 /// sin(x) / x in x², whose next term is below 10⁻¹⁷ up to 1.
-const SINC: [f64; 9] = {
-    let mut terms = [1.0; 9];
-    let mut k = 1;
-    while k < terms.len() {
-        terms[k] = -terms[k - 1] / (2 * k * (2 * k + 1)) as f64;
-        k += 1;
-    }
-    terms
-};
+const SINC: [f64; 9] = [
+    1.0,
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5_040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 1_307_674_368_000.0,
+    1.0 / 355_687_428_096_000.0,
+];
 
 /// sin(x) / x.
 fn sinc(x: f64) -> f64 {
