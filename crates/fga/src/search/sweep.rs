@@ -593,16 +593,23 @@ impl Search<'_> {
             if piece.duration_s == f64::INFINITY {
                 return state;
             }
-            let acceleration_mps2 = flyer.acceleration_mps2(&piece);
             let duration_s = piece.duration_s.min(until_s - state.time_s);
-            let step_s = duration_s / chords(acceleration_mps2, duration_s, MAX_NODES) as f64;
-            if !self.meter.take(flyer.piece_work()) {
-                return state;
+            let count = chords(flyer.acceleration_mps2(&piece), duration_s, MAX_NODES);
+            let (begin, mut after_s) = (state, 0.0);
+            for left in (0..count).rev() {
+                if worst.margin_m < floor_m || !self.meter.take(flyer.piece_work()) {
+                    return state;
+                }
+                let node = Node::on(flyer, &state, &piece, after_s);
+                after_s = if left == 0 {
+                    duration_s
+                } else {
+                    duration_s * (count - left) as f64 / count as f64
+                };
+                let end = flyer.advance(&begin, &piece, after_s);
+                self.along(&node, &end, floor_m, worst);
+                state = end;
             }
-            let node = Node::on(flyer, &state, &piece, 0.0);
-            let end = flyer.advance(&state, &piece, step_s);
-            self.along(&node, &end, floor_m, worst);
-            state = end;
         }
         state
     }
