@@ -1,7 +1,7 @@
 //! The way back: the earliest certified rejoin of the mission, and the flight along it.
 
 use crate::avoider::{Avoider, Decision, Plan, Reason, Returned, Start, State};
-use crate::certificate::{Hazard, mark_close};
+use crate::certificate::{Certificate, Hazard, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::mission::join::{Join, JoinLimits};
@@ -241,7 +241,7 @@ impl Avoider {
         let back = match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg)) {
             WayAhead::Blocked(short_m) => Some(Err(short_m)),
             WayAhead::Clear => {
-                let margin_m = self.margin_of(&maneuver, now, (f64::MIN, ENOUGH_M));
+                let margin_m = self.margin_of_path((f64::MIN, ENOUGH_M));
                 Some(Ok(Plan { margin_m, ..back }))
             }
             WayAhead::NextEncounter => {
@@ -405,18 +405,15 @@ impl Avoider {
             if is_whole && !close {
                 continue;
             }
-            let along = |until_s: f64| self.certify_one(hazard, until_s, target_m);
-            let whole = along(horizon_s);
+            let whole = self.certify_one(hazard, horizon_s, target_m);
             if whole.holds(target_m) {
                 continue;
             }
-            let blocked = |until_s: f64| {
-                let closest = self.certify_one(hazard, until_s, f64::MIN);
-                WayAhead::Blocked(target_m - closest.margin_m)
-            };
-            let returns_s = joined_s.min(horizon_s);
-            if !along(returns_s).holds(target_m) {
-                return blocked(returns_s);
+            let closest = |until_s: f64| self.certify_one(hazard, until_s, f64::MIN);
+            let blocked = |closest: Certificate| WayAhead::Blocked(target_m - closest.margin_m);
+            let before = closest(joined_s.min(horizon_s));
+            if !before.holds(target_m) {
+                return blocked(before);
             }
             if plan.against.contains(hazard.id) {
                 // Before the obstacle has passed, or from farther behind it, it would be the same encounter again.
@@ -426,7 +423,7 @@ impl Avoider {
                 let its_m = (ground_mps.x * cos + ground_mps.y * sin) * joined_s;
                 let falls_back = gained_m - its_m < -self.diameter_m();
                 if is_again || falls_back || whole.at_s < passes_s + NEXT_ENCOUNTER_S {
-                    return blocked(horizon_s);
+                    return blocked(closest(horizon_s));
                 }
             }
             ahead = WayAhead::NextEncounter;
