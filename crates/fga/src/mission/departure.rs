@@ -1,8 +1,10 @@
 //! The distance of a way back from the mission.
 
+use super::aim::{Turns, with_turns};
 use super::{MOST_LEGS, Progress, Way};
 use crate::Vec3;
 use crate::limit::Limit as _;
+use crate::prediction::{Flyer, MotionState};
 use crate::situation::Mission;
 
 /// Most work for measuring one way back, for each leg from which it is measured.
@@ -35,14 +37,30 @@ impl Progress {
         farthest_m
     }
 
-    /// Distance of a place in the air, metres, at a time, seconds from the decision, from the present leg and the `last`
-    /// ones after it, metres; infinite once the work is done.
-    pub(crate) fn aside_m(
+    /// What every way from a state onto one of the `last` legs after the present one departs from the mission, metres: what the
+    /// aircraft does now, and what it does before it can fly along the present leg where that is the only one.
+    pub(crate) fn least_departure_m(
         &mut self,
         mission: &Mission<'_>,
+        flyer: &Flyer,
+        state: &MotionState,
         last: usize,
-        (place_m, at_s): (Vec3, f64),
     ) -> f64 {
+        let here_m = self.aside_m(mission, last, (state.position_m, state.time_s));
+        let is_only = last == 0 || mission.waypoints_m.len() <= self.index + 2;
+        let Some(leg) = self.leg.filter(|_| is_only) else {
+            return here_m;
+        };
+        let meter = self.meter();
+        let aside_m = |turns: &Turns<'_>| turns.least_aside_m(&leg, state);
+        let turned_m = with_turns(flyer, state, &meter, aside_m);
+        self.note(&meter);
+        here_m.max(turned_m)
+    }
+
+    /// Distance of a place in the air, metres, at a time, seconds from the decision, from the present leg and the `last`
+    /// ones after it, metres; infinite once the work is done.
+    fn aside_m(&mut self, mission: &Mission<'_>, last: usize, (place_m, at_s): (Vec3, f64)) -> f64 {
         let legs = mission.waypoints_m.windows(2).skip(self.index);
         let legs = legs.take(last.min(MOST_LEGS) + 1);
         let meter = self.meter();

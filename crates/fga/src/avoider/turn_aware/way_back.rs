@@ -315,14 +315,15 @@ impl Avoider {
     ) -> Option<(f64, Way, usize)> {
         let climb_limits_rad = self.climb_limits_rad();
         self.on_mission(|progress, flyer| {
-            // Every way departs by what the aircraft does now.
-            let here = (from.position_m, from.time_s);
-            let least_m = progress.aside_m(mission, skipped, here);
+            let mut least_m = 0.0;
             let mut best: Option<(f64, (f64, Way, usize))> = None;
-            for intercept_rad in intercepts_rad {
+            for (rank, intercept_rad) in intercepts_rad.iter().enumerate() {
                 let most_m = best
                     .as_ref()
                     .map_or(f64::INFINITY, |(away_m, _)| CLEARLY_NEARER * away_m);
+                if rank == 1 {
+                    least_m = progress.least_departure_m(mission, flyer, from, skipped);
+                }
                 if least_m >= most_m {
                     break;
                 }
