@@ -3,6 +3,7 @@
 //! The first turn ends on a straight line, on which the second one begins: both in closed form with bank lag too. The
 //! predicted flight then confirms the one join that the search chose.
 
+use core::cell::OnceCell;
 use core::f64::consts::PI;
 
 use crate::Vec3;
@@ -101,9 +102,12 @@ fn along(course_rad: f64) -> Vec3 {
 }
 
 /// Turns from the bank of now to either side, and from level flight.
-pub(super) struct Turns<'a> {
+pub(crate) struct Turns<'a> {
     pub(super) flyer: &'a Flyer,
-    now: [Option<&'a Bend>; 2],
+    /// Those from the bank of now: kept by the vehicle, or made when they are asked for.
+    kept: [Option<&'a Bend>; 2],
+    made: [OnceCell<Option<Bend>>; 2],
+    banks_rad: [f64; 2],
     pub(super) level: Option<&'a Bend>,
     rolls_out_rad: f64,
 }
@@ -121,19 +125,18 @@ pub(super) fn with_turns<T>(
     let kept = banks_rad.map(|bank_rad| flyer.bend_from(bank_rad));
     let is_kept = kept.iter().all(Option::is_some);
     let work = if is_kept { SETUP } else { SETUP + 2 * BEND };
-    let made = if !meter.take(work) || is_kept {
-        [None; 2]
-    } else {
-        banks_rad.map(|bank_rad| Bend::new(flyer, bank_rad))
-    };
-    let [left, right] = &made;
+    let made = [const { OnceCell::new() }; 2];
+    if !meter.take(work) {
+        // Without work left there are none.
+        for bend in &made {
+            let _ = bend.set(None);
+        }
+    }
     look(&Turns {
         flyer,
-        now: if is_kept {
-            kept
-        } else {
-            [left.as_ref(), right.as_ref()]
-        },
+        kept,
+        made,
+        banks_rad,
         level: flyer.bend_from(0.0),
         rolls_out_rad: flyer.rollout_rad(bank_rad),
     })
@@ -166,8 +169,13 @@ impl Turns<'_> {
     }
 
     pub(super) fn bend(&self, side: f64) -> Option<&Bend> {
-        let [left, right] = self.now;
-        if side > 0.0 { left } else { right }
+        let side = usize::from(side <= 0.0);
+        let kept = self.kept.get(side).copied().flatten();
+        kept.or_else(|| {
+            let (made, bank_rad) = (self.made.get(side)?, self.banks_rad.get(side)?);
+            let make = || Bend::new(self.flyer, *bank_rad);
+            made.get_or_init(make).as_ref()
+        })
     }
 
     /// How far aside of a leg the aircraft comes at least before it flies along it or towards it, metres: it turns at once, to
@@ -374,6 +382,7 @@ fn root(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mission::Way;
     use crate::mission::join::{join, join_roughly};
     use crate::prediction::flown;
     use crate::vehicle::Vehicle;
@@ -413,7 +422,8 @@ mod tests {
                 climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
             };
             let meter = Meter::unlimited();
-            let (_, way) = join_roughly(&flyer, &leg, &state, &limits, &meter);
+            let mut way = Way::default();
+            with_turns(&flyer, &state, &meter, |turns| join_roughly(turns, &leg, &state, &limits, &mut way));
             let exact = join(&flyer, &leg, &state, &limits, &meter);
             // A climb shortens the way, which moves the second turn.
             let share = if above_m == 0.0 { 0.1 } else { 0.3 };

@@ -1,10 +1,10 @@
 //! The distance of a way back from the mission.
 
-use super::aim::{Turns, with_turns};
+use super::aim::Turns;
 use super::{MOST_LEGS, Progress, Way};
 use crate::Vec3;
 use crate::limit::Limit as _;
-use crate::prediction::{Flyer, MotionState};
+use crate::prediction::MotionState;
 use crate::situation::Mission;
 
 /// Most work for measuring one way back, for each leg from which it is measured.
@@ -42,20 +42,14 @@ impl Progress {
     pub(crate) fn least_departure_m(
         &mut self,
         mission: &Mission<'_>,
-        flyer: &Flyer,
+        turns: &Turns<'_>,
         state: &MotionState,
         last: usize,
     ) -> f64 {
         let here_m = self.aside_m(mission, last, (state.position_m, state.time_s));
         let is_only = last == 0 || mission.waypoints_m.len() <= self.index + 2;
-        let Some(leg) = self.leg.filter(|_| is_only) else {
-            return here_m;
-        };
-        let meter = self.meter();
-        let aside_m = |turns: &Turns<'_>| turns.least_aside_m(&leg, state);
-        let turned_m = with_turns(flyer, state, &meter, aside_m);
-        self.note(&meter);
-        here_m.max(turned_m)
+        let leg = self.leg.filter(|_| is_only);
+        leg.map_or(here_m, |leg| here_m.max(turns.least_aside_m(&leg, state)))
     }
 
     /// Distance of a place in the air, metres, at a time, seconds from the decision, from the present leg and the `last`

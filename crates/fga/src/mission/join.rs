@@ -147,20 +147,17 @@ pub(crate) fn join(
     }
 }
 
-/// About where the same leads, without flying it, and how far along the leg it ends, metres.
-pub(crate) fn join_roughly(
-    flyer: &Flyer,
+/// About where the same leads, without flying it. Returns how far along the leg it ends, metres.
+pub(super) fn join_roughly(
+    turns: &Turns<'_>,
     leg: &Leg,
     state: &MotionState,
     limits: &JoinLimits,
-    meter: &Meter,
-) -> (f64, Way) {
-    with_turns(flyer, state, meter, |turns| {
-        let (shot, both) = turns.aim(leg, state, limits);
-        let way = turns.way(state, &shot, &both);
-        let end = way.end().copied().unwrap_or_default();
-        (leg.position(end.at_m, end.at_s).along_m, way)
-    })
+    way: &mut Way,
+) -> f64 {
+    turns.lay(way, state, &turns.aim(leg, state, limits));
+    let end = way.end().copied().unwrap_or_default();
+    leg.position(end.at_m, end.at_s).along_m
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::mission::join::{Join, JoinLimits};
 use crate::mission::leg::Leg;
-use crate::mission::{Bend, Way};
+use crate::mission::{Bend, Progress, Turns, Way};
 use crate::prediction::{MotionState, whole};
 use crate::search::Proof;
 use crate::situation::{Mission, Situation};
@@ -143,7 +143,6 @@ impl Avoider {
         if detour.is_none() && self.refusals.holds(place, plan, situation.time_s) {
             return None;
         }
-        self.keep_rolls(now);
         let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
         let is_any = detour.is_none() && turn.is_multiple_of(2);
         let intercepts_rad: &[f64] = if is_any {
@@ -151,10 +150,11 @@ impl Avoider {
         } else {
             core::slice::from_ref(&intercept_rad)
         };
-        let nearest = self.nearest_way_back(mission, &from, skipped, intercepts_rad);
-        let joins_s = nearest.and_then(|(_, way, _)| Some(way.end()?.at_s));
+        let mut way = Way::default();
+        let nearest = self.nearest_way_back(mission, &from, skipped, intercepts_rad, &mut way);
+        let joins_s = nearest.and_then(|_| Some(way.end()?.at_s));
         let is_late = joins_s.is_some_and(|s| situation.time_s + s + self.late_s() > latest_s);
-        let seen = nearest.as_ref().map(|(_, way, index)| (way, *index));
+        let seen = nearest.map(|(_, index)| (&way, index));
         let places = Places {
             place,
             same_from_rad: seen.map_or(f64::INFINITY, |(way, index)| {
@@ -164,6 +164,7 @@ impl Avoider {
         if detour.is_none() && (is_late || self.is_refused(&places, seen, plan, (situation, now))) {
             return None;
         }
+        self.keep_rolls(now);
         let limits = JoinLimits {
             intercept_rad: nearest.map_or(intercept_rad, |(nearest_rad, ..)| nearest_rad),
             climb_limits_rad: self.climb_limits_rad(),
@@ -304,7 +305,7 @@ impl Avoider {
         self.on_mission(|progress, flyer| progress.advance_to(leg, mission, now, flyer));
     }
 
-    /// Of the ways onto the mission at some intercept angles the one that departs least, its angle and the index of the
+    /// Of the ways onto the mission at some intercept angles the one that departs least, with its angle and the index of the
     /// leg's first waypoint; the first, preferred one, unless another is clearly nearer.
     fn nearest_way_back(
         &mut self,
@@ -312,23 +313,24 @@ impl Avoider {
         from: &MotionState,
         skipped: usize,
         intercepts_rad: &[f64],
-    ) -> Option<(f64, Way, usize)> {
+        nearest: &mut Way,
+    ) -> Option<(f64, usize)> {
         let climb_limits_rad = self.climb_limits_rad();
-        self.on_mission(|progress, flyer| {
+        let is_only = intercepts_rad.len() == 1;
+        let look = |progress: &mut Progress, turns: &Turns<'_>| {
+            let mut other = Way::default();
             let mut least_m = 0.0;
-            let mut best: Option<(f64, (f64, Way, usize))> = None;
+            let mut best: Option<(f64, (f64, usize))> = None;
             for (rank, intercept_rad) in intercepts_rad.iter().enumerate() {
-                let most_m = best
-                    .as_ref()
-                    .map_or(f64::INFINITY, |(away_m, _)| CLEARLY_NEARER * away_m);
+                let most_m = best.map_or(f64::INFINITY, |(away_m, _)| CLEARLY_NEARER * away_m);
                 if rank == 1 {
-                    least_m = progress.least_departure_m(mission, flyer, from, skipped);
+                    least_m = progress.least_departure_m(mission, turns, from, skipped);
                 }
                 if least_m >= most_m {
                     break;
                 }
-                let same_from_rad = best.as_ref().map_or(f64::INFINITY, |(_, (_, way, index))| {
-                    same_from_rad(way, *index, progress.index())
+                let same_from_rad = best.map_or(f64::INFINITY, |(_, (_, index))| {
+                    same_from_rad(nearest, index, progress.index())
                 });
                 if *intercept_rad >= same_from_rad {
                     continue;
@@ -340,20 +342,30 @@ impl Avoider {
                 if !progress.may_measure(mission, skipped) {
                     break;
                 }
-                let way = progress.way_back_roughly(mission, from, flyer, &limits, skipped);
-                let Some((way, index)) = way else { continue };
-                let is_only = intercepts_rad.len() == 1;
+                let way = if best.is_none() {
+                    &mut *nearest
+                } else {
+                    &mut other
+                };
+                let asked = (&limits, skipped);
+                let found = progress.way_back_roughly(mission, from, turns, asked, way);
+                let Some(index) = found else { continue };
                 let away_m = if is_only {
                     0.0
                 } else {
-                    progress.departure_m(mission, (&way, index), most_m)
+                    progress.departure_m(mission, (way, index), most_m)
                 };
-                if best.is_none() || away_m < most_m {
-                    best = Some((away_m, (*intercept_rad, way, index)));
+                if best.is_some() {
+                    if away_m >= most_m {
+                        continue;
+                    }
+                    *nearest = other;
                 }
+                best = Some((away_m, (*intercept_rad, index)));
             }
-            best.map(|(_, nearest)| nearest)
-        })
+            best.map(|(_, found)| found)
+        };
+        self.on_mission(|progress, flyer| progress.with_turns(flyer, from, look))
     }
 
     /// A way back that meets other obstacles later, with the manoeuvre that avoids those.
