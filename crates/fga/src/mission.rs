@@ -22,6 +22,7 @@ mod way_onto;
 
 pub use plan::planned_line;
 
+pub(crate) use self::aim::Turns;
 use self::corner::{Air, Corner, Legs, arrival, corner};
 use self::join::{Join, JoinLimits, has_entered, is_on_leg, join};
 use self::leg::Leg;

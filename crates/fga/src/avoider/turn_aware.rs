@@ -334,13 +334,13 @@ impl Avoider {
     }
 
     /// Margin of a manoeuvre, between `floor_m`, below which it stops, and `enough_m`.
-    fn margin_of(
-        &mut self,
-        maneuver: &Maneuver,
-        now: &MotionState,
-        (floor_m, enough_m): (f64, f64),
-    ) -> f64 {
+    fn margin_of(&mut self, maneuver: &Maneuver, now: &MotionState, bounds_m: (f64, f64)) -> f64 {
         self.predict(maneuver, now);
+        self.margin_of_path(bounds_m)
+    }
+
+    /// The same of the manoeuvre predicted last.
+    fn margin_of_path(&self, (floor_m, enough_m): (f64, f64)) -> f64 {
         let asked = Asked {
             horizon_s: self.look_s,
             floor_m,

@@ -1,8 +1,10 @@
 //! The distance of a way back from the mission.
 
+use super::aim::Turns;
 use super::{MOST_LEGS, Progress, Way};
 use crate::Vec3;
 use crate::limit::Limit as _;
+use crate::prediction::MotionState;
 use crate::situation::Mission;
 
 /// Most work for measuring one way back, for each leg from which it is measured.
@@ -35,14 +37,24 @@ impl Progress {
         farthest_m
     }
 
-    /// Distance of a place in the air, metres, at a time, seconds from the decision, from the present leg and the `last`
-    /// ones after it, metres; infinite once the work is done.
-    pub(crate) fn aside_m(
+    /// What every way from a state onto one of the `last` legs after the present one departs from the mission, metres: what the
+    /// aircraft does now, and what it does before it can fly along the present leg where that is the only one.
+    pub(crate) fn least_departure_m(
         &mut self,
         mission: &Mission<'_>,
+        turns: &Turns<'_>,
+        state: &MotionState,
         last: usize,
-        (place_m, at_s): (Vec3, f64),
     ) -> f64 {
+        let here_m = self.aside_m(mission, last, (state.position_m, state.time_s));
+        let is_only = last == 0 || mission.waypoints_m.len() <= self.index + 2;
+        let leg = self.leg.filter(|_| is_only);
+        leg.map_or(here_m, |leg| here_m.max(turns.least_aside_m(&leg, state)))
+    }
+
+    /// Distance of a place in the air, metres, at a time, seconds from the decision, from the present leg and the `last`
+    /// ones after it, metres; infinite once the work is done.
+    fn aside_m(&mut self, mission: &Mission<'_>, last: usize, (place_m, at_s): (Vec3, f64)) -> f64 {
         let legs = mission.waypoints_m.windows(2).skip(self.index);
         let legs = legs.take(last.min(MOST_LEGS) + 1);
         let meter = self.meter();

@@ -32,6 +32,10 @@ const JOINED_WITHIN_M: f64 = 1.0;
 /// Corrections of the two moments with the predicted flight.
 const CORRECTIONS: u32 = 3;
 
+/// A second turn that begins by less than this sooner or later ends where straight flight moves it, to [`LAGGED_M`]: that
+/// needs no other flight. Time constants of the bank.
+const SURELY: f64 = 0.01;
+
 /// A way onto a leg.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Join {
@@ -95,53 +99,114 @@ pub(crate) fn join(
 ) -> Join {
     let aim = |turns: &Turns<'_>| turns.aim(leg, state, limits).0;
     let mut shot = with_turns(flyer, state, meter, aim);
-    let mut join = fly(flyer, leg, state, &shot, meter);
+    let fly = |shot: &Shot| {
+        let maneuver = shot.maneuver(state.time_s);
+        let end = flown(flyer, state, &maneuver, f64::INFINITY, meter);
+        (maneuver, end, leg.position(end.position_m, end.time_s))
+    };
+    let (mut maneuver, mut end, mut at) = fly(&shot);
     let near_m = near_m(flyer);
     for _ in 0..CORRECTIONS {
-        if join.cross_m.abs() < near_m && join.above_m.abs() < near_m {
+        let is_level = at.above_m.abs() < near_m;
+        if at.cross_m.abs() < near_m && is_level {
             break;
         }
         let closing = leg.cross_speed_mps(
             flyer.airspeed_mps() * libm::cos(shot.climb),
             shot.intercept_course,
         );
+        let before_s = shot.turn_at_s;
         if closing.abs() > 1e-3 * flyer.airspeed_mps() {
-            shot.turn_at_s = (shot.turn_at_s - join.cross_m / closing).max(state.time_s);
+            shot.turn_at_s = (before_s - at.cross_m / closing).max(state.time_s);
         }
         let climbing = flyer.airspeed_mps() * (libm::sin(shot.climb) - libm::sin(shot.final_climb));
         if climbing.abs() > 1e-3 * flyer.airspeed_mps() {
-            shot.level_at_s = (shot.level_at_s - join.above_m / climbing).max(state.time_s);
+            shot.level_at_s = (shot.level_at_s - at.above_m / climbing).max(state.time_s);
         }
-        join = fly(flyer, leg, state, &shot, meter);
+        let later_s = shot.turn_at_s - before_s;
+        if is_level && later_s.abs() < SURELY * flyer.bank_time_constant_s() {
+            let intercepts = MotionState {
+                course_rad: shot.intercept_course,
+                climb_rad: shot.final_climb,
+                ..end
+            };
+            maneuver = shot.maneuver(state.time_s);
+            end.position_m += flyer.velocity_mps(&intercepts) * later_s;
+            end.time_s += later_s;
+            at = leg.position(end.position_m, end.time_s);
+            break;
+        }
+        (maneuver, end, at) = fly(&shot);
     }
-    join
-}
-
-fn fly(flyer: &Flyer, leg: &Leg, state: &MotionState, shot: &Shot, meter: &Meter) -> Join {
-    let maneuver = shot.maneuver(state.time_s);
-    let end = flown(flyer, state, &maneuver, f64::INFINITY, meter);
-    let position = leg.position(end.position_m, end.time_s);
     Join {
         maneuver,
         joined_s: end.time_s,
-        along_m: position.along_m,
-        cross_m: position.cross_m,
-        above_m: position.above_m,
+        along_m: at.along_m,
+        cross_m: at.cross_m,
+        above_m: at.above_m,
     }
 }
 
-/// About where the same leads, without flying it, and how far along the leg it ends, metres.
-pub(crate) fn join_roughly(
-    flyer: &Flyer,
+/// About where the same leads, without flying it. Returns how far along the leg it ends, metres.
+pub(super) fn join_roughly(
+    turns: &Turns<'_>,
     leg: &Leg,
     state: &MotionState,
     limits: &JoinLimits,
-    meter: &Meter,
-) -> (f64, Way) {
-    with_turns(flyer, state, meter, |turns| {
-        let (shot, both) = turns.aim(leg, state, limits);
-        let way = turns.way(state, &shot, &both);
-        let end = way.end().copied().unwrap_or_default();
-        (leg.position(end.at_m, end.at_s).along_m, way)
-    })
+    way: &mut Way,
+) -> f64 {
+    turns.lay(way, state, &turns.aim(leg, state, limits));
+    let end = way.end().copied().unwrap_or_default();
+    leg.position(end.at_m, end.at_s).along_m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Vec3;
+    use crate::vehicle::Vehicle;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+        /// A join ends on the leg, where it is told to, also where its last correction was not flown.
+        #[test]
+        fn a_join_ends_where_it_is_told_to(
+            lag_s in prop_oneof![Just(0.0), 0.2..1.0f64],
+            bank in -1.0..1.0f64,
+            (cross_m, course_rad) in (-300.0..300.0f64, -2.6..2.6f64),
+            intercept_rad in 0.3..1.2f64,
+            wind_mps in -6.0..6.0f64,
+            (above_m, climb_rad) in prop_oneof![
+                Just((0.0, 0.0)),
+                (-40.0..40.0f64, -0.2..0.2f64),
+            ],
+        ) {
+            let vehicle = Vehicle::lagged(lag_s);
+            let flyer = Flyer::new(&vehicle);
+            let state = MotionState {
+                time_s: 0.0,
+                position_m: Vec3::new(0.0, cross_m, above_m),
+                course_rad,
+                climb_rad,
+                bank_rad: bank * flyer.full_bank_rad(),
+            };
+            let wind_mps = Vec3::new(0.0, wind_mps, 0.0);
+            let leg = Leg::endless(Vec3::ZERO, 0.0, vehicle.airspeed_mps, wind_mps);
+            let limits = JoinLimits {
+                intercept_rad,
+                climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
+            };
+            let meter = Meter::unlimited();
+            let told = join(&flyer, &leg, &state, &limits, &meter);
+            let end = flown(&flyer, &state, &told.maneuver, f64::INFINITY, &meter);
+            let at = leg.position(end.position_m, end.time_s);
+            let off_m = libm::hypot(at.cross_m - told.cross_m, at.above_m - told.above_m);
+            prop_assert!(off_m < 5.0 * LAGGED_M, "{off_m} m off the end of {told:?}");
+            let later_s = end.time_s - told.joined_s;
+            let on_m = at.along_m - leg.ground_speed_mps * later_s - told.along_m;
+            prop_assert!(on_m.abs() < 0.01, "{on_m} m along from the end of {told:?}");
+            prop_assert!(later_s.abs() < 0.05, "{later_s} s after the end of {told:?}");
+        }
+    }
 }

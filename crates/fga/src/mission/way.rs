@@ -35,6 +35,16 @@ pub(crate) struct Way {
 }
 
 impl Way {
+    /// Begins anew at a state.
+    fn begin(&mut self, state: &MotionState, same_from_rad: f64) {
+        (self.len, self.same_from_rad) = (0, same_from_rad);
+        self.push(Place {
+            at_m: state.position_m,
+            at_s: state.time_s,
+            bow_m: 0.0,
+        });
+    }
+
     fn push(&mut self, place: Place) {
         if let Some(slot) = self.places.get_mut(self.len) {
             *slot = place;
@@ -69,26 +79,26 @@ impl Way {
 }
 
 impl Turns<'_> {
-    /// Where a join with two turns leads.
-    pub(super) fn way(
+    /// Lays out where a join with two turns leads.
+    pub(super) fn lay(
         &self,
+        way: &mut Way,
         state: &MotionState,
-        shot: &Shot,
-        [first, second]: &[Turning; 2],
-    ) -> Way {
-        let mut walk = Walk::new(self.flyer, state, shot);
+        (shot, [first, second]): &(Shot, [Turning; 2]),
+    ) {
+        way.begin(state, shot.same_from_rad);
+        let mut walk = Walk::new(way, self.flyer, state, shot);
         walk.turn(first, self.bend(first.side));
         walk.on(first, shot.turn_at_s - state.time_s);
         walk.turn(second, self.level);
         walk.on(second, second.exit.over_s);
         walk.climb_on(second);
-        walk.way
     }
 }
 
 /// A way from place to place.
-struct Walk {
-    way: Way,
+struct Walk<'a> {
+    way: &'a mut Way,
     airspeed_mps: f64,
     course_rate_radps: f64,
     climb: Climb,
@@ -102,18 +112,9 @@ struct Walk {
     turned_m: Vec3,
 }
 
-impl Walk {
-    fn new(flyer: &Flyer, state: &MotionState, shot: &Shot) -> Self {
+impl<'a> Walk<'a> {
+    fn new(way: &'a mut Way, flyer: &Flyer, state: &MotionState, shot: &Shot) -> Self {
         let climb = Climb::new(flyer, state, shot);
-        let mut way = Way {
-            same_from_rad: shot.same_from_rad,
-            ..Way::default()
-        };
-        way.push(Place {
-            at_m: state.position_m,
-            at_s: state.time_s,
-            bow_m: 0.0,
-        });
         Self {
             way,
             airspeed_mps: flyer.airspeed_mps(),
@@ -151,6 +152,9 @@ impl Walk {
     fn turn(&mut self, turning: &Turning, bend: Option<&Bend>) {
         (self.turn_s, self.turned_m) = (self.since_s, Vec3::ZERO);
         let step_s = turning.exit.begins_s / ARC_PLACES as f64;
+        if step_s <= 0.0 {
+            return;
+        }
         for place in 1..=ARC_PLACES {
             let turned = bend.and_then(|bend| bend.place_m(step_s * place as f64));
             let there_m = turning.turned_m(turned.unwrap_or_default());

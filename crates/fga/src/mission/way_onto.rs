@@ -1,5 +1,6 @@
 //! A way onto the mission: onto the leg, or onto one after it.
 
+use super::aim::{Turns, with_turns};
 use super::corner::{Air, Legs as _, arrival, corner};
 use super::join::{Join, JoinLimits, join, join_roughly};
 use super::leg::Leg;
@@ -67,21 +68,36 @@ impl Progress {
         found.ok().flatten()
     }
 
-    /// About where [`Self::way_back`] leads, without flying it; `None` also where it turns round.
+    /// About where [`Self::way_back`] leads, without flying it; `None` also where it turns round. Returns the index of the
+    /// leg's first waypoint.
     pub(crate) fn way_back_roughly(
         &mut self,
         mission: &Mission<'_>,
         state: &MotionState,
-        flyer: &Flyer,
-        limits: &JoinLimits,
-        skipped: usize,
-    ) -> Option<(Way, usize)> {
+        turns: &Turns<'_>,
+        (limits, skipped): (&JoinLimits, usize),
+        way: &mut Way,
+    ) -> Option<usize> {
         let meter = self.meter();
-        let air = self.air(flyer, &meter);
-        let onto = |leg: &Leg| join_roughly(flyer, leg, state, limits, &meter);
+        let air = self.air(turns.flyer, &meter);
+        let onto = |leg: &Leg| (join_roughly(turns, leg, state, limits, way), ());
         let found = self.way_onto(mission, state, &air, skipped, (onto, |_: &Leg| None));
         self.note(&meter);
-        found.ok().flatten()
+        found.ok().flatten().map(|((), index)| index)
+    }
+
+    /// Shows the turns from a state.
+    pub(crate) fn with_turns<T>(
+        &mut self,
+        flyer: &Flyer,
+        state: &MotionState,
+        look: impl FnOnce(&mut Self, &Turns<'_>) -> T,
+    ) -> T {
+        let meter = self.meter();
+        with_turns(flyer, state, &meter, |turns| {
+            self.note(&meter);
+            look(self, turns)
+        })
     }
 
     /// The way onto the first leg that one joins, by a join, of which `onto` also says how far along the leg it ends, metres, or
@@ -92,7 +108,7 @@ impl Progress {
         state: &MotionState,
         air: &Air<'_>,
         skipped: usize,
-        (onto, round): (impl Fn(&Leg) -> (f64, T), impl Fn(&Leg) -> Option<T>),
+        (mut onto, round): (impl FnMut(&Leg) -> (f64, T), impl Fn(&Leg) -> Option<T>),
     ) -> Result<Option<(T, usize)>, usize> {
         let mut leg = self.leg(state);
         let round = |leg: &Leg, index: usize| Ok(round(leg).map(|way| (way, index)));

@@ -1,12 +1,12 @@
 //! The way back: the earliest certified rejoin of the mission, and the flight along it.
 
 use crate::avoider::{Avoider, Decision, Plan, Reason, Returned, Start, State};
-use crate::certificate::{Hazard, mark_close};
+use crate::certificate::{Certificate, Hazard, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::mission::join::{Join, JoinLimits};
 use crate::mission::leg::Leg;
-use crate::mission::{Bend, Way};
+use crate::mission::{Bend, Progress, Turns, Way};
 use crate::prediction::{MotionState, whole};
 use crate::search::Proof;
 use crate::situation::{Mission, Situation};
@@ -143,7 +143,6 @@ impl Avoider {
         if detour.is_none() && self.refusals.holds(place, plan, situation.time_s) {
             return None;
         }
-        self.keep_rolls(now);
         let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
         let is_any = detour.is_none() && turn.is_multiple_of(2);
         let intercepts_rad: &[f64] = if is_any {
@@ -151,10 +150,11 @@ impl Avoider {
         } else {
             core::slice::from_ref(&intercept_rad)
         };
-        let nearest = self.nearest_way_back(mission, &from, skipped, intercepts_rad);
-        let joins_s = nearest.and_then(|(_, way, _)| Some(way.end()?.at_s));
+        let mut way = Way::default();
+        let nearest = self.nearest_way_back(mission, &from, skipped, intercepts_rad, &mut way);
+        let joins_s = nearest.and_then(|_| Some(way.end()?.at_s));
         let is_late = joins_s.is_some_and(|s| situation.time_s + s + self.late_s() > latest_s);
-        let seen = nearest.as_ref().map(|(_, way, index)| (way, *index));
+        let seen = nearest.map(|(_, index)| (&way, index));
         let places = Places {
             place,
             same_from_rad: seen.map_or(f64::INFINITY, |(way, index)| {
@@ -164,6 +164,7 @@ impl Avoider {
         if detour.is_none() && (is_late || self.is_refused(&places, seen, plan, (situation, now))) {
             return None;
         }
+        self.keep_rolls(now);
         let limits = JoinLimits {
             intercept_rad: nearest.map_or(intercept_rad, |(nearest_rad, ..)| nearest_rad),
             climb_limits_rad: self.climb_limits_rad(),
@@ -241,7 +242,7 @@ impl Avoider {
         let back = match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg)) {
             WayAhead::Blocked(short_m) => Some(Err(short_m)),
             WayAhead::Clear => {
-                let margin_m = self.margin_of(&maneuver, now, (f64::MIN, ENOUGH_M));
+                let margin_m = self.margin_of_path((f64::MIN, ENOUGH_M));
                 Some(Ok(Plan { margin_m, ..back }))
             }
             WayAhead::NextEncounter => {
@@ -304,7 +305,7 @@ impl Avoider {
         self.on_mission(|progress, flyer| progress.advance_to(leg, mission, now, flyer));
     }
 
-    /// Of the ways onto the mission at some intercept angles the one that departs least, its angle and the index of the
+    /// Of the ways onto the mission at some intercept angles the one that departs least, with its angle and the index of the
     /// leg's first waypoint; the first, preferred one, unless another is clearly nearer.
     fn nearest_way_back(
         &mut self,
@@ -312,22 +313,24 @@ impl Avoider {
         from: &MotionState,
         skipped: usize,
         intercepts_rad: &[f64],
-    ) -> Option<(f64, Way, usize)> {
+        nearest: &mut Way,
+    ) -> Option<(f64, usize)> {
         let climb_limits_rad = self.climb_limits_rad();
-        self.on_mission(|progress, flyer| {
-            // Every way departs by what the aircraft does now.
-            let here = (from.position_m, from.time_s);
-            let least_m = progress.aside_m(mission, skipped, here);
-            let mut best: Option<(f64, (f64, Way, usize))> = None;
-            for intercept_rad in intercepts_rad {
-                let most_m = best
-                    .as_ref()
-                    .map_or(f64::INFINITY, |(away_m, _)| CLEARLY_NEARER * away_m);
+        let is_only = intercepts_rad.len() == 1;
+        let look = |progress: &mut Progress, turns: &Turns<'_>| {
+            let mut other = Way::default();
+            let mut least_m = 0.0;
+            let mut best: Option<(f64, (f64, usize))> = None;
+            for (rank, intercept_rad) in intercepts_rad.iter().enumerate() {
+                let most_m = best.map_or(f64::INFINITY, |(away_m, _)| CLEARLY_NEARER * away_m);
+                if rank == 1 {
+                    least_m = progress.least_departure_m(mission, turns, from, skipped);
+                }
                 if least_m >= most_m {
                     break;
                 }
-                let same_from_rad = best.as_ref().map_or(f64::INFINITY, |(_, (_, way, index))| {
-                    same_from_rad(way, *index, progress.index())
+                let same_from_rad = best.map_or(f64::INFINITY, |(_, (_, index))| {
+                    same_from_rad(nearest, index, progress.index())
                 });
                 if *intercept_rad >= same_from_rad {
                     continue;
@@ -339,20 +342,30 @@ impl Avoider {
                 if !progress.may_measure(mission, skipped) {
                     break;
                 }
-                let way = progress.way_back_roughly(mission, from, flyer, &limits, skipped);
-                let Some((way, index)) = way else { continue };
-                let is_only = intercepts_rad.len() == 1;
+                let way = if best.is_none() {
+                    &mut *nearest
+                } else {
+                    &mut other
+                };
+                let asked = (&limits, skipped);
+                let found = progress.way_back_roughly(mission, from, turns, asked, way);
+                let Some(index) = found else { continue };
                 let away_m = if is_only {
                     0.0
                 } else {
-                    progress.departure_m(mission, (&way, index), most_m)
+                    progress.departure_m(mission, (way, index), most_m)
                 };
-                if best.is_none() || away_m < most_m {
-                    best = Some((away_m, (*intercept_rad, way, index)));
+                if best.is_some() {
+                    if away_m >= most_m {
+                        continue;
+                    }
+                    *nearest = other;
                 }
+                best = Some((away_m, (*intercept_rad, index)));
             }
-            best.map(|(_, nearest)| nearest)
-        })
+            best.map(|(_, found)| found)
+        };
+        self.on_mission(|progress, flyer| progress.with_turns(flyer, from, look))
     }
 
     /// A way back that meets other obstacles later, with the manoeuvre that avoids those.
@@ -405,18 +418,15 @@ impl Avoider {
             if is_whole && !close {
                 continue;
             }
-            let along = |until_s: f64| self.certify_one(hazard, until_s, target_m);
-            let whole = along(horizon_s);
+            let whole = self.certify_one(hazard, horizon_s, target_m);
             if whole.holds(target_m) {
                 continue;
             }
-            let blocked = |until_s: f64| {
-                let closest = self.certify_one(hazard, until_s, f64::MIN);
-                WayAhead::Blocked(target_m - closest.margin_m)
-            };
-            let returns_s = joined_s.min(horizon_s);
-            if !along(returns_s).holds(target_m) {
-                return blocked(returns_s);
+            let closest = |until_s: f64| self.certify_one(hazard, until_s, f64::MIN);
+            let blocked = |closest: Certificate| WayAhead::Blocked(target_m - closest.margin_m);
+            let before = closest(joined_s.min(horizon_s));
+            if !before.holds(target_m) {
+                return blocked(before);
             }
             if plan.against.contains(hazard.id) {
                 // Before the obstacle has passed, or from farther behind it, it would be the same encounter again.
@@ -426,7 +436,7 @@ impl Avoider {
                 let its_m = (ground_mps.x * cos + ground_mps.y * sin) * joined_s;
                 let falls_back = gained_m - its_m < -self.diameter_m();
                 if is_again || falls_back || whole.at_s < passes_s + NEXT_ENCOUNTER_S {
-                    return blocked(horizon_s);
+                    return blocked(closest(horizon_s));
                 }
             }
             ahead = WayAhead::NextEncounter;
