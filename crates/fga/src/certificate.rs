@@ -14,7 +14,7 @@ pub(crate) use hazards::{HazardSet, Line};
 
 use crate::Vec3;
 use crate::meter::{LOOK, Meter};
-use crate::prediction::{FlightPath, Flyer, MotionState, Node};
+use crate::prediction::{CHORD_BOW_M, FlightPath, Flyer, MotionState, Node};
 
 /// A chord that decides the answer is split into this many.
 const SPLITS: u32 = 5;
@@ -250,6 +250,7 @@ impl<'a> Chord<'a> {
     }
 
     /// From the first of some nodes to the last one; if that is after `horizon_s`, there is only one between two, cut there.
+    /// The bow from one over several nodes covers the shorter chords' own.
     #[inline]
     fn over(flyer: &Flyer, nodes: &'a [Node], horizon_s: f64) -> Option<Self> {
         let [node, within @ .., last] = nodes else {
@@ -264,9 +265,12 @@ impl<'a> Chord<'a> {
             end.time_s = horizon_s;
         }
         let mut chord = Self::new(node, end.position_m, end.time_s)?;
-        let fastest_mps2 = (within.iter().map(|node| node.acceleration_mps2))
-            .fold(node.acceleration_mps2, f64::max);
-        chord.bow_m = fastest_mps2 * chord.line.duration_s * chord.line.duration_s / 8.0;
+        if !within.is_empty() {
+            let fastest_mps2 = (within.iter().map(|node| node.acceleration_mps2))
+                .fold(node.acceleration_mps2, f64::max);
+            let bow_m = fastest_mps2 * chord.line.duration_s * chord.line.duration_s / 8.0;
+            chord.bow_m = bow_m + CHORD_BOW_M;
+        }
         Some(chord)
     }
 
