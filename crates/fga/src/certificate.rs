@@ -4,7 +4,8 @@
 //! acceleration. The chord, at constant speed, and an obstacle that moves in a straight line
 //! have a straight relative motion, on which the least separation has a closed
 //! form for a sphere and is the minimum of a convex function for a cylinder. Chord minimum less
-//! bow is a lower bound; chords that decide the answer are split until the bow no longer matters.
+//! bow is a lower bound; chords that decide the answer are split until the bow no longer matters. Far from all obstacles one
+//! chord covers many nodes.
 
 mod hazards;
 
@@ -13,7 +14,7 @@ pub(crate) use hazards::{HazardSet, Line};
 
 use crate::Vec3;
 use crate::meter::{LOOK, Meter};
-use crate::prediction::{FlightPath, Flyer, MotionState, Node};
+use crate::prediction::{CHORD_BOW_M, FlightPath, Flyer, MotionState, Node};
 
 /// A chord that decides the answer is split into this many.
 const SPLITS: u32 = 5;
@@ -124,7 +125,6 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     asked: &Asked,
     meter: &Meter,
 ) -> Certificate {
-    let horizon_s = asked.horizon_s;
     if meter.is_met() {
         return Certificate {
             status: Status::LimitMet,
@@ -136,7 +136,7 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     let (floor_m, enough_m) = (asked.floor_m + remainder_m, asked.enough_m + remainder_m);
     let mut worst = Certificate::clear(enough_m);
     // First the long straight line at the end: what comes close there rules out most chords.
-    let above = end_line(path, horizon_s).is_none_or(|line| {
+    let above = end_line(path, asked.horizon_s).is_none_or(|line| {
         line.duration_s < 0.0
             || hazards.each_close(&line, worst.margin_m, meter, |hazard| {
                 if let Some((margin, at_s)) = hazard.least_on_line(&line, worst.margin_m, meter) {
@@ -153,31 +153,19 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     } else {
         (f64::INFINITY, f64::NEG_INFINITY)
     };
+    let scene = (flyer, hazards, (asked.horizon_s, floor_m), meter);
+    let nodes = path.nodes();
     let above = above
         && (one_mark
-            || for_each_chord(flyer, path.nodes(), horizon_s, |chord| {
-                let below_m = worst.margin_m + chord.bow_m;
-                hazards.each_close(&chord.line, below_m, meter, |hazard| {
-                    let below_m = worst.margin_m + chord.bow_m;
-                    if let Some((margin, at_s)) = hazard.least_on_line(&chord.line, below_m, meter)
-                    {
-                        deciding_s = (deciding_s.0.min(chord.line.at_s), chord.line.at_s);
-                        lower(&mut worst, margin + chord.bow_m, at_s, hazard);
-                    }
-                    worst.margin_m >= floor_m
-                }) && !meter.is_met()
+            || each_near(scene, nodes, &mut worst, |chord, hazard, least, worst| {
+                deciding_s = (deciding_s.0.min(chord.line.at_s), chord.line.at_s);
+                lower(worst, least.0 + chord.bow_m, least.1, hazard);
             }));
     // Those are split until the bow no longer matters.
+    let nodes = chords_begun(path, deciding_s);
     let above = above
-        && for_each_chord(flyer, chords_begun(path, deciding_s), horizon_s, |chord| {
-            let below_m = worst.margin_m + chord.bow_m;
-            hazards.each_close(&chord.line, below_m, meter, |hazard| {
-                let below_m = worst.margin_m + chord.bow_m;
-                if hazard.least_on_line(&chord.line, below_m, meter).is_some() {
-                    chord.split(flyer, hazard, &mut worst, meter);
-                }
-                worst.margin_m >= floor_m
-            }) && !meter.is_met()
+        && each_near(scene, nodes, &mut worst, |chord, hazard, _, worst| {
+            chord.split(flyer, hazard, worst, meter);
         });
     let below_floor = worst.margin_m < floor_m;
     // A sufficient margin is exactly the requested one, despite rounding.
@@ -198,8 +186,8 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
     worst
 }
 
-/// Marks the hazards that may come closer than `below_m` anywhere along a path up to `horizon_s`, by
-/// spheres about them: the margins of all others are at least that. Marks all if a meter refuses a look.
+/// Marks the hazards that may come closer than `below_m` anywhere along a path up to `horizon_s`: the margins of all others
+/// are at least that. Marks all if a meter refuses a look.
 pub(crate) fn mark_close(
     flyer: &Flyer,
     path: &FlightPath,
@@ -215,17 +203,39 @@ pub(crate) fn mark_close(
         true
     };
     let below_m = below_m + path.remainder_m();
-    let goes_on = for_each_chord(flyer, path.nodes(), horizon_s, |chord| {
-        hazards.each_close(&chord.line, below_m + chord.bow_m, meter, &mut mark)
+    let scene = (flyer, hazards, (horizon_s, f64::MIN), meter);
+    let clear = &mut Certificate::clear(below_m);
+    let goes_on = each_near(scene, path.nodes(), clear, |_, hazard, _, _| {
+        mark(hazard);
     });
     if goes_on && let Some(mut line) = end_line(path, horizon_s) {
         line.duration_s = line.duration_s.max(0.0);
-        hazards.each_close(&line, below_m, meter, &mut mark);
+        hazards.each_close(&line, below_m, meter, |hazard| {
+            hazard.least_on_line(&line, below_m, meter).is_none() || mark(hazard)
+        });
     }
     if meter.is_spent() {
         return [true; MAX_HAZARDS];
     }
     marks
+}
+
+/// Whether a path ends before `horizon_s`, and the straight flight after it keeps a margin from every hazard until a later
+/// moment, seconds.
+pub(crate) fn keeps_on(
+    path: &FlightPath,
+    hazards: &Hazards,
+    (horizon_s, until_s): (f64, f64),
+    margin_m: f64,
+    meter: &Meter,
+) -> bool {
+    let margin_m = margin_m + path.remainder_m();
+    let line = end_line(path, until_s).filter(|line| line.at_s < horizon_s);
+    line.is_some_and(|line| {
+        hazards.each_close(&line, margin_m, meter, |hazard| {
+            hazard.least_on_line(&line, margin_m, meter).is_none()
+        })
+    })
 }
 
 /// The straight line between two moments of a flight, at constant speed.
@@ -255,6 +265,31 @@ impl<'a> Chord<'a> {
             },
             bow_m: node.acceleration_mps2 * duration_s * duration_s / 8.0,
         })
+    }
+
+    /// From the first of some nodes to the last one; if that is after `horizon_s`, there is only one between two, cut there.
+    /// The bow from one over several nodes covers the shorter chords' own.
+    #[inline]
+    fn over(flyer: &Flyer, nodes: &'a [Node], horizon_s: f64) -> Option<Self> {
+        let [node, within @ .., last] = nodes else {
+            return None;
+        };
+        let mut end = last.state;
+        if end.time_s > horizon_s {
+            if !within.is_empty() {
+                return None;
+            }
+            end = flyer.advance(&node.state, &node.piece(), horizon_s - node.state.time_s);
+            end.time_s = horizon_s;
+        }
+        let mut chord = Self::new(node, end.position_m, end.time_s)?;
+        if !within.is_empty() {
+            let fastest_mps2 = (within.iter().map(|node| node.acceleration_mps2))
+                .fold(node.acceleration_mps2, f64::max);
+            let bow_m = fastest_mps2 * chord.line.duration_s * chord.line.duration_s / 8.0;
+            chord.bow_m = bow_m + CHORD_BOW_M;
+        }
+        Some(chord)
     }
 
     /// Lowers `worst` to a bound over the shorter chords between exact points in between.
@@ -341,28 +376,41 @@ fn chords_begun(path: &FlightPath, (from_s, until_s): (f64, f64)) -> &[Node] {
     nodes.get(first..end.min(nodes.len())).unwrap_or(&[])
 }
 
-/// Shows the chords between nodes up to `horizon_s`, the last one cut there, until `visit` is false; returns whether it
-/// never was.
+/// Shows the chords between nodes up to a horizon, seconds, the last one cut there, the hazards that may lower `worst` there,
+/// and their least margins on the chord and when, until `worst` is below a floor, metres, or the work is done; returns whether
+/// neither was. Where no hazard comes near the chord over several nodes, those in between need no look.
 #[inline]
-fn for_each_chord(
-    flyer: &Flyer,
+fn each_near<H: HazardSet + ?Sized>(
+    (flyer, hazards, (horizon_s, floor_m), meter): (&Flyer, &H, (f64, f64), &Meter),
     nodes: &[Node],
-    horizon_s: f64,
-    mut visit: impl FnMut(&Chord<'_>) -> bool,
+    worst: &mut Certificate,
+    mut look: impl FnMut(&Chord<'_>, &Hazard, (f64, f64), &mut Certificate),
 ) -> bool {
-    for pair in nodes.windows(2) {
-        let [node, next] = pair else { continue };
-        if node.state.time_s >= horizon_s {
-            return true;
-        }
-        let chord = if next.state.time_s > horizon_s {
-            let end = flyer.advance(&node.state, &node.piece(), horizon_s - node.state.time_s);
-            Chord::new(node, end.position_m, horizon_s)
-        } else {
-            Chord::new(node, next.state.position_m, next.state.time_s)
-        };
-        if chord.is_some_and(|chord| !visit(&chord)) {
+    let (mut rest, mut count) = (nodes, nodes.len());
+    while let [node, _, ..] = rest
+        && node.state.time_s < horizon_s
+    {
+        count = count.min(rest.len() - 1);
+        let is_one = count == 1;
+        let chord = Chord::over(flyer, rest.get(..=count).unwrap_or(rest), horizon_s);
+        let goes_on = chord.map_or(is_one, |chord| {
+            hazards.each_close(&chord.line, worst.margin_m + chord.bow_m, meter, |hazard| {
+                let below_m = worst.margin_m + chord.bow_m;
+                let least = hazard.least_on_line(&chord.line, below_m, meter);
+                let Some(least) = least else { return true };
+                if is_one {
+                    look(&chord, hazard, least, worst);
+                }
+                is_one && worst.margin_m >= floor_m
+            }) && !meter.is_met()
+        });
+        if goes_on {
+            rest = rest.get(count..).unwrap_or(&[]);
+            count *= 2;
+        } else if is_one {
             return false;
+        } else {
+            count /= 2;
         }
     }
     true
@@ -376,5 +424,106 @@ fn lower(worst: &mut Certificate, margin_m: f64, at_s: f64, hazard: &Hazard) {
             hazard: Some(hazard.index),
             ..*worst
         };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maneuver::{Maneuver, Stage};
+    use crate::situation::ProtectedVolume;
+    use crate::vehicle::{Response, Vehicle};
+
+    const RADIUS_M: f64 = 100.0;
+
+    fn flyer() -> Flyer {
+        Flyer::new(&Vehicle {
+            airspeed_mps: 20.0,
+            turn_radius_m: RADIUS_M,
+            climb_min_rad: -0.2,
+            climb_max_rad: 0.2,
+            climb_rate_radps: 0.2,
+            response: Response::default(),
+        })
+    }
+
+    /// Straight on for 100 m, then a turn to the left by an angle.
+    fn turned(flyer: &Flyer, by_rad: f64) -> FlightPath {
+        let mut maneuver = Maneuver::hold();
+        maneuver.push(Stage {
+            start_s: 5.0,
+            course_rad: by_rad,
+            climb_rad: 0.0,
+            rate_share: 1.0,
+        });
+        let mut path = FlightPath::new();
+        path.predict(flyer, &MotionState::ahead(0.0), &maneuver, 60.0);
+        path
+    }
+
+    fn sphere(index: u32, position_m: Vec3) -> Hazard {
+        let volume = ProtectedVolume::Sphere { radius_m: 1.0 };
+        let hazard = Hazard::exact(0, position_m, Vec3::ZERO, volume);
+        Hazard { index, ..hazard }
+    }
+
+    #[test]
+    fn a_chord_over_many_nodes_covers_what_the_flight_bows_from_it() {
+        let flyer = flyer();
+        let path = turned(&flyer, core::f64::consts::PI);
+        // Beside the middle of the turn, and far from all chords over more than a part of it.
+        for beside_m in [-10.0, -2.0, 0.0, 2.0, 10.0] {
+            let apex_m = Vec3::new(RADIUS_M + RADIUS_M + beside_m, RADIUS_M, 0.0);
+            let found = certify(&flyer, &path, &sphere(0, apex_m), 60.0, f64::MIN, 50.0);
+            assert!((found.margin_m - (beside_m.abs() - 1.0)).abs() < 0.01);
+        }
+    }
+
+    #[test]
+    fn an_obstacle_far_from_a_long_turn_takes_few_looks() {
+        let flyer = flyer();
+        let path = turned(&flyer, 3.0);
+        let asked = Asked {
+            horizon_s: 60.0,
+            floor_m: 0.0,
+            enough_m: 50.0,
+        };
+        let meter = Meter::unlimited();
+        let far = [sphere(0, Vec3::new(0.0, 2000.0, 0.0))];
+        let found = certify_set(&flyer, &path, far.as_slice(), &asked, &meter);
+        assert!(found.holds(50.0));
+        assert!(path.nodes().len() > 15);
+        assert!(meter.done() <= 3, "{} looks", meter.done());
+    }
+
+    #[test]
+    fn the_flight_after_a_path_keeps_on_where_nothing_is_ahead_of_it() {
+        let flyer = flyer();
+        let path = turned(&flyer, core::f64::consts::PI);
+        let keeps = |(x, y): (f64, f64), margin_m, horizon_s| {
+            let mut hazards = Hazards::new();
+            hazards.put(0, sphere(0, Vec3::new(x, y, 0.0)));
+            let ahead_s = (horizon_s, 120.0);
+            keeps_on(&path, &hazards, ahead_s, margin_m, &Meter::unlimited())
+        };
+        // It flies back along y = 200 m for 100 s, some 2 km.
+        let ahead_m = (-1500.0, 220.0);
+        assert!(keeps(ahead_m, 18.9, 60.0) && !keeps(ahead_m, 19.1, 60.0));
+        assert!(keeps((-2500.0, 220.0), 100.0, 60.0) && keeps((2500.0, 220.0), 100.0, 60.0));
+        // A path that goes on after the horizon tells nothing of what follows.
+        assert!(!keeps((2500.0, 220.0), 100.0, 10.0));
+    }
+
+    #[test]
+    fn only_close_hazards_are_marked() {
+        let flyer = flyer();
+        let path = turned(&flyer, core::f64::consts::PI);
+        let mut hazards = Hazards::new();
+        let places_m = [(100.0, -40.0), (200.0, 90.0), (-300.0, 210.0)];
+        for (index, (x, y)) in (0..).zip(places_m) {
+            hazards.put(index as usize, sphere(index, Vec3::new(x, y, 0.0)));
+        }
+        let marks = mark_close(&flyer, &path, &hazards, (60.0, 20.0), &Meter::unlimited());
+        assert_eq!(marks.get(..4), Some([false, true, true, false].as_slice()));
     }
 }

@@ -164,54 +164,63 @@ impl Hazard {
         below_m: f64,
         meter: &Meter,
     ) -> Option<(f64, f64)> {
-        let inside;
-        let line = if self.window_s == ALWAYS {
-            line
+        if self.window_s == ALWAYS {
+            self.least_within(line, below_m, meter)
         } else {
-            inside = self.within_window(line)?;
-            &inside
-        };
+            self.least_within(&self.within_window(line)?, below_m, meter)
+        }
+    }
+
+    /// The same on a line within the hazard's window.
+    fn least_within(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
         let (at_s, duration_s) = (line.at_s, line.duration_s);
         let offset = self.offset_m(line.from_m, at_s);
         let velocity = line.velocity_mps - self.velocity_mps;
-        let growth = self.growth_mps;
-        let stretch_m = self.stretch_m.0 + self.stretch_m.1 * (at_s + duration_s);
-        let radius = self.volume.bounding_radius_m() + growth * at_s + stretch_m;
+        // Squares only, until the sphere is close enough to matter.
         let square = velocity.length_squared();
         let along = -offset.dot(velocity);
-        // Squares only, until the sphere is close enough to matter.
-        let nearest_s = if along <= 0.0 {
-            0.0
-        } else if along >= square * duration_s {
-            duration_s
+        let (nearest, nearest_s) = if along <= 0.0 {
+            (offset, 0.0)
         } else {
-            along / square
+            let nearest_s = if along >= square * duration_s {
+                duration_s
+            } else {
+                along / square
+            };
+            (offset + velocity * nearest_s, nearest_s)
         };
-        let reach = radius + below_m + growth * duration_s;
-        if reach < 0.0 {
-            return None;
-        }
-        let nearest_square = (offset + velocity * nearest_s).length_squared();
-        if nearest_square >= reach * reach {
+        let (stretch_m, stretch_mps) = self.stretch_m;
+        let radius = self.volume.bounding_radius_m();
+        let grown = (self.growth_mps + stretch_mps) * (at_s + duration_s) + stretch_m;
+        let reach = radius + grown + below_m;
+        let nearest_square = nearest.length_squared();
+        if reach < 0.0 || nearest_square >= reach * reach {
             return None;
         }
         if !meter.take(LOOK) {
             return Some((f64::NEG_INFINITY, at_s));
         }
-        let (margin, when) = match self.volume {
-            ProtectedVolume::Sphere { .. } if growth == 0.0 && !self.is_stretched() => {
-                (libm::sqrt(nearest_square) - radius, nearest_s)
-            }
-            ProtectedVolume::Sphere { .. } if !self.is_stretched() => {
-                let when = growing_nearest_s(offset, velocity, square, along, growth, duration_s);
-                let distance = (offset + velocity * when).length();
-                (distance - radius - growth * when, when)
-            }
-            _ => {
-                let margin =
-                    |t: f64| self.margin_and_slope(offset + velocity * t, velocity, at_s + t);
-                least_of_convex(margin, duration_s, below_m, meter)?
-            }
+        if self.is_cylinder() || self.growth_mps != 0.0 || self.is_stretched() {
+            return self.least_without_form(line, below_m, meter);
+        }
+        let margin = libm::sqrt(nearest_square) - radius;
+        (margin < below_m).then_some((margin, at_s + nearest_s))
+    }
+
+    /// The same for all but a sphere that neither grows nor stretches.
+    #[inline(never)]
+    fn least_without_form(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
+        let (at_s, duration_s, growth) = (line.at_s, line.duration_s, self.growth_mps);
+        let offset = self.offset_m(line.from_m, at_s);
+        let velocity = line.velocity_mps - self.velocity_mps;
+        let (margin, when) = if self.is_cylinder() || self.is_stretched() {
+            let margin = |t: f64| self.margin_and_slope(offset + velocity * t, velocity, at_s + t);
+            least_of_convex(margin, duration_s, below_m, meter)?
+        } else {
+            let when = growing_nearest_s(offset, velocity, growth, duration_s);
+            let distance = (offset + velocity * when).length();
+            let radius = self.volume.radius_m() + growth * at_s;
+            (distance - radius - growth * when, when)
         };
         (margin < below_m).then_some((margin, at_s + when))
     }
@@ -262,20 +271,14 @@ impl Hazard {
 }
 
 /// The time of the least |q + w t| − g t on [0, duration]: where the closing speed falls to the growth.
-fn growing_nearest_s(
-    offset: Vec3,
-    velocity: Vec3,
-    square: f64,
-    along: f64,
-    growth: f64,
-    duration_s: f64,
-) -> f64 {
+fn growing_nearest_s(offset: Vec3, velocity: Vec3, growth: f64, duration_s: f64) -> f64 {
+    let square = velocity.length_squared();
     let faster = square - growth * growth;
     if faster <= 0.0 {
         // The volume grows faster than the aircraft can leave: the end is worst.
         return duration_s;
     }
-    let foot_s = along / square;
+    let foot_s = -offset.dot(velocity) / square;
     let miss = (offset + velocity * foot_s).length();
     let beyond_s = growth * miss / libm::sqrt(square * faster);
     let when = foot_s + beyond_s;

@@ -7,7 +7,7 @@ use crate::prediction::MotionState;
 use crate::situation::Situation;
 
 use super::SEARCH_AGAIN;
-use super::holding::{Basis, RENEWED_AFTER_S};
+use super::holding::Basis;
 use super::sooner::LOOK_EVERY;
 
 /// Most decisions that are known.
@@ -78,7 +78,7 @@ impl Avoider {
     ) -> bool {
         let cycle = self.cycle.wrapping_add(later);
         let is_over = |moment_s: f64| time_s + ROUNDING_S >= moment_s;
-        if is_over(plan.decided_s + basis.since_s + RENEWED_AFTER_S) {
+        if is_over(plan.decided_s + basis.renewed_s) {
             return true;
         }
         match self.state {

@@ -2,6 +2,7 @@
 
 use crate::Vec3;
 use crate::avoider::{Avoider, Plan};
+use crate::certificate::keeps_on;
 use crate::prediction::MotionState;
 use crate::search::Proof;
 use crate::situation::Situation;
@@ -22,8 +23,9 @@ const BANKS: f64 = 4.0;
 /// Tolerance when comparing obstacles with how they were expected, m (velocities: a tenth of it, m/s).
 const SAME_M: f64 = 1e-6;
 
-/// A certificate is renewed after this long in any case, so that its horizon moves on, seconds.
-pub(super) const RENEWED_AFTER_S: f64 = 4.0;
+/// A certificate is renewed after this long, so that its horizon moves on, seconds; where the straight flight at its end keeps
+/// clear for as long again, after its whole horizon.
+const RENEWED_AFTER_S: f64 = 4.0;
 
 /// An aircraft that has strayed less than this from its predictions, seconds of its flight, flies as planned.
 const AS_PLANNED_S: f64 = 0.1;
@@ -32,8 +34,8 @@ const AS_PLANNED_S: f64 = 0.1;
 /// holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::avoider) struct Basis {
-    /// Its time, seconds from the plan's decision.
-    pub(super) since_s: f64,
+    /// When it is renewed at the latest, seconds from the plan's decision.
+    pub(super) renewed_s: f64,
     /// The aircraft as predicted for the last step, its time counted from the plan's decision.
     pub(super) own: MotionState,
     obstacles: Outlook,
@@ -109,9 +111,15 @@ impl Avoider {
         let remaining = plan.remaining(situation.time_s);
         let margin_m = self.margin_of(&remaining, now, (keep_m, most_m));
         let holds = margin_m >= keep_m;
+        let (hazards, ahead_s) = (self.tracks.hazards(), (self.look_s, 2.0 * self.look_s));
+        let lasts_s = if holds && keeps_on(&self.path, hazards, ahead_s, margin_m, &self.meter) {
+            self.look_s
+        } else {
+            RENEWED_AFTER_S
+        };
         if let Some(plan) = self.plan.as_mut().filter(|_| holds) {
             plan.basis = Some(Basis {
-                since_s,
+                renewed_s: since_s + lasts_s,
                 own: MotionState {
                     time_s: since_s,
                     ..*now
@@ -133,7 +141,7 @@ impl Avoider {
         now: &MotionState,
     ) -> Option<Basis> {
         let since_s = situation.time_s - plan.decided_s;
-        if since_s < basis.own.time_s || since_s - basis.since_s >= RENEWED_AFTER_S {
+        if since_s < basis.own.time_s || since_s >= basis.renewed_s {
             return None;
         }
         let there = self.predicted(plan, basis, situation);
