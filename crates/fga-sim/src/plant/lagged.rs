@@ -57,7 +57,37 @@ impl Controllers {
     }
 }
 
-/// The integrated state: position, course and bank.
+/// What a roll computes for its next step.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Rolls {
+    /// The end of the last step.
+    last: Option<Moment>,
+    /// A course rate, radians per second, and its bank angle, radians.
+    full: (f64, f64),
+}
+
+/// A moment of a roll: the end of a step and the beginning of the next.
+#[derive(Debug, Clone, Copy)]
+struct Moment {
+    position_m: Vec3,
+    course_rad: f64,
+    climb_rad: f64,
+    bank_rad: f64,
+    /// Tangent of the bank angle.
+    bank_tan: f64,
+    /// Sine and cosine of the course and of the climb angle.
+    course: (f64, f64),
+    climb: (f64, f64),
+}
+
+impl Moment {
+    fn direction(&self) -> Vec3 {
+        let ((sin_course, cos_course), (sin_climb, cos_climb)) = (self.course, self.climb);
+        Vec3::new(cos_climb * cos_course, cos_climb * sin_course, sin_climb)
+    }
+}
+
+/// The integrated state under the PI autopilot: position, course and bank.
 #[derive(Clone, Copy)]
 struct Flight {
     position_m: Vec3,
@@ -128,12 +158,12 @@ impl Plant {
         let limit = self.active.map_or(0.0, |stage| {
             self.course_rate_limit_radps() * stage.rate_share
         });
-        let full_rad = self.bank_of(limit);
+        let full_rad = self.full_bank_rad(limit);
         let rolls_out_rad = lag_s * limit * WITH_ROUNDING + LITTLE_RAD;
         // tan(u)/u grows with u: a roll-out turns less than the largest rate does in a time constant. A turn with
         // more than that left goes on; how much more does not matter.
-        let goes_on = |flight: &Flight, left_rad: f64| {
-            flight.bank_rad.abs() <= full_rad && left_rad.abs() > rolls_out_rad
+        let goes_on = |bank_rad: f64, left_rad: f64| {
+            bank_rad.abs() <= full_rad && left_rad.abs() > rolls_out_rad
         };
         while self.time_s < until_s {
             let left_s = until_s - self.time_s;
@@ -142,14 +172,13 @@ impl Plant {
                 self.vehicle.climb_rate_radps,
                 left_s,
             );
-            let now = self.flight();
-            let left_rad = self.left_rad(&now);
-            let far = limit > 0.0 && goes_on(&now, left_rad);
+            let left_rad = self.left_rad(self.course_rad);
+            let far = limit > 0.0 && goes_on(self.bank_rad, left_rad);
             let computed = known.take();
             let beyond = if far {
                 left_rad
             } else {
-                computed.unwrap_or_else(|| self.beyond_at(&now))
+                computed.unwrap_or_else(|| self.beyond_at(self.course_rad, self.bank_rad))
             };
             let turns = limit > 0.0 && beyond.abs() > LITTLE_RAD;
             let command = if turns {
@@ -160,7 +189,7 @@ impl Plant {
             if (self.bank_rad - command).abs() <= THERE_RAD {
                 let ends_later = beyond.abs() - rolls_out_rad > limit * left_s;
                 let beyond = if far && !ends_later {
-                    self.beyond_at(&now)
+                    self.beyond_at(self.course_rad, self.bank_rad)
                 } else {
                     beyond
                 };
@@ -193,21 +222,24 @@ impl Plant {
                 LONGEST_ROLL_S.min(lag_s / STEPS_OF_LAG)
             };
             let mut step_s = longest_s.min(left_s).min(climb_s);
-            let mut after = self.rolling(command, climb_rate, step_s);
-            let left_rad = self.left_rad(&after);
+            let now = self.moment();
+            let mut after = self.rolled((command, climb_rate), &now, step_s);
+            let left_rad = self.left_rad(after.course_rad);
             let left = if !turns {
+                // A roll-out turns by what it was begun for.
+                known = Some(beyond);
                 beyond
-            } else if goes_on(&after, left_rad) {
+            } else if goes_on(after.bank_rad, left_rad) {
                 left_rad
             } else {
-                let left = self.beyond_at(&after);
+                let left = self.beyond_at(after.course_rad, after.bank_rad);
                 known = Some(left);
                 left
             };
             if left * beyond < 0.0 {
                 let at_end = (step_s, left);
                 let (begins_s, left) =
-                    self.roll_out_begins((command, climb_rate), at_end, &mut after);
+                    self.roll_out_begins((command, climb_rate), at_end, (&now, &mut after));
                 step_s = begins_s;
                 known = Some(left);
             }
@@ -217,7 +249,8 @@ impl Plant {
             self.position_m = after.position_m;
             self.course_rad = after.course_rad;
             self.bank_rad = after.bank_rad;
-            self.climb_rad += climb_rate * step_s;
+            self.climb_rad = after.climb_rad;
+            self.rolls.last = Some(after);
             self.time_s = if step_s == left_s {
                 until_s
             } else {
@@ -246,17 +279,17 @@ impl Plant {
         &self,
         (command, climb_rate): (f64, f64),
         (step_s, left): (f64, f64),
-        after: &mut Flight,
+        (now, after): (&Moment, &mut Moment),
     ) -> (f64, f64) {
-        let (mut a_s, mut at_a) = (0.0, self.beyond_at(&self.flight()));
+        let (mut a_s, mut at_a) = (0.0, self.beyond_at(now.course_rad, now.bank_rad));
         let (mut b_s, mut at_b) = (step_s, left);
         for _ in 0..STEPS_TO_ROLL_OUT {
             if at_b.abs() < ROLL_OUT_BEGINS_RAD || at_a == at_b {
                 break;
             }
             let c_s = b_s - at_b * (b_s - a_s) / (at_b - at_a);
-            *after = self.rolling(command, climb_rate, c_s);
-            let at_c = self.beyond_at(after);
+            *after = self.rolled((command, climb_rate), now, c_s);
+            let at_c = self.beyond_at(after.course_rad, after.bank_rad);
             if at_c * at_b < 0.0 {
                 (a_s, at_a) = (b_s, at_b);
             } else {
@@ -267,68 +300,104 @@ impl Plant {
         (b_s, at_b)
     }
 
-    const fn flight(&self) -> Flight {
-        Flight {
-            position_m: self.position_m,
-            course_rad: self.course_rad,
-            bank_rad: self.bank_rad,
+    /// The bank angle of a course rate, radians; mostly that of the last question.
+    fn full_bank_rad(&mut self, course_rate_radps: f64) -> f64 {
+        if self.rolls.full.0 != course_rate_radps {
+            self.rolls.full = (course_rate_radps, self.bank_of(course_rate_radps));
+        }
+        self.rolls.full.1
+    }
+
+    /// This moment; mostly the end of the last step.
+    fn moment(&self) -> Moment {
+        let (course_rad, climb_rad, bank_rad) = (self.course_rad, self.climb_rad, self.bank_rad);
+        let is_now = |last: &Moment| {
+            (last.course_rad, last.climb_rad, last.bank_rad) == (course_rad, climb_rad, bank_rad)
+        };
+        let position_m = self.position_m;
+        match self.rolls.last.filter(is_now) {
+            Some(last) => Moment { position_m, ..last },
+            None => Moment {
+                position_m,
+                course_rad,
+                climb_rad,
+                bank_rad,
+                bank_tan: libm::tan(bank_rad),
+                course: libm::sincos(course_rad),
+                climb: libm::sincos(climb_rad),
+            },
         }
     }
 
     /// The remaining turn, radians.
-    fn left_rad(&self, flight: &Flight) -> f64 {
+    fn left_rad(&self, course_rad: f64) -> f64 {
         self.active
-            .map_or(0.0, |stage| stage.course_rad - flight.course_rad)
+            .map_or(0.0, |stage| stage.course_rad - course_rad)
     }
 
     /// The remaining turn beyond the turn made while rolling out to level, radians.
-    fn beyond_at(&self, flight: &Flight) -> f64 {
-        let Some(stage) = self.active else { return 0.0 };
+    fn beyond_at(&self, course_rad: f64, bank_rad: f64) -> f64 {
+        let left_rad = self.left_rad(course_rad);
+        if self.active.is_none() || bank_rad == 0.0 {
+            return left_rad;
+        }
         let response = self.vehicle.response;
         let rolling_out = response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / self.airspeed_mps
             * response.bank_time_constant_s
-            * roll_out_integral(flight.bank_rad);
-        stage.course_rad - flight.course_rad - rolling_out
+            * roll_out_integral(bank_rad);
+        left_rad - rolling_out
     }
 
-    /// The flight after a part of a roll: the bank decays exactly towards its command.
-    fn rolling(&self, bank_command: f64, climb_rate: f64, step_s: f64) -> Flight {
+    /// The moment after a part of a roll: the bank decays exactly towards its command.
+    fn rolled(&self, (bank_command, climb_rate): (f64, f64), now: &Moment, step_s: f64) -> Moment {
         let response = self.vehicle.response;
         let half_s = 0.5 * step_s;
         let decay = libm::exp(-half_s / response.bank_time_constant_s);
-        let off = self.bank_rad - bank_command;
+        let off = now.bank_rad - bank_command;
         let middle_bank = bank_command + off * decay;
-        let end_bank = bank_command + off * decay * decay;
+        let bank_rad = bank_command + off * decay * decay;
+        let bank_tan = libm::tan(bank_rad);
         let gain = response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / self.airspeed_mps;
-        let rate = |bank_rad: f64| gain * libm::tan(bank_rad);
-        let (r0, r1, r2) = (rate(self.bank_rad), rate(middle_bank), rate(end_bank));
+        let (r0, r1, r2) = (
+            gain * now.bank_tan,
+            gain * libm::tan(middle_bank),
+            gain * bank_tan,
+        );
         // The integrals of the parabola through the three rates.
-        let middle_course = self.course_rad + step_s / 24.0 * (5.0 * r0 + 8.0 * r1 - r2);
-        let end_course = self.course_rad + step_s / 6.0 * (r0 + 4.0 * r1 + r2);
-        let level = libm::sincos(self.climb_rad);
-        let heading = |course_rad: f64, after_s: f64| {
-            let (sin_climb, cos_climb) = if climb_rate == 0.0 || after_s == 0.0 {
-                level
+        let middle_course = now.course_rad + step_s / 24.0 * (5.0 * r0 + 8.0 * r1 - r2);
+        let course_rad = now.course_rad + step_s / 6.0 * (r0 + 4.0 * r1 + r2);
+        let climb_at = |after_s: f64| {
+            if climb_rate == 0.0 {
+                now.climb
             } else {
-                libm::sincos(self.climb_rad + climb_rate * after_s)
-            };
-            let (sin_course, cos_course) = libm::sincos(course_rad);
-            Vec3::new(cos_climb * cos_course, cos_climb * sin_course, sin_climb)
+                libm::sincos(now.climb_rad + climb_rate * after_s)
+            }
         };
-        let sum = heading(self.course_rad, 0.0)
-            + heading(middle_course, half_s) * 4.0
-            + heading(end_course, step_s);
-        Flight {
-            position_m: self.position_m
+        let middle = Moment {
+            course: libm::sincos(middle_course),
+            climb: climb_at(half_s),
+            ..*now
+        };
+        let end = Moment {
+            position_m: now.position_m,
+            course_rad,
+            climb_rad: now.climb_rad + climb_rate * step_s,
+            bank_rad,
+            bank_tan,
+            course: libm::sincos(course_rad),
+            climb: climb_at(step_s),
+        };
+        let sum = now.direction() + middle.direction() * 4.0 + end.direction();
+        Moment {
+            position_m: now.position_m
                 + sum * (self.airspeed_mps * step_s / 6.0)
                 + self.wind_mps * step_s,
-            course_rad: end_course,
-            bank_rad: end_bank,
+            ..end
         }
     }
 
     /// The flight after one Runge–Kutta step under a bank command.
-    fn rolled(&self, bank_command: f64, climb_rate: f64, step_s: f64) -> Flight {
+    fn stepped(&self, bank_command: f64, climb_rate: f64, step_s: f64) -> Flight {
         let response = self.vehicle.response;
         let (time_constant_s, factor) = (response.bank_time_constant_s, response.turn_rate_factor);
         let (speed, wind, climb) = (self.airspeed_mps, self.wind_mps, self.climb_rad);
@@ -393,7 +462,7 @@ impl Plant {
     fn step_controlled(&mut self, step_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         let bank_command = self.bank_command_rad(step_s);
         let climb_rate = self.climb_rate_command_radps(step_s);
-        let after = self.rolled(bank_command, climb_rate, step_s);
+        let after = self.stepped(bank_command, climb_rate, step_s);
         let course_rate = (after.course_rad - self.course_rad) / step_s;
         let arc = self.arc(step_s, course_rate, climb_rate);
         flown(&arc, after.position_m);
@@ -469,13 +538,35 @@ mod tests {
         }
     }
 
+    /// Among them rolls that a command ends halfway, and another speed.
+    #[test]
+    fn what_a_roll_computes_for_its_next_step_changes_nothing() {
+        let mut vehicle = Vehicle::table_4();
+        vehicle.response.bank_time_constant_s = 0.6;
+        let mut plant = Plant::new(vehicle, Autopilot::Direct, Vec3::new(3.0, -4.0, 0.0));
+        let mut forgetful = plant.clone();
+        for cycle in 0..120 {
+            let course_rad = [0.4, 0.4, 2.0, -1.0][cycle / 30];
+            let maneuver = fga::maneuver::Maneuver::turn(0.0, course_rad, 0.002 * course_rad);
+            forgetful.rolls = Rolls::default();
+            for plant in [&mut plant, &mut forgetful] {
+                if cycle == 70 {
+                    plant.fly_at(25.0);
+                }
+                plant.command(&maneuver, 0.1);
+                plant.advance(0.1, |_, _| ());
+            }
+            assert_eq!(plant.ownship(), forgetful.ownship(), "{cycle}");
+        }
+    }
+
     /// Flies the reference in Runge–Kutta steps of at most 0.1 ms under the largest bank to one side.
     fn fly_finely(fine: &mut Plant, side: f64, until_s: f64) {
         let command = side * fine.bank_of(fine.course_rate_limit_radps());
         let climb_rate = fine.vehicle.climb_rate_radps;
         while fine.time_s < until_s {
             let step_s = (until_s - fine.time_s).min(1e-4);
-            let after = fine.rolled(command, climb_rate, step_s);
+            let after = fine.stepped(command, climb_rate, step_s);
             fine.position_m = after.position_m;
             fine.course_rad = after.course_rad;
             fine.bank_rad = after.bank_rad;

@@ -52,6 +52,7 @@ pub struct Plant {
     /// Pending manoeuvres with their start times, in order (the dead time lies between).
     pending: VecDeque<(f64, Stage)>,
     controllers: lagged::Controllers,
+    rolls: lagged::Rolls,
 }
 
 impl Plant {
@@ -70,6 +71,7 @@ impl Plant {
             active: None,
             pending: VecDeque::with_capacity(64),
             controllers: lagged::Controllers::new(autopilot, &vehicle),
+            rolls: lagged::Rolls::default(),
         }
     }
 
@@ -91,12 +93,14 @@ impl Plant {
         self.autopilot = autopilot;
         self.wind_mps = wind_mps;
         self.airspeed_mps = vehicle.airspeed_mps;
+        self.rolls = lagged::Rolls::default();
     }
 
     /// Changes the airspeed and keeps the largest bank angle (ρ ∝ V², Eq. 8).
     pub fn fly_at(&mut self, airspeed_mps: f64) {
         self.vehicle = at_airspeed(&self.vehicle, airspeed_mps);
         self.airspeed_mps = self.vehicle.airspeed_mps;
+        self.rolls = lagged::Rolls::default();
     }
 
     /// The vehicle's limits at the present airspeed.
