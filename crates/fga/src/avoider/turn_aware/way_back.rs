@@ -324,7 +324,7 @@ impl Avoider {
             for (rank, intercept_rad) in intercepts_rad.iter().enumerate() {
                 let most_m = best.map_or(f64::INFINITY, |(away_m, _)| CLEARLY_NEARER * away_m);
                 if rank == 1 {
-                    least_m = progress.least_departure_m(mission, turns, from, skipped);
+                    least_m = progress.least_departure_m(mission, turns, from, (skipped, most_m));
                 }
                 if least_m >= most_m {
                     break;
