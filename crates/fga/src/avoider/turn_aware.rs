@@ -401,7 +401,8 @@ impl Avoider {
             // The margin may change by itself once the closest approach is over.
             let lasts_s = kept.at_s.min(RENEWED_AFTER_S);
             let is_lasting = kept.status == Status::Proven && !inside && !self.tracks.uncertain;
-            plan.basis = is_lasting.then(|| self.basis(&plan, situation, now, lasts_s));
+            plan.basis =
+                (is_open && is_lasting).then(|| self.basis(&plan, situation, now, lasts_s));
             self.plan = Some(plan);
             kept.proven_m()
         };
