@@ -116,10 +116,8 @@ impl Maneuver {
     /// The same commands `elapsed_s` later: of the past stages only the last one stays.
     #[must_use]
     pub fn after(&self, elapsed_s: f64) -> Self {
-        let mut later = Self {
-            whole: self.whole,
-            ..Self::hold()
-        };
+        let mut later = Self::hold();
+        later.whole = self.whole;
         let stages = self.stages();
         let is_over = |next: &Stage| next.start_s <= elapsed_s;
         // Of the first stages, which are in order, those whose next one has begun.

@@ -23,7 +23,7 @@ use crate::avoider::quiet::LineAhead;
 use crate::avoider::{
     Against, Avoider, Candidate, Decision, Kept, Plan, Reason, Start, State, Threat, Verdict,
 };
-use crate::certificate::{Asked, certify_set};
+use crate::certificate::{Asked, Certificate, Status, certify_set};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::meter::BEND;
@@ -31,6 +31,7 @@ use crate::prediction::MotionState;
 use crate::search::{Effort, Found, GRIDS_A_SEARCH, Proof, Scene, Search};
 use crate::situation::Situation;
 use choice::{Choice, as_maneuver, choose};
+use holding::RENEWED_AFTER_S;
 
 /// Part of a step's work for a search with more than the margin of the settings, one in this many.
 const TARGETS: u32 = 4;
@@ -334,20 +335,20 @@ impl Avoider {
     }
 
     /// Margin of a manoeuvre, between `floor_m`, below which it stops, and `enough_m`.
-    fn margin_of(&mut self, maneuver: &Maneuver, now: &MotionState, bounds_m: (f64, f64)) -> f64 {
+    fn margin_of(&mut self, maneuver: &Maneuver, now: &MotionState, limits_m: (f64, f64)) -> f64 {
         self.predict(maneuver, now);
-        self.margin_of_path(bounds_m)
+        self.certificate_of_path(limits_m).proven_m()
     }
 
-    /// The same of the manoeuvre predicted last.
-    fn margin_of_path(&self, (floor_m, enough_m): (f64, f64)) -> f64 {
+    /// The certificate of the manoeuvre predicted last, between the same limits.
+    fn certificate_of_path(&self, (floor_m, enough_m): (f64, f64)) -> Certificate {
         let asked = Asked {
             horizon_s: self.look_s,
             floor_m,
             enough_m,
         };
         let hazards = self.tracks.hazards();
-        certify_set(&self.flyer, &self.path, hazards, &asked, &self.meter).proven_m()
+        certify_set(&self.flyer, &self.path, hazards, &asked, &self.meter)
     }
 
     /// Grids that a whole search since the last news has left to look at.
@@ -358,7 +359,7 @@ impl Avoider {
     /// Flying the manoeuvre: keeps it, replaces it, or returns.
     fn avoid(&mut self, situation: &Situation<'_>, now: &MotionState, start: Start) -> Decision {
         let time_s = situation.time_s;
-        let Some(plan) = self.plan else {
+        let Some(mut plan) = self.plan else {
             self.state = State::Cruise;
             return self.watch(situation, now, start);
         };
@@ -385,10 +386,23 @@ impl Avoider {
             return self.report(&plan, time_s, Reason::ManeuverKept);
         }
         let flown = plan.remaining(time_s);
-        let kept_m = self.margin_of(&flown, now, (f64::MIN, ENOUGH_M));
-        let picture = self.tracks.picture();
         // The volume around the aircraft shrinks with its depth.
         let inside = self.tracks.inside;
+        let is_open = plan.proof != Proof::Certified;
+        let kept_m = if is_open && self.is_as_expected(&plan, situation, now) {
+            plan.margin_m
+        } else {
+            self.predict(&flown, now);
+            let kept = self.certificate_of_path((f64::MIN, ENOUGH_M));
+            // The margin may change by itself once the closest approach is over.
+            let lasts_s = kept.at_s.min(RENEWED_AFTER_S);
+            let is_lasting = kept.status == Status::Proven && !inside && !self.tracks.uncertain;
+            plan.basis =
+                (is_open && is_lasting).then(|| self.basis(&plan, situation, now, lasts_s));
+            self.plan = Some(plan);
+            kept.proven_m()
+        };
+        let picture = self.tracks.picture();
         let is_news = plan.proof == Proof::Certified
             || (!inside && (kept_m - plan.margin_m).abs() > NEWS_M)
             || picture.differs_from(&plan.picture)

@@ -53,3 +53,23 @@ fn limits_in_need_that_cannot_be_flown_are_refused() {
     assert!(avoider.set_vehicle_in_need(Some(bad)).is_err());
     assert_eq!(avoider.vehicle_in_need(), None);
 }
+
+#[test]
+fn a_lost_maneuver_is_weighed_anew_only_where_something_has_changed() {
+    let avoider = Avoider::new(Settings::default(), planar()).unwrap();
+    let mut flight = Flight::of(avoider, planar());
+    let mut obstacles = [sphere(1, Vec3::X * 52.0, Vec3::ZERO, RADIUS_M)];
+    let mut next = |obstacles: &mut [_]| {
+        let record = flight.cycle(obstacles).record;
+        assert_eq!(record.reason, Reason::BestAvailable);
+        (record.chosen.unwrap().margin_m, record.work.work)
+    };
+    let (lost_m, searched) = next(&mut obstacles);
+    // Reading the obstacle and looking for a way back is left.
+    let later: Vec<_> = (0..5).map(|_| next(&mut obstacles)).collect();
+    assert!(later.iter().all(|(margin_m, _)| *margin_m == lost_m));
+    assert!(later.iter().skip(1).all(|(_, work)| *work < searched / 10));
+    obstacles[0].position_m.x += 3.0;
+    let (margin_m, work) = next(&mut obstacles);
+    assert!(margin_m > lost_m + 1.0 && work > searched / 2);
+}

@@ -4,6 +4,7 @@
 use crate::avoider::{Avoider, Plan, State};
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
+use crate::search::Proof;
 use crate::situation::Situation;
 
 use super::SEARCH_AGAIN;
@@ -26,7 +27,8 @@ impl Avoider {
         let Some(plan) = &self.plan else { return 0 };
         let Some(basis) = &plan.basis else { return 0 };
         let tracks = &self.tracks;
-        let is_exact = !tracks.uncertain
+        let is_exact = plan.proof == Proof::Certified
+            && !tracks.uncertain
             && !tracks.inside
             && !tracks.has_aircraft()
             && self.in_need.is_none()

@@ -7,6 +7,8 @@ use crate::prediction::MotionState;
 use crate::search::Proof;
 use crate::situation::Situation;
 
+use super::NEWS_M;
+
 /// A manoeuvre continues while this share of the margin is certified.
 pub(super) const KEEP_SHARE: f64 = 0.5;
 
@@ -25,7 +27,7 @@ const SAME_M: f64 = 1e-6;
 
 /// A certificate is renewed after this long, so that its horizon moves on, seconds; where the straight flight at its end keeps
 /// clear for as long again, after its whole horizon.
-const RENEWED_AFTER_S: f64 = 4.0;
+pub(super) const RENEWED_AFTER_S: f64 = 4.0;
 
 /// An aircraft that has strayed less than this from its predictions, seconds of its flight, flies as planned.
 const AS_PLANNED_S: f64 = 0.1;
@@ -82,17 +84,10 @@ impl Avoider {
         if plan.proof != Proof::Certified {
             return false;
         }
-        let since_s = situation.time_s - plan.decided_s;
-        let obstacles = self.outlook(situation.wind_mps, since_s);
-        let basis = (plan.basis)
-            .filter(|basis| !self.tracks.has_aircraft() && basis.obstacles.is(&obstacles))
-            .and_then(|basis| self.flies_as(plan, &basis, situation, now));
-        if basis.is_some() {
-            if let Some(plan) = self.plan.as_mut() {
-                plan.basis = basis;
-            }
+        if self.is_as_expected(plan, situation, now) {
             return true;
         }
+        let since_s = situation.time_s - plan.decided_s;
         let strayed_m = match &plan.basis {
             Some(basis) => {
                 let there = self.predicted(plan, basis, situation);
@@ -117,19 +112,53 @@ impl Avoider {
         } else {
             RENEWED_AFTER_S
         };
-        if let Some(plan) = self.plan.as_mut().filter(|_| holds) {
-            plan.basis = Some(Basis {
-                renewed_s: since_s + lasts_s,
-                own: MotionState {
-                    time_s: since_s,
-                    ..*now
-                },
-                obstacles,
-                spare_m: margin_m.min(most_m) - keep_m,
-                strayed_m,
+        if holds {
+            let mut basis = self.basis(plan, situation, now, lasts_s);
+            (basis.spare_m, basis.strayed_m) = (margin_m.min(most_m) - keep_m, strayed_m);
+            self.plan = self.plan.map(|plan| Plan {
+                basis: Some(basis),
+                ..plan
             });
         }
         holds
+    }
+
+    /// Whether aircraft and obstacles move as they were expected to when the margin of a plan was found.
+    pub(super) fn is_as_expected(
+        &mut self,
+        plan: &Plan,
+        situation: &Situation<'_>,
+        now: &MotionState,
+    ) -> bool {
+        let obstacles = self.outlook(situation.wind_mps, situation.time_s - plan.decided_s);
+        let basis = (plan.basis)
+            .filter(|basis| !self.tracks.has_aircraft() && basis.obstacles.is(&obstacles))
+            .and_then(|basis| self.flies_as(plan, &basis, situation, now));
+        if let Some(plan) = self.plan.as_mut().filter(|_| basis.is_some()) {
+            plan.basis = basis;
+        }
+        basis.is_some()
+    }
+
+    /// The assumptions of a margin found now, which may be off by what is news.
+    pub(super) fn basis(
+        &self,
+        plan: &Plan,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        lasts_s: f64,
+    ) -> Basis {
+        let since_s = situation.time_s - plan.decided_s;
+        Basis {
+            renewed_s: since_s + lasts_s,
+            own: MotionState {
+                time_s: since_s,
+                ..*now
+            },
+            obstacles: self.outlook(situation.wind_mps, since_s),
+            spare_m: NEWS_M,
+            strayed_m: f64::INFINITY,
+        }
     }
 
     /// The certificate's assumptions with the aircraft as predicted for now, if it has followed the plan since then.

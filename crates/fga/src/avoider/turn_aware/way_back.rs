@@ -242,7 +242,7 @@ impl Avoider {
         let back = match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg)) {
             WayAhead::Blocked(short_m) => Some(Err(short_m)),
             WayAhead::Clear => {
-                let margin_m = self.margin_of_path((f64::MIN, ENOUGH_M));
+                let margin_m = self.certificate_of_path((f64::MIN, ENOUGH_M)).proven_m();
                 Some(Ok(Plan { margin_m, ..back }))
             }
             WayAhead::NextEncounter => {
