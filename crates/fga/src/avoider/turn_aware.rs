@@ -389,16 +389,17 @@ impl Avoider {
         // The volume around the aircraft shrinks with its depth.
         let inside = self.tracks.inside;
         let is_open = plan.proof != Proof::Certified;
-        let kept_m = if is_open && self.is_as_expected(&plan, situation, now) {
-            plan.margin_m
+        let expected = is_open.then(|| self.as_expected(&plan, situation, now));
+        let kept_m = if let Some(basis) = expected.flatten() {
+            basis.kept_m
         } else {
             self.predict(&flown, now);
             let kept = self.certificate_of_path((f64::MIN, ENOUGH_M));
             // The margin may change by itself once the closest approach is over.
             let lasts_s = kept.at_s.min(RENEWED_AFTER_S);
             let is_lasting = kept.status == Status::Proven && !inside && !self.tracks.uncertain;
-            plan.basis =
-                (is_open && is_lasting).then(|| self.basis(&plan, situation, now, lasts_s));
+            plan.basis = (is_open && is_lasting)
+                .then(|| self.basis(&plan, situation, now, (kept.margin_m, lasts_s)));
             self.plan = Some(plan);
             kept.proven_m()
         };

@@ -41,6 +41,8 @@ pub(in crate::avoider) struct Basis {
     /// The aircraft as predicted for the last step, its time counted from the plan's decision.
     pub(super) own: MotionState,
     obstacles: Outlook,
+    /// The margin that was found, metres.
+    pub(super) kept_m: f64,
     /// Margin beyond what the certificate needs, metres.
     pub(super) spare_m: f64,
     /// How far the aircraft has strayed from the predictions of all certificates since the plan's decision, metres; infinite
@@ -84,7 +86,7 @@ impl Avoider {
         if plan.proof != Proof::Certified {
             return false;
         }
-        if self.is_as_expected(plan, situation, now) {
+        if self.as_expected(plan, situation, now).is_some() {
             return true;
         }
         let since_s = situation.time_s - plan.decided_s;
@@ -113,7 +115,7 @@ impl Avoider {
             RENEWED_AFTER_S
         };
         if holds {
-            let mut basis = self.basis(plan, situation, now, lasts_s);
+            let mut basis = self.basis(plan, situation, now, (margin_m, lasts_s));
             (basis.spare_m, basis.strayed_m) = (margin_m.min(most_m) - keep_m, strayed_m);
             self.plan = self.plan.map(|plan| Plan {
                 basis: Some(basis),
@@ -123,13 +125,13 @@ impl Avoider {
         holds
     }
 
-    /// Whether aircraft and obstacles move as they were expected to when the margin of a plan was found.
-    pub(super) fn is_as_expected(
+    /// The assumptions of a plan's margin, if aircraft and obstacles move as they were expected to when it was found.
+    pub(super) fn as_expected(
         &mut self,
         plan: &Plan,
         situation: &Situation<'_>,
         now: &MotionState,
-    ) -> bool {
+    ) -> Option<Basis> {
         let obstacles = self.outlook(situation.wind_mps, situation.time_s - plan.decided_s);
         let basis = (plan.basis)
             .filter(|basis| !self.tracks.has_aircraft() && basis.obstacles.is(&obstacles))
@@ -137,7 +139,7 @@ impl Avoider {
         if let Some(plan) = self.plan.as_mut().filter(|_| basis.is_some()) {
             plan.basis = basis;
         }
-        basis.is_some()
+        basis
     }
 
     /// The assumptions of a margin found now, which may be off by what is news.
@@ -146,7 +148,7 @@ impl Avoider {
         plan: &Plan,
         situation: &Situation<'_>,
         now: &MotionState,
-        lasts_s: f64,
+        (kept_m, lasts_s): (f64, f64),
     ) -> Basis {
         let since_s = situation.time_s - plan.decided_s;
         Basis {
@@ -156,6 +158,7 @@ impl Avoider {
                 ..*now
             },
             obstacles: self.outlook(situation.wind_mps, since_s),
+            kept_m,
             spare_m: NEWS_M,
             strayed_m: f64::INFINITY,
         }
