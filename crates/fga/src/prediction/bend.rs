@@ -74,13 +74,6 @@ pub(crate) struct Exit {
     pub path_m: f64,
 }
 
-impl Exit {
-    /// How far rolling out moves the aircraft from straight flight at most, metres.
-    pub(crate) fn rolls_out_m(&self) -> f64 {
-        (self.from_m.0 - self.at_m.0).abs() + (self.from_m.1 - self.at_m.1).abs()
-    }
-}
-
 /// Turns to one side from a bank, in level flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bend {

@@ -118,8 +118,8 @@ impl Search<'_> {
                     continue;
                 }
                 Closed::None => None,
-                Closed::At(leave) => self
-                    .confirmed(leave, &sweep)
+                Closed::At(leave) => Some(leave)
+                    .filter(|_| !self.limit_met())
                     .or_else(|| self.smallest(&sweep)),
                 Closed::Open(from_rad) => self.smallest(&Sweep { from_rad, ..sweep }),
             };
@@ -317,15 +317,21 @@ impl Search<'_> {
         let scene = self.scene;
         let turn_rad = sweep.side.sign() * turn_rad;
         let (from, floor_m) = (entry.from, sweep.enough_m);
-        let target = Target {
-            course_rad: from.course_rad + turn_rad,
-            climb_rad: sweep.climb_rad,
-            rate_share: 1.0,
-        };
         let mut worst = Certificate::clear(entry.before_m);
-        let end = self.glide(&from, &target, scene.horizon_s, floor_m, &mut worst);
-        if worst.margin_m >= floor_m {
-            worst = self.straight_on(&end, scene.flyer.velocity_mps(&end), &worst, floor_m);
+        if scene.flyer.is_ideal() {
+            let target = Target {
+                course_rad: from.course_rad + turn_rad,
+                climb_rad: sweep.climb_rad,
+                rate_share: 1.0,
+            };
+            let end = self.glide(&from, &target, scene.horizon_s, floor_m, &mut worst);
+            if worst.margin_m >= floor_m {
+                worst = self.straight_on(&end, scene.flyer.velocity_mps(&end), &worst, floor_m);
+            }
+        } else {
+            // What is found is certified with it, exactly as it is flown.
+            worst = self.certify(&entry.turns(turn_rad, sweep.climb_rad), &from, floor_m);
+            worst.margin_m = worst.proven_m();
         }
         let leave = Leave {
             turn_rad,
@@ -335,14 +341,6 @@ impl Search<'_> {
             before_m: entry.before_m,
         };
         (leave, worst)
-    }
-
-    /// A turn exactly as it is flown with bank lag, if it is certified.
-    fn confirmed(&mut self, leave: Leave, sweep: &Sweep) -> Option<Leave> {
-        if self.scene.flyer.is_ideal() {
-            return Some(leave).filter(|_| !self.limit_met());
-        }
-        self.certified(&leave, sweep)
     }
 
     /// About the least turn of a front that does on the line on which it ends, from one that may, radians.

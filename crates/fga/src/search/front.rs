@@ -29,6 +29,11 @@ const LEAST_STEP_RAD: f64 = 0.01;
 const ARC_STEP_RAD: f64 = 0.35;
 const MOST_ARC_STEPS: usize = 20;
 
+/// So much of where a roll-out begins aside of the line on which it ends is left a time constant later, e to the minus one, and
+/// so much is how far its way bows from one line up to then and another one to the end.
+const LEFT_ASIDE: f64 = 0.367_880;
+const BOWS_ASIDE: f64 = 0.12;
+
 /// After lines for one in this many climb targets without a front that is ready, the original climb angle and the steepest
 /// ones tell whether there is one: hardly ever is one only in between.
 const PATIENCE: usize = 2;
@@ -446,14 +451,21 @@ impl Search<'_> {
         let least_rad = self.bend(bank_rad, side)?.least_rad();
         let steps = whole((turn_rad - least_rad) / ARC_STEP_RAD, MOST_ARC_STEPS);
         let step_rad = (turn_rad - least_rad) / steps as f64;
-        let mut rolls_m = 0.0;
-        for step in 1..=steps + 1 {
+        let climbs_until_s = from.time_s + way.climbing.climbs_s;
+        // How far aside of that line the roll-out begins, metres.
+        let on_line_m = |at_s: f64| end.1 - tangent.velocity_mps * (end.0 - at_s);
+        let mut aside_m = Vec3::ZERO;
+        let half_out_s = tangent.parts_s + flyer.bank_time_constant_s();
+        for step in 1..=steps + 2 {
             let is_arc = step <= steps;
+            let at_rad = turn_rad.min(least_rad + step_rad * step as f64);
             let there = if is_arc {
-                let at_rad = turn_rad.min(least_rad + step_rad * step as f64);
                 let exit = self.bend(bank_rad, side)?.exit(at_rad)?;
-                rolls_m = exit.rolls_out_m();
-                (from.time_s + exit.begins_s, entry.place_m(&exit, way))
+                let there = (from.time_s + exit.begins_s, entry.place_m(&exit, way));
+                aside_m = there.1 - on_line_m(there.0);
+                there
+            } else if step == steps + 1 {
+                (half_out_s, on_line_m(half_out_s) + aside_m * LEFT_ASIDE)
             } else {
                 end
             };
@@ -461,23 +473,20 @@ impl Search<'_> {
             if lasts_s <= 0.0 {
                 continue;
             }
-            let (rates_radps, rolls_m) = if is_arc {
-                (rates_radps, 0.0)
+            let climbs_radps = f64::from(here.0 < climbs_until_s) * flyer.climb_rate_radps();
+            let bow_m = if is_arc {
+                bow_m(lasts_s, flyer.course_rate_radps() + climbs_radps)
             } else {
-                (flyer.climb_rate_radps(), rolls_m)
+                bow_m(lasts_s, climbs_radps) + BOWS_ASIDE * aside_m.length()
             };
-            let floor_m = target_m - bow_m(lasts_s, rates_radps) - rolls_m - tangent.inexact_m;
+            let floor_m = target_m - bow_m - tangent.inexact_m;
             let found = self.on_line(&line(here, there), &clear, floor_m);
             if found.margin_m < floor_m {
                 let short_m = floor_m - found.margin_m;
-                let left_s = if is_arc {
-                    0.0
-                } else {
-                    (found.at_s - tangent.parts_s).max(0.0)
-                };
+                let left_s = (found.at_s - tangent.parts_s).max(0.0);
                 let step_rad = self.least_more_rad(short_m, left_s);
                 return Some(RuledOut {
-                    turn_rad,
+                    turn_rad: at_rad,
                     until_rad: turn_rad + step_rad.max(LEAST_STEP_RAD),
                     short_m,
                     turns_s: found.at_s - left_s - entry.wait_s(),
@@ -509,5 +518,56 @@ impl Search<'_> {
             turns_s: tangent.parts_s - entry.wait_s(),
             left_s: look.left_s,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maneuver::Maneuver;
+    use crate::prediction::{FlightPath, Flyer};
+    use crate::vehicle::Vehicle;
+
+    /// Nearer to a hazard than the two lines less this, a turn is ruled out.
+    #[test]
+    fn a_roll_out_keeps_near_two_lines() {
+        for (lag_s, speed_mps, radius_m) in [
+            (0.25, 12.0, 20.0),
+            (0.6, 15.0, 30.0),
+            (0.6, 22.0, 66.7),
+            (1.2, 50.0, 400.0),
+        ] {
+            let flyer = Flyer::new(&Vehicle {
+                airspeed_mps: speed_mps,
+                turn_radius_m: radius_m,
+                ..Vehicle::lagged(lag_s)
+            });
+            for share in [0.2, 0.6, 1.0] {
+                let bank_rad = share * flyer.full_bank_rad();
+                let start = MotionState::ahead(bank_rad);
+                let turn = Maneuver::turn(0.0, flyer.rollout_rad(bank_rad), 0.0);
+                let mut path = FlightPath::new();
+                path.predict(&flyer, &start, &turn, 60.0);
+                let end_s = 4.0 * lag_s;
+                let at_m = |at_s| path.state_at(&flyer, at_s).unwrap().position_m;
+                let velocity_mps = path.end_velocity_mps();
+                let aside_m = |at_s: f64| at_m(at_s) - at_m(end_s) + velocity_mps * (end_s - at_s);
+                let begins_m = aside_m(0.0);
+                let near_m = BOWS_ASIDE * begins_m.length() + 1e-3 * radius_m;
+                for k in 0..=40 {
+                    let at_s = 0.1 * f64::from(k) * lag_s;
+                    let left = if at_s < lag_s {
+                        1.0 + (LEFT_ASIDE - 1.0) * at_s / lag_s
+                    } else {
+                        LEFT_ASIDE * (end_s - at_s) / (end_s - lag_s)
+                    };
+                    let off_m = aside_m(at_s).distance(begins_m * left);
+                    assert!(
+                        off_m < near_m,
+                        "{lag_s} {share} {at_s}: {off_m} of {near_m}"
+                    );
+                }
+            }
+        }
     }
 }

@@ -88,7 +88,7 @@ pub(super) struct Climbing {
     up: f64,
     level: f64,
     /// How long it takes, seconds.
-    climbs_s: f64,
+    pub climbs_s: f64,
     /// Along the course and up, metres.
     along_m: f64,
     up_m: f64,
