@@ -187,7 +187,7 @@ pub(crate) fn certify_set<H: HazardSet + ?Sized>(
 }
 
 /// Marks the hazards that may come closer than `below_m` anywhere along a path up to `horizon_s`: the margins of all others
-/// are at least that. Marks all if a meter refuses a look.
+/// are at least that. Marks all if the work is done before the end of the path.
 pub(crate) fn mark_close(
     flyer: &Flyer,
     path: &FlightPath,
@@ -214,7 +214,7 @@ pub(crate) fn mark_close(
             hazard.least_on_line(&line, below_m, meter).is_none() || mark(hazard)
         });
     }
-    if meter.is_spent() {
+    if !goes_on || meter.is_spent() {
         return [true; MAX_HAZARDS];
     }
     marks
@@ -525,5 +525,20 @@ mod tests {
         }
         let marks = mark_close(&flyer, &path, &hazards, (60.0, 20.0), &Meter::unlimited());
         assert_eq!(marks.get(..4), Some([false, true, true, false].as_slice()));
+    }
+
+    #[test]
+    fn close_hazards_are_marked_whenever_the_work_is_done() {
+        let flyer = flyer();
+        let path = turned(&flyer, core::f64::consts::PI);
+        let mut hazards = Hazards::new();
+        hazards.put(0, sphere(0, Vec3::new(200.0, 90.0, 0.0)));
+        hazards.put(1, sphere(1, Vec3::new(-300.0, 210.0, 0.0)));
+        for limit in 0..100 {
+            let meter = Meter::new(limit, 1000);
+            let marks = mark_close(&flyer, &path, &hazards, (60.0, 20.0), &meter);
+            assert!(!meter.is_spent());
+            assert_eq!(marks.get(..2), Some([true, true].as_slice()), "{limit}");
+        }
     }
 }

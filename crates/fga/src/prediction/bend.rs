@@ -10,14 +10,17 @@ use crate::prediction::motion::{Flyer, MotionState, Target};
 /// Most ends of the pieces of a roll-in.
 const NODES: usize = 48;
 
-/// Most turn between two of them, radians: a chord of it lies within 0.016 turn radii of its arc.
+/// Most turn between two of them, radians.
 const NODE_RAD: f64 = 0.35;
+
+/// Ends nearer than this to each other tell nothing of how the turns between them bend, radians.
+const APART_RAD: f64 = 1e-3;
 
 /// A roll-out is nearly over after this many time constants.
 const ROLLS_OUT: f64 = 4.0;
 
-/// How far the line at the end of a turn may be from the true one, turn radii.
-const INEXACT: f64 = 0.02;
+/// How far the line at the end of a turn may be from the true one, between the ends of the pieces too, turn radii.
+const INEXACT: f64 = 0.005;
 
 /// A turn whose roll-out begins at a moment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -252,18 +255,27 @@ impl Bend {
             let before = nodes.get(next.saturating_sub(1))?;
             let span = (after.turn_rad - before.turn_rad).max(f64::MIN_POSITIVE);
             let share = ((turn_rad - before.turn_rad) / span).max(0.0);
-            let between = |a: f64, b: f64| a + share * (b - a);
+            // The parabola through a third one beside them.
+            let third = nodes
+                .get(next + 1)
+                .or_else(|| nodes.get(next.checked_sub(2)?));
+            let is_apart = |third: &&End| {
+                let apart_rad = |end: &End| (third.turn_rad - end.turn_rad).abs();
+                span.min(apart_rad(before)).min(apart_rad(after)) > APART_RAD
+            };
+            let (third, at, bent) = third.filter(is_apart).map_or((after, 1.0, 0.0), |third| {
+                let at = (third.turn_rad - before.turn_rad) / span;
+                (third, at, share * (share - 1.0) / (at * (at - 1.0)))
+            });
+            let between = |of: fn(&End) -> f64| {
+                let (from, to) = (of(before), of(after));
+                from + share * (to - from) + bent * (of(third) - from - at * (to - from))
+            };
             let (sin, cos) = libm::sincos(turn_rad);
             (
-                between(before.time_s, after.time_s),
-                (
-                    between(before.at_m.0, after.at_m.0),
-                    between(before.at_m.1, after.at_m.1),
-                ),
-                (
-                    between(before.from_m.0, after.from_m.0),
-                    between(before.from_m.1, after.from_m.1),
-                ),
+                between(|end| end.time_s),
+                (between(|end| end.at_m.0), between(|end| end.at_m.1)),
+                (between(|end| end.from_m.0), between(|end| end.from_m.1)),
                 (cos, sin),
             )
         };
@@ -284,6 +296,17 @@ mod tests {
     use crate::maneuver::Maneuver;
     use crate::prediction::FlightPath;
     use crate::vehicle::Vehicle;
+
+    #[test]
+    fn a_turn_shorter_than_the_least_one_ends_where_that_does() {
+        for bank in [0.0, 0.3, 0.99, 1.0] {
+            let flyer = Flyer::new(&Vehicle::lagged(0.6));
+            let bend = Bend::new(&flyer, bank * flyer.full_bank_rad()).unwrap();
+            let (least, less) = (bend.least_rad(), bend.least_rad() - 0.1);
+            let at = |turn_rad: f64| bend.exit(turn_rad).unwrap().from_m;
+            assert_eq!(at(less), at(least), "{bank}");
+        }
+    }
 
     #[test]
     fn a_turn_ends_on_the_line_that_was_told() {
