@@ -173,8 +173,10 @@ impl Turns<'_> {
         let kept = self.kept.get(side).copied().flatten();
         kept.or_else(|| {
             let (made, bank_rad) = (self.made.get(side)?, self.banks_rad.get(side)?);
-            let make = || Bend::new(self.flyer, *bank_rad);
-            made.get_or_init(make).as_ref()
+            if made.get().is_none() {
+                let _ = made.set(Bend::new(self.flyer, *bank_rad));
+            }
+            made.get()?.as_ref()
         })
     }
 
