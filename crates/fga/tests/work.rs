@@ -298,7 +298,8 @@ fn every_step_ends_within_its_limit_of_work() {
     assert!(met > 100, "{met} steps met the limit only");
 }
 
-/// In an earlier version a step of encounter 34 took 102,044 of 100,000 units.
+/// In an earlier version a step of encounter 34 took 102,044 of 100,000 units; its steps now take less, so that few or none meet
+/// that limit.
 #[test]
 fn the_slowest_steps_that_we_know_end_within_every_limit() {
     for (number, limits) in [
@@ -315,7 +316,11 @@ fn the_slowest_steps_that_we_know_end_within_every_limit() {
                 met += u32::from(work.limit_met);
                 false
             });
-            assert!(met > 2, "{number}: {met} steps met {limit} only");
+            let is_small = *limit < 100_000;
+            assert!(
+                met > 2 || !is_small,
+                "{number}: {met} steps met {limit} only"
+            );
         }
     }
 }
