@@ -6,7 +6,7 @@ mod steps;
 
 pub use stepped::SteppedFlight;
 
-use steps::{fly_step, recorded_arcs, sample_of};
+use steps::{LONGEST_SAMPLE_S, fly_step, recorded_arcs, sample_of};
 
 use std::time::Instant;
 
@@ -285,12 +285,27 @@ impl<'a> Flight<'a> {
         let end_s = loop {
             let time_s = self.time_s();
             let decision = self.decide(time_s, pilot, observer);
-            let cycles = if observer.watches() {
-                1
-            } else {
-                self.cycles_alike(time_s, &decision, pilot)
-            };
-            if let Some(end_s) = self.fly_on(&decision.command, decision.state, cycles, observer) {
+            let (mut cycles, mut known) = (1, 0);
+            if !observer.watches() {
+                cycles = self.cycles_alike(time_s, &decision, pilot);
+                // What is known follows the decision, not the cycles for which it stands.
+                if cycles == 1 {
+                    known = self.known_cycles(time_s, pilot);
+                }
+            }
+            let mut end_s = self.fly_on((&decision.command, 0.0), decision.state, cycles, observer);
+            for _ in 0..known {
+                if end_s.is_some() {
+                    break;
+                }
+                let time_s = self.time_s();
+                let Some(command) = pilot.known_command(time_s) else {
+                    break;
+                };
+                self.follow_mission(time_s);
+                end_s = self.fly_on(command, decision.state, 1, observer);
+            }
+            if let Some(end_s) = end_s {
                 break end_s;
             }
         };
@@ -308,10 +323,10 @@ impl<'a> Flight<'a> {
         world.recorded.as_ref().filter(|_| self.state.replaying)
     }
 
-    /// Flies a command for some cycles; returns the time of the end once it is reached.
+    /// Flies a manoeuvre, that has been flown for some seconds, on for some cycles; returns the time of the end once it is reached.
     fn fly_on(
         &mut self,
-        command: &Maneuver,
+        command: (&Maneuver, f64),
         state: State,
         cycles: u32,
         observer: &mut impl Observer,
@@ -329,12 +344,22 @@ impl<'a> Flight<'a> {
         }
         // The end need not coincide with a decision.
         let last = left_s < period_s + 1e-9;
-        if cycles > 1 {
-            self.advance_cycles(command, time_s, cycles);
+        let step_s = if last {
+            left_s
         } else {
-            let step_s = if last { left_s } else { period_s };
-            self.advance((command, state), time_s, step_s, observer);
-        }
+            f64::from(cycles) * period_s
+        };
+        let longest_sample_s = if cycles > 1 {
+            f64::INFINITY
+        } else {
+            LONGEST_SAMPLE_S
+        };
+        self.advance(
+            (command, state),
+            time_s,
+            (step_s, longest_sample_s),
+            observer,
+        );
         if last {
             self.follow_recording(limit_s);
             self.follow_mission(limit_s);
@@ -416,9 +441,9 @@ impl<'a> Flight<'a> {
     /// Flies until the next decision and measures.
     fn advance(
         &mut self,
-        (command, state): (&Maneuver, State),
+        (command, state): ((&Maneuver, f64), State),
         time_s: f64,
-        step_s: f64,
+        (step_s, longest_sample_s): (f64, f64),
         observer: &mut impl Observer,
     ) {
         let obstacles = &self.world.obstacles;
@@ -436,12 +461,13 @@ impl<'a> Flight<'a> {
                 measure(arc, arc.end_m());
             });
         } else {
-            self.plant.command(command, step_s);
+            self.plant.command_on(command, step_s);
+            let lengths_s = (step_s, longest_sample_s);
             let is_sampled = observer.watches();
             let sample = |ownship: &Ownship, wind, time| {
                 observer.sample(&sample_of(ownship, wind, time, state));
             };
-            self.state.flown_m += fly_step(self.plant, step_s, is_sampled, measure, sample);
+            self.state.flown_m += fly_step(self.plant, lengths_s, is_sampled, measure, sample);
         }
     }
 

@@ -24,13 +24,16 @@ pub trait Pilot {
 
     /// How many of the decisions after the one of this situation only fly on what that one commands, if the aircraft flies
     /// so and the obstacles of the situation, and no others, keep their velocities; 0 for a pilot that cannot tell. A simulator
-    /// may [leave them out](Self::leave_out).
+    /// may ask for the commands alone, by [`Self::known_command`].
     fn known_decisions(&self, _situation: &Situation<'_>) -> u32 {
         0
     }
 
-    /// Takes this many known decisions as made: its last command is flown on meanwhile.
-    fn leave_out(&mut self, _decisions: u32) {}
+    /// The command of the next known decision, at a time, seconds on the situation's clock: a manoeuvre and how long it has
+    /// been flown by then, seconds. `None` where it has to decide after all.
+    fn known_command(&mut self, _time_s: f64) -> Option<(&Maneuver, f64)> {
+        None
+    }
 
     /// Applies changed limits of the vehicle; called only before it has manoeuvred. Unusable limits
     /// change nothing.
@@ -50,8 +53,8 @@ impl Pilot for Avoider {
         Self::known_decisions(self, situation)
     }
 
-    fn leave_out(&mut self, decisions: u32) {
-        Self::leave_out(self, decisions);
+    fn known_command(&mut self, time_s: f64) -> Option<(&Maneuver, f64)> {
+        Self::known_command(self, time_s)
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {

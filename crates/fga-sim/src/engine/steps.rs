@@ -11,7 +11,7 @@ use crate::plant::{Arc, Plant};
 use crate::track::Track;
 
 /// Samples are at most this far apart, seconds.
-const LONGEST_SAMPLE_S: f64 = 0.1;
+pub(super) const LONGEST_SAMPLE_S: f64 = 0.1;
 
 /// A larger change of rate gets a sample, radians per second.
 const CORNER_RADPS: f64 = 0.02;
@@ -19,11 +19,11 @@ const CORNER_RADPS: f64 = 0.02;
 /// Corners nearer than this to a sample get no sample, seconds.
 const CORNER_APART_S: f64 = 1e-3;
 
-/// Flies one cycle. It samples long cycles, and the begin and end of turns and changes of climb, so
+/// Flies one cycle, or several alike. It samples long cycles, and the begin and end of turns and changes of climb, so
 /// that rates are constant between two samples. Returns the path flown over the ground, metres.
 pub(super) fn fly_step(
     plant: &mut Plant,
-    step_s: f64,
+    (step_s, longest_sample_s): (f64, f64),
     is_sampled: bool,
     mut flown: impl FnMut(&Arc, Vec3),
     mut sample: impl FnMut(&Ownship, Vec3, f64),
@@ -34,14 +34,18 @@ pub(super) fn fly_step(
         clippy::cast_sign_loss,
         reason = "a small positive count"
     )]
-    let pieces = (libm::ceil(step_s / LONGEST_SAMPLE_S - 1e-9) as u32).max(1);
+    let pieces = (libm::ceil(step_s / longest_sample_s - 1e-9) as u32).max(1);
     let mut path_m = 0.0;
     let mut sampled_s = from_s;
     let mut rates = None;
     for k in 1..=pieces {
         let until_s = from_s + step_s * f64::from(k) / f64::from(pieces);
         plant.advance(until_s - plant.time_s(), |arc, end_m| {
-            path_m += path_over_ground_m(arc, end_m);
+            path_m += if arc.wind_mps == Vec3::ZERO {
+                arc.airspeed_mps * arc.duration_s
+            } else {
+                arc.position_m.distance(end_m)
+            };
             flown(arc, end_m);
             if !is_sampled {
                 return;
@@ -73,15 +77,6 @@ pub(super) fn fly_step(
         }
     }
     path_m
-}
-
-/// Path flown over the ground on a short or straight arc, metres.
-pub(super) fn path_over_ground_m(arc: &Arc, end_m: Vec3) -> f64 {
-    if arc.wind_mps == Vec3::ZERO {
-        arc.airspeed_mps * arc.duration_s
-    } else {
-        arc.position_m.distance(end_m)
-    }
 }
 
 /// The logged state: angles over the ground, which equal the angles through still air.

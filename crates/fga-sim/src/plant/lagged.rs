@@ -12,7 +12,7 @@ use fga::Vec3;
 use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 use super::pi_controller::{PiController, PiGains};
-use super::{Arc, Autopilot, Cycles, Plant, SAME_MOMENT_S, rate_to};
+use super::{Arc, Autopilot, Plant, rate_to};
 
 /// Longest integration step under the PI autopilot, seconds (50 Hz).
 const LONGEST_STEP_S: f64 = 0.02;
@@ -151,12 +151,7 @@ fn roll_out_integral(bank_rad: f64) -> f64 {
 
 impl Plant {
     /// Flies until `until_s` under the direct autopilot: rolls in steps, the rest in exact arcs.
-    pub(super) fn fly_rolling(
-        &mut self,
-        until_s: f64,
-        cycles: &mut Cycles,
-        flown: &mut impl FnMut(&Arc, Vec3),
-    ) {
+    pub(super) fn fly_rolling(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         let lag_s = self.vehicle.response.bank_time_constant_s;
         // The remaining turn beyond the roll-out's, where the last step has computed it.
         let mut known = None;
@@ -202,29 +197,31 @@ impl Plant {
                 let (course_rate, turn_s) = if turns {
                     (libm::copysign(limit, beyond), beyond.abs() / limit)
                 } else {
-                    rate_to(left_rad, limit, left_s)
+                    let remaining = self
+                        .active
+                        .map_or(0.0, |stage| stage.course_rad - self.course_rad);
+                    rate_to(remaining, limit, left_s)
                 };
-                let rates = (course_rate, climb_rate);
-                let end_s = cycles.arc_end_s(rates, self.time_s, until_s);
-                let left_s = end_s - self.time_s;
                 let step_s = left_s.min(climb_s).min(turn_s);
-                self.fly_arc(step_s, rates, flown);
+                let arc = self.arc(step_s, course_rate, climb_rate);
+                let end_m = arc.end_m();
+                flown(&arc, end_m);
+                self.position_m = end_m;
+                self.course_rad += course_rate * step_s;
+                self.climb_rad += climb_rate * step_s;
                 self.time_s = if step_s == left_s {
-                    end_s
+                    until_s
                 } else {
                     self.time_s + step_s
                 };
                 continue;
             }
-            let longest_s = self.longest_roll_s(command);
-            let end_s = cycles.end_s(self.time_s, until_s);
-            let left_s = end_s - self.time_s;
-            // No rest that is only rounding.
-            let mut step_s = if left_s > longest_s + SAME_MOMENT_S {
-                longest_s.min(climb_s)
+            let longest_s = if (self.bank_rad - command).abs() <= NEARLY_THERE_RAD {
+                LONGEST_END_S.min(2.0 * lag_s / STEPS_OF_LAG)
             } else {
-                left_s.min(climb_s)
+                LONGEST_ROLL_S.min(lag_s / STEPS_OF_LAG)
             };
+            let mut step_s = longest_s.min(left_s).min(climb_s);
             let now = self.moment();
             let mut after = self.rolled((command, climb_rate), &now, step_s);
             let left_rad = self.left_rad(after.course_rad);
@@ -255,36 +252,11 @@ impl Plant {
             self.climb_rad = after.climb_rad;
             self.rolls.last = Some(after);
             self.time_s = if step_s == left_s {
-                end_s
+                until_s
             } else {
                 self.time_s + step_s
             };
         }
-    }
-
-    /// Longest step of a roll to a bank, seconds.
-    fn longest_roll_s(&self, command_rad: f64) -> f64 {
-        let lag_s = self.vehicle.response.bank_time_constant_s;
-        if (self.bank_rad - command_rad).abs() <= NEARLY_THERE_RAD {
-            LONGEST_END_S.min(2.0 * lag_s / STEPS_OF_LAG)
-        } else {
-            LONGEST_ROLL_S.min(lag_s / STEPS_OF_LAG)
-        }
-    }
-
-    /// Flies an arc of these rates of course and climb angle; the time stays.
-    fn fly_arc(
-        &mut self,
-        duration_s: f64,
-        (course_rate, climb_rate): (f64, f64),
-        flown: &mut impl FnMut(&Arc, Vec3),
-    ) {
-        let arc = self.arc(duration_s, course_rate, climb_rate);
-        let end_m = arc.end_m();
-        flown(&arc, end_m);
-        self.position_m = end_m;
-        self.course_rad += course_rate * duration_s;
-        self.climb_rad += climb_rate * duration_s;
     }
 
     fn arc(&self, duration_s: f64, course_rate_radps: f64, climb_rate_radps: f64) -> Arc {
@@ -585,42 +557,6 @@ mod tests {
                 plant.advance(0.1, |_, _| ());
             }
             assert_eq!(plant.ownship(), forgetful.ownship(), "{cycle}");
-        }
-    }
-
-    /// Turns, climbs and straight flight, of which only the last goes beyond a cycle.
-    #[test]
-    fn several_cycles_are_flown_as_one_after_the_other() {
-        for lag_s in [0.0, 0.6] {
-            let mut vehicle = Vehicle::table_4();
-            vehicle.response.bank_time_constant_s = lag_s;
-            let mut alone = Plant::new(vehicle, Autopilot::Direct, Vec3::new(3.0, -4.0, 0.0));
-            let mut together = alone.clone();
-            let mut maneuver = fga::maneuver::Maneuver::turn(0.25, 0.8, 0.1);
-            maneuver.push(fga::maneuver::Stage {
-                start_s: 8.03,
-                course_rad: -0.3,
-                climb_rad: 0.0,
-                rate_share: 0.6,
-            });
-            alone.command(&maneuver, 20.0);
-            together.command(&maneuver, 20.0);
-            let (mut longest_s, mut ends_s) = (0.0_f64, 0.0);
-            together.advance_cycles(200, 0.1, |arc, _| {
-                assert!((arc.start_s - ends_s).abs() < 1e-9);
-                ends_s = arc.start_s + arc.duration_s;
-                let (from, to) = (10.0 * arc.start_s, 10.0 * ends_s);
-                let is_within = (to - 1e-6).floor() <= (from + 1e-6).floor();
-                assert!(is_within || arc.is_straight(), "{arc:?}");
-                longest_s = longest_s.max(arc.duration_s);
-            });
-            for _ in 0..200 {
-                alone.advance(0.1, |_, _| ());
-            }
-            let (a, b) = (alone.ownship(), together.ownship());
-            assert!(a.position_m.distance(b.position_m) < 1e-9, "{a:?} {b:?}");
-            assert!((a.course_rad - b.course_rad).abs() < 1e-12);
-            assert!(longest_s > 1.0, "{longest_s}");
         }
     }
 

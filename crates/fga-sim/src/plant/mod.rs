@@ -55,36 +55,6 @@ pub struct Plant {
     rolls: lagged::Rolls,
 }
 
-/// Moments this close together are one, seconds.
-const SAME_MOMENT_S: f64 = 1e-9;
-
-/// The cycles of a flight, which end one after the other.
-struct Cycles {
-    /// The end of the present one, seconds.
-    end_s: f64,
-    cycle_s: f64,
-}
-
-impl Cycles {
-    /// The end of the cycle at a time, or `until_s` before it, seconds.
-    fn end_s(&mut self, time_s: f64, until_s: f64) -> f64 {
-        while self.end_s <= time_s + SAME_MOMENT_S && self.end_s < until_s {
-            self.end_s += self.cycle_s;
-        }
-        self.end_s.min(until_s)
-    }
-
-    /// The latest end of an arc that begins at a time with these rates of course and climb angle: a straight one may go
-    /// beyond the cycle.
-    fn arc_end_s(&mut self, rates: (f64, f64), time_s: f64, until_s: f64) -> f64 {
-        if rates == (0.0, 0.0) {
-            until_s
-        } else {
-            self.end_s(time_s, until_s)
-        }
-    }
-}
-
 impl Plant {
     /// An aircraft in straight flight that holds its course.
     pub fn new(vehicle: Vehicle, autopilot: Autopilot, wind_mps: Vec3) -> Self {
@@ -166,10 +136,15 @@ impl Plant {
 
     /// Takes a command that holds for `duration_s` seconds from now.
     pub fn command(&mut self, maneuver: &Maneuver, duration_s: f64) {
+        self.command_on((maneuver, 0.0), duration_s);
+    }
+
+    /// Takes the command of a manoeuvre that has been flown for some seconds, for `duration_s` seconds from now.
+    pub fn command_on(&mut self, (maneuver, flown_s): (&Maneuver, f64), duration_s: f64) {
         let dead_time_s = self.vehicle.response.dead_time_s;
         let from_s = self.time_s + dead_time_s;
         // Before its first stage a manoeuvre holds course and climb angle.
-        let first = maneuver.stage_at(0.0).copied().unwrap_or(Stage {
+        let first = maneuver.stage_at(flown_s).copied().unwrap_or(Stage {
             start_s: 0.0,
             course_rad: self.course_rad,
             climb_rad: self.climb_rad,
@@ -182,8 +157,9 @@ impl Plant {
             self.pending.push_back((from_s, first));
         }
         for stage in maneuver.stages() {
-            if stage.start_s > 0.0 && stage.start_s < duration_s {
-                self.pending.push_back((from_s + stage.start_s, *stage));
+            let starts_s = stage.start_s - flown_s;
+            if starts_s > 0.0 && starts_s < duration_s {
+                self.pending.push_back((from_s + starts_s, *stage));
             }
         }
     }
@@ -204,18 +180,8 @@ impl Plant {
     }
 
     /// Flies for `duration_s` seconds and shows every flown arc and its end, in order.
-    pub fn advance(&mut self, duration_s: f64, flown: impl FnMut(&Arc, Vec3)) {
-        self.advance_cycles(1, duration_s, flown);
-    }
-
-    /// Flies for some cycles of `cycle_s` seconds and shows every flown arc and its end, in order. Only straight arcs go
-    /// beyond the end of a cycle: the aircraft flies as if it were advanced cycle by cycle.
-    pub fn advance_cycles(&mut self, count: u32, cycle_s: f64, mut flown: impl FnMut(&Arc, Vec3)) {
-        let mut cycles = Cycles {
-            end_s: self.time_s + cycle_s,
-            cycle_s,
-        };
-        let end_s = (0..count).fold(self.time_s, |begin_s, _| begin_s + cycle_s);
+    pub fn advance(&mut self, duration_s: f64, mut flown: impl FnMut(&Arc, Vec3)) {
+        let end_s = self.time_s + duration_s;
         let rolls = self.vehicle.response.bank_time_constant_s > 0.0;
         while self.time_s < end_s {
             while let Some(&(from_s, stage)) = self.pending.front()
@@ -229,8 +195,8 @@ impl Plant {
                 .front()
                 .map_or(end_s, |&(from_s, _)| from_s.min(end_s));
             match (self.autopilot, rolls) {
-                (Autopilot::Direct, false) => self.fly_exact(until_s, &mut cycles, &mut flown),
-                (Autopilot::Direct, true) => self.fly_rolling(until_s, &mut cycles, &mut flown),
+                (Autopilot::Direct, false) => self.fly_exact(until_s, &mut flown),
+                (Autopilot::Direct, true) => self.fly_rolling(until_s, &mut flown),
                 (Autopilot::ProportionalIntegral { .. }, _) => {
                     self.fly_controlled(until_s, &mut flown);
                 }
@@ -250,7 +216,7 @@ impl Plant {
     }
 
     /// Flies exact arcs until `until_s`.
-    fn fly_exact(&mut self, until_s: f64, cycles: &mut Cycles, flown: &mut impl FnMut(&Arc, Vec3)) {
+    fn fly_exact(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         let climb_target = self.climb_target_rad();
         let (course_target, course_limit) = self.active.map_or((self.course_rad, 0.0), |stage| {
             (
@@ -267,8 +233,6 @@ impl Plant {
                 self.vehicle.climb_rate_radps,
                 left_s,
             );
-            let end_s = cycles.arc_end_s((course_rate, climb_rate), self.time_s, until_s);
-            let left_s = end_s - self.time_s;
             let duration_s = left_s.min(turn_s).min(climb_s);
             let arc = Arc {
                 start_s: self.time_s,
@@ -296,7 +260,7 @@ impl Plant {
             };
             self.bank_rad = self.bank_of(course_rate);
             self.time_s = if duration_s == left_s {
-                end_s
+                until_s
             } else {
                 self.time_s + duration_s
             };

@@ -12,9 +12,6 @@ use fga_sim::world::World;
 /// Flights differ by rounding alone, metres and seconds.
 const ROUNDING: f64 = 1e-9;
 
-/// The rounding of a flight as far as searches carry it, whose iterations end within a tolerance, metres and seconds.
-const CARRIED: f64 = 1e-5;
-
 /// Wants every decision.
 struct Watch;
 
@@ -54,7 +51,8 @@ fn fly_both(engine: &mut Engine, world: &World, policy: PolicyChoice) -> [usize;
     let made = engine.elapsed_ns().len();
     let within = match policy {
         PolicyChoice::Mission => ROUNDING,
-        _ => CARRIED,
+        // It gives the commands of known decisions to the bit.
+        _ => 0.0,
     };
     pilot.restart();
     let few = engine.fly(world, pilot.as_mut(), &mut ());
@@ -166,38 +164,6 @@ fn the_avoider_leaves_out_what_it_knows_and_flies_the_same() {
             2 * all > 5 * made,
             "{made} of {all} with a lag of {lag_s} s"
         );
-    }
-}
-
-#[test]
-fn neither_does_wind_nor_a_mission_of_several_legs_change_what_it_flies() {
-    for lag_s in [0.0, 0.6] {
-        let mut model = VehicleModel::built_in().unwrap();
-        model.vehicle.response.bank_time_constant_s = lag_s;
-        model.wind_mps = Vec3::new(3.0, -4.0, 0.5);
-        let settings = BatchSettings {
-            model,
-            policy: PolicyChoice::default(),
-            horizon_s: 60.0,
-            seed: 3,
-            tracks: false,
-        };
-        let mut world = empty_world(&settings).unwrap();
-        let (turns_m, ends_m) = (Vec3::X * 150.0, Vec3::new(300.0, 200.0, 20.0));
-        let legs = vec![Vec3::ZERO, turns_m, ends_m, Vec3::new(1e4, 200.0, 20.0)];
-        let mut engine = Engine::new();
-        let source = EncounterSource::parse("threats:2:100-500:0-60", 5).unwrap();
-        let mut sum = [0, 0];
-        for number in 0..60 {
-            if number == 20 {
-                world.mission_m.clone_from(&legs);
-            }
-            let encounter = source.encounter(number);
-            populate(&mut world, &encounter, &settings.model.protection);
-            let [all, made] = fly_both(&mut engine, &world, settings.policy);
-            sum = [sum[0] + all, sum[1] + made];
-        }
-        assert!(sum[0] > sum[1], "{sum:?} with a lag of {lag_s} s");
     }
 }
 

@@ -2,6 +2,7 @@
 //! nothing is looked for again.
 
 use crate::avoider::{Avoider, Plan, State};
+use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
 use crate::search::Proof;
 use crate::situation::Situation;
@@ -48,9 +49,12 @@ impl Avoider {
         (1..=MOST).take_while(known).last().unwrap_or(0)
     }
 
-    /// Takes known decisions as made.
-    pub(crate) const fn leave_out(&mut self, decisions: u32) {
-        self.cycle = self.cycle.wrapping_add(decisions);
+    /// The command of the next decision, which is known, at a time on the situation's clock: the manoeuvre and its age, seconds.
+    pub(crate) fn known_command(&mut self, time_s: f64) -> Option<(&Maneuver, f64)> {
+        let plan = self.plan.as_ref()?;
+        self.cycle = self.cycle.wrapping_add(1);
+        let flown_s = time_s + self.set_back_s - plan.decided_s;
+        Some((&plan.maneuver, flown_s))
     }
 
     /// Until when every obstacle surely stays within the surveillance radius and the aircraft on its leg, seconds.
