@@ -166,7 +166,14 @@ impl Plant {
             bank_rad.abs() <= full_rad && left_rad.abs() > rolls_out_rad
         };
         while self.time_s < until_s {
-            let left_s = until_s - self.time_s;
+            let (from_s, left_s) = (self.time_s, until_s - self.time_s);
+            let end_s = |step_s: f64| {
+                if step_s == left_s {
+                    until_s
+                } else {
+                    from_s + step_s
+                }
+            };
             let (climb_rate, climb_s) = rate_to(
                 self.climb_target_rad() - self.climb_rad,
                 self.vehicle.climb_rate_radps,
@@ -209,11 +216,7 @@ impl Plant {
                 self.position_m = end_m;
                 self.course_rad += course_rate * step_s;
                 self.climb_rad += climb_rate * step_s;
-                self.time_s = if step_s == left_s {
-                    until_s
-                } else {
-                    self.time_s + step_s
-                };
+                self.time_s = end_s(step_s);
                 continue;
             }
             let longest_s = if (self.bank_rad - command).abs() <= NEARLY_THERE_RAD {
@@ -251,11 +254,7 @@ impl Plant {
             self.bank_rad = after.bank_rad;
             self.climb_rad = after.climb_rad;
             self.rolls.last = Some(after);
-            self.time_s = if step_s == left_s {
-                until_s
-            } else {
-                self.time_s + step_s
-            };
+            self.time_s = end_s(step_s);
         }
     }
 
