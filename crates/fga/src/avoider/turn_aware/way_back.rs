@@ -525,3 +525,59 @@ impl Avoider {
         self.watch(situation, now, start)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Vec3;
+    use crate::avoider::Settings;
+    use crate::situation::{Obstacles, Ownship};
+    use crate::vehicle::Vehicle;
+
+    /// The nearest way is that of the angle that is told with it, also where another one is nearer than the first.
+    #[test]
+    fn the_nearest_way_back_is_that_of_its_angle() {
+        let waypoints_m = [
+            Vec3::ZERO,
+            Vec3::new(300.0, 0.0, 0.0),
+            Vec3::new(300.0, 900.0, 0.0),
+        ];
+        let mission = Mission::new(&waypoints_m);
+        let mut others = 0;
+        for lag_s in [0.0, 0.6] {
+            for case in 0..200_u32 {
+                let mut avoider =
+                    Avoider::new(Settings::default(), Vehicle::lagged(lag_s)).unwrap();
+                let part = f64::from(case) / 200.0;
+                let ownship = Ownship {
+                    position_m: Vec3::new(60.0 + 200.0 * part, 120.0 * (17.0 * part).sin(), 0.0),
+                    airspeed_mps: avoider.vehicle().airspeed_mps,
+                    course_rad: 6.0 * (31.0 * part).sin(),
+                    climb_rad: 0.0,
+                    bank_rad: 0.0,
+                };
+                let situation = Situation {
+                    time_s: 0.0,
+                    ownship,
+                    obstacles: Obstacles::Rows(&[]),
+                    mission,
+                    wind_mps: Vec3::ZERO,
+                };
+                avoider.step(&situation);
+                let state = MotionState::of(&ownship);
+                let (mut way, mut same) = (Way::default(), Way::default());
+                let all = &INTERCEPTS_RAD;
+                let found = avoider.nearest_way_back(&mission, &state, 1, all, &mut way);
+                let Some((intercept_rad, index)) = found else {
+                    continue;
+                };
+                others += u32::from(intercept_rad != all[0]);
+                let alone = [intercept_rad];
+                let found = avoider.nearest_way_back(&mission, &state, 1, &alone, &mut same);
+                assert_eq!(found, Some((intercept_rad, index)), "{case}");
+                assert_eq!(way.end(), same.end(), "{case}");
+            }
+        }
+        assert!(others > 10, "{others} ways of another angle than the first");
+    }
+}
