@@ -534,16 +534,15 @@ mod tests {
     use crate::situation::{Obstacles, Ownship};
     use crate::vehicle::Vehicle;
 
-    /// The nearest way is that of the angle that is told with it, also where another one is nearer than the first.
-    #[test]
-    fn the_nearest_way_back_is_that_of_its_angle() {
-        let waypoints_m = [
-            Vec3::ZERO,
-            Vec3::new(300.0, 0.0, 0.0),
-            Vec3::new(300.0, 900.0, 0.0),
-        ];
-        let mission = Mission::new(&waypoints_m);
-        let mut others = 0;
+    const WAYPOINTS_M: [Vec3; 3] = [
+        Vec3::ZERO,
+        Vec3::new(300.0, 0.0, 0.0),
+        Vec3::new(300.0, 900.0, 0.0),
+    ];
+
+    /// Aircraft at places beside the first leg of a mission with two, on their way.
+    fn on_their_way(mut look: impl FnMut(Avoider, &Mission<'_>, &MotionState)) {
+        let mission = Mission::new(&WAYPOINTS_M);
         for lag_s in [0.0, 0.6] {
             for case in 0..200_u32 {
                 let mut avoider =
@@ -556,28 +555,70 @@ mod tests {
                     climb_rad: 0.0,
                     bank_rad: 0.0,
                 };
-                let situation = Situation {
+                avoider.step(&Situation {
                     time_s: 0.0,
                     ownship,
                     obstacles: Obstacles::Rows(&[]),
                     mission,
                     wind_mps: Vec3::ZERO,
-                };
-                avoider.step(&situation);
-                let state = MotionState::of(&ownship);
-                let (mut way, mut same) = (Way::default(), Way::default());
-                let all = &INTERCEPTS_RAD;
-                let found = avoider.nearest_way_back(&mission, &state, 1, all, &mut way);
-                let Some((intercept_rad, index)) = found else {
-                    continue;
-                };
-                others += u32::from(intercept_rad != all[0]);
-                let alone = [intercept_rad];
-                let found = avoider.nearest_way_back(&mission, &state, 1, &alone, &mut same);
-                assert_eq!(found, Some((intercept_rad, index)), "{case}");
-                assert_eq!(way.end(), same.end(), "{case}");
+                });
+                look(avoider, &mission, &MotionState::of(&ownship));
             }
         }
+    }
+
+    /// The nearest way is that of the angle that is told with it, also where another one is nearer than the first.
+    #[test]
+    fn the_nearest_way_back_is_that_of_its_angle() {
+        let mut others = 0;
+        on_their_way(|mut avoider, mission, state| {
+            let (mut way, mut same) = (Way::default(), Way::default());
+            let all = &INTERCEPTS_RAD;
+            let found = avoider.nearest_way_back(mission, state, 1, all, &mut way);
+            let Some((intercept_rad, index)) = found else {
+                return;
+            };
+            others += u32::from(intercept_rad != all[0]);
+            let alone = [intercept_rad];
+            let found = avoider.nearest_way_back(mission, state, 1, &alone, &mut same);
+            assert_eq!(found, Some((intercept_rad, index)), "{state:?}");
+            assert_eq!(way.end(), same.end(), "{state:?}");
+        });
         assert!(others > 10, "{others} ways of another angle than the first");
+    }
+
+    /// No way back departs less than every one must, whether it leads onto the leg or onto the next one.
+    #[test]
+    fn what_every_way_back_departs_is_no_more_than_any_does() {
+        let mut onto_next = 0;
+        on_their_way(|mut avoider, mission, state| {
+            let climb_limits_rad = avoider.climb_limits_rad();
+            // A way is measured at a few places of each turn.
+            let within_m = 0.1 * avoider.flyer.turn_radius_m();
+            avoider.on_mission(|progress, flyer| {
+                progress.with_turns(flyer, state, |progress, turns| {
+                    let asked = (1, f64::INFINITY);
+                    let least_m = progress.least_departure_m(mission, turns, state, asked);
+                    for intercept_rad in INTERCEPTS_RAD {
+                        let limits = JoinLimits {
+                            intercept_rad,
+                            climb_limits_rad,
+                        };
+                        let mut way = Way::default();
+                        let asked = (&limits, 1);
+                        let found =
+                            progress.way_back_roughly(mission, state, turns, asked, &mut way);
+                        let Some(index) = found else { continue };
+                        onto_next += u32::from(index != progress.index());
+                        let away_m = progress.departure_m(mission, (&way, index), f64::INFINITY);
+                        assert!(
+                            least_m < away_m + within_m,
+                            "{least_m} of {away_m}: {state:?}"
+                        );
+                    }
+                });
+            });
+        });
+        assert!(onto_next > 10, "{onto_next} ways onto the next leg");
     }
 }
