@@ -30,7 +30,7 @@ const LAST_CURVE: f64 = 0.366_42;
 const LAST_BOW: f64 = 0.0321;
 
 /// The last piece may bow by as many times what the others do.
-const LAST_SHARE: f64 = 4.0;
+const LAST_SHARE: f64 = 3.0;
 
 /// Within a shorter piece the course rate is constant, time constants.
 const SHORTEST_GROWTH: f64 = 1e-9;
@@ -168,7 +168,8 @@ impl Roll {
             lasts: LAST,
             turn: steady * LAST + rest,
             to_rad: command_rad,
-            bow: LAST_BOW * unevenness(fastest, off_rad),
+            // What is left of it at the end moves whatever comes next by as much again.
+            bow: 2.0 * LAST_BOW * unevenness(fastest, off_rad),
             ..Self::with_rates((rate, growth, curve), LAST, fastest)
         }
     }

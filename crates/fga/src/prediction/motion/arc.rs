@@ -183,7 +183,7 @@ impl Flyer {
     ///
     /// With a course rate quadratic in time, the course differs from its mean rate by a parabola and a cubic that is odd
     /// about the middle: e(t) = a (s² − T²/4) / 2 + b s (s² − T²/4) / 6, s = t − T/2. This counts the parabola's first two orders,
-    /// and the cubic's first.
+    /// and the cubic's first, also while the climb angle changes.
     pub(super) fn moved_m(&self, state: &MotionState, piece: &Piece, after_s: f64) -> Vec3 {
         let mean_radps = piece.mean_radps(after_s);
         let climb_radps = piece.climb_rate_radps;
@@ -195,11 +195,16 @@ impl Flyer {
         }
         let curve = piece.course_curve_radps3;
         let growth = piece.course_growth_radps2 + 0.5 * curve * after_s;
-        let turn_rad = mean_radps * after_s;
         let square = after_s * after_s;
-        let cube_m = self.airspeed_mps * climb.0 * square * after_s;
-        let left_m = -cube_m * growth / 12.0 * (1.0 - turn_rad * turn_rad / 40.0);
-        let ahead_m = cube_m * square * (mean_radps * curve / 720.0 - growth * growth / 240.0);
+        let turned = (mean_radps * mean_radps + climb_radps * climb_radps) * square;
+        let cube_m = self.airspeed_mps * square * after_s;
+        let (level, steep) = (climb.0, climb.1 * climb_radps);
+        let left_m = cube_m
+            * (level * growth * (turned / 480.0 - 1.0 / 12.0) + steep * curve * square / 720.0);
+        let ahead_m = cube_m
+            * square
+            * (level * (mean_radps * curve / 720.0 - growth * growth / 240.0)
+                - steep * mean_radps * growth / 240.0);
         let (cos, sin) = course;
         chord_m
             + Vec3::new(

@@ -519,6 +519,15 @@ impl Flyer {
 
     fn piece_of(&self, roll: &Roll, climb_rate_radps: f64) -> Piece {
         let tau = self.bank_time_constant_s;
+        let turn = self.gain_radps * tau;
+        // What the displacement of a piece does not count of its third order.
+        let (turn_rad, bend) = (turn * roll.turn.abs(), turn * roll.lasts * roll.lasts);
+        let bend_rad = bend
+            * roll
+                .growth
+                .abs()
+                .max((roll.growth + roll.curve * roll.lasts).abs());
+        let uncounted = bend_rad * bend_rad * (bend_rad + turn_rad * (turn_rad + 1.4)) / 6720.0;
         Piece {
             duration_s: roll.lasts * tau,
             course_rate_radps: self.gain_radps * roll.rate,
@@ -528,7 +537,7 @@ impl Flyer {
             bank_command_rad: roll.command_rad,
             bank_end_rad: roll.to_rad,
             fastest_radps: self.gain_radps * roll.fastest,
-            remainder_m: self.airspeed_mps * self.gain_radps * tau * tau * roll.bow,
+            remainder_m: self.airspeed_mps * tau * (turn * roll.bow + uncounted * roll.lasts),
         }
     }
 
