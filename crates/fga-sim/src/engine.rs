@@ -1,11 +1,13 @@
 //! One flight, closed loop: look, decide, fly until the next decision, measure.
 
+mod measured;
 mod stands;
 mod stepped;
 mod steps;
 
 pub use stepped::SteppedFlight;
 
+use measured::Measured;
 use steps::{LONGEST_SAMPLE_S, fly_step, recorded_arcs, sample_of};
 
 use std::time::Instant;
@@ -233,6 +235,7 @@ impl Engine {
             replaying: world.recorded.is_some(),
             tuned_mps: world.vehicle.airspeed_mps,
             flown_m: 0.0,
+            straight: None,
             cycle: 0,
         }
     }
@@ -265,6 +268,8 @@ struct FlightState {
     tuned_mps: f64,
     /// Path over the ground, metres.
     flown_m: f64,
+    /// A straight arc that may go on, and its end: it is measured once it has ended.
+    straight: Option<(Arc, Vec3)>,
     /// Number of decisions flown.
     cycle: u32,
 }
@@ -285,25 +290,27 @@ impl<'a> Flight<'a> {
         let end_s = loop {
             let time_s = self.time_s();
             let decision = self.decide(time_s, pilot, observer);
+            let command = (&decision.command, 0.0);
             let (mut cycles, mut known) = (1, 0);
             if !observer.watches() {
                 cycles = self.cycles_alike(time_s, &decision, pilot);
                 // What is known follows the decision, not the cycles for which it stands.
                 if cycles == 1 {
                     known = self.known_cycles(time_s, pilot);
+                    cycles = self.cycles_straight(command, 1 + known);
+                    known -= leave_out(cycles - 1, time_s, pilot);
                 }
             }
-            let mut end_s = self.fly_on((&decision.command, 0.0), decision.state, cycles, observer);
-            for _ in 0..known {
-                if end_s.is_some() {
-                    break;
-                }
+            let mut end_s = self.fly_on(command, decision.state, cycles, observer);
+            while known > 0 && end_s.is_none() {
                 let time_s = self.time_s();
                 let Some(command) = pilot.known_command(time_s) else {
                     break;
                 };
+                let cycles = self.cycles_straight(command, known);
                 self.follow_mission(time_s);
-                end_s = self.fly_on(command, decision.state, 1, observer);
+                end_s = self.fly_on(command, decision.state, cycles, observer);
+                known -= 1 + leave_out(cycles - 1, time_s, pilot);
             }
             if let Some(end_s) = end_s {
                 break end_s;
@@ -344,10 +351,10 @@ impl<'a> Flight<'a> {
         }
         // The end need not coincide with a decision.
         let last = left_s < period_s + 1e-9;
-        let step_s = if last {
-            left_s
+        let until_s = if last {
+            limit_s
         } else {
-            f64::from(cycles) * period_s
+            f64::from(self.state.cycle + cycles) * period_s
         };
         let longest_sample_s = if cycles > 1 {
             f64::INFINITY
@@ -357,7 +364,7 @@ impl<'a> Flight<'a> {
         self.advance(
             (command, state),
             time_s,
-            (step_s, longest_sample_s),
+            (until_s, longest_sample_s),
             observer,
         );
         if last {
@@ -374,9 +381,12 @@ impl<'a> Flight<'a> {
     fn follow_mission(&mut self, time_s: f64) {
         let plant = &self.plant;
         let position_m = plant.ownship().position_m;
+        let straight_s = plant.straight_since_s();
         self.state
             .progress
-            .follow(time_s, position_m, || plant.ground_velocity_mps());
+            .follow(time_s, position_m, straight_s, || {
+                plant.ground_velocity_mps()
+            });
     }
 
     /// Updates the aircraft's state, looks, and retunes a pilot with limits of another airspeed.
@@ -443,31 +453,34 @@ impl<'a> Flight<'a> {
         &mut self,
         (command, state): ((&Maneuver, f64), State),
         time_s: f64,
-        (step_s, longest_sample_s): (f64, f64),
+        (until_s, longest_sample_s): (f64, f64),
         observer: &mut impl Observer,
     ) {
-        let obstacles = &self.world.obstacles;
         let replaying = self.replaying();
-        let separations = &mut *self.separations;
-        let mut measure = |arc: &Arc, end_m: Vec3| {
-            for (separation, obstacle) in separations.iter_mut().zip(obstacles) {
-                separation.observe(arc, end_m, &obstacle.track);
-            }
+        let mut measured = Measured {
+            obstacles: &self.world.obstacles,
+            separations: self.separations,
+            straight: &mut self.state.straight,
+            flown_m: &mut self.state.flown_m,
         };
         if let Some(recorded) = replaying {
-            let flown_m = &mut self.state.flown_m;
-            recorded_arcs(recorded, time_s, time_s + step_s, &mut |arc| {
-                *flown_m += arc.airspeed_mps * arc.duration_s;
-                measure(arc, arc.end_m());
+            recorded_arcs(recorded, time_s, until_s, &mut |arc| {
+                measured.take(arc, arc.end_m());
             });
         } else {
-            self.plant.command_on(command, step_s);
-            let lengths_s = (step_s, longest_sample_s);
+            self.plant.command_on(command, until_s - time_s);
             let is_sampled = observer.watches();
             let sample = |ownship: &Ownship, wind, time| {
                 observer.sample(&sample_of(ownship, wind, time, state));
             };
-            self.state.flown_m += fly_step(self.plant, lengths_s, is_sampled, measure, sample);
+            let flown = |arc: &Arc, end_m| measured.take(arc, end_m);
+            fly_step(
+                self.plant,
+                (until_s, longest_sample_s),
+                is_sampled,
+                flown,
+                sample,
+            );
         }
     }
 
@@ -515,6 +528,14 @@ impl<'a> Flight<'a> {
     }
 
     fn outcome(&mut self, end_s: f64) -> Outcome {
+        Measured {
+            obstacles: &self.world.obstacles,
+            separations: self.separations,
+            straight: &mut self.state.straight,
+            flown_m: &mut self.state.flown_m,
+        }
+        .end();
+        self.state.progress.settle();
         *self.missed = self.state.progress.missed();
         let least = |value: fn(&Separation) -> f64| {
             self.separations
@@ -537,6 +558,14 @@ impl<'a> Flight<'a> {
             waypoints_missed: self.missed.len(),
         }
     }
+}
+
+/// Tells a pilot of decisions that are flown as the last one, which it counts like the others; returns their number.
+fn leave_out(decisions: u32, time_s: f64, pilot: &mut (impl Pilot + ?Sized)) -> u32 {
+    for _ in 0..decisions {
+        pilot.known_command(time_s);
+    }
+    decisions
 }
 
 /// The known obstacles at a time, after a look.

@@ -71,7 +71,10 @@ pub struct MissionProgress {
     start_along_m: f64,
     cross_track_m: f64,
     max_cross_track_m: f64,
-    last_m: Vec3,
+    /// The place up to which the largest distances and the passed waypoints are told, metres, and how far along the mission it is.
+    settled_m: (Vec3, f64),
+    /// The place that was followed last, metres, and its time, seconds.
+    here: (Vec3, f64),
 }
 
 /// A leg of positive length.
@@ -229,16 +232,30 @@ impl MissionProgress {
             start_along_m: 0.0,
             cross_track_m: 0.0,
             max_cross_track_m: 0.0,
-            last_m: position_m,
+            settled_m: (position_m, 0.0),
+            here: (position_m, 0.0),
         };
-        progress.follow(0.0, position_m, || Vec3::ZERO);
+        progress.follow(0.0, position_m, None, || Vec3::ZERO);
         progress.start_along_m = progress.along_m;
         progress
     }
 
-    /// Updates with the aircraft's position and velocity over the ground.
-    pub fn follow(&mut self, time_s: f64, position_m: Vec3, velocity_mps: impl Fn() -> Vec3) {
-        let before_m = self.along_m;
+    /// Updates with the aircraft's position and velocity over the ground, and the time since when it flies straight.
+    ///
+    /// Beside a single leg nothing can be largest or nearest between the first and the last place on a straight line, so that the
+    /// places in between are not needed.
+    pub fn follow(
+        &mut self,
+        time_s: f64,
+        position_m: Vec3,
+        straight_s: Option<f64>,
+        velocity_mps: impl Fn() -> Vec3,
+    ) {
+        let goes_on = self.is_one_leg() && straight_s.is_some_and(|since_s| since_s <= self.here.1);
+        if !goes_on {
+            self.settle();
+        }
+        self.here = (position_m, time_s);
         while let Some(line) = self.line {
             let (along, beside) = line.measure(position_m);
             self.along_m = self.before_m + along;
@@ -268,8 +285,20 @@ impl MissionProgress {
         if self.cross_track_m > BACK_WITHIN_M && self.ahead_m > 0.0 {
             self.look_ahead(position_m, velocity_mps());
         }
+        if !goes_on {
+            self.settle();
+        }
+    }
+
+    /// Records the largest distance and the passed waypoints up to here.
+    pub fn settle(&mut self) {
         self.max_cross_track_m = self.max_cross_track_m.max(self.cross_track_m);
-        self.pass(before_m, time_s, position_m);
+        let (from_m, before_m) = self.settled_m;
+        let (here_m, time_s) = self.here;
+        if here_m != from_m {
+            self.pass((from_m, before_m), here_m, time_s);
+        }
+        self.settled_m = (here_m, self.along_m);
     }
 
     /// Advances to a point of the line ahead along which the aircraft already flies.
@@ -297,10 +326,8 @@ impl MissionProgress {
     }
 
     /// Records the distances of the waypoints near here on the line.
-    fn pass(&mut self, before_m: f64, time_s: f64, position_m: Vec3) {
-        let from_m = self.last_m;
-        let step = position_m - from_m;
-        self.last_m = position_m;
+    fn pass(&mut self, (from_m, before_m): (Vec3, f64), here_m: Vec3, time_s: f64) {
+        let step = here_m - from_m;
         // The aircraft comes from the first one, which it cannot miss.
         for index in 1..self.waypoints.len() {
             let neighbour = |at: Option<usize>, none: f64| {
@@ -389,14 +416,14 @@ mod tests {
             Vec3::new(0.0, 40.0, 0.0),
         ];
         let mut progress = MissionProgress::new(&mission, Vec3::ZERO);
-        progress.follow(0.0, Vec3::new(30.0, 25.0, 0.0), || Vec3::X);
+        progress.follow(0.0, Vec3::new(30.0, 25.0, 0.0), None, || Vec3::X);
         // Nearer to the third leg, but on the first.
         assert_eq!((progress.along_m(), progress.cross_track_m()), (30.0, 25.0));
-        progress.follow(0.0, Vec3::new(98.0, 10.0, 0.0), || Vec3::X);
+        progress.follow(0.0, Vec3::new(98.0, 10.0, 0.0), None, || Vec3::X);
         assert_eq!((progress.along_m(), progress.cross_track_m()), (110.0, 2.0));
-        progress.follow(0.0, Vec3::new(50.0, 41.0, 0.0), || Vec3::X);
+        progress.follow(0.0, Vec3::new(50.0, 41.0, 0.0), None, || Vec3::X);
         assert_eq!((progress.along_m(), progress.cross_track_m()), (190.0, 1.0));
-        progress.follow(0.0, Vec3::new(-50.0, 40.0, 0.0), || Vec3::X);
+        progress.follow(0.0, Vec3::new(-50.0, 40.0, 0.0), None, || Vec3::X);
         assert_eq!(progress.along_m(), 290.0);
         assert_eq!(progress.max_cross_track_m(), 25.0);
     }
@@ -411,9 +438,9 @@ mod tests {
         ];
         let mut progress = MissionProgress::new(&mission, Vec3::ZERO);
         // Abreast of the third leg, but not along it: still on the first.
-        progress.follow(0.0, Vec3::new(60.0, 30.0, 0.0), || Vec3::X);
+        progress.follow(0.0, Vec3::new(60.0, 30.0, 0.0), None, || Vec3::X);
         assert_eq!(progress.cross_track_m(), 30.0);
-        progress.follow(0.0, Vec3::new(60.0, 39.0, 0.0), || -Vec3::X);
+        progress.follow(0.0, Vec3::new(60.0, 39.0, 0.0), None, || -Vec3::X);
         assert_eq!((progress.along_m(), progress.cross_track_m()), (180.0, 1.0));
     }
 }

@@ -265,8 +265,8 @@ impl Worlds {
         );
         let period_s = self.empty.settings.avoider.decision_period_s;
         stepped.reward = -period_s * (off_m / FAR_M).min(1.0);
-        let separations = place.flight.separations().iter();
-        stepped.terminated = separations.clone().any(|s| s.margin().value_m < 0.0);
+        let mut separations = place.flight.separations();
+        stepped.terminated = separations.any(|s| s.margin().value_m < 0.0);
         stepped.truncated = !goes_on && !stepped.terminated;
         if stepped.terminated {
             stepped.reward += ENTERED_REWARD;

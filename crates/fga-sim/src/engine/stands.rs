@@ -6,6 +6,7 @@
 
 use fga::Vec3;
 use fga::avoider::Decision;
+use fga::maneuver::Maneuver;
 use fga::pilot::Pilot;
 
 use super::{Flight, situation};
@@ -14,6 +15,9 @@ use crate::world::Ending;
 
 /// A flight that drifts off its line by more than this is not straight along it, metres.
 const ALONG_WITHIN_M: f64 = 1e-6;
+
+/// Rounding of times, seconds.
+const ROUNDING_S: f64 = 1e-6;
 
 impl Flight<'_> {
     /// Number of cycles for which a decision stands whatever the pilot sees; at least one.
@@ -28,12 +32,35 @@ impl Flight<'_> {
         let is_known = stands_s > 0.0
             && self.replaying().is_none()
             && self.state.progress.is_one_leg()
-            && self.plant.is_straight_under(&decision.command);
+            && self.plant.is_straight_under((&decision.command, 0.0));
         if is_known {
             self.straight_cycles(time_s, stands_s)
         } else {
             1
         }
+    }
+
+    /// Number of cycles, at most `most`, in which the aircraft flies on straight under a manoeuvre that has been flown for some
+    /// seconds; at least one. Legs of a mission are told apart cycle by cycle.
+    pub(super) fn cycles_straight(&self, (maneuver, flown_s): (&Maneuver, f64), most: u32) -> u32 {
+        let goes_on = most > 1
+            && self.state.progress.is_one_leg()
+            && self.plant.is_straight_under((maneuver, flown_s));
+        if !goes_on {
+            return 1;
+        }
+        let period_s = self.world.settings.avoider.decision_period_s;
+        let starts_s = maneuver
+            .stages()
+            .iter()
+            .map(|stage| stage.start_s - flown_s);
+        let until_s = (starts_s.filter(|starts_s| *starts_s > -ROUNDING_S))
+            .fold(f64::INFINITY, f64::min)
+            - ROUNDING_S;
+        (2..=most)
+            .take_while(|cycles| f64::from(*cycles) * period_s < until_s)
+            .last()
+            .unwrap_or(1)
     }
 
     /// Number of next decisions that the pilot knows, before the aircraft could see anything else and before the horizon.

@@ -110,16 +110,26 @@ impl SteppedFlight {
     }
 
     /// Least separations until now, in the order of the world's obstacles.
-    pub fn separations(&self) -> &[Separation] {
-        self.engine.separations()
+    pub fn separations(&self) -> impl Iterator<Item = Separation> {
+        let measured = self.engine.separations.iter().zip(&self.world.obstacles);
+        measured.map(|(separation, obstacle)| {
+            let mut separation = *separation;
+            if let Some((arc, end_m)) = &self.state.straight {
+                separation.observe(arc, *end_m, &obstacle.track);
+            }
+            separation
+        })
     }
 
     /// The result of the flight so far.
     pub fn outcome(&mut self) -> Outcome {
         let time_s = self.time_s();
-        self.engine
-            .flight(&self.world, &mut self.state)
-            .outcome(time_s)
+        // The flight may go on, and what it flies now with it.
+        let separations = self.engine.separations.clone();
+        let mut state = self.state.clone();
+        let outcome = (self.engine.flight(&self.world, &mut state)).outcome(time_s);
+        self.engine.separations = separations;
+        outcome
     }
 }
 

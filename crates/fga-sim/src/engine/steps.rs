@@ -20,32 +20,31 @@ const CORNER_RADPS: f64 = 0.02;
 const CORNER_APART_S: f64 = 1e-3;
 
 /// Flies one cycle, or several alike. It samples long cycles, and the begin and end of turns and changes of climb, so
-/// that rates are constant between two samples. Returns the path flown over the ground, metres.
+/// that rates are constant between two samples.
 pub(super) fn fly_step(
     plant: &mut Plant,
-    (step_s, longest_sample_s): (f64, f64),
+    (end_s, longest_sample_s): (f64, f64),
     is_sampled: bool,
     mut flown: impl FnMut(&Arc, Vec3),
     mut sample: impl FnMut(&Ownship, Vec3, f64),
-) -> f64 {
+) {
     let from_s = plant.time_s();
+    let step_s = end_s - from_s;
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a small positive count"
     )]
     let pieces = (libm::ceil(step_s / longest_sample_s - 1e-9) as u32).max(1);
-    let mut path_m = 0.0;
     let mut sampled_s = from_s;
     let mut rates = None;
     for k in 1..=pieces {
-        let until_s = from_s + step_s * f64::from(k) / f64::from(pieces);
-        plant.advance(until_s - plant.time_s(), |arc, end_m| {
-            path_m += if arc.wind_mps == Vec3::ZERO {
-                arc.airspeed_mps * arc.duration_s
-            } else {
-                arc.position_m.distance(end_m)
-            };
+        let until_s = if k == pieces {
+            end_s
+        } else {
+            from_s + step_s * f64::from(k) / f64::from(pieces)
+        };
+        plant.advance_until(until_s, |arc, end_m| {
             flown(arc, end_m);
             if !is_sampled {
                 return;
@@ -76,7 +75,6 @@ pub(super) fn fly_step(
             sampled_s = until_s;
         }
     }
-    path_m
 }
 
 /// The logged state: angles over the ground, which equal the angles through still air.

@@ -74,6 +74,11 @@ impl Arc {
         )
     }
 
+    /// Whether neither the course nor the climb angle changes.
+    pub fn is_straight(&self) -> bool {
+        self.course_rate_radps == 0.0 && self.climb_rate_radps == 0.0
+    }
+
     /// Position over the ground `after_s` seconds into the arc, metres.
     pub fn position_at_m(&self, after_s: f64) -> Vec3 {
         self.position_m + self.air_displacement_m(after_s) + self.wind_mps * after_s

@@ -158,6 +158,7 @@ impl Plant {
         let limit = self.active.map_or(0.0, |stage| {
             self.course_rate_limit_radps() * stage.rate_share
         });
+        let course_target = self.active.map_or(self.course_rad, |s| s.course_rad);
         let full_rad = self.full_bank_rad(limit);
         let rolls_out_rad = lag_s * limit * WITH_ROUNDING + LITTLE_RAD;
         // tan(u)/u grows with u: a roll-out turns less than the largest rate does in a time constant. A turn with
@@ -174,11 +175,9 @@ impl Plant {
                     from_s + step_s
                 }
             };
-            let (climb_rate, climb_s) = rate_to(
-                self.climb_target_rad() - self.climb_rad,
-                self.vehicle.climb_rate_radps,
-                left_s,
-            );
+            let climb_target = self.climb_target_rad();
+            let climb_limit = self.vehicle.climb_rate_radps;
+            let (climb_rate, climb_s) = rate_to(climb_target, &mut self.climb_rad, climb_limit);
             let left_rad = self.left_rad(self.course_rad);
             let far = limit > 0.0 && goes_on(self.bank_rad, left_rad);
             let computed = known.take();
@@ -204,18 +203,18 @@ impl Plant {
                 let (course_rate, turn_s) = if turns {
                     (libm::copysign(limit, beyond), beyond.abs() / limit)
                 } else {
-                    let remaining = self
-                        .active
-                        .map_or(0.0, |stage| stage.course_rad - self.course_rad);
-                    rate_to(remaining, limit, left_s)
+                    rate_to(course_target, &mut self.course_rad, limit)
                 };
+                if (course_rate, climb_rate) == (0.0, 0.0) {
+                    self.fly_straight(until_s, flown);
+                    return;
+                }
                 let step_s = left_s.min(climb_s).min(turn_s);
-                let arc = self.arc(step_s, course_rate, climb_rate);
-                let end_m = arc.end_m();
-                flown(&arc, end_m);
-                self.position_m = end_m;
-                self.course_rad += course_rate * step_s;
-                self.climb_rad += climb_rate * step_s;
+                // A turn at its bank ends with the roll-out, not on its course.
+                let course_end = (step_s == turn_s && !turns).then_some(course_target);
+                let climb_end = (step_s == climb_s).then_some(climb_target);
+                let (course, climb) = ((course_rate, course_end), (climb_rate, climb_end));
+                self.fly_arc(step_s, course, climb, flown);
                 self.time_s = end_s(step_s);
                 continue;
             }
@@ -249,6 +248,7 @@ impl Plant {
             let course_rate = (after.course_rad - self.course_rad) / step_s;
             let arc = self.arc(step_s, course_rate, climb_rate);
             flown(&arc, after.position_m);
+            self.straight = None;
             self.position_m = after.position_m;
             self.course_rad = after.course_rad;
             self.bank_rad = after.bank_rad;
@@ -258,7 +258,12 @@ impl Plant {
         }
     }
 
-    fn arc(&self, duration_s: f64, course_rate_radps: f64, climb_rate_radps: f64) -> Arc {
+    pub(super) fn arc(
+        &self,
+        duration_s: f64,
+        course_rate_radps: f64,
+        climb_rate_radps: f64,
+    ) -> Arc {
         Arc {
             start_s: self.time_s,
             duration_s,
@@ -442,6 +447,7 @@ impl Plant {
 
     /// Flies Runge–Kutta steps until `until_s` under the PI autopilot.
     pub(super) fn fly_controlled(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
+        self.straight = None;
         let span_s = until_s - self.time_s;
         #[expect(
             clippy::cast_possible_truncation,

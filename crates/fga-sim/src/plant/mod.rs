@@ -3,7 +3,8 @@
 //! A plant receives a [`Maneuver`] at each decision and flies it until the next. Course and climb
 //! angle move to the commanded values at their rate limits. Without bank lag the path between two
 //! decisions is a handful of exact [`Arc`]s, split at the start of a stage and at the end of a turn or
-//! a change of climb. Rolls of an aircraft with bank lag are exact in bank and integrated by Simpson's rule in
+//! a change of climb. A straight arc goes on from decision to decision: its places are told from its beginning, so that they do not
+//! depend on the decisions in between. Rolls of an aircraft with bank lag are exact in bank and integrated by Simpson's rule in
 //! steps of at most 0.1 s; flight under the PI autopilot uses the classical Runge–Kutta rule in steps of at most 0.02 s. Left is positive throughout.
 
 mod arc;
@@ -18,6 +19,9 @@ use fga::situation::Ownship;
 use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 
 pub use arc::{Arc, unwrap_near};
+
+/// A rest of a turn or a change of climb that takes less than this is rounding, seconds.
+const SHORTEST_S: f64 = 1e-12;
 
 /// How commands become bank and climb.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -49,6 +53,8 @@ pub struct Plant {
     airspeed_mps: f64,
     /// The present manoeuvre; `None` holds course and climb angle.
     active: Option<Stage>,
+    /// The straight arc that the aircraft flies and its velocity over the ground, metres per second; `None` while it flies none.
+    straight: Option<(Arc, Vec3)>,
     /// Pending manoeuvres with their start times, in order (the dead time lies between).
     pending: VecDeque<(f64, Stage)>,
     controllers: lagged::Controllers,
@@ -69,6 +75,7 @@ impl Plant {
             bank_rad: 0.0,
             airspeed_mps: vehicle.airspeed_mps,
             active: None,
+            straight: None,
             pending: VecDeque::with_capacity(64),
             controllers: lagged::Controllers::new(autopilot, &vehicle),
             rolls: lagged::Rolls::default(),
@@ -83,6 +90,7 @@ impl Plant {
         self.climb_rad = climb_rad;
         self.bank_rad = 0.0;
         self.active = None;
+        self.straight = None;
         self.pending.clear();
         self.controllers = lagged::Controllers::new(self.autopilot, &self.vehicle);
     }
@@ -93,6 +101,7 @@ impl Plant {
         self.autopilot = autopilot;
         self.wind_mps = wind_mps;
         self.airspeed_mps = vehicle.airspeed_mps;
+        self.straight = None;
         self.rolls = lagged::Rolls::default();
     }
 
@@ -100,6 +109,7 @@ impl Plant {
     pub fn fly_at(&mut self, airspeed_mps: f64) {
         self.vehicle = at_airspeed(&self.vehicle, airspeed_mps);
         self.airspeed_mps = self.vehicle.airspeed_mps;
+        self.straight = None;
         self.rolls = lagged::Rolls::default();
     }
 
@@ -164,9 +174,14 @@ impl Plant {
         }
     }
 
-    /// Whether the aircraft flies straight, and goes on so under the beginning of this command. Never with a
-    /// dead time, under which rounding grows: commands correct a flight that has changed meanwhile.
-    pub fn is_straight_under(&self, maneuver: &Maneuver) -> bool {
+    /// Since when the aircraft flies straight, seconds since the start of the run.
+    pub fn straight_since_s(&self) -> Option<f64> {
+        self.straight.as_ref().map(|(arc, _)| arc.start_s)
+    }
+
+    /// Whether the aircraft flies straight, and goes on so under what a manoeuvre commands that has been flown for some seconds.
+    /// Never with a dead time, under which rounding grows: commands correct a flight that has changed meanwhile.
+    pub fn is_straight_under(&self, (maneuver, flown_s): (&Maneuver, f64)) -> bool {
         let (low_rad, high_rad) = (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
         let keeps = |stage: &Stage| {
             stage.course_rad == self.course_rad
@@ -176,12 +191,17 @@ impl Plant {
             && self.vehicle.response.dead_time_s == 0.0
             && self.bank_rad == 0.0
             && self.active.iter().all(keeps)
-            && maneuver.stage_at(0.0).is_none_or(keeps)
+            && maneuver.stage_at(flown_s).is_none_or(keeps)
     }
 
-    /// Flies for `duration_s` seconds and shows every flown arc and its end, in order.
-    pub fn advance(&mut self, duration_s: f64, mut flown: impl FnMut(&Arc, Vec3)) {
-        let end_s = self.time_s + duration_s;
+    /// Flies for `duration_s` seconds; see [`Self::advance_until`].
+    pub fn advance(&mut self, duration_s: f64, flown: impl FnMut(&Arc, Vec3)) {
+        self.advance_until(self.time_s + duration_s, flown);
+    }
+
+    /// Flies until `end_s` and shows every flown arc and its end, in order. A straight arc that goes on is shown again, from
+    /// its beginning to its new end.
+    pub fn advance_until(&mut self, end_s: f64, mut flown: impl FnMut(&Arc, Vec3)) {
         let rolls = self.vehicle.response.bank_time_constant_s > 0.0;
         while self.time_s < end_s {
             while let Some(&(from_s, stage)) = self.pending.front()
@@ -215,6 +235,35 @@ impl Plant {
         })
     }
 
+    /// Flies straight until `until_s`: on the present straight arc, else on a new one.
+    fn fly_straight(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
+        let (mut arc, velocity_mps) = self
+            .straight
+            .unwrap_or_else(|| (self.arc(0.0, 0.0, 0.0), self.ground_velocity_mps()));
+        arc.duration_s = until_s - arc.start_s;
+        self.position_m = arc.position_m + velocity_mps * arc.duration_s;
+        self.time_s = until_s;
+        self.straight = Some((arc, velocity_mps));
+        flown(&arc, self.position_m);
+    }
+
+    /// Flies an arc; the time stays. The course and the climb angle have a rate, radians per second, and what they end on, radians,
+    /// where they reach it.
+    fn fly_arc(
+        &mut self,
+        duration_s: f64,
+        (course_rate, course_end): (f64, Option<f64>),
+        (climb_rate, climb_end): (f64, Option<f64>),
+        flown: &mut impl FnMut(&Arc, Vec3),
+    ) {
+        let arc = self.arc(duration_s, course_rate, climb_rate);
+        self.straight = None;
+        self.position_m = arc.end_m();
+        self.course_rad = course_end.unwrap_or(self.course_rad + course_rate * duration_s);
+        self.climb_rad = climb_end.unwrap_or(self.climb_rad + climb_rate * duration_s);
+        flown(&arc, self.position_m);
+    }
+
     /// Flies exact arcs until `until_s`.
     fn fly_exact(&mut self, until_s: f64, flown: &mut impl FnMut(&Arc, Vec3)) {
         let climb_target = self.climb_target_rad();
@@ -226,38 +275,19 @@ impl Plant {
         });
         while self.time_s < until_s {
             let left_s = until_s - self.time_s;
-            let (course_rate, turn_s) =
-                rate_to(course_target - self.course_rad, course_limit, left_s);
-            let (climb_rate, climb_s) = rate_to(
-                climb_target - self.climb_rad,
-                self.vehicle.climb_rate_radps,
-                left_s,
-            );
+            let (course_rate, turn_s) = rate_to(course_target, &mut self.course_rad, course_limit);
+            let climb_limit = self.vehicle.climb_rate_radps;
+            let (climb_rate, climb_s) = rate_to(climb_target, &mut self.climb_rad, climb_limit);
+            if (course_rate, climb_rate) == (0.0, 0.0) {
+                self.bank_rad = 0.0;
+                self.fly_straight(until_s, flown);
+                return;
+            }
             let duration_s = left_s.min(turn_s).min(climb_s);
-            let arc = Arc {
-                start_s: self.time_s,
-                duration_s,
-                position_m: self.position_m,
-                course_rad: self.course_rad,
-                climb_rad: self.climb_rad,
-                course_rate_radps: course_rate,
-                climb_rate_radps: climb_rate,
-                airspeed_mps: self.airspeed_mps,
-                wind_mps: self.wind_mps,
-            };
-            let end_m = arc.end_m();
-            flown(&arc, end_m);
-            self.position_m = end_m;
-            self.course_rad = if duration_s == turn_s {
-                course_target
-            } else {
-                self.course_rad + course_rate * duration_s
-            };
-            self.climb_rad = if duration_s == climb_s {
-                climb_target
-            } else {
-                self.climb_rad + climb_rate * duration_s
-            };
+            let course_end = (duration_s == turn_s).then_some(course_target);
+            let climb_end = (duration_s == climb_s).then_some(climb_target);
+            let (course, climb) = ((course_rate, course_end), (climb_rate, climb_end));
+            self.fly_arc(duration_s, course, climb, flown);
             self.bank_rad = self.bank_of(course_rate);
             self.time_s = if duration_s == left_s {
                 until_s
@@ -298,16 +328,17 @@ pub fn at_airspeed(vehicle: &Vehicle, airspeed_mps: f64) -> Vehicle {
     }
 }
 
-/// Rate that closes a difference at a limit, and its duration: infinite when there is no difference
-/// or no rate.
-fn rate_to(difference: f64, limit: f64, within_s: f64) -> (f64, f64) {
-    if difference == 0.0 || limit <= 0.0 {
+/// Rate that brings an angle to its target at a limit, and how long that takes, seconds: infinite when it is there or there is
+/// no rate. A rest too short to fly is rounding, and taken at once.
+fn rate_to(target_rad: f64, angle_rad: &mut f64, limit_radps: f64) -> (f64, f64) {
+    let difference = target_rad - *angle_rad;
+    if difference == 0.0 || limit_radps <= 0.0 {
         return (0.0, f64::INFINITY);
     }
-    let needed_s = difference.abs() / limit;
-    // A rest too short to fly is rounding: take it at once.
-    if needed_s < 1e-12 {
-        return (difference / within_s.max(1e-12), f64::INFINITY);
+    let needed_s = difference.abs() / limit_radps;
+    if needed_s < SHORTEST_S {
+        *angle_rad = target_rad;
+        return (0.0, f64::INFINITY);
     }
-    (limit.copysign(difference), needed_s)
+    (limit_radps.copysign(difference), needed_s)
 }

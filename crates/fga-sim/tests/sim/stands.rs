@@ -1,11 +1,15 @@
 //! A flight that leaves out known decisions ends as the one that makes them all.
 
+use std::path::Path;
+
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
 use fga_sim::batch::{BatchSettings, empty_world, populate};
+use fga_sim::campaign::{Campaign, file};
 use fga_sim::encounters::EncounterSource;
 use fga_sim::engine::{Engine, Observer, Outcome};
 use fga_sim::policy::PolicyChoice;
+use fga_sim::track::{Track, TrackPoint};
 use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::World;
 
@@ -51,13 +55,27 @@ fn fly_both(engine: &mut Engine, world: &World, policy: PolicyChoice) -> [usize;
     let made = engine.elapsed_ns().len();
     let within = match policy {
         PolicyChoice::Mission => ROUNDING,
-        // It gives the commands of known decisions to the bit.
+        // It gives the commands of known decisions to the bit, and what is flown does not depend on the decisions in between.
         _ => 0.0,
     };
     pilot.restart();
     let few = engine.fly(world, pilot.as_mut(), &mut ());
     let found = numbers(engine, &few);
-    assert_eq!(all.mission_flown, few.mission_flown);
+    let events = |outcome: &Outcome| {
+        let Outcome {
+            threat_s,
+            start_s,
+            clear_s,
+            rejoined_s,
+            mission_flown,
+            waypoints_missed,
+            ..
+        } = *outcome;
+        let seen_s = engine.first_seen_s().to_vec();
+        let times_s = (threat_s, start_s, clear_s, rejoined_s);
+        (times_s, mission_flown, waypoints_missed, seen_s)
+    };
+    assert_eq!(events(&all), events(&few));
     for (found, expected) in found.iter().zip(&expected) {
         assert!(
             found == expected || (found - expected).abs() < within,
@@ -179,4 +197,90 @@ fn the_avoider_leaves_out_nothing_among_what_it_cannot_foresee() {
         let [all, made] = fly(model, PolicyChoice::default());
         assert_eq!(all, made);
     }
+}
+
+/// Flies encounters of `table4-dynamic` with the aircraft of a vehicle file under a policy, changed by `change`; all decisions, and
+/// those that were made.
+fn fly_campaign(
+    vehicle: &str,
+    policy: &str,
+    count: u64,
+    change: impl Fn(&mut World),
+) -> [usize; 2] {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let text = std::fs::read_to_string(root.join("vehicles").join(vehicle)).unwrap();
+    let overrides = file::Overrides {
+        vehicle: Some(text),
+        ..Default::default()
+    };
+    let path = root.join("campaigns/table4-dynamic.toml");
+    let campaign = Campaign::new(file::read(&path, &overrides).unwrap(), &path).unwrap();
+    let policy = PolicyChoice::parse(policy, None).unwrap();
+    let mut engine = Engine::new();
+    let mut sum = [0, 0];
+    for number in 0..count {
+        let mut world = campaign.plan(number).unwrap().world;
+        change(&mut world);
+        let [all, made] = fly_both(&mut engine, &world, policy);
+        sum = [sum[0] + all, sum[1] + made];
+    }
+    sum
+}
+
+#[test]
+fn what_is_left_out_changes_no_bit_of_a_campaign() {
+    for (vehicle, count) in [
+        ("paper.toml", 200),
+        ("rascal-110.toml", 100),
+        ("apprentice-15e.toml", 100),
+    ] {
+        let [all, made] = fly_campaign(vehicle, "turn-aware", count, |_| ());
+        assert!(all > 3 * made, "{made} of {all} with {vehicle}");
+    }
+}
+
+#[test]
+fn neither_does_it_in_wind_with_noise_among_turning_intruders_and_on_several_legs() {
+    let is_windy = |world: &mut World| world.wind_mps = Vec3::new(2.0, -4.0, 0.3);
+    let is_noisy = |world: &mut World| world.sensor.position_sigma_m = 2.0;
+    let has_legs = |world: &mut World| {
+        let places_m = [(0.0, 0.0), (150.0, 0.0), (300.0, 200.0), (1e4, 200.0)];
+        world.mission_m = places_m.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
+    };
+    for vehicle in ["paper.toml", "rascal-110.toml", "apprentice-15e.toml"] {
+        let [all, made] = fly_campaign(vehicle, "turn-aware", 40, is_windy);
+        assert!(all > 2 * made, "{made} of {all} with {vehicle}");
+        fly_campaign(vehicle, "turn-aware", 10, is_noisy);
+        fly_campaign(vehicle, "turn-aware", 30, has_legs);
+        fly_campaign(vehicle, "turn-aware", 30, |world| {
+            for obstacle in &mut world.obstacles {
+                obstacle.track = turning(&obstacle.track);
+            }
+        });
+    }
+    for policy in ["published", "circle", "mvp", "orca", "operator-f3442"] {
+        fly_campaign("paper.toml", policy, 20, |_| ());
+    }
+}
+
+/// A track that turns to the left after ten seconds, in chords of half a second.
+fn turning(track: &Track) -> Track {
+    let (from_m, velocity_mps) = track.at(0.0).unwrap();
+    let step_s = 0.5;
+    let (mut time_s, mut position_m) = (0.0, from_m);
+    let mut points = Vec::new();
+    let (mut forward, mut left) = (
+        velocity_mps,
+        Vec3::new(-velocity_mps.y, velocity_mps.x, 0.0),
+    );
+    while time_s < 700.0 {
+        points.push(TrackPoint { time_s, position_m });
+        if time_s >= 10.0 {
+            let (sin, cos) = 0.05_f64.sin_cos();
+            (forward, left) = (forward * cos + left * sin, left * cos - forward * sin);
+        }
+        position_m += forward * step_s;
+        time_s += step_s;
+    }
+    Track::through(points).unwrap()
 }
