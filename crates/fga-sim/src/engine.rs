@@ -297,7 +297,7 @@ impl<'a> Flight<'a> {
                 // What is known follows the decision, not the cycles for which it stands.
                 if cycles == 1 {
                     known = self.known_cycles(time_s, pilot);
-                    cycles = self.cycles_straight(command, 1 + known);
+                    cycles = self.cycles_commanded(command, 1 + known);
                     known -= leave_out(cycles - 1, time_s, pilot);
                 }
             }
@@ -307,7 +307,7 @@ impl<'a> Flight<'a> {
                 let Some(command) = pilot.known_command(time_s) else {
                     break;
                 };
-                let cycles = self.cycles_straight(command, known);
+                let cycles = self.cycles_commanded(command, known);
                 self.follow_mission(time_s);
                 end_s = self.fly_on(command, decision.state, cycles, observer);
                 known -= 1 + leave_out(cycles - 1, time_s, pilot);
@@ -351,30 +351,37 @@ impl<'a> Flight<'a> {
         }
         // The end need not coincide with a decision.
         let last = left_s < period_s + 1e-9;
-        let until_s = if last {
-            limit_s
-        } else {
-            f64::from(self.state.cycle + cycles) * period_s
-        };
-        let longest_sample_s = if cycles > 1 {
-            f64::INFINITY
-        } else {
-            LONGEST_SAMPLE_S
-        };
-        self.advance(
-            (command, state),
-            time_s,
-            (until_s, longest_sample_s),
-            observer,
-        );
-        if last {
-            self.follow_recording(limit_s);
-            self.follow_mission(limit_s);
-            self.show(limit_s, state, observer);
-            return Some(limit_s);
+        if self.replaying().is_none() {
+            self.plant.command_on(command, left_s.min(period_s));
         }
-        self.state.cycle += cycles;
-        None
+        let mut left = cycles;
+        loop {
+            let is_together =
+                left > 1 && self.state.progress.is_one_leg() && self.plant.is_straight();
+            let (together, longest_sample_s) = if is_together {
+                (left, f64::INFINITY)
+            } else {
+                (1, LONGEST_SAMPLE_S)
+            };
+            let until_s = if last {
+                limit_s
+            } else {
+                f64::from(self.state.cycle + together) * period_s
+            };
+            self.advance(state, (until_s, longest_sample_s), observer);
+            if last {
+                self.follow_recording(limit_s);
+                self.follow_mission(limit_s);
+                self.show(limit_s, state, observer);
+                return Some(limit_s);
+            }
+            self.state.cycle += together;
+            left -= together;
+            if left == 0 {
+                return None;
+            }
+            self.follow_mission(self.time_s());
+        }
     }
 
     /// Updates the progress along the mission.
@@ -451,8 +458,7 @@ impl<'a> Flight<'a> {
     /// Flies until the next decision and measures.
     fn advance(
         &mut self,
-        (command, state): ((&Maneuver, f64), State),
-        time_s: f64,
+        state: State,
         (until_s, longest_sample_s): (f64, f64),
         observer: &mut impl Observer,
     ) {
@@ -464,11 +470,12 @@ impl<'a> Flight<'a> {
             flown_m: &mut self.state.flown_m,
         };
         if let Some(recorded) = replaying {
+            let time_s =
+                f64::from(self.state.cycle) * self.world.settings.avoider.decision_period_s;
             recorded_arcs(recorded, time_s, until_s, &mut |arc| {
                 measured.take(arc, arc.end_m());
             });
         } else {
-            self.plant.command_on(command, until_s - time_s);
             let is_sampled = observer.watches();
             let sample = |ownship: &Ownship, wind, time| {
                 observer.sample(&sample_of(ownship, wind, time, state));

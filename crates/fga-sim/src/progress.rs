@@ -71,8 +71,10 @@ pub struct MissionProgress {
     start_along_m: f64,
     cross_track_m: f64,
     max_cross_track_m: f64,
-    /// The place up to which the largest distances and the passed waypoints are told, metres, and how far along the mission it is.
+    /// The place up to which the largest distance and the passed waypoints are recorded, metres, and how far along the mission it is.
     settled_m: (Vec3, f64),
+    /// Whether that is the place that was followed last.
+    is_settled: bool,
     /// The place that was followed last, metres, and its time, seconds.
     here: (Vec3, f64),
 }
@@ -233,6 +235,7 @@ impl MissionProgress {
             cross_track_m: 0.0,
             max_cross_track_m: 0.0,
             settled_m: (position_m, 0.0),
+            is_settled: true,
             here: (position_m, 0.0),
         };
         progress.follow(0.0, position_m, None, || Vec3::ZERO);
@@ -256,6 +259,7 @@ impl MissionProgress {
             self.settle();
         }
         self.here = (position_m, time_s);
+        self.is_settled = false;
         while let Some(line) = self.line {
             let (along, beside) = line.measure(position_m);
             self.along_m = self.before_m + along;
@@ -292,13 +296,13 @@ impl MissionProgress {
 
     /// Records the largest distance and the passed waypoints up to here.
     pub fn settle(&mut self) {
-        self.max_cross_track_m = self.max_cross_track_m.max(self.cross_track_m);
-        let (from_m, before_m) = self.settled_m;
-        let (here_m, time_s) = self.here;
-        if here_m != from_m {
-            self.pass((from_m, before_m), here_m, time_s);
+        if self.is_settled {
+            return;
         }
-        self.settled_m = (here_m, self.along_m);
+        self.max_cross_track_m = self.max_cross_track_m.max(self.cross_track_m);
+        self.pass();
+        self.settled_m = (self.here.0, self.along_m);
+        self.is_settled = true;
     }
 
     /// Advances to a point of the line ahead along which the aircraft already flies.
@@ -326,7 +330,9 @@ impl MissionProgress {
     }
 
     /// Records the distances of the waypoints near here on the line.
-    fn pass(&mut self, (from_m, before_m): (Vec3, f64), here_m: Vec3, time_s: f64) {
+    fn pass(&mut self) {
+        let (from_m, before_m) = self.settled_m;
+        let (here_m, time_s) = self.here;
         let step = here_m - from_m;
         // The aircraft comes from the first one, which it cannot miss.
         for index in 1..self.waypoints.len() {

@@ -40,13 +40,13 @@ impl Flight<'_> {
         }
     }
 
-    /// Number of cycles, at most `most`, in which the aircraft flies on straight under a manoeuvre that has been flown for some
-    /// seconds; at least one. Legs of a mission are told apart cycle by cycle.
-    pub(super) fn cycles_straight(&self, (maneuver, flown_s): (&Maneuver, f64), most: u32) -> u32 {
-        let goes_on = most > 1
-            && self.state.progress.is_one_leg()
-            && self.plant.is_straight_under((maneuver, flown_s));
-        if !goes_on {
+    /// Number of cycles, at most `most`, in which a manoeuvre that has been flown for some seconds commands the same; at least one.
+    pub(super) fn cycles_commanded(&self, (maneuver, flown_s): (&Maneuver, f64), most: u32) -> u32 {
+        let is_late = self.plant.vehicle().response.dead_time_s > 0.0;
+        // Before its first stage it holds what is flown, which changes in a turn.
+        let changes = maneuver.stage_at(flown_s).is_none()
+            && !self.plant.is_straight_under((maneuver, flown_s));
+        if most == 1 || is_late || changes {
             return 1;
         }
         let period_s = self.world.settings.avoider.decision_period_s;

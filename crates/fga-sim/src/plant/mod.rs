@@ -179,19 +179,25 @@ impl Plant {
         self.straight.as_ref().map(|(arc, _)| arc.start_s)
     }
 
-    /// Whether the aircraft flies straight, and goes on so under what a manoeuvre commands that has been flown for some seconds.
-    /// Never with a dead time, under which rounding grows: commands correct a flight that has changed meanwhile.
-    pub fn is_straight_under(&self, (maneuver, flown_s): (&Maneuver, f64)) -> bool {
-        let (low_rad, high_rad) = (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
-        let keeps = |stage: &Stage| {
-            stage.course_rad == self.course_rad
-                && stage.climb_rad.max(low_rad).min(high_rad) == self.climb_rad
-        };
+    /// Whether the aircraft flies straight, and goes on so under its last command. Never with a
+    /// dead time, under which rounding grows: commands correct a flight that has changed meanwhile.
+    pub fn is_straight(&self) -> bool {
         self.autopilot == Autopilot::Direct
             && self.vehicle.response.dead_time_s == 0.0
             && self.bank_rad == 0.0
-            && self.active.iter().all(keeps)
-            && maneuver.stage_at(flown_s).is_none_or(keeps)
+            && self.active.iter().all(|stage| self.keeps(stage))
+    }
+
+    /// As [`Self::is_straight`], and under what a manoeuvre commands that has been flown for some seconds.
+    pub fn is_straight_under(&self, (maneuver, flown_s): (&Maneuver, f64)) -> bool {
+        self.is_straight() && (maneuver.stage_at(flown_s)).is_none_or(|stage| self.keeps(stage))
+    }
+
+    /// Whether a command keeps the course and the climb angle.
+    fn keeps(&self, stage: &Stage) -> bool {
+        let (low_rad, high_rad) = (self.vehicle.climb_min_rad, self.vehicle.climb_max_rad);
+        stage.course_rad == self.course_rad
+            && stage.climb_rad.max(low_rad).min(high_rad) == self.climb_rad
     }
 
     /// Flies for `duration_s` seconds; see [`Self::advance_until`].
