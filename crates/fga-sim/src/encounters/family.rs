@@ -2,6 +2,7 @@
 
 use fga::Vec3;
 
+use super::random::level;
 use super::{Body, EncounterSource, Random};
 
 /// A range; equal ends are a fixed value.
@@ -101,6 +102,20 @@ fn static_threat(source: &EncounterSource, random: &mut Random, seen: Range) -> 
     }
 }
 
+/// The sine of an angle of less than a turn, in turns, to within [`COARSE`]: a parabola a half turn, and its square.
+fn coarse_sin(turns: f64) -> f64 {
+    let turns = if turns.abs() > 0.5 {
+        turns - libm::copysign(1.0, turns)
+    } else {
+        turns
+    };
+    let parabola = turns * (8.0 - 16.0 * turns.abs());
+    parabola + 0.225 * (parabola * parabola.abs() - parabola)
+}
+
+/// Largest error of a coarse sine.
+const COARSE: f64 = 0.0011;
+
 /// A threat in level flight at the aircraft's altitude: redrawn until it is one.
 fn level_threat(source: &EncounterSource, random: &mut Random, seen: Range, speed: Range) -> Body {
     if speed.1 <= 0.0 {
@@ -108,9 +123,18 @@ fn level_threat(source: &EncounterSource, random: &mut Random, seen: Range, spee
     }
     loop {
         let distance = random.within(seen);
+        let (bearing, course) = (random.unit(), random.unit());
+        let speed = random.within(speed);
+        // Seen from the aircraft the body passes it at this sine times the distance; most pass far away.
+        let both = speed + source.airspeed_mps;
+        let across =
+            speed * coarse_sin(course - bearing) + source.airspeed_mps * coarse_sin(bearing);
+        if distance * (across.abs() - COARSE * both) > source.radius_m * both {
+            continue;
+        }
         let body = Body {
-            position_m: random.direction(true) * distance,
-            velocity_mps: random.direction(true) * random.within(speed),
+            position_m: level(bearing) * distance,
+            velocity_mps: level(course) * speed,
         };
         if source.is_threat(&body) && meeting_s(source, &body) <= LATEST_MEETING_S {
             return body;
@@ -269,4 +293,55 @@ fn pincer(source: &EncounterSource, random: &mut Random, count: u32) -> Vec<Body
             }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_coarse_sine_is_as_near_as_it_says() {
+        let worst = (-2000..=2000)
+            .map(|k| f64::from(k) / 2001.0)
+            .map(|turns| (coarse_sin(turns) - libm::sin(turns * core::f64::consts::TAU)).abs())
+            .fold(0.0, f64::max);
+        assert!(worst < COARSE && worst > 0.9 * COARSE, "{worst}");
+    }
+
+    #[test]
+    fn a_level_threat_is_the_first_one_that_is_drawn() {
+        for cell in [
+            "threats:1:100-500:0-60",
+            "threats:1:300:15-20",
+            "threats:1:40-60:1-5",
+        ] {
+            let source = EncounterSource::parse(cell, 5).unwrap();
+            let Family::Threats {
+                first_seen_m,
+                speed_mps,
+                ..
+            } = source.family
+            else {
+                unreachable!()
+            };
+            for number in 0..300 {
+                let mut random = Random::new(7, number);
+                let mut again = random.clone();
+                let expected = loop {
+                    let distance = again.within(first_seen_m);
+                    let body = Body {
+                        position_m: again.direction(true) * distance,
+                        velocity_mps: again.direction(true) * again.within(speed_mps),
+                    };
+                    if source.is_threat(&body) && meeting_s(&source, &body) <= LATEST_MEETING_S {
+                        break body;
+                    }
+                };
+                let found = level_threat(&source, &mut random, first_seen_m, speed_mps);
+                assert_eq!(found.position_m, expected.position_m);
+                assert_eq!(found.velocity_mps, expected.velocity_mps);
+                assert_eq!(random.unit(), again.unit());
+            }
+        }
+    }
 }

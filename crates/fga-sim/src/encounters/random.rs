@@ -8,6 +8,12 @@ use rand_core::{Rng, SeedableRng};
 
 use super::Range;
 
+/// The level unit vector that many turns to the left of +x.
+pub(super) fn level(turns: f64) -> Vec3 {
+    let (sin, cos) = libm::sincos(TAU * turns);
+    Vec3::new(cos, sin, 0.0)
+}
+
 /// The random stream of one encounter.
 #[derive(Debug, Clone)]
 pub struct Random(ChaCha8Rng);
@@ -49,11 +55,12 @@ impl Random {
 
     /// A unit vector, uniform on the circle or on the sphere.
     pub fn direction(&mut self, planar: bool) -> Vec3 {
-        let angle = TAU * self.unit();
-        let z = if planar { 0.0 } else { 2.0 * self.unit() - 1.0 };
-        let across = libm::sqrt(1.0 - z * z);
-        let (sin, cos) = libm::sincos(angle);
-        Vec3::new(across * cos, across * sin, z)
+        let turns = self.unit();
+        if planar {
+            return level(turns);
+        }
+        let z = 2.0 * self.unit() - 1.0;
+        level(turns) * libm::sqrt(1.0 - z * z) + Vec3::Z * z
     }
 
     /// A point of the disc of `radius` about the origin and perpendicular to `axis`, uniform; in
