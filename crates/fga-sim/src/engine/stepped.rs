@@ -168,6 +168,16 @@ mod tests {
                 if let Some(vehicle) = flight.take_retuned() {
                     pilot.retune(&vehicle);
                 }
+                // To ask in between changes nothing, and knows the straight arc that goes on.
+                let least_m = flight.outcome().min_separation_m;
+                let (time_s, own_m) = (flight.time_s(), flight.ownship().position_m);
+                let obstacles = flight.world().obstacles.iter();
+                for (obstacle, separation) in obstacles.zip(flight.separations()) {
+                    assert!(separation.distance().value_m >= least_m);
+                    if let Some((at_m, _)) = obstacle.track.at(time_s) {
+                        assert!(separation.distance().value_m <= at_m.distance(own_m) + 1e-6);
+                    }
+                }
             }
             assert_eq!(decisions.next(), None);
             assert_eq!(samples.0, log.samples);
