@@ -103,7 +103,11 @@ impl Search<'_> {
                 enough_m: scene.target_m,
             };
             let mut failed = None;
-            let closed_in = self.closed_in(&entry, &way, (&sweep, next.next_rad), &mut failed);
+            let closed_in = self
+                .returning(&entry, &way, (&sweep, best))
+                .unwrap_or_else(|| {
+                    self.closed_in(&entry, &way, (&sweep, next.next_rad), &mut failed)
+                });
             let left_rad = if let Closed::Later(from_rad) = closed_in {
                 from_rad
             } else {
@@ -160,9 +164,7 @@ impl Search<'_> {
         failed: &mut Option<RuledOut>,
     ) -> Closed {
         let scene = self.scene;
-        let is_steady = |hazard: &Hazard| hazard.window_s == ALWAYS;
-        // What may happen at some times only makes margins that jump.
-        if !scene.hazards.rows().iter().all(is_steady) {
+        if !self.is_steady() {
             return Closed::Open(sweep.from_rad);
         }
         let near_m = NEAR * scene.turn_radius_m();
@@ -194,7 +196,7 @@ impl Search<'_> {
             if lacks_m <= 0.0 {
                 best = Some(leave);
                 if turn_rad <= least_rad {
-                    let leave = self.ahead(entry, sweep, &leave).unwrap_or(leave);
+                    let leave = self.nearer(entry, way, (sweep, leave));
                     let left_s = certificate.at_s - entry.wait_s();
                     return Closed::At(self.less_climb(entry, sweep, (leave, left_s)));
                 }
@@ -222,7 +224,7 @@ impl Search<'_> {
                 }
             }
             let here = (turn_rad, leave.margin_m);
-            let usual = USUAL * scene.flyer.airspeed_mps() * left_s.max(LEAST_LEVER_S);
+            let usual = self.usual_m(left_s);
             let step_rad = match (before, secant(before, here)) {
                 // A little more of a turn only brings it closer.
                 (Some(_), None) if best.is_none() => LONGEST_STEP_RAD,
@@ -250,15 +252,69 @@ impl Search<'_> {
         best.map_or(Closed::Open(fails_rad), Closed::At)
     }
 
-    /// The turn onto the original course in place of a smaller one that is as good, if it does: it costs less.
-    fn ahead(&mut self, entry: &Entry, sweep: &Sweep, least: &Leave) -> Option<Leave> {
-        let sign = sweep.side.sign();
-        let ahead_rad = sign * (self.scene.original.0 - entry.from.course_rad);
-        if ahead_rad <= sign * least.turn_rad || ahead_rad > sweep.max_turn_rad {
+    /// What is told of a front by the turn onto the original course, which costs least, where smaller turns may do too: it is
+    /// that one, or, once something is found, none of those before it that cost more.
+    fn returning(
+        &mut self,
+        entry: &Entry,
+        way: &Way,
+        (sweep, found): (&Sweep, Option<Found>),
+    ) -> Option<Closed> {
+        let ahead_rad = self.ahead_rad(entry, way);
+        if sweep.from_rad >= ahead_rad || ahead_rad > sweep.max_turn_rad || !self.is_steady() {
             return None;
         }
-        let (leave, _) = self.flown_at(entry, sweep, ahead_rad);
-        (leave.margin_m >= sweep.enough_m).then_some(leave)
+        if let Some((leave, left_s)) = self.does_at(entry, way, (sweep, ahead_rad)) {
+            return Some(Closed::At(self.less_climb(entry, sweep, (leave, left_s))));
+        }
+        // What is cheapest by another objective no turn tells.
+        if self.scene.objective != Objective::PaperCost {
+            return None;
+        }
+        let room_rad = (found?.cost - self.climb_cost(sweep.climb_rad)) / self.scene.costs.0;
+        let nearest_rad = sweep.from_rad.max(ahead_rad - room_rad);
+        let does = self.does_at(entry, way, (sweep, nearest_rad));
+        Some(does.map_or(Closed::Later(ahead_rad), |(leave, left_s)| {
+            let leave = self.nearer(entry, way, (sweep, leave));
+            Closed::At(self.less_climb(entry, sweep, (leave, left_s)))
+        }))
+    }
+
+    /// The turn onto the original course, radians towards the side of a way.
+    fn ahead_rad(&self, entry: &Entry, way: &Way) -> f64 {
+        way.side.sign() * (self.scene.original.0 - entry.from.course_rad)
+    }
+
+    /// A turn, if it does as far as lines tell and as it is flown, and the time from its beginning to the closest approach, seconds.
+    fn does_at(
+        &mut self,
+        entry: &Entry,
+        way: &Way,
+        (sweep, turn_rad): (&Sweep, f64),
+    ) -> Option<(Leave, f64)> {
+        self.turn_rad(entry, way, (turn_rad, turn_rad))?;
+        let (leave, certificate) = self.flown_at(entry, sweep, turn_rad);
+        let does = leave.margin_m >= sweep.enough_m;
+        does.then_some((leave, certificate.at_s - entry.wait_s()))
+    }
+
+    /// A turn that does, as near to the original course as lines and a few flights tell.
+    fn nearer(&mut self, entry: &Entry, way: &Way, (sweep, does): (&Sweep, Leave)) -> Leave {
+        let near_m = NEAR * self.scene.turn_radius_m();
+        let (mut best, mut fails_rad) = (does, self.ahead_rad(entry, way));
+        for _ in 0..LINES {
+            let does_rad = way.side.sign() * best.turn_rad;
+            let is_near = best.margin_m - sweep.enough_m <= MOST_NEAR * near_m;
+            if is_near || fails_rad - does_rad <= FINEST_RAD || self.limit_met() {
+                break;
+            }
+            let turn_rad = 0.5 * (does_rad + fails_rad);
+            match self.does_at(entry, way, (sweep, turn_rad)) {
+                Some((leave, _)) => best = leave,
+                None => fails_rad = turn_rad,
+            }
+        }
+        best
     }
 
     /// A change of climb without a turn that keeps more than the wanted margin `left_s` after it begins, with less of a climb.
@@ -376,12 +432,34 @@ impl Search<'_> {
         Some(turn_rad)
     }
 
+    /// How far turning on by a radian usually moves the aircraft away from a hazard until some time after it, metres: its course
+    /// follows with the bank.
+    fn usual_m(&self, left_s: f64) -> f64 {
+        let flyer = self.scene.flyer;
+        let lag_s = flyer.bank_time_constant_s();
+        let lags_s = if lag_s > 0.0 && left_s > 0.0 {
+            lag_s * (1.0 - libm::exp(-left_s / lag_s))
+        } else {
+            0.0
+        };
+        USUAL * flyer.airspeed_mps() * (left_s - lags_s).max(LEAST_LEVER_S)
+    }
+
+    /// Whether no hazard is there at some times only, which makes margins that jump.
+    fn is_steady(&self) -> bool {
+        let is_steady = |hazard: &Hazard| hazard.window_s == ALWAYS;
+        self.scene.hazards.rows().iter().all(is_steady)
+    }
+
+    fn climb_cost(&self, climb_rad: f64) -> f64 {
+        self.scene.costs.1 * (climb_rad - self.scene.original.1).abs()
+    }
+
     /// The largest turn that costs less than `most`, and a step more: its last part may be taken back again.
     fn room_rad(&self, from: &MotionState, (climb_rad, side): (f64, Side), most: f64) -> f64 {
         let scene = &self.scene;
         let room = if scene.costs.0 > 0.0 && scene.objective == Objective::PaperCost {
-            let climb_cost = scene.costs.1 * (climb_rad - scene.original.1).abs();
-            (most - climb_cost) / scene.costs.0
+            (most - self.climb_cost(climb_rad)) / scene.costs.0
         } else {
             MAX_TURN_RAD
         };
