@@ -36,6 +36,18 @@ pub struct Node {
 }
 
 impl Node {
+    /// The node from which the aircraft flies straight on.
+    const fn straight(state: MotionState) -> Self {
+        Self {
+            state,
+            course_rate_radps: 0.0,
+            course_growth_radps2: 0.0,
+            course_curve_radps3: 0.0,
+            climb_rate_radps: 0.0,
+            acceleration_mps2: 0.0,
+        }
+    }
+
     /// The piece of flight from here to the next node.
     pub(crate) const fn piece(&self) -> Piece {
         Piece {
@@ -144,7 +156,7 @@ pub(crate) fn for_each_piece(
 }
 
 /// The same while `visit` is true.
-fn while_flown(
+pub(crate) fn while_flown(
     flyer: &Flyer,
     start: &MotionState,
     maneuver: &Maneuver,
@@ -206,16 +218,8 @@ impl FlightPath {
         reason = "no allocation: the caller says where it lies"
     )]
     pub const fn new() -> Self {
-        let node = Node {
-            state: MotionState::ahead(0.0),
-            course_rate_radps: 0.0,
-            course_growth_radps2: 0.0,
-            course_curve_radps3: 0.0,
-            climb_rate_radps: 0.0,
-            acceleration_mps2: 0.0,
-        };
         Self {
-            nodes: [node; MAX_NODES],
+            nodes: [Node::straight(MotionState::ahead(0.0)); MAX_NODES],
             len: 0,
             end_velocity_mps: Vec3::ZERO,
             complete: false,
@@ -255,14 +259,7 @@ impl FlightPath {
     /// Ends the path at a state from which the aircraft flies straight on.
     pub(crate) fn finish(&mut self, flyer: &Flyer, state: &MotionState) {
         self.end_velocity_mps = flyer.velocity_mps(state);
-        self.complete = self.push(Node {
-            state: *state,
-            course_rate_radps: 0.0,
-            course_growth_radps2: 0.0,
-            course_curve_radps3: 0.0,
-            climb_rate_radps: 0.0,
-            acceleration_mps2: 0.0,
-        });
+        self.complete = self.push(Node::straight(*state));
     }
 
     pub(crate) fn push(&mut self, node: Node) -> bool {
@@ -286,21 +283,14 @@ impl FlightPath {
         duration_s: f64,
         meter: &Meter,
     ) -> Option<MotionState> {
-        let acceleration = flyer.acceleration_mps2(piece);
+        let mut node = Node::on(flyer, from, piece, 0.0);
+        let acceleration = node.acceleration_mps2;
         let count = chords(acceleration, duration_s, MAX_NODES + 1);
         let work = count.min(MAX_NODES - self.len) * flyer.node_work();
         if !meter.take(work) {
             return None;
         }
         self.remainder_m += piece.remainder_m;
-        let mut node = Node {
-            state: *from,
-            course_rate_radps: piece.course_rate_radps,
-            course_growth_radps2: piece.course_growth_radps2,
-            course_curve_radps3: piece.course_curve_radps3,
-            climb_rate_radps: piece.climb_rate_radps,
-            acceleration_mps2: acceleration,
-        };
         if count == 1 {
             return self
                 .push(node)

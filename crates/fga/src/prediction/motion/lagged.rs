@@ -49,7 +49,7 @@ const SHORTEST: f64 = 0.02;
 /// The pieces of a common roll.
 ///
 /// The bank follows its command exponentially, so a roll that begins at a bank in between is the rest of this one.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Rolls {
     /// How far their banks at the beginning are from the command, radians.
     off_rad: [f64; KEPT_ROLLS],
@@ -58,14 +58,8 @@ pub(super) struct Rolls {
 }
 
 impl Rolls {
-    pub(super) const NONE: Self = Self {
-        off_rad: [0.0; KEPT_ROLLS],
-        pieces: [Roll::NONE; KEPT_ROLLS],
-        len: 0,
-    };
-
     fn new(from_rad: f64, to_rad: f64, pace: f64) -> Self {
-        let mut kept = Self::NONE;
+        let mut kept = Self::default();
         let mut bank_rad = from_rad;
         for (slot, off_rad) in kept.pieces.iter_mut().zip(&mut kept.off_rad) {
             if bank_rad == to_rad {
