@@ -30,35 +30,29 @@ pub(super) struct Shot {
 impl Shot {
     pub(super) fn maneuver(&self, start_s: f64) -> Maneuver {
         let mut maneuver = Maneuver::hold();
-        let mut push = |at_s: f64| {
-            let turned = at_s >= self.turn_at_s;
-            let levelled = at_s >= self.level_at_s;
+        let (turn_s, level_s) = (self.turn_at_s, self.level_at_s);
+        let mut before_s = f64::NEG_INFINITY;
+        for at_s in [start_s, turn_s.min(level_s), turn_s.max(level_s)] {
+            if at_s <= before_s {
+                continue;
+            }
+            let course_rad = if at_s < turn_s {
+                self.intercept_course
+            } else {
+                self.course
+            };
+            let climb_rad = if at_s < level_s {
+                self.climb
+            } else {
+                self.final_climb
+            };
             maneuver.push(Stage {
                 start_s: at_s,
-                course_rad: if turned {
-                    self.course
-                } else {
-                    self.intercept_course
-                },
-                climb_rad: if levelled {
-                    self.final_climb
-                } else {
-                    self.climb
-                },
+                course_rad,
+                climb_rad,
                 rate_share: 1.0,
             });
-        };
-        push(start_s);
-        let (first, second) = if self.turn_at_s <= self.level_at_s {
-            (self.turn_at_s, self.level_at_s)
-        } else {
-            (self.level_at_s, self.turn_at_s)
-        };
-        if first > start_s {
-            push(first);
-        }
-        if second > first {
-            push(second);
+            before_s = at_s;
         }
         maneuver
     }
@@ -125,21 +119,21 @@ pub(super) fn with_turns<T>(
     let kept = banks_rad.map(|bank_rad| flyer.bend_from(bank_rad));
     let is_kept = kept.iter().all(Option::is_some);
     let work = if is_kept { SETUP } else { SETUP + 2 * BEND };
-    let made = [const { OnceCell::new() }; 2];
-    if !meter.take(work) {
-        // Without work left there are none.
-        for bend in &made {
-            let _ = bend.set(None);
-        }
-    }
-    look(&Turns {
+    let turns = Turns {
         flyer,
         kept,
-        made,
+        made: [OnceCell::new(), OnceCell::new()],
         banks_rad,
         level: flyer.bend_from(0.0),
         rolls_out_rad: flyer.rollout_rad(bank_rad),
-    })
+    };
+    if !meter.take(work) {
+        // Without work left there are none.
+        for bend in &turns.made {
+            let _ = bend.set(None);
+        }
+    }
+    look(&turns)
 }
 
 impl Turns<'_> {
