@@ -98,6 +98,23 @@ impl Avoider {
             None if since_s < 1.5 * self.settings.decision_period_s => 0.0,
             None => f64::INFINITY,
         };
+        self.predict(&plan.remaining(situation.time_s), now);
+        let basis = self.lasting(plan, situation, now, strayed_m);
+        if let Some(plan) = self.plan.as_mut().filter(|_| basis.is_some()) {
+            plan.basis = basis;
+        }
+        basis.is_some()
+    }
+
+    /// The assumptions with which the rest of a plan, predicted last, is certified from now on among obstacles that do not turn;
+    /// since its decision the aircraft has strayed by some metres.
+    pub(super) fn lasting(
+        &self,
+        plan: &Plan,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        strayed_m: f64,
+    ) -> Option<Basis> {
         let share = if plan.target_m < self.wanted_m {
             KEEP_SHARE_OF_LESS
         } else {
@@ -105,24 +122,20 @@ impl Avoider {
         };
         let keep_m = share * plan.target_m;
         let most_m = keep_m + SPARE_SHARE * plan.target_m;
-        let remaining = plan.remaining(situation.time_s);
-        let margin_m = self.margin_of(&remaining, now, (keep_m, most_m));
-        let holds = margin_m >= keep_m;
+        let margin_m = self.certificate_of_path((keep_m, most_m)).proven_m();
         let (hazards, ahead_s) = (self.tracks.hazards(), (self.look_s, 2.0 * self.look_s));
-        let lasts_s = if holds && keeps_on(&self.path, hazards, ahead_s, margin_m, &self.meter) {
-            self.look_s
-        } else {
-            RENEWED_AFTER_S
-        };
-        if holds {
-            let mut basis = self.basis(plan, situation, now, (margin_m, lasts_s));
-            (basis.spare_m, basis.strayed_m) = (margin_m.min(most_m) - keep_m, strayed_m);
-            self.plan = self.plan.map(|plan| Plan {
-                basis: Some(basis),
-                ..plan
-            });
-        }
-        holds
+        (margin_m >= keep_m && !self.tracks.has_aircraft()).then(|| {
+            let lasts_s = if keeps_on(&self.path, hazards, ahead_s, margin_m, &self.meter) {
+                self.look_s
+            } else {
+                RENEWED_AFTER_S
+            };
+            Basis {
+                spare_m: margin_m.min(most_m) - keep_m,
+                strayed_m,
+                ..self.basis(plan, situation, now, (margin_m, lasts_s))
+            }
+        })
     }
 
     /// The assumptions of a plan's margin, if aircraft and obstacles move as they were expected to when it was found.

@@ -224,7 +224,7 @@ impl Avoider {
             let mission = &situation.mission;
             progress.round_corners(mission, flyer, horizon_s, &mut maneuver, bend)
         });
-        let back = Plan {
+        let mut back = Plan {
             maneuver,
             decided_s: situation.time_s,
             start_s: situation.time_s,
@@ -243,7 +243,9 @@ impl Avoider {
             WayAhead::Blocked(short_m) => Some(Err(short_m)),
             WayAhead::Clear => {
                 let margin_m = self.certificate_of_path((f64::MIN, ENOUGH_M)).proven_m();
-                Some(Ok(Plan { margin_m, ..back }))
+                back.margin_m = margin_m;
+                back.basis = self.lasting(&back, situation, now, 0.0);
+                Some(Ok(back))
             }
             WayAhead::NextEncounter => {
                 let back = self.way_back_and_on(&back, joined.joined_s, now);
