@@ -13,5 +13,5 @@ mod roll;
 pub(crate) use bend::{Bend, Exit};
 pub(crate) use motion::{ArcSteps, Piece};
 pub use motion::{Flyer, MotionState, Target};
-pub(crate) use path::{CHORD_BOW_M, chords, flown, for_each_piece, whole};
+pub(crate) use path::{CHORD_BOW_M, chords, flown, for_each_piece, while_flown, whole};
 pub use path::{FlightPath, MAX_NODES, Node};

@@ -9,7 +9,7 @@ use crate::meter::Meter;
 use crate::mission::aim::{Shot, Turns, with_turns};
 use crate::mission::leg::Leg;
 use crate::mission::way::Way;
-use crate::prediction::{Flyer, MotionState, flown};
+use crate::prediction::{Flyer, MotionState, while_flown};
 
 /// Largest cross-track and height error on the leg, metres.
 pub(super) const ON_LEG_M: f64 = 0.05;
@@ -99,9 +99,22 @@ pub(crate) fn join(
 ) -> Join {
     let aim = |turns: &Turns<'_>| turns.aim(leg, state, limits).0;
     let mut shot = with_turns(flyer, state, meter, aim);
-    let fly = |shot: &Shot| {
+    // The last piece of the same flight before the next command begins here.
+    let mut same = (None, *state);
+    let mut fly = |shot: &Shot| {
         let maneuver = shot.maneuver(state.time_s);
-        let end = flown(flyer, state, &maneuver, f64::INFINITY, meter);
+        let stages = maneuver.stages();
+        let next_s = stages.get(1).map_or(f64::INFINITY, |next| next.start_s);
+        if same.0 != stages.first().copied() || same.1.time_s >= next_s {
+            same = (stages.first().copied(), *state);
+        }
+        let from = same.1;
+        let end = while_flown(flyer, &from, &maneuver, f64::INFINITY, |at, _, _| {
+            if at.time_s < next_s {
+                same.1 = *at;
+            }
+            meter.take(flyer.piece_work())
+        });
         (maneuver, end, leg.position(end.position_m, end.time_s))
     };
     let (mut maneuver, mut end, mut at) = fly(&shot);
@@ -164,6 +177,7 @@ pub(super) fn join_roughly(
 mod tests {
     use super::*;
     use crate::Vec3;
+    use crate::prediction::flown;
     use crate::vehicle::Vehicle;
     use proptest::prelude::*;
 
@@ -181,6 +195,8 @@ mod tests {
                 Just((0.0, 0.0)),
                 (-40.0..40.0f64, -0.2..0.2f64),
             ],
+            // Where more is allowed than the aircraft can climb, its height is off, and corrected.
+            steeper in prop_oneof![Just(1.0), Just(1.5)],
         ) {
             let vehicle = Vehicle::lagged(lag_s);
             let flyer = Flyer::new(&vehicle);
@@ -193,10 +209,8 @@ mod tests {
             };
             let wind_mps = Vec3::new(0.0, wind_mps, 0.0);
             let leg = Leg::endless(Vec3::ZERO, 0.0, vehicle.airspeed_mps, wind_mps);
-            let limits = JoinLimits {
-                intercept_rad,
-                climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
-            };
+            let climb_limits_rad = (vehicle.climb_min_rad * steeper, vehicle.climb_max_rad * steeper);
+            let limits = JoinLimits { intercept_rad, climb_limits_rad };
             let meter = Meter::unlimited();
             let told = join(&flyer, &leg, &state, &limits, &meter);
             let end = flown(&flyer, &state, &told.maneuver, f64::INFINITY, &meter);
