@@ -16,7 +16,8 @@ use crate::mission::leg::Leg;
 use crate::prediction::{Bend, Exit, Flyer, MotionState};
 
 /// The two channels of a join before their moments are corrected.
-pub(super) struct Shot {
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Shot {
     /// From this intercept angle on it is the same, radians; infinite where a larger one changes it.
     pub same_from_rad: f64,
     pub intercept_course: f64,
@@ -28,7 +29,7 @@ pub(super) struct Shot {
 }
 
 impl Shot {
-    pub(super) fn maneuver(&self, start_s: f64) -> Maneuver {
+    pub(crate) fn maneuver(&self, start_s: f64) -> Maneuver {
         let mut maneuver = Maneuver::hold();
         let (turn_s, level_s) = (self.turn_at_s, self.level_at_s);
         let mut before_s = f64::NEG_INFINITY;
@@ -36,16 +37,10 @@ impl Shot {
             if at_s <= before_s {
                 continue;
             }
-            let course_rad = if at_s < turn_s {
-                self.intercept_course
-            } else {
-                self.course
-            };
-            let climb_rad = if at_s < level_s {
-                self.climb
-            } else {
-                self.final_climb
-            };
+            let turns = (turn_s, self.intercept_course, self.course);
+            let levels = (level_s, self.climb, self.final_climb);
+            let [course_rad, climb_rad] = [turns, levels]
+                .map(|(from_s, before, after)| if at_s < from_s { before } else { after });
             maneuver.push(Stage {
                 start_s: at_s,
                 course_rad,

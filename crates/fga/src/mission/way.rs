@@ -30,14 +30,14 @@ pub(crate) struct Place {
 pub(crate) struct Way {
     places: [Place; PLACES],
     len: usize,
-    /// From this intercept angle on it is the same, radians; infinite where a larger one changes it.
-    pub same_from_rad: f64,
+    /// The join.
+    pub shot: Shot,
 }
 
 impl Way {
     /// Begins anew at a state.
-    fn begin(&mut self, state: &MotionState, same_from_rad: f64) {
-        (self.len, self.same_from_rad) = (0, same_from_rad);
+    fn begin(&mut self, state: &MotionState, shot: &Shot) {
+        (self.len, self.shot) = (0, *shot);
         self.push(Place {
             at_m: state.position_m,
             at_s: state.time_s,
@@ -86,7 +86,7 @@ impl Turns<'_> {
         state: &MotionState,
         (shot, [first, second]): &(Shot, [Turning; 2]),
     ) {
-        way.begin(state, shot.same_from_rad);
+        way.begin(state, shot);
         let mut walk = Walk::new(way, self.flyer, state, shot);
         walk.turn(first, self.bend(first.side));
         walk.on(first, shot.turn_at_s - state.time_s);

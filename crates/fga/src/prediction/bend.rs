@@ -138,11 +138,8 @@ impl Bend {
             len: 1 + rest.len(),
             ..*self
         };
-        for (slot, end) in bend
-            .nodes
-            .iter_mut()
-            .zip(core::iter::once(first).chain(ends))
-        {
+        let ends = core::iter::once(first).chain(ends);
+        for (slot, end) in bend.nodes.iter_mut().zip(ends) {
             *slot = end;
         }
         Some(bend)

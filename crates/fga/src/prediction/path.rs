@@ -50,16 +50,11 @@ impl Node {
 
     /// The piece of flight from here to the next node.
     pub(crate) const fn piece(&self) -> Piece {
+        let (turning, climbing) = (self.course_rate_radps, self.climb_rate_radps);
         Piece {
-            duration_s: f64::INFINITY,
-            course_rate_radps: self.course_rate_radps,
             course_growth_radps2: self.course_growth_radps2,
             course_curve_radps3: self.course_curve_radps3,
-            climb_rate_radps: self.climb_rate_radps,
-            bank_command_rad: self.state.bank_rad,
-            bank_end_rad: self.state.bank_rad,
-            fastest_radps: 0.0,
-            remainder_m: 0.0,
+            ..Piece::steady(f64::INFINITY, turning, climbing, self.state.bank_rad)
         }
     }
 

@@ -88,6 +88,18 @@ impl Avoider {
         })
     }
 
+    /// By how many metres a way back comes too close to an obstacle that it passes under its first command, flown as it is;
+    /// `None` where it does not. Most ways that lead to an obstacle do so there.
+    pub(super) fn begins_too_close_m(&mut self, way: &Way, now: &MotionState) -> Option<f64> {
+        let maneuver = way.shot.maneuver(now.time_s);
+        self.look_s = maneuver.stages().get(1)?.start_s;
+        self.predict(&maneuver, now);
+        let closest = self.certificate_of_path((f64::MIN, self.target_m));
+        let passes = !self.meter.is_met() && closest.at_s < self.look_s;
+        self.look_s = self.settings.horizon_s;
+        (passes && closest.margin_m < self.target_m).then_some(self.target_m - closest.margin_m)
+    }
+
     /// A way that is not flown leads hardly farther than this from where it seems to, metres.
     pub(super) fn roughly_m(&self) -> f64 {
         let [ideal, lagged] = ROUGHLY;

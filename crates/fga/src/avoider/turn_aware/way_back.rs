@@ -93,7 +93,7 @@ fn turn_to_look(cycle: u32) -> (usize, usize) {
 /// lead onto a leg before it, if there is one after the present one.
 const fn same_from_rad(way: &Way, index: usize, present: usize) -> f64 {
     if index == present {
-        way.same_from_rad
+        way.shot.same_from_rad
     } else {
         f64::INFINITY
     }
@@ -279,14 +279,16 @@ impl Avoider {
         plan: &Plan,
         (situation, now): (&Situation<'_>, &MotionState),
     ) -> bool {
-        let into_m = seen
-            .and_then(|(way, index)| self.leads_to_obstacle(way, index, plan, (situation, now)));
-        if let Some(into_m) = into_m {
-            let short_m = into_m + self.roughly_m();
+        let short_m = seen.and_then(|(way, index)| {
+            let into_m = self.leads_to_obstacle(way, index, plan, (situation, now));
+            let short_m = into_m.map(|into_m| into_m + self.roughly_m());
+            short_m.or_else(|| self.begins_too_close_m(way, now))
+        });
+        if let Some(short_m) = short_m {
             self.refusals
                 .refuse(places, plan, (situation.time_s, short_m));
         }
-        into_m.is_some()
+        short_m.is_some()
     }
 
     /// Remembers a chosen way back and goes on to its leg.
@@ -533,7 +535,7 @@ mod tests {
     use super::*;
     use crate::Vec3;
     use crate::avoider::Settings;
-    use crate::situation::{Obstacles, Ownship};
+    use crate::situation::{Obstacle, Obstacles, Ownship, ProtectedVolume};
     use crate::vehicle::Vehicle;
 
     const WAYPOINTS_M: [Vec3; 3] = [
@@ -542,8 +544,16 @@ mod tests {
         Vec3::new(300.0, 900.0, 0.0),
     ];
 
-    /// Aircraft at places beside the first leg of a mission with two, on their way.
-    fn on_their_way(mut look: impl FnMut(Avoider, &Mission<'_>, &MotionState)) {
+    /// Aircraft at places beside the first leg of a mission with two, on their way alone.
+    fn on_their_way(look: impl FnMut(Avoider, &Mission<'_>, &MotionState)) {
+        on_their_way_near(None, look);
+    }
+
+    /// The same with an obstacle at rest at a place seen from each, metres.
+    fn on_their_way_near(
+        aside_m: Option<Vec3>,
+        mut look: impl FnMut(Avoider, &Mission<'_>, &MotionState),
+    ) {
         let mission = Mission::new(&WAYPOINTS_M);
         for lag_s in [0.0, 0.6] {
             for case in 0..200_u32 {
@@ -557,10 +567,14 @@ mod tests {
                     climb_rad: 0.0,
                     bank_rad: 0.0,
                 };
+                let volume = ProtectedVolume::Sphere { radius_m: 20.0 };
+                let obstacle = aside_m.map(|aside_m| {
+                    Obstacle::new(1, ownship.position_m + aside_m, Vec3::ZERO, volume)
+                });
                 avoider.step(&Situation {
                     time_s: 0.0,
                     ownship,
-                    obstacles: Obstacles::Rows(&[]),
+                    obstacles: Obstacles::Rows(obstacle.as_slice()),
                     mission,
                     wind_mps: Vec3::ZERO,
                 });
@@ -587,6 +601,32 @@ mod tests {
             assert_eq!(way.end(), same.end(), "{state:?}");
         });
         assert!(others > 10, "{others} ways of another angle than the first");
+    }
+
+    /// A way back that is said to begin too close comes at least as close over its whole flight; and many do.
+    #[test]
+    fn a_way_back_begins_no_closer_than_it_flies() {
+        let mut close = 0;
+        for aside_m in [Vec3::new(30.0, 12.0, 0.0), Vec3::new(-10.0, -40.0, 0.0)] {
+            on_their_way_near(Some(aside_m), |mut avoider, mission, state| {
+                let mut way = Way::default();
+                avoider.nearest_way_back(mission, state, 1, &INTERCEPTS_RAD, &mut way);
+                let Some(short_m) = avoider.begins_too_close_m(&way, state) else {
+                    return;
+                };
+                close += 1;
+                let maneuver = way.shot.maneuver(state.time_s);
+                let limits_m = (f64::MIN, avoider.target_m);
+                let margin_m = avoider.margin_of(&maneuver, state, limits_m);
+                assert!(short_m > 0.0, "{short_m} m too close: {state:?}");
+                let whole_m = avoider.target_m - margin_m;
+                assert!(
+                    short_m < whole_m + 0.05,
+                    "{short_m} m of {whole_m}: {state:?}"
+                );
+            });
+        }
+        assert!(close > 50, "{close} ways begin too close");
     }
 
     /// No way back departs less than every one must, whether it leads onto the leg or onto the next one.
