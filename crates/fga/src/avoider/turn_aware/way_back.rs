@@ -164,7 +164,6 @@ impl Avoider {
         if detour.is_none() && (is_late || self.is_refused(&places, seen, plan, (situation, now))) {
             return None;
         }
-        self.keep_rolls(now);
         let limits = JoinLimits {
             intercept_rad: nearest.map_or(intercept_rad, |(nearest_rad, ..)| nearest_rad),
             climb_limits_rad: self.climb_limits_rad(),
