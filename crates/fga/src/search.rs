@@ -191,6 +191,8 @@ pub struct Search<'a> {
     meter: Meter,
     /// Whether the reserve of work for the answer is in use.
     answering: bool,
+    /// When what is certified is no longer improved, in units of work done.
+    improves_until: u32,
     /// The hazard that decided last: checked first, because it decides most often again.
     culprit: usize,
     /// Whether sweeps look roll-outs up instead of flying them.
@@ -223,6 +225,7 @@ impl<'a> Search<'a> {
             grids: 0,
             meter,
             answering: false,
+            improves_until: u32::MAX,
             culprit: 0,
             is_rough: false,
             coarse_rad: 0.0,

@@ -20,6 +20,9 @@ const LONGEST_PASS_S: f64 = 60.0;
 /// Conflicts of which one unit of work tells when they have passed.
 const PASSED: usize = 4;
 
+/// What is certified is improved for at most one part in this many of what is left of the limit.
+const IMPROVES: u32 = 8;
+
 /// A start that may be better by no more than this is not looked at: a share, and turn radii.
 const CLOSE: (f64, f64) = (0.02, 0.02);
 
@@ -136,12 +139,16 @@ impl Search<'_> {
                 prospect.departure_m = self.departs_m(&mut prospect.fronts);
             }
         }
+        self.improves_until = (self.meter.done()).saturating_add(self.meter.left() / IMPROVES);
         let mut best: [Option<(f64, Found)>; 2] = [None; 2];
         let slack_m = CLOSE.1 * self.scene.turn_radius_m();
         let enough_m = |departure_m: f64| departure_m + CLOSE.0 * departure_m.abs() + slack_m;
         let mut passed_over = cut as usize;
         while let Some((place, next_m)) = next_of(&prospects, passed_over) {
             passed_over = 0;
+            if best.iter().any(Option::is_some) && self.is_good_enough() {
+                break;
+            }
             let Some(prospect) = prospects.get_mut(place) else {
                 break;
             };
@@ -180,6 +187,11 @@ impl Search<'_> {
             [left, right]
         };
         ordered.map(|best| best.map(|(_, found)| found))
+    }
+
+    /// Whether what is certified is no longer improved.
+    pub(super) const fn is_good_enough(&self) -> bool {
+        self.meter.done() >= self.improves_until
     }
 
     /// About how far the cheapest turn of a front departs, metres; infinite where there is none.
