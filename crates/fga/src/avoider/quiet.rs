@@ -8,8 +8,8 @@ use crate::Vec3;
 use crate::situation::Obstacle;
 use crate::situation::{Columns, Obstacles};
 
-/// Obstacles tested before the first look at the result.
-const BLOCK: usize = 512;
+/// Obstacles of a block: half a page of each column, and at most 64 groups, a bit each.
+const BLOCK: usize = 256;
 
 /// Obstacles whose distances are tested before their lines are.
 const IN_RANGE_BLOCK: usize = 64;
@@ -106,15 +106,17 @@ impl LineAhead {
             places: [0; NEAR],
             count: 0,
         };
-        let mut from = 0;
-        while from < count {
-            let to = (from + block).min(count);
+        let mut reach = [0.0; BLOCK];
+        let mut to = 0;
+        while to < count {
+            // At least a group, with some of the last block again.
+            let from = to.min(count.saturating_sub(LANES));
+            to = (from + block).min(count);
             if (unlimited || self.any_in_range(columns, from, to))
-                && self.may_meet_any(columns, (from, to), &mut near)
+                && self.may_meet_any(columns, (from, to), &mut reach, &mut near)
             {
                 return false;
             }
-            from = to;
         }
         !self.may_meet_any_of(columns, &mut near)
     }
@@ -133,54 +135,44 @@ impl LineAhead {
     }
 
     /// Tests a block in the plane. What may be met there is added to `near`, and tested in space once that is full.
-    fn may_meet_any(&self, columns: &Columns<'_>, range: (usize, usize), near: &mut Near) -> bool {
-        if columns.half_height_m.is_none() && columns.uncertainty.is_none() {
-            let radius = part(columns.radius_m, range);
-            return self.may_meet_any_within(columns, range, radius, near);
-        }
-        let mut reach = [0.0; BLOCK];
-        self.add_reach(columns, range, &mut reach);
-        self.may_meet_any_within(columns, range, &reach, near)
-    }
-
-    /// `reach` is without the margin.
-    fn may_meet_any_within(
+    ///
+    /// The reaches are drawn up first, in `reach`: processors fetch from memory sooner where fewer columns are read side by side.
+    fn may_meet_any(
         &self,
         columns: &Columns<'_>,
         range: (usize, usize),
-        reach: &[f64],
+        reach: &mut [f64; BLOCK],
         near: &mut Near,
     ) -> bool {
-        let (mut firsts, mut count) = ([0; BLOCK / LANES + 1], 0);
-        let mut add = |first| {
-            if let Some(place) = firsts.get_mut(count) {
-                *place = first;
-                count += 1;
-            }
-        };
-        let (x, rest) = part(columns.x_m, range).as_chunks();
-        let (y, _) = part(columns.y_m, range).as_chunks();
-        let (vx, _) = part(columns.vx_mps, range).as_chunks();
-        let (vy, _) = part(columns.vy_mps, range).as_chunks();
-        let groups = x.iter().zip(y).zip(vx).zip(vy).zip(reach.as_chunks().0);
-        for (group, ((((x, y), vx), vy), reach)) in groups.enumerate() {
-            if self.may_pass_near([x, y, vx, vy, reach]) {
-                add(range.0 + group * LANES);
-            }
+        self.reach_from(self.margin_m + ROUNDING_M, columns, range, reach);
+        let block = [columns.x_m, columns.y_m, columns.vx_mps, columns.vy_mps];
+        let [x, y, vx, vy] = block.map(|column| part(column, range));
+        let groups = x.as_chunks().0.iter().zip(y.as_chunks().0);
+        let groups = groups.zip(vx.as_chunks().0).zip(vy.as_chunks().0);
+        // One bit for each group; the rest is one more, with some of the last again.
+        let mut found = u64::from(x.len() % LANES != 0) << (x.len() / LANES);
+        for (group, ((((x, y), vx), vy), reach)) in groups.zip(reach.as_chunks().0).enumerate() {
+            found |= u64::from(self.may_pass_near([x, y, vx, vy, reach])) << group;
         }
-        // The rest, with some of the last group again.
-        if !rest.is_empty() {
-            add(range.1.saturating_sub(LANES));
-        }
-        for first in firsts.iter().take(count) {
-            let mut lanes = self.may_meet_in_plane(columns, (*first, range.1.min(first + LANES)));
+        while found != 0 {
+            let first = LANES * found.trailing_zeros() as usize;
+            let first = first.min(x.len().saturating_sub(LANES));
+            let group = [x, y, vx, vy, reach].map(|column| column.get(first..)?.first_chunk());
+            let mut lanes = match group {
+                [Some(x), Some(y), Some(vx), Some(vy), Some(reach)] => {
+                    self.may_meet_in_plane([x, y, vx, vy, reach])
+                }
+                // Fewer than a group: all of them.
+                _ => (1 << x.len()) - 1,
+            };
             while lanes != 0 {
-                let is_full = near.add(first + lanes.trailing_zeros() as usize);
+                let is_full = near.add(range.0 + first + lanes.trailing_zeros() as usize);
                 if is_full && self.may_meet_any_of(columns, near) {
                     return true;
                 }
                 lanes &= lanes - 1;
             }
+            found &= found - 1;
         }
         false
     }
@@ -193,13 +185,12 @@ impl LineAhead {
     )]
     #[inline(always)]
     fn may_pass_near(&self, [x, y, vx, vy, reach]: [&[f64; LANES]; 5]) -> bool {
-        let margin_m = self.margin_m + ROUNDING_M;
         // As wide as the numbers, for vector code.
         let mut any = 0_u64;
         for ((((x, y), vx), vy), reach) in x.iter().zip(y).zip(vx).zip(vy).zip(reach) {
             let (x, y) = (self.position_m.x - x, self.position_m.y - y);
             let (vx, vy) = (self.velocity_mps.x - vx, self.velocity_mps.y - vy);
-            let clear = square(x * vy - y * vx) > square(reach + margin_m) * (vx * vx + vy * vy);
+            let clear = square(x * vy - y * vx) > square(*reach) * (vx * vx + vy * vy);
             any |= u64::from(!clear);
         }
         any != 0
@@ -207,48 +198,46 @@ impl LineAhead {
 
     /// Which obstacles of a group may be met in the plane ahead, one bit each. The distance in space is at least that in
     /// the plane; an altitude that is not a number counts as far, for the avoider ignores such obstacles.
-    fn may_meet_in_plane(&self, columns: &Columns<'_>, range: (usize, usize)) -> u64 {
-        // Fewer than a group: all of them.
-        let few = (1 << (range.1 - range.0)) - 1;
-        let group = |column| part(column, range).first_chunk::<LANES>();
-        let (Some(x), Some(y)) = (group(columns.x_m), group(columns.y_m)) else {
-            return few;
-        };
-        let (Some(vx), Some(vy)) = (group(columns.vx_mps), group(columns.vy_mps)) else {
-            return few;
-        };
-        let mut reach = [self.margin_m + ROUNDING_M; LANES];
-        self.add_reach(columns, range, &mut reach);
+    fn may_meet_in_plane(&self, [x, y, vx, vy, reach]: [&[f64; LANES]; 5]) -> u64 {
         let mut lanes = 0;
         let numbers = x.iter().zip(y).zip(vx.iter().zip(vy)).zip(reach);
         for (lane, (((x, y), (vx, vy)), reach)) in numbers.enumerate() {
             let (x, y) = (x - self.position_m.x, y - self.position_m.y);
             let (vx, vy) = (self.velocity_mps.x - vx, self.velocity_mps.y - vy);
-            let meets = may_meet(x * x + y * y, x * vx + y * vy, vx * vx + vy * vy, reach);
+            let (distance, along) = (x * x + y * y, x * vx + y * vy);
+            let meets = may_meet(distance, along, vx * vx + vy * vy, *reach);
             lanes |= u64::from(meets) << lane;
         }
         lanes
     }
 
-    /// Tests collected obstacles in space, and forgets them.
+    /// Tests collected obstacles in space, and forgets them. Their altitudes are all read first: they wait for the memory at
+    /// once.
     fn may_meet_any_of(&self, columns: &Columns<'_>, near: &mut Near) -> bool {
+        let places = near.places.get(..near.count).unwrap_or(&near.places);
+        let [mut z, mut vz] = [[f64::NAN; NEAR]; 2];
+        for (column, to) in [(columns.z_m, &mut z), (columns.vz_mps, &mut vz)] {
+            for (to, place) in to.iter_mut().zip(places) {
+                *to = column.get(*place).copied().unwrap_or(f64::NAN);
+            }
+        }
         let mut meets = false;
-        for place in near.places.iter().take(near.count) {
-            meets |= self.may_meet_at(columns, *place);
+        for (place, (z, vz)) in places.iter().zip(z.iter().zip(&vz)) {
+            meets |= self.may_meet_at(columns, *place, (*z, *vz));
         }
         near.count = 0;
         meets
     }
 
     /// As [`Self::may_meet_row`], without reading more than it needs.
-    fn may_meet_at(&self, columns: &Columns<'_>, place: usize) -> bool {
+    fn may_meet_at(&self, columns: &Columns<'_>, place: usize, (z, vz): (f64, f64)) -> bool {
         let at = |column: &[f64]| column.get(place).copied().unwrap_or(f64::NAN);
-        let place_m = Vec3::new(at(columns.x_m), at(columns.y_m), at(columns.z_m));
-        let velocity_mps = Vec3::new(at(columns.vx_mps), at(columns.vy_mps), at(columns.vz_mps));
+        let place_m = Vec3::new(at(columns.x_m), at(columns.y_m), z);
+        let velocity_mps = Vec3::new(at(columns.vx_mps), at(columns.vy_mps), vz);
         let offset = place_m - self.position_m;
         let velocity = self.velocity_mps - velocity_mps;
         let mut reach = [0.0];
-        self.add_reach(columns, (place, place + 1), &mut reach);
+        self.reach_from(0.0, columns, (place, place + 1), &mut reach);
         let [reach_m] = reach;
         let distance = offset.length_squared();
         let meets = may_meet(
@@ -261,10 +250,16 @@ impl LineAhead {
         !beyond & meets
     }
 
-    /// Adds the distances at which obstacles may be met, without the margin, metres.
-    fn add_reach(&self, columns: &Columns<'_>, range: (usize, usize), reach: &mut [f64]) {
+    /// The distances at which obstacles may be met, from a margin on, metres.
+    fn reach_from(
+        &self,
+        margin_m: f64,
+        columns: &Columns<'_>,
+        range: (usize, usize),
+        reach: &mut [f64],
+    ) {
         for (reach, radius) in reach.iter_mut().zip(part(columns.radius_m, range)) {
-            *reach += radius;
+            *reach = margin_m + radius;
         }
         if let Some(half_height) = columns.half_height_m {
             for (reach, half_height) in reach.iter_mut().zip(part(half_height, range)) {
