@@ -13,8 +13,12 @@ use crate::prediction::{Bend, MotionState, whole};
 use super::line::{Climbing, Entry, Tangent, Way};
 use super::{MAX_TURN_RAD, Objective, Search};
 
-/// Most climb targets: steps of [`CLIMB_STEP_RAD`](super::CLIMB_STEP_RAD) from straight down to straight up.
-const MOST_CLIMBS: usize = 107;
+/// Most climb targets: steps of [`CLIMB_STEP_RAD`](super::CLIMB_STEP_RAD) from straight down to straight up, 107 of them, in whole
+/// vectors.
+const MOST_CLIMBS: usize = 108;
+
+/// Costs that are compared at once.
+const LANES: usize = 4;
 
 /// Fronts that one unit of work fills in.
 const FILLED: usize = 8;
@@ -101,15 +105,26 @@ impl Fronts {
         has_failed: false,
     };
 
-    /// The front that could be cheapest but for one, and its cost; infinite where none is left.
-    fn cheapest(&self, but_for: usize) -> (usize, f64) {
-        let mut least = (0, f64::INFINITY);
-        for (place, cost) in self.costs.iter().take(self.count).enumerate() {
-            if *cost < least.1 && place != but_for {
-                least = (place, *cost);
+    /// The front that could be cheapest, and its cost; infinite where none is left.
+    fn cheapest(&self) -> (usize, f64) {
+        // Four at once, in the order in which a vector holds them: there is one least cost.
+        let mut lanes = [f64::INFINITY; LANES];
+        let (fours, _) = self.costs.as_chunks::<LANES>();
+        for four in fours.iter().take(self.count.div_ceil(LANES)) {
+            for (least, cost) in lanes.iter_mut().zip(four) {
+                *least = if *cost < *least { *cost } else { *least };
             }
         }
-        least
+        let least = lanes.into_iter().fold(f64::INFINITY, f64::min);
+        let place = self.costs.iter().position(|cost| *cost == least);
+        (place.unwrap_or(0), least)
+    }
+
+    /// What the cheapest of the others than one could cost; infinite where none is left.
+    fn cost_of_others(&self, place: usize) -> f64 {
+        let others = self.costs.iter().take(self.count).enumerate();
+        let costs = others.filter_map(|(other, cost)| (other != place).then_some(*cost));
+        costs.fold(f64::INFINITY, f64::min)
     }
 
     /// The least that a turn of at least `least_rad` can cost at a climb target that costs `climb_cost`.
@@ -219,7 +234,7 @@ impl Search<'_> {
             }
             let (mut set, mut place, mut cost) = (0, 0, most);
             for (k, fronts) in sets.iter().enumerate() {
-                let (cheapest, its_cost) = fronts.cheapest(usize::MAX);
+                let (cheapest, its_cost) = fronts.cheapest();
                 if its_cost < cost {
                     (set, place, cost) = (k, cheapest, its_cost);
                 }
@@ -232,7 +247,7 @@ impl Search<'_> {
             if *fronts.is_ready.get(place)? || self.limit_met() {
                 fronts.had_ready = true;
                 let climb_cost = *self.climbs.costs.get(place)?;
-                let (_, next_cost) = fronts.cheapest(place);
+                let next_cost = fronts.cost_of_others(place);
                 return Some(Ready {
                     set,
                     way: self.way_of(fronts.side, place)?,
