@@ -5,7 +5,7 @@
 //! also has to roll out only brings it less far. Half-planes in several directions, between the least and the largest
 //! height, enclose all that it can reach; the volume is convex, so it holds all of that if it holds their corners.
 
-use core::f64::consts::{FRAC_PI_8, PI, TAU};
+use core::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_8, PI, TAU};
 
 use crate::Vec3;
 use crate::certificate::Hazard;
@@ -15,6 +15,15 @@ use super::{Scene, Search};
 
 /// Directions to a side, an eighth of π apart.
 const TO_A_SIDE: usize = 5;
+
+/// Their sines and cosines.
+const SIN_COS: [(f64, f64); TO_A_SIDE] = [
+    (0.382_683_432_365_089_8, 0.923_879_532_511_286_7),
+    (FRAC_1_SQRT_2, FRAC_1_SQRT_2),
+    (0.923_879_532_511_286_7, 0.382_683_432_365_089_8),
+    (1.0, 0.0),
+    (0.923_879_532_511_286_7, -0.382_683_432_365_089_8),
+];
 
 /// Directions to both sides, ahead and back.
 const DIRECTIONS: usize = 2 * TO_A_SIDE + 2;
@@ -76,32 +85,39 @@ impl Search<'_> {
     }
 
     fn is_within_at(&self, hazard: &Hazard, at_s: f64) -> bool {
-        let Some(farthest) = self.farthest(at_s) else {
-            return false;
-        };
         let start = &self.scene.start;
         let heights_m = self.heights_m(at_s);
         let (sin, cos) = libm::sincos(start.course_rad);
-        let next = farthest.iter().cycle().skip(1);
-        farthest.iter().zip(next).all(|(one, other)| {
-            let ((sin_one, cos_one), (sin_other, cos_other)) =
-                (libm::sincos(one.0), libm::sincos(other.0));
-            let between = cos_one * sin_other - sin_one * cos_other;
-            let ahead_m = (one.1 * sin_other - other.1 * sin_one) / between;
-            let left_m = (other.1 * cos_one - one.1 * cos_other) / between;
+        let is_inside = |ahead_m: f64, left_m: f64| {
             heights_m.iter().all(|up_m| {
-                let corner_m = Vec3::new(
+                let point_m = Vec3::new(
                     ahead_m * cos - left_m * sin,
                     ahead_m * sin + left_m * cos,
                     *up_m,
                 );
-                hazard.margin_m(start.position_m + corner_m, at_s) < -INSIDE_M
+                hazard.margin_m(start.position_m + point_m, at_s) < -INSIDE_M
             })
+        };
+        // Most fail where straight flight leads, which is within the corners unless the aircraft first has to roll out.
+        let flown_m = self.scene.flyer.airspeed_mps() * at_s;
+        if start.bank_rad == 0.0 && !is_inside(flown_m, 0.0) {
+            return false;
+        }
+        let Some(farthest) = self.farthest(at_s) else {
+            return false;
+        };
+        let next = farthest.iter().cycle().skip(1);
+        farthest.iter().zip(next).all(|(one, other)| {
+            let ((sin_one, cos_one), (sin_other, cos_other)) = (one.0, other.0);
+            let between = cos_one * sin_other - sin_one * cos_other;
+            let ahead_m = (one.1 * sin_other - other.1 * sin_one) / between;
+            let left_m = (other.1 * cos_one - one.1 * cos_other) / between;
+            is_inside(ahead_m, left_m)
         })
     }
 
-    /// Directions from the course, counterclockwise, and how far the aircraft gets in each, metres.
-    fn farthest(&self, at_s: f64) -> Option<[(f64, f64); DIRECTIONS]> {
+    /// Sines and cosines of directions from the course, counterclockwise, and how far the aircraft gets in each, metres.
+    fn farthest(&self, at_s: f64) -> Option<[((f64, f64), f64); DIRECTIONS]> {
         let Scene {
             flyer,
             start,
@@ -116,17 +132,19 @@ impl Search<'_> {
             let behind = -libm::cos((direction_rad + other_rad).min(PI));
             flown_m * (1.0 - libm::cos(steepest_rad)) * behind.max(0.0)
         };
-        let mut farthest = [(0.0, flown_m); DIRECTIONS];
+        let mut farthest = [((0.0, 1.0), flown_m); DIRECTIONS];
         let mut ahead_m = f64::INFINITY;
-        for side in [1.0, -1.0] {
-            let (to_side, end) = self.turning(side * start.bank_rad, at_s)?;
+        let left = self.turning(start.bank_rad, at_s)?;
+        let mirrored = (start.bank_rad == 0.0).then_some(left);
+        let right = mirrored.or_else(|| self.turning(-start.bank_rad, at_s))?;
+        for (side, (to_side, end)) in [(1.0, left), (-1.0, right)] {
             if end.course_rad + other_rad > MOST_TURN_RAD {
                 return None;
             }
             if side * start.bank_rad >= 0.0 {
                 ahead_m = ahead_m.min(end.position_m.x);
             }
-            for (place, most_m) in to_side.into_iter().enumerate() {
+            for (place, (most_m, (sin, cos))) in to_side.into_iter().zip(SIN_COS).enumerate() {
                 let direction_rad = (place + 1) as f64 * FRAC_PI_8;
                 let slot = if side > 0.0 {
                     TO_A_SIDE + 1 + place
@@ -134,12 +152,12 @@ impl Search<'_> {
                     TO_A_SIDE - 1 - place
                 };
                 if let Some(slot) = farthest.get_mut(slot) {
-                    *slot = (side * direction_rad, most_m + less(direction_rad));
+                    *slot = ((side * sin, cos), most_m + less(direction_rad));
                 }
             }
         }
         if let Some(back) = farthest.last_mut() {
-            *back = (PI, less(PI) - ahead_m);
+            *back = ((0.0, -1.0), less(PI) - ahead_m);
         }
         Some(farthest)
     }
@@ -153,10 +171,9 @@ impl Search<'_> {
         let longest_s = STEP_RAD / flyer.course_rate_radps();
         for _ in 0..MOST_STEPS {
             // Leaving the turn before its direction only leads farther: the last moment before it is the nearest bound.
-            for (place, most_m) in farthest_m.iter_mut().enumerate() {
+            for (place, (most_m, (sin, cos))) in farthest_m.iter_mut().zip(SIN_COS).enumerate() {
                 let direction_rad = (place + 1) as f64 * FRAC_PI_8;
                 if state.course_rad <= direction_rad {
-                    let (sin, cos) = libm::sincos(direction_rad);
                     let straight_m = flyer.airspeed_mps() * (until_s - state.time_s);
                     *most_m = state.position_m.x * cos + state.position_m.y * sin + straight_m;
                 }
@@ -298,6 +315,14 @@ mod tests {
         });
         result.unwrap();
         assert!(claims.get() > 300, "{} claims", claims.get());
+    }
+
+    #[test]
+    fn directions_are_an_eighth_of_a_half_turn_apart() {
+        for (place, (sin, cos)) in SIN_COS.into_iter().enumerate() {
+            let (true_sin, true_cos) = ((place + 1) as f64 * FRAC_PI_8).sin_cos();
+            assert!((sin - true_sin).abs().max((cos - true_cos).abs()) < 1e-15);
+        }
     }
 
     #[test]
