@@ -175,7 +175,9 @@ impl Ascent {
     /// Climbs some steps, until it is above the target, no longer rises, or meets the limit of
     /// work.
     pub(super) fn climb(&mut self, search: &mut Search<'_>, steps: u32) {
-        self.find_closest(search);
+        if self.approaches.len < search.scene.hazards.rows().len() {
+            self.find_closest(search);
+        }
         // Certified margins are a little less than these.
         let enough_m = search.scene.target_m + LEAST_GAIN_M;
         for _ in 0..steps {
