@@ -305,7 +305,7 @@ fn the_slowest_steps_that_we_know_end_within_every_limit() {
     for (number, limits) in [
         (34, &[LEAST_WORK, 50_000, 100_000, 160_000][..]),
         (0, &[LEAST_WORK, 14_000, 30_000]),
-        (6, &[20_000, 70_000]),
+        (6, &[20_000, 60_000]),
     ] {
         for limit in limits {
             let mut met = 0;

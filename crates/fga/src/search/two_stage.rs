@@ -97,6 +97,9 @@ const SINGLES: usize = 5;
 /// The same for single turns.
 const SINGLE_ROUNDS: [(usize, u32); 3] = [(CLIMBERS, 2), (3, 4), (1, 16)];
 
+/// The same where no manoeuvre keeps clear: in 3,363 such searches five climbs raised the margin by less than 0.2 m in 3,183.
+const ENCLOSED_ROUNDS: [(usize, u32); 1] = [(1, 2)];
+
 /// The effort for the largest margin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
@@ -110,9 +113,6 @@ impl Effort {
     /// A whole search.
     pub(crate) const WHOLE: Self = Self::Grids(GRIDS_A_SEARCH);
 }
-
-/// The cost of a seed, which does not matter.
-const UNKNOWN: f64 = f64::INFINITY;
 
 /// Ends of first turns with their climb targets, a row for each side and climb target.
 type Departures = [[Option<Leave>; PLACES]; KINDS_OF_ONE];
@@ -130,6 +130,21 @@ fn leave_one_of_each(climbers: &mut [Option<Ascent>; CLIMBERS]) {
         if slot.as_ref().is_some_and(meets) {
             *slot = None;
         }
+    }
+}
+
+/// The first or second turns of two from a state, with a climb angle and a side.
+const fn outward(from: MotionState, (climb_rad, side): (f64, Side), floor_m: f64) -> Sweep {
+    Sweep {
+        from,
+        first: None,
+        before_m: ENOUGH_M,
+        side,
+        climb_rad,
+        from_rad: f64::MIN,
+        max_turn_rad: MAX_FIRST_TURN_RAD,
+        floor_m,
+        enough_m: ENOUGH_M,
     }
 }
 
@@ -155,7 +170,6 @@ impl Search<'_> {
         if !self.meter.take_table::<Seeds>() {
             return None;
         }
-        let mut seeds = Seeds::new(WORTH * self.scene.turn_radius_m());
         let start = self.scene.start;
         self.coarse_rad = COARSE_RAD;
         let most = match effort {
@@ -163,6 +177,16 @@ impl Search<'_> {
             Effort::Grids(most) => most.max(1),
         };
         self.grids = most.min(1);
+        // A volume that grows with uncertainty may be too large today and not tomorrow.
+        let mut hazards = self.scene.hazards.rows().iter();
+        let is_certain = hazards.all(|hazard| hazard.growth_mps == 0.0);
+        let is_enclosed = most > 0 && is_certain && self.is_enclosed();
+        let (worth, singles, rounds) = if is_enclosed {
+            (0.0, 1, &ENCLOSED_ROUNDS[..])
+        } else {
+            (WORTH, SINGLES, &SINGLE_ROUNDS[..])
+        };
+        let mut seeds = Seeds::new(worth * self.scene.turn_radius_m());
         let has_layers = self.scene.hazards.rows().iter().any(Hazard::is_cylinder);
         if most > 0 && has_layers {
             // Few, and the only ones between layers: before the many, which may take all the work.
@@ -172,11 +196,20 @@ impl Search<'_> {
                 return Some((found, Proof::Certified));
             }
         }
-        if let Some(found) = flown.and_then(|flown| self.in_terms_of_search(flown)) {
-            seeds.take(KINDS - 1, found);
+        if let Some((turns, margin_m)) = flown.and_then(|flown| self.in_terms_of_search(flown)) {
+            seeds.take(KINDS - 1, turns, margin_m);
         }
-        self.collect_single(&start, &mut seeds);
-        self.climb(&mut seeds, SINGLES, &SINGLE_ROUNDS, &mut best);
+        let lags = !self.scene.flyer.is_ideal() && !self.limit_met();
+        let without_lag = if lags && self.meter.take_table::<Flyer>() {
+            self.scene.flyer.without_lag(&start)
+        } else {
+            None
+        };
+        let without_lag = without_lag.as_ref();
+        self.without_lag(without_lag, |search| {
+            search.collect_single(start.course_rad, &mut seeds);
+        });
+        self.climb(&mut seeds, singles, rounds, &mut best);
         let found = best?;
         if found.margin_m >= target_m {
             return Some((found, Proof::Certified));
@@ -184,28 +217,15 @@ impl Search<'_> {
         if most == 0 || self.answering {
             return Some((found, Proof::Open));
         }
-        // A volume that grows with uncertainty may be too large today and not tomorrow.
-        let is_certain = self
-            .scene
-            .hazards
-            .rows()
-            .iter()
-            .all(|h| h.growth_mps == 0.0);
-        if is_certain && (self.is_enclosed() || self.is_hopeless(&found)) {
+        if is_enclosed || is_certain && self.is_hopeless(&found, without_lag) {
             return Some((found, Proof::Hopeless));
         }
-        if !self.meter.take_table::<Flyer>() {
-            return best.map(|found| (found, Proof::Open));
-        }
-        let without_lag = self.scene.flyer.without_lag(&start);
-        let departures = self.without_lag(without_lag.as_ref(), |search| {
-            search.departures(seeds.floor_m())
-        });
+        let departures = self.without_lag(without_lag, |search| search.departures(seeds.floor_m()));
         let mut far = FAR.0;
         for more in 0..most {
             self.grids = more + 1;
             let grid = (STRIDE_OF_GRIDS * variety as usize + more as usize) % GRIDS;
-            self.without_lag(without_lag.as_ref(), |search| {
+            self.without_lag(without_lag, |search| {
                 search.collect_double(start.course_rad, &departures, grid, &mut seeds);
             });
             self.climb(&mut seeds, CLIMBERS, &ROUNDS, &mut best);
@@ -252,7 +272,7 @@ impl Search<'_> {
     ///
     /// From a lone obstacle the hardest turn and climb lead away farthest; a second turn helps
     /// only between several.
-    fn is_hopeless(&mut self, found: &Found) -> bool {
+    fn is_hopeless(&mut self, found: &Found, without_lag: Option<&(Flyer, MotionState)>) -> bool {
         let scene = self.scene;
         let departure = self.departure(found.turns.wait_s);
         let maneuver = self.maneuver(&found.turns, &departure);
@@ -268,12 +288,12 @@ impl Search<'_> {
             };
             let one = core::slice::from_ref(hazard);
             let one = certify_set(scene.flyer, self.path, one, &asked, &self.meter);
-            one.status == Status::BelowFloor && self.is_too_much(hazard)
+            one.status == Status::BelowFloor && self.is_too_much(hazard, without_lag)
         })
     }
 
     /// Whether an obstacle would be unavoidable even if it were alone.
-    fn is_too_much(&mut self, hazard: &Hazard) -> bool {
+    fn is_too_much(&mut self, hazard: &Hazard, without_lag: Option<&(Flyer, MotionState)>) -> bool {
         let scene = self.scene;
         if !self.meter.take_table::<(Hazards, Seeds)>() {
             return false;
@@ -295,7 +315,9 @@ impl Search<'_> {
         search.coarse_rad = COARSE_RAD;
         let mut seeds = Seeds::new(WORTH * scene.turn_radius_m());
         let mut farthest = None;
-        search.collect_single(&scene.start, &mut seeds);
+        search.without_lag(without_lag, |search| {
+            search.collect_single(scene.start.course_rad, &mut seeds);
+        });
         search.climb(&mut seeds, 2, &SINGLE_ROUNDS, &mut farthest);
         let (evaluated, work) = (search.evaluated, search.work());
         let is_cut = search.limit_met();
@@ -305,8 +327,8 @@ impl Search<'_> {
         !is_cut && farthest.is_some_and(|farthest| farthest.margin_m < scene.target_m - short_m)
     }
 
-    /// The present manoeuvre in the terms of the search.
-    fn in_terms_of_search(&mut self, flown: &Maneuver) -> Option<Found> {
+    /// The present manoeuvre in the terms of the search, and its margin, metres.
+    fn in_terms_of_search(&mut self, flown: &Maneuver) -> Option<(Turns, f64)> {
         let start = self.scene.start;
         let (first, second) = match flown.stages() {
             [first] => (first, None),
@@ -324,11 +346,7 @@ impl Search<'_> {
             }),
         };
         let margin_m = self.certify(&turns, &start, f64::MIN).proven_m();
-        Some(Found {
-            turns,
-            margin_m,
-            cost: UNKNOWN,
-        })
+        Some((turns, margin_m))
     }
 
     /// Climbs from the best seeds, a little from all and on from the best; ends with the round
@@ -386,37 +404,25 @@ impl Search<'_> {
         }
     }
 
-    fn collect_single(&mut self, start: &MotionState, seeds: &mut Seeds) {
+    fn collect_single(&mut self, course_rad: f64, seeds: &mut Seeds) {
         for (kind, (climb_rad, side)) in self.scene.extreme_turns().enumerate() {
             if self.limit_met() && seeds.best_m > f64::MIN {
                 return;
             }
+            let from = self.at_first_turn(climb_rad);
+            let floor_m = seeds.floor_m();
             let best = self.sweep(&Sweep {
-                from: *start,
-                first: None,
-                before_m: ENOUGH_M,
-                side,
-                climb_rad,
-                from_rad: f64::MIN,
                 max_turn_rad: MAX_TURN_RAD,
-                floor_m: seeds.floor_m(),
-                enough_m: ENOUGH_M,
+                ..outward(from, (climb_rad, side), floor_m)
             });
             if let Some(leave) = best {
                 let turns = Turns {
                     wait_s: 0.0,
-                    turn_rad: leave.turn_rad,
+                    turn_rad: from.course_rad + leave.turn_rad - course_rad,
                     climb_rad,
                     second: None,
                 };
-                seeds.take(
-                    kind,
-                    Found {
-                        turns,
-                        margin_m: leave.margin_m,
-                        cost: UNKNOWN,
-                    },
-                );
+                seeds.take(kind, turns, leave.margin_m);
             }
         }
     }
@@ -445,14 +451,7 @@ impl Search<'_> {
                 };
                 let floor_m = seeds.floor_of_m(kind);
                 let margin_m = self.certify(&turns, start, floor_m).proven_m();
-                seeds.take(
-                    kind,
-                    Found {
-                        turns,
-                        margin_m,
-                        cost: UNKNOWN,
-                    },
-                );
+                seeds.take(kind, turns, margin_m);
             }
         }
     }
@@ -460,6 +459,9 @@ impl Search<'_> {
     /// The aircraft at the start of the first turn, with the change of climb until then: only bank lag delays turns.
     fn at_first_turn(&self, climb_rad: f64) -> MotionState {
         let Scene { flyer, start, .. } = self.scene;
+        if start.time_s == 0.0 {
+            return start;
+        }
         let flown_m = flyer.velocity_mps(&start) * start.time_s;
         let began = MotionState {
             time_s: 0.0,
@@ -479,17 +481,7 @@ impl Search<'_> {
         for ((climb_rad, side), row) in self.scene.extreme_turns().zip(&mut departures) {
             let mut places = row.iter_mut();
             let mut step = 0;
-            let sweep = Sweep {
-                from: self.at_first_turn(climb_rad),
-                first: None,
-                before_m: ENOUGH_M,
-                side,
-                climb_rad,
-                from_rad: f64::MIN,
-                max_turn_rad: MAX_FIRST_TURN_RAD,
-                floor_m,
-                enough_m: ENOUGH_M,
-            };
+            let sweep = outward(self.at_first_turn(climb_rad), (climb_rad, side), floor_m);
             self.arc(&sweep, |leave| {
                 // Without a turn both sides are the same.
                 if step % STRIDE == 0
@@ -574,41 +566,78 @@ impl Search<'_> {
                 }
                 let kind = KINDS_OF_ONE + (2 * first_kind + second_kind) * BINS + bin;
                 let floor_m = seeds.floor_of_m(kind);
-                let Some(last) = self.sweep(&Sweep {
-                    from,
-                    first: None,
+                let last = self.sweep(&Sweep {
                     before_m,
-                    side,
-                    climb_rad: first_climb,
-                    from_rad: f64::MIN,
-                    max_turn_rad: MAX_FIRST_TURN_RAD,
-                    floor_m,
                     enough_m: scene.target_m,
-                }) else {
+                    ..outward(from, (first_climb, side), floor_m)
+                });
+                // Without a second turn it is a single turn.
+                let Some(last) = last.filter(|last| last.turn_rad != 0.0) else {
                     continue;
                 };
-                // So it is without a second turn.
-                if last.turn_rad == 0.0 {
-                    continue;
-                }
-                let after_s = at_s - start.time_s;
-                let second = SecondTurn {
-                    after_s,
+                let mut turns = first;
+                turns.second = Some(SecondTurn {
+                    after_s: at_s - start.time_s,
                     turn_rad: last.turn_rad,
                     climb_rad: first_climb,
-                };
-                let turns = Turns {
-                    second: Some(second),
-                    ..first
-                };
-                seeds.take(
-                    kind,
-                    Found {
-                        turns,
-                        margin_m: last.margin_m,
-                        cost: UNKNOWN,
-                    },
-                );
+                });
+                seeds.take(kind, turns, last.margin_m);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Vec3;
+    use crate::prediction::FlightPath;
+    use crate::search::Objective;
+    use crate::situation::ProtectedVolume;
+    use crate::vehicle::Vehicle;
+
+    #[test]
+    fn where_nothing_keeps_clear_little_work_finds_about_the_largest_margin() {
+        for lag_s in [0.0, 0.6] {
+            let vehicle = Vehicle::lagged(lag_s);
+            let flyer = Flyer::new(&vehicle);
+            let mut hazards = Hazards::new();
+            let place_m = Vec3::new(vehicle.airspeed_mps, 6.0, 2.0);
+            let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+            hazards.put(0, Hazard::exact(0, place_m, Vec3::ZERO, volume));
+            let other_m = Vec3::new(8.0 * vehicle.airspeed_mps, 0.0, 0.0);
+            hazards.put(1, Hazard::exact(1, other_m, Vec3::ZERO, volume));
+            let nominal = Maneuver::hold();
+            let start = MotionState::ahead(0.0);
+            let scene = Scene {
+                flyer: &flyer,
+                start,
+                nominal: &nominal,
+                original: (0.0, 0.0),
+                hazards: &hazards,
+                horizon_s: 60.0,
+                target_m: 0.05,
+                climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
+                costs: (0.2, 0.5),
+                objective: Objective::PaperCost,
+            };
+            let mut path = FlightPath::new();
+            let mut search = Search::new(scene, &mut path, u32::MAX);
+            let (found, proof) = search.best(None, Effort::WHOLE, 0).unwrap();
+            assert_eq!(proof, Proof::Hopeless);
+            let (evaluated, work) = (search.evaluated, search.work());
+            assert!(evaluated < 30 && work < 1200, "{evaluated} {work}");
+            for (climb_rad, side) in scene.extreme_turns() {
+                for k in 0..30 {
+                    let turns = Turns {
+                        wait_s: 0.0,
+                        turn_rad: side.sign() * 0.1 * f64::from(k),
+                        climb_rad,
+                        second: None,
+                    };
+                    let margin_m = search.certify(&turns, &start, f64::MIN).margin_m;
+                    assert!(margin_m < found.margin_m + 0.3, "{margin_m} {found:?}");
+                }
             }
         }
     }
