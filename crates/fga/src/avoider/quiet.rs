@@ -8,7 +8,7 @@ use crate::Vec3;
 use crate::situation::Obstacle;
 use crate::situation::{Columns, Obstacles};
 
-/// Obstacles of a block: half a page of each column, and at most 64 groups, a bit each.
+/// Obstacles tested before the first look at the result.
 const BLOCK: usize = 256;
 
 /// Obstacles whose distances are tested before their lines are.
@@ -106,14 +106,13 @@ impl LineAhead {
             places: [0; NEAR],
             count: 0,
         };
-        let mut reach = [0.0; BLOCK];
         let mut to = 0;
         while to < count {
             // At least a group, with some of the last block again.
             let from = to.min(count.saturating_sub(LANES));
             to = (from + block).min(count);
             if (unlimited || self.any_in_range(columns, from, to))
-                && self.may_meet_any(columns, (from, to), &mut reach, &mut near)
+                && self.may_meet_any(columns, (from, to), &mut near)
             {
                 return false;
             }
@@ -135,16 +134,25 @@ impl LineAhead {
     }
 
     /// Tests a block in the plane. What may be met there is added to `near`, and tested in space once that is full.
-    ///
-    /// The reaches are drawn up first, in `reach`: processors fetch from memory sooner where fewer columns are read side by side.
-    fn may_meet_any(
+    fn may_meet_any(&self, columns: &Columns<'_>, range: (usize, usize), near: &mut Near) -> bool {
+        if columns.half_height_m.is_none() && columns.uncertainty.is_none() {
+            let radius = part(columns.radius_m, range);
+            return self.may_meet_any_within(columns, range, radius, near);
+        }
+        let mut reach = [0.0; BLOCK];
+        self.add_reach(columns, range, &mut reach);
+        let reach = part(&reach, (0, range.1 - range.0));
+        self.may_meet_any_within(columns, range, reach, near)
+    }
+
+    /// `reach` is without the margin.
+    fn may_meet_any_within(
         &self,
         columns: &Columns<'_>,
         range: (usize, usize),
-        reach: &mut [f64; BLOCK],
+        reach: &[f64],
         near: &mut Near,
     ) -> bool {
-        self.reach_from(self.margin_m + ROUNDING_M, columns, range, reach);
         let block = [columns.x_m, columns.y_m, columns.vx_mps, columns.vy_mps];
         let [x, y, vx, vy] = block.map(|column| part(column, range));
         let groups = x.as_chunks().0.iter().zip(y.as_chunks().0);
@@ -185,12 +193,13 @@ impl LineAhead {
     )]
     #[inline(always)]
     fn may_pass_near(&self, [x, y, vx, vy, reach]: [&[f64; LANES]; 5]) -> bool {
+        let margin_m = self.margin_m + ROUNDING_M;
         // As wide as the numbers, for vector code.
         let mut any = 0_u64;
         for ((((x, y), vx), vy), reach) in x.iter().zip(y).zip(vx).zip(vy).zip(reach) {
             let (x, y) = (self.position_m.x - x, self.position_m.y - y);
             let (vx, vy) = (self.velocity_mps.x - vx, self.velocity_mps.y - vy);
-            let clear = square(x * vy - y * vx) > square(*reach) * (vx * vx + vy * vy);
+            let clear = square(x * vy - y * vx) > square(reach + margin_m) * (vx * vx + vy * vy);
             any |= u64::from(!clear);
         }
         any != 0
@@ -199,13 +208,14 @@ impl LineAhead {
     /// Which obstacles of a group may be met in the plane ahead, one bit each. The distance in space is at least that in
     /// the plane; an altitude that is not a number counts as far, for the avoider ignores such obstacles.
     fn may_meet_in_plane(&self, [x, y, vx, vy, reach]: [&[f64; LANES]; 5]) -> u64 {
+        let margin_m = self.margin_m + ROUNDING_M;
         let mut lanes = 0;
         let numbers = x.iter().zip(y).zip(vx.iter().zip(vy)).zip(reach);
         for (lane, (((x, y), (vx, vy)), reach)) in numbers.enumerate() {
             let (x, y) = (x - self.position_m.x, y - self.position_m.y);
             let (vx, vy) = (self.velocity_mps.x - vx, self.velocity_mps.y - vy);
             let (distance, along) = (x * x + y * y, x * vx + y * vy);
-            let meets = may_meet(distance, along, vx * vx + vy * vy, *reach);
+            let meets = may_meet(distance, along, vx * vx + vy * vy, reach + margin_m);
             lanes |= u64::from(meets) << lane;
         }
         lanes
@@ -237,7 +247,7 @@ impl LineAhead {
         let offset = place_m - self.position_m;
         let velocity = self.velocity_mps - velocity_mps;
         let mut reach = [0.0];
-        self.reach_from(0.0, columns, (place, place + 1), &mut reach);
+        self.add_reach(columns, (place, place + 1), &mut reach);
         let [reach_m] = reach;
         let distance = offset.length_squared();
         let meets = may_meet(
@@ -250,16 +260,10 @@ impl LineAhead {
         !beyond & meets
     }
 
-    /// The distances at which obstacles may be met, from a margin on, metres.
-    fn reach_from(
-        &self,
-        margin_m: f64,
-        columns: &Columns<'_>,
-        range: (usize, usize),
-        reach: &mut [f64],
-    ) {
+    /// Adds the distances at which obstacles may be met, without the margin, metres.
+    fn add_reach(&self, columns: &Columns<'_>, range: (usize, usize), reach: &mut [f64]) {
         for (reach, radius) in reach.iter_mut().zip(part(columns.radius_m, range)) {
-            *reach = margin_m + radius;
+            *reach += radius;
         }
         if let Some(half_height) = columns.half_height_m {
             for (reach, half_height) in reach.iter_mut().zip(part(half_height, range)) {
