@@ -191,7 +191,7 @@ pub struct Search<'a> {
     meter: Meter,
     /// Whether the reserve of work for the answer is in use.
     answering: bool,
-    /// When what is certified is no longer improved, in units of work done.
+    /// Improving a certified manoeuvre ends once this much work is done, in units.
     improves_until: u32,
     /// The hazard that decided last: checked first, because it decides most often again.
     culprit: usize,
@@ -386,5 +386,32 @@ impl<'a> Search<'a> {
     /// or by a sweep where these do not tell.
     pub fn cheapest(&mut self, wait_s: f64) -> Option<Found> {
         self.cheapest_to(&Side::BOTH, wait_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vehicle::Vehicle;
+
+    /// A scene along +x, in which least cost is looked for.
+    pub(super) fn scene<'a>(
+        flyer: &'a Flyer,
+        vehicle: &Vehicle,
+        (start, nominal): (MotionState, &'a Maneuver),
+        hazards: &'a Hazards,
+    ) -> Scene<'a> {
+        Scene {
+            flyer,
+            start,
+            nominal,
+            original: (0.0, 0.0),
+            hazards,
+            horizon_s: 60.0,
+            target_m: 0.05,
+            climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
+            costs: (0.2, 0.5),
+            objective: Objective::PaperCost,
+        }
     }
 }

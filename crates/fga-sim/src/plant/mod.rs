@@ -3,7 +3,7 @@
 //! A plant receives a [`Maneuver`] at each decision and flies it until the next. Course and climb
 //! angle move to the commanded values at their rate limits. Without bank lag the path between two
 //! decisions is a handful of exact [`Arc`]s, split at the start of a stage and at the end of a turn or
-//! a change of climb. A straight arc goes on from decision to decision: its places are told from its beginning, so that they do not
+//! a change of climb. A straight arc goes on from decision to decision. Its places are computed from its beginning, and do not
 //! depend on the decisions in between. Rolls of an aircraft with bank lag are exact in bank and integrated by Simpson's rule in
 //! steps of at most 0.1 s; flight under the PI autopilot uses the classical Runge–Kutta rule in steps of at most 0.02 s. Left is positive throughout.
 

@@ -106,12 +106,10 @@ impl Search<'_> {
                 enough_m: scene.target_m,
             };
             let mut failed = None;
-            let closed_in = self
-                .ahead(&entry, &way, &sweep)
-                .map(Closed::At)
-                .unwrap_or_else(|| {
-                    self.closed_in(&entry, &way, (&sweep, next.next_rad), &mut failed)
-                });
+            let closed_in = match self.ahead(&entry, &way, &sweep) {
+                Some(leave) => Closed::At(leave),
+                None => self.closed_in(&entry, &way, (&sweep, next.next_rad), &mut failed),
+            };
             let left_rad = if let Closed::Later(from_rad) = closed_in {
                 from_rad
             } else {
@@ -168,7 +166,9 @@ impl Search<'_> {
         failed: &mut Option<RuledOut>,
     ) -> Closed {
         let scene = self.scene;
-        if !self.is_steady() {
+        let is_steady = |hazard: &Hazard| hazard.window_s == ALWAYS;
+        // What may happen at some times only makes margins that jump.
+        if !scene.hazards.rows().iter().all(is_steady) {
             return Closed::Open(sweep.from_rad);
         }
         let near_m = NEAR * scene.turn_radius_m();
@@ -204,7 +204,7 @@ impl Search<'_> {
                     let left_s = certificate.at_s - entry.wait_s();
                     return Closed::At(self.less_climb(entry, sweep, (leave, left_s)));
                 }
-                if -lacks_m <= MOST_NEAR * near_m || turn_rad - fails_rad <= FINEST_RAD {
+                if self.is_near(&leave, sweep) || turn_rad - fails_rad <= FINEST_RAD {
                     return Closed::At(self.nearer(entry, way, (sweep, leave)));
                 }
             } else {
@@ -258,7 +258,7 @@ impl Search<'_> {
 
     /// The turn onto the original course, if it does and smaller ones may do too: it costs least.
     fn ahead(&mut self, entry: &Entry, way: &Way, sweep: &Sweep) -> Option<Leave> {
-        let ahead_rad = self.ahead_rad(entry, way);
+        let ahead_rad = self.ahead_rad(&entry.from, way.side);
         if sweep.from_rad >= ahead_rad || ahead_rad > sweep.max_turn_rad {
             return None;
         }
@@ -266,9 +266,15 @@ impl Search<'_> {
         Some(self.less_climb(entry, sweep, does))
     }
 
-    /// The turn onto the original course, radians towards the side of a way.
-    fn ahead_rad(&self, entry: &Entry, way: &Way) -> f64 {
-        way.side.sign() * (self.scene.original.0 - entry.from.course_rad)
+    /// The turn onto the original course, radians towards a side.
+    pub(super) fn ahead_rad(&self, from: &MotionState, side: Side) -> f64 {
+        side.sign() * (self.scene.original.0 - from.course_rad)
+    }
+
+    /// Whether a turn or climb keeps hardly more than enough: it is the least one.
+    fn is_near(&self, leave: &Leave, sweep: &Sweep) -> bool {
+        let near_m = NEAR * self.scene.turn_radius_m();
+        leave.margin_m - sweep.enough_m <= MOST_NEAR * near_m
     }
 
     /// A turn, if it does as far as lines tell and as it is flown, and the time from its beginning to the closest approach, seconds.
@@ -286,12 +292,11 @@ impl Search<'_> {
 
     /// A turn that does, as near to the original course as lines and a few flights tell.
     fn nearer(&mut self, entry: &Entry, way: &Way, (sweep, does): (&Sweep, Leave)) -> Leave {
-        let near_m = NEAR * self.scene.turn_radius_m();
-        let (mut best, mut fails_rad) = (does, self.ahead_rad(entry, way));
+        let (mut best, mut fails_rad) = (does, self.ahead_rad(&entry.from, way.side));
         for _ in 0..LINES {
             let does_rad = way.side.sign() * best.turn_rad;
-            let is_near = best.margin_m - sweep.enough_m <= MOST_NEAR * near_m;
-            if is_near || fails_rad - does_rad <= FINEST_RAD || self.limit_met() {
+            if self.is_near(&best, sweep) || fails_rad - does_rad <= FINEST_RAD || self.limit_met()
+            {
                 break;
             }
             let turn_rad = 0.5 * (does_rad + fails_rad);
@@ -323,8 +328,7 @@ impl Search<'_> {
             if less_rad <= least_rad || less_rad > fails_rad {
                 less_rad = 0.5 * (least_rad + fails_rad);
             }
-            let is_near = best.margin_m - sweep.enough_m <= MOST_NEAR * near_m;
-            if is_near || less_rad - least_rad < FINEST_RAD || self.limit_met() {
+            if self.is_near(&best, sweep) || less_rad - least_rad < FINEST_RAD || self.limit_met() {
                 break;
             }
             let climb_rad = sweep.climb_rad - sign * less_rad;
@@ -431,13 +435,8 @@ impl Search<'_> {
         USUAL * flyer.airspeed_mps() * (left_s - lags_s).max(LEAST_LEVER_S)
     }
 
-    /// Whether no hazard is there at some times only, which makes margins that jump.
-    fn is_steady(&self) -> bool {
-        let is_steady = |hazard: &Hazard| hazard.window_s == ALWAYS;
-        self.scene.hazards.rows().iter().all(is_steady)
-    }
-
-    fn climb_cost(&self, climb_rad: f64) -> f64 {
+    /// What a climb angle costs.
+    pub(super) fn climb_cost(&self, climb_rad: f64) -> f64 {
         self.scene.costs.1 * (climb_rad - self.scene.original.1).abs()
     }
 
@@ -455,8 +454,7 @@ impl Search<'_> {
         } else {
             f64::INFINITY
         };
-        let ahead_rad = (scene.original.0 - from.course_rad) * side.sign();
-        let room = room + LONGEST_STEP_RAD;
+        let (ahead_rad, room) = (self.ahead_rad(from, side), room + LONGEST_STEP_RAD);
         (ahead_rad - room, (ahead_rad + room).min(MAX_TURN_RAD))
     }
 }
@@ -475,6 +473,7 @@ mod tests {
     use crate::certificate::{Hazard, Hazards};
     use crate::maneuver::Maneuver;
     use crate::prediction::{FlightPath, Flyer};
+    use crate::search::tests::scene;
     use crate::search::{Scene, Turns};
     use crate::situation::ProtectedVolume;
     use crate::vehicle::Vehicle;
@@ -512,16 +511,8 @@ mod tests {
             let nominal = Maneuver::hold();
             let start = MotionState::ahead(if lagged { bank_rad } else { 0.0 });
             let scene = Scene {
-                flyer: &flyer,
-                start,
-                nominal: &nominal,
                 original: (original_rad, 0.0),
-                hazards: &hazards,
-                horizon_s: 60.0,
-                target_m: 0.05,
-                climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
-                costs: (0.2, 0.5),
-                objective: Objective::PaperCost,
+                ..scene(&flyer, &vehicle, (start, &nominal), &hazards)
             };
             let mut path = FlightPath::new();
             let mut search = Search::new(scene, &mut path, u32::MAX);

@@ -20,7 +20,7 @@ const LONGEST_PASS_S: f64 = 60.0;
 /// Conflicts of which one unit of work tells when they have passed.
 const PASSED: usize = 4;
 
-/// What is certified is improved for at most one part in this many of what is left of the limit.
+/// Improving a certified manoeuvre may take one part in this many of the work that is left.
 const IMPROVES: u32 = 8;
 
 /// A start that may be better by no more than this is not looked at: a share, and turn radii.
@@ -189,7 +189,7 @@ impl Search<'_> {
         ordered.map(|best| best.map(|(_, found)| found))
     }
 
-    /// Whether what is certified is no longer improved.
+    /// Whether improving a certified manoeuvre ends.
     pub(super) const fn is_good_enough(&self) -> bool {
         self.meter.done() >= self.improves_until
     }

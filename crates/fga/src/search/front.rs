@@ -186,7 +186,7 @@ impl Search<'_> {
         } else {
             0.0
         };
-        fronts.free_rad = (scene.original.0 - entry.from.course_rad) * side.sign();
+        fronts.free_rad = self.ahead_rad(&entry.from, side);
         for (place, climb_cost) in self.climbs.costs.iter().take(fronts.count).enumerate() {
             let cost = fronts.cost(least_rad, *climb_cost);
             fronts.put(place, least_rad, cost);
@@ -208,7 +208,7 @@ impl Search<'_> {
         let has_costs = self.scene.objective == Objective::PaperCost;
         for (climb_rad, is_original) in self.scene.climb_targets() {
             let climbing = self.climbing(entry, climb_rad);
-            let cost = self.scene.costs.1 * (climb_rad - self.scene.original.1).abs();
+            let cost = self.climb_cost(climb_rad);
             let (all, costs) = (&mut self.climbs.all, &mut self.climbs.costs);
             if let (Some(slot), Some(slot_cost)) = (all.get_mut(count), costs.get_mut(count)) {
                 *slot = climbing;

@@ -228,7 +228,7 @@ mod tests {
     use crate::certificate::Hazards;
     use crate::maneuver::{Maneuver, Stage};
     use crate::prediction::{FlightPath, Flyer};
-    use crate::search::Objective;
+    use crate::search::tests::scene;
     use crate::situation::ProtectedVolume;
     use crate::vehicle::Vehicle;
     use proptest::prelude::*;
@@ -255,18 +255,7 @@ mod tests {
         hazards.put(0, hazard);
         let start = MotionState::ahead(bank_rad);
         let nominal = Maneuver::hold();
-        let scene = Scene {
-            flyer: &flyer,
-            start,
-            nominal: &nominal,
-            original: (0.0, 0.0),
-            hazards: &hazards,
-            horizon_s: 60.0,
-            target_m: 0.05,
-            climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
-            costs: (0.2, 0.5),
-            objective: Objective::PaperCost,
-        };
+        let scene = scene(&flyer, &vehicle, (start, &nominal), &hazards);
         let mut path = FlightPath::new();
         let search = Search::new(scene, &mut path, u32::MAX);
         let is_enclosed = search.is_enclosed();

@@ -592,7 +592,7 @@ mod tests {
     use super::*;
     use crate::Vec3;
     use crate::prediction::FlightPath;
-    use crate::search::Objective;
+    use crate::search::tests::scene;
     use crate::situation::ProtectedVolume;
     use crate::vehicle::Vehicle;
 
@@ -609,18 +609,7 @@ mod tests {
             hazards.put(1, Hazard::exact(1, other_m, Vec3::ZERO, volume));
             let nominal = Maneuver::hold();
             let start = MotionState::ahead(0.0);
-            let scene = Scene {
-                flyer: &flyer,
-                start,
-                nominal: &nominal,
-                original: (0.0, 0.0),
-                hazards: &hazards,
-                horizon_s: 60.0,
-                target_m: 0.05,
-                climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
-                costs: (0.2, 0.5),
-                objective: Objective::PaperCost,
-            };
+            let scene = scene(&flyer, &vehicle, (start, &nominal), &hazards);
             let mut path = FlightPath::new();
             let mut search = Search::new(scene, &mut path, u32::MAX);
             let (found, proof) = search.best(None, Effort::WHOLE, 0).unwrap();

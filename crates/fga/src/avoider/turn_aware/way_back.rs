@@ -582,7 +582,7 @@ mod tests {
         }
     }
 
-    /// The nearest way is that of the angle that is told with it, also where another one is nearer than the first.
+    /// The nearest way belongs to the angle told with it. A later way may be nearer than the first.
     #[test]
     fn the_nearest_way_back_is_that_of_its_angle() {
         let mut others = 0;
