@@ -22,6 +22,7 @@ pub const fn reason_words(reason: Reason) -> &'static str {
         Reason::RejoinKept => "the way back is flown",
         Reason::Rejoined => "back on the mission",
         Reason::MissionComplete => "the last waypoint was passed, course and altitude are held",
+        Reason::WindTooStrong => "the wind is too strong to reach any waypoint ahead",
     }
 }
 
@@ -40,6 +41,7 @@ pub const fn reason_key(reason: Reason) -> &'static str {
         Reason::RejoinKept => "rejoin-kept",
         Reason::Rejoined => "rejoined",
         Reason::MissionComplete => "mission-complete",
+        Reason::WindTooStrong => "wind-too-strong",
     }
 }
 

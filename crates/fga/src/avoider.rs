@@ -126,8 +126,6 @@ pub struct Avoider {
     plan: Option<Plan>,
     /// The last chosen way back.
     returned: Option<Returned>,
-    /// The ways back that led to obstacles when they were last looked at.
-    refusals: turn_aware::Refusals,
     /// Time of the last step, seconds on a clock that never goes back, which is ahead of the situation's clock by this, seconds.
     last_time_s: f64,
     set_back_s: f64,
@@ -176,7 +174,6 @@ impl Avoider {
             path: FlightPath::new(),
             plan: None,
             returned: None,
-            refusals: turn_aware::Refusals::NONE,
             last_time_s: f64::NEG_INFINITY,
             set_back_s: 0.0,
             cycle: 0,
@@ -206,7 +203,6 @@ impl Avoider {
         self.tracks.forget();
         self.plan = None;
         self.returned = None;
-        self.refusals = turn_aware::Refusals::NONE;
         (self.last_time_s, self.set_back_s) = (f64::NEG_INFINITY, 0.0);
         self.cycle = 0;
         (self.cut, self.improved_to) = (0, 0);
@@ -431,6 +427,9 @@ impl Avoider {
     fn decision(&self, command: &Maneuver, reason: Reason) -> Decision {
         let reason = match reason {
             Reason::Clear if self.progress.is_complete() => Reason::MissionComplete,
+            Reason::Clear | Reason::ManeuverKept if self.progress.is_adrift() => {
+                Reason::WindTooStrong
+            }
             other => other,
         };
         let work = Work {

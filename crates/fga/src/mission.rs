@@ -29,11 +29,12 @@ use self::leg::Leg;
 pub(crate) use self::way::Way;
 use self::way_onto::MOST_LEGS;
 use crate::Vec3;
+use crate::angle::wrap_pi;
 use crate::limit::Limit as _;
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::prediction::{Flyer, MotionState, flown};
-use crate::situation::{Mission, Passing};
+use crate::situation::{FLY_OVER_WITHIN_M, Mission, Passing};
 
 /// Stages that corners leave free for the turns of an avoidance.
 const ROOM_TO_AVOID: usize = 2;
@@ -75,12 +76,16 @@ struct Laid<'a> {
     wind_mps: Vec3,
     /// Course of a leg between waypoints above each other, radians.
     course_rad: f64,
+    /// The leg that begins elsewhere than at its waypoint, metres.
+    anew: Option<(usize, Vec3)>,
 }
 
 impl Legs for Laid<'_> {
     fn leg(&self, index: usize) -> Option<Leg> {
-        let from = *self.mission.waypoints_m.get(index)?;
+        let waypoint_m = *self.mission.waypoints_m.get(index)?;
         let to = *self.mission.waypoints_m.get(index + 1)?;
+        let anew = self.anew.filter(|(at, _)| *at == index);
+        let from = anew.map_or(waypoint_m, |(_, here_m)| here_m);
         Some(Leg::new(
             from,
             to,
@@ -116,6 +121,8 @@ pub struct Progress {
     is_cut: bool,
     /// The leg at which the next search for a way onto the mission begins after a cut.
     looked_to: usize,
+    /// The leg on which the mission began anew, and where, metres.
+    anew: Option<(usize, Vec3)>,
 }
 
 impl Default for Progress {
@@ -141,6 +148,7 @@ impl Progress {
             work: (u32::MAX, u32::MAX, 0),
             is_cut: false,
             looked_to: 0,
+            anew: None,
         }
     }
 
@@ -212,6 +220,7 @@ impl Progress {
             airspeed_mps: self.airspeed_mps,
             wind_mps: self.wind_mps,
             course_rad: self.leg.map_or(0.0, |leg| leg.course_rad),
+            anew: self.anew,
         }
     }
 
@@ -271,13 +280,52 @@ impl Progress {
         while let (Some(leg), false, false) = (self.leg, self.complete, self.from_start) {
             let position = leg.position(state.position_m, state.time_s);
             let is_on = position.along_m < leg.length_m - self.lead_m();
-            if is_on || self.is_cut || self.meter().is_met() {
+            // The aircraft flies back to a last waypoint that it passes far off, once.
+            let is_off = position.cross_m.abs().max(position.above_m.abs()) > FLY_OVER_WITHIN_M
+                || position.along_m > leg.length_m + flyer.turn_radius_m();
+            let is_missed = is_off && self.corner.is_none() && !self.is_anew();
+            if is_on || is_missed || self.is_cut || self.meter().is_met() {
                 break;
             }
             let (next, turns_round) = self
                 .corner
                 .map_or((self.index + 1, false), |c| (c.next, c.is_turnaround));
             self.go_to(next, turns_round, mission, state, flyer);
+        }
+        if self.is_adrift() {
+            self.begin_here(mission, state, flyer);
+        }
+    }
+
+    /// Whether the present leg began where the aircraft was.
+    fn is_anew(&self) -> bool {
+        self.anew.is_some_and(|(index, _)| index == self.index)
+    }
+
+    /// Whether the wind is too strong to fly along the present leg.
+    pub(crate) fn is_adrift(&self) -> bool {
+        let leg = self.leg.filter(|_| !self.complete);
+        leg.is_some_and(|leg| !leg.can_be_flown(self.airspeed_mps))
+    }
+
+    /// Begins the mission anew where the aircraft is: the present leg leads straight from there to its end, or to the first
+    /// waypoint after it that the wind does not keep the aircraft from.
+    fn begin_here(&mut self, mission: &Mission<'_>, state: &MotionState, flyer: &Flyer) {
+        let legs = mission.waypoints_m.len().saturating_sub(1);
+        let ahead = (self.index..legs).take(MOST_LEGS);
+        let mut anew = ahead.map(|index| (index, state.position_m));
+        let found = anew.find(|&(index, here_m)| {
+            let anew = Some((index, here_m));
+            let leg = Laid {
+                anew,
+                ..self.laid(mission)
+            }
+            .leg(index);
+            leg.is_some_and(|leg| leg.can_be_flown(self.airspeed_mps))
+        });
+        if let Some((index, _)) = found {
+            self.anew = found;
+            self.go_to(index, false, mission, state, flyer);
         }
     }
 
@@ -303,7 +351,10 @@ impl Progress {
         };
         let meter = self.meter();
         let radius_m = self.air(flyer, &meter).radius_m();
-        if let Some(turn) = self.turn {
+        if is_on_leg(&leg, state) || has_entered(&leg, state, radius_m) {
+            self.turn = None;
+            self.from_start = false;
+        } else if let Some(turn) = self.turn {
             let since_s = self.time_s - turn.begun_s;
             let there = flown(flyer, &turn.from, &turn.maneuver, since_s, &meter);
             self.note(&meter);
@@ -318,8 +369,6 @@ impl Progress {
                 self.turn = None;
                 self.from_start = false;
             }
-        } else if is_on_leg(&leg, state) || has_entered(&leg, state, radius_m) {
-            self.from_start = false;
         }
     }
 
@@ -418,6 +467,10 @@ impl Progress {
         let (low, high) = self.climb_limits_rad;
         let (mut maneuver, straight_s, along_m) = if let Some(join) = self.turning(state, flyer) {
             (join.maneuver, join.joined_s, join.along_m)
+        } else if self.is_adrift() {
+            let against_rad = libm::atan2(-self.wind_mps.y, -self.wind_mps.x);
+            let course_rad = state.course_rad + wrap_pi(against_rad - state.course_rad);
+            (Maneuver::turn(0.0, course_rad, 0.0), 0.0, 0.0)
         } else if is_on_leg(&leg, state) {
             let course_rad = state.course_rad + leg.turn_onto_rad(state);
             let climb_rad = leg.climb_rad.limited(low, high);
@@ -432,7 +485,8 @@ impl Progress {
                 intercept_rad: GUIDANCE_INTERCEPT_RAD,
                 climb_limits_rad: self.climb_limits_rad,
             };
-            let found = self.way_back(mission, state, flyer, &limits, MOST_LEGS);
+            let found = (self.way_back(mission, state, flyer, &limits, MOST_LEGS))
+                .or_else(|| self.way_from_here(mission, state, flyer, &limits));
             let joined = if let Some((joined, index)) = found {
                 self.advance_to(index, mission, state, flyer);
                 joined

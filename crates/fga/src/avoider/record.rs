@@ -64,6 +64,8 @@ pub enum Reason {
     Rejoined,
     /// The aircraft passed the last waypoint; the avoider holds course and altitude.
     MissionComplete,
+    /// The wind is too strong to reach any waypoint ahead; the aircraft flies against it.
+    WindTooStrong,
 }
 
 /// The obstacle that the decision is about.
@@ -158,7 +160,7 @@ pub struct Decision {
 
 impl Reason {
     /// All reasons.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Clear,
         Self::InvalidInput,
         Self::WaitingForStart,
@@ -171,6 +173,7 @@ impl Reason {
         Self::RejoinKept,
         Self::Rejoined,
         Self::MissionComplete,
+        Self::WindTooStrong,
     ];
 
     /// Whether the command has no certificate.

@@ -10,14 +10,12 @@ mod glance;
 mod holding;
 mod need;
 mod room;
-mod sight;
 mod small;
 mod sooner;
 mod threat;
 mod way_back;
 
 pub(super) use holding::Basis;
-pub(super) use sight::Refusals;
 
 use crate::avoider::quiet::LineAhead;
 use crate::avoider::{

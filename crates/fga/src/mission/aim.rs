@@ -227,7 +227,8 @@ impl Turns<'_> {
         let cross_direct = after_turns(0.0, onto);
         if cross_direct.abs() >= ON_LEG_M {
             let side = if cross_direct > 0.0 { -1.0 } else { 1.0 };
-            let steepest = side * limits.intercept_rad;
+            let steepest = leg.air_turn_rad(speed_mps, side * limits.intercept_rad);
+            let is_windy = steepest != side * limits.intercept_rad;
             // The shorter way round, unless the leg is near on that side.
             by_rad = wrap_pi(onto + steepest);
             let mut left = after_turns(steepest, by_rad);
@@ -255,7 +256,12 @@ impl Turns<'_> {
                 };
                 let ends = ((0.0, cross_direct), (1.0 - libm::cos(steepest), left));
                 offset = of(root(near, ends, near_m(flyer)));
-                (by_rad, same_from_rad) = (onto + offset, offset.abs());
+                by_rad = onto + offset;
+                same_from_rad = if is_windy {
+                    f64::INFINITY
+                } else {
+                    offset.abs()
+                };
             }
         }
         // The last turns looked at are those of the join.

@@ -78,7 +78,8 @@ pub(super) fn has_entered(leg: &Leg, state: &MotionState, radius_m: f64) -> bool
 /// Whether the aircraft flies along the leg, on it.
 pub fn is_on_leg(leg: &Leg, state: &MotionState) -> bool {
     let position = leg.position(state.position_m, state.time_s);
-    position.cross_m.abs() < ON_LEG_M
+    position.along_m <= leg.length_m
+        && position.cross_m.abs() < ON_LEG_M
         && position.above_m.abs() < ON_LEG_M
         && leg.turn_onto_rad(state).abs() < ON_COURSE_RAD
         && (leg.climb_rad - state.climb_rad).abs() < ON_COURSE_RAD

@@ -80,6 +80,21 @@ impl Leg {
         Self::along(from_m, along, f64::INFINITY, 0.0, airspeed_mps, wind_mps)
     }
 
+    /// Change of course through the air that turns the track over the ground by an angle from the leg, radians: at that angle
+    /// the aircraft nears the leg and gains along it in every wind that it can fly against.
+    pub(crate) fn air_turn_rad(&self, airspeed_mps: f64, by_rad: f64) -> f64 {
+        let crab_rad = self.air_course_rad - self.course_rad;
+        let (course_rad, wind_mps) = (self.course_rad + by_rad, self.wind_mps);
+        let turned = Self::endless(self.from_m, course_rad, airspeed_mps, wind_mps);
+        by_rad + (turned.air_course_rad - course_rad - crab_rad)
+    }
+
+    /// Whether an aircraft can keep the leg's track and gain along it in the wind.
+    pub(crate) fn can_be_flown(&self, airspeed_mps: f64) -> bool {
+        let off_mps = self.cross_speed_mps(airspeed_mps, self.air_course_rad);
+        self.ground_speed_mps > 0.0 && off_mps.abs() < 1e-6 * airspeed_mps
+    }
+
     fn along(
         from_m: Vec3,
         along: Vec3,

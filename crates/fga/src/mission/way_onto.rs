@@ -68,6 +68,27 @@ impl Progress {
         found.ok().flatten()
     }
 
+    /// A way onto the mission that begins anew where the aircraft is: straight to the next waypoint. Without one nothing changes.
+    pub(crate) fn way_from_here(
+        &mut self,
+        mission: &Mission<'_>,
+        state: &MotionState,
+        flyer: &Flyer,
+        limits: &JoinLimits,
+    ) -> Option<(Join, usize)> {
+        let before = *self;
+        self.begin_here(mission, state, flyer);
+        let found = self.way_back(mission, state, flyer, limits, MOST_LEGS);
+        let found = found.filter(|(joined, _)| joined.is_on_leg());
+        if found.is_none() {
+            *self = Self {
+                work: self.work,
+                ..before
+            };
+        }
+        found
+    }
+
     /// About where [`Self::way_back`] leads, without flying it; `None` also where it turns round. Returns the index of the
     /// leg's first waypoint.
     pub(crate) fn way_back_roughly(
@@ -128,7 +149,7 @@ impl Progress {
             if is_tried && count >= self.looked_to {
                 passed_m = 0.0;
                 let (along_m, way) = onto(&leg);
-                let room_m = next.map_or(f64::INFINITY, |next| leg.length_m - next.lead_m);
+                let room_m = leg.length_m - next.map_or(0.0, |next| next.lead_m);
                 let is_behind = along_m > room_m;
                 let is_far_before = count > 0 && along_m < -BEFORE_RADII * radius_m;
                 if is_far_before || (is_behind && count > 0 && leg.length_m > LONG_RADII * radius_m)

@@ -3,7 +3,6 @@
 use core::f64::consts::PI;
 
 use crate::avoider::Avoider;
-use crate::certificate::Hazard;
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
 use crate::situation::Situation;
@@ -66,18 +65,6 @@ impl Avoider {
         let maneuver = Maneuver::turn(0.0, now.course_rad + turn_rad, now.climb_rad);
         let until_s = (turn_rad.abs() + radii) / self.flyer.course_rate_radps();
         Some((maneuver, self.after(now, &maneuver, until_s)))
-    }
-
-    /// Whether a detour may be looked for after a time without a way back, whatever course the aircraft flies by then.
-    pub(super) fn may_detour(&self, waited_s: f64) -> bool {
-        let airspeed_mps = self.flyer.airspeed_mps();
-        let is_slow = |hazard: &Hazard| {
-            // Velocities differ by at least what speeds differ by.
-            (hazard.velocity_mps.length() - airspeed_mps).abs()
-                < 1.01 * ALONGSIDE_SPEED * airspeed_mps
-        };
-        waited_s * self.flyer.course_rate_radps() > AFTER_RAD
-            && self.tracks.hazards().rows().iter().any(is_slow)
     }
 
     /// Whether an obstacle flies alongside, so that it does not pass.

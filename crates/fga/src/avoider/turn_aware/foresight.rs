@@ -7,9 +7,9 @@ use crate::prediction::MotionState;
 use crate::search::Proof;
 use crate::situation::Situation;
 
-use super::SEARCH_AGAIN;
 use super::holding::Basis;
 use super::sooner::LOOK_EVERY;
+use super::way_back::LOOK_BACK_EVERY;
 
 /// Most decisions that are known.
 const MOST: u32 = 40;
@@ -86,10 +86,7 @@ impl Avoider {
         match self.state {
             State::Cruise => true,
             State::Threatened => is_over(plan.start_s),
-            State::Avoiding => {
-                cycle.is_multiple_of(SEARCH_AGAIN)
-                    || self.looks_back(plan, (cycle, time_s + ROUNDING_S))
-            }
+            State::Avoiding => cycle.is_multiple_of(LOOK_BACK_EVERY),
             State::Recovering => {
                 (cycle.is_multiple_of(LOOK_EVERY) && may_come_sooner)
                     || is_over(plan.joined_s)

@@ -1,7 +1,7 @@
 //! A glance at a way back that is not flown: whether it leads to an obstacle.
 
 use crate::avoider::{Avoider, Plan};
-use crate::certificate::Line;
+use crate::certificate::{Hazard, Line};
 use crate::limit::Limit as _;
 use crate::mission::Way;
 use crate::prediction::MotionState;
@@ -17,48 +17,43 @@ const ROUGHLY: [f64; 2] = [0.002, 0.02];
 const ROUGHLY_S: f64 = 0.5;
 
 impl Avoider {
-    /// By how many metres a way back leads into an obstacle, wherever in its neighbourhood it lies; `None` for one that does
-    /// not.
+    /// Whether a way back leads into an obstacle, wherever in its neighbourhood it lies.
     pub(super) fn leads_to_obstacle(
         &self,
         way: &Way,
         index: usize,
         plan: &Plan,
         now: (&Situation<'_>, &MotionState),
-    ) -> Option<f64> {
+    ) -> bool {
         let is_here = index == self.progress.index();
-        self.blocked_by_m(way)
-            .or_else(|| is_here.then(|| self.leads_back(way, plan, now)).flatten())
+        self.is_blocked(way) || is_here && self.leads_back(way, plan, now)
     }
 
-    /// By how many metres a way back leads into an obstacle that stands on it; `None` where none does.
-    fn blocked_by_m(&self, way: &Way) -> Option<f64> {
+    /// Whether a way back leads into an obstacle that stands on it.
+    fn is_blocked(&self, way: &Way) -> bool {
         let inside_m = self.target_m - self.roughly_m();
         let hazards = self.tracks.hazards().rows();
-        let found = way.lines().filter_map(|(line, bow_m)| {
+        way.lines().any(|(line, bow_m)| {
             let duration_s = line.duration_s.min(self.far_s - line.at_s);
             if duration_s <= 0.0 || !self.meter.take(hazards.len()) {
-                return None;
+                return false;
             }
             let line = Line { duration_s, ..line };
-            let into_m = hazards.iter().filter_map(|hazard| {
-                let (margin_m, _) = hazard.least_on_line(&line, inside_m - bow_m, &self.meter)?;
-                Some(inside_m - bow_m - margin_m)
-            });
-            into_m.reduce(f64::max)
-        });
-        found.reduce(f64::max)
+            let into = |hazard: &Hazard| hazard.least_on_line(&line, inside_m - bow_m, &self.meter);
+            hazards.iter().any(|hazard| into(hazard).is_some())
+        })
     }
 
-    /// By how many metres a way back onto the present leg leads into an obstacle of the same encounter once it is there;
-    /// `None` for one that does not.
+    /// Whether a way back onto the present leg leads into an obstacle of the same encounter once it is there.
     fn leads_back(
         &self,
         way: &Way,
         plan: &Plan,
         (situation, now): (&Situation<'_>, &MotionState),
-    ) -> Option<f64> {
-        let (end_m, end_s) = way.end().map(|end| (end.at_m, end.at_s))?;
+    ) -> bool {
+        let Some((end_m, end_s)) = way.end().map(|end| (end.at_m, end.at_s)) else {
+            return false;
+        };
         let leg = self.progress.leg(now);
         let (low, high) = self.climb_limits_rad();
         let on_leg = MotionState {
@@ -77,27 +72,29 @@ impl Avoider {
         let inside_m = self.target_m - self.roughly_m();
         let hazards = self.tracks.hazards().rows();
         if !self.meter.take(hazards.len()) {
-            return None;
+            return false;
         }
         let mut same = hazards.iter().filter(|h| plan.against.contains(h.id));
-        same.find_map(|hazard| {
+        same.any(|hazard| {
             let until_s = passes_s(hazard, situation) + NEXT_ENCOUNTER_S - ROUGHLY_S;
-            let (margin_m, at_s) = hazard.least_on_line(&line, inside_m, &self.meter)?;
-            let is_same = at_s < until_s && at_s < end_s + line.duration_s;
-            is_same.then_some(inside_m - margin_m)
+            let into = hazard.least_on_line(&line, inside_m, &self.meter);
+            into.is_some_and(|(_, at_s)| at_s < until_s && at_s < end_s + line.duration_s)
         })
     }
 
-    /// By how many metres a way back comes too close to an obstacle that it passes under its first command, flown as it is;
-    /// `None` where it does not. Most ways that lead to an obstacle do so there.
-    pub(super) fn begins_too_close_m(&mut self, way: &Way, now: &MotionState) -> Option<f64> {
+    /// Whether a way back comes too close to an obstacle that it passes under its first command, flown as it is. Most ways
+    /// that lead to an obstacle do so there.
+    pub(super) fn begins_too_close(&mut self, way: &Way, now: &MotionState) -> bool {
         let maneuver = way.shot.maneuver(now.time_s);
-        self.look_s = maneuver.stages().get(1)?.start_s;
+        let Some(second) = maneuver.stages().get(1) else {
+            return false;
+        };
+        self.look_s = second.start_s;
         self.predict(&maneuver, now);
         let closest = self.certificate_of_path((f64::MIN, self.target_m));
         let passes = !self.meter.is_met() && closest.at_s < self.look_s;
         self.look_s = self.settings.horizon_s;
-        (passes && closest.margin_m < self.target_m).then_some(self.target_m - closest.margin_m)
+        passes && closest.margin_m < self.target_m
     }
 
     /// A way that is not flown leads hardly farther than this from where it seems to, metres.

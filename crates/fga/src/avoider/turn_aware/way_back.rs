@@ -1,7 +1,7 @@
 //! The way back: the earliest certified rejoin of the mission, and the flight along it.
 
 use crate::avoider::{Avoider, Decision, Plan, Reason, Returned, Start, State};
-use crate::certificate::{Certificate, Hazard, mark_close};
+use crate::certificate::{Hazard, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::mission::join::{Join, JoinLimits};
@@ -11,17 +11,13 @@ use crate::prediction::{MotionState, whole};
 use crate::search::Proof;
 use crate::situation::{Mission, Situation};
 
-use super::sight::Places;
 use super::{ENOUGH_M, NEXT_ENCOUNTER_S};
 
 /// Most legs that a way back may skip.
 const MAX_SKIPPED: usize = 64;
 
 /// Intercept angles of the way back, radians, preferred first.
-pub(super) const INTERCEPTS_RAD: [f64; INTERCEPTS] = [0.52, 0.79, 0.35, 1.05, 0.17, 1.45];
-
-/// How many they are.
-pub(super) const INTERCEPTS: usize = 6;
+const INTERCEPTS_RAD: [f64; 6] = [0.52, 0.79, 0.35, 1.05, 0.17, 1.45];
 
 /// Smaller intercept angles are only for a near mission, radians.
 const SHALLOW_RAD: f64 = 0.5;
@@ -50,7 +46,7 @@ const TRIED_S: f64 = 60.0;
 const HALVES: u32 = 2;
 
 /// Cycles between two searches for a way back, each at one intercept angle.
-const LOOK_BACK_EVERY: u32 = 2;
+pub(super) const LOOK_BACK_EVERY: u32 = 2;
 
 /// Time of the search for a way back with all of the wanted margin, seconds; as long again for half of it.
 const MORE_ROOM_S: f64 = 20.0;
@@ -62,8 +58,8 @@ enum WayAhead {
     Clear,
     /// Only obstacles of another encounter, once it is back on the mission.
     NextEncounter,
-    /// An obstacle of this encounter, or any before the return, comes closer than asked for by some metres.
-    Blocked(f64),
+    /// An obstacle of this encounter, or any before the return, comes closer than asked for.
+    Blocked,
 }
 
 /// When an obstacle has passed, as far as the mission waits for it, seconds.
@@ -79,6 +75,11 @@ pub(super) fn passes_s(hazard: &Hazard, situation: &Situation<'_>) -> f64 {
         f64::MAX
     };
     (offset.dot(relative) / square).limited(0.0, longest_s)
+}
+
+/// How often the time of a search for a way back from a plan has passed.
+fn given_up(plan: &Plan, time_s: f64) -> usize {
+    whole((time_s - plan.start_s) / MORE_ROOM_S, 3) - 1
 }
 
 /// The number of the look for a way back in a cycle, and the place of its intercept angle.
@@ -110,8 +111,7 @@ impl Avoider {
         latest_s: f64,
     ) -> Option<Plan> {
         // After a long search without room for the wanted margin less is enough.
-        let waited_s = situation.time_s - plan.start_s;
-        let given_up = whole(waited_s / MORE_ROOM_S, 3) - 1;
+        let given_up = given_up(plan, situation.time_s);
         let least_m = self.settings.margin_m;
         self.target_m = self.targets_m().nth(given_up).unwrap_or(least_m);
         let back = self.look_back(situation, now, plan, latest_s);
@@ -140,11 +140,11 @@ impl Avoider {
         let detour = (turn % 2 == 1)
             .then(|| self.detour(situation, now, (waited_s, turn / 2)))
             .flatten();
-        if detour.is_none() && self.refusals.holds(place, plan, situation.time_s) {
-            return None;
-        }
+        let is_any = turn.is_multiple_of(2);
+        // Straight to the next waypoint, as if the mission began here: no way onto the mission was found for long.
+        let is_anew = is_any && given_up(plan, situation.time_s) > 1;
+        let is_looked_at = detour.is_some() || is_anew;
         let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
-        let is_any = detour.is_none() && turn.is_multiple_of(2);
         let intercepts_rad: &[f64] = if is_any {
             &INTERCEPTS_RAD
         } else {
@@ -155,50 +155,45 @@ impl Avoider {
         let joins_s = nearest.and_then(|_| Some(way.end()?.at_s));
         let is_late = joins_s.is_some_and(|s| situation.time_s + s + self.late_s() > latest_s);
         let seen = nearest.map(|(_, index)| (&way, index));
-        let places = Places {
-            place,
-            same_from_rad: seen.map_or(f64::INFINITY, |(way, index)| {
-                same_from_rad(way, index, self.progress.index())
-            }),
-        };
-        if detour.is_none() && (is_late || self.is_refused(&places, seen, plan, (situation, now))) {
+        if !is_looked_at && (is_late || self.is_refused(seen, plan, (situation, now))) {
             return None;
         }
         let limits = JoinLimits {
             intercept_rad: nearest.map_or(intercept_rad, |(nearest_rad, ..)| nearest_rad),
             climb_limits_rad: self.climb_limits_rad(),
         };
+        let before = self.progress;
         let way = self.on_mission(|progress, flyer| {
-            progress.way_back(mission, &from, flyer, &limits, skipped)
+            let onto =
+                (!is_anew).then(|| progress.way_back(mission, &from, flyer, &limits, skipped));
+            let onto = onto.flatten().filter(|(joined, _)| joined.is_on_leg());
+            onto.or_else(|| {
+                is_any.then(|| progress.way_from_here(mission, &from, flyer, &limits))?
+            })
         });
-        let (joined, index) = way.filter(|(joined, _)| joined.is_on_leg())?;
+        let (joined, index) = way?;
         if !is_any && intercept_rad < SHALLOW_RAD && joined.joined_s > SHALLOW_S {
             return None;
         }
-        let ahead = self.fly_back(&first, (&joined, index), plan, (situation, now))?;
-        if let Err(short_m) = ahead
-            && detour.is_none()
-        {
-            let look = (situation.time_s, short_m);
-            self.refusals.refuse(&places, plan, look);
-        }
-        let back = ahead
-            .ok()
-            .filter(|back| self.is_robust_back(&back.maneuver, now))?;
+        let back = self.fly_back(&first, (&joined, index), plan, (situation, now));
+        let Some(back) = back.filter(|back| self.is_robust_back(&back.maneuver, now)) else {
+            self.progress = before;
+            return None;
+        };
         let late_s = joins_s.map_or(0.0, |joins_s| joined.joined_s - joins_s);
         self.return_to(index, plan, late_s, (situation, now));
         Some(back)
     }
 
-    /// The plan to fly a manoeuvre and a join of the leg that begins at a waypoint after it, or by how many metres that leads
-    /// into an obstacle; `None` where it leads back for too long, or to another encounter that cannot be avoided.
+    /// The plan to fly a manoeuvre and a join of the leg that begins at a waypoint after it; `None` where it leads to an obstacle,
+    /// or to another encounter that cannot be avoided.
     fn fly_back(
         &mut self,
         first: &Maneuver,
         (joined, index): (&Join, usize),
         plan: &Plan,
         (situation, now): (&Situation<'_>, &MotionState),
-    ) -> Option<Result<Plan, f64>> {
+    ) -> Option<Plan> {
         let horizon_s = self.settings.horizon_s;
         let leg = self.progress.leg(now);
         let gained_m = if index == self.progress.index() {
@@ -206,10 +201,6 @@ impl Avoider {
         } else {
             f64::INFINITY
         };
-        if gained_m < -self.diameter_m() && joined.joined_s > horizon_s {
-            // In strong wind a shallow way leads back for minutes.
-            return None;
-        }
         let mut maneuver = *first;
         for stage in joined.maneuver.stages() {
             maneuver.push(*stage);
@@ -239,17 +230,14 @@ impl Avoider {
         self.look_s = self.far_s;
         self.predict(&maneuver, now);
         let back = match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg)) {
-            WayAhead::Blocked(short_m) => Some(Err(short_m)),
+            WayAhead::Blocked => None,
             WayAhead::Clear => {
                 let margin_m = self.certificate_of_path((f64::MIN, ENOUGH_M)).proven_m();
                 back.margin_m = margin_m;
                 back.basis = self.lasting(&back, situation, now, 0.0);
-                Some(Ok(back))
+                Some(back)
             }
-            WayAhead::NextEncounter => {
-                let back = self.way_back_and_on(&back, joined.joined_s, now);
-                back.map(Ok)
-            }
+            WayAhead::NextEncounter => self.way_back_and_on(&back, joined.joined_s, now),
         };
         self.look_s = self.settings.horizon_s;
         back
@@ -260,34 +248,17 @@ impl Avoider {
         self.returned.map_or(0.0, |returned| returned.late_s)
     }
 
-    /// Whether a step in a cycle at a time may look for a way back.
-    pub(super) fn looks_back(&self, plan: &Plan, (cycle, time_s): (u32, f64)) -> bool {
-        if !cycle.is_multiple_of(LOOK_BACK_EVERY) {
-            return false;
-        }
-        let (turn, place) = turn_to_look(cycle);
-        let may_detour = turn % 2 == 1 && self.may_detour(time_s - plan.start_s);
-        may_detour || !self.refusals.holds(place, plan, time_s)
-    }
-
-    /// Whether a way back onto the leg that begins at a waypoint leads to an obstacle, which is remembered.
+    /// Whether a way back onto the leg that begins at a waypoint leads to an obstacle.
     fn is_refused(
         &mut self,
-        places: &Places,
         seen: Option<(&Way, usize)>,
         plan: &Plan,
         (situation, now): (&Situation<'_>, &MotionState),
     ) -> bool {
-        let short_m = seen.and_then(|(way, index)| {
-            let into_m = self.leads_to_obstacle(way, index, plan, (situation, now));
-            let short_m = into_m.map(|into_m| into_m + self.roughly_m());
-            short_m.or_else(|| self.begins_too_close_m(way, now))
-        });
-        if let Some(short_m) = short_m {
-            self.refusals
-                .refuse(places, plan, (situation.time_s, short_m));
-        }
-        short_m.is_some()
+        seen.is_some_and(|(way, index)| {
+            self.leads_to_obstacle(way, index, plan, (situation, now))
+                || self.begins_too_close(way, now)
+        })
     }
 
     /// Remembers a chosen way back and goes on to its leg.
@@ -411,7 +382,7 @@ impl Avoider {
         let is_again = self.was_tried(plan, situation.time_s);
         let mut ahead = WayAhead::Clear;
         if self.meter.is_met() {
-            return WayAhead::Blocked(0.0);
+            return WayAhead::Blocked;
         }
         let hazards = self.tracks.hazards();
         let reach = (horizon_s, target_m);
@@ -425,11 +396,9 @@ impl Avoider {
             if whole.holds(target_m) {
                 continue;
             }
-            let closest = |until_s: f64| self.certify_one(hazard, until_s, f64::MIN);
-            let blocked = |closest: Certificate| WayAhead::Blocked(target_m - closest.margin_m);
-            let before = closest(joined_s.min(horizon_s));
+            let before = self.certify_one(hazard, joined_s.min(horizon_s), target_m);
             if !before.holds(target_m) {
-                return blocked(before);
+                return WayAhead::Blocked;
             }
             if plan.against.contains(hazard.id) {
                 // Before the obstacle has passed, or from farther behind it, it would be the same encounter again.
@@ -439,7 +408,7 @@ impl Avoider {
                 let its_m = (ground_mps.x * cos + ground_mps.y * sin) * joined_s;
                 let falls_back = gained_m - its_m < -self.diameter_m();
                 if is_again || falls_back || whole.at_s < passes_s + NEXT_ENCOUNTER_S {
-                    return blocked(closest(horizon_s));
+                    return WayAhead::Blocked;
                 }
             }
             ahead = WayAhead::NextEncounter;
@@ -610,19 +579,14 @@ mod tests {
             on_their_way_near(Some(aside_m), |mut avoider, mission, state| {
                 let mut way = Way::default();
                 avoider.nearest_way_back(mission, state, 1, &INTERCEPTS_RAD, &mut way);
-                let Some(short_m) = avoider.begins_too_close_m(&way, state) else {
+                if !avoider.begins_too_close(&way, state) {
                     return;
-                };
+                }
                 close += 1;
                 let maneuver = way.shot.maneuver(state.time_s);
                 let limits_m = (f64::MIN, avoider.target_m);
                 let margin_m = avoider.margin_of(&maneuver, state, limits_m);
-                assert!(short_m > 0.0, "{short_m} m too close: {state:?}");
-                let whole_m = avoider.target_m - margin_m;
-                assert!(
-                    short_m < whole_m + 0.05,
-                    "{short_m} m of {whole_m}: {state:?}"
-                );
+                assert!(margin_m < avoider.target_m, "{margin_m} m: {state:?}");
             });
         }
         assert!(close > 50, "{close} ways begin too close");
