@@ -12,7 +12,7 @@
 
 mod flight;
 mod oracle;
-mod traffic;
+pub(crate) mod traffic;
 
 use clap::{Args, ValueEnum};
 use fga::Vec3;

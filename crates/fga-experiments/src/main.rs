@@ -14,6 +14,7 @@
 //! | [`families`] | what goes wrong in strong wind, beside slow traffic, in formations, in gaps that close? |
 //! | [`flown`] | how many losses, needless manoeuvres and changes are there on recorded encounters? |
 //! | [`intruders`] | how many does the policy save when intruders turn, sight is imperfect, air is gusty? |
+//! | [`returns`] | does every aircraft return to its mission once nothing is near? |
 //! | [`missions`] | how much of a mission is flown, and does the aircraft come back to it? |
 
 mod baselines;
@@ -27,6 +28,7 @@ mod lost;
 mod missions;
 mod oracle;
 mod quality;
+mod returns;
 mod robustness;
 
 use std::process::ExitCode;
@@ -63,6 +65,8 @@ enum Experiment {
     Flown(flown::FlownArgs),
     /// Count the encounters that the policy saves among intruders that turn, with imperfect sight and gusts.
     Intruders(intruders::IntrudersArgs),
+    /// Count the drawn flights in which an aircraft does not return to its mission once nothing is near.
+    Returns(returns::ReturnsArgs),
     /// Measure the share of each leg that is flown, and the way back to short and curved legs.
     Missions(missions::MissionsArgs),
 }
@@ -80,6 +84,10 @@ fn main() -> ExitCode {
         Experiment::Flown(args) => flown::run(&args),
         Experiment::Intruders(args) => {
             intruders::run(&args);
+            Ok(())
+        }
+        Experiment::Returns(args) => {
+            returns::run(&args);
             Ok(())
         }
         Experiment::Missions(args) => missions::run(&args),

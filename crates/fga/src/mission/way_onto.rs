@@ -1,5 +1,7 @@
 //! A way onto the mission: onto the leg, or onto one after it.
 
+use core::f64::consts::FRAC_PI_2;
+
 use super::aim::{Turns, with_turns};
 use super::corner::{Air, Legs as _, arrival, corner};
 use super::join::{Join, JoinLimits, join, join_roughly};
@@ -78,8 +80,14 @@ impl Progress {
     ) -> Option<(Join, usize)> {
         let before = *self;
         self.begin_here(mission, state, flyer);
+        // The steepest way joins soonest, before a near waypoint too.
+        let limits = &JoinLimits {
+            intercept_rad: FRAC_PI_2,
+            ..*limits
+        };
         let found = self.way_back(mission, state, flyer, limits, MOST_LEGS);
-        let found = found.filter(|(joined, _)| joined.is_on_leg());
+        // It need not end on the leg: guidance goes on from there.
+        let found = found.filter(|_| !self.is_adrift());
         if found.is_none() {
             *self = Self {
                 work: self.work,
