@@ -42,6 +42,9 @@ const ROOM_TO_AVOID: usize = 2;
 /// Intercept angle of the guidance along the mission, radians.
 const GUIDANCE_INTERCEPT_RAD: f64 = 0.785;
 
+/// The aircraft flies back to its last waypoint at most so often.
+const MOST_PASSES: u32 = 3;
+
 /// Work of laying a leg and looking whether it is over.
 const LEG: usize = 4;
 
@@ -69,6 +72,16 @@ struct Turn {
     arrives_s: f64,
 }
 
+/// A leg that begins where the aircraft was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Anew {
+    /// Index of the waypoint before its end.
+    index: usize,
+    from_m: Vec3,
+    /// How often the aircraft had passed the leg's end aside of it.
+    passes: u32,
+}
+
 /// The mission's legs at an airspeed in a wind.
 struct Laid<'a> {
     mission: &'a Mission<'a>,
@@ -76,16 +89,16 @@ struct Laid<'a> {
     wind_mps: Vec3,
     /// Course of a leg between waypoints above each other, radians.
     course_rad: f64,
-    /// The leg that begins elsewhere than at its waypoint, metres.
-    anew: Option<(usize, Vec3)>,
+    /// The leg that begins elsewhere than at its waypoint.
+    anew: Option<Anew>,
 }
 
 impl Legs for Laid<'_> {
     fn leg(&self, index: usize) -> Option<Leg> {
         let waypoint_m = *self.mission.waypoints_m.get(index)?;
         let to = *self.mission.waypoints_m.get(index + 1)?;
-        let anew = self.anew.filter(|(at, _)| *at == index);
-        let from = anew.map_or(waypoint_m, |(_, here_m)| here_m);
+        let anew = self.anew.filter(|anew| anew.index == index);
+        let from = anew.map_or(waypoint_m, |anew| anew.from_m);
         Some(Leg::new(
             from,
             to,
@@ -121,8 +134,8 @@ pub struct Progress {
     is_cut: bool,
     /// The leg at which the next search for a way onto the mission begins after a cut.
     looked_to: usize,
-    /// The leg on which the mission began anew, and where, metres.
-    anew: Option<(usize, Vec3)>,
+    /// The leg on which the mission began anew.
+    anew: Option<Anew>,
 }
 
 impl Default for Progress {
@@ -280,10 +293,10 @@ impl Progress {
         while let (Some(leg), false, false) = (self.leg, self.complete, self.from_start) {
             let position = leg.position(state.position_m, state.time_s);
             let is_on = position.along_m < leg.length_m - self.lead_m();
-            // The aircraft flies back to a last waypoint that it passes far off, once.
+            // The aircraft flies back to a last waypoint that it passes far off, for some times.
             let is_off = position.cross_m.abs().max(position.above_m.abs()) > FLY_OVER_WITHIN_M
                 || position.along_m > leg.length_m + flyer.turn_radius_m();
-            let is_missed = is_off && self.corner.is_none() && !self.is_anew();
+            let is_missed = is_off && self.corner.is_none() && self.passes() < MOST_PASSES;
             if is_on || is_missed || self.is_cut || self.meter().is_met() {
                 break;
             }
@@ -297,9 +310,10 @@ impl Progress {
         }
     }
 
-    /// Whether the present leg began where the aircraft was.
-    fn is_anew(&self) -> bool {
-        self.anew.is_some_and(|(index, _)| index == self.index)
+    /// How often the aircraft passed the end of the present leg aside of it and began the leg anew.
+    fn passes(&self) -> u32 {
+        let anew = self.anew.filter(|anew| anew.index == self.index);
+        anew.map_or(0, |anew| anew.passes)
     }
 
     /// Whether the wind is too strong to fly along the present leg.
@@ -311,21 +325,28 @@ impl Progress {
     /// Begins the mission anew where the aircraft is: the present leg leads straight from there to its end, or to the first
     /// waypoint after it that the wind does not keep the aircraft from.
     fn begin_here(&mut self, mission: &Mission<'_>, state: &MotionState, flyer: &Flyer) {
-        let legs = mission.waypoints_m.len().saturating_sub(1);
-        let ahead = (self.index..legs).take(MOST_LEGS);
-        let mut anew = ahead.map(|index| (index, state.position_m));
-        let found = anew.find(|&(index, here_m)| {
-            let anew = Some((index, here_m));
-            let leg = Laid {
-                anew,
+        let is_passed = self.leg.is_some_and(|leg| {
+            leg.position(state.position_m, state.time_s).along_m >= leg.length_m
+        });
+        let passes = self.passes() + u32::from(is_passed);
+        let from_m = state.position_m + self.wind_mps * state.time_s;
+        let last = mission.waypoints_m.len().saturating_sub(1);
+        let mut ahead = (self.index..last).take(MOST_LEGS).map(|index| Anew {
+            index,
+            from_m,
+            passes,
+        });
+        let found = ahead.find(|anew| {
+            let laid = Laid {
+                anew: Some(*anew),
                 ..self.laid(mission)
-            }
-            .leg(index);
+            };
+            let leg = laid.leg(anew.index);
             leg.is_some_and(|leg| leg.can_be_flown(self.airspeed_mps))
         });
-        if let Some((index, _)) = found {
+        if let Some(anew) = found {
             self.anew = found;
-            self.go_to(index, false, mission, state, flyer);
+            self.go_to(anew.index, false, mission, state, flyer);
         }
     }
 

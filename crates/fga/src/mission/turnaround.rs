@@ -174,7 +174,8 @@ pub(crate) fn turnaround(air: &Air<'_>, state: &MotionState, to: &Arrival) -> Op
     }
     let (needed_s, word) = best?;
     let mut maneuver = Maneuver::hold();
-    let climb_rad = climb_over(flyer, state, to, wind_mps, needed_s);
+    let (low, high) = air.climb_limits_rad;
+    let climb_rad = climb_over(flyer, state, to, wind_mps, needed_s).limited(low, high);
     let mut course_rad = state.course_rad;
     let mut at_s = state.time_s;
     for (place, turn_rad) in word.turns_rad.iter().enumerate() {

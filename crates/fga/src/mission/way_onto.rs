@@ -78,21 +78,18 @@ impl Progress {
         flyer: &Flyer,
         limits: &JoinLimits,
     ) -> Option<(Join, usize)> {
-        let before = *self;
-        self.begin_here(mission, state, flyer);
-        // The steepest way joins soonest, before a near waypoint too.
-        let limits = &JoinLimits {
+        // The steepest way joins soonest, before a near waypoint too. It need not end on the leg: guidance goes on from there.
+        let limits = JoinLimits {
             intercept_rad: FRAC_PI_2,
             ..*limits
         };
-        let found = self.way_back(mission, state, flyer, limits, MOST_LEGS);
-        // It need not end on the leg: guidance goes on from there.
+        let before = *self;
+        self.begin_here(mission, state, flyer);
+        let found = self.way_back(mission, state, flyer, &limits, MOST_LEGS);
         let found = found.filter(|_| !self.is_adrift());
         if found.is_none() {
-            *self = Self {
-                work: self.work,
-                ..before
-            };
+            let work = self.work;
+            *self = Self { work, ..before };
         }
         found
     }

@@ -38,6 +38,9 @@ const ALONGSIDE: f64 = 0.5;
 /// The mission waits at most this long for an obstacle that flies alongside, seconds.
 const LONGEST_PASS_S: f64 = 20.0;
 
+/// How long the aircraft flies straight on before it flies to the next waypoint, turn radii, nearest first.
+const AWAY_RADII: [f64; 4] = [0.0, 4.0, 12.0, 36.0];
+
 /// Memory of a way back: one that led back to the same obstacle is not repeated within this time,
 /// seconds.
 const TRIED_S: f64 = 60.0;
@@ -144,7 +147,8 @@ impl Avoider {
         // Straight to the next waypoint, as if the mission began here: no way onto the mission was found for long.
         let is_anew = is_any && given_up(plan, situation.time_s) > 1;
         let is_looked_at = detour.is_some() || is_anew;
-        let (first, from) = detour.unwrap_or((Maneuver::hold(), *now));
+        let (mut first, from) = detour.unwrap_or((Maneuver::hold(), *now));
+        let straight = Maneuver::turn(0.0, now.course_rad, 0.0);
         let intercepts_rad: &[f64] = if is_any {
             &INTERCEPTS_RAD
         } else {
@@ -163,18 +167,29 @@ impl Avoider {
             climb_limits_rad: self.climb_limits_rad(),
         };
         let before = self.progress;
-        let way = self.on_mission(|progress, flyer| {
-            let onto =
-                (!is_anew).then(|| progress.way_back(mission, &from, flyer, &limits, skipped));
-            let onto = onto.flatten().filter(|(joined, _)| joined.is_on_leg());
-            onto.or_else(|| {
-                is_any.then(|| progress.way_from_here(mission, &from, flyer, &limits))?
-            })
-        });
-        let (joined, index) = way?;
-        if !is_any && intercept_rad < SHALLOW_RAD && joined.joined_s > SHALLOW_S {
-            return None;
+        let mut way = None;
+        if !is_anew {
+            way = self.on_mission(|progress, flyer| {
+                progress.way_back(mission, &from, flyer, &limits, skipped)
+            });
+            let is_near =
+                |joined: &Join| intercept_rad >= SHALLOW_RAD || joined.joined_s <= SHALLOW_S;
+            way = way.filter(|(joined, _)| joined.is_on_leg() && (is_any || is_near(joined)));
         }
+        // A near waypoint is reached from farther away.
+        let farther = AWAY_RADII.into_iter().filter(|_| is_any);
+        for radii in farther {
+            if way.is_some() {
+                break;
+            }
+            let until_s = radii / self.flyer.course_rate_radps();
+            let from = self.after(now, &straight, until_s);
+            first = straight;
+            way = self.on_mission(|progress, flyer| {
+                progress.way_from_here(mission, &from, flyer, &limits)
+            });
+        }
+        let (joined, index) = way?;
         let back = self.fly_back(&first, (&joined, index), plan, (situation, now));
         let Some(back) = back.filter(|back| self.is_robust_back(&back.maneuver, now)) else {
             self.progress = before;
