@@ -19,7 +19,7 @@ use crate::common::{AnswerArgs, OutArgs, OverlayArgs, PolicyArgs, VehicleArgs};
 use crate::failure::Failure;
 use crate::live::LiveView;
 
-/// Exit code of a run in which the aircraft entered a protected volume.
+/// Exit code of a run in which the aircraft entered a protected volume or broke a limit of altitude.
 const ENTERED: u8 = 2;
 
 /// Options of `fga run`.
@@ -90,11 +90,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     flight_files::write_guided(&folder, &log, &overlaid, &document, guidance)?;
     args.answer
         .print(|| in_words(&log, &overlaid, &folder), &summary(&log))?;
-    Ok(if log.outcome.separated() {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(ENTERED)
-    })
+    Ok(
+        if log.outcome.separated() && log.limits_broken() == [false; 2] {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::from(ENTERED)
+        },
+    )
 }
 
 fn begin_live(plan: &Plan, policy: &PolicyChoice, speed: f64) -> Result<LiveView, Failure> {
@@ -237,6 +239,15 @@ fn describe(text: &mut String, log: &RunLog, overlaid: &[RunLog]) -> core::fmt::
             farthest.index + 1,
             farthest.distance_m
         )?;
+    }
+    let (floor_m, ceiling_m) = log.plan.world.limits_m;
+    let limits = [("floor", floor_m), ("ceiling", ceiling_m)];
+    for ((name, limit_m), _) in limits
+        .into_iter()
+        .zip(log.limits_broken())
+        .filter(|limit| limit.1)
+    {
+        writeln!(text, "{name} of {limit_m:.1} m BROKEN")?;
     }
     let times = log.decision_times();
     writeln!(

@@ -14,6 +14,7 @@
 //! | [`families`] | what goes wrong in strong wind, beside slow traffic, in formations, in gaps that close? |
 //! | [`flown`] | how many losses, needless manoeuvres and changes are there on recorded encounters? |
 //! | [`intruders`] | how many does the policy save when intruders turn, sight is imperfect, air is gusty? |
+//! | [`proven`] | is the resilience in a record true? |
 //! | [`returns`] | does every aircraft return to its mission once nothing is near? |
 //! | [`missions`] | how much of a mission is flown, and does the aircraft come back to it? |
 
@@ -27,6 +28,7 @@ mod intruders;
 mod lost;
 mod missions;
 mod oracle;
+mod proven;
 mod quality;
 mod returns;
 mod robustness;
@@ -65,6 +67,8 @@ enum Experiment {
     Flown(flown::FlownArgs),
     /// Count the encounters that the policy saves among intruders that turn, with imperfect sight and gusts.
     Intruders(intruders::IntrudersArgs),
+    /// Count the claims of a resilience that do not hold when the aircraft do exactly what it covers.
+    Proven(proven::ProvenArgs),
     /// Count the drawn flights in which an aircraft does not return to its mission once nothing is near.
     Returns(returns::ReturnsArgs),
     /// Measure the share of each leg that is flown, and the way back to short and curved legs.
@@ -84,6 +88,10 @@ fn main() -> ExitCode {
         Experiment::Flown(args) => flown::run(&args),
         Experiment::Intruders(args) => {
             intruders::run(&args);
+            Ok(())
+        }
+        Experiment::Proven(args) => {
+            proven::run(&args);
             Ok(())
         }
         Experiment::Returns(args) => {

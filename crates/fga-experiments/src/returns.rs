@@ -472,7 +472,7 @@ impl Flight {
                     flier.is_complete && flier.end_m > FLOWN_M,
                     &mut count.end_missed,
                 ),
-                (flier.is_low(), &mut count.low),
+                (flier.lowest_m < flier.floor_m() - 0.1, &mut count.low),
             ];
             for (is_fault, numbers) in faults {
                 if is_fault {
@@ -490,7 +490,10 @@ impl Flier {
             time_s,
             ownship: self.plant.ownship(),
             obstacles: Obstacles::Rows(obstacles),
-            mission: Mission::new(&self.mission_m),
+            mission: Mission {
+                limits_m: (self.floor_m(), f64::INFINITY),
+                ..Mission::new(&self.mission_m)
+            },
             wind_mps,
         });
         self.state = decision.state;
@@ -551,14 +554,14 @@ impl Flier {
         self.after_s > LANDS_S
     }
 
-    /// Whether it was lower than the default floor: 30 m below the lowest waypoint.
-    fn is_low(&self) -> bool {
+    /// The default floor: 30 m below the lowest waypoint, metres.
+    fn floor_m(&self) -> f64 {
         let lowest_m = self
             .mission_m
             .iter()
             .map(|waypoint| waypoint.z)
             .fold(f64::INFINITY, f64::min);
-        self.lowest_m < lowest_m - 30.0
+        lowest_m - 30.0
     }
 }
 
@@ -597,7 +600,7 @@ mod tests {
     #[test]
     fn d1_with_nothing_near_every_aircraft_returns() {
         for (count, family) in counted(500, 1).iter().zip(FAMILIES) {
-            let faults = [&count.stuck, &count.strayed, &count.open];
+            let faults = [&count.stuck, &count.strayed, &count.open, &count.low];
             assert!(
                 faults.iter().all(|numbers| numbers.is_empty()),
                 "{}",

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::TomlText;
-use crate::vehicle::{NoiseTable, SensorTable, WindTable};
+use crate::vehicle::{LimitsTable, NoiseTable, SensorTable, WindTable};
 
 /// A scenario file.
 #[derive(Debug, Clone, Deserialize)]
@@ -32,6 +32,9 @@ pub struct ScenarioFile {
     pub mission: MissionTable,
     /// The aircraft at the start.
     pub start: Option<StartTable>,
+    /// Altitudes of the flight.
+    #[serde(default)]
+    pub limits: LimitsTable,
     /// The wind.
     pub wind: Option<WindTable>,
     /// Noise of the sensor.

@@ -30,6 +30,9 @@ pub struct VehicleFile {
     pub decision_period_s: Option<Spanned<f64>>,
     /// Volume about an obstacle that gives none.
     pub protection: Protection,
+    /// Altitudes of every flight.
+    #[serde(default)]
+    pub limits: LimitsTable,
     /// Weights of the paper's cost.
     #[serde(default)]
     pub cost: Cost,
@@ -74,6 +77,16 @@ pub struct Protection {
     pub radius_m: Spanned<f64>,
     /// Half of a cylinder's height, metres.
     pub half_height_m: Option<Spanned<f64>>,
+}
+
+/// `[limits]` of altitude.
+#[derive(Debug, Clone, Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub struct LimitsTable {
+    /// Lowest altitude of a manoeuvre, metres.
+    pub floor_m: Option<Spanned<f64>>,
+    /// Highest altitude of a manoeuvre, metres.
+    pub ceiling_m: Option<Spanned<f64>>,
 }
 
 /// `[cost]`: weights, without unit.

@@ -38,6 +38,7 @@ pub fn to_json(
         "threat": threat,
         "latest_start_s": record.latest_start_s,
         "resilience": record.resilience,
+        "straight_aircraft": record.straight_aircraft,
         "in_need": record.in_need,
         "clock_set_back": record.clock_set_back,
         "start_s": record.start_s,

@@ -506,6 +506,7 @@ impl Situation {
             mission: CoreMission {
                 waypoints_m: &mission.waypoints_m,
                 passing: &mission.passing,
+                ..CoreMission::new(&mission.waypoints_m)
             },
             wind_mps: self.wind_mps,
         })

@@ -79,6 +79,7 @@ pub fn summary(log: &RunLog) -> Value {
             })
         })
         .collect();
+    let [floor_broken, ceiling_broken] = log.limits_broken();
     json!({
         "name": log.plan.name,
         "policy": log.policy,
@@ -94,6 +95,8 @@ pub fn summary(log: &RunLog) -> Value {
         "extra_path_m": outcome.extra_path_m,
         "mission_flown": outcome.mission_flown,
         "waypoints_missed": outcome.waypoints_missed,
+        "floor_broken": floor_broken,
+        "ceiling_broken": ceiling_broken,
         "end_s": outcome.end_s,
         "decisions": log.decisions.len(),
         "decision_median_us": times.median_us,

@@ -133,6 +133,7 @@ fn line_of(world: &World) -> (Vec<Vec3>, f64) {
     let mission = Mission {
         waypoints_m: mission_m,
         passing: &world.passing,
+        ..Mission::new(mission_m)
     };
     let length_m: f64 = mission_m
         .windows(2)

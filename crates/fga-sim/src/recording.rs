@@ -120,6 +120,7 @@ pub fn plan(
         world: World {
             mission_m,
             passing: Vec::new(),
+            limits_m: model.limits_m,
             start: StartState {
                 position_m,
                 course_rad: course_of(air_mps),

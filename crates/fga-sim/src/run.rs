@@ -63,6 +63,9 @@ impl Plan {
     }
 }
 
+/// Accuracy of an altitude at a limit, metres.
+const LIMIT_KNOWN_M: f64 = 0.1;
+
 /// A logged decision.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecisionLog {
@@ -231,6 +234,19 @@ pub fn fly(
 }
 
 impl RunLog {
+    /// Whether the aircraft flew below the floor, and above the ceiling, by more than the accuracy of the samples, once it was
+    /// between them.
+    pub fn limits_broken(&self) -> [bool; 2] {
+        let (floor_m, ceiling_m) = self.plan.world.limits_m;
+        let heights_m = self.samples.iter().map(|sample| sample.position_m.z);
+        let broken = |beyond_m: &dyn Fn(f64) -> f64| {
+            let outside = |z_m: &f64| beyond_m(*z_m) > 0.0;
+            let mut since_inside = heights_m.clone().skip_while(outside);
+            since_inside.any(|z_m| beyond_m(z_m) > LIMIT_KNOWN_M)
+        };
+        [broken(&|z_m| floor_m - z_m), broken(&|z_m| z_m - ceiling_m)]
+    }
+
     /// The conflicts of the flight, in time order.
     pub fn conflicts(&self) -> Vec<Conflict> {
         conflict::of(&self.decisions)
@@ -297,5 +313,89 @@ mod tests {
             }
         }
         assert!(against_threats > 10);
+    }
+
+    fn flown(scenario: &str, vehicle: Option<VehicleModel>) -> RunLog {
+        let text = TomlText::new(Path::new("a.toml"), scenario);
+        let plan = scenario::parse(text, vehicle).unwrap();
+        fly(plan, &PolicyChoice::default(), &mut |_| ()).unwrap()
+    }
+
+    /// An earlier version flew 8.8 km away: no way back closed in the wind.
+    #[test]
+    fn d1_in_a_crosswind_near_the_airspeed_it_returns() {
+        let log = flown(
+            "name = 'a'\nduration_s = 1500.0\n[mission]\nwaypoints_m = [[0, 0, 100], [2000, 0, 100]]\n\
+             [wind]\nnorth_mps = 14.0\n[[obstacle]]\nposition_m = [2000, 0, 100]\n\
+             velocity_mps = [-15, 0, 0]\nradius_m = 150.0\n",
+            None,
+        );
+        assert!(log.outcome.mission_flown, "{:?}", log.outcome);
+        assert!(log.outcome.max_cross_track_m < 300.0, "{:?}", log.outcome);
+    }
+
+    /// An earlier version flew in circles: each way back led behind the mast.
+    #[test]
+    fn d5_past_a_mast_in_a_strong_headwind_it_goes_on() {
+        let vehicle = "name = 'slow'\nairspeed_mps = 10.0\nturn_radius_m = 18.0\nclimb_min_deg = 0.0\n\
+                       climb_max_deg = 0.0\n[protection]\nradius_m = 22.0\n";
+        let vehicle = VehicleModel::parse(TomlText::new(Path::new("v.toml"), vehicle)).unwrap();
+        let log = flown(
+            "name = 'a'\nduration_s = 1500.0\n[mission]\nwaypoints_m = [[0, 0, 0], [400, 0, 0]]\n\
+             [wind]\neast_mps = -4.067\nnorth_mps = 8.028\n[[obstacle]]\nmovement = 'still'\n\
+             position_m = [200, 7.3, 0]\nradius_m = 22.0\n",
+            Some(vehicle),
+        );
+        assert!(
+            log.outcome.mission_flown && log.outcome.separated(),
+            "{:?}",
+            log.outcome
+        );
+    }
+
+    /// An earlier version counted a last waypoint as passed however far aside it was.
+    #[test]
+    fn d10_a_conflict_at_the_end_of_a_mission_leaves_no_waypoint_out() {
+        let vehicles = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../vehicles");
+        let vehicle = VehicleModel::read(&vehicles.join("apprentice-15e.toml")).unwrap();
+        let log = flown(
+            "name = 'a'\nduration_s = 600.0\n[mission]\nwaypoints_m = [[0, 0, 0], [371.4, 0, 0]]\n\
+             [[obstacle]]\nmovement = 'uas'\nposition_m = [86.7, 289.3, 0]\n\
+             velocity_mps = [11.337, -12.069, 0]\nradius_m = 30.0\n",
+            Some(vehicle),
+        );
+        assert!(log.outcome.mission_flown, "{:?}", log.outcome);
+    }
+
+    /// A tall obstacle below a ceiling: only a descent is short, and the floor ends it.
+    #[test]
+    fn d1_no_manoeuvre_leaves_the_altitudes_of_the_file() {
+        let with = |limits: &str| {
+            format!(
+                "name = 'a'\nduration_s = 120.0\n[mission]\nwaypoints_m = [[0, 0, 100], [1500, 0, 100]]\n{limits}\
+                 [[obstacle]]\nposition_m = [600, 0, 110]\nvelocity_mps = [-10, 0, 0]\nradius_m = 40.0\n"
+            )
+        };
+        let lowest_m = |log: &RunLog| {
+            let heights_m = log.samples.iter().map(|sample| sample.position_m.z);
+            heights_m.fold(f64::INFINITY, f64::min)
+        };
+        let free = flown(&with("[limits]\nfloor_m = 0\n"), None);
+        assert!(lowest_m(&free) < 90.0, "{}", lowest_m(&free));
+        let limited = flown(&with("[limits]\nfloor_m = 95\n"), None);
+        assert!(lowest_m(&limited) >= 95.0, "{}", lowest_m(&limited));
+        assert_eq!(limited.limits_broken(), [false; 2]);
+        assert!(limited.outcome.separated() && limited.outcome.mission_flown);
+        let text = with("[limits]\nfloor_m = 100\n");
+        let error = scenario::parse(TomlText::new(Path::new("a.toml"), &text), None).unwrap_err();
+        assert!(
+            error.to_string().contains("inside the limits of altitude"),
+            "{error}"
+        );
+        let low = flown(
+            &with("[start]\nposition_m = [0, 0, 60]\n[limits]\nfloor_m = 80\n"),
+            None,
+        );
+        assert!(low.outcome.mission_flown && low.limits_broken() == [false; 2]);
     }
 }

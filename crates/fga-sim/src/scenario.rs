@@ -26,7 +26,7 @@
 //! Local frame: x east, y north, z up, metres. With `[origin] latitude_deg, longitude_deg,
 //! altitude_m` places may be geodetic: `waypoints_deg = [[latitude, longitude, altitude_m], …]` and
 //! `position_deg`. A moving obstacle has `velocity_mps`, or a `track_m = [[t, x, y, z], …]`, which
-//! also bounds its existence. Optional: `seed`, `[start]`, `[wind]`, `[noise]`, `[sensor]`, with
+//! also bounds its existence. Optional: `seed`, `[start]`, `[limits] floor_m, ceiling_m`, `[wind]`, `[noise]`, `[sensor]`, with
 //! the keys of vehicle files. An unknown key is an error.
 
 use std::path::Path;
@@ -50,6 +50,12 @@ use crate::world::{Ending, StartState, World, WorldObstacle};
 
 /// Longest flight, seconds.
 const LONGEST_S: f64 = 86_400.0;
+
+/// The floor of a file that gives none lies this far below the mission and the start, metres.
+const FLOOR_BELOW_M: f64 = 30.0;
+
+/// A mission is flown so far inside of the limits of altitude, metres.
+const INSIDE_M: f64 = 1.0;
 
 /// Reads a scenario; `vehicle` replaces the vehicle in the file.
 ///
@@ -105,6 +111,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
         model.sensor,
     )?;
     let start = start_state(&file, &places, &model, &mission_m, wind_mps)?;
+    let limits_m = limits_m(&file, &text, &model, (&mission_m, start.position_m))?;
     let mut names = Vec::new();
     let mut obstacles: Vec<WorldObstacle> = Vec::new();
     for (entry, number) in file.obstacle.iter().zip(1..) {
@@ -145,6 +152,7 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
         world: World {
             mission_m,
             passing,
+            limits_m,
             start,
             vehicle: model.vehicle,
             autopilot: model.autopilot,
@@ -161,6 +169,31 @@ pub fn parse(text: TomlText<'_>, vehicle: Option<VehicleModel>) -> Result<Plan, 
         },
         model,
     })
+}
+
+/// The lowest and the highest altitude of a manoeuvre, metres: of this file, else of the vehicle's; without a floor in either one
+/// below the mission and the start.
+fn limits_m(
+    file: &ScenarioFile,
+    text: &TomlText<'_>,
+    model: &VehicleModel,
+    (mission_m, start_m): (&[Vec3], Vec3),
+) -> Result<(f64, f64), InputError> {
+    let (own_floor_m, own_ceiling_m) = file.limits.checked(text)?;
+    let heights_m = mission_m.iter().map(|waypoint| waypoint.z);
+    let lowest_m = heights_m.clone().fold(f64::INFINITY, f64::min);
+    let highest_m = heights_m.fold(f64::NEG_INFINITY, f64::max);
+    let below_m = lowest_m.min(start_m.z) - FLOOR_BELOW_M;
+    let given = |limits: [f64; 2]| limits.into_iter().find(|limit_m| limit_m.is_finite());
+    let floor_m = given([own_floor_m, model.limits_m.0]).unwrap_or(below_m);
+    let ceiling_m = given([own_ceiling_m, model.limits_m.1]).unwrap_or(f64::INFINITY);
+    if lowest_m < floor_m + INSIDE_M || highest_m > ceiling_m - INSIDE_M {
+        return Err(text.error(format!(
+            "mission is flown from {lowest_m} to {highest_m} m, expected at least {INSIDE_M} m inside the limits of altitude, \
+             {floor_m} to {ceiling_m} m"
+        )));
+    }
+    Ok((floor_m, ceiling_m))
 }
 
 /// Places of a file, local or geodetic.

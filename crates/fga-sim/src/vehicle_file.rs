@@ -44,6 +44,8 @@ pub struct VehicleModel {
     pub settings: PolicySettings,
     /// The protected volume about each obstacle.
     pub protection: ProtectedVolume,
+    /// The lowest and the highest altitude of a manoeuvre, metres; infinite without a limit.
+    pub limits_m: (f64, f64),
     /// Velocity of the air over the ground, metres per second.
     pub wind_mps: Vec3,
     /// The sensor.
@@ -137,6 +139,7 @@ impl VehicleModel {
             vehicle,
             settings: settings(&file, &text)?,
             protection: file.protection.checked(&text)?,
+            limits_m: file.limits.checked(&text)?,
             wind_mps: file.wind.checked(&text)?,
             sensor: sensor(&file.sensor, &file.noise, &text, SensorSettings::default())?,
             more_sensors: Vec::new(),

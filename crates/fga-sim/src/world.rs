@@ -46,6 +46,8 @@ pub struct World {
     pub mission_m: Vec<Vec3>,
     /// How the aircraft passes each waypoint; fly-by beyond the end of this list.
     pub passing: Vec<Passing>,
+    /// The lowest and the highest altitude of a manoeuvre, metres; infinite without a limit.
+    pub limits_m: (f64, f64),
     /// The aircraft at the start.
     pub start: StartState,
     /// The aircraft's limits.

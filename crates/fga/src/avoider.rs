@@ -30,12 +30,12 @@ pub use tracks::{MAX_TRACKED, Tracks};
 use crate::Vec3;
 use crate::angle::Side;
 use crate::certificate::{Asked, Certificate, Hazard, certify_set};
-use crate::maneuver::Maneuver;
+use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::Progress;
 use crate::prediction::{FlightPath, Flyer, MotionState, flown};
 use crate::search::Proof;
-use crate::situation::Situation;
+use crate::situation::{Ownship, Situation};
 use crate::vehicle::Vehicle;
 
 /// A step finishes when all but one part in this many of its work is done.
@@ -314,6 +314,7 @@ impl Avoider {
         } else {
             self.decide(situation, kept)
         };
+        self.level_off(situation, &mut decision.command);
         decision.record.work.work = self.meter.done();
         decision.record.work.limit_met |= self.meter.is_met();
         decision.record.clock_set_back = *clock_set_back;
@@ -396,7 +397,67 @@ impl Avoider {
             None => self.tracks.load(situation, limits.0, limits.1, sigmas),
             Some(kept) => self.tracks.load_kept(kept, situation, limits, sigmas),
         }
+        if self.vehicle.climb_min_rad < self.vehicle.climb_max_rad {
+            // What it can no longer keep above, or is already below, leads back all the same.
+            let [lowest_m, highest_m] = self.levels_m(&situation.ownship);
+            let apart_m = 2.0 * self.wanted_m;
+            let (floor_m, ceiling_m) = situation.mission.limits_m;
+            let limits_m = [
+                floor_m.min(lowest_m - apart_m),
+                ceiling_m.max(highest_m + apart_m),
+            ];
+            self.tracks.stay_between(limits_m, situation);
+        }
         self.meter.count(self.tracks.work());
+    }
+
+    /// The lowest and the highest altitude that the aircraft comes to if it levels off after the next step, metres.
+    fn levels_m(&self, own: &Ownship) -> [f64; 2] {
+        let (sin, cos) = libm::sincos(own.climb_rad);
+        let rate_radps = self.flyer.climb_rate_radps().max(f64::MIN_POSITIVE);
+        let levels_m = self.flyer.airspeed_mps() * (1.0 - cos) / rate_radps;
+        let period_s = self.settings.decision_period_s;
+        // The climb angle changes meanwhile, at most.
+        let steps_m =
+            self.flyer.airspeed_mps() * period_s * (sin.abs() + 2.0 * rate_radps * period_s);
+        let z_m = own.position_m.z;
+        let down_m = if sin < 0.0 { levels_m } else { 0.0 };
+        let up_m = if sin > 0.0 { levels_m } else { 0.0 };
+        [z_m - down_m - steps_m, z_m + up_m + steps_m]
+    }
+
+    /// Levels a command off at the mission's limits of altitude, whatever is known about it.
+    fn level_off(&self, situation: &Situation<'_>, command: &mut Maneuver) {
+        let own = &situation.ownship;
+        let [lowest_m, highest_m] = self.levels_m(own);
+        let (floor_m, ceiling_m) = situation.mission.limits_m;
+        let low = if lowest_m < floor_m {
+            0.0
+        } else {
+            f64::NEG_INFINITY
+        };
+        let high = if highest_m > ceiling_m {
+            0.0
+        } else {
+            f64::INFINITY
+        };
+        if low.is_infinite() && high.is_infinite() {
+            return;
+        }
+        let held = Maneuver::turn(0.0, own.course_rad, own.climb_rad);
+        let asked = if command.stage_at(0.0).is_some() {
+            *command
+        } else {
+            held
+        };
+        *command = Maneuver::hold();
+        for stage in asked.stages() {
+            let climb_rad = stage.climb_rad.max(low).min(high);
+            command.push(Stage {
+                climb_rad,
+                ..*stage
+            });
+        }
     }
 
     /// Surveillance radius, metres, and horizon, seconds.

@@ -227,6 +227,9 @@ pub struct Mission<'a> {
     pub waypoints_m: &'a [Vec3],
     /// The passing of each waypoint; fly-by beyond the end of this list.
     pub passing: &'a [Passing],
+    /// The lowest and the highest altitude that a manoeuvre may come to, metres; infinite without a limit. The waypoints lie
+    /// between them, by more than the distance kept beyond volumes.
+    pub limits_m: (f64, f64),
 }
 
 impl<'a> Mission<'a> {
@@ -235,6 +238,7 @@ impl<'a> Mission<'a> {
         Self {
             waypoints_m,
             passing: &[],
+            limits_m: (f64::NEG_INFINITY, f64::INFINITY),
         }
     }
 }

@@ -5,8 +5,8 @@ use fga::situation::ProtectedVolume;
 use fga::vehicle::Response;
 use fga_files::TomlText;
 use fga_files::vehicle::{
-    AutopilotKind, AutopilotTable, Grid, NoiseTable, Protection, ResponseTable, SensorTable,
-    WindTable,
+    AutopilotKind, AutopilotTable, Grid, LimitsTable, NoiseTable, Protection, ResponseTable,
+    SensorTable, WindTable,
 };
 use fga_formats::InputError;
 use fga_paper::pilot::GridSteps;
@@ -114,6 +114,26 @@ impl Checked for Protection {
                 half_height_m: text.positive("half_height_m", half_height)?,
             },
         })
+    }
+}
+
+impl Checked for LimitsTable {
+    type Meaning = (f64, f64);
+
+    fn checked(&self, text: &TomlText<'_>) -> Result<(f64, f64), InputError> {
+        let limit = |key, value: &Option<Spanned<f64>>, otherwise| {
+            let known = |value| text.within(key, value, (-1000.0, 50_000.0));
+            value.as_ref().map_or(Ok(otherwise), known)
+        };
+        let floor_m = limit("floor_m", &self.floor_m, f64::NEG_INFINITY)?;
+        let ceiling_m = limit("ceiling_m", &self.ceiling_m, f64::INFINITY)?;
+        match &self.ceiling_m {
+            Some(ceiling) if ceiling_m <= floor_m => Err(text.error_at(
+                ceiling,
+                format!("ceiling_m is {ceiling_m}, expected more than floor_m, {floor_m}"),
+            )),
+            _ => Ok((floor_m, ceiling_m)),
+        }
     }
 }
 

@@ -59,6 +59,7 @@ fn world(waypoints_m: &[[f64; 2]], passing: Passing, duration_s: f64) -> World {
     let plan = fga_sim::scenario::parse(TomlText::new(path, &text), None).unwrap();
     World {
         passing: vec![passing; waypoints_m.len()],
+        limits_m: (f64::NEG_INFINITY, f64::INFINITY),
         ..plan.world
     }
 }

@@ -136,9 +136,11 @@ pub struct Record {
     /// The best manoeuvre to the other side, if there was a search for it.
     pub alternative: Option<Candidate>,
     /// Share of the bounds of aircraft that the manoeuvre withstands, from 0 (the expected motion)
-    /// to 1 (turns and changes of climb up to their bounds); `None` without a manoeuvre or without
-    /// an aircraft among the obstacles.
+    /// to 1 (turns and changes of climb up to their bounds), as its certificate shows; `None` without a certified
+    /// manoeuvre, on the way back, without an aircraft among the obstacles, and where some count as flying straight on.
     pub resilience: Option<f64>,
+    /// Number of aircraft that count as flying straight on, because only the turns of the nearest ones are considered.
+    pub straight_aircraft: u32,
     /// Whether the limits in need apply: nothing was certified with the normal ones.
     pub in_need: bool,
     /// Whether the situation's clock was set back by more than a second since the last step: the avoider forgot its plan.

@@ -19,6 +19,12 @@ const COASTED_S: f64 = 2.0;
 /// Work for learning an obstacle's motion.
 const LEARN_WORK: usize = 8;
 
+/// Radius of a limit of altitude, metres: within some kilometres its surface is flat to a centimetre.
+const FLAT_M: f64 = 1e9;
+
+/// The centre of a limit of altitude lies on a grid, so that it stays from step to step, metres.
+const FLAT_WITHIN_M: f64 = 1e4;
+
 /// How near to the centre of a volume the aircraft may come again while leaving it, as a share of its offset.
 const LEAVING_SHARE: f64 = 0.98;
 
@@ -63,6 +69,8 @@ pub struct Tracks {
     moving: bool,
     /// Number of aircraft among them.
     aircraft: usize,
+    /// Number of limits of altitude among them.
+    limits: usize,
     /// Work for taking in the obstacles of this step.
     work: usize,
     /// The farthest hazard of a full set: its index and distance, metres.
@@ -102,6 +110,7 @@ impl Tracks {
             motions: Motions::new(),
             moving: false,
             aircraft: 0,
+            limits: 0,
             work: 0,
             farthest: None,
             distances_m: [0.0; MAX_TRACKED],
@@ -118,7 +127,7 @@ impl Tracks {
         self.hazards.clear();
         self.motions.clear();
         self.moving = false;
-        self.aircraft = 0;
+        (self.aircraft, self.limits) = (0, 0);
         self.work = 0;
         (self.farthest, self.has_distances) = (None, false);
         self.seen = 0;
@@ -145,6 +154,12 @@ impl Tracks {
     /// Whether any obstacle is an aircraft, which may depart from its expected motion.
     pub(super) const fn has_aircraft(&self) -> bool {
         self.aircraft > 0
+    }
+
+    /// The number of aircraft without room for their turns: they count as flying straight on.
+    pub(super) fn straight_aircraft(&self) -> u32 {
+        let room = Motions::room_for(self.hazards.rows().len());
+        u32::try_from(self.aircraft.saturating_sub(room)).unwrap_or(u32::MAX)
     }
 
     /// Whether every aircraft of some moves away from ours.
@@ -210,7 +225,40 @@ impl Tracks {
 
     /// Number of obstacles.
     pub(super) fn obstacle_count(&self) -> usize {
-        self.hazards.rows().len()
+        self.hazards.rows().len() - self.limits
+    }
+
+    /// Adds the altitudes between which the aircraft stays, metres: a floor and a ceiling are obstacles like any other, spheres so
+    /// large that they are flat.
+    pub(super) fn stay_between(&mut self, limits_m: [f64; 2], situation: &Situation<'_>) {
+        let own_m = situation.ownship.position_m;
+        for (side, limit_m) in [-1.0, 1.0].into_iter().zip(limits_m) {
+            let place = self.hazards.rows().len();
+            if place >= MAX_TRACKED || !limit_m.is_finite() {
+                continue;
+            }
+            let [x, y] =
+                [own_m.x, own_m.y].map(|at_m| FLAT_WITHIN_M * libm::rint(at_m / FLAT_WITHIN_M));
+            let volume = ProtectedVolume::Sphere { radius_m: FLAT_M };
+            let limit = Obstacle {
+                movement: Movement::AtRest,
+                ..Obstacle::new(
+                    u32::MAX,
+                    Vec3::new(x, y, limit_m + side * FLAT_M),
+                    Vec3::ZERO,
+                    volume,
+                )
+            };
+            self.limits += 1;
+            let index = u32::try_from(place).unwrap_or(u32::MAX);
+            self.hazards
+                .put(place, Hazard::new(index, &limit, situation.wind_mps, 0.0));
+            if let Some((known, trend)) =
+                self.obstacles.get_mut(place).zip(self.trend.get_mut(place))
+            {
+                (*known, *trend) = (limit, Trend::STRAIGHT);
+            }
+        }
     }
 
     /// Work for taking in the obstacles of this step.

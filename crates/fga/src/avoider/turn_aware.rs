@@ -6,7 +6,6 @@ mod depth;
 mod detour;
 mod farther;
 mod foresight;
-mod glance;
 mod holding;
 mod need;
 mod room;
@@ -519,7 +518,10 @@ impl Avoider {
             closest_s: threat.closest_s - elapsed_s,
             ..threat
         });
-        record.resilience = self.tracks.has_aircraft().then_some(plan.resilience);
+        record.straight_aircraft = self.tracks.straight_aircraft();
+        let is_shown = self.state == State::Avoiding && plan.proof == Proof::Certified;
+        let is_all = self.tracks.has_aircraft() && record.straight_aircraft == 0;
+        record.resilience = (is_shown && is_all).then_some(plan.resilience);
         record.start_s = Some(plan.start_s - time_s);
         record.latest_start_s = plan.latest_start_s.map(|latest_s| latest_s - time_s);
         record.chosen = Some(Candidate {

@@ -422,6 +422,7 @@ impl Avoider {
                         maneuver,
                         decided_s: situation.time_s,
                         margin_m,
+                        resilience: share,
                         ..*plan
                     });
                 }
