@@ -622,6 +622,21 @@ impl Progress {
             leg = laid.leg(index)?;
             ahead = corner(&laid, index, &leg, air);
         }
+        let end_s = straight_s + (leg.length_m - along_m) / leg.ground_speed_mps.max(0.1);
+        if ahead.is_none()
+            && leg.climb_rad != 0.0
+            && end_s < horizon_s
+            && maneuver.room() > ROOM_TO_AVOID
+        {
+            // Beyond the last waypoint it flies level.
+            let start_s = end_s.max(straight_s);
+            let last = *maneuver.stages().last()?;
+            maneuver.push(Stage {
+                start_s,
+                climb_rad: 0.0,
+                ..last
+            });
+        }
         turned
     }
 }

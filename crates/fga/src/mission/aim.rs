@@ -4,7 +4,6 @@
 //! predicted flight then confirms the one join that the search chose.
 
 use core::cell::OnceCell;
-use core::f64::consts::PI;
 
 use crate::Vec3;
 use crate::angle::wrap_pi;
@@ -167,30 +166,6 @@ impl Turns<'_> {
             }
             made.get()?.as_ref()
         })
-    }
-
-    /// How far aside of a leg the aircraft comes at least before it flies along it or towards it, metres: it turns at once, to
-    /// the nearer side.
-    pub(super) fn least_aside_m(&self, leg: &Leg, state: &MotionState) -> f64 {
-        let flyer = self.flyer;
-        let cross_m = leg.position(state.position_m, state.time_s).cross_m;
-        let away = libm::copysign(1.0, cross_m);
-        let drift_mps = leg.cross_speed_mps(flyer.airspeed_mps(), leg.course_rad);
-        // From the course along the leg up to the one back along it, turned by so much, the aircraft flies away from it.
-        let turned_rad = -away * leg.turn_onto_rad(state);
-        let back_rad = PI - 2.0 * away * wrap_pi(leg.air_course_rad - leg.course_rad);
-        let rolls_out_rad = flyer.rollout_rad(flyer.full_bank_rad());
-        let along = along(state.course_rad);
-        let farther_m = |side: f64, by_rad: f64| {
-            let bend = self.bend(side);
-            let exit = bend.and_then(|bend| bend.exit(by_rad + rolls_out_rad));
-            let exit = exit.unwrap_or_default();
-            let turning = Turning { along, side, exit };
-            away * (leg.left_of(turning.turned_m(exit.at_m)) + drift_mps * exit.begins_s)
-        };
-        let along_m = farther_m(-away, turned_rad);
-        let back_m = farther_m(away, back_rad - turned_rad);
-        cross_m.abs() + along_m.min(back_m).max(0.0)
     }
 
     /// The moments of a join, exact for level flight without lag, and its two turns.
@@ -434,47 +409,6 @@ mod tests {
                 prop_assert!(off_m < most_m, "{off_m} m off at {at_s} s of {way:?}");
             }
             prop_assert!(above_m != 0.0 || exact.cross_m.abs() < 0.05, "{exact:?}");
-        }
-
-        /// No way onto a leg departs less than it must, to a twentieth of a turn radius.
-        #[test]
-        fn no_way_departs_less_than_it_must(
-            lag_s in prop_oneof![Just(0.0), 0.2..1.0f64],
-            bank in -1.0..1.0f64,
-            (cross_m, course_rad) in (-300.0..300.0f64, -3.1..3.1f64),
-            intercept_rad in 0.1..1.5f64,
-            wind_mps in prop_oneof![Just(0.0), -6.0..6.0f64],
-        ) {
-            let vehicle = Vehicle::lagged(lag_s);
-            let mut flyer = Flyer::new(&vehicle);
-            let bank_rad = bank * flyer.full_bank_rad();
-            flyer.keep_rolls_from(bank_rad);
-            let state = MotionState {
-                position_m: Vec3::new(0.0, cross_m, 0.0),
-                course_rad,
-                ..MotionState::ahead(bank_rad)
-            };
-            let speed_mps = vehicle.airspeed_mps;
-            let wind_mps = Vec3::new(0.0, wind_mps, 0.0);
-            let leg = Leg::endless(Vec3::ZERO, 0.0, speed_mps, wind_mps);
-            let limits = JoinLimits { intercept_rad, climb_limits_rad: (0.0, 0.0) };
-            let meter = Meter::unlimited();
-            let least_m = with_turns(&flyer, &state, &meter, |turns| turns.least_aside_m(&leg, &state));
-            let joined = join(&flyer, &leg, &state, &limits, &meter);
-            let aside_m = |step: u32| {
-                let at_s = joined.joined_s * f64::from(step) / 200.0;
-                let there = flown(&flyer, &state, &joined.maneuver, at_s, &meter);
-                leg.position(there.position_m, there.time_s).cross_m.abs()
-            };
-            let most_m = (0..=200).map(aside_m).fold(0.0, f64::max);
-            let within_m = 0.05 * flyer.turn_radius_m();
-            prop_assert!(least_m < most_m + within_m, "{least_m} m, not {most_m} m");
-            // Beyond the turn there is a way that departs hardly more.
-            let is_far = cross_m.abs() > 150.0 && joined.is_on_leg();
-            let is_away = course_rad.abs() < 1.0 && course_rad * cross_m > 0.0;
-            if is_far && is_away {
-                prop_assert!(least_m > 0.9 * most_m, "{least_m} m, not {most_m} m");
-            }
         }
     }
 }

@@ -1,10 +1,8 @@
 //! The distance of a way back from the mission.
 
-use super::aim::Turns;
 use super::{MOST_LEGS, Progress, Way};
 use crate::Vec3;
 use crate::limit::Limit as _;
-use crate::prediction::MotionState;
 use crate::situation::Mission;
 
 /// Most work for measuring one way back, for each leg from which it is measured.
@@ -35,22 +33,6 @@ impl Progress {
             farthest_m = farthest_m.max(self.aside_m(mission, last, (place.at_m, place.at_s)));
         }
         farthest_m
-    }
-
-    /// What every way from a state onto one of the `last` legs after the present one departs from the mission, metres, or some of
-    /// it that is at least `enough_m`: what the aircraft does now, and what it does before it can fly along the present leg where
-    /// that is the only one.
-    pub(crate) fn least_departure_m(
-        &mut self,
-        mission: &Mission<'_>,
-        turns: &Turns<'_>,
-        state: &MotionState,
-        (last, enough_m): (usize, f64),
-    ) -> f64 {
-        let here_m = self.aside_m(mission, last, (state.position_m, state.time_s));
-        let is_only = last == 0 || mission.waypoints_m.len() <= self.index + 2;
-        let leg = self.leg.filter(|_| is_only && here_m < enough_m);
-        leg.map_or(here_m, |leg| here_m.max(turns.least_aside_m(&leg, state)))
     }
 
     /// Distance of a place in the air, metres, at a time, seconds from the decision, from the present leg and the `last`

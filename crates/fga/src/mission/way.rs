@@ -2,6 +2,7 @@
 
 use super::aim::{Shot, Turning, Turns};
 use crate::Vec3;
+use crate::certificate::Line;
 use crate::prediction::{Bend, Flyer, MotionState};
 
 /// Places on each of the two turns.
@@ -20,6 +21,8 @@ pub(crate) struct Place {
     pub at_m: Vec3,
     /// Seconds from the decision.
     pub at_s: f64,
+    /// How far the flight bows from the line that leads here, metres.
+    bow_m: f64,
 }
 
 /// Where a join leads, about.
@@ -38,6 +41,7 @@ impl Way {
         self.push(Place {
             at_m: state.position_m,
             at_s: state.time_s,
+            bow_m: 0.0,
         });
     }
 
@@ -56,6 +60,21 @@ impl Way {
     /// The last place.
     pub(crate) fn end(&self) -> Option<&Place> {
         self.places().last()
+    }
+
+    /// The lines between the places, and how far the flight bows from each, metres.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = (Line, f64)> {
+        self.places().windows(2).filter_map(|pair| {
+            let [from, to] = pair else { return None };
+            let duration_s = to.at_s - from.at_s;
+            let line = Line {
+                from_m: from.at_m,
+                velocity_mps: (to.at_m - from.at_m) / duration_s,
+                at_s: from.at_s,
+                duration_s,
+            };
+            (duration_s > 0.0).then_some((line, to.bow_m))
+        })
     }
 }
 
@@ -81,13 +100,13 @@ impl Turns<'_> {
 struct Walk<'a> {
     way: &'a mut Way,
     airspeed_mps: f64,
+    course_rate_radps: f64,
     climb: Climb,
     begins_s: f64,
     place_m: Vec3,
     /// Seconds of flight, and what the climb has done in it.
     since_s: f64,
-    /// What the climb has done, forward and up, metres.
-    climbed_m: Vec3,
+    climbed: Climbed,
     /// The same time at the beginning of the present turn, and where level flight would have led since, metres.
     turn_s: f64,
     turned_m: Vec3,
@@ -99,7 +118,8 @@ impl<'a> Walk<'a> {
         Self {
             way,
             airspeed_mps: flyer.airspeed_mps(),
-            climbed_m: climb.after(0.0),
+            course_rate_radps: flyer.course_rate_radps(),
+            climbed: climb.after(0.0),
             climb,
             begins_s: state.time_s,
             place_m: state.position_m,
@@ -110,19 +130,21 @@ impl<'a> Walk<'a> {
     }
 
     /// On for a time, by what level flight would move the aircraft; a climb shortens it.
-    fn go(&mut self, level_m: Vec3, for_s: f64) {
+    fn go(&mut self, level_m: Vec3, for_s: f64, turn_radps: f64) {
         if for_s <= 0.0 {
             return;
         }
         self.since_s += for_s;
-        let before_m = self.climbed_m;
-        self.climbed_m = self.climb.after(self.since_s);
-        let by_m = self.climbed_m - before_m;
+        let before = self.climbed;
+        self.climbed = self.climb.after(self.since_s);
+        let by_m = self.climbed.by_m - before.by_m;
         let share = by_m.x / (self.airspeed_mps * for_s);
         self.place_m += level_m * share + Vec3::new(0.0, 0.0, by_m.z);
+        let bends_rad = turn_radps * for_s + (self.climbed.climb_rad - before.climb_rad).abs();
         self.way.push(Place {
             at_m: self.place_m,
             at_s: self.begins_s + self.since_s,
+            bow_m: self.airspeed_mps * for_s * bends_rad / 8.0,
         });
     }
 
@@ -136,7 +158,7 @@ impl<'a> Walk<'a> {
         for place in 1..=ARC_PLACES {
             let turned = bend.and_then(|bend| bend.place_m(step_s * place as f64));
             let there_m = turning.turned_m(turned.unwrap_or_default());
-            self.go(there_m - self.turned_m, step_s);
+            self.go(there_m - self.turned_m, step_s, self.course_rate_radps);
             self.turned_m = there_m;
         }
     }
@@ -164,11 +186,19 @@ impl<'a> Walk<'a> {
     fn straight(&mut self, level_mps: Vec3, until_s: f64) {
         for change_s in self.climb.changes_s() {
             let for_s = change_s.min(until_s) - self.since_s;
-            self.go(level_mps * for_s, for_s);
+            self.go(level_mps * for_s, for_s, 0.0);
         }
         let for_s = until_s - self.since_s;
-        self.go(level_mps * for_s, for_s);
+        self.go(level_mps * for_s, for_s, 0.0);
     }
+}
+
+/// What a climb has done in a time.
+#[derive(Clone, Copy)]
+struct Climbed {
+    /// Forward, none to the side, and up, metres.
+    by_m: Vec3,
+    climb_rad: f64,
 }
 
 /// The climb of a join: to one climb angle, and from a moment on to that of the leg.
@@ -198,14 +228,18 @@ impl Climb {
         [self.first.lasts_s, self.level_s, over_s]
     }
 
-    /// What it has done after a time: forward, none to the side, and up, metres.
-    fn after(&self, since_s: f64) -> Vec3 {
+    /// What it has done after a time.
+    fn after(&self, since_s: f64) -> Climbed {
         let levelled_s = since_s - self.level_s;
         let first = self.first.after(since_s.min(self.level_s));
         if levelled_s <= 0.0 {
             return first;
         }
-        first + self.level.after(levelled_s)
+        let level = self.level.after(levelled_s);
+        Climbed {
+            by_m: first.by_m + level.by_m,
+            ..level
+        }
     }
 }
 
@@ -236,8 +270,8 @@ impl Ramp {
         }
     }
 
-    /// What it has done after a time: forward, none to the side, and up, metres.
-    fn after(&self, after_s: f64) -> Vec3 {
+    /// What it has done after a time.
+    fn after(&self, after_s: f64) -> Climbed {
         let ramp_s = self.lasts_s.min(after_s);
         let climb_rad = self.from_rad + self.rate_radps * ramp_s;
         let [before, after] = self.along;
@@ -252,7 +286,10 @@ impl Ramp {
         } else {
             Vec3::ZERO
         };
-        (arc + now * (after_s - ramp_s)) * self.airspeed_mps
+        Climbed {
+            by_m: (arc + now * (after_s - ramp_s)) * self.airspeed_mps,
+            climb_rad,
+        }
     }
 }
 
