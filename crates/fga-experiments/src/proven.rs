@@ -4,6 +4,12 @@
 //! each of them does exactly one of the motions that r covers, and the aircraft flies what it flies now, for the whole horizon. The
 //! judge is this file: it integrates the intruders and measures distances at instants.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "drawn numbers are small and not negative"
+)]
+
 use clap::Args;
 use fga::Vec3;
 use fga::avoider::{Avoider, Settings, State};

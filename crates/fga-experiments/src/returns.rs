@@ -4,6 +4,12 @@
 //! at the mission's end, masts; wind up to 0.9 of the airspeed, bank lag and dead time up to 1 s. The judge is this file: it looks
 //! at positions and at the word of the state, and shares no code with the decisions.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "drawn numbers are small and not negative"
+)]
+
 use clap::Args;
 use fga::Vec3;
 use fga::avoider::{Reason, Settings, State};
@@ -66,6 +72,10 @@ struct Straight {
 }
 
 /// An aircraft that flies fga, and what the judge saw.
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a finding of its own"
+)]
 struct Flier {
     plant: Plant,
     pilot: Box<dyn Pilot + Send>,
@@ -303,7 +313,7 @@ impl Flight {
         let volume = ProtectedVolume::Sphere {
             radius_m: self.radius_m,
         };
-        for id in 0..1 + (3.0 * random.unit()) as u32 {
+        for id in 0..=(3.0 * random.unit()) as u32 {
             let leg = (random.unit() * (mission_m.len() - 1) as f64) as usize;
             let (from_m, to_m) = (mission_m[leg], mission_m[leg + 1]);
             let share = match family {
@@ -373,6 +383,7 @@ impl Flight {
     }
 
     /// Flies until every mission has ended, or for too long.
+    #[expect(clippy::too_many_lines, reason = "one step after the other")]
     fn fly(mut self, number: u64, shows: bool) -> Count {
         let volume = ProtectedVolume::Sphere {
             radius_m: self.radius_m,
