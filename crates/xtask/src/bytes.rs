@@ -1,9 +1,12 @@
-//! `cargo xtask bytes [--program PATH] [--out DIR]`: the SHA-256 of every result that a refactoring must
-//! not change.
+//! `cargo xtask bytes [core] [--program PATH] [--before PATH] [--out DIR]`: the SHA-256 of every result that
+//! a refactoring must not change.
 //!
-//! A fixed set of runs: flights, batches, oracles, recordings and campaigns under every policy. Save its
-//! output before a change and after it, and compare with `diff`. Nothing in it depends on the clock.
-//! Without the data beside the repository it leaves out the runs on that data, and the list says so.
+//! A fixed set of runs: flights, batches, oracles, recordings and campaigns under every policy; with `core`
+//! the smaller set that a change of the decision core must not change: campaigns, scenarios and recordings
+//! under the default policy. Prints the hashes, or with `--before`, the program of another build, the files
+//! whose hashes differ, and fails if there are any. Nothing in it depends on the clock. Without the
+//! third-party data (`FGA_DATA`, or beside the repository) it leaves out the runs on that data, and the list
+//! says so.
 
 use core::f64::consts::PI;
 use core::fmt::Write as _;
@@ -55,31 +58,109 @@ const KEPT: [&str; 7] = [
     "summary.csv",
 ];
 
-/// Recordings beside the repository.
-const RECORDINGS: [&str; 2] = [
-    "../shared/data/daidalus/H1.daa",
-    "../shared/data/flown/NRC_Intercept1.daa",
+/// Recordings among the data.
+const RECORDINGS: [&str; 2] = ["daidalus/H1.daa", "flown/NRC_Intercept1.daa"];
+
+/// Campaigns of the set for the core, and the number of encounters of each.
+const CORE_CAMPAIGNS: [(&str, &str); 3] = [
+    ("campaigns/table4-static.toml", "400"),
+    ("campaigns/table4-dynamic.toml", "600"),
+    ("crowded.toml", "400"),
 ];
+
+/// Vehicles of those campaigns.
+const CORE_VEHICLES: [&str; 4] = ["paper", "paper-planar", "rascal-110", "apprentice-15e"];
+
+/// Vehicles about which the set for the core flies aircraft that turn and climb.
+const AMONG_AIRCRAFT: [&str; 2] = ["long-endurance", "general-aviation-well-clear"];
+
+/// The encounter model of those aircraft, and the recordings with them, among the data.
+const MODEL: &str = "encounter-models/uncor_1200only_fwse_v1p2.txt";
+const FLOWN: [&str; 4] = [
+    "flown/NRC_Intercept1.daa",
+    "flown/NRC_Intercept25.daa",
+    "flown/NRC_Intercept51.daa",
+    "flown/NRC_Intercept77.daa",
+];
+
+/// A campaign with more obstacles than the shipped ones, some of them seen with noise.
+const CROWDED: &str = "name = \"crowded\"
+policies = [\"turn-aware\"]
+horizon_s = 60
+encounters = 48
+[[sensor]]
+position_sigma_m = 2
+velocity_sigma_mps = 0.3
+equipped_share = 0.5
+[[sensor]]
+equipped_share = 0.9
+[[grid]]
+family = \"threats\"
+count = [3, 6]
+first_seen_m = [300, [100, 500]]
+speed_mps = [[0, 20], [45, 60]]
+planar = [false, true]
+[[grid]]
+family = \"from-anywhere\"
+count = [4]
+first_seen_m = [[100, 500]]
+speed_mps = [[15, 45]]
+bystanders = true
+";
 
 /// Number of encounters of the batches.
 const ENCOUNTERS: u32 = 120;
 
-/// Makes the runs and prints a line for each file: its hash and its name.
+/// Makes the runs and prints the hashes of their files, or the files whose hashes differ from another
+/// program's.
 pub(crate) fn print(arguments: &[&str]) -> Result<(), String> {
-    let (program, out) = options(arguments)?;
-    let program = match program {
+    let options = Options::read(arguments)?;
+    let program = match options.program {
         Some(path) => path,
         None => build()?,
     };
-    let kept = out.is_some();
-    let out = out
+    let kept = options.out.is_some();
+    let out = options
+        .out
         .unwrap_or_else(|| std::env::temp_dir().join(format!("fga-bytes-{}", std::process::id())));
     fs::create_dir_all(&out).map_err(|error| format!("{}: {error}", out.display()))?;
-    let done = runs(&out).and_then(|runs| fly_all(&program, &runs, &out));
+    let done = (|| {
+        let runs = if options.core {
+            core_runs(&out)?
+        } else {
+            runs(&out)?
+        };
+        let after = fly_all(&program, &runs, &out.join("after"))?;
+        match options.before {
+            None => {
+                for line in after {
+                    println!("{line}");
+                }
+                Ok(())
+            }
+            Some(before) => compare(&fly_all(&before, &runs, &out.join("before"))?, &after),
+        }
+    })();
     if !kept {
         let _ = fs::remove_dir_all(&out);
     }
     done
+}
+
+/// Prints the lines of two lists that differ; fails if there are any.
+fn compare(before: &[String], after: &[String]) -> Result<(), String> {
+    let mut differ = 0;
+    for (sign, lines, others) in [('-', before, after), ('+', after, before)] {
+        for line in lines.iter().filter(|line| !others.contains(line)) {
+            println!("{sign} {line}");
+            differ += 1;
+        }
+    }
+    if differ > 0 {
+        return Err(format!("bytes: {differ} lines differ, expected none"));
+    }
+    println!("{} files, the same bytes", after.len());
+    Ok(())
 }
 
 /// A run of the program: its arguments without `--out`, and the folder of its results.
@@ -88,22 +169,108 @@ struct Run {
     name: String,
 }
 
-/// The program and the folder of the results; both are optional.
-fn options(arguments: &[&str]) -> Result<(Option<PathBuf>, Option<PathBuf>), String> {
-    let (mut program, mut out) = (None, None);
-    for pair in arguments.chunks(2) {
-        match *pair {
-            ["--program", path] => program = Some(PathBuf::from(path)),
-            ["--out", path] => out = Some(PathBuf::from(path)),
-            _ => {
-                return Err(format!(
-                    "bytes: found {}, expected --program PATH or --out DIR",
-                    pair.join(" ")
-                ));
-            }
+impl Run {
+    fn new(name: String, arguments: &[&str]) -> Self {
+        let arguments = arguments.iter().map(|&text| text.to_owned()).collect();
+        Self { arguments, name }
+    }
+}
+
+/// What the command line asks for.
+#[derive(Default)]
+struct Options {
+    core: bool,
+    program: Option<PathBuf>,
+    before: Option<PathBuf>,
+    out: Option<PathBuf>,
+}
+
+impl Options {
+    fn read(mut arguments: &[&str]) -> Result<Self, String> {
+        let mut options = Self::default();
+        if let ["core", rest @ ..] = arguments {
+            (options.core, arguments) = (true, rest);
+        }
+        for pair in arguments.chunks(2) {
+            let (option, path) = match *pair {
+                ["--program", path] => (&mut options.program, path),
+                ["--before", path] => (&mut options.before, path),
+                ["--out", path] => (&mut options.out, path),
+                _ => {
+                    return Err(format!(
+                        "bytes: found {}, expected --program PATH, --before PATH or --out DIR",
+                        pair.join(" ")
+                    ));
+                }
+            };
+            *option = Some(PathBuf::from(path));
+        }
+        Ok(options)
+    }
+}
+
+/// The path of a file among the third-party data.
+fn data(file: &str) -> String {
+    let folder = std::env::var("FGA_DATA").unwrap_or_else(|_| "../shared/data".to_owned());
+    format!("{folder}/{file}")
+}
+
+/// Whether a file of the data is there; says so if not.
+fn is_there(file: &str) -> bool {
+    let there = Path::new(file).exists();
+    if !there {
+        println!("{:64}  {file}: not there, left out", "");
+    }
+    there
+}
+
+/// The runs that a change of the decision core must not change.
+fn core_runs(out: &Path) -> Result<Vec<Run>, String> {
+    let crowded = out.join("crowded.toml");
+    fs::write(&crowded, CROWDED).map_err(|error| format!("{}: {error}", crowded.display()))?;
+    let mut runs = Vec::new();
+    let mut campaign = |file: &str, encounters: &str, vehicle: &str, more: &[&str]| {
+        let stem = Path::new(file).file_stem().unwrap_or_default().display();
+        let name = format!("campaign/{stem}/{vehicle}");
+        let vehicle = format!("vehicles/{vehicle}.toml");
+        let run = ["campaign", "run", file, "--encounters", encounters, "--csv"];
+        let rest = ["--policy", "turn-aware", "--vehicle", &vehicle];
+        runs.push(Run::new(name, &[&run[..], &rest, more].concat()));
+    };
+    for vehicle in CORE_VEHICLES {
+        for (file, encounters) in CORE_CAMPAIGNS {
+            let drawn = crowded.display().to_string();
+            let file = if file == "crowded.toml" { &drawn } else { file };
+            campaign(file, encounters, vehicle, &[]);
         }
     }
-    Ok((program, out))
+    let model = data(MODEL);
+    if is_there(&model) {
+        for vehicle in AMONG_AIRCRAFT {
+            let more = ["--model", &model];
+            campaign("campaigns/low-altitude.toml", "160", vehicle, &more);
+        }
+    }
+    let mut scenarios: Vec<PathBuf> = fs::read_dir("scenarios")
+        .map_err(|error| format!("scenarios: {error}"))?
+        .flatten()
+        .map(|entry| entry.path())
+        .collect();
+    scenarios.sort();
+    for scenario in scenarios {
+        let stem = scenario.file_stem().unwrap_or_default().display();
+        let file = scenario.display().to_string();
+        runs.push(Run::new(format!("run/{stem}"), &["run", &file]));
+    }
+    for recording in FLOWN.map(data) {
+        if is_there(&recording) {
+            let stem = Path::new(&recording).file_stem().unwrap_or_default();
+            let vehicle = "vehicles/general-aviation-well-clear.toml";
+            let name = format!("recording/{}", stem.display());
+            runs.push(Run::new(name, &["run", &recording, "--vehicle", vehicle]));
+        }
+    }
+    Ok(runs)
 }
 
 /// Builds the program as in the README.
@@ -126,13 +293,7 @@ fn runs(out: &Path) -> Result<Vec<Run>, String> {
         .map_err(|error| format!("{}: {error}", encounters.display()))?;
     let encounters = encounters.display().to_string();
     let mut runs = Vec::new();
-    let mut add = |name: String, arguments: &[&str]| {
-        let arguments = arguments
-            .iter()
-            .map(|&argument| argument.to_owned())
-            .collect();
-        runs.push(Run { arguments, name });
-    };
+    let mut add = |name: String, arguments: &[&str]| runs.push(Run::new(name, arguments));
     for (policy, start) in POLICIES {
         let mut chosen = vec!["--policy", policy];
         chosen.extend(start.iter().flat_map(|start| ["--start", *start]));
@@ -193,24 +354,12 @@ fn runs(out: &Path) -> Result<Vec<Run>, String> {
             &[&run[..], &policies].concat(),
         );
     }
-    for recording in RECORDINGS {
-        if Path::new(recording).exists() {
-            let name = Path::new(recording)
-                .file_stem()
-                .unwrap_or_default()
-                .display()
-                .to_string();
-            add(
-                format!("recording/{name}"),
-                &[
-                    "run",
-                    recording,
-                    "--vehicle",
-                    "vehicles/general-aviation.toml",
-                ],
-            );
-        } else {
-            println!("{:64}  {recording}: not there, left out", "");
+    for recording in RECORDINGS.map(data) {
+        if is_there(&recording) {
+            let stem = Path::new(&recording).file_stem().unwrap_or_default();
+            let vehicle = "vehicles/general-aviation.toml";
+            let name = format!("recording/{}", stem.display());
+            add(name, &["run", &recording, "--vehicle", vehicle]);
         }
     }
     Ok(runs)
@@ -266,8 +415,9 @@ fn encounter_file() -> String {
     text
 }
 
-/// Flies every run and prints the hashes of its files.
-fn fly_all(program: &Path, runs: &[Run], out: &Path) -> Result<(), String> {
+/// Flies every run; a line with hash and name for each of its files.
+fn fly_all(program: &Path, runs: &[Run], out: &Path) -> Result<Vec<String>, String> {
+    let mut lines = Vec::new();
     for run in runs {
         let folder = out.join(&run.name);
         let _ = fs::remove_dir_all(&folder);
@@ -282,7 +432,7 @@ fn fly_all(program: &Path, runs: &[Run], out: &Path) -> Result<(), String> {
         // 2: the aircraft entered a protected volume, which is a result too.
         if !matches!(flown.status.code(), Some(0 | 2)) {
             let message = String::from_utf8_lossy(&flown.stderr);
-            println!("{:64}  {}: {}", "", run.name, message.trim());
+            lines.push(format!("{:64}  {}: {}", "", run.name, message.trim()));
             continue;
         }
         let mut files = Vec::new();
@@ -295,10 +445,10 @@ fn fly_all(program: &Path, runs: &[Run], out: &Path) -> Result<(), String> {
                 let _ = write!(hash, "{byte:02x}");
             }
             let shown = file.strip_prefix(out).unwrap_or(&file);
-            println!("{hash}  {}", shown.display());
+            lines.push(format!("{hash}  {}", shown.display()));
         }
     }
-    Ok(())
+    Ok(lines)
 }
 
 /// The files below `folder` whose bytes must not change.

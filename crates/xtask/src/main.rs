@@ -2,7 +2,7 @@
 //!
 //! | chore | what it does |
 //! |---|---|
-//! | `bytes` | prints the hash of every result that a refactoring must not change |
+//! | `bytes` | prints the hash of every result that a refactoring must not change, or compares two builds |
 //! | `evidence` | makes the counts of the pages again, whole or a small part |
 //! | `instructions` | counts the instructions of a step and compares them with a committed table |
 //! | `mutants` | changes the code that decides about the mode, piece by piece, and names changes that no test notices |
