@@ -9,12 +9,8 @@
 //! ```
 
 mod against;
-#[cfg(test)]
-mod draw;
 mod drift;
 mod intruders;
-mod kept;
-mod quiet;
 mod record;
 mod settings;
 mod tracks;
@@ -22,10 +18,12 @@ mod turn_aware;
 
 pub use crate::limit::SettingsError;
 pub use against::Against;
-pub use kept::{Block, Kept, KeptError};
+pub use fga_index::{Block, Kept, KeptError};
 pub use record::{Candidate, Decision, Reason, Record, State, Threat, Verdict, Work};
 pub use settings::{LEAST_WORK, Settings, Start};
 pub use tracks::{MAX_TRACKED, Tracks};
+
+use fga_index::quiet;
 
 use crate::Vec3;
 use crate::angle::Side;

@@ -8,17 +8,20 @@
 //!
 //! # Which module answers which question
 //!
-//! | module | question |
-//! |---|---|
-//! | [`situation`] | what is around the aircraft? |
-//! | [`vehicle`] | what can the vehicle do? |
-//! | [`maneuver`] | what does a command say, and when? |
-//! | [`prediction`] | where would that take the aircraft? |
-//! | [`certificate`] | how close to the obstacles, in continuous time? |
-//! | [`search`] | which way? |
-//! | [`mission`] | how does it follow its mission, and get back to it? |
-//! | [`avoider`] | the state machine over all of it |
-//! | [`pilot`] | whatever decides: the seam to simulators and autopilots |
+//! | module | question | crate |
+//! |---|---|---|
+//! | [`situation`] | what is around the aircraft? | `fga-index` |
+//! | [`vehicle`] | what can the vehicle do? | `fga-proof` |
+//! | [`maneuver`] | what does a command say, and when? | `fga-proof` |
+//! | [`prediction`] | where would that take the aircraft? | `fga-proof` |
+//! | [`certificate`] | how close to the obstacles, in continuous time? | `fga-proof` |
+//! | [`search`] | which manoeuvre is worth proving? | `fga-search` |
+//! | [`mission`] | how does it follow its mission, and get back to it? | `fga-mission` |
+//! | [`avoider`] | the state machine over all of it | `fga` |
+//! | [`pilot`] | whatever decides: the seam to simulators and autopilots | `fga` |
+//!
+//! `fga-proof` proves, `fga-search`, `fga-mission` and `fga-index` propose, `fga` decides. What proposes builds on
+//! `fga-proof` alone.
 //!
 //! # Conventions
 //!
@@ -52,21 +55,15 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
-pub mod angle;
 pub mod avoider;
-pub mod certificate;
-pub mod limit;
-pub mod maneuver;
-mod meter;
-pub mod mission;
 pub mod pilot;
-pub mod prediction;
-pub mod search;
-pub mod situation;
-pub mod vehicle;
 
-/// A vector in the local frame: x east, y north, z up.
-pub type Vec3 = glam::DVec3;
+pub use fga_index::situation;
+pub use fga_mission as mission;
+pub use fga_proof::{Vec3, angle, certificate, limit, maneuver, prediction, vehicle};
+pub use fga_search as search;
+
+use fga_proof::meter;
 
 /// The example of the readme, compiled and run with the tests.
 #[cfg(doctest)]

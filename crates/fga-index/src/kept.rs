@@ -1,0 +1,393 @@
+//! Obstacles kept from step to step: none is looked at before it could matter.
+//!
+//! Each obstacle has the earliest moment at which it could come within surveillance, or within reach where surveillance
+//! has no bound, by a bound on the closing speed; a step looks only at those whose moment has come. A quiet step needs less:
+//! while the aircraft follows a line, only the obstacles that may come near this line.
+
+mod block;
+mod line;
+mod watch;
+
+pub use block::Block;
+
+use crate::quiet::LineAhead;
+use crate::situation::{Obstacle, Situation};
+use block::{ALWAYS, Memory, NONE};
+use fga_proof::limit::LARGEST;
+use line::Line;
+use watch::Watch;
+
+/// With up to this number of obstacles within surveillance a quiet step looks at these, without a line.
+const FEW: u32 = 64;
+
+/// The obstacles about an aircraft, kept from step to step in memory lent by the caller.
+///
+/// Each obstacle is as last reported, moved on along its velocity over the ground from the time of its report to that of
+/// the step; one [at rest](crate::situation::Movement::AtRest) stays. The standard deviation of its position grows by that of its
+/// velocity. So only what is new needs a report: an obstacle that came, turned or left.
+///
+/// Give it to `step_kept` of the avoider. It serves one aircraft: others are slow
+/// with it, but as right.
+#[derive(Debug)]
+pub struct Kept<'m> {
+    memory: Memory<'m>,
+    len: u32,
+    /// The last slot that became free, and the number of slots that were ever used.
+    free: u32,
+    used: u32,
+    watch: Option<Watch>,
+    line: Option<Line>,
+    /// Number of obstacles that may come near the line.
+    ahead: u32,
+    /// Number of obstacles that could matter at the last look.
+    near: u32,
+    /// Obstacles looked at in this step.
+    looked: u32,
+    /// The time of this step, seconds.
+    now_s: f64,
+}
+
+/// A report that is not kept; what was kept stays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KeptError {
+    /// There is no room for another obstacle.
+    Full {
+        /// The number of obstacles for which there is room.
+        capacity: usize,
+    },
+    /// A number of the report is not finite, beyond [`LARGEST`], or a negative length.
+    Unusable {
+        /// The obstacle's identifier.
+        id: u32,
+    },
+}
+
+impl core::fmt::Display for KeptError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Full { capacity } => {
+                write!(
+                    f,
+                    "{capacity} obstacles are kept, there is no room for more"
+                )
+            }
+            Self::Unusable { id } => {
+                write!(
+                    f,
+                    "obstacle {id} has an unusable number, expected finite ones up to 1e15 and no negative length"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for KeptError {}
+
+impl<'m> Kept<'m> {
+    /// Without obstacles, with room for [`Block::OBSTACLES`] in each block.
+    pub fn new(blocks: &'m mut [Block]) -> Self {
+        let most = NONE as usize / Block::OBSTACLES;
+        let count = blocks.len().min(most);
+        let (blocks, _) = blocks.split_at_mut_checked(count).unwrap_or_default();
+        Self {
+            memory: Memory::new(blocks),
+            len: 0,
+            free: NONE,
+            used: 0,
+            watch: None,
+            line: None,
+            ahead: 0,
+            near: 0,
+            looked: 0,
+            now_s: 0.0,
+        }
+    }
+
+    /// Number of obstacles.
+    pub const fn len(&self) -> usize {
+        self.len as usize
+    }
+
+    /// Whether there are none.
+    pub const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The number of obstacles for which there is room.
+    pub const fn capacity(&self) -> usize {
+        self.memory.capacity()
+    }
+
+    /// Obstacles that the last step looked at; one that it looked at twice counts twice.
+    pub const fn looked(&self) -> usize {
+        self.looked as usize
+    }
+
+    /// All obstacles at a time, in the order in which a step takes them.
+    pub fn obstacles(&self, time_s: f64) -> impl Iterator<Item = Obstacle> {
+        let used = self.memory.slots().filter(|slot| slot.is_used);
+        used.map(move |slot| slot.at(time_s))
+    }
+
+    /// Takes the report of an obstacle at a time on the clock of the situations. It replaces an obstacle with the same identifier.
+    ///
+    /// # Errors
+    /// An unusable number, or no room; nothing is changed then.
+    pub fn put(&mut self, obstacle: &Obstacle, reported_s: f64) -> Result<(), KeptError> {
+        let id = obstacle.id;
+        if !is_usable(obstacle, reported_s) {
+            return Err(KeptError::Unusable { id });
+        }
+        let at = match self.find(id) {
+            Some(at) => at,
+            None => self.add(id)?,
+        };
+        if let Some(slot) = self.memory.slot_mut(at) {
+            slot.obstacle = *obstacle;
+            slot.reported_s = reported_s;
+        }
+        self.memory.set_due(at, ALWAYS);
+        self.set_ahead(at);
+        Ok(())
+    }
+
+    /// Forgets an obstacle; false if there is none with this identifier.
+    pub fn remove(&mut self, id: u32) -> bool {
+        let Some(at) = self.find(id) else {
+            return false;
+        };
+        self.unlist(at);
+        self.unchain(id, at);
+        self.memory.set_due(at, f64::INFINITY);
+        if let Some(slot) = self.memory.slot_mut(at) {
+            slot.is_used = false;
+            slot.next = self.free;
+            self.free = at;
+        }
+        self.len = self.len.saturating_sub(1);
+        true
+    }
+
+    /// Forgets all obstacles.
+    pub fn clear(&mut self) {
+        self.memory.clear();
+        (self.len, self.free, self.used) = (0, NONE, 0);
+        (self.ahead, self.near) = (0, 0);
+    }
+
+    /// A step begins.
+    pub const fn begin(&mut self, time_s: f64) {
+        self.now_s = time_s;
+        self.looked = 0;
+    }
+
+    /// Gives every obstacle that is within surveillance and within reach, and perhaps others, in order. Returns the number of
+    /// others within surveillance.
+    pub fn each_near(
+        &mut self,
+        situation: &Situation<'_>,
+        limits: (f64, f64),
+        mut take: impl FnMut(&Obstacle),
+    ) -> u32 {
+        let now_s = self.now_s;
+        // The clock of the watch passes with the caller's clock, not with the avoider's.
+        let situation = &Situation {
+            time_s: now_s,
+            ..*situation
+        };
+        let goes_on = match &mut self.watch {
+            Some(watch) => watch.pass(situation, limits),
+            None => false,
+        };
+        if !goes_on {
+            self.memory.wake_all();
+        }
+        let watch = *self
+            .watch
+            .get_or_insert_with(|| Watch::new(situation, limits));
+        let own_m = situation.ownship.position_m;
+        let (mut near, mut looked) = (0, 0);
+        self.memory.each_due(watch.clock_s, &mut |slot| {
+            looked += 1;
+            let obstacle = slot.at(now_s);
+            let age_s = now_s - slot.reported_s;
+            let (due_s, is_near) = watch.next_s(slot, obstacle.position_m, own_m, age_s);
+            if is_near {
+                near += 1;
+                take(&obstacle);
+            }
+            due_s
+        });
+        self.looked = self.looked.saturating_add(looked);
+        self.near = near;
+        if limits.0.is_finite() {
+            0
+        } else {
+            self.len.saturating_sub(near)
+        }
+    }
+
+    /// Whether every obstacle stays clear of the line ahead, or is out of surveillance.
+    pub fn is_clear_of(&mut self, ahead: &LineAhead, situation: &Situation<'_>) -> bool {
+        let radius_m = ahead.surveillance_radius_m;
+        if radius_m.is_finite() && self.near <= FEW {
+            let mut is_clear = true;
+            self.each_near(situation, (radius_m, ahead.horizon_s), |obstacle| {
+                is_clear &= !ahead.may_meet_row(obstacle);
+            });
+            return is_clear;
+        }
+        let line = self.line.as_ref();
+        if !line.is_some_and(|line| line.is_followed(ahead, self.now_s)) {
+            self.line = Some(Line::new(ahead, self.now_s, line));
+            // Perhaps there are few again.
+            self.near = 0;
+            self.list_all();
+        }
+        self.looked = self.looked.saturating_add(self.ahead);
+        (0..self.ahead).all(|place| {
+            let at = self.memory.slot(place).map_or(NONE, |slot| slot.listed);
+            let slot = self.memory.slot(at);
+            slot.is_none_or(|slot| !ahead.may_meet_row(&slot.at(self.now_s)))
+        })
+    }
+
+    /// The slot that the identifiers with the same hash begin at.
+    fn hash(&self, id: u32) -> u32 {
+        let scattered = u64::from(id.wrapping_mul(0x9e37_79b1));
+        // Below the capacity, which is below 2³².
+        ((scattered * self.memory.capacity() as u64) >> 32) as u32
+    }
+
+    fn find(&self, id: u32) -> Option<u32> {
+        let mut at = self.memory.slot(self.hash(id))?.first;
+        while let Some(slot) = self.memory.slot(at) {
+            if slot.obstacle.id == id {
+                return Some(at);
+            }
+            at = slot.next;
+        }
+        None
+    }
+
+    /// A slot for a new identifier.
+    fn add(&mut self, id: u32) -> Result<u32, KeptError> {
+        let capacity = self.memory.capacity();
+        let at = if self.free == NONE {
+            self.used
+        } else {
+            self.free
+        };
+        let Some(next_free) = self.memory.slot(at).map(|slot| slot.next) else {
+            return Err(KeptError::Full { capacity });
+        };
+        if self.free == NONE {
+            self.used += 1;
+        } else {
+            self.free = next_free;
+        }
+        let hash = self.hash(id);
+        let first = self.memory.slot_mut(hash).map(|slot| &mut slot.first);
+        let next = first.map_or(NONE, |first| core::mem::replace(first, at));
+        if let Some(slot) = self.memory.slot_mut(at) {
+            slot.is_used = true;
+            slot.next = next;
+            slot.place = NONE;
+        }
+        self.len += 1;
+        Ok(at)
+    }
+
+    /// Takes a slot out of those with the same hash.
+    fn unchain(&mut self, id: u32, at: u32) {
+        let next = self.memory.slot(at).map_or(NONE, |slot| slot.next);
+        let hash = self.hash(id);
+        let Some(head) = self.memory.slot_mut(hash) else {
+            return;
+        };
+        if head.first == at {
+            head.first = next;
+            return;
+        }
+        let mut before = head.first;
+        while let Some(slot) = self.memory.slot_mut(before) {
+            if slot.next == at {
+                slot.next = next;
+                return;
+            }
+            before = slot.next;
+        }
+    }
+
+    /// Lists the obstacles that may come near the line.
+    fn list_all(&mut self) {
+        self.ahead = 0;
+        for at in 0..self.used {
+            if let Some(slot) = self.memory.slot_mut(at) {
+                slot.place = NONE;
+            }
+            if self.memory.slot(at).is_some_and(|slot| slot.is_used) {
+                self.set_ahead(at);
+            }
+        }
+        self.looked = self.looked.saturating_add(self.len);
+    }
+
+    /// Lists an obstacle, or not, by whether it may come near the line.
+    fn set_ahead(&mut self, at: u32) {
+        let Some((line, slot)) = self.line.as_ref().zip(self.memory.slot(at)) else {
+            return;
+        };
+        let is_listed = slot.place != NONE;
+        match (line.may_be_met_by(slot), is_listed) {
+            (true, false) => {
+                let place = self.ahead;
+                self.set_place(at, place);
+                self.ahead += 1;
+            }
+            (false, true) => self.unlist(at),
+            _ => {}
+        }
+    }
+
+    /// Takes an obstacle off the list; the last one gets its place.
+    fn unlist(&mut self, at: u32) {
+        let Some(slot) = self.memory.slot_mut(at).filter(|slot| slot.place != NONE) else {
+            return;
+        };
+        let place = core::mem::replace(&mut slot.place, NONE);
+        self.ahead = self.ahead.saturating_sub(1);
+        let last = self
+            .memory
+            .slot(self.ahead)
+            .map_or(NONE, |slot| slot.listed);
+        if last != at {
+            self.set_place(last, place);
+        }
+    }
+
+    fn set_place(&mut self, at: u32, place: u32) {
+        if let Some(slot) = self.memory.slot_mut(at) {
+            slot.place = place;
+        }
+        if let Some(slot) = self.memory.slot_mut(place) {
+            slot.listed = at;
+        }
+    }
+}
+
+/// Whether no sum or product of a report's numbers and those of a usable situation overflows.
+fn is_usable(obstacle: &Obstacle, reported_s: f64) -> bool {
+    let uncertainty = obstacle.uncertainty;
+    let lengths = [
+        obstacle.volume.radius_m(),
+        obstacle.volume.half_height_m(),
+        uncertainty.position_m,
+        uncertainty.velocity_mps,
+        reported_s.abs(),
+    ];
+    let vectors = [obstacle.position_m, obstacle.velocity_mps];
+    obstacle.is_valid()
+        && lengths.iter().all(|length| *length <= LARGEST)
+        && vectors.iter().all(|v| v.abs().max_element() <= LARGEST)
+}

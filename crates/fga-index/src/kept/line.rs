@@ -1,0 +1,210 @@
+//! Which obstacles may come near a line that the aircraft follows, as long as it follows it.
+//!
+//! At the time t ≥ 0 of the line the aircraft is off its place p + v t by at most P and off its velocity v by at most V.
+//! Looking ahead by s ≥ 0 from there, an obstacle at the offset r with the relative velocity w at t = 0 comes within d only
+//! if |r − w u| ≤ d + P + V s at u = t + s. So it never does if |r − w u| > d + P + V u for all u ≥ 0: a quadratic
+//! inequality. What grows with time at g is added to V.
+
+use crate::kept::block::Slot;
+use crate::quiet::LineAhead;
+use fga_proof::Vec3;
+
+/// Least and largest distance off the line, metres, and off its velocity, metres per second. Little is enough for most
+/// flights: a step is quiet only on the leg itself.
+const OFF_M: (f64, f64) = (4.0, 64.0);
+const OFF_MPS: (f64, f64) = (0.25, 4.0);
+
+/// Share of these at which the line is left: what remains is for rounding.
+const USED: f64 = 0.99;
+
+/// A line that was left after fewer seconds than this one is followed by a wider one, and by a narrower one
+/// after more than the other.
+const BRIEF_S: f64 = 5.0;
+const LONG_S: f64 = 60.0;
+
+/// A line ends after this time, seconds: far ahead it is wide.
+const LONGEST_S: f64 = 300.0;
+
+/// Larger coordinates (metres), times (seconds) and speeds (metres per second) are rounded too much.
+const LARGEST: f64 = 1e9;
+const FASTEST_MPS: f64 = 1e3;
+
+/// Room for the margin of later steps beyond that of the first one: share and metres.
+const MORE_MARGIN: (f64, f64) = (1.25, 1.0);
+
+/// A line that the aircraft follows, within bounds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line {
+    ahead: LineAhead,
+    since_s: f64,
+    off_m: f64,
+    off_mps: f64,
+}
+
+impl Line {
+    /// The line ahead; `last` is the one that ends.
+    pub(super) fn new(ahead: &LineAhead, time_s: f64, last: Option<&Self>) -> Self {
+        let factor = last.map_or(1.0, |last| {
+            let followed_s = time_s - last.since_s;
+            if (0.0..BRIEF_S).contains(&followed_s) {
+                2.0
+            } else if followed_s > LONG_S {
+                0.5
+            } else {
+                1.0
+            }
+        });
+        let (off_m, off_mps) = last.map_or((OFF_M.0, OFF_MPS.0), |last| (last.off_m, last.off_mps));
+        let (share, more_m) = MORE_MARGIN;
+        Self {
+            ahead: LineAhead {
+                margin_m: share * ahead.margin_m + more_m,
+                ..*ahead
+            },
+            since_s: time_s,
+            off_m: (factor * off_m).max(OFF_M.0).min(OFF_M.1),
+            off_mps: (factor * off_mps).max(OFF_MPS.0).min(OFF_MPS.1),
+        }
+    }
+
+    /// Whether the aircraft still follows it, and asks for no more than at its start.
+    pub(super) fn is_followed(&self, now: &LineAhead, time_s: f64) -> bool {
+        let from = &self.ahead;
+        let followed_s = time_s - self.since_s;
+        let expected_m = from.position_m + from.velocity_mps * followed_s;
+        (0.0..=LONGEST_S).contains(&followed_s)
+            && (now.position_m - expected_m).length() <= USED * self.off_m
+            && (now.velocity_mps - from.velocity_mps).length() <= USED * self.off_mps
+            && now.margin_m <= from.margin_m
+            && now.sigmas == from.sigmas
+            && now.horizon_s == from.horizon_s
+    }
+
+    /// Whether an obstacle may come near the line, or near the aircraft if it may turn.
+    pub(super) fn may_be_met_by(&self, slot: &Slot) -> bool {
+        let from = &self.ahead;
+        let obstacle = slot.at(self.since_s);
+        let velocity_mps = obstacle.velocity_mps;
+        let speeds_mps = (from.velocity_mps.length(), velocity_mps.length());
+        let places = [obstacle.position_m, from.position_m];
+        let moderate = places.iter().all(|at| at.abs().max_element() <= LARGEST)
+            && slot.reported_s.abs() <= LARGEST
+            && self.since_s.abs() <= LARGEST
+            && speeds_mps.0.max(speeds_mps.1) <= FASTEST_MPS
+            && !(slot.is_at_rest() && velocity_mps != Vec3::ZERO);
+        if !moderate {
+            return true;
+        }
+        let mut reach_m = from.reach_m(&obstacle);
+        if obstacle.movement.bounds().is_some() {
+            let speed_mps = speeds_mps.0 + self.off_mps + speeds_mps.1;
+            reach_m = reach_m.max(from.near_m(&obstacle, speed_mps));
+        }
+        let wide_m = reach_m + self.off_m;
+        let wider_mps = self.off_mps + from.sigmas * obstacle.uncertainty.velocity_mps;
+        let offset = obstacle.position_m - from.position_m;
+        let relative = from.velocity_mps - velocity_mps;
+        // |r − w u|² > (G + V u)²: c − 2 b u + a u² > 0.
+        let square = relative.length_squared();
+        let a = square - wider_mps * wider_mps;
+        let b = offset.dot(relative) + wide_m * wider_mps;
+        let distance = offset.length_squared();
+        let c = distance - wide_m * wide_m;
+        let outside = c > 1e-9 * distance && a > 1e-9 * square;
+        !(outside && (b <= 0.0 || b * b < (1.0 - 1e-9) * a * c))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draw::Draw;
+    use crate::kept::Kept;
+    use crate::kept::block::Block;
+    use crate::situation::{Movement, Obstacle, ProtectedVolume, Uncertainty};
+
+    impl Draw {
+        /// An obstacle that passes a line at a little more than the distance at which it may be met.
+        fn just_clear(&mut self, ahead: &LineAhead) -> (Obstacle, Vec3) {
+            let kind = self.within(0.0, 5.0);
+            let movement = if kind < 1.0 {
+                Movement::AtRest
+            } else if kind < 2.0 {
+                Movement::CREWED
+            } else {
+                Movement::Straight
+            };
+            let velocity_mps = if self.within(0.0, 1.0) < 0.2 {
+                Vec3::ZERO
+            } else {
+                self.vector(30.0)
+            };
+            let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+            let mut obstacle = Obstacle::new(1, Vec3::ZERO, velocity_mps, volume);
+            obstacle.movement = movement;
+            obstacle.uncertainty = Uncertainty {
+                position_m: 1.0,
+                velocity_mps: self.within(-1.0, 1.0).max(0.0),
+            };
+            let relative = ahead.velocity_mps - velocity_mps;
+            let aside = relative.cross(self.vector(1.0)).normalize_or_zero();
+            let mut reach_m = ahead.reach_m(&obstacle);
+            if movement.bounds().is_some() {
+                let speed_mps = ahead.velocity_mps.length() + velocity_mps.length();
+                reach_m = reach_m.max(ahead.near_m(&obstacle, speed_mps));
+            }
+            let after_s = self.within(-20.0, 250.0);
+            let aside_m =
+                reach_m + self.within(0.0, 12.0) + self.within(0.0, 0.5) * after_s.max(0.0);
+            obstacle.position_m = ahead.position_m + relative * after_s + aside * aside_m;
+            (obstacle, aside)
+        }
+    }
+
+    /// The states of an aircraft that follows a line, at the bounds and somewhat beyond, never meet an obstacle that
+    /// the line says cannot come near.
+    #[test]
+    fn an_obstacle_that_cannot_come_near_a_line_is_not_met_from_it() {
+        let mut draw = Draw(1);
+        let (mut clear, mut states) = (0, 0);
+        let mut blocks = [Block::EMPTY];
+        let mut kept = Kept::new(&mut blocks);
+        for _ in 0..20_000 {
+            let from = LineAhead {
+                position_m: draw.vector(1e4),
+                velocity_mps: draw.vector(20.0),
+                surveillance_radius_m: f64::INFINITY,
+                margin_m: draw.within(0.0, 5.0),
+                sigmas: 3.0,
+                horizon_s: 60.0,
+            };
+            let since_s = draw.within(-1e3, 1e3);
+            let line = Line::new(&from, since_s, None);
+            let (obstacle, aside) = draw.just_clear(&line.ahead);
+            kept.put(&obstacle, since_s).unwrap();
+            let slot = kept.memory.slot(0).unwrap();
+            if line.may_be_met_by(slot) {
+                continue;
+            }
+            clear += 1;
+            for _ in 0..40 {
+                let followed_s = draw.within(-30.0, 330.0);
+                let off_m = aside * draw.within(-1.3, 1.3) * OFF_M.0;
+                let off_mps = aside * draw.within(-1.3, 1.3) * OFF_MPS.0;
+                let now = LineAhead {
+                    position_m: from.position_m + from.velocity_mps * followed_s + off_m,
+                    velocity_mps: from.velocity_mps + off_mps,
+                    margin_m: from.margin_m * draw.within(0.5, 6.0),
+                    ..from
+                };
+                let time_s = since_s + followed_s;
+                if line.is_followed(&now, time_s) {
+                    states += 1;
+                    let met = now.may_meet_row(&slot.at(time_s));
+                    assert!(!met, "{now:?} {:?} after {followed_s} s", slot.obstacle);
+                }
+            }
+        }
+        assert!(clear > 1000 && states > 10_000, "{clear} {states}");
+    }
+}

@@ -1,0 +1,120 @@
+//! From when on an obstacle could be seen or reached: a bound on the closing speed.
+//!
+//! The watch has a clock of its own, which passes as fast as the situation's or as the aircraft covers its distance at
+//! the watch's speed, whichever is more. So in a second of it the aircraft and an obstacle close by no more than a
+//! second at the sum of their speeds, whatever the aircraft flies, and a jump of the position or of the situation's clock only
+//! makes it pass faster.
+
+use crate::kept::block::{ALWAYS, Slot};
+use crate::situation::Situation;
+use fga_proof::Vec3;
+
+/// Share added to distances and times for rounding: a million times more than it is.
+const ROUNDING: f64 = 1e-9;
+
+/// Distance added for rounding, metres.
+const ROUNDING_M: f64 = 1e-6;
+
+/// Time added at each reading of the clock for rounding, seconds.
+const ROUNDING_S: f64 = 1e-11;
+
+/// The clock starts again at this time, seconds: so long a double counts in steps of [`ROUNDING_S`].
+const LONGEST_S: f64 = 1e5;
+
+/// An obstacle that could matter sooner than this is looked at in every step, seconds.
+const SOON_S: f64 = 1.0;
+
+/// The distances at which obstacles matter, and the clock.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Watch {
+    radius_m: f64,
+    horizon_s: f64,
+    /// Airspeeds of the aircraft up to this one, metres per second.
+    airspeed_mps: f64,
+    /// Winds that differ from this one by at most `change_mps`, metres per second.
+    wind_mps: Vec3,
+    change_mps: f64,
+    /// Speed over the ground at which the clock passes with the aircraft's way, metres per second.
+    speed_mps: f64,
+    /// The situation's clock and the aircraft's position at the last reading.
+    last_s: f64,
+    last_m: Vec3,
+    /// The time, seconds.
+    pub(super) clock_s: f64,
+}
+
+impl Watch {
+    pub(super) fn new(situation: &Situation<'_>, (radius_m, horizon_s): (f64, f64)) -> Self {
+        let airspeed_mps = 1.2 * situation.ownship.airspeed_mps + 1.0;
+        let wind_mps = situation.wind_mps.length();
+        let change_mps = 2.0 + 0.2 * wind_mps;
+        Self {
+            radius_m,
+            horizon_s,
+            airspeed_mps,
+            wind_mps: situation.wind_mps,
+            change_mps,
+            speed_mps: airspeed_mps + wind_mps + change_mps,
+            last_s: situation.time_s,
+            last_m: situation.ownship.position_m,
+            clock_s: 0.0,
+        }
+    }
+
+    /// Whether its distances hold in a situation.
+    fn holds(&self, situation: &Situation<'_>, (radius_m, horizon_s): (f64, f64)) -> bool {
+        self.radius_m == radius_m
+            && self.horizon_s == horizon_s
+            && situation.ownship.airspeed_mps <= self.airspeed_mps
+            && (situation.wind_mps - self.wind_mps).length() <= self.change_mps
+    }
+
+    /// Lets the clock pass to a situation; false if all obstacles must be looked at again.
+    pub(super) fn pass(&mut self, situation: &Situation<'_>, limits: (f64, f64)) -> bool {
+        let passed_s = (situation.time_s - self.last_s).abs();
+        let flown_m = (situation.ownship.position_m - self.last_m).length();
+        let passed_s = passed_s.max(flown_m / self.speed_mps);
+        let clock_s = self.clock_s + passed_s * (1.0 + ROUNDING) + ROUNDING_S;
+        if clock_s > LONGEST_S || !self.holds(situation, limits) {
+            *self = Self::new(situation, limits);
+            return false;
+        }
+        self.clock_s = clock_s;
+        (self.last_s, self.last_m) = (situation.time_s, situation.ownship.position_m);
+        true
+    }
+
+    /// The distance beyond which an obstacle does not matter, metres: that of surveillance, or without one where
+    /// [`Situation::is_out_of_reach`] holds.
+    fn reach_m(&self, slot: &Slot) -> f64 {
+        if self.radius_m.is_finite() {
+            return self.radius_m;
+        }
+        let square = |x: f64| x * x;
+        let obstacle = &slot.obstacle;
+        let air_mps = (obstacle.velocity_mps - self.wind_mps).length() + self.change_mps;
+        let size_m = obstacle.volume.radius_m() + obstacle.volume.half_height_m() + 1e3;
+        let speeds = 2.0 * (square(self.airspeed_mps) + square(air_mps));
+        libm::sqrt(2.0 * (speeds * square(self.horizon_s) + square(size_m)))
+    }
+
+    /// When an obstacle could matter next, and whether it could matter now.
+    pub(super) fn next_s(&self, slot: &Slot, now_m: Vec3, own_m: Vec3, age_s: f64) -> (f64, bool) {
+        let speed_mps = slot.obstacle.velocity_mps.length();
+        let moves_mps = if slot.is_at_rest() { 0.0 } else { speed_mps };
+        let reach_m = self.reach_m(slot);
+        let sizes_m =
+            slot.obstacle.position_m.length() + own_m.length() + moves_mps * age_s.abs() + reach_m;
+        let beyond_m = (now_m - own_m).length() - reach_m - ROUNDING * sizes_m - ROUNDING_M;
+        if beyond_m <= 0.0 {
+            return (ALWAYS, true);
+        }
+        let wait_s = beyond_m / (self.speed_mps + moves_mps) * (1.0 - ROUNDING);
+        let due_s = if wait_s > SOON_S {
+            self.clock_s + wait_s - ROUNDING_S
+        } else {
+            ALWAYS
+        };
+        (due_s, false)
+    }
+}

@@ -1,0 +1,39 @@
+//! Which obstacles could matter: columns of thousands, obstacles kept from step to step, and the test that
+//! ends nearly every step because none comes near.
+//!
+//! | module | question |
+//! |---|---|
+//! | [`situation`] | what is around the aircraft? |
+//! | [`quiet`] | is anything near the straight line ahead? |
+//! | [`Kept`] | which obstacles need a look in this step? |
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing
+)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing
+    )
+)]
+
+#[cfg(test)]
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
+mod columns;
+#[cfg(test)]
+mod draw;
+mod kept;
+pub mod quiet;
+pub mod situation;
+
+pub use kept::{Block, Kept, KeptError};

@@ -1,0 +1,63 @@
+//! What is around the aircraft: the input of a decision, with its obstacles as rows or columns.
+
+pub use fga_proof::situation::*;
+
+pub use crate::columns::{Columns, ColumnsError};
+
+use fga_proof::Vec3;
+use fga_proof::limit::LARGEST;
+
+/// The obstacles of one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Obstacles<'a> {
+    /// One record per obstacle: the natural form for a handful.
+    Rows(&'a [Obstacle]),
+    /// One slice per quantity: the fast form for thousands.
+    Columns(Columns<'a>),
+}
+
+/// The input of one decision. Positions and velocities are over the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Situation<'a> {
+    /// Time of the state, seconds on any clock that does not run backwards.
+    pub time_s: f64,
+    /// The aircraft. Its course and climb angle describe its motion through the air.
+    pub ownship: Ownship,
+    /// The known obstacles, velocities over the ground.
+    pub obstacles: Obstacles<'a>,
+    /// The mission; the same at every step.
+    pub mission: Mission<'a>,
+    /// Velocity of the air over the ground, metres per second.
+    pub wind_mps: Vec3,
+}
+
+impl Situation<'_> {
+    /// Whether it is usable: every number of the aircraft, the clock and the
+    /// wind is finite, and none is so large that a product of some of them overflows.
+    pub fn is_usable(&self) -> bool {
+        let own = &self.ownship;
+        let angles = Vec3::new(own.course_rad, own.climb_rad, own.bank_rad);
+        own.is_valid()
+            && self.time_s.is_finite()
+            && self.wind_mps.is_finite()
+            && [own.position_m, angles, self.wind_mps]
+                .iter()
+                .all(|v| v.abs().max_element() <= LARGEST)
+            && own.airspeed_mps <= LARGEST
+            && self.time_s.abs() <= LARGEST
+    }
+
+    /// Whether the aircraft cannot meet an obstacle within `horizon_s` seconds, whatever its turns. Without a
+    /// root: an obstacle just out of reach counts as within it.
+    pub fn is_out_of_reach(&self, obstacle: &Obstacle, horizon_s: f64) -> bool {
+        let square = |x: f64| x * x;
+        let own = &self.ownship;
+        let offset = obstacle.position_m - own.position_m;
+        // (a + b)² ≤ 2 (a² + b²), twice.
+        let speeds = 2.0
+            * (square(own.airspeed_mps) + (obstacle.velocity_mps - self.wind_mps).length_squared());
+        let size = obstacle.volume.radius_m() + obstacle.volume.half_height_m() + 1e3;
+        let reach = 2.0 * (speeds * square(horizon_s) + square(size));
+        offset.length_squared() > reach
+    }
+}

@@ -1,0 +1,547 @@
+//! A proven lower bound of the separation along a predicted flight, in continuous time.
+//!
+//! Between two nodes the flight bows from its chord by at most A·h²/8, where A bounds the
+//! acceleration. The chord, at constant speed, and an obstacle that moves in a straight line
+//! have a straight relative motion, on which the least separation has a closed
+//! form for a sphere and is the minimum of a convex function for a cylinder. Chord minimum less
+//! bow is a lower bound; chords that decide the answer are split until the bow no longer matters. Far from all obstacles one
+//! chord covers many nodes.
+
+mod hazards;
+
+pub use hazards::{ALWAYS, Hazard, HazardSet, Hazards, Line, MAX_HAZARDS, NO_DEPTH};
+
+use crate::Vec3;
+use crate::meter::{LOOK, Meter};
+use crate::prediction::{CHORD_BOW_M, FlightPath, Flyer, MotionState, Node};
+
+/// A chord that decides the answer is split into this many.
+const SPLITS: u32 = 5;
+
+/// Work for a look at it, and for flying to the ends of those.
+const SPLIT_WORK: usize = LOOK + 12;
+
+/// Whether the bound is proven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// The separation is at least the margin over the whole horizon.
+    Proven,
+    /// The margin is below the requested floor; the rest was not examined.
+    BelowFloor,
+    /// The path does not follow the manoeuvre up to the horizon, or the step's work ended before the whole path was
+    /// examined: nothing is proven.
+    LimitMet,
+}
+
+/// The certified separation along a path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Certificate {
+    /// Lower bound of the separation beyond the volumes, metres; infinite without obstacles.
+    /// At most the requested `enough_m`.
+    pub margin_m: f64,
+    /// Index of the hazard that determines it.
+    pub hazard: Option<u32>,
+    /// Time of the least separation, seconds from the decision.
+    pub at_s: f64,
+    /// Whether it is proven.
+    pub status: Status,
+}
+
+impl Certificate {
+    /// Nothing known yet: the requested margin.
+    #[inline]
+    pub const fn clear(enough_m: f64) -> Self {
+        Self {
+            margin_m: enough_m,
+            hazard: None,
+            at_s: 0.0,
+            status: Status::Proven,
+        }
+    }
+
+    /// The proven margin, metres: minus infinity if the path ended before the horizon.
+    pub fn proven_m(&self) -> f64 {
+        if self.status == Status::LimitMet {
+            f64::NEG_INFINITY
+        } else {
+            self.margin_m
+        }
+    }
+
+    /// Whether a separation of `margin_m` beyond the volumes is proven.
+    pub fn holds(&self, margin_m: f64) -> bool {
+        self.status == Status::Proven && self.margin_m >= margin_m
+    }
+}
+
+/// Bounds the separation from one hazard along a path up to `horizon_s`: [`certify_all`] of one.
+pub fn certify(
+    flyer: &Flyer,
+    path: &FlightPath,
+    hazard: &Hazard,
+    horizon_s: f64,
+    floor_m: f64,
+    enough_m: f64,
+) -> Certificate {
+    let one = core::slice::from_ref(hazard);
+    certify_all(flyer, path, one, horizon_s, floor_m, enough_m)
+}
+
+/// Bounds the separation from every hazard along a path up to `horizon_s`, seconds.
+///
+/// Stops early below `floor_m`; margins are capped at `enough_m`.
+pub fn certify_all(
+    flyer: &Flyer,
+    path: &FlightPath,
+    hazards: &[Hazard],
+    horizon_s: f64,
+    floor_m: f64,
+    enough_m: f64,
+) -> Certificate {
+    let asked = Asked {
+        horizon_s,
+        floor_m,
+        enough_m,
+    };
+    certify_set(flyer, path, hazards, &asked, &Meter::unlimited())
+}
+
+/// The requirements on a certificate.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked {
+    /// Horizon, seconds.
+    pub horizon_s: f64,
+    /// Margins below this stop the search, metres.
+    pub floor_m: f64,
+    /// Margins are capped at this value, metres.
+    pub enough_m: f64,
+}
+
+/// [`certify_all`] for hazards that may be in blocks, as far as a meter allows.
+pub fn certify_set<H: HazardSet + ?Sized>(
+    flyer: &Flyer,
+    path: &FlightPath,
+    hazards: &H,
+    asked: &Asked,
+    meter: &Meter,
+) -> Certificate {
+    if meter.is_met() {
+        return Certificate {
+            status: Status::LimitMet,
+            ..Certificate::clear(asked.enough_m)
+        };
+    }
+    // The prediction errs by at most this, so the certificate asks for that much more.
+    let remainder_m = path.remainder_m();
+    let (floor_m, enough_m) = (asked.floor_m + remainder_m, asked.enough_m + remainder_m);
+    let mut worst = Certificate::clear(enough_m);
+    // First the long straight line at the end: what comes close there rules out most chords.
+    let above = end_line(path, asked.horizon_s).is_none_or(|line| {
+        line.duration_s < 0.0
+            || hazards.each_close(&line, worst.margin_m, meter, |hazard| {
+                if let Some((margin, at_s)) = hazard.least_on_line(&line, worst.margin_m, meter) {
+                    lower(&mut worst, margin, at_s, hazard);
+                }
+                worst.margin_m >= floor_m
+            })
+    });
+    // Then the unsplit chords: only those whose margin less the bow is below what is known so far may decide, so the first and
+    // the last of them bound what is split. Without a gap between floor and ceiling all may.
+    let one_mark = floor_m >= enough_m;
+    let mut deciding_s = if one_mark {
+        (f64::NEG_INFINITY, f64::INFINITY)
+    } else {
+        (f64::INFINITY, f64::NEG_INFINITY)
+    };
+    let scene = (flyer, hazards, (asked.horizon_s, floor_m), meter);
+    let nodes = path.nodes();
+    let above = above
+        && (one_mark
+            || each_near(scene, nodes, &mut worst, |chord, hazard, least, worst| {
+                deciding_s = (deciding_s.0.min(chord.line.at_s), chord.line.at_s);
+                lower(worst, least.0 + chord.bow_m, least.1, hazard);
+            }));
+    // Those are split until the bow no longer matters.
+    let nodes = chords_begun(path, deciding_s);
+    let above = above
+        && each_near(scene, nodes, &mut worst, |chord, hazard, _, worst| {
+            chord.split(flyer, hazard, worst, meter);
+        });
+    let below_floor = worst.margin_m < floor_m;
+    // A sufficient margin is exactly the requested one, despite rounding.
+    worst.margin_m = if worst.margin_m >= enough_m {
+        asked.enough_m
+    } else {
+        worst.margin_m - remainder_m
+    };
+    worst.status = if meter.is_spent() {
+        Status::LimitMet
+    } else if below_floor {
+        Status::BelowFloor
+    } else if above && path.is_complete() {
+        Status::Proven
+    } else {
+        Status::LimitMet
+    };
+    worst
+}
+
+/// Marks the hazards that may come closer than `below_m` anywhere along a path up to `horizon_s`: the margins of all others
+/// are at least that. Marks all if the work is done before the end of the path.
+pub fn mark_close(
+    flyer: &Flyer,
+    path: &FlightPath,
+    hazards: &Hazards,
+    (horizon_s, below_m): (f64, f64),
+    meter: &Meter,
+) -> [bool; MAX_HAZARDS] {
+    let mut marks = [false; MAX_HAZARDS];
+    let mut mark = |hazard: &Hazard| {
+        if let Some(mark) = marks.get_mut(hazard.index as usize) {
+            *mark = true;
+        }
+        true
+    };
+    let below_m = below_m + path.remainder_m();
+    let scene = (flyer, hazards, (horizon_s, f64::MIN), meter);
+    let clear = &mut Certificate::clear(below_m);
+    let goes_on = each_near(scene, path.nodes(), clear, |_, hazard, _, _| {
+        mark(hazard);
+    });
+    if goes_on && let Some(mut line) = end_line(path, horizon_s) {
+        line.duration_s = line.duration_s.max(0.0);
+        hazards.each_close(&line, below_m, meter, |hazard| {
+            hazard.least_on_line(&line, below_m, meter).is_none() || mark(hazard)
+        });
+    }
+    if !goes_on || meter.is_spent() {
+        return [true; MAX_HAZARDS];
+    }
+    marks
+}
+
+/// Whether a path ends before `horizon_s`, and the straight flight after it keeps a margin from every hazard until a later
+/// moment, seconds.
+pub fn keeps_on(
+    path: &FlightPath,
+    hazards: &Hazards,
+    (horizon_s, until_s): (f64, f64),
+    margin_m: f64,
+    meter: &Meter,
+) -> bool {
+    let margin_m = margin_m + path.remainder_m();
+    let line = end_line(path, until_s).filter(|line| line.at_s < horizon_s);
+    line.is_some_and(|line| {
+        hazards.each_close(&line, margin_m, meter, |hazard| {
+            hazard.least_on_line(&line, margin_m, meter).is_none()
+        })
+    })
+}
+
+/// The straight line between two moments of a flight, at constant speed.
+#[derive(Debug, Clone, Copy)]
+pub struct Chord<'a> {
+    node: &'a Node,
+    end_m: Vec3,
+    /// The line.
+    pub line: Line,
+    /// Largest bow of the flight from it, metres.
+    pub bow_m: f64,
+}
+
+impl<'a> Chord<'a> {
+    /// From a node to a later moment on its piece; `None` without a duration.
+    #[inline]
+    pub fn new(node: &'a Node, end_m: Vec3, end_s: f64) -> Option<Self> {
+        let duration_s = end_s - node.state.time_s;
+        (duration_s > 0.0).then(|| Self {
+            node,
+            end_m,
+            line: Line {
+                from_m: node.state.position_m,
+                velocity_mps: (end_m - node.state.position_m) / duration_s,
+                at_s: node.state.time_s,
+                duration_s,
+            },
+            bow_m: node.acceleration_mps2 * duration_s * duration_s / 8.0,
+        })
+    }
+
+    /// From the first of some nodes to the last one; if that is after `horizon_s`, there is only one between two, cut there.
+    /// The bow from one over several nodes covers the shorter chords' own.
+    #[inline]
+    fn over(flyer: &Flyer, nodes: &'a [Node], horizon_s: f64) -> Option<Self> {
+        let [node, within @ .., last] = nodes else {
+            return None;
+        };
+        let mut end = last.state;
+        if end.time_s > horizon_s {
+            if !within.is_empty() {
+                return None;
+            }
+            end = flyer.advance(&node.state, &node.piece(), horizon_s - node.state.time_s);
+            end.time_s = horizon_s;
+        }
+        let mut chord = Self::new(node, end.position_m, end.time_s)?;
+        if !within.is_empty() {
+            let fastest_mps2 = (within.iter().map(|node| node.acceleration_mps2))
+                .fold(node.acceleration_mps2, f64::max);
+            let bow_m = fastest_mps2 * chord.line.duration_s * chord.line.duration_s / 8.0;
+            chord.bow_m = bow_m + CHORD_BOW_M;
+        }
+        Some(chord)
+    }
+
+    /// Lowers `worst` to a bound over the shorter chords between exact points in between.
+    fn split(&self, flyer: &Flyer, hazard: &Hazard, worst: &mut Certificate, meter: &Meter) {
+        let mut from: MotionState = self.node.state;
+        let is_straight = self.bow_m == 0.0;
+        if !meter.take(if is_straight { LOOK } else { SPLIT_WORK }) {
+            lower(worst, f64::NEG_INFINITY, from.time_s, hazard);
+            return;
+        }
+        if is_straight {
+            if let Some((margin, at_s)) = hazard.least_on_line(&self.line, worst.margin_m, meter) {
+                lower(worst, margin, at_s, hazard);
+            }
+            return;
+        }
+        let piece = self.node.piece();
+        let step_s = self.line.duration_s / f64::from(SPLITS);
+        let bow_m = self.bow_m / f64::from(SPLITS * SPLITS);
+        for part in 1..=SPLITS {
+            let to = if part == SPLITS {
+                MotionState {
+                    position_m: self.end_m,
+                    ..from
+                }
+            } else if !piece.is_rolling() {
+                flyer.advance(&from, &piece, step_s)
+            } else {
+                flyer.advance(&self.node.state, &piece, f64::from(part) * step_s)
+            };
+            let line = Line {
+                from_m: from.position_m,
+                velocity_mps: (to.position_m - from.position_m) / step_s,
+                at_s: from.time_s,
+                duration_s: step_s,
+            };
+            let below_m = worst.margin_m + bow_m;
+            if let Some((margin, at_s)) = hazard.least_on_line(&line, below_m, meter) {
+                lower(worst, margin - bow_m, at_s, hazard);
+            }
+            from = to;
+        }
+    }
+
+    /// A bound of the margin, just fine enough to decide whether it is at least `floor_m`:
+    /// lowers `worst` to it.
+    #[inline]
+    pub fn bound(
+        &self,
+        flyer: &Flyer,
+        hazard: &Hazard,
+        floor_m: f64,
+        worst: &mut Certificate,
+        meter: &Meter,
+    ) {
+        let below_m = worst.margin_m + self.bow_m;
+        let Some((margin, at_s)) = hazard.least_on_line(&self.line, below_m, meter) else {
+            return;
+        };
+        if margin - self.bow_m < floor_m && margin + self.bow_m >= floor_m {
+            self.split(flyer, hazard, worst, meter);
+        } else {
+            lower(worst, margin - self.bow_m, at_s, hazard);
+        }
+    }
+}
+
+/// The straight line from the last node of a path to `horizon_s`; its duration is negative where the path ends later.
+#[inline]
+fn end_line(path: &FlightPath, horizon_s: f64) -> Option<Line> {
+    let last = path.nodes().last()?.state;
+    Some(Line {
+        from_m: last.position_m,
+        velocity_mps: path.end_velocity_mps(),
+        at_s: last.time_s,
+        duration_s: horizon_s - last.time_s,
+    })
+}
+
+/// The nodes of the chords of a path that begin within two moments, seconds.
+#[inline]
+fn chords_begun(path: &FlightPath, (from_s, until_s): (f64, f64)) -> &[Node] {
+    let nodes = path.nodes();
+    let first = nodes.partition_point(|node| node.state.time_s < from_s);
+    let end = nodes.partition_point(|node| node.state.time_s <= until_s) + 1;
+    nodes.get(first..end.min(nodes.len())).unwrap_or(&[])
+}
+
+/// Shows the chords between nodes up to a horizon, seconds, the last one cut there, the hazards that may lower `worst` there,
+/// and their least margins on the chord and when, until `worst` is below a floor, metres, or the work is done; returns whether
+/// neither was. Where no hazard comes near the chord over several nodes, those in between need no look.
+#[inline]
+fn each_near<H: HazardSet + ?Sized>(
+    (flyer, hazards, (horizon_s, floor_m), meter): (&Flyer, &H, (f64, f64), &Meter),
+    nodes: &[Node],
+    worst: &mut Certificate,
+    mut look: impl FnMut(&Chord<'_>, &Hazard, (f64, f64), &mut Certificate),
+) -> bool {
+    let (mut rest, mut count) = (nodes, nodes.len());
+    while let [node, _, ..] = rest
+        && node.state.time_s < horizon_s
+    {
+        count = count.min(rest.len() - 1);
+        let is_one = count == 1;
+        let chord = Chord::over(flyer, rest.get(..=count).unwrap_or(rest), horizon_s);
+        let goes_on = chord.map_or(is_one, |chord| {
+            hazards.each_close(&chord.line, worst.margin_m + chord.bow_m, meter, |hazard| {
+                let below_m = worst.margin_m + chord.bow_m;
+                let least = hazard.least_on_line(&chord.line, below_m, meter);
+                let Some(least) = least else { return true };
+                if is_one {
+                    look(&chord, hazard, least, worst);
+                }
+                is_one && worst.margin_m >= floor_m
+            }) && !meter.is_met()
+        });
+        if goes_on {
+            rest = rest.get(count..).unwrap_or(&[]);
+            count *= 2;
+        } else if is_one {
+            return false;
+        } else {
+            count /= 2;
+        }
+    }
+    true
+}
+
+#[inline]
+fn lower(worst: &mut Certificate, margin_m: f64, at_s: f64, hazard: &Hazard) {
+    if margin_m < worst.margin_m {
+        *worst = Certificate {
+            margin_m,
+            at_s,
+            hazard: Some(hazard.index),
+            ..*worst
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maneuver::{Maneuver, Stage};
+    use crate::situation::ProtectedVolume;
+    use crate::vehicle::{Response, Vehicle};
+
+    const RADIUS_M: f64 = 100.0;
+
+    fn flyer() -> Flyer {
+        Flyer::new(&Vehicle {
+            airspeed_mps: 20.0,
+            turn_radius_m: RADIUS_M,
+            climb_min_rad: -0.2,
+            climb_max_rad: 0.2,
+            climb_rate_radps: 0.2,
+            response: Response::default(),
+        })
+    }
+
+    /// Straight on for 100 m, then a turn to the left by an angle.
+    fn turned(flyer: &Flyer, by_rad: f64) -> FlightPath {
+        let mut maneuver = Maneuver::hold();
+        maneuver.push(Stage {
+            start_s: 5.0,
+            course_rad: by_rad,
+            climb_rad: 0.0,
+            rate_share: 1.0,
+        });
+        let mut path = FlightPath::new();
+        path.predict(flyer, &MotionState::ahead(0.0), &maneuver, 60.0);
+        path
+    }
+
+    fn sphere(index: u32, position_m: Vec3) -> Hazard {
+        let volume = ProtectedVolume::Sphere { radius_m: 1.0 };
+        let hazard = Hazard::exact(0, position_m, Vec3::ZERO, volume);
+        Hazard { index, ..hazard }
+    }
+
+    #[test]
+    fn a_chord_over_many_nodes_covers_what_the_flight_bows_from_it() {
+        let flyer = flyer();
+        let path = turned(&flyer, core::f64::consts::PI);
+        // Beside the middle of the turn, and far from all chords over more than a part of it.
+        for beside_m in [-10.0, -2.0, 0.0, 2.0, 10.0] {
+            let apex_m = Vec3::new(RADIUS_M + RADIUS_M + beside_m, RADIUS_M, 0.0);
+            let found = certify(&flyer, &path, &sphere(0, apex_m), 60.0, f64::MIN, 50.0);
+            assert!((found.margin_m - (beside_m.abs() - 1.0)).abs() < 0.01);
+        }
+    }
+
+    #[test]
+    fn an_obstacle_far_from_a_long_turn_takes_few_looks() {
+        let flyer = flyer();
+        let path = turned(&flyer, 3.0);
+        let asked = Asked {
+            horizon_s: 60.0,
+            floor_m: 0.0,
+            enough_m: 50.0,
+        };
+        let meter = Meter::unlimited();
+        let far = [sphere(0, Vec3::new(0.0, 2000.0, 0.0))];
+        let found = certify_set(&flyer, &path, far.as_slice(), &asked, &meter);
+        assert!(found.holds(50.0));
+        assert!(path.nodes().len() > 15);
+        assert!(meter.done() <= 3, "{} looks", meter.done());
+    }
+
+    #[test]
+    fn the_flight_after_a_path_keeps_on_where_nothing_is_ahead_of_it() {
+        let flyer = flyer();
+        let path = turned(&flyer, core::f64::consts::PI);
+        let keeps = |(x, y): (f64, f64), margin_m, horizon_s| {
+            let mut hazards = Hazards::new();
+            hazards.put(0, sphere(0, Vec3::new(x, y, 0.0)));
+            let ahead_s = (horizon_s, 120.0);
+            keeps_on(&path, &hazards, ahead_s, margin_m, &Meter::unlimited())
+        };
+        // It flies back along y = 200 m for 100 s, some 2 km.
+        let ahead_m = (-1500.0, 220.0);
+        assert!(keeps(ahead_m, 18.9, 60.0) && !keeps(ahead_m, 19.1, 60.0));
+        assert!(keeps((-2500.0, 220.0), 100.0, 60.0) && keeps((2500.0, 220.0), 100.0, 60.0));
+        // A path that goes on after the horizon tells nothing of what follows.
+        assert!(!keeps((2500.0, 220.0), 100.0, 10.0));
+    }
+
+    #[test]
+    fn only_close_hazards_are_marked() {
+        let flyer = flyer();
+        let path = turned(&flyer, core::f64::consts::PI);
+        let mut hazards = Hazards::new();
+        let places_m = [(100.0, -40.0), (200.0, 90.0), (-300.0, 210.0)];
+        for (index, (x, y)) in (0..).zip(places_m) {
+            hazards.put(index as usize, sphere(index, Vec3::new(x, y, 0.0)));
+        }
+        let marks = mark_close(&flyer, &path, &hazards, (60.0, 20.0), &Meter::unlimited());
+        assert_eq!(marks.get(..4), Some([false, true, true, false].as_slice()));
+    }
+
+    #[test]
+    fn close_hazards_are_marked_whenever_the_work_is_done() {
+        let flyer = flyer();
+        let path = turned(&flyer, core::f64::consts::PI);
+        let mut hazards = Hazards::new();
+        hazards.put(0, sphere(0, Vec3::new(200.0, 90.0, 0.0)));
+        hazards.put(1, sphere(1, Vec3::new(-300.0, 210.0, 0.0)));
+        for limit in 0..100 {
+            let meter = Meter::new(limit, 1000);
+            let marks = mark_close(&flyer, &path, &hazards, (60.0, 20.0), &meter);
+            assert!(!meter.is_spent());
+            assert_eq!(marks.get(..2), Some([true, true].as_slice()), "{limit}");
+        }
+    }
+}

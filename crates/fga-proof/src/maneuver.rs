@@ -1,0 +1,143 @@
+//! The content of a command: a [`Maneuver`], a list of [`Stage`]s.
+
+/// Most stages of a manoeuvre: the corners of a mission of short legs up to the horizon, and two turns
+/// with their climbs after them. A recorded path that turns has a corner each 0.7 s; what is not predicted of it counts as
+/// straight, and let the policy avoid conflicts that the mission does not have.
+pub const MAX_STAGES: usize = 40;
+
+/// A command from a moment on, until the next stage begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stage {
+    /// Its start, seconds from the moment of the decision.
+    pub start_s: f64,
+    /// Course to turn to, radians. Not wrapped: the aircraft turns by the plain difference to its
+    /// own course, which distinguishes the side and turns beyond 180°.
+    pub course_rad: f64,
+    /// Climb angle to take up, radians.
+    pub climb_rad: f64,
+    /// Share of the vehicle's largest course rate to turn with, in (0, 1]; a wider turn takes less.
+    pub rate_share: f64,
+}
+
+/// A sequence of stages, first to last; empty means: hold course and climb angle.
+///
+/// The aircraft flies it if nothing new happens. A plant without lag flies it exactly:
+/// course and climb angle move at their rate limits to the commanded values and stay there.
+#[derive(Clone, Copy, PartialEq)]
+pub struct Maneuver {
+    stages: [Stage; MAX_STAGES],
+    len: usize,
+    whole: bool,
+}
+
+impl core::fmt::Debug for Maneuver {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Maneuver")
+            .field("stages", &self.stages())
+            .field("whole", &self.whole)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Default for Maneuver {
+    fn default() -> Self {
+        Self::hold()
+    }
+}
+
+impl Maneuver {
+    /// Hold course and climb angle.
+    #[inline]
+    pub const fn hold() -> Self {
+        let stage = Stage {
+            start_s: 0.0,
+            course_rad: 0.0,
+            climb_rad: 0.0,
+            rate_share: 1.0,
+        };
+        Self {
+            stages: [stage; MAX_STAGES],
+            len: 0,
+            whole: true,
+        }
+    }
+
+    /// Turn to `course_rad` (not wrapped) and take up `climb_rad` from `start_s` on.
+    #[inline]
+    pub fn turn(start_s: f64, course_rad: f64, climb_rad: f64) -> Self {
+        let mut maneuver = Self::hold();
+        maneuver.push(Stage {
+            start_s,
+            course_rad,
+            climb_rad,
+            rate_share: 1.0,
+        });
+        maneuver
+    }
+
+    /// Appends a stage. It refuses a stage beyond the capacity, one that begins before the last, and one with a
+    /// number that is not finite; then the manoeuvre is no longer [whole](Self::is_whole).
+    #[inline]
+    pub fn push(&mut self, stage: Stage) -> bool {
+        let numbers = [
+            stage.start_s,
+            stage.course_rad,
+            stage.climb_rad,
+            stage.rate_share,
+        ];
+        let in_order = self
+            .stages()
+            .last()
+            .is_none_or(|last| stage.start_s >= last.start_s);
+        let usable = in_order && numbers.iter().all(|number| number.is_finite());
+        if let Some(slot) = self.stages.get_mut(self.len).filter(|_| usable) {
+            *slot = stage;
+            self.len += 1;
+            true
+        } else {
+            self.whole = false;
+            false
+        }
+    }
+
+    /// Whether it took every pushed stage. A manoeuvre that lost a stage is another flight, and no certificate
+    /// covers it.
+    pub const fn is_whole(&self) -> bool {
+        self.whole
+    }
+
+    /// Number of free stages.
+    pub const fn room(&self) -> usize {
+        MAX_STAGES - self.len
+    }
+
+    /// The stages, first to last.
+    #[inline]
+    pub fn stages(&self) -> &[Stage] {
+        self.stages.get(..self.len).unwrap_or(&[])
+    }
+
+    /// The same commands `elapsed_s` later: of the past stages only the last one stays.
+    #[must_use]
+    pub fn after(&self, elapsed_s: f64) -> Self {
+        let mut later = Self::hold();
+        later.whole = self.whole;
+        let stages = self.stages();
+        let is_over = |next: &Stage| next.start_s <= elapsed_s;
+        // Of the first stages, which are in order, those whose next one has begun.
+        let over = stages.iter().skip(1).take_while(|next| is_over(next));
+        for stage in stages.iter().skip(over.count()) {
+            let start_s = (stage.start_s - elapsed_s).max(0.0);
+            later.push(Stage { start_s, ..*stage });
+        }
+        later
+    }
+
+    /// The command `at_s` seconds from the decision; `None` before the first stage.
+    pub fn stage_at(&self, at_s: f64) -> Option<&Stage> {
+        self.stages()
+            .iter()
+            .rev()
+            .find(|stage| stage.start_s <= at_s)
+    }
+}

@@ -1,0 +1,16 @@
+//! The path of the aircraft under a manoeuvre.
+//!
+//! | question | answer |
+//! |---|---|
+//! | how does the vehicle move under one command? | [`Flyer`] |
+//! | where does the manoeuvre lead? | [`FlightPath`] |
+
+mod bend;
+mod motion;
+mod path;
+mod roll;
+
+pub use bend::{Bend, Exit};
+pub use motion::{ArcSteps, Flyer, MotionState, Piece, Target};
+pub use path::{CHORD_BOW_M, FlightPath, MAX_NODES, Node};
+pub use path::{chords, flown, for_each_piece, while_flown, whole};

@@ -1,0 +1,360 @@
+//! Where a turn leads once it is over, without flying it.
+//!
+//! A turn ends on a straight line. Without lag that is the tangent of a circle; with a bank lag it is still close to
+//! one: rolling in delays the turn and shifts the circle, rolling out shifts the tangent, by what both move the aircraft
+//! however far it turns in between. Only turns that end while the aircraft still rolls in are looked up in a table.
+
+use crate::Vec3;
+use crate::prediction::motion::{Flyer, MotionState, Target};
+
+/// Most ends of the pieces of a roll-in.
+const NODES: usize = 48;
+
+/// Most turn between two of them, radians.
+const NODE_RAD: f64 = 0.35;
+
+/// Ends nearer than this to each other tell nothing of how the turns between them bend, radians.
+const APART_RAD: f64 = 1e-3;
+
+/// A roll-out is nearly over after this many time constants.
+const ROLLS_OUT: f64 = 4.0;
+
+/// How far the line at the end of a turn may be from the true one, between the ends of the pieces too, turn radii.
+const INEXACT: f64 = 0.005;
+
+/// A turn whose roll-out begins at a moment.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct End {
+    /// The turn once rolled out, radians.
+    turn_rad: f64,
+    /// When the roll-out begins, seconds.
+    time_s: f64,
+    /// Where the aircraft is then, in the frame of the course at the beginning, metres: forward and to the side of the
+    /// turn.
+    at_m: (f64, f64),
+    /// From where it seems to have flown straight since then, once it has rolled out.
+    from_m: (f64, f64),
+    /// Its bank then, radians, positive towards the side of the turn.
+    bank_rad: f64,
+}
+
+impl End {
+    /// Of a turn that begins to roll out now; `None` for a bank beyond the vehicle's largest.
+    fn now(flyer: &Flyer, state: &MotionState) -> Option<Self> {
+        let (forward, left) = flyer.roll_out_m(state.bank_rad)?;
+        let (sin, cos) = libm::sincos(state.course_rad);
+        Some(Self {
+            turn_rad: state.course_rad + flyer.rollout_rad(state.bank_rad),
+            time_s: state.time_s,
+            at_m: (state.position_m.x, state.position_m.y),
+            from_m: (
+                state.position_m.x + cos * forward - sin * left,
+                state.position_m.y + sin * forward + cos * left,
+            ),
+            bank_rad: state.bank_rad,
+        })
+    }
+}
+
+/// A vector turned to the right by an angle with this cosine and sine.
+fn turned_back((cos, sin): (f64, f64), (forward, side): (f64, f64)) -> (f64, f64) {
+    (forward * cos + side * sin, side * cos - forward * sin)
+}
+
+/// The line on which a turn ends: where the aircraft would have begun it when the roll-out began.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Exit {
+    /// When the roll-out begins, seconds.
+    pub begins_s: f64,
+    /// When the roll-out is over, seconds.
+    pub over_s: f64,
+    /// Where the aircraft is when it begins, forward and to the side of the turn, metres.
+    pub at_m: (f64, f64),
+    /// From where it seems to have flown straight since then, once it has rolled out.
+    pub from_m: (f64, f64),
+    /// Cosine and sine of the turn.
+    pub turned: (f64, f64),
+    /// What the aircraft has flown by then, metres.
+    pub path_m: f64,
+}
+
+/// Turns to one side from a bank, in level flight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bend {
+    /// Bank at the beginning, radians, positive towards the side of the turn.
+    bank_rad: f64,
+    rate_radps: f64,
+    radius_m: f64,
+    settles_s: f64,
+    nodes: [End; NODES],
+    len: usize,
+    /// Cosine and sine of the course at the end of the roll-in.
+    rolled_in: (f64, f64),
+    /// Cosine and sine of the turn that ends there.
+    least_full: (f64, f64),
+    /// What rolling out from the largest bank moves the aircraft by, forward and to the side, metres.
+    roll_out_m: (f64, f64),
+}
+
+impl Bend {
+    /// Turns from a bank towards their side; `None` where that is larger than the vehicle's largest.
+    pub fn new(flyer: &Flyer, bank_rad: f64) -> Option<Self> {
+        let widest = flyer.widest_bend();
+        let rest = widest.and_then(|widest| widest.rest_from(flyer, bank_rad));
+        rest.or_else(|| Self::rolled(flyer, bank_rad))
+    }
+
+    /// The rest of these turns from a larger bank on: rolling in does not depend on where it began.
+    fn rest_from(&self, flyer: &Flyer, bank_rad: f64) -> Option<Self> {
+        let nodes = self.nodes.get(..self.len)?;
+        let next = nodes.iter().position(|node| node.bank_rad > bank_rad)?;
+        let (before, rest) = (nodes.get(next.checked_sub(1)?)?, nodes.get(next..)?);
+        let state = MotionState {
+            time_s: before.time_s,
+            position_m: Vec3::new(before.at_m.0, before.at_m.1, 0.0),
+            course_rad: before.turn_rad - flyer.rollout_rad(before.bank_rad),
+            ..MotionState::ahead(before.bank_rad)
+        };
+        let full_rad = flyer.full_bank_rad();
+        let off = (full_rad - bank_rad) / (full_rad - before.bank_rad);
+        let after_s = -flyer.bank_time_constant_s() * libm::log(off);
+        let piece = flyer.next_piece_within(&state, &Target::TURNING_LEFT, after_s);
+        let here = flyer.advance(&state, &piece, after_s.min(piece.duration_s));
+        let (sin, cos) = libm::sincos(here.course_rad);
+        let back = |vector| turned_back((cos, sin), vector);
+        let place =
+            |at_m: (f64, f64)| back((at_m.0 - here.position_m.x, at_m.1 - here.position_m.y));
+        let first = End::now(flyer, &MotionState::ahead(bank_rad))?;
+        let ends = rest.iter().map(|node| End {
+            turn_rad: node.turn_rad - here.course_rad,
+            time_s: (node.time_s - here.time_s).max(0.0),
+            at_m: place(node.at_m),
+            from_m: place(node.from_m),
+            bank_rad: node.bank_rad,
+        });
+        let mut bend = Self {
+            bank_rad,
+            rolled_in: back(self.rolled_in),
+            least_full: back(self.least_full),
+            len: 1 + rest.len(),
+            ..*self
+        };
+        let ends = core::iter::once(first).chain(ends);
+        for (slot, end) in bend.nodes.iter_mut().zip(ends) {
+            *slot = end;
+        }
+        Some(bend)
+    }
+
+    /// The same, piece by piece.
+    fn rolled(flyer: &Flyer, bank_rad: f64) -> Option<Self> {
+        let mut bend = Self {
+            bank_rad,
+            rate_radps: flyer.course_rate_radps(),
+            radius_m: flyer.turn_radius_m(),
+            settles_s: 0.0,
+            nodes: [End::default(); NODES],
+            len: 1,
+            rolled_in: (1.0, 0.0),
+            least_full: (1.0, 0.0),
+            roll_out_m: (0.0, 0.0),
+        };
+        if flyer.is_ideal() {
+            return Some(bend);
+        }
+        bend.settles_s = ROLLS_OUT * flyer.bank_time_constant_s();
+        let mut state = MotionState::ahead(bank_rad);
+        bend.len = 0;
+        for slot in &mut bend.nodes {
+            *slot = End::now(flyer, &state)?;
+            bend.len += 1;
+            let piece = flyer.next_piece(&state, &Target::TURNING_LEFT);
+            if piece.bank_command_rad == state.bank_rad {
+                let (sin, cos) = libm::sincos(state.course_rad);
+                bend.rolled_in = (cos, sin);
+                let (sin, cos) = libm::sincos(slot.turn_rad);
+                bend.least_full = (cos, sin);
+                bend.roll_out_m = flyer.roll_out_m(state.bank_rad)?;
+                return Some(bend);
+            }
+            let for_s = piece.duration_s.min(NODE_RAD / bend.rate_radps);
+            state = flyer.advance(&state, &piece, for_s);
+        }
+        None
+    }
+
+    /// Whether it holds for a bank.
+    pub fn is_from(&self, bank_rad: f64) -> bool {
+        self.bank_rad == bank_rad
+    }
+
+    /// The least turn: rolling out at once, radians.
+    #[inline]
+    pub fn least_rad(&self) -> f64 {
+        self.nodes.first().map_or(0.0, |first| first.turn_rad)
+    }
+
+    /// Where the aircraft is at a moment of a turn that goes on, forward and to the side of the turn, metres.
+    pub fn place_m(&self, at_s: f64) -> Option<(f64, f64)> {
+        let nodes = self.nodes.get(..self.len)?;
+        let last = nodes.last()?;
+        let turn_rad = if at_s >= last.time_s {
+            last.turn_rad + self.rate_radps * (at_s - last.time_s)
+        } else {
+            let next = nodes.iter().position(|node| node.time_s > at_s)?;
+            let after = nodes.get(next)?;
+            let before = nodes.get(next.saturating_sub(1))?;
+            let span = (after.time_s - before.time_s).max(f64::MIN_POSITIVE);
+            let share = ((at_s - before.time_s) / span).max(0.0);
+            before.turn_rad + share * (after.turn_rad - before.turn_rad)
+        };
+        self.exit(turn_rad).map(|exit| exit.at_m)
+    }
+
+    /// How far its lines may be from the true ones, metres.
+    #[inline]
+    pub fn inexact_m(&self) -> f64 {
+        if self.settles_s > 0.0 {
+            INEXACT * self.radius_m
+        } else {
+            0.0
+        }
+    }
+
+    /// The line on which a turn ends.
+    pub fn exit(&self, turn_rad: f64) -> Option<Exit> {
+        let nodes = self.nodes.get(..self.len)?;
+        let last = nodes.last()?;
+        let (begins_s, at_m, from_m, turned) = if turn_rad >= last.turn_rad {
+            let beyond_rad = turn_rad - last.turn_rad;
+            let (sin, cos) = libm::sincos(beyond_rad);
+            // Along the circle, with what rolling out adds turned with it.
+            let (cos_in, sin_in) = self.rolled_in;
+            let (cos_end, sin_end) = (cos_in * cos - sin_in * sin, sin_in * cos + cos_in * sin);
+            let (more_cos, more_sin) = (cos_end - cos_in, sin_end - sin_in);
+            let (forward, side) = self.roll_out_m;
+            let (cos_full, sin_full) = self.least_full;
+            (
+                last.time_s + beyond_rad / self.rate_radps,
+                (
+                    last.at_m.0 + more_sin * self.radius_m,
+                    last.at_m.1 - more_cos * self.radius_m,
+                ),
+                (
+                    last.from_m.0 + more_sin * (self.radius_m - side) + more_cos * forward,
+                    last.from_m.1 - more_cos * (self.radius_m - side) + more_sin * forward,
+                ),
+                (
+                    cos_full * cos - sin_full * sin,
+                    sin_full * cos + cos_full * sin,
+                ),
+            )
+        } else {
+            let next = nodes.iter().position(|node| node.turn_rad > turn_rad)?;
+            let after = nodes.get(next)?;
+            let before = nodes.get(next.saturating_sub(1))?;
+            let span = (after.turn_rad - before.turn_rad).max(f64::MIN_POSITIVE);
+            let share = ((turn_rad - before.turn_rad) / span).max(0.0);
+            // The parabola through a third one beside them.
+            let third = nodes
+                .get(next + 1)
+                .or_else(|| nodes.get(next.checked_sub(2)?));
+            let is_apart = |third: &&End| {
+                let apart_rad = |end: &End| (third.turn_rad - end.turn_rad).abs();
+                span.min(apart_rad(before)).min(apart_rad(after)) > APART_RAD
+            };
+            let (third, at, bent) = third.filter(is_apart).map_or((after, 1.0, 0.0), |third| {
+                let at = (third.turn_rad - before.turn_rad) / span;
+                (third, at, share * (share - 1.0) / (at * (at - 1.0)))
+            });
+            let between = |of: fn(&End) -> f64| {
+                let (from, to) = (of(before), of(after));
+                from + share * (to - from) + bent * (of(third) - from - at * (to - from))
+            };
+            let (sin, cos) = libm::sincos(turn_rad);
+            (
+                between(|end| end.time_s),
+                (between(|end| end.at_m.0), between(|end| end.at_m.1)),
+                (between(|end| end.from_m.0), between(|end| end.from_m.1)),
+                (cos, sin),
+            )
+        };
+        Some(Exit {
+            begins_s,
+            over_s: begins_s + self.settles_s,
+            at_m,
+            from_m,
+            turned,
+            path_m: self.rate_radps * self.radius_m * begins_s,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maneuver::Maneuver;
+    use crate::prediction::FlightPath;
+    use crate::vehicle::Vehicle;
+
+    #[test]
+    fn a_turn_shorter_than_the_least_one_ends_where_that_does() {
+        for bank in [0.0, 0.3, 0.99, 1.0] {
+            let flyer = Flyer::new(&Vehicle::lagged(0.6));
+            let bend = Bend::new(&flyer, bank * flyer.full_bank_rad()).unwrap();
+            let (least, less) = (bend.least_rad(), bend.least_rad() - 0.1);
+            let at = |turn_rad: f64| bend.exit(turn_rad).unwrap().from_m;
+            assert_eq!(at(less), at(least), "{bank}");
+        }
+    }
+
+    #[test]
+    fn a_turn_ends_on_the_line_that_was_told() {
+        for (lag_s, speed_mps, radius_m) in [
+            (0.0, 15.0, 30.0),
+            (0.25, 12.0, 20.0),
+            (0.6, 15.0, 30.0),
+            (1.0, 22.0, 60.0),
+            (1.2, 50.0, 400.0),
+        ] {
+            let vehicle = Vehicle {
+                airspeed_mps: speed_mps,
+                turn_radius_m: radius_m,
+                ..Vehicle::lagged(lag_s)
+            };
+            let flyer = Flyer::new(&vehicle);
+            let full_rad = if lag_s > 0.0 {
+                flyer.bank_rad(flyer.course_rate_radps())
+            } else {
+                0.0
+            };
+            for share in [0.0, 0.4, -0.6, 1.0] {
+                let bank_rad = share * full_rad;
+                let bend = Bend::new(&flyer, bank_rad).unwrap();
+                for k in 0..40 {
+                    let turn_rad = bend.least_rad() + 0.1 * f64::from(k);
+                    let exit = bend.exit(turn_rad).unwrap();
+                    let start = MotionState::ahead(bank_rad);
+                    let mut path = FlightPath::new();
+                    path.predict(&flyer, &start, &Maneuver::turn(0.0, turn_rad, 0.0), 200.0);
+                    for after_s in [0.0, 2.0, 30.0] {
+                        let at_s = exit.over_s + after_s;
+                        let there = path.state_at(&flyer, at_s).unwrap();
+                        let straight_m = speed_mps * (at_s - exit.begins_s);
+                        let told = Vec3::new(
+                            exit.from_m.0 + straight_m * exit.turned.0,
+                            exit.from_m.1 + straight_m * exit.turned.1,
+                            0.0,
+                        );
+                        let off_m = (told - there.position_m).length();
+                        let most_m = bend.inexact_m() + 1e-6;
+                        assert!(
+                            off_m <= most_m,
+                            "lag {lag_s}, bank {bank_rad}, turn {turn_rad}: {off_m} of {most_m}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

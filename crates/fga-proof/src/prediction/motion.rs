@@ -1,0 +1,349 @@
+//! The motion of the vehicle under one command: Eq. 10–12 with its limits and its response.
+//!
+//! Without lag the motion is exact: course ψ and climb angle θ move linearly in time to their
+//! targets, and cos θ cos ψ = ½ [cos(ψ+θ) + cos(ψ−θ)] makes Eq. 10–12 integrals of cosines of
+//! linear functions. With a bank lag the bank follows its command exponentially: the command is the
+//! bank of the largest course rate until the remaining turn equals the turn made while rolling out to level,
+//! then level. A roll is a few pieces of quadratic course rate, with an exact course at their ends.
+
+use core::f64::consts::FRAC_PI_2;
+
+use crate::Vec3;
+use crate::angle::direction;
+use crate::limit::Limit as _;
+use crate::meter::{LAGGED_NODE, LAGGED_PIECE, NODE, PIECE};
+use crate::prediction::Bend;
+use crate::prediction::roll::Roll;
+use crate::situation::Ownship;
+use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
+
+mod arc;
+mod lagged;
+
+pub use arc::ArcSteps;
+
+use self::lagged::{Rolls, SETTLES, SETTLING, Settling};
+
+/// An angle closer to its target than this has reached it, radians.
+const REACHED_RAD: f64 = 1e-11;
+
+/// A smaller bank counts as wings level for callers, radians.
+const LEVEL_BANK_RAD: f64 = 1e-3;
+
+/// The aircraft at a moment of a predicted flight, in the air mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionState {
+    /// Time from the decision, seconds.
+    pub time_s: f64,
+    /// Position, metres.
+    pub position_m: Vec3,
+    /// Course ψ, radians, not wrapped.
+    pub course_rad: f64,
+    /// Climb angle θ, radians.
+    pub climb_rad: f64,
+    /// Bank angle φ, radians, positive in a left turn; followed only for vehicles with bank lag.
+    pub bank_rad: f64,
+}
+
+impl MotionState {
+    /// At the origin along +x, level, with a bank angle in radians.
+    pub const fn ahead(bank_rad: f64) -> Self {
+        Self {
+            time_s: 0.0,
+            position_m: Vec3::ZERO,
+            course_rad: 0.0,
+            climb_rad: 0.0,
+            bank_rad,
+        }
+    }
+
+    /// The aircraft at the moment of the decision.
+    pub const fn of(ownship: &Ownship) -> Self {
+        Self {
+            time_s: 0.0,
+            position_m: ownship.position_m,
+            course_rad: ownship.course_rad,
+            climb_rad: ownship.climb_rad,
+            bank_rad: ownship.bank_rad,
+        }
+    }
+}
+
+/// A command: see [`Stage`](crate::maneuver::Stage) for the meaning of the fields.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Target {
+    /// Course to turn to, radians, not wrapped.
+    pub course_rad: f64,
+    /// Climb angle to take up, radians.
+    pub climb_rad: f64,
+    /// Share of the largest course rate.
+    pub rate_share: f64,
+}
+
+impl Target {
+    /// Level, in a left turn without end at the largest course rate.
+    pub const TURNING_LEFT: Self = Self {
+        course_rad: 100.0,
+        climb_rad: 0.0,
+        rate_share: 1.0,
+    };
+}
+
+/// One piece of flight: a constant climb rate, and a course rate that is quadratic in time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Piece {
+    /// Duration, seconds; infinite for straight flight.
+    pub duration_s: f64,
+    /// Course rate at its beginning, radians per second, positive to the left.
+    pub course_rate_radps: f64,
+    /// Slope of the course rate at its beginning, radians per second squared; 0 unless the bank changes.
+    pub course_growth_radps2: f64,
+    /// Slope of that slope, radians per second cubed.
+    pub course_curve_radps3: f64,
+    /// Rate of the climb angle, radians per second.
+    pub climb_rate_radps: f64,
+    /// Bank that the aircraft rolls to, radians.
+    pub bank_command_rad: f64,
+    /// Bank at the end of the piece, radians.
+    pub bank_end_rad: f64,
+    /// Bound of the course rate within it, radians per second.
+    pub fastest_radps: f64,
+    /// Bound of the distance of the flight from that with this course rate, metres.
+    pub remainder_m: f64,
+}
+
+impl Piece {
+    /// At constant rates, without a roll.
+    pub const fn steady(
+        duration_s: f64,
+        course_rate_radps: f64,
+        climb_rate_radps: f64,
+        bank_rad: f64,
+    ) -> Self {
+        Self {
+            duration_s,
+            course_rate_radps,
+            course_growth_radps2: 0.0,
+            course_curve_radps3: 0.0,
+            climb_rate_radps,
+            bank_command_rad: bank_rad,
+            bank_end_rad: bank_rad,
+            fastest_radps: course_rate_radps,
+            remainder_m: 0.0,
+        }
+    }
+
+    /// Change of course after a time, radians.
+    pub(crate) fn turn_rad(&self, after_s: f64) -> f64 {
+        self.mean_radps(after_s) * after_s
+    }
+
+    /// Mean course rate up to a time, radians per second.
+    fn mean_radps(&self, after_s: f64) -> f64 {
+        let growth = self.course_growth_radps2 + self.course_curve_radps3 * after_s / 3.0;
+        self.course_rate_radps + 0.5 * growth * after_s
+    }
+
+    /// Whether the course rate changes.
+    pub fn is_rolling(&self) -> bool {
+        self.course_growth_radps2 != 0.0 || self.course_curve_radps3 != 0.0
+    }
+}
+
+/// The vehicle's motion under commands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flyer {
+    airspeed_mps: f64,
+    course_rate_radps: f64,
+    climb_rate_radps: f64,
+    climb_min_rad: f64,
+    climb_max_rad: f64,
+    bank_time_constant_s: f64,
+    turn_rate_factor: f64,
+    /// Course rate at a bank of 45°, radians per second.
+    gain_radps: f64,
+    /// Bank of the largest course rate, radians, and the turn made while rolling out from it.
+    full_bank_rad: f64,
+    full_roll_out_rad: f64,
+    /// Stretches the pieces of a roll.
+    pace: f64,
+    /// Rolls from the largest bank to that of the other side, and to level.
+    rolling_over: Rolls,
+    rolling_out: Rolls,
+    /// First pieces of the rolls from level flight to either side, and from the bank of now to these and to level.
+    begun: [Roll; 5],
+    /// Displacement of a roll-out from a bank up to each of its moments: forward and left of the course at its start, metres.
+    settles_m: [Settling; SETTLES],
+    /// Turns from the largest bank to the other side, in which those from any bank are contained.
+    widest_bend: Option<Bend>,
+    /// Turns from level flight, and from the bank of now to the left and to the right.
+    bends: [Option<Bend>; 3],
+}
+
+impl Flyer {
+    /// The motion of a vehicle at its airspeed.
+    pub fn new(vehicle: &Vehicle) -> Self {
+        let response = vehicle.response;
+        let mut flyer = Self {
+            airspeed_mps: vehicle.airspeed_mps,
+            course_rate_radps: vehicle.course_rate_radps(),
+            climb_rate_radps: vehicle.climb_rate_radps,
+            climb_min_rad: vehicle.climb_min_rad,
+            climb_max_rad: vehicle.climb_max_rad,
+            bank_time_constant_s: response.bank_time_constant_s,
+            turn_rate_factor: response.turn_rate_factor,
+            gain_radps: response.turn_rate_factor * STANDARD_GRAVITY_MPS2 / vehicle.airspeed_mps,
+            full_bank_rad: 0.0,
+            full_roll_out_rad: 0.0,
+            pace: 1.0,
+            rolling_over: Rolls::default(),
+            rolling_out: Rolls::default(),
+            begun: [Roll::default(); 5],
+            settles_m: [[(0.0, 0.0); SETTLING.len()]; SETTLES],
+            widest_bend: None,
+            bends: [None; 3],
+        };
+        if !flyer.is_ideal() {
+            flyer.prepare_rolls();
+            flyer.widest_bend = Bend::new(&flyer, -flyer.full_bank_rad);
+        }
+        let level = Bend::new(&flyer, 0.0);
+        flyer.bends = [level, None, None];
+        flyer
+    }
+
+    /// Time constant of the bank, seconds.
+    pub const fn bank_time_constant_s(&self) -> f64 {
+        self.bank_time_constant_s
+    }
+
+    /// Total airspeed, metres per second.
+    #[inline]
+    pub const fn airspeed_mps(&self) -> f64 {
+        self.airspeed_mps
+    }
+
+    /// Largest course rate, radians per second.
+    #[inline]
+    pub const fn course_rate_radps(&self) -> f64 {
+        self.course_rate_radps
+    }
+
+    /// Radius of the tightest turn, metres.
+    #[inline]
+    pub fn turn_radius_m(&self) -> f64 {
+        self.airspeed_mps / self.course_rate_radps
+    }
+
+    /// Rate of the climb angle, radians per second.
+    #[inline]
+    pub const fn climb_rate_radps(&self) -> f64 {
+        self.climb_rate_radps
+    }
+
+    /// Whether the bank follows its command at once.
+    pub fn is_ideal(&self) -> bool {
+        self.bank_time_constant_s <= 0.0
+    }
+
+    /// What a piece of a predicted flight takes, in units of work.
+    #[inline]
+    pub fn piece_work(&self) -> usize {
+        if self.is_ideal() { PIECE } else { LAGGED_PIECE }
+    }
+
+    /// What a node of a path takes, in units of work.
+    pub(crate) fn node_work(&self) -> usize {
+        if self.is_ideal() { NODE } else { LAGGED_NODE }
+    }
+
+    /// Whether the wings are level.
+    pub fn is_level_at(&self, state: &MotionState) -> bool {
+        self.is_ideal() || state.bank_rad.abs() < LEVEL_BANK_RAD
+    }
+
+    /// Velocity at a state, metres per second (Eq. 10–12).
+    #[inline]
+    pub fn velocity_mps(&self, state: &MotionState) -> Vec3 {
+        direction(state.course_rad, state.climb_rad) * self.airspeed_mps
+    }
+
+    /// The piece that comes next under a command.
+    ///
+    /// It ends where a target is reached, or after a part of a roll; it is infinite once both targets
+    /// are met.
+    pub fn next_piece(&self, state: &MotionState, target: &Target) -> Piece {
+        self.next_piece_within(state, target, f64::INFINITY)
+    }
+
+    /// The same, with a new command after `limit_s` seconds: a piece with a changing bank ends there, with the
+    /// rate and the bank of that moment.
+    pub fn next_piece_within(&self, state: &MotionState, target: &Target, limit_s: f64) -> Piece {
+        let climb_target = target
+            .climb_rad
+            .limited(self.climb_min_rad, self.climb_max_rad);
+        let climb_left = climb_target - state.climb_rad;
+        let (climb_rate, climb_s) =
+            if climb_left.abs() < REACHED_RAD || self.climb_rate_radps <= 0.0 {
+                (0.0, f64::INFINITY)
+            } else {
+                let rate = libm::copysign(self.climb_rate_radps, climb_left);
+                (rate, climb_left / rate)
+            };
+        let turn_left = target.course_rad - state.course_rad;
+        if self.is_ideal() {
+            let limit = self.course_rate_radps * target.rate_share;
+            let (rate, turn_s) = if turn_left.abs() < REACHED_RAD || limit <= 0.0 {
+                (0.0, f64::INFINITY)
+            } else {
+                let rate = libm::copysign(limit, turn_left);
+                (rate, turn_left / rate)
+            };
+            return Piece::steady(climb_s.min(turn_s), rate, climb_rate, 0.0);
+        }
+        let climb = (climb_rate, climb_s);
+        self.lagged_piece(state, turn_left, target.rate_share, climb, limit_s)
+    }
+
+    /// Course rate at a bank, radians per second (Eq. 9 with the turn-rate factor).
+    pub fn rate_radps(&self, bank_rad: f64) -> f64 {
+        let bank_rad = bank_rad.limited(-FRAC_PI_2 + 0.01, FRAC_PI_2 - 0.01);
+        self.turn_rate_factor * STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad) / self.airspeed_mps
+    }
+
+    /// Bank that gives a course rate, radians: the inverse of [`Self::rate_radps`].
+    pub fn bank_rad(&self, rate_radps: f64) -> f64 {
+        let ideal = rate_radps / self.turn_rate_factor;
+        libm::atan(ideal * self.airspeed_mps / STANDARD_GRAVITY_MPS2)
+    }
+
+    /// The state `after_s` seconds into a piece, `after_s` at most its duration.
+    pub fn advance(&self, state: &MotionState, piece: &Piece, after_s: f64) -> MotionState {
+        MotionState {
+            time_s: state.time_s + after_s,
+            position_m: state.position_m + self.moved_m(state, piece, after_s),
+            course_rad: state.course_rad + piece.turn_rad(after_s),
+            climb_rad: state.climb_rad + piece.climb_rate_radps * after_s,
+            bank_rad: if after_s >= piece.duration_s {
+                piece.bank_end_rad
+            } else if self.is_ideal() || state.bank_rad == piece.bank_command_rad {
+                state.bank_rad
+            } else {
+                let off_rad = state.bank_rad - piece.bank_command_rad;
+                piece.bank_command_rad + off_rad * libm::exp(-after_s / self.bank_time_constant_s)
+            },
+        }
+    }
+
+    /// Bound of the acceleration of a piece, metres per second squared: V √(ψ̇² + θ̇²).
+    #[inline]
+    pub fn acceleration_mps2(&self, piece: &Piece) -> f64 {
+        let (turning, climbing) = (piece.fastest_radps, piece.climb_rate_radps);
+        let rate = if climbing == 0.0 {
+            turning.abs()
+        } else {
+            libm::sqrt(turning * turning + climbing * climbing)
+        };
+        self.airspeed_mps * rate
+    }
+}

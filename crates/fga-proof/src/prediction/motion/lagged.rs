@@ -1,0 +1,544 @@
+//! Flight with a bank that follows its command: the pieces of rolls, and where a roll-out begins.
+
+use core::f64::consts::FRAC_PI_2;
+
+use crate::Vec3;
+use crate::angle::direction;
+use crate::limit::Limit as _;
+use crate::prediction::motion::{Flyer, MotionState, Piece, REACHED_RAD, Target};
+use crate::prediction::roll::{Roll, roll_out, tan_share};
+use crate::prediction::{Bend, whole};
+
+/// A smaller bank has no roll-out left, radians.
+const ROLLED_OUT_RAD: f64 = 1e-9;
+
+/// The roll-out begins when the remaining turn beyond the roll-out's is at most this, radians.
+const ROLL_OUT_BEGINS_RAD: f64 = 1e-7;
+
+/// Iterations for the start of the roll-out.
+const STEPS_TO_ROLL_OUT: u32 = 12;
+
+/// A remaining turn with the wings level takes this share of the time constant.
+const LEVEL_TURN: f64 = 0.1;
+
+/// Sideways distance of a roll to 45° at which its pieces have their usual length, metres.
+const USUAL_SCALE_M: f64 = 1.5;
+
+/// Most pieces of a roll that a [`Flyer`] keeps.
+const KEPT_ROLLS: usize = 24;
+
+/// Banks with a tabulated roll-out, from level to the largest.
+pub(super) const SETTLES: usize = 33;
+
+/// Moments of a roll-out, time constants after it begins; after the last one it is over: thousandths of the bank are left.
+pub(super) const SETTLING: [f64; 5] = [0.5, 1.0, 1.75, 3.0, SETTLED_AFTER];
+const SETTLED_AFTER: f64 = 6.0;
+
+/// Displacement up to each of them: forward and left of the course at the beginning, metres.
+pub(super) type Settling = [(f64, f64); SETTLING.len()];
+
+/// What is left of the bank at those moments, e to the minus them.
+const BANK_LEFT: [f64; 5] = [0.606_531, 0.367_880, 0.173_775, 0.049_788, 0.002_479];
+
+/// Most pieces of a roll-out.
+const MOST_PIECES: usize = 64;
+
+/// A first piece of a roll to a kept bank is at least this long, time constants.
+const SHORTEST: f64 = 0.02;
+
+/// The pieces of a common roll.
+///
+/// The bank follows its command exponentially, so a roll that begins at a bank in between is the rest of this one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Rolls {
+    /// How far their banks at the beginning are from the command, radians.
+    off_rad: [f64; KEPT_ROLLS],
+    pieces: [Roll; KEPT_ROLLS],
+    len: usize,
+}
+
+impl Rolls {
+    fn new(from_rad: f64, to_rad: f64, pace: f64) -> Self {
+        let mut kept = Self::default();
+        let mut bank_rad = from_rad;
+        for (slot, off_rad) in kept.pieces.iter_mut().zip(&mut kept.off_rad) {
+            if bank_rad == to_rad {
+                break;
+            }
+            *slot = Roll::new(bank_rad, to_rad, f64::INFINITY, pace);
+            *off_rad = (bank_rad - to_rad).abs();
+            bank_rad = slot.to_rad;
+            kept.len += 1;
+        }
+        kept
+    }
+
+    /// The piece that begins at a bank, at most `most` long: a kept one, or one that ends where the next one begins. `None`
+    /// outside of the roll.
+    fn from(&self, bank_rad: f64, most: f64) -> Option<Roll> {
+        let first = self.pieces.first()?;
+        let command_rad = first.command_rad;
+        let off_rad = bank_rad - command_rad;
+        if off_rad * (first.from_rad - command_rad) <= 0.0 {
+            return None;
+        }
+        let off_rad = off_rad.abs();
+        let kept_rad = self.off_rad.get(..self.len)?;
+        let next = kept_rad.iter().position(|kept_rad| *kept_rad <= off_rad)?;
+        let piece = self.pieces.get(next)?;
+        if piece.from_rad == bank_rad {
+            return Some(if piece.lasts <= most {
+                *piece
+            } else {
+                Roll::part(bank_rad, command_rad, most)
+            });
+        }
+        if next == 0 {
+            return None;
+        }
+        let rest = self.pieces.get(next..self.len)?;
+        let (to_rad, lasts) = rest
+            .iter()
+            .zip(kept_rad.get(next..)?)
+            .find_map(|(to, off)| {
+                let lasts = libm::log(off_rad / off);
+                (lasts >= SHORTEST).then_some((to.from_rad, lasts))
+            })?;
+        Some(if lasts <= most {
+            Roll {
+                to_rad,
+                ..Roll::part(bank_rad, command_rad, lasts)
+            }
+        } else {
+            Roll::part(bank_rad, command_rad, most)
+        })
+    }
+}
+
+impl Flyer {
+    /// Computes what all rolls share.
+    pub(super) fn prepare_rolls(&mut self) {
+        let full_rad = self.bank_rad(self.course_rate_radps);
+        self.full_roll_out_rad = self.rollout_rad(full_rad);
+        self.full_bank_rad = full_rad;
+        // The error of a piece grows as the fifth power of its length.
+        let time = self.bank_time_constant_s;
+        let scale_m = self.airspeed_mps * self.gain_radps * time * time;
+        self.pace = libm::pow(USUAL_SCALE_M / scale_m, 0.2).limited(0.3, 1.0);
+        self.rolling_over = Rolls::new(-full_rad, full_rad, self.pace);
+        self.rolling_out = Rolls::new(full_rad, 0.0, self.pace);
+        self.begin_rolls_from(0.0);
+        let step_rad = full_rad / (SETTLES - 1) as f64;
+        let mut settles_m = [[(0.0, 0.0); SETTLING.len()]; SETTLES];
+        for (place, settles) in settles_m.iter_mut().enumerate() {
+            *settles = self.settles_m(place as f64 * step_rad);
+        }
+        self.settles_m = settles_m;
+    }
+
+    /// Displacement of a roll-out from a bank up to each of its moments, as in the table, from its pieces.
+    fn settles_m(&self, bank_rad: f64) -> Settling {
+        let tau = self.bank_time_constant_s;
+        let mut state = MotionState::ahead(bank_rad);
+        let target = Target {
+            course_rad: self.rollout_rad(bank_rad),
+            climb_rad: 0.0,
+            rate_share: 1.0,
+        };
+        SETTLING.map(|moment| {
+            for _ in 0..MOST_PIECES {
+                let left_s = moment * tau - state.time_s;
+                if left_s <= 0.0 {
+                    break;
+                }
+                let piece = self.next_piece_within(&state, &target, left_s);
+                let for_s = piece.duration_s.min(left_s);
+                state = self.advance(&state, &piece, for_s);
+                if for_s == left_s {
+                    state.time_s = moment * tau;
+                }
+            }
+            (state.position_m.x, state.position_m.y)
+        })
+    }
+
+    /// Where the aircraft is at the moments of a roll-out from a state at a constant climb angle, metres, to decimetres, and
+    /// when, seconds; and for how far the flight bows from the line between a moment and the one before it, metres. `None` for
+    /// banks beyond its largest.
+    pub fn settling(&self, state: &MotionState) -> Option<[(Vec3, f64, f64); SETTLING.len()]> {
+        let settles_m = self.settling_m(state.bank_rad)?;
+        let tau = self.bank_time_constant_s;
+        let (sin, cos) = libm::sincos(state.course_rad);
+        let (up, level) = libm::sincos(state.climb_rad);
+        let acceleration_mps2 = self.airspeed_mps * self.rate_radps(state.bank_rad).abs();
+        let mut places = [(Vec3::ZERO, 0.0, 0.0); SETTLING.len()];
+        let mut before = (0.0, 1.0);
+        for (((slot, moment), left), (forward, aside)) in
+            (places.iter_mut().zip(SETTLING).zip(BANK_LEFT)).zip(settles_m)
+        {
+            let after_s = moment * tau;
+            let moved_m = Vec3::new(
+                level * (forward * cos - aside * sin),
+                level * (forward * sin + aside * cos),
+                up * self.airspeed_mps * after_s,
+            );
+            let lasts_s = after_s - before.0;
+            let bow_m = before.1 * acceleration_mps2 * lasts_s * lasts_s / 8.0;
+            *slot = (state.position_m + moved_m, state.time_s + after_s, bow_m);
+            before = (after_s, left);
+        }
+        Some(places)
+    }
+
+    /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the
+    /// course at its start, metres, to decimetres. `None` for banks beyond its largest.
+    pub(crate) fn roll_out_m(&self, bank_rad: f64) -> Option<(f64, f64)> {
+        let (low, high, share) = self.around(bank_rad)?;
+        let ([.., low], [.., high]) = (low, high);
+        let left = low.1 + share * (high.1 - low.1);
+        let (sin, cos) = libm::sincos(self.rollout_rad(bank_rad));
+        let straight_m = self.airspeed_mps * SETTLED_AFTER * self.bank_time_constant_s;
+        Some((
+            low.0 + share * (high.0 - low.0) - straight_m * cos,
+            libm::copysign(1.0, bank_rad) * left - straight_m * sin,
+        ))
+    }
+
+    /// How much later a turn without bank lag would begin to lead to about the same places, seconds.
+    pub fn turns_later_s(&self) -> f64 {
+        self.full_roll_out_rad / self.course_rate_radps
+    }
+
+    /// The same motion without bank lag, and a state from which it leads to about the same places, to metres: a turn with
+    /// lag is one that begins later. `None` without lag.
+    pub fn without_lag(&self, state: &MotionState) -> Option<(Self, MotionState)> {
+        let (forward, left) = self.roll_out_m(state.bank_rad)?;
+        let later_s = self.turns_later_s();
+        let (sin, cos) = libm::sincos(state.course_rad);
+        let course_rad = state.course_rad + self.rollout_rad(state.bank_rad);
+        let moved_m = Vec3::new(forward * cos - left * sin, forward * sin + left * cos, 0.0);
+        let straight_m = direction(course_rad, state.climb_rad) * (self.airspeed_mps * later_s);
+        let begins = MotionState {
+            time_s: state.time_s + later_s,
+            position_m: state.position_m + moved_m + straight_m,
+            course_rad,
+            climb_rad: state.climb_rad,
+            bank_rad: 0.0,
+        };
+        let ideal = Self {
+            bank_time_constant_s: 0.0,
+            ..*self
+        };
+        Some((ideal, begins))
+    }
+
+    /// The tabulated roll-outs from a smaller and a larger bank than one, and how far it is from the smaller to the larger.
+    fn around(&self, bank_rad: f64) -> Option<(&Settling, &Settling, f64)> {
+        let place = bank_rad.abs() / self.full_bank_rad * (SETTLES - 1) as f64;
+        if self.is_ideal() || place.is_nan() || place > (SETTLES - 1) as f64 {
+            return None;
+        }
+        let above = whole(place, SETTLES - 1);
+        let below = above - 1;
+        let (low, high) = (self.settles_m.get(below)?, self.settles_m.get(above)?);
+        Some((low, high, place - below as f64))
+    }
+
+    /// Displacement of a roll-out from a bank up to each of its moments: forward and left of the course at its start,
+    /// metres, to decimetres. `None` for banks beyond its largest.
+    fn settling_m(&self, bank_rad: f64) -> Option<Settling> {
+        let (low, high, share) = self.around(bank_rad)?;
+        let sign = libm::copysign(1.0, bank_rad);
+        let mut settles_m = [(0.0, 0.0); SETTLING.len()];
+        for (slot, (low, high)) in settles_m.iter_mut().zip(low.iter().zip(high)) {
+            *slot = (
+                low.0 + share * (high.0 - low.0),
+                sign * (low.1 + share * (high.1 - low.1)),
+            );
+        }
+        Some(settles_m)
+    }
+
+    /// The approximate state after rolling out from a state and taking up a climb angle: to decimetres, only
+    /// for skipping. `None` for banks beyond its largest.
+    pub fn settled(&self, state: &MotionState, climb_rad: f64) -> Option<MotionState> {
+        let (forward, left) = self.roll_out_m(state.bank_rad)?;
+        let change_rad = climb_rad - state.climb_rad;
+        let climbs_s = if change_rad.abs() < REACHED_RAD {
+            0.0
+        } else {
+            change_rad.abs() / self.climb_rate_radps
+        };
+        let after_s = climbs_s.max(SETTLED_AFTER * self.bank_time_constant_s);
+        // The means of cos θ and sin θ while θ changes.
+        let (sin, cos) = libm::sincos(climb_rad);
+        let (mean_cos, mean_sin) = if climbs_s > 0.0 {
+            let (sin_now, cos_now) = libm::sincos(state.climb_rad);
+            ((sin - sin_now) / change_rad, (cos_now - cos) / change_rad)
+        } else {
+            (cos, sin)
+        };
+        let level_s = mean_cos * climbs_s + cos * (after_s - climbs_s);
+        let up_s = mean_sin * climbs_s + sin * (after_s - climbs_s);
+        let course_rad = state.course_rad + self.rollout_rad(state.bank_rad);
+        let (across, along) = libm::sincos(course_rad);
+        let (side, ahead) = libm::sincos(state.course_rad);
+        let aside = Vec3::new(
+            ahead * forward - side * left,
+            side * forward + ahead * left,
+            0.0,
+        );
+        let straight = Vec3::new(along * level_s, across * level_s, up_s);
+        Some(MotionState {
+            time_s: state.time_s + after_s,
+            position_m: state.position_m + aside * mean_cos + straight * self.airspeed_mps,
+            course_rad,
+            climb_rad,
+            bank_rad: 0.0,
+        })
+    }
+
+    pub(super) fn lagged_piece(
+        &self,
+        state: &MotionState,
+        turn_left: f64,
+        rate_share: f64,
+        (climb_rate, climb_s): (f64, f64),
+        limit_s: f64,
+    ) -> Piece {
+        let tau = self.bank_time_constant_s;
+        let most = climb_s.min(limit_s) / tau;
+        let limit = self.course_rate_radps * rate_share;
+        let full = if rate_share == 1.0 {
+            self.full_bank_rad
+        } else {
+            self.bank_rad(limit)
+        };
+        let beyond = self.beyond(turn_left, state.bank_rad);
+        if full > 0.0 && beyond.abs() > ROLL_OUT_BEGINS_RAD {
+            let command = libm::copysign(full, beyond);
+            if state.bank_rad == command {
+                let rate = libm::copysign(limit, beyond);
+                let turn_s = (turn_left - self.rollout_rad(command)) / rate;
+                return Piece::steady(climb_s.min(turn_s), rate, climb_rate, command);
+            }
+            let roll = self.roll(state.bank_rad, command, most);
+            let left = self.beyond(self.left_after(&roll, turn_left), roll.to_rad);
+            let roll = if left * beyond > 0.0 {
+                roll
+            } else {
+                self.roll_to_roll_out(&roll, turn_left, left)
+            };
+            return self.piece_of(&roll, climb_rate);
+        }
+        if state.bank_rad.abs() > ROLLED_OUT_RAD {
+            let mut roll = self.roll(state.bank_rad, 0.0, most);
+            if roll.to_rad == 0.0 && full > 0.0 {
+                // Rounding leaves a rest: it ends on its course.
+                let turn = turn_left / (self.gain_radps * tau);
+                roll.rate += (turn - roll.turn) / roll.lasts;
+            }
+            return self.piece_of(&roll, climb_rate);
+        }
+        if turn_left.abs() < REACHED_RAD || full <= 0.0 {
+            return Piece::steady(climb_s, 0.0, climb_rate, 0.0);
+        }
+        let step_s = LEVEL_TURN * tau;
+        Piece::steady(climb_s.min(step_s), turn_left / step_s, climb_rate, 0.0)
+    }
+
+    /// How much later than without bank lag a turn is over at least, seconds: while the aircraft rolls out and settles, it turns
+    /// by no more than it would in one time constant at its full rate.
+    pub fn settles_late_s(&self) -> f64 {
+        (SETTLED_AFTER - 1.0) * self.bank_time_constant_s
+    }
+
+    /// Whether it keeps the rolls from a bank.
+    pub fn keeps_rolls_from(&self, bank_rad: f64) -> bool {
+        self.is_ideal()
+            || bank_rad == 0.0
+            || self.begun.iter().any(|roll| roll.from_rad == bank_rad)
+    }
+
+    /// Keeps the rolls from a bank at which many predictions are about to begin.
+    pub fn keep_rolls_from(&mut self, bank_rad: f64) {
+        if !self.keeps_rolls_from(bank_rad) {
+            self.begin_rolls_from(bank_rad);
+            let left = Bend::new(self, bank_rad);
+            let right = Bend::new(self, -bank_rad);
+            let [_, kept_left, kept_right] = &mut self.bends;
+            *kept_left = left;
+            *kept_right = right;
+        }
+    }
+
+    /// Keeps the first pieces of the rolls from a bank, and from level flight.
+    fn begin_rolls_from(&mut self, bank_rad: f64) {
+        let full_rad = self.full_bank_rad;
+        let rolls = [
+            (0.0, full_rad),
+            (0.0, -full_rad),
+            (bank_rad, full_rad),
+            (bank_rad, -full_rad),
+            (bank_rad, 0.0),
+        ];
+        self.begun = rolls.map(|(from_rad, to_rad)| self.roll(from_rad, to_rad, f64::INFINITY));
+    }
+
+    /// Turns from a bank that is positive towards their side, if they are kept.
+    #[inline]
+    pub fn bend_from(&self, bank_rad: f64) -> Option<&Bend> {
+        self.bends
+            .iter()
+            .flatten()
+            .find(|bend| bend.is_from(bank_rad))
+    }
+
+    /// Turns from the largest bank to the other side.
+    pub(crate) const fn widest_bend(&self) -> Option<&Bend> {
+        self.widest_bend.as_ref()
+    }
+
+    /// The bank of the largest course rate, radians.
+    pub const fn full_bank_rad(&self) -> f64 {
+        self.full_bank_rad
+    }
+
+    /// The next piece of a roll, at most `most` time constants long.
+    fn roll(&self, from_rad: f64, command_rad: f64, most: f64) -> Roll {
+        let is_begun = |roll: &&Roll| roll.from_rad == from_rad && roll.command_rad == command_rad;
+        let mut begun = self.begun.iter();
+        if let Some(roll) = begun.find(is_begun).filter(|roll| roll.lasts <= most) {
+            return *roll;
+        }
+        let (kept, side) = if command_rad == 0.0 {
+            (&self.rolling_out, from_rad)
+        } else {
+            (&self.rolling_over, command_rad)
+        };
+        let sign = libm::copysign(1.0, side);
+        let is_kept = command_rad == 0.0 || command_rad.abs() == self.full_bank_rad;
+        match kept.from(sign * from_rad, most).filter(|_| is_kept) {
+            Some(roll) => Roll {
+                from_rad,
+                command_rad,
+                turn: sign * roll.turn,
+                rate: sign * roll.rate,
+                growth: sign * roll.growth,
+                curve: sign * roll.curve,
+                to_rad: sign * roll.to_rad,
+                ..roll
+            },
+            None => Roll::new(from_rad, command_rad, most, self.pace),
+        }
+    }
+
+    /// The remaining turn after a piece of a roll, radians.
+    fn left_after(&self, roll: &Roll, turn_left: f64) -> f64 {
+        turn_left - self.gain_radps * self.bank_time_constant_s * roll.turn
+    }
+
+    /// The remaining turn beyond the roll-out's, radians; the whole remaining turn, which has the same sign, where no
+    /// roll-out makes it.
+    fn beyond(&self, turn_left: f64, bank_rad: f64) -> f64 {
+        let is_more = turn_left.abs() > self.full_roll_out_rad + ROLL_OUT_BEGINS_RAD;
+        if is_more && bank_rad.abs() <= self.full_bank_rad {
+            turn_left
+        } else {
+            turn_left - self.rollout_rad(bank_rad)
+        }
+    }
+
+    /// The part of a piece of a roll after which the roll-out begins: the zero of the remaining turn beyond the
+    /// roll-out's, which is `at_b` at its end.
+    ///
+    /// It falls at the rate c tan(φ)/φ, where c is the bank commanded: a cubic with that rate at both ends, then
+    /// Newton's steps, kept between the ends.
+    fn roll_to_roll_out(&self, roll: &Roll, turn_left: f64, at_b: f64) -> Roll {
+        let (mut a, mut b) = (0.0, roll.lasts);
+        let at_a = turn_left - self.rollout_rad(roll.from_rad);
+        let gain = self.gain_radps * self.bank_time_constant_s;
+        let falls = |bank_rad: f64| -gain * roll.command_rad * tan_share(bank_rad);
+        let span = at_b - at_a;
+        let share = -at_a / span;
+        let (first, last) = (span / falls(roll.from_rad), span / falls(roll.to_rad));
+        let rest = 1.0 - share;
+        let cubic =
+            share * share * (3.0 - 2.0 * share) * b + share * rest * (rest * first - share * last);
+        let mut at = cubic.limited(a, b);
+        let mut part = *roll;
+        for _ in 0..STEPS_TO_ROLL_OUT {
+            part = Roll::part(roll.from_rad, roll.command_rad, at);
+            let left = self.left_after(&part, turn_left) - self.rollout_rad(part.to_rad);
+            if left.abs() < 0.1 * ROLL_OUT_BEGINS_RAD {
+                break;
+            }
+            if left * at_b < 0.0 {
+                a = at;
+            } else {
+                b = at;
+            }
+            let next = at - left / falls(part.to_rad);
+            at = if next > a && next < b {
+                next
+            } else {
+                0.5 * (a + b)
+            };
+        }
+        part
+    }
+
+    /// The bank between two states of one piece, radians: what is left of a decay is the same share in equal times.
+    pub(crate) fn bank_between_rad(
+        &self,
+        from: &MotionState,
+        to: &MotionState,
+        since_s: f64,
+    ) -> f64 {
+        let moved_rad = to.bank_rad - from.bank_rad;
+        if moved_rad == 0.0 {
+            return from.bank_rad;
+        }
+        let done = |after_s: f64| -libm::expm1(-after_s / self.bank_time_constant_s);
+        let span_s = to.time_s - from.time_s;
+        let share = if since_s >= span_s {
+            1.0
+        } else {
+            done(since_s) / done(span_s)
+        };
+        from.bank_rad + moved_rad * share
+    }
+
+    fn piece_of(&self, roll: &Roll, climb_rate_radps: f64) -> Piece {
+        let tau = self.bank_time_constant_s;
+        let turn = self.gain_radps * tau;
+        // What the displacement of a piece does not count of its third order.
+        let (turn_rad, bend) = (turn * roll.turn.abs(), turn * roll.lasts * roll.lasts);
+        let bend_rad = bend
+            * roll
+                .growth
+                .abs()
+                .max((roll.growth + roll.curve * roll.lasts).abs());
+        let uncounted = bend_rad * bend_rad * (bend_rad + turn_rad * (turn_rad + 1.4)) / 6720.0;
+        Piece {
+            duration_s: roll.lasts * tau,
+            course_rate_radps: self.gain_radps * roll.rate,
+            course_growth_radps2: self.gain_radps * roll.growth / tau,
+            course_curve_radps3: self.gain_radps * roll.curve / (tau * tau),
+            climb_rate_radps,
+            bank_command_rad: roll.command_rad,
+            bank_end_rad: roll.to_rad,
+            fastest_radps: self.gain_radps * roll.fastest,
+            remainder_m: self.airspeed_mps * tau * (turn * roll.bow + uncounted * roll.lasts),
+        }
+    }
+
+    /// Change of course while the bank decays to level, radians.
+    pub fn rollout_rad(&self, bank_rad: f64) -> f64 {
+        if bank_rad.abs() == self.full_bank_rad {
+            return libm::copysign(self.full_roll_out_rad, bank_rad);
+        }
+        let bank_rad = bank_rad.limited(-FRAC_PI_2 + 0.01, FRAC_PI_2 - 0.01);
+        self.gain_radps * self.bank_time_constant_s * roll_out(bank_rad)
+    }
+}

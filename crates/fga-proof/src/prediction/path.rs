@@ -1,0 +1,574 @@
+//! The path of a manoeuvre: nodes on the predicted flight, close enough for tight chords.
+
+use core::iter::Peekable;
+use core::slice::Iter;
+
+use crate::Vec3;
+use crate::limit::Limit as _;
+use crate::maneuver::{Maneuver, Stage};
+use crate::meter::{Meter, SETUP};
+use crate::prediction::motion::{ArcSteps, Piece};
+use crate::prediction::{Flyer, MotionState, Target};
+
+/// Most nodes of a path.
+pub const MAX_NODES: usize = 320;
+
+/// Largest bow of the path from the chord between two nodes, metres.
+///
+/// The certificate subtracts this bow and splits the chords that matter, so it sets speed, not truth.
+pub const CHORD_BOW_M: f64 = 0.16;
+
+/// A moment of the predicted flight and the constant rates until the next one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Node {
+    /// The aircraft.
+    pub state: MotionState,
+    /// Course rate from here on, radians per second.
+    pub course_rate_radps: f64,
+    /// Slope of the course rate from here on, radians per second squared.
+    pub course_growth_radps2: f64,
+    /// Slope of that slope until the next node, radians per second cubed.
+    pub course_curve_radps3: f64,
+    /// Rate of the climb angle from here to the next node, radians per second.
+    pub climb_rate_radps: f64,
+    /// Bound of the acceleration from here to the next node, metres per second squared.
+    pub acceleration_mps2: f64,
+}
+
+impl Node {
+    /// The node from which the aircraft flies straight on.
+    const fn straight(state: MotionState) -> Self {
+        Self {
+            state,
+            course_rate_radps: 0.0,
+            course_growth_radps2: 0.0,
+            course_curve_radps3: 0.0,
+            climb_rate_radps: 0.0,
+            acceleration_mps2: 0.0,
+        }
+    }
+
+    /// The piece of flight from here to the next node.
+    pub(crate) const fn piece(&self) -> Piece {
+        let (turning, climbing) = (self.course_rate_radps, self.climb_rate_radps);
+        Piece {
+            course_growth_radps2: self.course_growth_radps2,
+            course_curve_radps3: self.course_curve_radps3,
+            ..Piece::steady(f64::INFINITY, turning, climbing, self.state.bank_rad)
+        }
+    }
+
+    /// The node `after_s` seconds into a piece, at a state.
+    #[inline]
+    pub fn on(flyer: &Flyer, state: &MotionState, piece: &Piece, after_s: f64) -> Self {
+        let curve = piece.course_curve_radps3;
+        let growth = piece.course_growth_radps2 + 0.5 * curve * after_s;
+        Self {
+            state: *state,
+            course_rate_radps: piece.course_rate_radps + growth * after_s,
+            course_growth_radps2: piece.course_growth_radps2 + curve * after_s,
+            course_curve_radps3: curve,
+            climb_rate_radps: piece.climb_rate_radps,
+            acceleration_mps2: flyer.acceleration_mps2(piece),
+        }
+    }
+}
+
+/// The least whole number of steps that is at least `steps`, from 1 to `most`.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to 1..=most before the cast"
+)]
+#[inline]
+pub fn whole(steps: f64, most: usize) -> usize {
+    libm::ceil(steps).limited(1.0, most as f64) as usize
+}
+
+/// The number of chords on which a flight of a duration, seconds, bows no more than [`CHORD_BOW_M`], from 1 to `most`.
+#[inline]
+pub fn chords(acceleration_mps2: f64, duration_s: f64, most: usize) -> usize {
+    let bows = acceleration_mps2 * duration_s * duration_s / (8.0 * CHORD_BOW_M);
+    if bows > 1.0 {
+        whole(libm::sqrt(bows), most)
+    } else {
+        1
+    }
+}
+
+/// The pieces of constant rates of a manoeuvre's flight.
+struct Pieces<'a> {
+    flyer: &'a Flyer,
+    stages: Peekable<Iter<'a, Stage>>,
+    target: Target,
+}
+
+impl<'a> Pieces<'a> {
+    fn new(flyer: &'a Flyer, start: &MotionState, maneuver: &'a Maneuver) -> Self {
+        Self {
+            flyer,
+            stages: maneuver.stages().iter().peekable(),
+            target: Target {
+                course_rad: start.course_rad,
+                climb_rad: start.climb_rad,
+                rate_share: 1.0,
+            },
+        }
+    }
+
+    /// The piece that begins at a state, its duration, seconds (infinite for the last one),
+    /// and its latest end: at the next command, or at `limit_s`.
+    fn next(&mut self, state: &MotionState, limit_s: f64) -> (Piece, f64, f64) {
+        while let Some(stage) = self.stages.next_if(|stage| stage.start_s <= state.time_s) {
+            self.target = Target {
+                course_rad: stage.course_rad,
+                climb_rad: stage.climb_rad,
+                rate_share: stage.rate_share,
+            };
+        }
+        let next_s = self.stages.peek().map_or(f64::INFINITY, |s| s.start_s);
+        let until_s = next_s.min(limit_s);
+        let left_s = until_s - state.time_s;
+        let piece = self.flyer.next_piece_within(state, &self.target, left_s);
+        (piece, piece.duration_s.min(left_s), until_s)
+    }
+}
+
+/// Shows the pieces of the flight of a manoeuvre up to `limit_s`, each with its first state
+/// and its duration, seconds, which is infinite for the last one without a limit.
+/// Returns the first state of the last one, or the state at the limit.
+///
+/// Without nodes, this is a cheap way to evaluate some moments of a flight.
+pub fn for_each_piece(
+    flyer: &Flyer,
+    start: &MotionState,
+    maneuver: &Maneuver,
+    limit_s: f64,
+    mut visit: impl FnMut(&MotionState, &Piece, f64),
+) -> MotionState {
+    let visit = |from: &MotionState, piece: &Piece, lasts_s: f64| {
+        visit(from, piece, lasts_s);
+        true
+    };
+    while_flown(flyer, start, maneuver, limit_s, visit)
+}
+
+/// The same while `visit` is true.
+pub fn while_flown(
+    flyer: &Flyer,
+    start: &MotionState,
+    maneuver: &Maneuver,
+    limit_s: f64,
+    mut visit: impl FnMut(&MotionState, &Piece, f64) -> bool,
+) -> MotionState {
+    let mut state = *start;
+    let mut pieces = Pieces::new(flyer, start, maneuver);
+    for _ in 0..MAX_NODES {
+        if state.time_s >= limit_s {
+            break;
+        }
+        let (piece, duration_s, until_s) = pieces.next(&state, limit_s);
+        if !visit(&state, &piece, duration_s) || duration_s == f64::INFINITY {
+            break;
+        }
+        let ends = duration_s >= until_s - state.time_s;
+        state = flyer.advance(&state, &piece, duration_s);
+        if ends {
+            state.time_s = until_s;
+        }
+    }
+    state
+}
+
+/// The aircraft at the end of a manoeuvre's flight up to `limit_s`, with its pieces counted; before it if the meter refuses
+/// one.
+pub fn flown(
+    flyer: &Flyer,
+    start: &MotionState,
+    maneuver: &Maneuver,
+    limit_s: f64,
+    meter: &Meter,
+) -> MotionState {
+    let work = flyer.piece_work();
+    while_flown(flyer, start, maneuver, limit_s, |_, _, _| meter.take(work))
+}
+
+/// A predicted flight: nodes in time, then straight on from the last one.
+#[derive(Debug, Clone)]
+pub struct FlightPath {
+    nodes: [Node; MAX_NODES],
+    len: usize,
+    end_velocity_mps: Vec3,
+    complete: bool,
+    remainder_m: f64,
+}
+
+impl Default for FlightPath {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl FlightPath {
+    /// A path without nodes, for [`Self::predict`]. It is large: keep and reuse it.
+    #[expect(
+        clippy::large_stack_arrays,
+        reason = "no allocation: the caller says where it lies"
+    )]
+    pub const fn new() -> Self {
+        Self {
+            nodes: [Node::straight(MotionState::ahead(0.0)); MAX_NODES],
+            len: 0,
+            end_velocity_mps: Vec3::ZERO,
+            complete: false,
+            remainder_m: 0.0,
+        }
+    }
+
+    /// The nodes, first to last; the aircraft flies straight on from the last one.
+    #[inline]
+    pub fn nodes(&self) -> &[Node] {
+        self.nodes.get(..self.len).unwrap_or(&[])
+    }
+
+    /// Velocity after the last node, metres per second.
+    pub const fn end_velocity_mps(&self) -> Vec3 {
+        self.end_velocity_mps
+    }
+
+    /// Whether the path follows the manoeuvre up to the horizon: false if the nodes ran out, or
+    /// if the manoeuvre lost a stage ([`Maneuver::is_whole`]).
+    #[inline]
+    pub const fn is_complete(&self) -> bool {
+        self.complete
+    }
+
+    /// Bound of the distance of the flight from its nodes and from the pieces between them, metres: 0
+    /// without bank lag.
+    #[inline]
+    pub const fn remainder_m(&self) -> f64 {
+        self.remainder_m
+    }
+
+    /// Forgets all nodes.
+    pub(crate) fn clear(&mut self) {
+        self.len = 0;
+        self.complete = false;
+        self.remainder_m = 0.0;
+    }
+
+    /// Ends the path at a state from which the aircraft flies straight on.
+    pub(crate) fn finish(&mut self, flyer: &Flyer, state: &MotionState) {
+        self.end_velocity_mps = flyer.velocity_mps(state);
+        self.complete = self.push(Node::straight(*state));
+    }
+
+    pub(crate) fn push(&mut self, node: Node) -> bool {
+        match self.nodes.get_mut(self.len) {
+            Some(slot) => {
+                *slot = node;
+                self.len += 1;
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Appends the nodes of one piece of constant rates and returns the state at its end;
+    /// `None` if the nodes ran out, or the meter refuses them.
+    fn fly_piece(
+        &mut self,
+        flyer: &Flyer,
+        from: &MotionState,
+        piece: &Piece,
+        duration_s: f64,
+        meter: &Meter,
+    ) -> Option<MotionState> {
+        let mut node = Node::on(flyer, from, piece, 0.0);
+        let acceleration = node.acceleration_mps2;
+        let count = chords(acceleration, duration_s, MAX_NODES + 1);
+        let work = count.min(MAX_NODES - self.len) * flyer.node_work();
+        if !meter.take(work) {
+            return None;
+        }
+        self.remainder_m += piece.remainder_m;
+        if count == 1 {
+            return self
+                .push(node)
+                .then(|| flyer.advance(from, piece, duration_s));
+        }
+        if piece.is_rolling() {
+            for step in 0..count {
+                let after_s = duration_s * step as f64 / count as f64;
+                let state = flyer.advance(from, piece, after_s);
+                if !self.push(Node::on(flyer, &state, piece, after_s)) {
+                    return None;
+                }
+            }
+            return Some(flyer.advance(from, piece, duration_s));
+        }
+        // Where the nodes run out, those there are keep their distance.
+        let step_s = if count > MAX_NODES {
+            libm::sqrt(8.0 * CHORD_BOW_M / acceleration)
+        } else {
+            duration_s / count as f64
+        };
+        let mut steps = ArcSteps::new(flyer, from, piece, step_s);
+        for _ in 0..count {
+            node.state = *steps.state();
+            if !self.push(node) {
+                return None;
+            }
+            steps.advance();
+        }
+        let mut end = *steps.state();
+        end.course_rad = from.course_rad + piece.course_rate_radps * duration_s;
+        end.climb_rad = from.climb_rad + piece.climb_rate_radps * duration_s;
+        if duration_s >= piece.duration_s {
+            end.bank_rad = piece.bank_end_rad;
+        }
+        Some(end)
+    }
+
+    /// Predicts the flight of `maneuver` from `start` up to `horizon_s` (Eq. 10–12 with the
+    /// vehicle's limits and response), replacing the old path.
+    pub fn predict(
+        &mut self,
+        flyer: &Flyer,
+        start: &MotionState,
+        maneuver: &Maneuver,
+        horizon_s: f64,
+    ) {
+        let meter = Meter::unlimited();
+        self.predict_within(flyer, start, maneuver, horizon_s, &meter);
+    }
+
+    /// The same as far as a meter allows: the path is not complete if it refuses a piece.
+    pub fn predict_within(
+        &mut self,
+        flyer: &Flyer,
+        start: &MotionState,
+        maneuver: &Maneuver,
+        horizon_s: f64,
+        meter: &Meter,
+    ) {
+        self.clear();
+        // The last node comes on top of those of the pieces.
+        if !meter.take(SETUP + flyer.node_work()) {
+            return;
+        }
+        let mut state = *start;
+        let mut pieces = Pieces::new(flyer, start, maneuver);
+        loop {
+            let (piece, duration_s, until_s) = pieces.next(&state, f64::INFINITY);
+            let is_last = duration_s == f64::INFINITY || state.time_s >= horizon_s;
+            let flown =
+                (!is_last).then(|| self.fly_piece(flyer, &state, &piece, duration_s, meter));
+            let Some(mut end) = flown.flatten() else {
+                break;
+            };
+            if duration_s >= until_s - state.time_s {
+                end.time_s = until_s;
+            }
+            state = end;
+        }
+        self.finish(flyer, &state);
+        // A slow turn may need more nodes than there are: beyond the horizon they decide nothing.
+        self.complete |= (self.nodes().last()).is_some_and(|last| last.state.time_s >= horizon_s);
+        self.complete &= maneuver.is_whole() && !meter.is_spent();
+    }
+
+    /// The aircraft `at_s` seconds from the decision.
+    pub fn state_at(&self, flyer: &Flyer, at_s: f64) -> Option<MotionState> {
+        let index = self
+            .nodes()
+            .partition_point(|node| node.state.time_s <= at_s);
+        let node = self.nodes().get(index.saturating_sub(1))?;
+        let piece = node.piece();
+        let since_s = (at_s - node.state.time_s).max(0.0);
+        let mut state = flyer.advance(&node.state, &piece, since_s);
+        if let Some(next) = self.nodes().get(index).filter(|_| !flyer.is_ideal()) {
+            state.bank_rad = flyer.bank_between_rad(&node.state, &next.state, since_s);
+        }
+        Some(state)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vehicle::{Response, Vehicle};
+
+    fn paper() -> Vehicle {
+        Vehicle {
+            airspeed_mps: 15.0,
+            turn_radius_m: 30.0,
+            climb_min_rad: -15.0_f64.to_radians(),
+            climb_max_rad: 15.0_f64.to_radians(),
+            climb_rate_radps: 0.2,
+            response: Response::default(),
+        }
+    }
+
+    fn start() -> MotionState {
+        MotionState::ahead(0.0)
+    }
+
+    /// Eq. 10–12 by small Euler-midpoint steps, the limits applied step by step.
+    fn integrate(vehicle: &Vehicle, maneuver: &Maneuver, until_s: f64) -> (Vec3, f64, f64) {
+        let dt = 1e-4;
+        let (mut position, mut course, mut climb) = (Vec3::ZERO, 0.0, 0.0);
+        let mut step = 0;
+        while f64::from(step) * dt < until_s {
+            let time = f64::from(step) * dt;
+            let (course_target, climb_target) = maneuver
+                .stage_at(time + 1e-9)
+                .map_or((course, climb), |stage| (stage.course_rad, stage.climb_rad));
+            let turn = vehicle.course_rate_radps() * dt;
+            let pitch = vehicle.climb_rate_radps * dt;
+            let d_course: f64 = (course_target - course).limited(-turn, turn);
+            let d_climb: f64 = (climb_target - climb).limited(-pitch, pitch);
+            let direction = crate::angle::direction(course + 0.5 * d_course, climb + 0.5 * d_climb);
+            position += direction * vehicle.airspeed_mps * dt;
+            course += d_course;
+            climb += d_climb;
+            step += 1;
+        }
+        (position, course, climb)
+    }
+
+    #[test]
+    fn the_path_is_eq_10_to_12_integrated() {
+        let vehicle = paper();
+        let flyer = Flyer::new(&vehicle);
+        let mut maneuver = Maneuver::turn(0.7, 1.9, 0.2);
+        maneuver.push(crate::maneuver::Stage {
+            start_s: 6.0,
+            course_rad: -0.4,
+            climb_rad: -0.1,
+            rate_share: 1.0,
+        });
+        let mut path = FlightPath::new();
+        path.predict(&flyer, &start(), &maneuver, 60.0);
+        assert!(path.is_complete());
+        for at in [0.5, 1.0, 3.0, 6.5, 9.0, 15.0] {
+            let state = path.state_at(&flyer, at).unwrap();
+            let (position, course, climb) = integrate(&vehicle, &maneuver, at);
+            assert!(
+                state.position_m.distance(position) < 5e-3,
+                "{at}: {state:?} {position}"
+            );
+            assert!((state.course_rad - course).abs() < 1e-3);
+            assert!((state.climb_rad - climb).abs() < 1e-3);
+        }
+    }
+
+    /// Where the nodes run out decides nothing beyond the horizon, and is no certificate within it.
+    #[test]
+    fn a_turn_of_an_hour_is_complete_up_to_its_horizon() {
+        let flyer = Flyer::new(&paper());
+        let mut path = FlightPath::new();
+        // From the last one that has room for all of its nodes.
+        for rate_share in [0.0021, 0.00206, 0.00205, 0.002, 0.001] {
+            let mut maneuver = Maneuver::hold();
+            maneuver.push(crate::maneuver::Stage {
+                start_s: 0.0,
+                course_rad: 3.0,
+                climb_rad: 0.0,
+                rate_share,
+            });
+            path.predict(&flyer, &start(), &maneuver, 60.0);
+            assert!(
+                path.nodes().len() > 310,
+                "{rate_share}: {}",
+                path.nodes().len()
+            );
+            assert!(path.is_complete(), "{rate_share}");
+        }
+        path.predict(&flyer, &start(), &Maneuver::turn(0.0, 1e4, 0.0), 1e5);
+        assert!(!path.is_complete());
+    }
+
+    #[test]
+    fn nodes_bow_from_their_chords_no_more_than_said() {
+        let flyer = Flyer::new(&paper());
+        let mut path = FlightPath::new();
+        path.predict(&flyer, &start(), &Maneuver::turn(0.0, 3.0, 0.2), 60.0);
+        for pair in path.nodes().windows(2) {
+            let duration = pair[1].state.time_s - pair[0].state.time_s;
+            let bow = pair[0].acceleration_mps2 * duration * duration / 8.0;
+            assert!(bow <= CHORD_BOW_M * 1.001);
+            for share in [0.25, 0.5, 0.75] {
+                let at = pair[0].state.time_s + share * duration;
+                let chord = pair[0]
+                    .state
+                    .position_m
+                    .lerp(pair[1].state.position_m, share);
+                let exact = path.state_at(&flyer, at).unwrap().position_m;
+                assert!(exact.distance(chord) <= bow + 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn a_lagged_bank_reaches_the_course_without_overshoot() {
+        let mut vehicle = paper();
+        vehicle.response.bank_time_constant_s = 0.6;
+        let flyer = Flyer::new(&vehicle);
+        let mut path = FlightPath::new();
+        for target in [0.05, 0.3, 1.0, -2.5] {
+            path.predict(&flyer, &start(), &Maneuver::turn(0.0, target, 0.0), 60.0);
+            assert!(path.is_complete());
+            let end = path.nodes().last().unwrap();
+            assert!(
+                (end.state.course_rad - target).abs() < 0.02,
+                "{target}: {:?}",
+                end.state
+            );
+            let beyond = path
+                .nodes()
+                .iter()
+                .map(|node| (node.state.course_rad - target) * target.signum())
+                .fold(f64::MIN, f64::max);
+            assert!(beyond < 0.02, "{target} overshoots by {beyond}");
+        }
+    }
+
+    #[test]
+    fn where_it_settles_is_where_its_pieces_lead() {
+        let flyer = Flyer::new(&Vehicle {
+            response: crate::vehicle::Response {
+                bank_time_constant_s: 0.6,
+                turn_rate_factor: 0.74,
+                ..Vehicle::table_4().response
+            },
+            ..Vehicle::table_4()
+        });
+        for bank_rad in [-0.6, -0.33, 0.0, 0.01, 0.2, 0.61] {
+            for climb_rad in [-0.2, 0.0, 0.25] {
+                let state = MotionState {
+                    time_s: 1.0,
+                    position_m: Vec3::new(3.0, -2.0, 7.0),
+                    course_rad: 2.0,
+                    climb_rad: 0.1,
+                    bank_rad,
+                };
+                let settled = flyer.settled(&state, climb_rad).unwrap();
+                let target = Target {
+                    course_rad: state.course_rad + flyer.rollout_rad(bank_rad),
+                    climb_rad,
+                    rate_share: 1.0,
+                };
+                let mut there = state;
+                while there.time_s < settled.time_s {
+                    let left_s = settled.time_s - there.time_s;
+                    let piece = flyer.next_piece_within(&there, &target, left_s);
+                    there = flyer.advance(&there, &piece, piece.duration_s.min(left_s));
+                }
+                let off_m = there.position_m.distance(settled.position_m);
+                assert!(off_m < 0.15, "{bank_rad} {climb_rad}: {off_m} m");
+                assert!((there.course_rad - settled.course_rad).abs() < 1e-3);
+            }
+        }
+    }
+}

@@ -1,0 +1,527 @@
+//! Climbing from a manoeuvre to one nearby with a larger margin.
+//!
+//! Near a manoeuvre the margin of each obstacle is linear in the parameters, with the slope of the
+//! position at the moment of the closest approach. The step in a box that lifts the least of the
+//! margins most is a small linear program; the box shrinks where the truth falls short of it.
+
+mod linear;
+mod moves;
+
+use fga_proof::Vec3;
+use fga_proof::certificate::{Hazard, Line};
+use fga_proof::limit::Limit as _;
+use fga_proof::maneuver::Maneuver;
+use fga_proof::meter::Meter;
+use fga_proof::prediction::{Flyer, MotionState};
+
+use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
+
+use linear::{Lifted, farthest_up, lifts_both};
+use moves::moves;
+
+/// Parameters of a manoeuvre: wait s, turn rad, climb rad, after s, turn rad, climb rad.
+const PARAMETERS: usize = 6;
+
+/// Natural steps of the parameters, times as the angles turned in them.
+const STEPS_RAD: Vector = [0.2, 0.2, 0.1, 0.2, 0.2, 0.1];
+
+/// Most obstacles of a step: the closest ones.
+const CLOSEST: usize = 12;
+
+/// Obstacles farther than the closest one by this do not matter to a climb, turn radii.
+const NEAR: f64 = 1.3;
+
+/// Step of the differences, in units of the natural steps.
+const DIFFERENCE: f64 = 1e-4;
+
+/// Rounds of the linear program.
+const ROUNDS: u32 = 60;
+
+/// Their work for each obstacle.
+const ROUNDS_WORK: usize = 40;
+
+/// Two obstacles decide a step if no other one is lower by more than this after it, metres.
+const DECIDED_M: f64 = 1e-6;
+
+/// The work of the closed form, beyond one unit for each obstacle.
+const CLOSED_WORK: usize = 4;
+
+/// The work of the slopes, beyond one unit for each obstacle.
+const SLOPES_WORK: usize = 30;
+
+/// The largest box of a step, in units of the natural steps.
+const LARGEST_BOX: f64 = 2.0;
+
+/// A climb with a smaller gain than this is over, metres.
+const LEAST_GAIN_M: f64 = 2e-3;
+
+/// So is one with a smaller gain than this share of what is missing.
+const LEAST_SHARE: f64 = 0.005;
+
+/// Climbs that are this close have met, in units of the natural steps.
+const SAME: f64 = 0.2;
+
+type Vector = [f64; PARAMETERS];
+
+/// The closest approach to an obstacle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Approach {
+    place: usize,
+    position_m: Vec3,
+    margin_m: f64,
+    at_s: f64,
+}
+
+/// The closest approaches to the closest obstacles, in no order.
+#[derive(Debug, Clone, Copy)]
+struct Approaches {
+    all: [Approach; CLOSEST],
+    len: usize,
+}
+
+impl Approaches {
+    const NONE: Self = Self {
+        all: [Approach {
+            place: 0,
+            position_m: Vec3::ZERO,
+            margin_m: ENOUGH_M,
+            at_s: 0.0,
+        }; CLOSEST],
+        len: 0,
+    };
+
+    fn iter(&self) -> impl Iterator<Item = &Approach> {
+        self.all.iter().take(self.len)
+    }
+
+    fn least_m(&self) -> f64 {
+        self.iter().fold(ENOUGH_M, |least, a| least.min(a.margin_m))
+    }
+
+    /// Adds one, or replaces the farthest if full.
+    fn take(&mut self, new: Approach) {
+        if let Some(slot) = self.all.get_mut(self.len) {
+            *slot = new;
+            self.len += 1;
+            return;
+        }
+        let farthest = self
+            .all
+            .iter_mut()
+            .max_by(|a, b| a.margin_m.total_cmp(&b.margin_m));
+        if let Some(farthest) = farthest.filter(|farthest| farthest.margin_m > new.margin_m) {
+            *farthest = new;
+        }
+    }
+}
+
+/// A climb in progress.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ascent {
+    seed: Found,
+    at: Vector,
+    used: usize,
+    approaches: Approaches,
+    /// Natural steps of the parameters.
+    scales: Vector,
+    /// Half the width of the box of the next step, in units of the natural steps.
+    size: f64,
+    done: bool,
+}
+
+impl Ascent {
+    /// From a manoeuvre.
+    pub(super) fn new(seed: &Found, flyer: &Flyer) -> Self {
+        let [wait, turn, climb, after, second_turn, second_climb] = STEPS_RAD;
+        let rate = flyer.course_rate_radps();
+        let two = seed.turns.second.is_some();
+        Self {
+            seed: *seed,
+            at: to_vector(&seed.turns),
+            used: if two { PARAMETERS } else { 3 },
+            approaches: Approaches::NONE,
+            scales: [
+                wait / rate,
+                turn,
+                climb,
+                after / rate,
+                second_turn,
+                second_climb,
+            ],
+            size: 1.0,
+            done: false,
+        }
+    }
+
+    /// The least margin so far, metres, not yet certified.
+    pub(super) fn least_m(&self) -> f64 {
+        self.approaches.least_m()
+    }
+
+    /// Whether it no longer rises.
+    pub(super) const fn is_done(&self) -> bool {
+        self.done
+    }
+
+    /// Whether another climb has come to the same manoeuvre.
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        let places = self.at.iter().zip(&other.at).zip(&self.scales);
+        self.used == other.used
+            && places
+                .take(self.used)
+                .all(|((a, b), scale)| (a - b).abs() < SAME * scale)
+    }
+
+    /// Climbs some steps, until it is above the target, no longer rises, or meets the limit of
+    /// work.
+    pub(super) fn climb(&mut self, search: &mut Search<'_>, steps: u32) {
+        if self.approaches.len < search.scene.hazards.rows().len() {
+            self.find_closest(search);
+        }
+        // Certified margins are a little less than these.
+        let enough_m = search.scene.target_m + LEAST_GAIN_M;
+        for _ in 0..steps {
+            if self.done || self.least_m() >= enough_m || search.limit_met() {
+                return;
+            }
+            self.step(search);
+        }
+    }
+
+    /// The result, certified.
+    pub(super) fn certified(&self, search: &mut Search<'_>) -> Found {
+        // Without work left to prove it: its seed, with the seed's margin.
+        let seed = Found {
+            margin_m: self.seed.margin_m.min(search.scene.target_m - LEAST_GAIN_M),
+            ..self.seed
+        };
+        if search.limit_met() {
+            return seed;
+        }
+        let turns = self.turns(&self.at);
+        let departure = search.departure(turns.wait_s);
+        let certificate = search.certify(&turns, &departure, f64::MIN);
+        let proven_m = certificate.proven_m();
+        if proven_m == f64::NEG_INFINITY && search.limit_met() {
+            return seed;
+        }
+        Found {
+            turns,
+            margin_m: proven_m,
+            cost: search.cost(&turns, &departure),
+        }
+    }
+
+    /// One step uphill, in a box that shrinks until it goes up.
+    fn step(&mut self, search: &mut Search<'_>) {
+        let here_m = self.least_m();
+        let bounds = bounds(search.scene.climb_limits_rad);
+        let slopes = self.slopes(search);
+        loop {
+            let (step, lifted_m) = self.best_step(&slopes, &bounds, &search.meter);
+            let promised_m = lifted_m - here_m;
+            let least_m = LEAST_GAIN_M.max(LEAST_SHARE * (search.scene.target_m - here_m));
+            if promised_m < least_m || search.limit_met() {
+                self.done = true;
+                return;
+            }
+            let mut tried = self.at;
+            for ((x, step), scale) in tried.iter_mut().zip(step).zip(self.scales) {
+                *x += step * scale;
+            }
+            let there = self.look(search, &tried);
+            let gained_m = there.map_or(f64::MIN, |there| there.least_m() - here_m);
+            if let Some(there) = there
+                && gained_m > 0.1 * promised_m
+            {
+                (self.at, self.approaches) = (tried, there);
+                if gained_m > 0.5 * promised_m {
+                    self.size = (2.0 * self.size).min(LARGEST_BOX);
+                }
+                return;
+            }
+            self.size *= 0.35;
+        }
+    }
+
+    fn turns(&self, at: &Vector) -> Turns {
+        let [
+            wait_s,
+            turn_rad,
+            climb_rad,
+            after_s,
+            second_turn,
+            second_climb,
+        ] = *at;
+        let second = (self.used == PARAMETERS).then_some(SecondTurn {
+            after_s,
+            turn_rad: second_turn,
+            climb_rad: second_climb,
+        });
+        Turns {
+            wait_s,
+            turn_rad,
+            climb_rad,
+            second,
+        }
+    }
+
+    /// Notes the closest obstacles now.
+    fn find_closest(&mut self, search: &mut Search<'_>) {
+        let hazards = search.scene.hazards.rows();
+        let mut closest = Approaches::NONE;
+        if predict(search, &self.turns(&self.at)) {
+            for (place, hazard) in hazards.iter().enumerate() {
+                if search.limit_met() {
+                    self.done = true;
+                    break;
+                }
+                if let Some(approach) = nearest(search, place, hazard) {
+                    closest.take(approach);
+                }
+            }
+        } else {
+            self.done = true;
+        }
+        let near_m = closest.least_m() + NEAR * search.scene.turn_radius_m();
+        self.approaches = Approaches::NONE;
+        for approach in closest.iter().filter(|approach| approach.margin_m < near_m) {
+            self.approaches.take(*approach);
+        }
+    }
+
+    /// The approaches of the noted obstacles with other parameters; `None` if the path has no prediction
+    /// to its end.
+    fn look(&self, search: &mut Search<'_>, at: &Vector) -> Option<Approaches> {
+        search.evaluated += 1;
+        if !predict(search, &self.turns(at)) {
+            return None;
+        }
+        let hazards = search.scene.hazards.rows();
+        let mut approaches = Approaches::NONE;
+        for known in self.approaches.iter() {
+            if let Some(approach) = hazards
+                .get(known.place)
+                .and_then(|hazard| nearest(search, known.place, hazard))
+            {
+                approaches.take(approach);
+            }
+        }
+        Some(approaches)
+    }
+
+    /// The slope of each margin in each parameter, per natural step: the slope of the distance at
+    /// the moment of the closest approach.
+    fn slopes(&self, search: &Search<'_>) -> [Vector; CLOSEST] {
+        let hazards = search.scene.hazards.rows();
+        let mut slopes = [[0.0; PARAMETERS]; CLOSEST];
+        if !search.meter.take(SLOPES_WORK + self.approaches.len) {
+            return slopes;
+        }
+        let turns = self.turns(&self.at);
+        let departure = search.departure(turns.wait_s);
+        let last_s = self
+            .approaches
+            .iter()
+            .fold(0.0, |last: f64, a| last.max(a.at_s));
+        moves(
+            search.scene.flyer,
+            &departure,
+            &turns,
+            last_s,
+            |from_s, until_s, at| {
+                for (slope, known) in slopes.iter_mut().zip(self.approaches.iter()) {
+                    if known.at_s < from_s || known.at_s > until_s {
+                        continue;
+                    }
+                    let Some(hazard) = hazards.get(known.place) else {
+                        continue;
+                    };
+                    let moves = at(known.at_s - from_s);
+                    for ((slope, move_m), scale) in slope.iter_mut().zip(moves).zip(self.scales) {
+                        let moved_m = known.position_m + move_m * (DIFFERENCE * scale);
+                        let margin_m = hazard.margin_m(moved_m, known.at_s);
+                        *slope = (margin_m - known.margin_m) / DIFFERENCE;
+                    }
+                }
+            },
+        );
+        for slope in &mut slopes {
+            for unused in slope.iter_mut().skip(self.used) {
+                *unused = 0.0;
+            }
+        }
+        slopes
+    }
+
+    /// The step within the box and the bounds that lifts the least margin most, to first order, and
+    /// its value: the linear program max t, mᵢ + sᵢ·d ≥ t. One or two obstacles mostly decide it, which is in closed
+    /// form; otherwise by subgradients.
+    fn best_step(
+        &self,
+        slopes: &[Vector; CLOSEST],
+        bounds: &[(f64, f64); PARAMETERS],
+        meter: &Meter,
+    ) -> (Vector, f64) {
+        let mut room = [(0.0, 0.0); PARAMETERS];
+        for ((room, (low, high)), (x, scale)) in room
+            .iter_mut()
+            .zip(bounds)
+            .zip(self.at.iter().zip(self.scales))
+        {
+            let down = ((low - x) / scale).max(-self.size).min(0.0);
+            let up = ((high - x) / scale).min(self.size).max(0.0);
+            *room = (down, up);
+        }
+        if !meter.take(CLOSED_WORK + self.approaches.len) {
+            return ([0.0; PARAMETERS], self.least_m());
+        }
+        self.decided_by_two(slopes, &room)
+            .unwrap_or_else(|| self.by_subgradients(slopes, &room, meter))
+    }
+
+    /// The obstacle with the least margin after a step, to first order.
+    fn least_after(&self, slopes: &[Vector; CLOSEST], step: &Vector) -> Option<Lifted> {
+        let mut least: Option<Lifted> = None;
+        for (known, slope) in self.approaches.iter().zip(slopes) {
+            let lifted_m = known.margin_m + dot(slope, step);
+            if least.is_none_or(|least| lifted_m < least.after_m) {
+                least = Some(Lifted {
+                    after_m: lifted_m,
+                    margin_m: known.margin_m,
+                    slope: *slope,
+                });
+            }
+        }
+        least
+    }
+
+    /// The best step if one or two obstacles decide it.
+    fn decided_by_two(
+        &self,
+        slopes: &[Vector; CLOSEST],
+        room: &[(f64, f64); PARAMETERS],
+    ) -> Option<(Vector, f64)> {
+        let one = self.least_after(slopes, &[0.0; PARAMETERS])?;
+        let step = farthest_up(&one.slope, room);
+        let other = self.least_after(slopes, &step)?;
+        if other.slope == one.slope {
+            return Some((step, other.after_m));
+        }
+        let step = lifts_both(&one, &other, room);
+        let promised_m = one.after(&step).min(other.after(&step));
+        let least_m = self.least_after(slopes, &step)?.after_m;
+        (least_m >= promised_m - DECIDED_M).then_some((step, least_m))
+    }
+
+    fn by_subgradients(
+        &self,
+        slopes: &[Vector; CLOSEST],
+        room: &[(f64, f64); PARAMETERS],
+        meter: &Meter,
+    ) -> (Vector, f64) {
+        let mut step = [0.0; PARAMETERS];
+        let mut best = (step, self.least_m());
+        if !meter.take(self.approaches.len * ROUNDS_WORK) {
+            return best;
+        }
+        for round in 1..=ROUNDS {
+            let Some(least) = self.least_after(slopes, &step) else {
+                break;
+            };
+            if least.after_m > best.1 {
+                best = (step, least.after_m);
+            }
+            let norm = libm::sqrt(dot(&least.slope, &least.slope));
+            if norm <= 0.0 {
+                break;
+            }
+            let pace = 1.5 * self.size / (norm * libm::sqrt(f64::from(round)));
+            for ((x, slope), (down, up)) in step.iter_mut().zip(least.slope).zip(room) {
+                *x = (*x + pace * slope).limited(*down, *up);
+            }
+        }
+        best
+    }
+}
+
+fn maneuver(search: &Search<'_>, turns: &Turns) -> Maneuver {
+    search.maneuver(turns, &search.departure(turns.wait_s))
+}
+
+/// Predicts a manoeuvre into the search's path; returns whether it is complete.
+fn predict(search: &mut Search<'_>, turns: &Turns) -> bool {
+    let maneuver = maneuver(search, turns);
+    search.predict(&maneuver);
+    search.path.is_complete()
+}
+
+/// The closest approach to a hazard along the path: on its chords, then on the flight itself.
+fn nearest(search: &Search<'_>, place: usize, hazard: &Hazard) -> Option<Approach> {
+    let scene = search.scene;
+    let meter = &search.meter;
+    if !meter.take(1 + search.path.nodes().len() / 2) {
+        return None;
+    }
+    let mut least = (f64::INFINITY, 0.0);
+    let mut look = |from: &MotionState, velocity_mps, until_s: f64| {
+        let line = Line {
+            from_m: from.position_m,
+            velocity_mps,
+            at_s: from.time_s,
+            duration_s: until_s - from.time_s,
+        };
+        if line.duration_s > 0.0
+            && let Some(found) = hazard.least_on_line(&line, least.0, meter)
+        {
+            least = found;
+        }
+    };
+    let nodes = search.path.nodes();
+    for pair in nodes.windows(2) {
+        let [node, next] = pair else { continue };
+        let (from, to) = (&node.state, &next.state);
+        let span = to.position_m - from.position_m;
+        look(from, span / (to.time_s - from.time_s), to.time_s);
+    }
+    let last = nodes.last()?;
+    look(&last.state, search.path.end_velocity_mps(), scene.horizon_s);
+    if least.0 == f64::INFINITY {
+        return None;
+    }
+    let at_s = least.1;
+    let state = search.path.state_at(scene.flyer, at_s)?;
+    Some(Approach {
+        place,
+        position_m: state.position_m,
+        margin_m: hazard.margin_m(state.position_m, at_s),
+        at_s,
+    })
+}
+
+fn dot(a: &Vector, b: &Vector) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The least and largest value of each parameter.
+fn bounds(climb: (f64, f64)) -> [(f64, f64); PARAMETERS] {
+    let turn = (-MAX_TURN_RAD, MAX_TURN_RAD);
+    let time = (0.0, 1e3);
+    [time, turn, climb, time, turn, climb]
+}
+
+fn to_vector(turns: &Turns) -> Vector {
+    let second = turns.second.unwrap_or(SecondTurn {
+        after_s: 0.0,
+        turn_rad: 0.0,
+        climb_rad: 0.0,
+    });
+    [
+        turns.wait_s,
+        turns.turn_rad,
+        turns.climb_rad,
+        second.after_s,
+        second.turn_rad,
+        second.climb_rad,
+    ]
+}

@@ -1,0 +1,438 @@
+//! The turn-aware search: the cheapest of the manoeuvres that the aircraft will really fly and that are
+//! certified to stay clear.
+//!
+//! A manoeuvre is a wait on the mission, a turn to either side with a change of climb angle, and
+//! if that does not suffice, a second turn with its own climb target ([`Turns`]). Turns to one
+//! side at one climb target share their arc, so one sweep along it, leaving it
+//! at every node on the tangent, gives the margins of them all.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing
+)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing
+    )
+)]
+
+#[cfg(test)]
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
+
+mod ascent;
+mod cheapest;
+mod departure;
+mod front;
+mod lane_change;
+mod line;
+mod reach;
+mod start;
+mod sweep;
+mod two_stage;
+
+pub use departure::Departure;
+pub use two_stage::{Effort, GRIDS_A_SEARCH};
+
+use departure::Conflicts;
+use front::Climbs;
+
+use fga_proof::Vec3;
+use fga_proof::angle::{Side, direction};
+use fga_proof::certificate::{Asked, Certificate, Hazards, certify_set};
+use fga_proof::limit::Limit as _;
+use fga_proof::maneuver::{Maneuver, Stage};
+use fga_proof::meter::Meter;
+use fga_proof::prediction::{Bend, FlightPath, Flyer, MotionState, flown, whole};
+
+/// Largest single turn of a search, radians: short of a full circle.
+pub const MAX_TURN_RAD: f64 = 6.0;
+
+/// A search for the largest margin caps margins at this value, m.
+const ENOUGH_M: f64 = 1e3;
+
+/// Step of the climb targets of a search, radians, as in Table 7.
+const CLIMB_STEP_RAD: f64 = 0.03;
+
+/// A search keeps one part in this many of its work for the certificate of its answer.
+const ANSWER_SHARE: u32 = 16;
+
+/// A manoeuvre in the terms of the search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turns {
+    /// Wait on the mission, seconds.
+    pub wait_s: f64,
+    /// First turn, radians, left positive.
+    pub turn_rad: f64,
+    /// Climb angle of the first turn, radians.
+    pub climb_rad: f64,
+    /// The second turn, if any.
+    pub second: Option<SecondTurn>,
+}
+
+/// The second stage of a manoeuvre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SecondTurn {
+    /// Seconds from the start of the first turn to that of the second.
+    pub after_s: f64,
+    /// Turn from the first course, radians, left positive.
+    pub turn_rad: f64,
+    /// Climb angle, radians.
+    pub climb_rad: f64,
+}
+
+/// A manoeuvre with its certificate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// The manoeuvre.
+    pub turns: Turns,
+    /// Lower bound of its separation beyond the volumes, metres.
+    pub margin_m: f64,
+    /// Its cost by the scene's objective.
+    pub cost: f64,
+}
+
+/// The status of the best manoeuvre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Proof {
+    /// It keeps the requested separation.
+    Certified,
+    /// It does not, and another search may find one that does.
+    Open,
+    /// It does not, and no other one will.
+    Hopeless,
+}
+
+/// The measure of the cheapest manoeuvre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Objective {
+    /// `η_ψ` |Δψ| + `η_θ` |Δθ| (Alg. 2).
+    #[default]
+    PaperCost,
+    /// Least largest distance from the mission (§3.3).
+    LeastDeviation,
+    /// Least extra path (§3.3).
+    ShortestPath,
+}
+
+/// The input of a search.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    /// The vehicle's motion.
+    pub flyer: &'a Flyer,
+    /// The aircraft now.
+    pub start: MotionState,
+    /// The command without avoidance.
+    pub nominal: &'a Maneuver,
+    /// Course and climb angle from which deviations count, `ψ_ori` and `θ_ori`, radians.
+    pub original: (f64, f64),
+    /// The obstacles.
+    pub hazards: &'a Hazards,
+    /// Horizon of the certificate, seconds.
+    pub horizon_s: f64,
+    /// Separation beyond the volumes that a certified manoeuvre keeps, metres.
+    pub target_m: f64,
+    /// Steepest descent and climb, radians.
+    pub climb_limits_rad: (f64, f64),
+    /// `η_ψ` and `η_θ`, per radian.
+    pub costs: (f64, f64),
+    /// The measure of the cheapest manoeuvre.
+    pub objective: Objective,
+}
+
+impl Scene<'_> {
+    /// `η_ψ` |ψ − `ψ_ori`| + `η_θ` |θ − `θ_ori`| for a turn from `course_rad` (Alg. 2 line 20).
+    fn cost(&self, course_rad: f64, climb_rad: f64) -> f64 {
+        self.costs.0 * (course_rad - self.original.0).abs()
+            + self.costs.1 * (climb_rad - self.original.1).abs()
+    }
+
+    /// Radius of the tightest real turn, metres.
+    fn turn_radius_m(&self) -> f64 {
+        self.flyer.turn_radius_m()
+    }
+
+    /// Whether the vehicle is held at its altitude.
+    fn is_planar(&self) -> bool {
+        self.climb_limits_rad.0 == self.climb_limits_rad.1
+    }
+
+    /// Climb targets, the steepest climb first, and whether each is the original: the limits are among them.
+    fn climb_targets(&self) -> impl Iterator<Item = (f64, bool)> + use<> {
+        let (low, high) = self.climb_limits_rad;
+        let original = self.original.1.limited(low, high);
+        let steps = |room: f64| {
+            if room > 0.0 {
+                whole(room / CLIMB_STEP_RAD, 64)
+            } else {
+                0
+            }
+        };
+        let step = |k: usize| k as f64 * CLIMB_STEP_RAD;
+        let ups = (1..=steps(high - original)).rev();
+        let ups = ups.map(move |k| ((original + step(k)).min(high), false));
+        let downs = 1..=steps(original - low);
+        let downs = downs.map(move |k| ((original - step(k)).max(low), false));
+        ups.chain(core::iter::once((original, true))).chain(downs)
+    }
+
+    /// The few climb targets that matter for the largest margin: original, steepest up and down.
+    fn extreme_climbs(&self) -> impl Iterator<Item = f64> + Clone + use<> {
+        let (low, high) = self.climb_limits_rad;
+        let original = self.original.1.limited(low, high);
+        core::iter::once(original)
+            .chain((high > original).then_some(high))
+            .chain((low < original).then_some(low))
+    }
+
+    /// Those climb targets with a turn to either side.
+    fn extreme_turns(&self) -> impl Iterator<Item = (f64, Side)> + use<> {
+        self.extreme_climbs()
+            .flat_map(|climb_rad| Side::BOTH.map(|side| (climb_rad, side)))
+    }
+}
+
+/// A search in progress: the scene, scratch space and a count of the work.
+#[derive(Debug)]
+pub struct Search<'a> {
+    scene: Scene<'a>,
+    path: &'a mut FlightPath,
+    /// Manoeuvres evaluated so far.
+    pub evaluated: u32,
+    /// Grids of two turns that it has begun, at least one once they were asked for.
+    pub grids: u32,
+    meter: Meter,
+    /// Whether the reserve of work for the answer is in use.
+    answering: bool,
+    /// Improving a certified manoeuvre ends once this much work is done, in units.
+    improves_until: u32,
+    /// The hazard that decided last: checked first, because it decides most often again.
+    culprit: usize,
+    /// Whether sweeps look roll-outs up instead of flying them.
+    is_rough: bool,
+    /// Turns of a rough sweep are at least this far apart, radians.
+    coarse_rad: f64,
+    /// Turns to the left and to the right from the banks that were looked at last.
+    bends: [Option<Bend>; 2],
+    /// What comes too close on the mission, once that was asked.
+    conflicts: Conflicts,
+    /// The climb targets.
+    climbs: Climbs,
+    /// The mission's direction.
+    along: Vec3,
+}
+
+impl<'a> Search<'a> {
+    /// A search with about `limit` tests of a line against four obstacles at most.
+    pub fn new(scene: Scene<'a>, path: &'a mut FlightPath, limit: u32) -> Self {
+        Self::within(scene, path, Meter::new(limit, u32::MAX))
+    }
+
+    /// A search that ends at the limit of a meter, and takes no more than that has.
+    pub fn within(scene: Scene<'a>, path: &'a mut FlightPath, meter: Meter) -> Self {
+        meter.reserve(ANSWER_SHARE);
+        Self {
+            scene,
+            path,
+            evaluated: 0,
+            grids: 0,
+            meter,
+            answering: false,
+            improves_until: u32::MAX,
+            culprit: 0,
+            is_rough: false,
+            coarse_rad: 0.0,
+            bends: [None; 2],
+            conflicts: Conflicts::UNKNOWN,
+            climbs: Climbs::new(),
+            along: direction(scene.original.0, scene.original.1),
+        }
+    }
+
+    /// Work done so far, in tests of a line against four obstacles.
+    pub const fn work(&self) -> u32 {
+        self.meter.done()
+    }
+
+    /// Leaves all but one part of the work to other searches of the step.
+    pub fn share_work(&mut self, parts: u32) {
+        self.meter.share(parts);
+    }
+
+    /// Whether work was refused: then it has no answer.
+    pub const fn is_spent(&self) -> bool {
+        self.meter.is_spent()
+    }
+
+    /// Whether the limit of work was met.
+    pub const fn limit_met(&self) -> bool {
+        self.meter.is_met()
+    }
+
+    /// Releases the reserve of work for the answer.
+    fn answer(&mut self) {
+        if !self.answering {
+            self.answering = true;
+            self.meter.extend(ANSWER_SHARE);
+        }
+    }
+
+    /// Whether sweeps have used up their share of the work.
+    const fn sweeps_done(&self) -> bool {
+        self.meter.left() <= self.meter.done() / 4
+    }
+
+    /// Predicts a manoeuvre into the path.
+    fn predict(&mut self, maneuver: &Maneuver) {
+        let scene = self.scene;
+        let (flyer, start, meter) = (scene.flyer, &scene.start, &self.meter);
+        self.path
+            .predict_within(flyer, start, maneuver, scene.horizon_s, meter);
+    }
+
+    /// Certifies the path against some hazards up to a moment.
+    fn certify_path(&self, hazards: &Hazards, horizon_s: f64, marks: (f64, f64)) -> Certificate {
+        let (floor_m, enough_m) = marks;
+        let asked = Asked {
+            horizon_s,
+            floor_m,
+            enough_m,
+        };
+        certify_set(self.scene.flyer, self.path, hazards, &asked, &self.meter)
+    }
+
+    /// The commands of a manoeuvre: the mission up to its start, then its turns.
+    pub fn maneuver(&self, turns: &Turns, departure: &MotionState) -> Maneuver {
+        let mut maneuver = Maneuver::hold();
+        for stage in self.scene.nominal.stages() {
+            if stage.start_s < turns.wait_s {
+                maneuver.push(*stage);
+            }
+        }
+        let course_rad = departure.course_rad + turns.turn_rad;
+        maneuver.push(Stage {
+            start_s: turns.wait_s,
+            course_rad,
+            climb_rad: turns.climb_rad,
+            rate_share: 1.0,
+        });
+        if let Some(second) = turns.second {
+            maneuver.push(Stage {
+                start_s: turns.wait_s + second.after_s,
+                course_rad: course_rad + second.turn_rad,
+                climb_rad: second.climb_rad,
+                rate_share: 1.0,
+            });
+        }
+        maneuver
+    }
+
+    /// The aircraft when a manoeuvre departs from the mission after a wait.
+    pub fn departure(&self, wait_s: f64) -> MotionState {
+        let Scene {
+            flyer,
+            start,
+            nominal,
+            ..
+        } = self.scene;
+        flown(flyer, &start, nominal, wait_s, &self.meter)
+    }
+
+    /// Margin along the mission up to a wait's end, metres; minus infinity once the limit of work
+    /// is met.
+    fn margin_before(&mut self, wait_s: f64) -> f64 {
+        let scene = self.scene;
+        if self.limit_met() {
+            return f64::MIN;
+        }
+        if wait_s <= 0.0 {
+            return ENOUGH_M;
+        }
+        self.predict(scene.nominal);
+        let before = self.certify_path(scene.hazards, wait_s, (f64::MIN, ENOUGH_M));
+        if self.limit_met() {
+            return f64::MIN;
+        }
+        before.margin_m
+    }
+
+    /// Certifies one manoeuvre; stops early below `floor_m`.
+    pub fn certify(&mut self, turns: &Turns, departure: &MotionState, floor_m: f64) -> Certificate {
+        self.evaluated += 1;
+        let scene = self.scene;
+        let maneuver = self.maneuver(turns, departure);
+        self.predict(&maneuver);
+        self.certify_path(scene.hazards, scene.horizon_s, (floor_m, ENOUGH_M))
+    }
+
+    /// Separation beyond the volumes that a certified manoeuvre keeps, metres.
+    pub const fn target_m(&self) -> f64 {
+        self.scene.target_m
+    }
+
+    /// The measure of the cheapest manoeuvre.
+    pub const fn objective(&self) -> Objective {
+        self.scene.objective
+    }
+
+    /// Its cost by the scene's objective.
+    pub fn cost(&mut self, turns: &Turns, departure: &MotionState) -> f64 {
+        match self.scene.objective {
+            Objective::PaperCost => self.paper_cost(turns, departure),
+            Objective::LeastDeviation => self.departure_of(turns).aside_m,
+            Objective::ShortestPath => self.departure_of(turns).extra_path_m(),
+        }
+    }
+
+    /// `η_ψ` |Δψ| + `η_θ` |Δθ| (Alg. 2 line 20) of the stage that departs most.
+    fn paper_cost(&self, turns: &Turns, departure: &MotionState) -> f64 {
+        let course = departure.course_rad + turns.turn_rad;
+        let first = self.scene.cost(course, turns.climb_rad);
+        turns.second.map_or(first, |second| {
+            first.max(self.scene.cost(course + second.turn_rad, second.climb_rad))
+        })
+    }
+
+    /// The cheapest certified single turn that begins after `wait_s`.
+    ///
+    /// Rules out turns and climb targets by the lines on which turns end, and closes in on what could be cheapest by flights,
+    /// or by a sweep where these do not tell.
+    pub fn cheapest(&mut self, wait_s: f64) -> Option<Found> {
+        self.cheapest_to(&Side::BOTH, wait_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fga_proof::vehicle::Vehicle;
+
+    /// A scene along +x, in which least cost is looked for.
+    pub(super) fn scene<'a>(
+        flyer: &'a Flyer,
+        vehicle: &Vehicle,
+        (start, nominal): (MotionState, &'a Maneuver),
+        hazards: &'a Hazards,
+    ) -> Scene<'a> {
+        Scene {
+            flyer,
+            start,
+            nominal,
+            original: (0.0, 0.0),
+            hazards,
+            horizon_s: 60.0,
+            target_m: 0.05,
+            climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
+            costs: (0.2, 0.5),
+            objective: Objective::PaperCost,
+        }
+    }
+}
