@@ -8,15 +8,9 @@
 //! | [`Kept`] | which obstacles need a look in this step? |
 #![no_std]
 #![forbid(unsafe_code)]
-#![deny(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing
-)]
 #![cfg_attr(
-    test,
-    allow(
+    not(test),
+    deny(
         clippy::unwrap_used,
         clippy::expect_used,
         clippy::panic,
@@ -26,8 +20,6 @@
 
 #[cfg(test)]
 extern crate alloc;
-#[cfg(test)]
-extern crate std;
 
 mod columns;
 #[cfg(test)]

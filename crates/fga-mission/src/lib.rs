@@ -11,15 +11,9 @@
 //! | which line does the aircraft fly without obstacles? | [`planned_line`] |
 #![no_std]
 #![forbid(unsafe_code)]
-#![deny(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing
-)]
 #![cfg_attr(
-    test,
-    allow(
+    not(test),
+    deny(
         clippy::unwrap_used,
         clippy::expect_used,
         clippy::panic,
@@ -27,8 +21,6 @@
     )
 )]
 
-#[cfg(test)]
-extern crate alloc;
 #[cfg(test)]
 extern crate std;
 

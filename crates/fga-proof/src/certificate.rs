@@ -15,8 +15,11 @@ use crate::Vec3;
 use crate::meter::{LOOK, Meter};
 use crate::prediction::{CHORD_BOW_M, FlightPath, Flyer, MotionState, Node};
 
-/// A chord that decides the answer is split into this many.
+/// A chord that decides the answer is split into this many, ...
 const SPLITS: u32 = 5;
+
+/// ... and for a proof into more while their bows decide, up to this many: 10 µm are left of a bow of 0.16 m.
+const MOST_SPLITS: u32 = SPLITS * SPLITS * SPLITS;
 
 /// Work for a look at it, and for flying to the ends of those.
 const SPLIT_WORK: usize = LOOK + 12;
@@ -74,6 +77,65 @@ impl Certificate {
     }
 }
 
+/// A separation that is proven: a manoeuvre is *certified* where this comes with it. Only [`prove`] makes one:
+///
+/// ```compile_fail,E0451
+/// use fga_proof::certificate::Certified;
+/// let certified = Certified { margin_m: 1.0, target_m: 0.05, horizon_s: 60.0, hazards: 1 };
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Certified {
+    margin_m: f64,
+    target_m: f64,
+    horizon_s: f64,
+    hazards: u32,
+}
+
+impl Certified {
+    /// Lower bound of the separation beyond the volumes, metres; at least the target.
+    pub const fn margin_m(&self) -> f64 {
+        self.margin_m
+    }
+
+    /// Separation that was asked for, metres.
+    pub const fn target_m(&self) -> f64 {
+        self.target_m
+    }
+
+    /// Horizon of the proof, seconds from the beginning of the path.
+    pub const fn horizon_s(&self) -> f64 {
+        self.horizon_s
+    }
+
+    /// Number of hazards that it was proven against; an aircraft that may turn is several.
+    pub const fn hazards(&self) -> u32 {
+        self.hazards
+    }
+}
+
+/// Proves that a path keeps `target_m` from every hazard up to a horizon, seconds; `None` where the certificate does not
+/// show it. Margins are capped at `enough_m`.
+pub fn prove(
+    flyer: &Flyer,
+    path: &FlightPath,
+    hazards: &Hazards,
+    (horizon_s, target_m, enough_m): (f64, f64, f64),
+    meter: &Meter,
+) -> Option<Certified> {
+    let asked = Asked {
+        horizon_s,
+        floor_m: target_m,
+        enough_m,
+    };
+    let found = bounded(flyer, path, hazards, &asked, (MOST_SPLITS, meter));
+    found.holds(target_m).then_some(Certified {
+        margin_m: found.margin_m,
+        target_m,
+        horizon_s,
+        hazards: u32::try_from(hazards.rows().len()).unwrap_or(u32::MAX),
+    })
+}
+
 /// Bounds the separation from one hazard along a path up to `horizon_s`: [`certify_all`] of one.
 pub fn certify(
     flyer: &Flyer,
@@ -125,6 +187,17 @@ pub fn certify_set<H: HazardSet + ?Sized>(
     asked: &Asked,
     meter: &Meter,
 ) -> Certificate {
+    bounded(flyer, path, hazards, asked, (SPLITS, meter))
+}
+
+/// The same with chords split into this many at most.
+fn bounded<H: HazardSet + ?Sized>(
+    flyer: &Flyer,
+    path: &FlightPath,
+    hazards: &H,
+    asked: &Asked,
+    (most_splits, meter): (u32, &Meter),
+) -> Certificate {
     if meter.is_met() {
         return Certificate {
             status: Status::LimitMet,
@@ -165,7 +238,7 @@ pub fn certify_set<H: HazardSet + ?Sized>(
     let nodes = chords_begun(path, deciding_s);
     let above = above
         && each_near(scene, nodes, &mut worst, |chord, hazard, _, worst| {
-            chord.split(flyer, hazard, worst, meter);
+            chord.split(flyer, hazard, (floor_m, most_splits), worst, meter);
         });
     let below_floor = worst.margin_m < floor_m;
     // A sufficient margin is exactly the requested one, despite rounding.
@@ -292,12 +365,19 @@ impl<'a> Chord<'a> {
         Some(chord)
     }
 
-    /// Lowers `worst` to a bound over the shorter chords between exact points in between.
-    fn split(&self, flyer: &Flyer, hazard: &Hazard, worst: &mut Certificate, meter: &Meter) {
-        let mut from: MotionState = self.node.state;
+    /// Lowers `worst` to a bound over the shorter chords between exact points in between, as short as it takes to decide
+    /// whether it is at least `floor_m`, or as a limit allows.
+    fn split(
+        &self,
+        flyer: &Flyer,
+        hazard: &Hazard,
+        (floor_m, most_splits): (f64, u32),
+        worst: &mut Certificate,
+        meter: &Meter,
+    ) {
         let is_straight = self.bow_m == 0.0;
         if !meter.take(if is_straight { LOOK } else { SPLIT_WORK }) {
-            lower(worst, f64::NEG_INFINITY, from.time_s, hazard);
+            lower(worst, f64::NEG_INFINITY, self.line.at_s, hazard);
             return;
         }
         if is_straight {
@@ -306,11 +386,37 @@ impl<'a> Chord<'a> {
             }
             return;
         }
+        let before = *worst;
+        let mut splits = SPLITS;
+        let mut bow_m = self.split_into(splits, flyer, hazard, worst, meter);
+        let is_open =
+            |margin_m: f64, bow_m| margin_m < floor_m && margin_m + 2.0 * bow_m >= floor_m;
+        while is_open(worst.margin_m, bow_m) && splits < most_splits {
+            let work = splits as usize * SPLIT_WORK;
+            if meter.left() as usize <= work || !meter.take(work) {
+                break;
+            }
+            *worst = before;
+            splits *= SPLITS;
+            bow_m = self.split_into(splits, flyer, hazard, worst, meter);
+        }
+    }
+
+    /// The same over this many chords; returns the largest bow of one, metres.
+    fn split_into(
+        &self,
+        splits: u32,
+        flyer: &Flyer,
+        hazard: &Hazard,
+        worst: &mut Certificate,
+        meter: &Meter,
+    ) -> f64 {
+        let mut from: MotionState = self.node.state;
         let piece = self.node.piece();
-        let step_s = self.line.duration_s / f64::from(SPLITS);
-        let bow_m = self.bow_m / f64::from(SPLITS * SPLITS);
-        for part in 1..=SPLITS {
-            let to = if part == SPLITS {
+        let step_s = self.line.duration_s / f64::from(splits);
+        let bow_m = self.bow_m / f64::from(splits * splits);
+        for part in 1..=splits {
+            let to = if part == splits {
                 MotionState {
                     position_m: self.end_m,
                     ..from
@@ -332,6 +438,7 @@ impl<'a> Chord<'a> {
             }
             from = to;
         }
+        bow_m
     }
 
     /// A bound of the margin, just fine enough to decide whether it is at least `floor_m`:
@@ -350,7 +457,7 @@ impl<'a> Chord<'a> {
             return;
         };
         if margin - self.bow_m < floor_m && margin + self.bow_m >= floor_m {
-            self.split(flyer, hazard, worst, meter);
+            self.split(flyer, hazard, (floor_m, SPLITS), worst, meter);
         } else {
             lower(worst, margin - self.bow_m, at_s, hazard);
         }

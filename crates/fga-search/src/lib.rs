@@ -7,15 +7,9 @@
 //! at every node on the tangent, gives the margins of them all.
 #![no_std]
 #![forbid(unsafe_code)]
-#![deny(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing
-)]
 #![cfg_attr(
-    test,
-    allow(
+    not(test),
+    deny(
         clippy::unwrap_used,
         clippy::expect_used,
         clippy::panic,
@@ -47,7 +41,7 @@ use front::Climbs;
 
 use fga_proof::Vec3;
 use fga_proof::angle::{Side, direction};
-use fga_proof::certificate::{Asked, Certificate, Hazards, certify_set};
+use fga_proof::certificate::{Asked, Certificate, Certified, Hazards, certify_set, prove};
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
@@ -101,14 +95,35 @@ pub struct Found {
 }
 
 /// The status of the best manoeuvre.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Proof {
-    /// It keeps the requested separation.
-    Certified,
+    /// It keeps the requested separation: this proves it.
+    Certified(Certified),
     /// It does not, and another search may find one that does.
     Open,
     /// It does not, and no other one will.
     Hopeless,
+}
+
+impl Proof {
+    /// Whether the manoeuvre keeps the requested separation.
+    pub const fn is_certified(&self) -> bool {
+        matches!(self, Self::Certified(_))
+    }
+
+    /// The certificate, if there is one.
+    pub const fn certified(&self) -> Option<Certified> {
+        match self {
+            Self::Certified(certified) => Some(*certified),
+            Self::Open | Self::Hopeless => None,
+        }
+    }
+}
+
+impl From<Option<Certified>> for Proof {
+    fn from(certified: Option<Certified>) -> Self {
+        certified.map_or(Self::Open, Self::Certified)
+    }
 }
 
 /// The measure of the cheapest manoeuvre.
@@ -371,6 +386,23 @@ impl<'a> Search<'a> {
         let maneuver = self.maneuver(turns, departure);
         self.predict(&maneuver);
         self.certify_path(scene.hazards, scene.horizon_s, (floor_m, ENOUGH_M))
+    }
+
+    /// The certificate of an answer: that it keeps the separation asked for from all hazards. What it takes comes from
+    /// the work that is kept for the answer.
+    pub fn prove(&mut self, found: &Found) -> Option<Certified> {
+        self.answer();
+        let scene = self.scene;
+        let departure = self.departure(found.turns.wait_s);
+        let maneuver = self.maneuver(&found.turns, &departure);
+        self.predict(&maneuver);
+        let asked = (scene.horizon_s, scene.target_m, scene.target_m);
+        prove(scene.flyer, self.path, scene.hazards, asked, &self.meter)
+    }
+
+    /// An answer with its certificate; none where that does not prove it.
+    pub fn proven(&mut self, found: Found) -> Option<(Found, Proof)> {
+        Some((found, Proof::Certified(self.prove(&found)?)))
     }
 
     /// Separation beyond the volumes that a certified manoeuvre keeps, metres.

@@ -184,7 +184,7 @@ impl Search<'_> {
             self.collect_levelled(&start, &mut seeds);
             self.climb(&mut seeds, 2, &SINGLE_ROUNDS, &mut best);
             if let Some(found) = best.filter(|found| found.margin_m >= target_m) {
-                return Some((found, Proof::Certified));
+                return Some((found, self.prove(&found).into()));
             }
         }
         if let Some((turns, margin_m)) = flown.and_then(|flown| self.in_terms_of_search(flown)) {
@@ -209,7 +209,7 @@ impl Search<'_> {
         }
         let found = best?;
         if found.margin_m >= target_m {
-            return Some((found, Proof::Certified));
+            return Some((found, self.prove(&found).into()));
         }
         if most == 0 || self.answering {
             return Some((found, Proof::Open));
@@ -231,7 +231,7 @@ impl Search<'_> {
             self.climb(&mut seeds, CLIMBERS, &ROUNDS, &mut best);
             let found = best?;
             if found.margin_m >= target_m {
-                return Some((found, Proof::Certified));
+                return Some((found, self.prove(&found).into()));
             }
             if is_certain && found.margin_m < target_m - far * self.scene.turn_radius_m() {
                 return Some((found, Proof::Hopeless));

@@ -34,15 +34,9 @@
 //! wind.
 #![no_std]
 #![forbid(unsafe_code)]
-#![deny(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing
-)]
 #![cfg_attr(
-    test,
-    allow(
+    not(test),
+    deny(
         clippy::unwrap_used,
         clippy::expect_used,
         clippy::panic,
@@ -52,8 +46,6 @@
 
 #[cfg(test)]
 extern crate alloc;
-#[cfg(test)]
-extern crate std;
 
 pub mod avoider;
 pub mod pilot;

@@ -29,6 +29,7 @@ fn sizes() -> impl Iterator<Item = (&'static str, usize)> {
         fga_proof::angle::Side,
         fga_proof::certificate::Asked,
         fga_proof::certificate::Certificate,
+        fga_proof::certificate::Certified,
         fga_proof::certificate::Chord,
         fga_proof::certificate::Hazard,
         fga_proof::certificate::Hazards,

@@ -1,5 +1,6 @@
 //! The decision and its reasons.
 
+use crate::certificate::Certified;
 use crate::maneuver::Maneuver;
 
 /// State of the avoider.
@@ -133,6 +134,8 @@ pub struct Record {
     pub start_s: Option<f64>,
     /// The manoeuvre, flown or awaited.
     pub chosen: Option<Candidate>,
+    /// Its certificate; `None` for a manoeuvre without one.
+    pub certified: Option<Certified>,
     /// The best manoeuvre to the other side, if there was a search for it.
     pub alternative: Option<Candidate>,
     /// Share of the bounds of aircraft that the manoeuvre withstands, from 0 (the expected motion)

@@ -20,7 +20,7 @@ use crate::avoider::quiet::LineAhead;
 use crate::avoider::{
     Against, Avoider, Candidate, Decision, Kept, Plan, Reason, Start, State, Threat, Verdict,
 };
-use crate::certificate::{Asked, Certificate, Status, certify_set};
+use crate::certificate::{Asked, Certificate, Certified, Status, certify_set, prove};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::meter::BEND;
@@ -267,7 +267,7 @@ impl Avoider {
             }
         }
         let chosen = choice.chosen.and_then(|(found, maneuver, proof)| {
-            if proof == Proof::Certified {
+            if proof.is_certified() {
                 return choice.chosen;
             }
             let (found, maneuver) = self.least_deep(&(found, maneuver), None, now)?;
@@ -296,7 +296,7 @@ impl Avoider {
                     is_small: false,
                 };
                 self.plan = Some(plan);
-                let (state, reason) = if proof != Proof::Certified {
+                let (state, reason) = if !proof.is_certified() {
                     let inside = self.tracks.inside;
                     let reason = if inside {
                         Reason::InsideVolume
@@ -348,6 +348,13 @@ impl Avoider {
         certify_set(&self.flyer, &self.path, hazards, &asked, &self.meter)
     }
 
+    /// The certificate of the manoeuvre predicted last: that it keeps a target; its margin is capped.
+    fn prove(&self, (target_m, enough_m): (f64, f64)) -> Option<Certified> {
+        let asked = (self.look_s, target_m, enough_m);
+        let hazards = self.tracks.hazards();
+        prove(&self.flyer, &self.path, hazards, asked, &self.meter)
+    }
+
     /// Grids that a whole search since the last news has left to look at.
     const fn grids_left(&self) -> u32 {
         GRIDS_A_SEARCH.saturating_sub(self.grids)
@@ -385,7 +392,7 @@ impl Avoider {
         let flown = plan.remaining(time_s);
         // The volume around the aircraft shrinks with its depth.
         let inside = self.tracks.inside;
-        let is_open = plan.proof != Proof::Certified;
+        let is_open = !plan.proof.is_certified();
         let expected = is_open.then(|| self.as_expected(&plan, situation, now));
         let kept_m = if let Some(basis) = expected.flatten() {
             basis.kept_m
@@ -401,7 +408,7 @@ impl Avoider {
             kept.proven_m()
         };
         let picture = self.tracks.picture();
-        let is_news = plan.proof == Proof::Certified
+        let is_news = plan.proof.is_certified()
             || (!inside && (kept_m - plan.margin_m).abs() > NEWS_M)
             || picture.differs_from(&plan.picture)
             || (self.tracks.uncertain && self.cycle.is_multiple_of(LOOK_AT_NOISE));
@@ -413,7 +420,7 @@ impl Avoider {
         let rests = match plan.proof {
             Proof::Hopeless => !(is_news || inside && look_again),
             Proof::Open => is_searched && !look_again,
-            Proof::Certified => false,
+            Proof::Certified(_) => false,
         };
         if rests {
             return self.report(&plan, time_s, Reason::BestAvailable);
@@ -437,7 +444,7 @@ impl Avoider {
                 ..plan
             };
             self.plan = Some(plan);
-            let reason = if proof == Proof::Certified {
+            let reason = if proof.is_certified() {
                 Reason::ManeuverReplaced
             } else {
                 Reason::BestAvailable
@@ -475,7 +482,7 @@ impl Avoider {
                     search.share_work(TARGETS);
                 }
                 let single = search.cheapest(0.0);
-                let single = single.map(|found| (found, Proof::Certified));
+                let single = single.and_then(|found| search.proven(found));
                 let (found, proof) = if is_last {
                     single.or_else(|| search.best(Some(flown), effort, variety))?
                 } else {
@@ -491,7 +498,7 @@ impl Avoider {
         }
         let proof = found.map(|(_, proof)| proof);
         let better = match &found {
-            Some((answer, Proof::Certified)) => Some(*answer),
+            Some((answer, Proof::Certified(_))) => Some(*answer),
             Some((answer, _)) => {
                 self.least_deep(answer, Some((flown, kept_m + CLEARLY_BETTER_M)), now)
             }
@@ -519,16 +526,17 @@ impl Avoider {
             ..threat
         });
         record.straight_aircraft = self.tracks.straight_aircraft();
-        let is_shown = self.state == State::Avoiding && plan.proof == Proof::Certified;
+        let is_shown = self.state == State::Avoiding && plan.proof.is_certified();
         let is_all = self.tracks.has_aircraft() && record.straight_aircraft == 0;
         record.resilience = (is_shown && is_all).then_some(plan.resilience);
         record.start_s = Some(plan.start_s - time_s);
         record.latest_start_s = plan.latest_start_s.map(|latest_s| latest_s - time_s);
+        record.certified = plan.proof.certified();
         record.chosen = Some(Candidate {
             maneuver: command,
             margin_m: plan.margin_m,
             cost: plan.cost,
-            verdict: if plan.proof == Proof::Certified {
+            verdict: if plan.proof.is_certified() {
                 Verdict::Chosen
             } else {
                 Verdict::Rejected

@@ -9,7 +9,7 @@ use crate::Vec3;
 use crate::angle::Side;
 use crate::avoider::intruders::{Clearance, Freedom};
 use crate::avoider::{Against, Avoider, Decision, Plan, Reason, Start, State, Threat};
-use crate::certificate::Hazard;
+use crate::certificate::{Certified, Hazard};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
@@ -184,7 +184,7 @@ impl Avoider {
         };
         self.plan = Some(plan);
         self.state = State::Avoiding;
-        let reason = if answer.proof == Proof::Certified {
+        let reason = if answer.proof.is_certified() {
             Reason::ManeuverChosen
         } else if self.tracks.inside {
             Reason::InsideVolume
@@ -226,8 +226,10 @@ impl Avoider {
         }
         let flown = plan.remaining(time_s);
         let kept = self.resilience_of(&flown, now, plan.target_m);
+        let proof = kept.map(|(_, certified)| certified).into();
+        let kept = kept.map(|(share, _)| share);
         if plan.is_small
-            && let Some(decision) = self.keep_small(situation, now, &plan, kept)
+            && let Some(decision) = self.keep_small(situation, now, &plan, (kept, proof))
         {
             return decision;
         }
@@ -238,7 +240,7 @@ impl Avoider {
                 return self.report(&plan, time_s, Reason::ManeuverReplaced);
             }
             let plan = Plan {
-                proof: Proof::Certified,
+                proof,
                 resilience: kept.unwrap_or(0.0),
                 ..plan
             };
@@ -260,18 +262,14 @@ impl Avoider {
             plan.replaced_by(answer, time_s, self.target_m)
         } else {
             Plan {
-                proof: if kept.is_some() {
-                    Proof::Certified
-                } else {
-                    Proof::Open
-                },
+                proof,
                 resilience: kept.unwrap_or(0.0),
                 ..plan
             }
         };
         let reason = match (plan.proof, answer) {
-            (Proof::Certified, Some(_)) => Reason::ManeuverReplaced,
-            (Proof::Certified, None) => Reason::ManeuverKept,
+            (Proof::Certified(_), Some(_)) => Reason::ManeuverReplaced,
+            (Proof::Certified(_), None) => Reason::ManeuverKept,
             _ => Reason::BestAvailable,
         };
         self.plan = Some(plan);
@@ -313,14 +311,15 @@ impl Avoider {
         let best_m = best.as_ref().map(|best| best.found.margin_m);
         let is_better = best_m.is_some_and(|best_m| best_m > kept_m + more_m);
         let best = best.map(|mut best| {
-            let expected_m = self.margin_of(&best.maneuver, now, (target_m, target_m));
-            if expected_m >= target_m {
-                (best.proof, best.found.margin_m) = (Proof::Certified, expected_m);
+            self.predict(&best.maneuver, now);
+            if let Some(certified) = self.prove((target_m, target_m)) {
+                best.proof = Proof::Certified(certified);
+                best.found.margin_m = certified.margin_m();
             }
             best
         });
         match best {
-            Some(best) if best.proof == Proof::Certified => {
+            Some(best) if best.proof.is_certified() => {
                 ((!is_clear || is_better).then_some(best), candidates)
             }
             _ if !is_clear => {
@@ -361,7 +360,7 @@ impl Avoider {
             Some(Answer::new(search, found, proof, 0.0))
         });
         let answer = answer.and_then(|answer| {
-            if answer.proof == Proof::Certified {
+            if answer.proof.is_certified() {
                 return Some(answer);
             }
             let flown = flown.map(|flown| (flown, kept_m + EXPECTED_FARTHER_M));
@@ -416,12 +415,13 @@ impl Avoider {
             }
             for climb_rad in [level_rad, last.climb_rad] {
                 let maneuver = Maneuver::turn(0.0, mission_rad + offset_rad, climb_rad);
-                let margin_m = self.margin_of(&maneuver, now, (target_m, ENOUGH_M));
-                if margin_m >= target_m {
+                self.predict(&maneuver, now);
+                if let Some(certified) = self.prove((target_m, ENOUGH_M)) {
                     return Some(Plan {
                         maneuver,
                         decided_s: situation.time_s,
-                        margin_m,
+                        proof: Proof::Certified(certified),
+                        margin_m: certified.margin_m(),
                         resilience: share,
                         ..*plan
                     });
@@ -503,15 +503,21 @@ impl Avoider {
         self.may_wait(&back, now, WAIT_FOR_TURN_RAD).0
     }
 
-    /// The largest share that a manoeuvre planned with the margin `of_m` withstands, if any.
-    fn resilience_of(&mut self, maneuver: &Maneuver, now: &MotionState, of_m: f64) -> Option<f64> {
+    /// The largest share that a manoeuvre planned with the margin `of_m` withstands, if any, and its certificate.
+    fn resilience_of(
+        &mut self,
+        maneuver: &Maneuver,
+        now: &MotionState,
+        of_m: f64,
+    ) -> Option<(f64, Certified)> {
         let target_m = super::holding::KEEP_SHARE * of_m;
-        SHARES.into_iter().find(|share| {
+        SHARES.into_iter().find_map(|share| {
             if self.meter.is_met() {
-                return false;
+                return None;
             }
-            self.withstand(Freedom::Share(*share), now.position_m, 0.0);
-            self.margin_of(maneuver, now, (target_m, target_m)) >= target_m
+            self.withstand(Freedom::Share(share), now.position_m, 0.0);
+            self.predict(maneuver, now);
+            Some((share, self.prove((target_m, target_m))?))
         })
     }
 
@@ -536,7 +542,8 @@ impl Avoider {
                 let found = side
                     .and_then(|side| search.cheapest_to(&[side], 0.0))
                     .or_else(|| search.cheapest(0.0))?;
-                Some(Answer::new(search, found, Proof::Certified, share))
+                let (found, proof) = search.proven(found)?;
+                Some(Answer::new(search, found, proof, share))
             });
             candidates += looked_at;
             if answer.is_some() {

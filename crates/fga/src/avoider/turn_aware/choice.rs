@@ -24,7 +24,7 @@ impl Choice {
     };
 
     pub(super) const fn is_certified(&self) -> bool {
-        matches!(self.chosen, Some((_, _, Proof::Certified)))
+        matches!(self.chosen, Some((_, _, Proof::Certified(_))))
     }
 }
 
@@ -36,17 +36,12 @@ pub(super) fn choose(
     (entry_s, period_s): (f64, f64),
     (cut, or_best): (u32, bool),
 ) -> Choice {
-    let (mut latest_s, mut alternative) = (None, None);
+    let (mut latest_s, mut other) = (None, None);
     let found = match start {
         Start::AtDetection => search.cheapest(0.0),
         Start::Free => {
-            let [found, other] = search.least_departure(entry_s, cut);
-            alternative = other.map(|other| Candidate {
-                maneuver: as_maneuver(search, &other),
-                margin_m: other.margin_m,
-                cost: other.cost,
-                verdict: Verdict::Certified,
-            });
+            let [found, other_side] = search.least_departure(entry_s, cut);
+            other = other_side;
             found.map(|single| search.lane_change(&single).unwrap_or(single))
         }
         Start::Latest | Start::Score(_) => {
@@ -69,12 +64,20 @@ pub(super) fn choose(
         }
     };
     let found = found
-        .map(|found| (found, Proof::Certified))
+        .and_then(|found| search.proven(found))
         .or_else(|| or_best.then(|| search.best(None, Effort::WHOLE, cut))?);
     Choice {
         chosen: found.map(|(found, proof)| (found, as_maneuver(search, &found), proof)),
         latest_s,
-        alternative,
+        alternative: other.and_then(|other| {
+            search.prove(&other)?;
+            Some(Candidate {
+                maneuver: as_maneuver(search, &other),
+                margin_m: other.margin_m,
+                cost: other.cost,
+                verdict: Verdict::Certified,
+            })
+        }),
     }
 }
 

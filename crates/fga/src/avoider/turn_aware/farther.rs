@@ -5,7 +5,7 @@ use crate::avoider::{Avoider, Plan};
 use crate::certificate::Hazard;
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
-use crate::search::{Effort, Proof};
+use crate::search::Effort;
 
 use super::SEARCH_AGAIN;
 use super::holding::KEEP_SHARE;
@@ -54,18 +54,20 @@ impl Avoider {
             let variety = self.cycle / SEARCH_AGAIN;
             let (found, ..) = self.search(&Maneuver::hold(), now, |search| {
                 let single = search.cheapest(0.0);
-                let found = single.or_else(|| {
-                    let (found, proof) = search.best(Some(&flown), Effort::WHOLE, variety)?;
-                    (proof == Proof::Certified).then_some(found)
+                let single = single.and_then(|found| search.proven(found));
+                let (found, proof) = single.or_else(|| {
+                    let best = search.best(Some(&flown), Effort::WHOLE, variety);
+                    best.filter(|(_, proof)| proof.is_certified())
                 })?;
-                Some((found, search.maneuver(&found.turns, now)))
+                Some((found, search.maneuver(&found.turns, now), proof))
             });
             found
         };
         self.look_s = self.settings.horizon_s;
-        let (found, maneuver) = found?;
+        let (found, maneuver, proof) = found?;
         Some(Plan {
             maneuver,
+            proof,
             decided_s: time_s,
             start_s: plan.start_s.min(time_s),
             margin_m: found.margin_m,

@@ -4,7 +4,6 @@
 use crate::avoider::{Avoider, Plan, State};
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
-use crate::search::Proof;
 use crate::situation::Situation;
 
 use super::holding::Basis;
@@ -27,7 +26,7 @@ impl Avoider {
         let Some(plan) = &self.plan else { return 0 };
         let Some(basis) = &plan.basis else { return 0 };
         let tracks = &self.tracks;
-        let is_exact = plan.proof == Proof::Certified
+        let is_exact = plan.proof.is_certified()
             && !tracks.uncertain
             && !tracks.inside
             && !tracks.has_aircraft()

@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::avoider::{Avoider, Plan};
-use crate::certificate::keeps_on;
+use crate::certificate::{Certified, keeps_on};
 use crate::prediction::MotionState;
 use crate::search::Proof;
 use crate::situation::Situation;
@@ -83,7 +83,7 @@ impl Avoider {
         situation: &Situation<'_>,
         now: &MotionState,
     ) -> bool {
-        if plan.proof != Proof::Certified {
+        if !plan.proof.is_certified() {
             return false;
         }
         if self.as_expected(plan, situation, now).is_some() {
@@ -99,22 +99,22 @@ impl Avoider {
             None => f64::INFINITY,
         };
         self.predict(&plan.remaining(situation.time_s), now);
-        let basis = self.lasting(plan, situation, now, strayed_m);
-        if let Some(plan) = self.plan.as_mut().filter(|_| basis.is_some()) {
-            plan.basis = basis;
+        let lasting = self.lasting(plan, situation, now, strayed_m);
+        if let Some((plan, (basis, certified))) = self.plan.as_mut().zip(lasting) {
+            (plan.basis, plan.proof) = (Some(basis), Proof::Certified(certified));
         }
-        basis.is_some()
+        lasting.is_some()
     }
 
-    /// The assumptions with which the rest of a plan, predicted last, is certified from now on among obstacles that do not turn;
-    /// since its decision the aircraft has strayed by some metres.
+    /// The assumptions with which the rest of a plan, predicted last, is certified from now on among obstacles that do not turn,
+    /// and the certificate; since its decision the aircraft has strayed by some metres.
     pub(super) fn lasting(
         &self,
         plan: &Plan,
         situation: &Situation<'_>,
         now: &MotionState,
         strayed_m: f64,
-    ) -> Option<Basis> {
+    ) -> Option<(Basis, Certified)> {
         let share = if plan.target_m < self.wanted_m {
             KEEP_SHARE_OF_LESS
         } else {
@@ -122,19 +122,21 @@ impl Avoider {
         };
         let keep_m = share * plan.target_m;
         let most_m = keep_m + SPARE_SHARE * plan.target_m;
-        let margin_m = self.certificate_of_path((keep_m, most_m)).proven_m();
+        let certified = self.prove((keep_m, most_m))?;
+        let margin_m = certified.margin_m();
         let (hazards, ahead_s) = (self.tracks.hazards(), (self.look_s, 2.0 * self.look_s));
-        (margin_m >= keep_m && !self.tracks.has_aircraft()).then(|| {
+        (!self.tracks.has_aircraft()).then(|| {
             let lasts_s = if keeps_on(&self.path, hazards, ahead_s, margin_m, &self.meter) {
                 self.look_s
             } else {
                 RENEWED_AFTER_S
             };
-            Basis {
+            let basis = Basis {
                 spare_m: margin_m.min(most_m) - keep_m,
                 strayed_m,
                 ..self.basis(plan, situation, now, (margin_m, lasts_s))
-            }
+            };
+            (basis, certified)
         })
     }
 

@@ -3,6 +3,7 @@
 use crate::avoider::{Avoider, Plan};
 use crate::maneuver::Maneuver;
 use crate::prediction::MotionState;
+use crate::search::Proof;
 
 use super::{SEARCH_AGAIN, TARGETS};
 
@@ -25,19 +26,25 @@ impl Avoider {
         let mut better = None;
         for target_m in more {
             self.target_m = target_m;
-            let margin_m = self.margin_of(&flown, now, (target_m, target_m));
-            if margin_m >= target_m {
-                better = Some(Plan { target_m, ..*plan });
+            self.predict(&flown, now);
+            if let Some(certified) = self.prove((target_m, target_m)) {
+                better = Some(Plan {
+                    target_m,
+                    proof: Proof::Certified(certified),
+                    ..*plan
+                });
                 break;
             }
             let (found, ..) = self.search(&Maneuver::hold(), now, |search| {
                 search.share_work(TARGETS);
                 let found = search.cheapest(0.0)?;
-                Some((found, search.maneuver(&found.turns, now)))
+                let (found, proof) = search.proven(found)?;
+                Some((found, search.maneuver(&found.turns, now), proof))
             });
-            if let Some((found, maneuver)) = found {
+            if let Some((found, maneuver, proof)) = found {
                 better = Some(Plan {
                     maneuver,
+                    proof,
                     target_m,
                     decided_s: time_s,
                     start_s: plan.start_s.min(time_s),

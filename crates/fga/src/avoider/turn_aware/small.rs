@@ -95,7 +95,7 @@ impl Avoider {
         situation: &Situation<'_>,
         now: &MotionState,
         plan: &Plan,
-        kept: Option<f64>,
+        (kept, proof): (Option<f64>, Proof),
     ) -> Option<Decision> {
         let time_s = situation.time_s;
         if kept.is_some_and(|kept| kept >= ALL) {
@@ -111,7 +111,7 @@ impl Avoider {
                 return Some(self.fly_on(plan, time_s));
             };
             let plan = Plan {
-                proof: Proof::Certified,
+                proof,
                 resilience,
                 ..*plan
             };

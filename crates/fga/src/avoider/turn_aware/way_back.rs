@@ -249,7 +249,6 @@ impl Avoider {
             decided_s: situation.time_s,
             start_s: situation.time_s,
             joined_s: situation.time_s + joined.joined_s,
-            proof: Proof::Certified,
             margin_m: self.target_m,
             target_m: self.target_m,
             cost: 0.0,
@@ -262,10 +261,14 @@ impl Avoider {
         let back = match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg)) {
             WayAhead::Blocked => None,
             WayAhead::Clear => {
-                let margin_m = self.certificate_of_path((f64::MIN, ENOUGH_M)).proven_m();
-                back.margin_m = margin_m;
-                back.basis = self.lasting(&back, situation, now, 0.0);
-                Some(back)
+                let certified = self.prove((self.target_m, ENOUGH_M));
+                certified.map(|certified| {
+                    back.proof = Proof::Certified(certified);
+                    back.margin_m = certified.margin_m();
+                    let lasting = self.lasting(&back, situation, now, 0.0);
+                    back.basis = lasting.map(|(basis, _)| basis);
+                    back
+                })
             }
             WayAhead::NextEncounter => self.way_back_and_on(&back, joined.joined_s, now),
         };
@@ -375,12 +378,14 @@ impl Avoider {
         let (threat, against) = self.first_threat(&maneuver, now)?;
         let found = self.search(&maneuver, now, |search| {
             let found = search.cheapest(joined_s)?;
+            let (found, proof) = search.proven(found)?;
             let departure = search.departure(joined_s);
-            Some((found, search.maneuver(&found.turns, &departure)))
+            Some((found, search.maneuver(&found.turns, &departure), proof))
         });
-        let (found, maneuver) = found.0?;
+        let (found, maneuver, proof) = found.0?;
         Some(Plan {
             maneuver,
+            proof,
             margin_m: found.margin_m,
             target_m: self.target_m,
             cost: found.cost,
