@@ -1,8 +1,8 @@
 //! What is proven about a manoeuvre: the flight that it leads to, and a lower bound of the separation from
 //! every obstacle in continuous time.
 //!
-//! Whoever checks a command reads this crate. Search, mission and index only propose manoeuvres, legs and
-//! obstacles worth a look; a wrong proposal costs quality, never separation.
+//! Whoever checks a command reads this crate. Search and mission only propose manoeuvres and legs: a wrong
+//! proposal costs quality, never separation.
 //!
 //! | module | question |
 //! |---|---|

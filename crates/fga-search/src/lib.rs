@@ -1,5 +1,5 @@
 //! The turn-aware search: the cheapest of the manoeuvres that the aircraft will really fly and that are
-//! certified to stay clear.
+//! worth proving.
 //!
 //! A manoeuvre is a wait on the mission, a turn to either side with a change of climb angle, and
 //! if that does not suffice, a second turn with its own climb target ([`Turns`]). Turns to one

@@ -9,6 +9,7 @@
 //! ```
 
 mod against;
+mod demand;
 mod drift;
 mod intruders;
 mod record;
@@ -144,10 +145,6 @@ pub struct Avoider {
     drift_m: f64,
     /// Wanted distance beyond every volume, metres: the margin of the settings and that for drift.
     wanted_m: f64,
-    /// Distance beyond every volume of the present search, metres.
-    target_m: f64,
-    /// How far ahead separation is certified now, seconds.
-    look_s: f64,
     /// Longer horizon of a manoeuvre's certificate where possible, seconds.
     far_s: f64,
 }
@@ -183,8 +180,6 @@ impl Avoider {
             drift_m: 0.0,
             ours_mps: Vec3::ZERO,
             wanted_m: settings.margin_m,
-            target_m: settings.margin_m,
-            look_s: settings.horizon_s,
             far_s: settings.horizon_s,
         })
     }
@@ -366,18 +361,22 @@ impl Avoider {
         self.drift_m = self.drift.margin_m(self.settings.drift_mps, radius_m);
     }
 
-    /// Predicts a manoeuvre into the path.
-    fn predict(&mut self, maneuver: &Maneuver, now: &MotionState) {
+    /// Predicts a manoeuvre into the path, up to a horizon.
+    fn predict(&mut self, maneuver: &Maneuver, now: &MotionState, horizon_s: f64) {
         self.path
-            .predict_within(&self.flyer, now, maneuver, self.look_s, &self.meter);
+            .predict_within(&self.flyer, now, maneuver, horizon_s, &self.meter);
     }
 
     /// Bounds the separation from one hazard along the path.
-    fn certify_one(&self, hazard: &Hazard, until_s: f64, floor_m: f64) -> Certificate {
+    fn certify_one(
+        &self,
+        hazard: &Hazard,
+        (horizon_s, floor_m, enough_m): (f64, f64, f64),
+    ) -> Certificate {
         let asked = Asked {
-            horizon_s: until_s,
+            horizon_s,
             floor_m,
-            enough_m: self.target_m,
+            enough_m,
         };
         let one = core::slice::from_ref(hazard);
         certify_set(&self.flyer, &self.path, one, &asked, &self.meter)

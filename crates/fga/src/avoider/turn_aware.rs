@@ -16,6 +16,7 @@ mod way_back;
 
 pub(super) use holding::Basis;
 
+use crate::avoider::demand::Demand;
 use crate::avoider::quiet::LineAhead;
 use crate::avoider::{
     Against, Avoider, Candidate, Decision, Kept, Plan, Reason, Start, State, Threat, Verdict,
@@ -65,6 +66,8 @@ struct Replacement {
     better: Option<(Found, Maneuver)>,
     /// What is proven about the best one, if there is any.
     proof: Option<Proof>,
+    /// The margin that it was asked for, metres.
+    target_m: f64,
     /// Number of manoeuvres looked at.
     candidates: u32,
     /// Whether the work ran out.
@@ -80,7 +83,6 @@ impl Avoider {
         mut kept: Option<&mut Kept<'_>>,
     ) -> Decision {
         self.wanted_m = self.settings.margin_m + self.drift_m;
-        self.target_m = self.wanted_m;
         if self.state == State::Cruise
             && let Some(decision) = self.quiet(situation, now, kept.as_deref_mut())
         {
@@ -97,8 +99,6 @@ impl Avoider {
         now: &MotionState,
         start: Start,
     ) -> Decision {
-        self.target_m = self.wanted_m;
-        self.look_s = self.settings.horizon_s;
         self.far_s = self.far_horizon_s(now);
         match self.state {
             State::Cruise | State::Threatened => self.watch(situation, now, start),
@@ -123,7 +123,7 @@ impl Avoider {
             position_m: now.position_m,
             velocity_mps: self.ours_mps,
             surveillance_radius_m: self.settings.surveillance_radius_m,
-            margin_m: self.target_m,
+            margin_m: self.wanted_m,
             sigmas: self.settings.confidence_sigmas,
             horizon_s,
         };
@@ -153,7 +153,7 @@ impl Avoider {
             return self.report(&plan, situation.time_s, Reason::ManeuverChosen);
         }
         let (nominal, _) = self.guidance(situation, now);
-        let Some((threat, against)) = self.first_threat(&nominal, now) else {
+        let Some((threat, against)) = self.first_threat(&nominal, now, &self.demand()) else {
             self.state = State::Cruise;
             self.plan = None;
             return self.decision(&nominal, Reason::Clear);
@@ -175,6 +175,7 @@ impl Avoider {
         &mut self,
         nominal: &Maneuver,
         now: &MotionState,
+        demand: &Demand,
         look: impl FnOnce(&mut Search<'_>) -> T,
     ) -> (T, u32, bool)
     where
@@ -200,8 +201,8 @@ impl Avoider {
                 leg.climb_rad.limited(low, high),
             ),
             hazards: self.tracks.hazards(),
-            horizon_s: self.look_s,
-            target_m: self.target_m,
+            horizon_s: demand.horizon_s,
+            target_m: demand.margin_m,
             climb_limits_rad: (low, high),
             costs: (self.settings.heading_cost, self.settings.pitch_cost),
             objective: self.settings.objective,
@@ -240,10 +241,11 @@ impl Avoider {
         self.grids = 0;
         let (mut candidates, mut limit_met) = (0, false);
         let mut choice = Choice::NONE;
+        let mut demand = self.demand();
         for target_m in self.targets_m() {
-            self.target_m = target_m;
+            demand.margin_m = target_m;
             let is_last = target_m <= self.settings.margin_m;
-            let (chosen, more, met) = self.search(nominal, now, |search| {
+            let (chosen, more, met) = self.search(nominal, now, &demand, |search| {
                 if !is_last {
                     search.share_work(TARGETS);
                 }
@@ -254,12 +256,15 @@ impl Avoider {
                 break;
             }
         }
-        if self.far_s > self.look_s && choice.is_certified() {
-            self.look_s = self.far_s;
-            let (farther, more, met) = self.search(nominal, now, |search| {
+        let horizon_s = self.far_s;
+        if horizon_s > demand.horizon_s && choice.is_certified() {
+            let far = Demand {
+                horizon_s,
+                ..demand
+            };
+            let (farther, more, met) = self.search(nominal, now, &far, |search| {
                 choose(search, start, (entry_s, period_s), (cut, true))
             });
-            self.look_s = self.settings.horizon_s;
             candidates += more;
             limit_met |= met;
             if farther.is_certified() {
@@ -270,7 +275,7 @@ impl Avoider {
             if proof.is_certified() {
                 return choice.chosen;
             }
-            let (found, maneuver) = self.least_deep(&(found, maneuver), None, now)?;
+            let (found, maneuver) = self.least_deep(&(found, maneuver), None, now, &demand)?;
             Some((found, maneuver, proof))
         });
         let decision = match chosen {
@@ -283,7 +288,7 @@ impl Avoider {
                     proof,
                     picture: self.tracks.picture(),
                     margin_m: found.margin_m,
-                    target_m: self.target_m,
+                    target_m: demand.margin_m,
                     cost: found.cost,
                     latest_start_s: choice.latest_s.map(|latest_s| situation.time_s + latest_s),
                     threat: Some(threat),
@@ -331,16 +336,16 @@ impl Avoider {
         wanted.into_iter().flatten().chain([least_m])
     }
 
-    /// Margin of a manoeuvre, between `floor_m`, below which it stops, and `enough_m`.
-    fn margin_of(&mut self, maneuver: &Maneuver, now: &MotionState, limits_m: (f64, f64)) -> f64 {
-        self.predict(maneuver, now);
-        self.certificate_of_path(limits_m).proven_m()
+    /// Margin of a manoeuvre up to a horizon, between `floor_m`, below which it stops, and `enough_m`.
+    fn margin_of(&mut self, maneuver: &Maneuver, now: &MotionState, asked: (f64, f64, f64)) -> f64 {
+        self.predict(maneuver, now, asked.0);
+        self.certificate_of_path(asked).proven_m()
     }
 
     /// The certificate of the manoeuvre predicted last, between the same limits.
-    fn certificate_of_path(&self, (floor_m, enough_m): (f64, f64)) -> Certificate {
+    fn certificate_of_path(&self, (horizon_s, floor_m, enough_m): (f64, f64, f64)) -> Certificate {
         let asked = Asked {
-            horizon_s: self.look_s,
+            horizon_s,
             floor_m,
             enough_m,
         };
@@ -348,9 +353,19 @@ impl Avoider {
         certify_set(&self.flyer, &self.path, hazards, &asked, &self.meter)
     }
 
-    /// The certificate of the manoeuvre predicted last: that it keeps a target; its margin is capped.
-    fn prove(&self, (target_m, enough_m): (f64, f64)) -> Option<Certified> {
-        let asked = (self.look_s, target_m, enough_m);
+    /// The certificate of a manoeuvre: that it keeps a target up to a horizon; its margin is capped.
+    fn certified(
+        &mut self,
+        maneuver: &Maneuver,
+        now: &MotionState,
+        asked: (f64, f64, f64),
+    ) -> Option<Certified> {
+        self.predict(maneuver, now, asked.0);
+        self.prove(asked)
+    }
+
+    /// The same of the manoeuvre predicted last.
+    fn prove(&self, asked: (f64, f64, f64)) -> Option<Certified> {
         let hazards = self.tracks.hazards();
         prove(&self.flyer, &self.path, hazards, asked, &self.meter)
     }
@@ -397,8 +412,9 @@ impl Avoider {
         let kept_m = if let Some(basis) = expected.flatten() {
             basis.kept_m
         } else {
-            self.predict(&flown, now);
-            let kept = self.certificate_of_path((f64::MIN, ENOUGH_M));
+            let horizon_s = self.settings.horizon_s;
+            self.predict(&flown, now, horizon_s);
+            let kept = self.certificate_of_path((horizon_s, f64::MIN, ENOUGH_M));
             // The margin may change by itself once the closest approach is over.
             let lasts_s = kept.at_s.min(RENEWED_AFTER_S);
             let is_lasting = kept.status == Status::Proven && !inside && !self.tracks.uncertain;
@@ -436,11 +452,11 @@ impl Avoider {
                 proof,
                 picture,
                 margin_m: found.margin_m,
-                target_m: self.target_m,
+                target_m: replacement.target_m,
                 cost: found.cost,
                 next_start_s: None,
                 basis: None,
-                against: self.also_against(&flown, now, plan.against),
+                against: self.also_against(&flown, now, plan.against, replacement.target_m),
                 ..plan
             };
             self.plan = Some(plan);
@@ -474,10 +490,11 @@ impl Avoider {
             left => Effort::Grids(left),
         };
         let (mut found, mut candidates, mut limit_met) = (None, 0, false);
+        let mut demand = self.demand();
         for target_m in self.targets_m() {
-            self.target_m = target_m;
+            demand.margin_m = target_m;
             let is_last = target_m <= self.settings.margin_m;
-            let (answer, more, met) = self.search(&hold, now, |search| {
+            let (answer, more, met) = self.search(&hold, now, &demand, |search| {
                 if !is_last {
                     search.share_work(TARGETS);
                 }
@@ -500,13 +517,15 @@ impl Avoider {
         let better = match &found {
             Some((answer, Proof::Certified(_))) => Some(*answer),
             Some((answer, _)) => {
-                self.least_deep(answer, Some((flown, kept_m + CLEARLY_BETTER_M)), now)
+                let flown = Some((flown, kept_m + CLEARLY_BETTER_M));
+                self.least_deep(answer, flown, now, &demand)
             }
             None => None,
         };
         Replacement {
             better,
             proof,
+            target_m: demand.margin_m,
             candidates,
             limit_met,
         }

@@ -7,6 +7,7 @@
 
 use crate::Vec3;
 use crate::angle::Side;
+use crate::avoider::demand::Demand;
 use crate::avoider::intruders::{Clearance, Freedom};
 use crate::avoider::{Against, Avoider, Decision, Plan, Reason, Start, State, Threat};
 use crate::certificate::{Certified, Hazard};
@@ -82,15 +83,16 @@ impl Avoider {
         let own_m = now.position_m;
         self.plan = None;
         let (nominal, _) = self.guidance(situation, now);
-        self.withstand(Freedom::Expected, own_m, 0.0);
-        let Some((threat, against)) = self.first_threat(&nominal, now) else {
+        let demand = self.demand();
+        self.withstand(Freedom::Expected, own_m, (0.0, demand.margin_m));
+        let Some((threat, against)) = self.first_threat(&nominal, now, &demand) else {
             self.state = State::Cruise;
             return self.decision(&nominal, Reason::Clear);
         };
         let (may_wait, mut candidates, limit_met) = if start == Start::AtDetection {
             (false, 0, false)
         } else {
-            self.may_wait(&nominal, now, WAIT_FOR_TURN_RAD)
+            self.may_wait(&nominal, now, WAIT_FOR_TURN_RAD, &demand)
         };
         let small = if may_wait {
             let (small, looked_at) = self.small_now(&nominal, now, &threat);
@@ -124,9 +126,11 @@ impl Avoider {
         along: &Maneuver,
         now: &MotionState,
         most_turn_rad: f64,
+        demand: &Demand,
     ) -> (bool, u32, bool) {
-        self.withstand(Freedom::Share(WANTED_SHARE), now.position_m, BEYOND_M);
-        self.search(along, now, |search| {
+        let clearance_m = (BEYOND_M, demand.margin_m);
+        self.withstand(Freedom::Share(WANTED_SHARE), now.position_m, clearance_m);
+        self.search(along, now, demand, |search| {
             search.share_work(SEARCHES);
             search.is_avoidable_within(WAIT_S, most_turn_rad)
         })
@@ -139,9 +143,9 @@ impl Avoider {
         now: &MotionState,
         threat: (Threat, Against),
     ) -> Decision {
-        let (mut answer, mut candidates) = self.cheapest_within(now, None, (0.0, WANTED_SHARE));
+        let (mut answer, mut candidates) =
+            self.cheapest_within(now, None, (0.0, WANTED_SHARE), self.demand());
         if answer.is_none() {
-            self.target_m = self.settings.margin_m;
             let (found, looked_at) = self.farthest(now, None, None);
             answer = found;
             candidates += looked_at;
@@ -170,7 +174,7 @@ impl Avoider {
             proof: answer.proof,
             picture: self.tracks.picture(),
             margin_m: answer.found.margin_m,
-            target_m: self.target_m,
+            target_m: answer.demand.margin_m,
             cost: answer.found.cost,
             latest_start_s: None,
             threat: Some(threat),
@@ -178,7 +182,7 @@ impl Avoider {
             against,
             next_start_s: None,
             basis: None,
-            resilience: answer.resilience,
+            resilience: answer.demand.share,
             side: side_of(&answer.found),
             is_small: is_small(answer) && self.pays_small(threat.id),
         };
@@ -211,7 +215,7 @@ impl Avoider {
         let passing = self
             .tracks
             .all_pass(own_m, velocity_mps, |id| against.contains(id));
-        self.withstand(Freedom::Expected, own_m, 0.0);
+        self.withstand(Freedom::Expected, own_m, (0.0, self.wanted_m));
         let turned_rad = (time_s - plan.start_s) * self.flyer.course_rate_radps();
         let has_begun = passing
             || if plan.is_small {
@@ -249,17 +253,16 @@ impl Avoider {
         }
         let above = kept.map_or(0.0, |kept| kept + CLEARLY_MORE);
         let (mut answer, mut candidates) =
-            self.cheapest_within(now, plan.side, (above, WANTED_SHARE));
+            self.cheapest_within(now, plan.side, (above, WANTED_SHARE), self.demand());
         let poor = kept.is_none_or(|kept| kept <= 0.0);
         if answer.is_none() && poor && (kept.is_none() || self.cycle.is_multiple_of(LOOK_FOR_MORE))
         {
-            self.target_m = self.settings.margin_m;
             let (found, looked_at) = self.farthest(now, Some((&flown, kept.is_some())), plan.side);
             answer = found;
             candidates += looked_at;
         }
         let plan = if let Some(answer) = &answer {
-            plan.replaced_by(answer, time_s, self.target_m)
+            plan.replaced_by(answer, time_s)
         } else {
             Plan {
                 proof,
@@ -291,17 +294,18 @@ impl Avoider {
         let hold = Maneuver::hold();
         let variety = self.cycle;
         let worst = Freedom::Share(WANTED_SHARE);
-        self.withstand(worst, own_m, 0.0);
+        let demand = self.least_demand();
+        let (horizon_s, target_m) = (demand.horizon_s, demand.margin_m);
+        self.withstand(worst, own_m, (0.0, target_m));
         let kept_m = flown.map_or(f64::MIN, |(flown, _)| {
-            self.margin_of(flown, now, (f64::MIN, ENOUGH_M))
+            self.margin_of(flown, now, (horizon_s, f64::MIN, ENOUGH_M))
         });
-        let (best, mut candidates, _) = self.search(&hold, now, |search| {
+        let (best, mut candidates, _) = self.search(&hold, now, &demand, |search| {
             search.share_work(SEARCHES);
             let (found, _) = search.best(flown.map(|(flown, _)| flown), Effort::Quick, variety)?;
-            Some(Answer::new(search, found, Proof::Open, 0.0))
+            Some(Answer::new(search, found, Proof::Open, demand))
         });
-        let target_m = self.target_m;
-        self.withstand(Freedom::Share(0.0), own_m, 0.0);
+        self.withstand(Freedom::Share(0.0), own_m, (0.0, target_m));
         let is_clear = flown.is_some_and(|(_, is_clear)| is_clear);
         let more_m = if is_clear {
             CLEARLY_FARTHER_M
@@ -311,8 +315,8 @@ impl Avoider {
         let best_m = best.as_ref().map(|best| best.found.margin_m);
         let is_better = best_m.is_some_and(|best_m| best_m > kept_m + more_m);
         let best = best.map(|mut best| {
-            self.predict(&best.maneuver, now);
-            if let Some(certified) = self.prove((target_m, target_m)) {
+            let asked = (horizon_s, target_m, target_m);
+            if let Some(certified) = self.certified(&best.maneuver, now, asked) {
                 best.proof = Proof::Certified(certified);
                 best.found.margin_m = certified.margin_m();
             }
@@ -323,7 +327,7 @@ impl Avoider {
                 ((!is_clear || is_better).then_some(best), candidates)
             }
             _ if !is_clear => {
-                let (mut answer, looked_at) = self.cheapest_within(now, side, (-1.0, 0.0));
+                let (mut answer, looked_at) = self.cheapest_within(now, side, (-1.0, 0.0), demand);
                 candidates += looked_at;
                 let again = flown.is_none() || self.cycle.is_multiple_of(LOOK_FOR_MORE);
                 if answer.is_none() && self.meter.is_met() {
@@ -350,14 +354,15 @@ impl Avoider {
         now: &MotionState,
         flown: Option<&Maneuver>,
     ) -> (Option<Answer>, u32) {
-        self.withstand(Freedom::Share(0.0), now.position_m, 0.0);
+        let demand = self.least_demand();
+        self.withstand(Freedom::Share(0.0), now.position_m, (0.0, demand.margin_m));
         let kept_m = flown.map_or(f64::MIN, |flown| {
-            self.margin_of(flown, now, (f64::MIN, ENOUGH_M))
+            self.margin_of(flown, now, (demand.horizon_s, f64::MIN, ENOUGH_M))
         });
         let variety = self.cycle;
-        let (answer, looked_at, _) = self.search(&Maneuver::hold(), now, |search| {
+        let (answer, looked_at, _) = self.search(&Maneuver::hold(), now, &demand, |search| {
             let (found, proof) = search.best(flown, Effort::WHOLE, variety)?;
-            Some(Answer::new(search, found, proof, 0.0))
+            Some(Answer::new(search, found, proof, demand))
         });
         let answer = answer.and_then(|answer| {
             if answer.proof.is_certified() {
@@ -365,7 +370,7 @@ impl Avoider {
             }
             let flown = flown.map(|flown| (flown, kept_m + EXPECTED_FARTHER_M));
             let (found, maneuver) =
-                self.least_deep(&(answer.found, answer.maneuver), flown, now)?;
+                self.least_deep(&(answer.found, answer.maneuver), flown, now, &demand)?;
             Some(Answer {
                 found,
                 maneuver,
@@ -400,8 +405,8 @@ impl Avoider {
         } else {
             plan.resilience.min(WANTED_SHARE)
         };
-        self.withstand(Freedom::Share(share), now.position_m, BEYOND_M);
-        let target_m = self.target_m;
+        let target_m = self.wanted_m;
+        self.withstand(Freedom::Share(share), now.position_m, (BEYOND_M, target_m));
         // If the work ended before all were examined, the next look continues from there.
         let from = core::mem::take(&mut self.improved_to);
         for k in from..12 {
@@ -415,8 +420,8 @@ impl Avoider {
             }
             for climb_rad in [level_rad, last.climb_rad] {
                 let maneuver = Maneuver::turn(0.0, mission_rad + offset_rad, climb_rad);
-                self.predict(&maneuver, now);
-                if let Some(certified) = self.prove((target_m, ENOUGH_M)) {
+                let asked = (self.settings.horizon_s, target_m, ENOUGH_M);
+                if let Some(certified) = self.certified(&maneuver, now, asked) {
                     return Some(Plan {
                         maneuver,
                         decided_s: situation.time_s,
@@ -431,9 +436,23 @@ impl Avoider {
         None
     }
 
-    /// Replaces the hazards by the possible motions of aircraft, with this distance beyond their volumes, metres.
-    pub(super) fn withstand(&mut self, freedom: Freedom, own_m: Vec3, beyond_m: f64) {
-        let margin_m = self.target_m;
+    /// The least that is asked of a manoeuvre: the expected motion and the margin of the settings.
+    const fn least_demand(&self) -> Demand {
+        Demand {
+            share: 0.0,
+            margin_m: self.settings.margin_m,
+            ..self.demand()
+        }
+    }
+
+    /// Replaces the hazards by the possible motions of aircraft, with a distance beyond their volumes and the margin that is
+    /// asked for, metres.
+    pub(super) fn withstand(
+        &mut self,
+        freedom: Freedom,
+        own_m: Vec3,
+        (beyond_m, margin_m): (f64, f64),
+    ) {
         let clearance = Clearance {
             beyond_m,
             margin_m,
@@ -444,7 +463,12 @@ impl Avoider {
     }
 
     /// Whether a way back withstands, for a time, all motions of the aircraft that do not move away from it.
-    pub(super) fn is_robust_back(&mut self, back: &Maneuver, now: &MotionState) -> bool {
+    pub(super) fn is_robust_back(
+        &mut self,
+        back: &Maneuver,
+        now: &MotionState,
+        target_m: f64,
+    ) -> bool {
         if !self.tracks.has_aircraft() {
             return true;
         }
@@ -476,15 +500,11 @@ impl Avoider {
         let clearance = Clearance {
             beyond_m: 0.0,
             by_depth: false,
-            margin_m: self.target_m,
+            margin_m: target_m,
         };
         self.tracks
             .withstand(freedom, own_m, clearance, &self.meter);
-        self.look_s = BACK_WITHSTANDS_S;
-        let target_m = self.target_m;
-        let margin_m = self.margin_of(back, now, (target_m, target_m));
-        self.look_s = self.settings.horizon_s;
-        margin_m >= target_m
+        self.margin_of(back, now, (BACK_WITHSTANDS_S, target_m, target_m)) >= target_m
     }
 
     /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
@@ -496,11 +516,12 @@ impl Avoider {
     ) -> bool {
         let keep_m = super::holding::KEEP_SHARE * plan.target_m;
         let back = plan.remaining(situation.time_s);
-        self.withstand(Freedom::Expected, now.position_m, 0.0);
-        if self.margin_of(&back, now, (keep_m, keep_m)) >= keep_m {
+        self.withstand(Freedom::Expected, now.position_m, (0.0, self.wanted_m));
+        if self.margin_of(&back, now, (self.settings.horizon_s, keep_m, keep_m)) >= keep_m {
             return true;
         }
-        self.may_wait(&back, now, WAIT_FOR_TURN_RAD).0
+        self.may_wait(&back, now, WAIT_FOR_TURN_RAD, &self.demand())
+            .0
     }
 
     /// The largest share that a manoeuvre planned with the margin `of_m` withstands, if any, and its certificate.
@@ -515,9 +536,9 @@ impl Avoider {
             if self.meter.is_met() {
                 return None;
             }
-            self.withstand(Freedom::Share(share), now.position_m, 0.0);
-            self.predict(maneuver, now);
-            Some((share, self.prove((target_m, target_m))?))
+            self.withstand(Freedom::Share(share), now.position_m, (0.0, self.wanted_m));
+            let asked = (self.settings.horizon_s, target_m, target_m);
+            Some((share, self.certified(maneuver, now, asked)?))
         })
     }
 
@@ -528,6 +549,7 @@ impl Avoider {
         now: &MotionState,
         side: Option<Side>,
         (above, most): (f64, f64),
+        mut demand: Demand,
     ) -> (Option<Answer>, u32) {
         let hold = Maneuver::hold();
         let mut candidates = 0;
@@ -536,14 +558,16 @@ impl Avoider {
             if self.meter.is_met() {
                 break;
             }
-            self.withstand(Freedom::Share(share), now.position_m, BEYOND_M);
-            let (answer, looked_at, _) = self.search(&hold, now, |search| {
+            demand.share = share;
+            let clearance_m = (BEYOND_M, demand.margin_m);
+            self.withstand(Freedom::Share(share), now.position_m, clearance_m);
+            let (answer, looked_at, _) = self.search(&hold, now, &demand, |search| {
                 search.share_work(SEARCHES);
                 let found = side
                     .and_then(|side| search.cheapest_to(&[side], 0.0))
                     .or_else(|| search.cheapest(0.0))?;
                 let (found, proof) = search.proven(found)?;
-                Some(Answer::new(search, found, proof, share))
+                Some(Answer::new(search, found, proof, demand))
             });
             candidates += looked_at;
             if answer.is_some() {
@@ -555,37 +579,37 @@ impl Avoider {
 }
 
 impl Plan {
-    /// The plan with another manoeuvre, found with the margin `target_m`; it keeps the side of the first one.
-    pub(super) fn replaced_by(&self, answer: &Answer, time_s: f64, target_m: f64) -> Self {
+    /// The plan with another manoeuvre; it keeps the side of the first one.
+    pub(super) fn replaced_by(&self, answer: &Answer, time_s: f64) -> Self {
         Self {
             maneuver: answer.maneuver,
             decided_s: time_s,
             proof: answer.proof,
             margin_m: answer.found.margin_m,
-            target_m,
+            target_m: answer.demand.margin_m,
             cost: answer.found.cost,
-            resilience: answer.resilience,
+            resilience: answer.demand.share,
             side: self.side.or_else(|| side_of(&answer.found)),
             ..*self
         }
     }
 }
 
-/// A manoeuvre and the share that it withstands.
+/// A manoeuvre and what was asked of it.
 pub(super) struct Answer {
     pub(super) found: Found,
     pub(super) maneuver: Maneuver,
     pub(super) proof: Proof,
-    pub(super) resilience: f64,
+    pub(super) demand: Demand,
 }
 
 impl Answer {
-    fn new(search: &Search<'_>, found: Found, proof: Proof, resilience: f64) -> Self {
+    fn new(search: &Search<'_>, found: Found, proof: Proof, demand: Demand) -> Self {
         Self {
             maneuver: as_maneuver(search, &found),
             found,
             proof,
-            resilience,
+            demand,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The manoeuvre that comes least deep into cylinders, where none stays out of them.
 
 use crate::avoider::Avoider;
+use crate::avoider::demand::Demand;
 use crate::avoider::intruders::{Clearance, Freedom};
 use crate::certificate::Hazard;
 use crate::maneuver::Maneuver;
@@ -20,6 +21,7 @@ impl Avoider {
         answer: &(Found, Maneuver),
         flown: Option<(&Maneuver, f64)>,
         now: &MotionState,
+        demand: &Demand,
     ) -> Option<(Found, Maneuver)> {
         let cylinders = self.tracks.hazards().rows().iter().any(Hazard::is_cylinder);
         if answer.0.margin_m >= 0.0 || !cylinders || self.meter.left() < DEPTH_WORK {
@@ -27,18 +29,17 @@ impl Avoider {
             return (answer.0.margin_m > more_than_m).then_some(*answer);
         }
         self.by_depth(now);
-        let flown_m = flown.map_or(f64::MIN, |(flown, _)| {
-            self.margin_of(flown, now, (f64::MIN, ENOUGH_M))
-        });
+        let asked = (demand.horizon_s, f64::MIN, ENOUGH_M);
+        let flown_m = flown.map_or(f64::MIN, |(flown, _)| self.margin_of(flown, now, asked));
         let variety = self.cycle;
-        let (deep, ..) = self.search(&Maneuver::hold(), now, |search| {
+        let (deep, ..) = self.search(&Maneuver::hold(), now, demand, |search| {
             let (found, _) = search.best(Some(&answer.1), Effort::Quick, variety)?;
             Some((found, search.maneuver(&found.turns, now)))
         });
         self.tracks.as_expected();
         let (found, maneuver) =
             deep.filter(|(found, _)| found.margin_m > flown_m + CLEARLY_BETTER_M)?;
-        let margin_m = self.margin_of(&maneuver, now, (f64::MIN, ENOUGH_M));
+        let margin_m = self.margin_of(&maneuver, now, asked);
         Some((Found { margin_m, ..found }, maneuver))
     }
 
@@ -46,7 +47,7 @@ impl Avoider {
     pub(super) fn by_depth(&mut self, now: &MotionState) {
         let clearance = Clearance {
             beyond_m: 0.0,
-            margin_m: self.target_m,
+            margin_m: 0.0,
             by_depth: true,
         };
         self.tracks.withstand(

@@ -1,6 +1,7 @@
 //! Certifies farther ahead among obstacles that move nearly as the aircraft does: a gap between them that is
 //! certified for a minute may close in the next.
 
+use crate::avoider::demand::Demand;
 use crate::avoider::{Avoider, Plan};
 use crate::certificate::Hazard;
 use crate::maneuver::Maneuver;
@@ -47,12 +48,15 @@ impl Avoider {
         }
         let flown = plan.remaining(time_s);
         let keep_m = KEEP_SHARE * plan.target_m;
-        self.look_s = self.far_s;
-        let found = if self.margin_of(&flown, now, (keep_m, keep_m)) >= keep_m {
+        let far = Demand {
+            horizon_s: self.far_s,
+            ..self.demand()
+        };
+        let found = if self.margin_of(&flown, now, (far.horizon_s, keep_m, keep_m)) >= keep_m {
             None
         } else {
             let variety = self.cycle / SEARCH_AGAIN;
-            let (found, ..) = self.search(&Maneuver::hold(), now, |search| {
+            let (found, ..) = self.search(&Maneuver::hold(), now, &far, |search| {
                 let single = search.cheapest(0.0);
                 let single = single.and_then(|found| search.proven(found));
                 let (found, proof) = single.or_else(|| {
@@ -63,7 +67,6 @@ impl Avoider {
             });
             found
         };
-        self.look_s = self.settings.horizon_s;
         let (found, maneuver, proof) = found?;
         Some(Plan {
             maneuver,
@@ -74,7 +77,7 @@ impl Avoider {
             cost: found.cost,
             next_start_s: None,
             basis: None,
-            against: self.also_against(&flown, now, plan.against),
+            against: self.also_against(&flown, now, plan.against, far.margin_m),
             ..*plan
         })
     }

@@ -98,8 +98,9 @@ impl Avoider {
             None if since_s < 1.5 * self.settings.decision_period_s => 0.0,
             None => f64::INFINITY,
         };
-        self.predict(&plan.remaining(situation.time_s), now);
-        let lasting = self.lasting(plan, situation, now, strayed_m);
+        let horizon_s = self.settings.horizon_s;
+        self.predict(&plan.remaining(situation.time_s), now, horizon_s);
+        let lasting = self.lasting(plan, situation, now, (strayed_m, horizon_s));
         if let Some((plan, (basis, certified))) = self.plan.as_mut().zip(lasting) {
             (plan.basis, plan.proof) = (Some(basis), Proof::Certified(certified));
         }
@@ -107,13 +108,13 @@ impl Avoider {
     }
 
     /// The assumptions with which the rest of a plan, predicted last, is certified from now on among obstacles that do not turn,
-    /// and the certificate; since its decision the aircraft has strayed by some metres.
+    /// and the certificate up to a horizon; since its decision the aircraft has strayed by some metres.
     pub(super) fn lasting(
         &self,
         plan: &Plan,
         situation: &Situation<'_>,
         now: &MotionState,
-        strayed_m: f64,
+        (strayed_m, horizon_s): (f64, f64),
     ) -> Option<(Basis, Certified)> {
         let share = if plan.target_m < self.wanted_m {
             KEEP_SHARE_OF_LESS
@@ -122,12 +123,12 @@ impl Avoider {
         };
         let keep_m = share * plan.target_m;
         let most_m = keep_m + SPARE_SHARE * plan.target_m;
-        let certified = self.prove((keep_m, most_m))?;
+        let certified = self.prove((horizon_s, keep_m, most_m))?;
         let margin_m = certified.margin_m();
-        let (hazards, ahead_s) = (self.tracks.hazards(), (self.look_s, 2.0 * self.look_s));
+        let (hazards, ahead_s) = (self.tracks.hazards(), (horizon_s, 2.0 * horizon_s));
         (!self.tracks.has_aircraft()).then(|| {
             let lasts_s = if keeps_on(&self.path, hazards, ahead_s, margin_m, &self.meter) {
-                self.look_s
+                horizon_s
             } else {
                 RENEWED_AFTER_S
             };
@@ -202,7 +203,7 @@ impl Avoider {
         let off_rad = (now.course_rad - there.course_rad).abs()
             + (now.climb_rad - there.climb_rad).abs()
             + BANKS * banked_s * (now.bank_rad - there.bank_rad).abs() / full_rad;
-        let ahead_m = self.flyer.airspeed_mps() * self.look_s;
+        let ahead_m = self.flyer.airspeed_mps() * self.settings.horizon_s;
         let is_spared = off_m + off_rad * ahead_m <= basis.spare_m;
         is_spared.then_some(Basis {
             own: there,

@@ -55,6 +55,7 @@ impl Avoider {
     /// The margin that a decision keeps from the expected motion of the obstacles, by depth, metres.
     fn expected_m(&mut self, decision: &Decision, now: &MotionState) -> f64 {
         self.by_depth(now);
-        self.margin_of(&decision.command, now, (f64::MIN, ENOUGH_M))
+        let asked = (self.settings.horizon_s, f64::MIN, ENOUGH_M);
+        self.margin_of(&decision.command, now, asked)
     }
 }

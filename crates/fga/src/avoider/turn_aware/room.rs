@@ -24,10 +24,11 @@ impl Avoider {
             .targets_m()
             .filter(|target_m| *target_m > plan.target_m + CLEARLY_MORE_M);
         let mut better = None;
+        let mut demand = self.demand();
         for target_m in more {
-            self.target_m = target_m;
-            self.predict(&flown, now);
-            if let Some(certified) = self.prove((target_m, target_m)) {
+            demand.margin_m = target_m;
+            let asked = (demand.horizon_s, target_m, target_m);
+            if let Some(certified) = self.certified(&flown, now, asked) {
                 better = Some(Plan {
                     target_m,
                     proof: Proof::Certified(certified),
@@ -35,7 +36,7 @@ impl Avoider {
                 });
                 break;
             }
-            let (found, ..) = self.search(&Maneuver::hold(), now, |search| {
+            let (found, ..) = self.search(&Maneuver::hold(), now, &demand, |search| {
                 search.share_work(TARGETS);
                 let found = search.cheapest(0.0)?;
                 let (found, proof) = search.proven(found)?;
@@ -57,7 +58,6 @@ impl Avoider {
                 break;
             }
         }
-        self.target_m = self.wanted_m;
         better
     }
 }

@@ -62,7 +62,7 @@ impl Avoider {
         if threat.entry_s > BEGINS_WITHIN_S || !self.pays_small(threat.id) {
             return (None, 0);
         }
-        let (later, candidates, _) = self.may_wait(nominal, now, SMALL_TURN_RAD);
+        let (later, candidates, _) = self.may_wait(nominal, now, SMALL_TURN_RAD, &self.demand());
         if later {
             return (None, candidates);
         }
@@ -84,7 +84,8 @@ impl Avoider {
 
     /// A small manoeuvre that withstands the wanted share, if that is the cheapest.
     fn cheapest_small(&mut self, now: &MotionState) -> (Option<Answer>, u32) {
-        let (answer, looked_at) = self.cheapest_within(now, None, (KEPT_SHARE, WANTED_SHARE));
+        let (answer, looked_at) =
+            self.cheapest_within(now, None, (KEPT_SHARE, WANTED_SHARE), self.demand());
         (answer.filter(is_small), looked_at)
     }
 
@@ -105,7 +106,12 @@ impl Avoider {
         if !enough && let (Some(answer), _) = self.cheapest_small(now) {
             return Some(self.replace_small(plan, &answer, time_s));
         }
-        let (in_reserve, ..) = self.may_wait(&plan.remaining(time_s), now, WAIT_FOR_TURN_RAD);
+        let (in_reserve, ..) = self.may_wait(
+            &plan.remaining(time_s),
+            now,
+            WAIT_FOR_TURN_RAD,
+            &self.demand(),
+        );
         if in_reserve {
             let Some(resilience) = kept else {
                 return Some(self.fly_on(plan, time_s));
@@ -123,7 +129,7 @@ impl Avoider {
         } else {
             (kept.unwrap_or(-1.0), WANTED_SHARE)
         };
-        let (answer, _) = self.cheapest_within(now, None, shares);
+        let (answer, _) = self.cheapest_within(now, None, shares, self.demand());
         answer.map(|answer| {
             let large = Plan {
                 start_s: time_s,
@@ -150,7 +156,7 @@ impl Avoider {
     fn replace_small(&mut self, plan: &Plan, answer: &Answer, time_s: f64) -> Decision {
         let plan = Plan {
             side: side_of(&answer.found),
-            ..plan.replaced_by(answer, time_s, self.target_m)
+            ..plan.replaced_by(answer, time_s)
         };
         self.plan = Some(plan);
         self.report(&plan, time_s, Reason::ManeuverReplaced)

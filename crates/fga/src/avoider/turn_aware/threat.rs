@@ -1,5 +1,6 @@
 //! Which obstacles a manoeuvre comes too close to: the first one, and those of the same encounter.
 
+use crate::avoider::demand::Demand;
 use crate::avoider::{Against, Avoider, Threat};
 use crate::certificate::mark_close;
 use crate::maneuver::Maneuver;
@@ -20,21 +21,27 @@ impl Avoider {
         &mut self,
         nominal: &Maneuver,
         now: &MotionState,
+        demand: &Demand,
     ) -> Option<(Threat, Against)> {
         self.meter.reserve(THREAT_PARTS);
-        let first = self.first_of_all(nominal, now);
+        let first = self.first_of_all(nominal, now, demand);
         self.meter.extend(THREAT_PARTS);
         first
     }
 
-    fn first_of_all(&mut self, nominal: &Maneuver, now: &MotionState) -> Option<(Threat, Against)> {
-        let reach @ (horizon_s, target_m) = (self.look_s, self.target_m);
-        self.predict(nominal, now);
+    fn first_of_all(
+        &mut self,
+        nominal: &Maneuver,
+        now: &MotionState,
+        demand: &Demand,
+    ) -> Option<(Threat, Against)> {
+        let reach @ (horizon_s, target_m) = (demand.horizon_s, demand.margin_m);
+        self.predict(nominal, now, horizon_s);
         let hazards = self.tracks.hazards();
         let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
         let mut first: Option<Threat> = None;
         for (hazard, _) in hazards.rows().iter().zip(close).filter(|(_, close)| *close) {
-            let closest = self.certify_one(hazard, horizon_s, f64::MIN);
+            let closest = self.certify_one(hazard, (horizon_s, f64::MIN, target_m));
             // A hazard that was not examined to its end may be anything.
             if closest.margin_m >= target_m && !self.meter.is_met() {
                 continue;
@@ -43,7 +50,7 @@ impl Avoider {
             let (mut before_s, mut after_s) = (0.0, closest.at_s);
             let entered_m = (closest.margin_m + 1e-3).max(0.0).min(target_m);
             if let Some(first) = first {
-                let so_far = self.certify_one(hazard, first.entry_s, f64::MIN);
+                let so_far = self.certify_one(hazard, (first.entry_s, f64::MIN, target_m));
                 if so_far.margin_m > entered_m {
                     // Its entry is later than the first one.
                     continue;
@@ -54,7 +61,7 @@ impl Avoider {
                     break;
                 }
                 let middle = 0.5 * (before_s + after_s);
-                let so_far = self.certify_one(hazard, middle, f64::MIN);
+                let so_far = self.certify_one(hazard, (middle, f64::MIN, target_m));
                 if so_far.margin_m > entered_m {
                     before_s = middle;
                 } else {
@@ -77,7 +84,7 @@ impl Avoider {
         let mut against = Against::default();
         against.add(first.id);
         let same_s = (first.entry_s + NEXT_ENCOUNTER_S).min(horizon_s);
-        Some((first, self.with_close(against, &close, same_s)))
+        Some((first, self.with_close(against, &close, (same_s, target_m))))
     }
 
     /// The obstacles of an encounter and those that a manoeuvre comes too close to.
@@ -86,26 +93,31 @@ impl Avoider {
         maneuver: &Maneuver,
         now: &MotionState,
         against: Against,
+        target_m: f64,
     ) -> Against {
         if self.meter.is_met() {
             return against;
         }
-        let reach = (self.settings.horizon_s, self.target_m);
-        self.predict(maneuver, now);
+        let reach = (self.settings.horizon_s, target_m);
+        self.predict(maneuver, now, reach.0);
         let hazards = self.tracks.hazards();
         let close = mark_close(&self.flyer, &self.path, hazards, reach, &self.meter);
-        self.with_close(against, &close, reach.0)
+        self.with_close(against, &close, reach)
     }
 
     /// An encounter with the marked obstacles that the path comes too close to before a time, seconds.
-    fn with_close(&self, mut against: Against, close: &[bool], until_s: f64) -> Against {
-        let target_m = self.target_m;
+    fn with_close(
+        &self,
+        mut against: Against,
+        close: &[bool],
+        (until_s, target_m): (f64, f64),
+    ) -> Against {
         let hazards = self.tracks.hazards().rows().iter().zip(close);
         for (hazard, _) in hazards.filter(|(_, close)| **close) {
             if self.meter.is_met() {
                 break;
             }
-            let closest = self.certify_one(hazard, until_s, target_m);
+            let closest = self.certify_one(hazard, (until_s, target_m, target_m));
             if closest.margin_m < target_m && !against.contains(hazard.id) {
                 against.add(hazard.id);
             }

@@ -2,6 +2,7 @@
 
 use core::f64::consts::PI;
 
+use crate::avoider::demand::Demand;
 use crate::avoider::{Avoider, Decision, Plan, Reason, Returned, Start, State};
 use crate::certificate::{Hazard, Line, mark_close};
 use crate::limit::Limit as _;
@@ -130,10 +131,11 @@ impl Avoider {
         // After a long search without room for the wanted margin less is enough.
         let given_up = given_up(plan, situation.time_s);
         let least_m = self.settings.margin_m;
-        self.target_m = self.targets_m().nth(given_up).unwrap_or(least_m);
-        let back = self.look_back(situation, now, plan, latest_s);
-        self.target_m = self.wanted_m;
-        back
+        let demand = Demand {
+            margin_m: self.targets_m().nth(given_up).unwrap_or(least_m),
+            ..self.demand()
+        };
+        self.look_back(situation, now, plan, latest_s, &demand)
     }
 
     /// A certified way back that keeps the margin asked for now.
@@ -143,6 +145,7 @@ impl Avoider {
         now: &MotionState,
         plan: &Plan,
         latest_s: f64,
+        demand: &Demand,
     ) -> Option<Plan> {
         if !self.cycle.is_multiple_of(LOOK_BACK_EVERY) || self.meter.is_met() {
             return None;
@@ -172,7 +175,8 @@ impl Avoider {
         let nearest = self.nearest_way_back(mission, &from, skipped, intercepts_rad, &mut way);
         let joins_s = nearest.and_then(|_| Some(way.end()?.at_s));
         let is_late = joins_s.is_some_and(|s| situation.time_s + s + self.late_s() > latest_s);
-        if !is_looked_at && (is_late || nearest.is_some() && self.is_blocked(&way)) {
+        let target_m = demand.margin_m;
+        if !is_looked_at && (is_late || nearest.is_some() && self.is_blocked(&way, target_m)) {
             return None;
         }
         let limits = JoinLimits {
@@ -200,11 +204,12 @@ impl Avoider {
             });
         }
         let (joined, index) = way?;
-        let back = self.fly_back(&first, (&joined, index), plan, (situation, now));
+        let back = self.fly_back(&first, (&joined, index), plan, (situation, now), demand);
         // Two that flee from each other side by side would never return: after long, what keeps a way back suffices.
         let is_robust = |avoider: &mut Self, back: &Plan| {
-            avoider.is_robust_back(&back.maneuver, now)
-                || is_long && avoider.may_wait(&back.maneuver, now, WAIT_FOR_TURN_RAD).0
+            let back = &back.maneuver;
+            avoider.is_robust_back(back, now, demand.margin_m)
+                || is_long && avoider.may_wait(back, now, WAIT_FOR_TURN_RAD, demand).0
         };
         let Some(back) = back.filter(|back| is_robust(self, back)) else {
             self.progress = before;
@@ -223,8 +228,9 @@ impl Avoider {
         (joined, index): (&Join, usize),
         plan: &Plan,
         (situation, now): (&Situation<'_>, &MotionState),
+        demand: &Demand,
     ) -> Option<Plan> {
-        let horizon_s = self.settings.horizon_s;
+        let horizon_s = demand.horizon_s;
         let leg = self.progress.leg(now);
         let gained_m = if index == self.progress.index() {
             joined.along_m - leg.position(now.position_m, now.time_s).along_m
@@ -249,31 +255,32 @@ impl Avoider {
             decided_s: situation.time_s,
             start_s: situation.time_s,
             joined_s: situation.time_s + joined.joined_s,
-            margin_m: self.target_m,
-            target_m: self.target_m,
+            margin_m: demand.margin_m,
+            target_m: demand.margin_m,
             cost: 0.0,
             next_start_s: None,
             basis: None,
             ..*plan
         };
-        self.look_s = self.far_s;
-        self.predict(&maneuver, now);
-        let back = match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg)) {
+        let far = Demand {
+            horizon_s: self.far_s,
+            ..*demand
+        };
+        self.predict(&maneuver, now, far.horizon_s);
+        match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg), &far) {
             WayAhead::Blocked => None,
             WayAhead::Clear => {
-                let certified = self.prove((self.target_m, ENOUGH_M));
+                let certified = self.prove((far.horizon_s, far.margin_m, ENOUGH_M));
                 certified.map(|certified| {
                     back.proof = Proof::Certified(certified);
                     back.margin_m = certified.margin_m();
-                    let lasting = self.lasting(&back, situation, now, 0.0);
+                    let lasting = self.lasting(&back, situation, now, (0.0, far.horizon_s));
                     back.basis = lasting.map(|(basis, _)| basis);
                     back
                 })
             }
-            WayAhead::NextEncounter => self.way_back_and_on(&back, joined.joined_s, now),
-        };
-        self.look_s = self.settings.horizon_s;
-        back
+            WayAhead::NextEncounter => self.way_back_and_on(&back, joined.joined_s, now, &far),
+        }
     }
 
     /// How much later than it seemed to the last way back joined the mission, seconds.
@@ -282,10 +289,10 @@ impl Avoider {
     }
 
     /// Whether a way back leads into an obstacle, wherever in its neighbourhood it lies.
-    fn is_blocked(&self, way: &Way) -> bool {
+    fn is_blocked(&self, way: &Way, target_m: f64) -> bool {
         let [ideal, lagged] = ROUGHLY;
         let radii = if self.flyer.is_ideal() { ideal } else { lagged };
-        let inside_m = self.target_m - radii * self.flyer.turn_radius_m();
+        let inside_m = target_m - radii * self.flyer.turn_radius_m();
         let hazards = self.tracks.hazards().rows();
         way.lines().any(|(line, bow_m)| {
             let duration_s = line.duration_s.min(self.far_s - line.at_s);
@@ -373,10 +380,16 @@ impl Avoider {
     }
 
     /// A way back that meets other obstacles later, with the manoeuvre that avoids those.
-    fn way_back_and_on(&mut self, back: &Plan, joined_s: f64, now: &MotionState) -> Option<Plan> {
+    fn way_back_and_on(
+        &mut self,
+        back: &Plan,
+        joined_s: f64,
+        now: &MotionState,
+        demand: &Demand,
+    ) -> Option<Plan> {
         let maneuver = back.maneuver;
-        let (threat, against) = self.first_threat(&maneuver, now)?;
-        let found = self.search(&maneuver, now, |search| {
+        let (threat, against) = self.first_threat(&maneuver, now, demand)?;
+        let found = self.search(&maneuver, now, demand, |search| {
             let found = search.cheapest(joined_s)?;
             let (found, proof) = search.proven(found)?;
             let departure = search.departure(joined_s);
@@ -387,7 +400,7 @@ impl Avoider {
             maneuver,
             proof,
             margin_m: found.margin_m,
-            target_m: self.target_m,
+            target_m: demand.margin_m,
             cost: found.cost,
             next_start_s: Some(back.joined_s),
             threat: Some(threat),
@@ -408,9 +421,9 @@ impl Avoider {
         plan: &Plan,
         (joined_s, gained_m): (f64, f64),
         (situation, leg): (&Situation<'_>, &Leg),
+        demand: &Demand,
     ) -> WayAhead {
-        let target_m = self.target_m;
-        let horizon_s = self.look_s;
+        let (horizon_s, target_m) = (demand.horizon_s, demand.margin_m);
         let is_again = self.was_tried(plan, situation.time_s);
         let mut ahead = WayAhead::Clear;
         if self.meter.is_met() {
@@ -424,11 +437,11 @@ impl Avoider {
             if is_whole && !close {
                 continue;
             }
-            let whole = self.certify_one(hazard, horizon_s, target_m);
+            let whole = self.certify_one(hazard, (horizon_s, target_m, target_m));
             if whole.holds(target_m) {
                 continue;
             }
-            let before = self.certify_one(hazard, joined_s.min(horizon_s), target_m);
+            let before = self.certify_one(hazard, (joined_s.min(horizon_s), target_m, target_m));
             if !before.holds(target_m) {
                 return WayAhead::Blocked;
             }
