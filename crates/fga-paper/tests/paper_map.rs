@@ -36,6 +36,9 @@ fn every_name_on_the_pages_exists() {
         "tests",
         "../fga/src",
         "../fga/tests",
+        "../fga-mission/src",
+        "../fga-proof/src",
+        "../fga-search/src",
         "../fga-sim/src/plant",
     ] {
         sources(&root.join(folder), &mut text);

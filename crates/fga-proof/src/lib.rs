@@ -13,25 +13,12 @@
 //! | [`certificate`] | how close to the obstacles, in continuous time? |
 //! | [`meter`] | how much work is left in this step? |
 //!
-//! # Conventions
-//!
-//! Local tangent plane: x east, y north, z up. Metres, seconds, radians. Course ψ counts from
-//! +x towards +y (anticlockwise from above), so a **left** turn increases it; climb angle θ
-//! is positive upwards (Eq. 10–12). Names carry their units. Obstacles are over the ground. A
-//! [`Hazard`](certificate::Hazard), a prediction and everything computed from them are in the air mass:
-//! there the aircraft flies its airspeed along its course, and an obstacle at rest moves against the
-//! wind.
+//! Units, angles and frames are those of the crate `fga`; a [`Hazard`](certificate::Hazard) and a prediction are in the
+//! air mass.
 #![no_std]
 #![forbid(unsafe_code)]
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::indexing_slicing
-    )
-)]
+#![deny(clippy::unwrap_used, clippy::expect_used)]
+#![deny(clippy::panic, clippy::indexing_slicing)]
 
 #[cfg(test)]
 extern crate std;

@@ -119,6 +119,7 @@ impl Maneuver {
 
     /// The same commands `elapsed_s` later: of the past stages only the last one stays.
     #[must_use]
+    #[inline]
     pub fn after(&self, elapsed_s: f64) -> Self {
         let mut later = Self::hold();
         later.whole = self.whole;
@@ -134,6 +135,7 @@ impl Maneuver {
     }
 
     /// The command `at_s` seconds from the decision; `None` before the first stage.
+    #[inline]
     pub fn stage_at(&self, at_s: f64) -> Option<&Stage> {
         self.stages()
             .iter()

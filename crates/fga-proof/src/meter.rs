@@ -113,7 +113,6 @@ impl Meter {
     }
 
     /// Units done so far.
-    #[inline]
     pub const fn done(&self) -> u32 {
         narrow(self.done.get())
     }

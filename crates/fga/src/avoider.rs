@@ -33,7 +33,7 @@ use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::Progress;
 use crate::prediction::{FlightPath, Flyer, MotionState, flown};
-use crate::search::Proof;
+use crate::search::{Found, Proof};
 use crate::situation::{Ownship, Situation};
 use crate::vehicle::Vehicle;
 
@@ -103,6 +103,21 @@ struct Returned {
 impl Plan {
     fn remaining(&self, time_s: f64) -> Maneuver {
         self.maneuver.after(time_s - self.decided_s)
+    }
+
+    /// The plan with another manoeuvre, decided now.
+    fn with(&self, maneuver: &Maneuver, (found, proof): (&Found, Proof), time_s: f64) -> Self {
+        Self {
+            maneuver: *maneuver,
+            decided_s: time_s,
+            start_s: self.start_s.min(time_s),
+            proof,
+            margin_m: found.margin_m,
+            cost: found.cost,
+            next_start_s: None,
+            basis: None,
+            ..*self
+        }
     }
 }
 

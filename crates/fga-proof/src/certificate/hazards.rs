@@ -424,7 +424,6 @@ impl Block {
         near & begun & lasts
     }
 
-    #[inline]
     fn put(&mut self, lane: usize, hazard: &Hazard) {
         let Self {
             position_m: [px, py, pz],

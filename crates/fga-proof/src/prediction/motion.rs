@@ -336,7 +336,6 @@ impl Flyer {
     }
 
     /// Bound of the acceleration of a piece, metres per second squared: V √(ψ̇² + θ̇²).
-    #[inline]
     pub fn acceleration_mps2(&self, piece: &Piece) -> f64 {
         let (turning, climbing) = (piece.fastest_radps, piece.climb_rate_radps);
         let rate = if climbing == 0.0 {

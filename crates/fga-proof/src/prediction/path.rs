@@ -86,7 +86,6 @@ pub fn whole(steps: f64, most: usize) -> usize {
 }
 
 /// The number of chords on which a flight of a duration, seconds, bows no more than [`CHORD_BOW_M`], from 1 to `most`.
-#[inline]
 pub fn chords(acceleration_mps2: f64, duration_s: f64, most: usize) -> usize {
     let bows = acceleration_mps2 * duration_s * duration_s / (8.0 * CHORD_BOW_M);
     if bows > 1.0 {

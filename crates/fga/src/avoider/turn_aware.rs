@@ -445,19 +445,11 @@ impl Avoider {
         let proof = replacement.proof.unwrap_or(plan.proof);
         let mut decision = if let Some((found, maneuver)) = replacement.better {
             let plan = Plan {
-                maneuver,
-                decided_s: time_s,
-                start_s: plan.start_s.min(time_s),
                 joined_s: f64::INFINITY,
-                proof,
                 picture,
-                margin_m: found.margin_m,
                 target_m: replacement.target_m,
-                cost: found.cost,
-                next_start_s: None,
-                basis: None,
                 against: self.also_against(&flown, now, plan.against, replacement.target_m),
-                ..plan
+                ..plan.with(&maneuver, (&found, proof), time_s)
             };
             self.plan = Some(plan);
             let reason = if proof.is_certified() {

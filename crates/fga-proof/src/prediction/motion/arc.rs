@@ -132,20 +132,8 @@ impl ArcSteps {
 }
 
 impl Flyer {
-    /// Displacement over `after_s` seconds at constant rates, metres: Eq. 10–12 integrated exactly.
-    pub fn displacement_m(
-        &self,
-        course_rad: f64,
-        climb_rad: f64,
-        course_rate_radps: f64,
-        climb_rate_radps: f64,
-        after_s: f64,
-    ) -> Vec3 {
-        let rates_radps = (course_rate_radps, climb_rate_radps);
-        self.chord(course_rad, climb_rad, rates_radps, after_s).0
-    }
-
-    /// The same, with course and climb angle halfway as unit complex numbers.
+    /// Displacement over `after_s` seconds at constant rates, metres (Eq. 10–12 integrated exactly), and course and climb
+    /// angle halfway as unit complex numbers.
     fn chord(
         &self,
         course_rad: f64,

@@ -582,15 +582,10 @@ impl Plan {
     /// The plan with another manoeuvre; it keeps the side of the first one.
     pub(super) fn replaced_by(&self, answer: &Answer, time_s: f64) -> Self {
         Self {
-            maneuver: answer.maneuver,
-            decided_s: time_s,
-            proof: answer.proof,
-            margin_m: answer.found.margin_m,
             target_m: answer.demand.margin_m,
-            cost: answer.found.cost,
             resilience: answer.demand.share,
             side: self.side.or_else(|| side_of(&answer.found)),
-            ..*self
+            ..self.with(&answer.maneuver, (&answer.found, answer.proof), time_s)
         }
     }
 }

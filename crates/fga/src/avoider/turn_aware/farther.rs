@@ -69,16 +69,8 @@ impl Avoider {
         };
         let (found, maneuver, proof) = found?;
         Some(Plan {
-            maneuver,
-            proof,
-            decided_s: time_s,
-            start_s: plan.start_s.min(time_s),
-            margin_m: found.margin_m,
-            cost: found.cost,
-            next_start_s: None,
-            basis: None,
             against: self.also_against(&flown, now, plan.against, far.margin_m),
-            ..*plan
+            ..plan.with(&maneuver, (&found, proof), time_s)
         })
     }
 }

@@ -44,16 +44,8 @@ impl Avoider {
             });
             if let Some((found, maneuver, proof)) = found {
                 better = Some(Plan {
-                    maneuver,
-                    proof,
                     target_m,
-                    decided_s: time_s,
-                    start_s: plan.start_s.min(time_s),
-                    margin_m: found.margin_m,
-                    cost: found.cost,
-                    next_start_s: None,
-                    basis: None,
-                    ..*plan
+                    ..plan.with(&maneuver, (&found, proof), time_s)
                 });
                 break;
             }
