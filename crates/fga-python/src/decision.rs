@@ -395,7 +395,13 @@ impl Decision {
     }
 
     fn __eq__(&self, other: &Self) -> bool {
-        self.decision == other.decision
+        // A proof does not come back from a pickle.
+        let shown = |decision: &CoreDecision| {
+            let mut shown = *decision;
+            shown.record.certified = None;
+            shown
+        };
+        shown(&self.decision) == shown(&other.decision)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, DecisionParts)> {
@@ -416,7 +422,13 @@ impl Decision {
             ),
             (record.latest_start_s, record.start_s, record.resilience),
             (record.in_need, record.clock_set_back, work.limit_met),
-            (work.tracked, work.threats, work.candidates, work.work),
+            (
+                work.tracked,
+                work.threats,
+                work.candidates,
+                work.work,
+                record.straight_aircraft,
+            ),
             self.ownship.map(Ownship),
         );
         Ok((remade(py, "_decision")?, parts))
@@ -467,7 +479,7 @@ type DecisionParts = (
     (Option<Candidate>, Option<Candidate>),
     (Option<f64>, Option<f64>, Option<f64>),
     (bool, bool, bool),
-    (u32, u32, u32, u32),
+    (u32, u32, u32, u32, u32),
     Option<Ownship>,
 );
 
@@ -538,7 +550,7 @@ pub(crate) fn _decision(
     candidates: (Option<PyRef<'_, Candidate>>, Option<PyRef<'_, Candidate>>),
     figures: (Option<f64>, Option<f64>, Option<f64>),
     flags: (bool, bool, bool),
-    work: (u32, u32, u32, u32),
+    work: (u32, u32, u32, u32, u32),
     ownship: Option<PyRef<'_, Ownship>>,
 ) -> PyResult<Decision> {
     let mut reasons = Reason::ALL.into_iter();
@@ -565,6 +577,9 @@ pub(crate) fn _decision(
             work: work.3,
             limit_met: flags.2,
         },
+        straight_aircraft: work.4,
+        // Only the certificate makes a proof.
+        certified: None,
     };
     Ok(Decision {
         decision: CoreDecision {
