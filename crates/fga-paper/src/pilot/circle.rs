@@ -1,172 +1,89 @@
 //! Round one static obstacle in the plane (Fig. 8, Algorithm 4): the policy `circle` of the simulator
 //! and the command mode `paper` of a link.
 //!
-//! The phases come from [`Execution`]. Three things are not in the paper. A turn ends when a roll-out
-//! that starts now ends on its course, so every turn allows for the bank's lag. A turn may end between two
-//! decisions. Round the obstacle the turn corrects the aircraft's distance from its circle.
+//! The phases are Algorithm 4's. Three things are not in the paper: the way is laid over the ground, where the
+//! obstacle rests, and not in the air, which moves; every turn allows for the bank's lag; and the way is predicted
+//! before it begins. Where the prediction does not keep the volume, the record says so and the mission is flown on.
+
+mod way;
 
 use fga::Vec3;
-use fga::angle::{direction, wrap_pi};
 use fga::avoider::{Candidate, Decision, Reason, State, Threat, Verdict};
 use fga::certificate::Hazard;
-use fga::limit::Limit as _;
-use fga::maneuver::{Maneuver, Stage};
-use fga::prediction::{Flyer, MotionState};
-use fga::situation::{Ownship, ProtectedVolume, Situation};
-use fga::vehicle::bank_for_radius_rad;
+use fga::maneuver::Maneuver;
+use fga::prediction::MotionState;
+use fga::situation::{ProtectedVolume, Situation};
 
+use self::way::{Air, Way};
 use super::{Edition, PaperPilot, threat};
-use crate::algorithm_4::{Execution, Phase, Plan};
+use crate::algorithm_4::Phase;
 use crate::classification::{Motion, motion};
-use crate::conflict::{Relative, detect};
+use crate::conflict::Relative;
+use crate::timing::Geometry;
 
 /// Speed over the ground up to which an obstacle counts as static, m/s: no aircraft flies so slowly.
 const STATIC_MPS: f64 = 1.0;
 
-/// Iterations that widen the way round by the drift during its flight.
-const DRIFT_STEPS: u32 = 6;
+/// A plan counts until the wind changes by more, m/s.
+const SAME_WIND_MPS: f64 = 0.5;
 
-/// Natural frequency of the motion back to the circle, rad/s.
-const BACK_RADPS: f64 = 0.25;
+/// A plan counts until the track over the ground changes by more, radians.
+const SAME_TRACK_RAD: f64 = 0.02;
 
-/// The damping ratio of that motion.
-const DAMPING: f64 = 0.8;
+/// Where no way keeps the volume, the next plan is made after this time, seconds.
+const NEXT_PLAN_S: f64 = 1.0;
 
-/// The gentlest turn round the obstacle, as a share of the largest course rate.
-const LEAST_SHARE: f64 = 0.01;
-
-/// A turn that ended between two decisions overshot its course by this, rad.
-const PAST_RAD: f64 = 1e-6;
-
-/// A way round one obstacle, flown or awaited.
+/// The way round one obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Round {
-    execution: Execution,
-    /// Position of the obstacle when it is abeam, on the ground at `decided_s`, metres. It moves with
-    /// the air, because the way round is relative to the air.
-    place_m: Vec3,
+    /// `None` where no way keeps the volume.
+    way: Option<Way>,
+    /// The obstacle and its wind when the way was planned.
+    id: u32,
+    wind_mps: Vec3,
     /// Time of the plan, seconds on the situation's clock.
-    decided_s: f64,
-    /// Start of the first turn, seconds on the situation's clock.
-    start_s: f64,
-    /// End of the present turn, seconds on the situation's clock.
-    ends_s: f64,
+    planned_s: f64,
+    /// Time of the threat's times, seconds on the situation's clock.
+    told_s: f64,
     threat: Threat,
 }
 
 impl Round {
-    /// Advances to the present phase. The period in which the first turn begins decides it.
-    fn advance(&mut self, situation: &Situation<'_>, flyer: &Flyer, period_s: f64) {
-        let (own, time_s) = (&situation.ownship, situation.time_s);
-        let plan = *self.execution.plan();
-        let side = plan.side.sign();
-        let mut course_rad = own.course_rad + flyer.rollout_rad(own.bank_rad);
-        if time_s >= self.ends_s {
-            let deviation_rad = match self.execution.phase() {
-                Phase::RoundObstacle => -plan.round.back.angle_rad - PAST_RAD,
-                Phase::TurningAway => plan.round.away.angle_rad + PAST_RAD,
-                Phase::Waiting | Phase::TurningBack | Phase::Done => PAST_RAD,
-            };
-            course_rad = plan.initial_course_rad + side * deviation_rad;
-        }
-        // The range adds nothing to the time: a waiting plan is renewed at each moment.
-        let trigger_s = plan.critical_s + time_s + period_s - self.start_s;
-        self.execution.step(trigger_s, f64::INFINITY, course_rad);
-    }
-
-    /// From the aircraft to the centre of the circle round the obstacle, level, metres.
-    fn centre_offset_m(&self, situation: &Situation<'_>) -> Vec3 {
-        let plan = self.execution.plan();
-        let drifted_m = situation.wind_mps * (situation.time_s - self.decided_s);
-        // If the turn radius exceeds the protected one, the circle touches from outside: the
-        // centres of both turns and the obstacle lie on one line.
-        let past_m = plan.round.around.radius_m - plan.radius_m;
-        let to_obstacle_rad = plan.initial_course_rad
-            - plan.side.sign() * (core::f64::consts::FRAC_PI_2 - plan.round.away.angle_rad);
-        let centre_m = self.place_m + direction(to_obstacle_rad, 0.0) * past_m;
-        (centre_m + drifted_m - situation.ownship.position_m).with_z(0.0)
-    }
-
-    /// Share of the largest course rate that brings the aircraft onto its circle and keeps it there;
-    /// `rate_radps` is the circle's rate.
-    fn share_round(&self, situation: &Situation<'_>, rate_radps: f64, full_radps: f64) -> f64 {
-        let offset_m = self.centre_offset_m(situation);
-        let distance_m = offset_m.length().max(1.0);
-        let velocity_mps = situation.ownship.velocity_mps();
-        let leaving_mps = -offset_m.dot(velocity_mps) / distance_m;
-        let off_m = distance_m - self.execution.plan().round.around.radius_m;
-        let inwards_mps2 =
-            2.0 * DAMPING * BACK_RADPS * leaving_mps + BACK_RADPS * BACK_RADPS * off_m;
-        let tighter_radps = inwards_mps2 / situation.ownship.airspeed_mps;
-        ((rate_radps + tighter_radps) / full_radps).limited(LEAST_SHARE, 1.0)
-    }
-
-    /// The rest of the way. The vehicle may turn faster than planned by the factor `excess`.
-    fn maneuver(&mut self, situation: &Situation<'_>, flyer: &Flyer, excess: f64) -> Maneuver {
-        let (own, plan) = (&situation.ownship, *self.execution.plan());
-        let phase = self.execution.phase();
-        let (side, round) = (plan.side.sign(), plan.round);
-        let level_mps = own.airspeed_mps * libm::cos(own.climb_rad);
-        let full_radps = level_mps / plan.turn_radius_m;
-        let round_radps = level_mps / (round.around.radius_m * excess);
-        let share = match phase {
-            Phase::RoundObstacle => self.share_round(situation, round_radps, full_radps),
-            _ => (round_radps / full_radps).limited(LEAST_SHARE, 1.0),
-        };
-        let turns = [
-            (Phase::TurningAway, round.away.angle_rad, 1.0),
-            (Phase::RoundObstacle, -round.back.angle_rad, share),
-            (Phase::TurningBack, 0.0, 1.0),
-        ];
-        let left = match phase {
-            Phase::Waiting | Phase::TurningAway => turns.get(..),
-            Phase::RoundObstacle => turns.get(1..),
-            Phase::TurningBack => turns.get(2..),
-            Phase::Done => None,
-        };
-        let deviation_rad = side * wrap_pi(own.course_rad - plan.initial_course_rad);
-        let mut from_rad = deviation_rad + side * flyer.rollout_rad(own.bank_rad);
-        let mut at_s = (self.start_s - situation.time_s).max(0.0);
-        let mut maneuver = Maneuver::hold();
-        for &(turn, to_rad, rate_share) in left.unwrap_or(&[]) {
-            maneuver.push(Stage {
-                start_s: at_s,
-                course_rad: own.course_rad + side * (to_rad - deviation_rad),
-                climb_rad: own.climb_rad,
-                rate_share,
-            });
-            at_s += (to_rad - from_rad).abs() / (rate_share * full_radps);
-            from_rad = to_rad;
-            if turn == phase {
-                self.ends_s = situation.time_s + at_s;
-            }
-        }
-        maneuver
+    /// Whether it is flown.
+    fn is_flown(&self) -> bool {
+        let phase = self.way.map(|way| way.phase());
+        phase.is_some_and(|phase| !matches!(phase, Phase::Waiting | Phase::Done))
     }
 }
 
 impl PaperPilot {
+    fn air(&self, wind_mps: Vec3) -> Air<'_> {
+        Air {
+            flyer: &self.flyer,
+            wind_mps: wind_mps.with_z(0.0),
+            lag_s: self.vehicle.response.bank_time_constant_s,
+            period_s: self.settings.decision_period_s,
+            excess: self.settings.turn_rate_excess,
+        }
+    }
+
     /// The policy `circle`: round one static obstacle in the plane (Fig. 8, Alg. 4).
     pub(super) fn step_circle(&mut self, situation: &Situation<'_>, now: &MotionState) -> Decision {
         let nominal = self.guidance(situation, now);
-        let period_s = self.settings.decision_period_s;
-        let before = self.round.map(|round| round.execution.phase());
-        if let Some(round) = &mut self.round {
-            round.advance(situation, &self.flyer, period_s);
-        }
-        let is_flown =
-            |round: &Round| !matches!(round.execution.phase(), Phase::Waiting | Phase::Done);
-        if !self.round.as_ref().is_some_and(is_flown) {
-            self.round = self.nearest(situation);
-            if let Some(round) = &mut self.round {
-                round.advance(situation, &self.flyer, period_s);
-            }
+        let before = self.round.and_then(|round| round.way).map(|way| way.phase());
+        if !self.round.as_ref().is_some_and(Round::is_flown) {
+            self.round = self.nearest(situation, now);
         }
         let Some(mut round) = self.round else {
             self.state = State::Cruise;
             return self.decision(&nominal, Reason::Clear);
         };
-        let phase = round.execution.phase();
+        let Some(way) = &mut round.way else {
+            self.state = State::Threatened;
+            return self.tell_round(&round, &nominal, situation.time_s, Reason::BestAvailable);
+        };
+        let command = way.command((situation.time_s, now), &self.air(situation.wind_mps));
+        let phase = way.phase();
         let begins = before != Some(phase);
         let reason;
         (self.state, reason) = match phase {
@@ -177,9 +94,11 @@ impl PaperPilot {
             Phase::TurningBack => (State::Recovering, Reason::RejoinKept),
             Phase::Done => (State::Cruise, Reason::Clear),
         };
-        let excess = self.settings.turn_rate_excess;
-        let command = round.maneuver(situation, &self.flyer, excess);
         self.round = Some(round);
+        if phase == Phase::Done {
+            self.round = None;
+            return self.decision(&nominal, reason);
+        }
         self.tell_round(&round, &command, situation.time_s, reason)
     }
 
@@ -192,7 +111,7 @@ impl PaperPilot {
     ) -> Decision {
         let mut decision = self.decision(command, reason);
         let record = &mut decision.record;
-        let elapsed_s = time_s - round.decided_s;
+        let elapsed_s = time_s - round.told_s;
         // After the predicted entry the threat is history.
         let threat = Some(round.threat).filter(|threat| threat.entry_s >= elapsed_s);
         record.threat = threat.map(|threat| Threat {
@@ -200,9 +119,9 @@ impl PaperPilot {
             closest_s: threat.closest_s - elapsed_s,
             ..threat
         });
-        record.start_s = Some(round.start_s - time_s);
+        record.start_s = round.way.map(|way| way.start_s() - time_s);
         record.latest_start_s = record.start_s;
-        record.chosen = Some(Candidate {
+        record.chosen = round.way.map(|_| Candidate {
             maneuver: *command,
             margin_m: self.settings.margin_m,
             cost: 0.0,
@@ -211,64 +130,91 @@ impl PaperPilot {
         decision
     }
 
-    /// The way round the static obstacle whose first turn is due first.
-    fn nearest(&self, situation: &Situation<'_>) -> Option<Round> {
-        let own = &situation.ownship;
-        // The arcs follow their commands with the bank's lag.
-        let late_s = self.vehicle.response.bank_time_constant_s;
-        let hazards = self.around.hazards();
-        detect(own, hazards, f64::INFINITY)
-            .filter_map(|detection| {
-                let hazard = hazards.get(detection.index)?;
-                if motion(hazard, situation.wind_mps, STATIC_MPS) != Motion::Static {
-                    return None;
-                }
-                let (place_m, plan) = self.way_round(own, &detection.relative, hazard)?;
-                Some(Round {
-                    execution: Execution::new(plan),
-                    place_m,
-                    decided_s: situation.time_s,
-                    start_s: situation.time_s + (plan.critical_s - late_s).max(0.0),
-                    ends_s: f64::INFINITY,
-                    threat: threat(&detection.relative, hazard, Edition::Corrected)?,
-                })
+    /// The way round the static obstacle that the aircraft would enter first.
+    fn nearest(&self, situation: &Situation<'_>, now: &MotionState) -> Option<Round> {
+        let time_s = situation.time_s;
+        let (hazard, relative, least_m, _) = self
+            .around
+            .hazards()
+            .iter()
+            .filter(|hazard| motion(hazard, situation.wind_mps, STATIC_MPS) == Motion::Static)
+            .filter_map(|hazard| {
+                let relative = Relative::of(&situation.ownship, hazard)?;
+                let (least_m, entry_m) = self.entry_m(&relative, hazard)?;
+                Some((hazard, relative, least_m, entry_m))
             })
-            .min_by(|a, b| a.start_s.total_cmp(&b.start_s))
+            .min_by(|a, b| a.3.total_cmp(&b.3))?;
+        let air = self.air(situation.wind_mps);
+        let obstacle_m = hazard.position_m;
+        let known = self.round.filter(|round| {
+            let is_same = round.id == hazard.id
+                && round.wind_mps.distance(situation.wind_mps) <= SAME_WIND_MPS;
+            let along = relative.velocity_mps().with_z(0.0);
+            is_same
+                && round.way.map_or(time_s < round.planned_s + NEXT_PLAN_S, |way| {
+                    way.along().angle_between(along) <= SAME_TRACK_RAD
+                })
+        });
+        // Without a threat to the volume itself, the margin would be entered.
+        let closest = relative.closest();
+        let told = threat(&relative, hazard, Edition::Corrected).unwrap_or(Threat {
+            id: hazard.id,
+            entry_s: closest.time_s,
+            closest_s: closest.time_s,
+            margin_m: closest.distance_m - least_m + self.settings.margin_m,
+        });
+        let mut round = known.unwrap_or_else(|| Round {
+            way: Way::plan((time_s, now), obstacle_m, least_m, &air),
+            id: hazard.id,
+            wind_mps: situation.wind_mps,
+            planned_s: time_s,
+            told_s: time_s,
+            threat: told,
+        });
+        (round.told_s, round.threat) = (time_s, told);
+        if let Some(way) = &mut round.way {
+            way.renew((time_s, now), &air);
+        }
+        Some(round)
     }
 
-    /// The way round an obstacle at rest on the ground, planned in the air mass, where the obstacle moves
-    /// against the wind: round its position when it is abeam, wide enough for its drift from the first turn
-    /// to the last. Returns that position and the way.
-    fn way_round(
+    /// Distance that is kept from an obstacle, and distance along the track until it is not, metres; `None` for one
+    /// that does not threaten.
+    fn entry_m(&self, relative: &Relative, hazard: &Hazard) -> Option<(f64, f64)> {
+        let above_m = relative.position_after_m(relative.closest().time_s).z;
+        let least_m = level_radius_m(&hazard.volume, above_m)? + self.settings.margin_m;
+        let encounter = Geometry::horizontal(relative, least_m)?;
+        let (across_m, along_m) = (encounter.across_m, encounter.along_m);
+        let entry_m = along_m - libm::sqrt((least_m * least_m - across_m * across_m).max(0.0));
+        encounter.is_threat().then_some((least_m, entry_m))
+    }
+
+    /// Range at which the way round an obstacle at rest begins, metres: the obstacle has to be seen at it. The
+    /// aircraft flies along a level unit vector over the ground; the centre lies `left_m` to the left of its track,
+    /// to the right if negative. `None` where no way keeps `radius_m`.
+    pub fn sight_for_circle_m(
         &self,
-        own: &Ownship,
-        relative: &Relative,
-        obstacle: &Hazard,
-    ) -> Option<(Vec3, Plan)> {
-        let level_mps = own.airspeed_mps * libm::cos(own.climb_rad);
-        let bank_rad = bank_for_radius_rad(level_mps, level_mps / self.flyer.course_rate_radps())?;
-        let drift_mps = obstacle.velocity_mps;
-        let abeam_m = relative.position_m() + drift_mps * relative.closest().time_s;
-        let place_m = own.position_m + abeam_m;
-        let least_m = level_radius_m(&obstacle.volume, abeam_m.z)? + self.settings.margin_m;
-        let mut plan = Plan::of(own, place_m, least_m, bank_rad)?;
-        // A wider way takes longer, and the obstacle drifts farther.
-        for _ in 0..DRIFT_STEPS {
-            let half_s = 0.5 * plan.round.length_m() / own.airspeed_mps;
-            let kept_m = least_m + drift_mps.length() * half_s;
-            plan = Plan::of(own, place_m, kept_m, bank_rad)?;
-        }
-        Some((place_m, plan))
+        along: Vec3,
+        left_m: f64,
+        radius_m: f64,
+        wind_mps: Vec3,
+    ) -> Option<f64> {
+        let air = self.air(wind_mps);
+        Way::sight_m(along, left_m, radius_m + self.settings.margin_m, &air)
     }
 }
 
-/// Radius of a volume's section `above_m` from its middle, metres; `None` beyond a sphere's top.
+/// Radius of a volume's section `above_m` from its middle, metres; `None` beyond a sphere's top or a
+/// cylinder's.
 fn level_radius_m(volume: &ProtectedVolume, above_m: f64) -> Option<f64> {
     match *volume {
         ProtectedVolume::Sphere { radius_m } => {
             let squared = radius_m * radius_m - above_m * above_m;
             (squared > 0.0).then(|| libm::sqrt(squared))
         }
-        ProtectedVolume::Cylinder { radius_m, .. } => Some(radius_m),
+        ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        } => (above_m.abs() < half_height_m).then_some(radius_m),
     }
 }

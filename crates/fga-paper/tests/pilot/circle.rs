@@ -3,9 +3,10 @@
 use core::f64::consts::FRAC_PI_4;
 
 use fga::Vec3;
-use fga::avoider::State;
+use fga::avoider::{Reason, State};
 use fga::prediction::Flyer;
-use fga::vehicle::{Response, Vehicle};
+use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2, Vehicle};
+use fga_paper::algorithm_4::Plan;
 use fga_paper::pilot::{PaperPilot, PaperSettings, Rule};
 use proptest::prelude::*;
 
@@ -86,6 +87,128 @@ fn a_disc_is_flown_round_with_lag_and_a_turn_rate_that_is_not_known() {
                 "{case}"
             );
         }
+    }
+}
+
+/// The aircraft of Table 4 and a trainer with bank lag, `vehicles/rascal-110.toml`, held in the plane.
+fn rascal() -> Vehicle {
+    Vehicle {
+        airspeed_mps: 22.0,
+        turn_radius_m: 22.0 * 22.0 / STANDARD_GRAVITY_MPS2,
+        response: Response {
+            bank_time_constant_s: 0.6,
+            turn_rate_factor: 0.74,
+            ..Response::default()
+        },
+        ..planar()
+    }
+}
+
+/// Flies east in a wind, on the heading that holds the track, until the disc is passed or time is over. Returns the
+/// least distance from the disc, what was said of it, and the flight.
+fn fly_past(
+    vehicle: Vehicle,
+    (radius_m, aside_m): (f64, f64),
+    wind_mps: Vec3,
+    seen_m: f64,
+) -> (f64, Vec<(State, Reason)>, Flight) {
+    let mut settings = PaperSettings::new(Rule::Circle);
+    settings.surveillance_radius_m = seen_m;
+    let mut flight = Flight::of(PaperPilot::new(settings, vehicle).unwrap(), vehicle);
+    flight.wind_mps = wind_mps;
+    flight.own.course_rad = -(wind_mps.y / vehicle.airspeed_mps).asin();
+    let disc = sphere(1, Vec3::new(900.0, aside_m, 0.0), Vec3::ZERO, radius_m);
+    let mut said = vec![];
+    let mut least_m = f64::INFINITY;
+    for _ in 0..12_000 {
+        let from = flight.own.position_m - disc.position_m;
+        let decision = flight.cycle(&mut [disc]);
+        let now = (decision.state, decision.record.reason);
+        if said.last() != Some(&now) {
+            said.push(now);
+        }
+        let to = flight.own.position_m - disc.position_m;
+        let step = to - from;
+        let share = (-from.dot(step) / step.length_squared()).clamp(0.0, 1.0);
+        // Distance of the chord, less what an arc of that length bulges.
+        let bulge_m = step.length_squared() / (8.0 * vehicle.turn_radius_m);
+        least_m = least_m.min((from + step * share).length() - bulge_m.min(0.02));
+        if to.x > radius_m + 400.0 && decision.state == State::Cruise {
+            break;
+        }
+    }
+    (least_m, said, flight)
+}
+
+/// Winds up to 0.8 of the airspeed from every side, seen from afar: the disc is kept and the line is met again. Seen
+/// too late, the pilot says so and never begins.
+#[test]
+fn d8_a_disc_is_kept_in_every_wind_or_not_begun() {
+    let (mut flown, mut refused) = (0, 0);
+    for (name, vehicle) in [("ideal", planar()), ("rascal", rascal())] {
+        for radius_m in [30.0, 60.0, 150.0, 300.0] {
+            for strength in [0.0, 0.2, 0.5, 0.8] {
+                for from in 0..8_u32 {
+                    if strength == 0.0 && from > 0 {
+                        continue;
+                    }
+                    let (sin, cos) = (f64::from(from) * FRAC_PI_4).sin_cos();
+                    let wind_mps = Vec3::new(cos, sin, 0.0) * strength * vehicle.airspeed_mps;
+                    let shares: &[f64] = if from % 3 == 0 { &[0.0, 0.6, -0.95] } else { &[0.3] };
+                    for share in shares {
+                        for seen_m in [850.0, 400.0] {
+                            let disc = (radius_m, share * radius_m);
+                            let (least_m, said, flight) = fly_past(vehicle, disc, wind_mps, seen_m);
+                            let case = format!(
+                                "{name}, {disc:?}, wind {wind_mps}, seen at {seen_m} m: {least_m} m, {said:?}"
+                            );
+                            let begun = said.iter().any(|(state, _)| *state == State::Avoiding);
+                            let told = said.contains(&(State::Threatened, Reason::BestAvailable));
+                            assert!(begun != told, "neither or both: {case}");
+                            if begun {
+                                flown += 1;
+                                assert!(least_m >= radius_m, "{case}");
+                                assert!(flight.own.position_m.y.abs() < 3.0, "not back: {case}");
+                            } else {
+                                refused += 1;
+                                assert!(seen_m < 850.0, "refused though seen: {case}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(flown > 400 && refused > 0, "{flown} flown, {refused} refused");
+}
+
+/// In calm air and without lag the way is Algorithm 4's.
+#[test]
+fn d8_in_calm_air_the_way_is_that_of_algorithm_4() {
+    for (radius_m, aside_m) in [(30.0, 5.0), (60.0, -20.0), (150.0, 100.0), (20.0, 0.0)] {
+        let mut flight = Rule::Circle.flight(planar(), 1.0, 900.0);
+        let disc = sphere(1, Vec3::new(500.0, aside_m, 0.0), Vec3::ZERO, radius_m);
+        let plan = Plan::of(&flight.own, disc.position_m, radius_m, {
+            fga::vehicle::bank_for_radius_rad(15.0, 30.0).unwrap()
+        })
+        .unwrap();
+        let (mut begin_m, mut widest_m, mut most_rad, mut least_rad) = (None, 0.0_f64, 0.0_f64, 0.0_f64);
+        for _ in 0..700 {
+            let decision = flight.cycle(&mut [disc]);
+            if decision.state == State::Avoiding && begin_m.is_none() {
+                // The turn begins within this period.
+                begin_m = Some(flight.own.position_m.distance(disc.position_m));
+            }
+            widest_m = widest_m.max(flight.own.position_m.y.abs());
+            let off_rad = plan.side.sign() * flight.own.course_rad;
+            (most_rad, least_rad) = (most_rad.max(off_rad), least_rad.min(off_rad));
+        }
+        let round = plan.round;
+        let case = format!("{radius_m} m, {aside_m} m aside");
+        assert!((begin_m.unwrap() - plan.critical_range_m).abs() < 1.6, "{case}: {begin_m:?}");
+        assert!((widest_m - round.widest_m).abs() < 0.1, "{case}: {widest_m}");
+        assert!((most_rad - round.away.angle_rad).abs() < 0.06, "{case}: {most_rad}");
+        assert!((least_rad + round.back.angle_rad).abs() < 0.06, "{case}: {least_rad}");
     }
 }
 
