@@ -138,6 +138,8 @@ pub struct ObstacleTable {
     pub radius_m: Option<Spanned<f64>>,
     /// Half of a cylinder's height, metres.
     pub half_height_m: Option<Spanned<f64>>,
+    /// Standard deviation of its position on the chart, metres.
+    pub chart_error_m: Option<Spanned<f64>>,
     /// Time from which it is seen, seconds.
     pub appears_s: Option<Spanned<f64>>,
     /// How it may move.

@@ -20,6 +20,9 @@ pub struct WorldObstacle {
     pub movement: Movement,
     /// The reports about it, times increasing; empty if the aircraft sees its true motion.
     pub reports: Vec<TrackReport>,
+    /// σ of each component of its position on the chart, metres, for an obstacle that the aircraft knows from a chart; the
+    /// sensor's errors and limits do not concern it.
+    pub charted_sigma_m: Option<f64>,
     /// The aircraft does not see it before this time, seconds.
     pub appears_s: f64,
     /// The aircraft does not see it before it first comes within this distance, metres; then it stays known.
@@ -36,6 +39,7 @@ impl WorldObstacle {
             kind: ObstacleKind::Unknown,
             movement: Movement::Straight,
             reports: Vec::new(),
+            charted_sigma_m: None,
             appears_s: 0.0,
             first_seen_m: None,
         }

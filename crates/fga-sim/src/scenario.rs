@@ -35,7 +35,7 @@ use fga::Vec3;
 use fga::angle::direction;
 use fga::situation::{Passing, ProtectedVolume};
 use fga_files::TomlText;
-use fga_files::scenario::{MissionTable, ObstacleTable, ScenarioFile};
+use fga_files::scenario::{KindName, MissionTable, MovementName, ObstacleTable, ScenarioFile};
 use fga_formats::InputError;
 use fga_formats::error::read_text;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
@@ -437,10 +437,27 @@ fn obstacle(
     );
     obstacle.kind = table.kind.into();
     obstacle.movement = table.movement.into();
+    obstacle.charted_sigma_m = charted_sigma_m(table, &text)?;
     if let Some(appears) = &table.appears_s {
         obstacle.appears_s = text.not_negative("appears_s", appears)?;
     }
     Ok(obstacle)
+}
+
+/// The error of an obstacle that stands on a chart: one that is said to be still, and a natural barrier at rest.
+fn charted_sigma_m(table: &ObstacleTable, text: &TomlText<'_>) -> Result<Option<f64>, InputError> {
+    let is_at_rest = table.velocity_mps.is_none() && table.track_m.is_none();
+    let is_still = matches!(table.movement, MovementName::Still);
+    let is_charted = is_at_rest && (is_still || matches!(table.kind, KindName::NaturalBarrier));
+    match &table.chart_error_m {
+        Some(error) if !is_charted => Err(text.error_at(
+            error,
+            "chart_error_m is given for an obstacle that is on no chart, expected movement = \"still\" or \
+             kind = \"natural-barrier\", and neither velocity_mps nor track_m",
+        )),
+        Some(error) => text.not_negative("chart_error_m", error).map(Some),
+        None => Ok(is_charted.then_some(0.0)),
+    }
 }
 
 fn recorded(text: &TomlText<'_>, points: &Spanned<Vec<[f64; 4]>>) -> Result<Track, InputError> {
@@ -545,6 +562,11 @@ track_m = [[0, 100, 100, 0], [5, 100, 50, 0]]
                 "position_m = [300, 0, 0]",
                 "position_deg = [1, 2, 3]",
                 "s.toml, line 7: position_deg is geodetic, expected an [origin]",
+            ),
+            (
+                "radius_m = 20",
+                "chart_error_m = 3",
+                "s.toml, line 8: chart_error_m is given for an obstacle that is on no chart",
             ),
             (
                 "duration_s = 60.0",

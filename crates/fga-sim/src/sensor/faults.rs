@@ -169,3 +169,42 @@ fn a_source_that_gives_nothing_is_perfect() {
     assert_eq!(SensorSettings::from(&far).range_m, f64::INFINITY);
     assert_eq!(SensorSettings::from(&far).delay_s, 0.4);
 }
+
+/// A receiver's noise, range and misses do not concern an obstacle on a chart, which has an error of its own.
+#[test]
+fn d7_a_charted_obstacle_has_the_error_of_its_chart() {
+    let charted = |sigma_m| WorldObstacle {
+        charted_sigma_m: Some(sigma_m),
+        ..obstacle(500.0, 0.0)
+    };
+    let settings = SensorSettings {
+        position_sigma_m: 10.0,
+        velocity_sigma_mps: 1.0,
+        altitude_bias_m: 30.0,
+        range_m: 100.0,
+        detection_probability: 0.1,
+        delay_s: 2.0,
+        ..SensorSettings::default()
+    };
+    let mut errors_m2 = 0.0;
+    for stream in 0..200 {
+        let mut sensor = Sensor::new();
+        for sigma_m in [0.0, 4.0] {
+            let world = [charted(sigma_m)];
+            sensor.begin(settings, 1, 9, stream);
+            let first = sensor.look(0.0, Vec3::ZERO, &world)[0];
+            let later = sensor.look(3.0, Vec3::ZERO, &world)[0];
+            assert_eq!(first, later);
+            assert_eq!(first.velocity_mps, Vec3::ZERO);
+            assert_eq!(first.uncertainty.position_m, sigma_m);
+            let error_m = first.position_m.distance(Vec3::X * 500.0);
+            assert_eq!(error_m == 0.0, sigma_m == 0.0, "{error_m}");
+            errors_m2 += error_m * error_m;
+        }
+    }
+    // 3 · 16 · 200 ± 4 standard errors.
+    assert!(
+        (errors_m2 / (3.0 * 16.0 * 200.0) - 1.0).abs() < 0.24,
+        "{errors_m2}"
+    );
+}

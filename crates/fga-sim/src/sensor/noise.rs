@@ -16,6 +16,9 @@ pub(super) const EQUIPPED: u64 = 0x6571_7569_7070_6564;
 /// The same for interruptions.
 pub(super) const DROPOUTS: u64 = 0x6472_6f70_6f75_7473;
 
+/// The same for errors of the chart.
+pub(super) const CHART: u64 = 0x6368_6172_7400_0000;
+
 /// Times its place, the same for each further source.
 pub(super) const NEXT_SOURCE: u64 = 0x9e37_79b9_7f4a_7c15;
 

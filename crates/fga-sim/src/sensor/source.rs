@@ -4,8 +4,8 @@ use fga::Vec3;
 use fga::situation::{Obstacle, Uncertainty};
 
 use super::SensorSettings;
-use super::noise::{BIASES, DROPOUTS, EQUIPPED, MISSES, Noise};
-use crate::obstacle::WorldObstacle;
+use super::noise::{BIASES, CHART, DROPOUTS, EQUIPPED, MISSES, Noise};
+use crate::obstacle::{TrackReport, WorldObstacle};
 use crate::track::Track;
 use crate::tracker::TrackEstimate;
 
@@ -16,6 +16,8 @@ struct Known {
     track: Option<TrackEstimate>,
     /// The error that its position keeps, metres.
     bias_m: Vec3,
+    /// The error of the chart, metres, once it is drawn.
+    chart_m: Option<Vec3>,
     /// Whether the source cannot see it at all.
     hidden: bool,
     /// The last sight and its time, seconds, where it coasts.
@@ -26,6 +28,8 @@ struct Known {
 #[derive(Debug, Clone)]
 pub(super) struct Source {
     settings: SensorSettings,
+    /// Seed and stream of its random numbers.
+    seed: (u64, u64),
     noise: Option<Noise>,
     /// Decides which looks miss; separate from the noise, so that each stays the same without the other.
     misses: Option<Noise>,
@@ -48,6 +52,7 @@ impl Source {
     pub(super) fn new() -> Self {
         Self {
             settings: SensorSettings::default(),
+            seed: (0, 0),
             noise: None,
             misses: None,
             dropouts: None,
@@ -69,6 +74,7 @@ impl Source {
         stream: u64,
     ) {
         self.settings = settings;
+        self.seed = (seed, stream);
         self.noise = settings.is_noisy().then(|| Noise::new(seed, stream));
         self.misses =
             (settings.detection_probability < 1.0).then(|| Noise::new(seed ^ MISSES, stream));
@@ -127,6 +133,11 @@ impl Source {
         let is_out = self.is_out(time_s);
         self.seen.clear();
         for (place, obstacle) in world.iter().enumerate() {
+            if let Some(sigma_m) = obstacle.charted_sigma_m {
+                let charted = self.charted(place, obstacle, sigma_m, (time_s, at_m));
+                self.seen.extend(charted);
+                continue;
+            }
             // Every obstacle draws in every look, so that a miss of one does not change another.
             let missed = self
                 .misses
@@ -219,6 +230,28 @@ impl Source {
         false
     }
 
+    /// An obstacle as the chart shows it.
+    fn charted(
+        &mut self,
+        place: usize,
+        obstacle: &WorldObstacle,
+        sigma_m: f64,
+        (time_s, at_m): (f64, Vec3),
+    ) -> Option<Obstacle> {
+        let mut seen =
+            self.known_now(place, obstacle, obstacle.known_at(time_s)?, (time_s, at_m))?;
+        if sigma_m > 0.0 {
+            let (seed, stream) = self.seed;
+            let error_m = self.known.get_mut(place)?.chart_m.get_or_insert_with(|| {
+                let seed = seed ^ CHART ^ u64::from(obstacle.id);
+                Noise::new(seed, stream).vector(Vec3::splat(sigma_m))
+            });
+            seen.position_m += *error_m;
+            seen.uncertainty.position_m = sigma_m;
+        }
+        Some(seen)
+    }
+
     /// Position and velocity of a visible obstacle.
     fn sight(
         &mut self,
@@ -239,13 +272,25 @@ impl Source {
         if hidden || !self.settings.regards(then_m, self.course_rad) {
             return None;
         }
-        if time_s < obstacle.appears_s {
-            return None;
-        }
         let distance_m = now.position_m.distance(at_m);
         if self.settings.range_m < f64::INFINITY && distance_m > self.settings.range_m {
             return None;
         }
+        self.known_now(place, obstacle, now, (time_s, at_m))
+    }
+
+    /// An obstacle as it is known now, unless it has not appeared or come near yet.
+    fn known_now(
+        &mut self,
+        place: usize,
+        obstacle: &WorldObstacle,
+        now: TrackReport,
+        (time_s, at_m): (f64, Vec3),
+    ) -> Option<Obstacle> {
+        if time_s < obstacle.appears_s {
+            return None;
+        }
+        let distance_m = now.position_m.distance(at_m);
         let first_seen_s = self.first_seen_s.get_mut(place)?;
         if let Some(first_seen_m) = obstacle.first_seen_m
             && first_seen_s.is_none()
