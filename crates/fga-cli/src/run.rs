@@ -6,14 +6,15 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga::situation::ProtectedVolume;
-use fga_formats::conf;
 use fga_formats::number::fixed;
 use fga_formats::words::counted;
+use fga_formats::{InputError, conf};
 use fga_results::flight::{document, summary};
 use fga_results::flight_files;
 use fga_results::provenance::{Provenance, file_fingerprint};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, RunLog, fly};
+use fga_sim::way_round;
 
 use crate::common::{AnswerArgs, OutArgs, OverlayArgs, PolicyArgs, VehicleArgs};
 use crate::failure::Failure;
@@ -70,6 +71,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
             "a recording names no vehicle: {} flies it; --vehicle names another",
             plan.model.name
         );
+    }
+    let mut policies = core::iter::once(&policy).chain(&overlay);
+    if let Some(refusal) = policies.find_map(|policy| way_round::refusal(policy, &plan)) {
+        return Err(InputError::in_file(&args.file, refusal).into());
     }
     let input_hash = file_fingerprint(&args.file)?;
     let folder = args.out.prepare(&args.file)?;

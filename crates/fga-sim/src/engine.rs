@@ -134,7 +134,10 @@ struct Milestones {
     start_s: Option<f64>,
     clear_s: Option<f64>,
     rejoined_s: Option<f64>,
-    mission_flown: bool,
+    /// Whether the pilot says that it is back, which counts once the track is.
+    says_back: bool,
+    /// Whether the pilot says that it has passed the last waypoint.
+    says_flown: bool,
     last: State,
 }
 
@@ -148,16 +151,27 @@ impl Milestones {
             self.start_s.get_or_insert(time_s);
             self.clear_s = None;
             self.rejoined_s = None;
+            self.says_back = false;
         }
         if self.last == State::Avoiding && state != State::Avoiding {
             self.clear_s = Some(time_s);
         }
         let away = matches!(self.last, State::Avoiding | State::Recovering);
         if away && matches!(state, State::Cruise | State::Threatened) {
+            self.rejoined_s = None;
+            self.says_back = true;
+        } else if !matches!(state, State::Cruise | State::Threatened) {
+            self.says_back = false;
+        }
+        self.says_flown = decision.record.reason == Reason::MissionComplete;
+        self.last = state;
+    }
+
+    /// The pilot says that it is back, and the track says so too.
+    fn confirm(&mut self, time_s: f64, is_on_line: bool) {
+        if self.says_back && is_on_line && self.rejoined_s.is_none() {
             self.rejoined_s = Some(time_s);
         }
-        self.mission_flown = decision.record.reason == Reason::MissionComplete;
-        self.last = state;
     }
 }
 
@@ -394,6 +408,8 @@ impl<'a> Flight<'a> {
             .follow(time_s, position_m, straight_s, || {
                 plant.ground_velocity_mps()
             });
+        let is_on_line = self.state.progress.is_on_line();
+        self.state.milestones.confirm(time_s, is_on_line);
     }
 
     /// Updates the aircraft's state, looks, and retunes a pilot with limits of another airspeed.
@@ -511,7 +527,7 @@ impl<'a> Flight<'a> {
         let (world, milestones) = (self.world, &self.state.milestones);
         match world.ending {
             Ending::Horizon => false,
-            Ending::MissionFlown => milestones.mission_flown && milestones.last == State::Cruise,
+            Ending::MissionFlown => milestones.says_flown && milestones.last == State::Cruise,
             // Most flights are not back: ask the cheap question first.
             Ending::BackAndPassed
                 if milestones.last != State::Cruise
@@ -543,7 +559,13 @@ impl<'a> Flight<'a> {
         }
         .end();
         self.state.progress.settle();
-        *self.missed = self.state.progress.missed();
+        let is_over = self.state.milestones.says_flown;
+        if is_over {
+            let dead_time_s = self.world.vehicle.response.dead_time_s;
+            let step_m = self.plant.ground_velocity_mps() * dead_time_s;
+            self.state.progress.coast(step_m);
+        }
+        *self.missed = self.state.progress.missed(is_over);
         let least = |value: fn(&Separation) -> f64| {
             self.separations
                 .iter()
@@ -561,7 +583,7 @@ impl<'a> Flight<'a> {
             max_cross_track_m: self.state.progress.max_cross_track_m(),
             extra_path_m: self.state.flown_m - self.state.progress.along_m(),
             end_s,
-            mission_flown: milestones.mission_flown && self.missed.is_empty(),
+            mission_flown: self.missed.is_empty() && self.state.progress.is_at_end(),
             waypoints_missed: self.missed.len(),
         }
     }

@@ -19,6 +19,7 @@
 //! | [`progress`] | how far along the mission, and how far beside it? |
 //! | [`settings`] | which settings for decisions does a vehicle file give? |
 //! | [`policy`] | which policy has this name? |
+//! | [`way_round`] | can the policy `circle` keep the obstacles of a scenario? |
 //! | [`ahead`] | how does a pilot decide when a command takes effect later? |
 //! | [`shield`] | may any policy fly, as long as a way out remains? |
 //! | [`worlds`] | what do many worlds show to policies that learn? |
@@ -61,6 +62,7 @@ pub mod shield;
 pub mod track;
 pub mod tracker;
 pub mod vehicle_file;
+pub mod way_round;
 pub mod wind;
 pub mod world;
 pub mod worlds;

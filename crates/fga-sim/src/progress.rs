@@ -45,9 +45,20 @@ struct Passed {
     /// The point on the line nearest to it, metres, and their distance.
     at_m: f64,
     planned_m: f64,
-    /// Least distance of the aircraft and its time.
+    /// Least distance of the aircraft while it is near this part of the line, and its time.
     flown_m: f64,
     time_s: f64,
+    /// Least distance of the aircraft in the whole flight, and its time.
+    nearest: (f64, f64),
+    /// Whether the aircraft is as near as planned now.
+    is_here: bool,
+}
+
+impl Passed {
+    /// Whether a distance counts as a passage.
+    fn is_near(&self, distance_m: f64) -> bool {
+        distance_m <= self.planned_m + MISSED_BY_M
+    }
 }
 
 /// Follows an aircraft along the line of its mission.
@@ -77,6 +88,10 @@ pub struct MissionProgress {
     is_settled: bool,
     /// The place that was followed last, metres, and its time, seconds.
     here: (Vec3, f64),
+    /// Whether visits are noted: on a recorded track every row is a waypoint.
+    notes_visits: bool,
+    /// The waypoints that the aircraft came to, in order of time.
+    visits: Vec<usize>,
 }
 
 /// A leg of positive length.
@@ -139,9 +154,7 @@ fn line_of(world: &World) -> (Vec<Vec3>, f64) {
         .windows(2)
         .map(|leg| leg[0].distance(leg[1]))
         .sum();
-    let limit_s = world
-        .horizon_s
-        .min(LONGEST_SHARE * (length_m / world.vehicle.airspeed_mps + 60.0));
+    let limit_s = LONGEST_SHARE * (length_m / world.vehicle.airspeed_mps + 60.0);
     let mut line_m = Vec::new();
     let limits = (SPACING_M, limit_s);
     let show = |place_m| line_m.push(place_m);
@@ -183,6 +196,9 @@ fn waypoints_on(line_m: &[Vec3], mission_m: &[Vec3]) -> Vec<Passed> {
         planned_m: 0.0,
         flown_m: f64::INFINITY,
         time_s: 0.0,
+        nearest: (f64::INFINITY, 0.0),
+        // The aircraft may begin where its mission ends.
+        is_here: true,
     };
     let mut passed: Vec<Passed> = mission_m.iter().map(|place| row(*place)).collect();
     for waypoint in &mut passed {
@@ -208,12 +224,22 @@ fn waypoints_on(line_m: &[Vec3], mission_m: &[Vec3]) -> Vec<Passed> {
     passed
 }
 
+/// Distance of an offset from a straight step, metres.
+fn distance_m(offset_m: Vec3, step_m: Vec3) -> f64 {
+    let share = offset_m.dot(step_m) / step_m.length_squared().max(1e-12);
+    offset_m.distance(step_m * share.clamp(0.0, 1.0))
+}
+
 impl MissionProgress {
     /// An aircraft at the start of a world's mission.
     pub fn of(world: &World) -> Self {
         let (line_m, ahead_m) = line_of(world);
         let waypoints = waypoints_on(&line_m, &world.mission_m);
-        Self::along(line_m, waypoints, ahead_m, world.start.position_m)
+        let notes_visits = world.recorded.is_none() && waypoints.len() > 2;
+        Self {
+            notes_visits,
+            ..Self::along(line_m, waypoints, ahead_m, world.start.position_m)
+        }
     }
 
     /// An aircraft on the first leg of some waypoints.
@@ -238,6 +264,8 @@ impl MissionProgress {
             settled_m: (position_m, 0.0),
             is_settled: true,
             here: (position_m, 0.0),
+            notes_visits: false,
+            visits: Vec::new(),
         };
         progress.follow(0.0, position_m, None, || Vec3::ZERO);
         progress.start_along_m = progress.along_m;
@@ -335,6 +363,7 @@ impl MissionProgress {
         let (from_m, before_m) = self.settled_m;
         let (here_m, time_s) = self.here;
         let step = here_m - from_m;
+        self.visit(from_m, step, time_s);
         // The aircraft comes from the first one, which it cannot miss.
         for index in 1..self.waypoints.len() {
             let neighbour = |at: Option<usize>, none: f64| {
@@ -350,9 +379,7 @@ impl MissionProgress {
                 continue;
             }
             if let Some(waypoint) = self.waypoints.get_mut(index) {
-                let offset = waypoint.position_m - from_m;
-                let share = offset.dot(step) / step.length_squared().max(1e-12);
-                let distance_m = offset.distance(step * share.clamp(0.0, 1.0));
+                let distance_m = distance_m(waypoint.position_m - from_m, step);
                 if distance_m < waypoint.flown_m {
                     waypoint.flown_m = distance_m;
                     waypoint.time_s = time_s;
@@ -361,23 +388,98 @@ impl MissionProgress {
         }
     }
 
-    /// The passed waypoints that the aircraft passed farther away than planned.
-    pub fn missed(&self) -> Vec<MissedWaypoint> {
+    /// Notes the waypoints that the aircraft comes to, wherever it is along the line: an aircraft that leaves its
+    /// mission far behind is near none of the line.
+    fn visit(&mut self, from_m: Vec3, step: Vec3, time_s: f64) {
+        if !self.notes_visits {
+            return;
+        }
+        for (index, waypoint) in self.waypoints.iter_mut().enumerate().skip(1) {
+            let distance_m = distance_m(waypoint.position_m - from_m, step);
+            if distance_m < waypoint.nearest.0 {
+                waypoint.nearest = (distance_m, time_s);
+            }
+            let is_here = waypoint.is_near(distance_m);
+            if is_here && !waypoint.is_here {
+                self.visits.push(index);
+            }
+            waypoint.is_here = is_here;
+        }
+    }
+
+    /// The longest sequence of visits in the order of the mission; waypoints outside of it are not visited.
+    fn visited(&self) -> Vec<usize> {
+        // The best sequence that ends with each visit: its length, and the visit before.
+        let mut best: Vec<(usize, Option<usize>)> = Vec::with_capacity(self.visits.len());
+        for (place, index) in self.visits.iter().enumerate() {
+            let before = (0..place)
+                .filter(|before| self.visits[*before] < *index)
+                .max_by_key(|before| (best[*before].0, core::cmp::Reverse(*before)));
+            best.push((1 + before.map_or(0, |before| best[before].0), before));
+        }
+        let mut at =
+            (0..best.len()).max_by_key(|place| (best[*place].0, core::cmp::Reverse(*place)));
+        let mut visited = Vec::new();
+        while let Some(place) = at {
+            visited.push(self.visits[place]);
+            at = best[place].1;
+        }
+        visited.reverse();
+        visited
+    }
+
+    /// The waypoints that the aircraft left behind farther away than planned. `is_over`: the aircraft does not fly on, so
+    /// that what it has not come to is missed.
+    pub fn missed(&self, is_over: bool) -> Vec<MissedWaypoint> {
+        let visited = self.visited();
+        let last = visited.last().copied().unwrap_or(0);
         self.waypoints
             .iter()
             .enumerate()
             .skip(1)
-            .filter(|(_, waypoint)| {
-                waypoint.at_m <= self.along_m + MISSED_BY_M
-                    && waypoint.flown_m > waypoint.planned_m + MISSED_BY_M
+            .filter(|(index, waypoint)| {
+                let is_behind = waypoint.at_m <= self.along_m + MISSED_BY_M;
+                let is_left = *index < last || is_over;
+                !waypoint.is_near(waypoint.flown_m)
+                    && (is_behind || is_left && !visited.contains(index))
             })
-            .map(|(index, waypoint)| MissedWaypoint {
-                index,
-                position_m: waypoint.position_m,
-                distance_m: waypoint.flown_m,
-                time_s: waypoint.time_s,
+            .map(|(index, waypoint)| {
+                let (distance_m, time_s) = if waypoint.flown_m.is_finite() {
+                    (waypoint.flown_m, waypoint.time_s)
+                } else {
+                    waypoint.nearest
+                };
+                MissedWaypoint {
+                    index,
+                    position_m: waypoint.position_m,
+                    distance_m,
+                    time_s,
+                }
             })
             .collect()
+    }
+
+    /// Flies straight on while the last command is under way, which counts for the last waypoint alone.
+    pub fn coast(&mut self, step_m: Vec3) {
+        let here_m = self.here.0;
+        if let Some(last) = self.waypoints.last_mut() {
+            let distance_m = distance_m(last.position_m - here_m, step_m);
+            last.flown_m = last.flown_m.min(distance_m);
+        }
+    }
+
+    /// Whether the aircraft came to the last waypoint, by its track.
+    pub fn is_at_end(&self) -> bool {
+        let last = self.waypoints.len().saturating_sub(1);
+        self.waypoints
+            .last()
+            .is_some_and(|waypoint| waypoint.is_near(waypoint.flown_m))
+            || self.visited().last() == Some(&last)
+    }
+
+    /// Whether the aircraft flies along its line, by its track.
+    pub fn is_on_line(&self) -> bool {
+        self.cross_track_m <= BACK_WITHIN_M
     }
 
     fn length_m(&self, leg: usize) -> f64 {

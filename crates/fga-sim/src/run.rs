@@ -249,7 +249,7 @@ impl RunLog {
 
     /// The conflicts of the flight, in time order.
     pub fn conflicts(&self) -> Vec<Conflict> {
-        conflict::of(&self.decisions)
+        conflict::of(&self.decisions, &self.plan.world)
     }
 
     /// Durations of the decisions.

@@ -1,6 +1,6 @@
 //! From telemetry and tracks to a decision, and from the decision to who flies.
 
-use fga::avoider::{Decision, State as AvoiderState};
+use fga::avoider::{Decision, Reason, State as AvoiderState};
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::vehicle::{Response, Vehicle};
 use serde_json::json;
@@ -102,6 +102,14 @@ impl Companion {
             && !core::mem::replace(&mut self.told.need, true)
         {
             self.tell(Severity::Warning, "fga: bank in need", now_s);
+        }
+        let no_way = decision.state == AvoiderState::Threatened
+            && decision.record.reason == Reason::BestAvailable;
+        if core::mem::replace(&mut self.told.no_way, no_way) != no_way && no_way {
+            let id = decision.record.threat.map(|threat| threat.id);
+            let name = id.map_or("?".to_owned(), |id| self.obstacle_name(id));
+            let words = format!("fga: no way round {name} keeps it, not begun");
+            self.tell(Severity::Warning, &words, now_s);
         }
         self.log_decision(now_s);
         self.send_collision(now_s);

@@ -85,6 +85,8 @@ pub(super) struct Told {
     last: Option<Lacking>,
     /// Whether the bank in need was reported.
     pub(super) need: bool,
+    /// Whether an obstacle without a way round was reported.
+    pub(super) no_way: bool,
 }
 
 impl Told {
@@ -93,6 +95,7 @@ impl Told {
         ready: false,
         last: None,
         need: false,
+        no_way: false,
     };
 }
 

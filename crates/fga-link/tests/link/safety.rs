@@ -366,6 +366,84 @@ fn algorithm_4_flies_round_a_static_obstacle() {
     }
 }
 
+/// Winds up to 0.8 of the airspeed from every side: the disc is kept, and the mode comes back. A disc that is seen too
+/// late is told and left alone.
+#[test]
+fn d8_mode_paper_keeps_its_disc_in_wind_or_does_not_begin() {
+    let mut flown = 0;
+    for (radius_m, strength, side) in [
+        (150.0, 0.0, 0),
+        (150.0, 0.3, 0),
+        (150.0, 0.5, 1),
+        (150.0, 0.5, 2),
+        (150.0, 0.5, 3),
+        (30.0, 0.8, 0),
+        (60.0, 0.8, 1),
+        (150.0, 0.8, 2),
+        (300.0, 0.8, 3),
+        (300.0, 0.4, 2),
+        (300.0, 0.5, 0),
+    ] {
+        for surveillance_m in [3000.0, 350.0] {
+            // The aircraft flies north: from ahead, the left, behind, the right.
+            let (sin, cos) = (f64::from(side) * core::f64::consts::FRAC_PI_2).sin_cos();
+            let speed_mps = strength * fga_emulator::PlantSettings::default().airspeed_mps;
+            let settings = Settings {
+                wind_mps: [speed_mps * sin, -speed_mps * cos],
+                ..Settings::default()
+            };
+            let config = format!(
+                "[command]\nmode = \"paper\"\n[protection]\nmargin_m = 5.0\nsurveillance_m = {surveillance_m:?}\n\
+                 [[obstacle]]\nname = \"disc\"\nlatitude_deg = 37.6324141\nlongitude_deg = -122.3748\n\
+                 altitude_m = 104.0\nradius_m = {radius_m:?}\n"
+            );
+            let mut world = World::with(settings, &config, GOOD, 5);
+            world.emulator.pilot_mode(Mode::Cruise);
+            let at = world.emulator.home().to_local_m(fga_emulator::Place {
+                latitude_e7: 376_324_141,
+                longitude_e7: -1_223_748_000,
+                altitude_mm: 104_000,
+            });
+            let mut least_m = f64::INFINITY;
+            let mut own = [0.0; 3];
+            while world.time_s < 900.0 && own[1] < at[1] + radius_m + 300.0 {
+                world.step();
+                own = world.emulator.plant().position_m();
+                least_m = least_m.min((own[0] - at[0]).hypot(own[1] - at[1]));
+            }
+            let modes: Vec<Mode> = world
+                .emulator
+                .mode_changes()
+                .iter()
+                .map(|change| change.mode)
+                .collect();
+            let told = world
+                .emulator
+                .texts()
+                .iter()
+                .any(|text| text.contains("no way round disc"));
+            let case = format!(
+                "{radius_m} m, {strength} of the airspeed, side {side}, seen at {surveillance_m} m: {least_m} m, {modes:?}"
+            );
+            eprintln!("{case}");
+            if told {
+                assert!(surveillance_m < 3000.0, "{case}");
+                assert_eq!(modes, [Mode::Cruise], "{case}");
+            } else {
+                flown += 1;
+                assert!(least_m >= radius_m, "{case}");
+                assert_eq!(
+                    modes,
+                    [Mode::Cruise, Mode::FlyByWireB, Mode::Cruise],
+                    "{case}"
+                );
+                assert!(world.off_leg().1 < 0.1, "{case}: {:?}", world.off_leg());
+            }
+        }
+    }
+    assert!((11..22).contains(&flown), "{flown}");
+}
+
 /// The companion learns the dead time in the first turns: the configuration says 0.25 s, and the vehicle answers
 /// sooner. The avoider would forget a plan for a later moment than the next decision.
 #[test]

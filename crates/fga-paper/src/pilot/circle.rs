@@ -70,7 +70,10 @@ impl PaperPilot {
     /// The policy `circle`: round one static obstacle in the plane (Fig. 8, Alg. 4).
     pub(super) fn step_circle(&mut self, situation: &Situation<'_>, now: &MotionState) -> Decision {
         let nominal = self.guidance(situation, now);
-        let before = self.round.and_then(|round| round.way).map(|way| way.phase());
+        let before = self
+            .round
+            .and_then(|round| round.way)
+            .map(|way| way.phase());
         if !self.round.as_ref().is_some_and(Round::is_flown) {
             self.round = self.nearest(situation, now);
         }
@@ -151,9 +154,11 @@ impl PaperPilot {
                 && round.wind_mps.distance(situation.wind_mps) <= SAME_WIND_MPS;
             let along = relative.velocity_mps().with_z(0.0);
             is_same
-                && round.way.map_or(time_s < round.planned_s + NEXT_PLAN_S, |way| {
-                    way.along().angle_between(along) <= SAME_TRACK_RAD
-                })
+                && round
+                    .way
+                    .map_or(time_s < round.planned_s + NEXT_PLAN_S, |way| {
+                        way.along().angle_between(along) <= SAME_TRACK_RAD
+                    })
         });
         // Without a threat to the volume itself, the margin would be entered.
         let closest = relative.closest();

@@ -154,7 +154,11 @@ fn d8_a_disc_is_kept_in_every_wind_or_not_begun() {
                     }
                     let (sin, cos) = (f64::from(from) * FRAC_PI_4).sin_cos();
                     let wind_mps = Vec3::new(cos, sin, 0.0) * strength * vehicle.airspeed_mps;
-                    let shares: &[f64] = if from % 3 == 0 { &[0.0, 0.6, -0.95] } else { &[0.3] };
+                    let shares: &[f64] = if from % 3 == 0 {
+                        &[0.0, 0.6, -0.95]
+                    } else {
+                        &[0.3]
+                    };
                     for share in shares {
                         for seen_m in [850.0, 400.0] {
                             let disc = (radius_m, share * radius_m);
@@ -179,7 +183,10 @@ fn d8_a_disc_is_kept_in_every_wind_or_not_begun() {
             }
         }
     }
-    assert!(flown > 400 && refused > 0, "{flown} flown, {refused} refused");
+    assert!(
+        flown > 400 && refused > 0,
+        "{flown} flown, {refused} refused"
+    );
 }
 
 /// In calm air and without lag the way is Algorithm 4's.
@@ -192,7 +199,8 @@ fn d8_in_calm_air_the_way_is_that_of_algorithm_4() {
             fga::vehicle::bank_for_radius_rad(15.0, 30.0).unwrap()
         })
         .unwrap();
-        let (mut begin_m, mut widest_m, mut most_rad, mut least_rad) = (None, 0.0_f64, 0.0_f64, 0.0_f64);
+        let (mut begin_m, mut widest_m, mut most_rad, mut least_rad) =
+            (None, 0.0_f64, 0.0_f64, 0.0_f64);
         for _ in 0..700 {
             let decision = flight.cycle(&mut [disc]);
             if decision.state == State::Avoiding && begin_m.is_none() {
@@ -205,10 +213,22 @@ fn d8_in_calm_air_the_way_is_that_of_algorithm_4() {
         }
         let round = plan.round;
         let case = format!("{radius_m} m, {aside_m} m aside");
-        assert!((begin_m.unwrap() - plan.critical_range_m).abs() < 1.6, "{case}: {begin_m:?}");
-        assert!((widest_m - round.widest_m).abs() < 0.1, "{case}: {widest_m}");
-        assert!((most_rad - round.away.angle_rad).abs() < 0.06, "{case}: {most_rad}");
-        assert!((least_rad + round.back.angle_rad).abs() < 0.06, "{case}: {least_rad}");
+        assert!(
+            (begin_m.unwrap() - plan.critical_range_m).abs() < 1.6,
+            "{case}: {begin_m:?}"
+        );
+        assert!(
+            (widest_m - round.widest_m).abs() < 0.1,
+            "{case}: {widest_m}"
+        );
+        assert!(
+            (most_rad - round.away.angle_rad).abs() < 0.06,
+            "{case}: {most_rad}"
+        );
+        assert!(
+            (least_rad + round.back.angle_rad).abs() < 0.06,
+            "{case}: {least_rad}"
+        );
     }
 }
 

@@ -3,6 +3,8 @@
 use fga::avoider::State;
 
 use super::DecisionLog;
+use crate::progress::MissionProgress;
+use crate::world::World;
 
 /// One conflict. Times in seconds since the start.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,19 +21,24 @@ pub struct Conflict {
     pub obstacles: Vec<u32>,
 }
 
-/// The conflicts in the decisions of a flight, in time order.
-pub(super) fn of(decisions: &[DecisionLog]) -> Vec<Conflict> {
+/// The conflicts in the decisions of a flight, in time order. The aircraft is back once its track is.
+pub(super) fn of(decisions: &[DecisionLog], world: &World) -> Vec<Conflict> {
     let mut conflicts: Vec<Conflict> = Vec::new();
     let mut last = State::Cruise;
+    let mut progress = MissionProgress::of(world);
     for moment in decisions {
         let (time_s, now) = (moment.time_s, moment.decision.state);
+        progress.follow(time_s, moment.ownship.position_m, None, || {
+            moment.ownship.velocity_mps() + world.wind_mps
+        });
         let was_away = matches!(last, State::Avoiding | State::Recovering);
         let on_route = matches!(now, State::Cruise | State::Threatened);
         if let Some(conflict) = conflicts.last_mut() {
             if last == State::Avoiding && now != State::Avoiding {
                 conflict.clear_s = Some(time_s);
             }
-            if was_away && on_route {
+            let is_waiting = conflict.clear_s.is_some() && conflict.rejoined_s.is_none();
+            if on_route && is_waiting && progress.is_on_line() {
                 conflict.rejoined_s = Some(time_s);
             }
         }

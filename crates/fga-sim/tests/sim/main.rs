@@ -2,10 +2,12 @@
 //! busy to its end: `cargo test -p fga-sim --test sim oracle::` runs the tests of one file.
 
 mod certificates;
+mod charted;
 mod dead_time;
 mod departures;
 mod encounters;
 mod identification;
+mod judged;
 mod lost_once;
 mod missions;
 mod modeled;
@@ -14,3 +16,4 @@ mod plant;
 mod stands;
 mod start_time;
 mod trials;
+mod way_round;

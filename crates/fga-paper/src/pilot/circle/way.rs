@@ -169,7 +169,9 @@ impl Way {
         least_m: f64,
         air: &Air<'_>,
     ) -> Option<Self> {
-        let along = air.ground_mps(state, air.settled_rad(state)).try_normalize()?;
+        let along = air
+            .ground_mps(state, air.settled_rad(state))
+            .try_normalize()?;
         let offset_m = (obstacle_m - state.position_m).with_z(0.0);
         // Dead ahead the turn goes to the right, by the rules of the air.
         let is_right = left_of(along).dot(offset_m) < 0.0;
@@ -216,7 +218,9 @@ impl Way {
         if self.phase != Phase::Waiting || self.start_s - time_s > RENEWED_S {
             return;
         }
-        let along = air.ground_mps(state, air.settled_rad(state)).try_normalize();
+        let along = air
+            .ground_mps(state, air.settled_rad(state))
+            .try_normalize();
         self.along = along.unwrap_or(self.along);
         self.line_m = state.position_m;
         self.start_s = time_s + self.wait_s(state, air).unwrap_or(0.0);
@@ -273,7 +277,9 @@ impl Way {
             return None;
         }
         // Abeam it is too late.
-        let ground_mps = air.ground_mps(state, air.settled_rad(state)).dot(self.along);
+        let ground_mps = air
+            .ground_mps(state, air.settled_rad(state))
+            .dot(self.along);
         let abeam_m = (self.obstacle_m - state.position_m).dot(self.along);
         let (mut early_s, mut late_s) = (0.0, abeam_m.max(0.0) / ground_mps.max(1e-3));
         for _ in 0..BISECTIONS {
@@ -349,7 +355,8 @@ impl Way {
     fn left_rad(&self, state: &MotionState, air: &Air<'_>) -> Option<f64> {
         let across = air.wind_mps.dot(left_of(self.along))
             / (air.flyer.airspeed_mps() * libm::cos(state.climb_rad));
-        let home_rad = libm::atan2(self.along.y, self.along.x) - libm::asin(across.limited(-1.0, 1.0));
+        let home_rad =
+            libm::atan2(self.along.y, self.along.x) - libm::asin(across.limited(-1.0, 1.0));
         let left_rad = wrap_pi(self.side * (home_rad - state.course_rad));
         let is_past = left_rad < -PAST_RAD;
         (across.abs() < 1.0).then_some(if is_past { left_rad + TAU } else { left_rad })
@@ -370,7 +377,11 @@ impl Way {
     }
 
     /// The command from now on, and the phase that it flies.
-    pub(super) fn command(&mut self, (time_s, state): (f64, &MotionState), air: &Air<'_>) -> Maneuver {
+    pub(super) fn command(
+        &mut self,
+        (time_s, state): (f64, &MotionState),
+        air: &Air<'_>,
+    ) -> Maneuver {
         let mut now = *state;
         let mut at_s = 0.0;
         if matches!(self.phase, Phase::Waiting | Phase::TurningAway) {
@@ -458,7 +469,9 @@ impl Way {
 
     /// Lays the circle where the turn away ends: tangent there, and about the kept one.
     fn centre_on(&mut self, state: &MotionState) {
-        let to_obstacle = (self.obstacle_m - state.position_m).with_z(0.0).normalize_or_zero();
+        let to_obstacle = (self.obstacle_m - state.position_m)
+            .with_z(0.0)
+            .normalize_or_zero();
         self.centre_m = self.obstacle_m + to_obstacle * (self.circle_m - self.kept_m);
     }
 
@@ -478,7 +491,9 @@ impl Way {
             }
             let half = air.flown(&now, &maneuver, 0.5 * air.period_s);
             now = air.flown(&now, &maneuver, air.period_s);
-            least_m = least_m.min(self.distance_m(&half)).min(self.distance_m(&now));
+            least_m = least_m
+                .min(self.distance_m(&half))
+                .min(self.distance_m(&now));
             time_s += air.period_s;
         }
         None
