@@ -3,17 +3,21 @@
 //! | file | how it is known | what is read |
 //! |---|---|---|
 //! | CSV | any other text | the columns `t_s, airspeed_mps, bank_command_rad, bank_rad, course_rad, climb_rad` |
-//! | telemetry log (`.tlog`) | a time of 8 bytes before a MAVLink frame | `ATTITUDE`, `VFR_HUD`, `NAV_CONTROLLER_OUTPUT` |
+//! | telemetry log (`.tlog`) | a time of 8 bytes before a MAVLink frame | `ATTITUDE`, `VFR_HUD`, `NAV_CONTROLLER_OUTPUT` or `SET_ATTITUDE_TARGET` |
 //! | dataflash log (`.bin`) | begins with the bytes A3 95 | `ATT`, `ARSP` or `CTUN`, `XKF1` or `NKF1` |
+//! | ULog of PX4 (`.ulg`) | begins with `ULog` | refused by name |
 //!
 //! A file that is compressed with gzip is read as what it holds. The signals of a log have rates of their
-//! own; they are brought to one steady rate, and split where one of them has a gap or the aircraft does not fly.
+//! own; they are brought to one steady rate, and split where one of them has a gap or the aircraft does not fly. Where a
+//! log has modes and commands of the mission, only what an avoider would fly is kept: neither take-off nor landing,
+//! nor a pilot's own turns. Readings that the log itself calls unused or unhealthy are left out.
 //!
 //! Frame: banks positive in a left turn; courses through the air, from east towards north, so that a left turn
 //! makes them grow; climb angles positive upwards. Radians, seconds, metres per second.
 
 mod columns;
 mod dataflash;
+mod phases;
 mod series;
 mod tlog;
 
@@ -22,7 +26,11 @@ use std::path::Path;
 
 use crate::error::InputError;
 use crate::gzip;
+pub use phases::Limits;
 pub use series::{FlightLog, Piece};
+
+/// The first bytes of a log of PX4.
+const ULOG: &[u8] = b"ULog\x01\x12\x35";
 
 /// The columns of a log in CSV.
 pub const COLUMNS: [&str; 6] = [
@@ -49,6 +57,13 @@ pub fn read(path: &Path) -> Result<FlightLog, InputError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<FlightLog, InputError> {
+    if bytes.starts_with(ULOG) {
+        return Err(InputError::in_file(
+            path,
+            "is a ULog of PX4, which is not read, expected a dataflash log or a .tlog of ArduPilot, or CSV with the \
+             columns of `fga identify`",
+        ));
+    }
     let signals = if dataflash::is_one(bytes) {
         dataflash::signals(bytes)
     } else if tlog::is_one(bytes) {

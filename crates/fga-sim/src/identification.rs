@@ -9,13 +9,13 @@
 //! | margin | where the aircraft is after 5 s, against where these figures put it |
 //!
 //! Every figure has an interval: the middle 90 % of what the windows give by themselves. A log shows what was
-//! used, not what could be: limits are those of the flight.
+//! used, not what could be: limits are those of the flight, and never beyond the vehicle's own, which its guidance holds.
 
 mod lag;
 mod text;
 
 use fga::vehicle::STANDARD_GRAVITY_MPS2;
-use fga_formats::flight_log::{FlightLog, Piece};
+use fga_formats::flight_log::{FlightLog, Limits, Piece};
 
 /// A bank below this turns too little to be measured, radians (5°).
 const TURNING_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
@@ -57,6 +57,16 @@ fn percentile(sorted: &[f64], share: f64) -> f64 {
 }
 
 impl Estimate {
+    /// The same within limits.
+    fn within(self, low: f64, high: f64) -> Self {
+        let limited = |value: f64| value.max(low).min(high);
+        Self {
+            value: limited(self.value),
+            low: limited(self.low),
+            high: limited(self.high),
+        }
+    }
+
     fn of(mut values: Vec<f64>) -> Option<Self> {
         if values.is_empty() {
             return None;
@@ -96,6 +106,29 @@ pub struct Identified {
     pub windows: usize,
     /// Windows in which the command moves and the bank does not follow it, which are left out.
     pub windows_left_out: usize,
+}
+
+impl Identified {
+    /// Takes the vehicle's own limits as limits of the figures: an avoider cannot ask for more.
+    fn cap(&mut self, limits: &Limits) {
+        let infinite = f64::INFINITY;
+        if let Some(bank_rad) = limits.bank_rad {
+            self.max_bank_deg = self.max_bank_deg.within(0.0, bank_rad.to_degrees());
+        }
+        // Its guidance climbs at a speed: an angle at the airspeed of the flight.
+        let airspeed_mps = self.airspeed_mps.value;
+        let angle_deg = |speed_mps: Option<f64>| {
+            speed_mps.map(|speed_mps| libm::asin((speed_mps / airspeed_mps).min(1.0)).to_degrees())
+        };
+        let least = |a: Option<f64>, b: Option<f64>| a.unwrap_or(infinite).min(b.unwrap_or(infinite));
+        let climb_deg = least(angle_deg(limits.climb_mps), limits.pitch_max_rad.map(f64::to_degrees));
+        let sink_deg = least(
+            angle_deg(limits.sink_mps),
+            limits.pitch_min_rad.map(|pitch_rad| -pitch_rad.to_degrees()),
+        );
+        self.climb_max_deg = self.climb_max_deg.within(0.0, climb_deg.max(0.0));
+        self.climb_min_deg = self.climb_min_deg.within(-sink_deg.max(0.0), 0.0);
+    }
 }
 
 /// Rows that last so long.
@@ -266,6 +299,7 @@ pub fn identify(log: &FlightLog) -> Result<Identified, String> {
         windows,
         windows_left_out: fitted.left_out,
     };
+    identified.cap(&log.limits);
     let errors_m = lag::position_errors_m(log, &identified);
     identified.position_error_m = Estimate::of(errors_m).unwrap_or_else(level);
     Ok(identified)

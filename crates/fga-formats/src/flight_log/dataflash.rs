@@ -5,6 +5,7 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::collections::HashMap;
 
+use super::phases::{Limits, Phases};
 use super::series::{Series, Signals};
 
 const HEAD: [u8; 2] = [0xa3, 0x95];
@@ -77,6 +78,13 @@ impl Format {
         })
     }
 
+    /// A field as a text.
+    fn text(&self, message: &[u8], name: &str) -> Option<String> {
+        let (_, code, begin) = self.fields.iter().find(|(label, ..)| label == name)?;
+        let end = begin + width(*code)?;
+        matches!(code, b'n' | b'N' | b'Z').then(|| text(message.get(*begin..end).unwrap_or_default()))
+    }
+
     /// A field as a number.
     fn number(&self, message: &[u8], name: &str) -> Option<f64> {
         fn bytes<const N: usize>(message: &[u8], begin: usize) -> Option<[u8; N]> {
@@ -112,6 +120,25 @@ struct Choices {
     attitude: [Series; 3],
     airspeed: [Series; 2],
     descent: [Series; 2],
+    phases: Phases,
+    limits: Limits,
+    /// Commands of the mission with their times, if no message names those that begin.
+    commands: Vec<(f64, u32)>,
+    names_begun: bool,
+}
+
+/// Commands within this time of one another are a listing of the mission, seconds.
+const LISTING_S: f64 = 0.2;
+
+/// A whole number that a field holds.
+fn whole(value: f64) -> u32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "modes and commands are small; others name nothing"
+    )]
+    let whole = value as u32;
+    whole
 }
 
 impl Choices {
@@ -131,7 +158,23 @@ impl Choices {
                 bank.push(time_s, -field("Roll")? * PI / 180.0);
                 course.push(time_s, FRAC_PI_2 - field("Yaw")? * PI / 180.0);
             }
-            "ARSP" if is_first => self.airspeed[0].push(time_s()?, field("Airspeed")?),
+            // A sensor that is not used or not healthy measures nothing.
+            "ARSP" if is_first && field("U") != Some(0.0) && field("H") != Some(0.0) => {
+                self.airspeed[0].push(time_s()?, field("Airspeed")?);
+            }
+            "MODE" => {
+                let mode = field("ModeNum").or_else(|| field("Mode"))?;
+                self.phases.mode(time_s()?, whole(mode));
+            }
+            "ARM" => self.phases.armed(time_s()?, field("ArmState")? != 0.0),
+            "MISE" => {
+                self.names_begun = true;
+                self.phases.command(time_s()?, whole(field("CId")?));
+            }
+            "CMD" => self.commands.push((time_s()?, whole(field("CId")?))),
+            "PARM" => self
+                .limits
+                .take(&format.text(message, "Name")?, field("Value")?),
             "CTUN" => {
                 let airspeed = field("As").or_else(|| field("Aspd"))?;
                 self.airspeed[1].push(time_s()?, airspeed);
@@ -141,6 +184,22 @@ impl Choices {
             _ => {}
         }
         Some(())
+    }
+}
+
+impl Choices {
+    /// The phases in order of time, with the commands of older logs, in which a command that begins stands alone.
+    fn phases_of_all(&self) -> Phases {
+        let apart = |a: usize, b: usize| {
+            let pair = self.commands.get(a).zip(self.commands.get(b));
+            pair.is_none_or(|(a, b)| (a.0 - b.0).abs() > LISTING_S)
+        };
+        let begun = self.commands.iter().enumerate();
+        let begun = begun
+            .filter(|_| !self.names_begun)
+            .filter(|(index, _)| apart(*index, index + 1) && apart(index.wrapping_sub(1), *index))
+            .map(|(_, command)| *command);
+        self.phases.with_commands(begun)
     }
 }
 
@@ -181,6 +240,8 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
         let [first, second] = choices;
         if first.is_empty() { second } else { first }
     };
+    let phases = choices.phases_of_all();
+    let limits = choices.limits;
     let [bank_command_rad, bank_rad, course_rad] = choices.attitude;
     let airspeed_mps = first(choices.airspeed);
     let climb_rad = first(choices.descent).over(&airspeed_mps, |descent_mps, airspeed_mps| {
@@ -193,6 +254,8 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
         bank_rad,
         course_rad,
         climb_rad,
+        phases,
+        limits,
         sources: [
             "ARSP.Airspeed or CTUN.As",
             "ATT.DesRoll",

@@ -2,6 +2,8 @@
 
 use core::f64::consts::{PI, TAU};
 
+use super::phases::{Limits, Phases};
+
 /// Longest time between two samples of the bank and its command, seconds.
 const SLOWEST_BANK_S: f64 = 0.25;
 /// Longest time between two samples of the other signals, seconds.
@@ -14,6 +16,8 @@ const SHORTEST_PERIOD_S: f64 = 0.05;
 const GAP_S: f64 = 1.5;
 /// An aircraft slower than this share of its cruise does not fly.
 const FLYING_SHARE: f64 = 0.5;
+/// An aircraft whose airspeed is below this for nine tenths of a log never flies, metres per second: wind in a tube.
+const FLIES_MPS: f64 = 6.0;
 /// Shorter pieces of flight are left out, seconds.
 const SHORTEST_PIECE_S: f64 = 5.0;
 /// A log longer than this is not brought to a steady rate, rows.
@@ -28,6 +32,11 @@ impl Series {
         if time_s.is_finite() && value.is_finite() {
             self.0.push((time_s, value));
         }
+    }
+
+    /// Whether it comes often enough for a bank.
+    pub(super) fn is_fast(&self) -> bool {
+        self.period_s() <= SLOWEST_BANK_S * (1.0 + JITTER)
     }
 
     pub(super) const fn is_empty(&self) -> bool {
@@ -117,6 +126,9 @@ pub(super) struct Signals {
     pub(super) bank_rad: Series,
     pub(super) course_rad: Series,
     pub(super) climb_rad: Series,
+    /// When an avoider would fly.
+    pub(super) phases: Phases,
+    pub(super) limits: Limits,
     /// What holds each signal in files of this kind, in the order of the fields.
     pub(super) sources: [&'static str; 5],
 }
@@ -151,10 +163,12 @@ impl Piece {
 }
 
 /// A log at a steady rate, in pieces without gaps.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct FlightLog {
     /// Time from row to row, seconds.
     pub period_s: f64,
+    /// Limits of the vehicle, as far as the log has them.
+    pub limits: Limits,
     /// The pieces in order of time; there is at least one.
     pub pieces: Vec<Piece>,
 }
@@ -180,6 +194,13 @@ impl Signals {
             "climb angle",
         ];
         let sources = self.sources;
+        let cruise_mps = self.cruise_mps();
+        if !self.airspeed_mps.is_empty() && cruise_mps < FLIES_MPS {
+            return Err(format!(
+                "never flies: its airspeed is below {cruise_mps:.1} m/s nine tenths of the time ({}), expected a flight",
+                sources[0]
+            ));
+        }
         for (series, (name, source)) in self.each().into_iter().zip(names.iter().zip(sources)) {
             if series.is_empty() {
                 return Err(format!("has no {name}, expected {source}"));
@@ -217,10 +238,15 @@ impl Signals {
         let pieces = self.pieces(span_s, period_s);
         if pieces.is_empty() {
             return Err(format!(
-                "has no {SHORTEST_PIECE_S} s of flight in which every signal is there without a gap"
+                "has no {SHORTEST_PIECE_S} s of flight in which every signal is there without a gap, in a mode in which \
+                 an avoider flies, outside of take-off and landing"
             ));
         }
-        Ok(FlightLog { period_s, pieces })
+        Ok(FlightLog {
+            period_s,
+            limits: self.limits,
+            pieces,
+        })
     }
 
     /// What is flown, in pieces.
@@ -266,7 +292,7 @@ impl Signals {
                 ])
             })();
             match row {
-                Some(row) if row[0] > flying_mps => {
+                Some(row) if row[0] > flying_mps && self.phases.would_fly(time_s) => {
                     if rows.is_empty() {
                         start_s = time_s;
                     }

@@ -6,12 +6,22 @@
 use core::f64::consts::FRAC_PI_2;
 use std::collections::HashMap;
 
+use super::phases::{Limits, Phases};
 use super::series::{Series, Signals};
 
 const STAMP: usize = 8;
+const HEARTBEAT: u32 = 0;
+const PARAM_VALUE: u32 = 22;
 const ATTITUDE: u32 = 30;
+const MISSION_CURRENT: u32 = 42;
 const NAV_CONTROLLER_OUTPUT: u32 = 62;
+const MISSION_ITEM_INT: u32 = 73;
 const VFR_HUD: u32 = 74;
+const SET_ATTITUDE_TARGET: u32 = 82;
+/// `MAV_MODE_FLAG_SAFETY_ARMED`.
+const ARMED: u8 = 128;
+/// `MAV_AUTOPILOT_ARDUPILOTMEGA`, whose modes have the numbers that are known here.
+const ARDUPILOT: u8 = 3;
 /// Below this an airspeed says nothing about a climb angle, metres per second.
 const SLOWEST_MPS: f32 = 3.0;
 /// Frames that a file of this kind begins with, before the first damaged one.
@@ -43,6 +53,11 @@ fn checksum(bytes: &[u8], seed: u8) -> u16 {
 /// Seed of the checksum and full length of the messages that are read.
 const fn known(message: u32) -> Option<(u8, usize)> {
     match message {
+        HEARTBEAT => Some((50, 9)),
+        PARAM_VALUE => Some((220, 25)),
+        MISSION_CURRENT => Some((28, 2)),
+        MISSION_ITEM_INT => Some((38, 37)),
+        SET_ATTITUDE_TARGET => Some((49, 39)),
         ATTITUDE => Some((39, 28)),
         NAV_CONTROLLER_OUTPUT => Some((183, 26)),
         VFR_HUD => Some((20, 20)),
@@ -94,11 +109,21 @@ impl<'a> Frame<'a> {
         })
     }
 
+    /// A byte; one that was left out is zero.
+    fn byte(&self, at: usize) -> u8 {
+        self.payload.get(at).copied().unwrap_or(0)
+    }
+
+    /// A whole number of two bytes.
+    fn short(&self, begin: usize) -> u16 {
+        u16::from_le_bytes([self.byte(begin), self.byte(begin + 1)])
+    }
+
     /// A number of single precision; bytes that were left out are zero.
     fn number(&self, begin: usize) -> f32 {
         let mut bytes = [0; 4];
         for (index, byte) in bytes.iter_mut().enumerate() {
-            *byte = self.payload.get(begin + index).copied().unwrap_or(0);
+            *byte = self.byte(begin + index);
         }
         f32::from_le_bytes(bytes)
     }
@@ -128,11 +153,46 @@ struct Heard {
     course: Series,
     climb: Series,
     attitudes: usize,
+    phases: Phases,
+    limits: Limits,
+}
+
+impl Heard {
+    /// What the aircraft says of itself beside its signals.
+    fn note(&mut self, frame: &Frame<'_>, time_s: f64, commands: &HashMap<u16, u16>) {
+        match frame.message {
+            HEARTBEAT if frame.byte(5) == ARDUPILOT => {
+                let mode = [0, 1, 2, 3].map(|at| frame.byte(at));
+                self.phases.mode(time_s, u32::from_le_bytes(mode));
+                self.phases.armed(time_s, frame.byte(6) & ARMED != 0);
+            }
+            MISSION_CURRENT => {
+                if let Some(command) = commands.get(&frame.short(0)) {
+                    self.phases.command(time_s, u32::from(*command));
+                }
+            }
+            PARAM_VALUE => {
+                let name: Vec<u8> = (8..24).map(|at| frame.byte(at)).take_while(|byte| *byte != 0).collect();
+                let name = String::from_utf8_lossy(&name);
+                self.limits.take(&name, f64::from(frame.number(0)));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Bank of a commanded attitude, radians, positive in a left turn.
+fn commanded_bank_rad(frame: &Frame<'_>) -> f64 {
+    let [w, x, y, z] = [4, 8, 12, 16].map(|at| f64::from(frame.number(at)));
+    -libm::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
 }
 
 /// Reads the signals of the aircraft that sent its attitude most often, and skips damaged parts.
 pub(super) fn signals(bytes: &[u8]) -> Signals {
     let mut systems: HashMap<(u8, u8), Heard> = HashMap::new();
+    // What others command to a system, and the commands of its mission.
+    let mut commanded: HashMap<u8, Series> = HashMap::new();
+    let mut commands: HashMap<u16, u16> = HashMap::new();
     let mut at = 0;
     while let Some(rest) = bytes.get(at..).filter(|rest| rest.len() > STAMP) {
         let Some(frame) = Frame::of(rest) else {
@@ -145,7 +205,12 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
             reason = "microseconds since 1970 fit in 53 bits"
         )]
         let time_s = u64::from_be_bytes(stamp.unwrap_or_default()) as f64 * 1e-6;
-        if known(frame.message).is_some() {
+        if frame.message == SET_ATTITUDE_TARGET {
+            let bank_rad = commanded_bank_rad(&frame);
+            commanded.entry(frame.byte(36)).or_default().push(time_s, bank_rad);
+        } else if frame.message == MISSION_ITEM_INT {
+            commands.insert(frame.short(28), frame.short(30));
+        } else if known(frame.message).is_some() {
             let heard = systems.entry((frame.system, frame.component)).or_default();
             match frame.message {
                 ATTITUDE => {
@@ -160,7 +225,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
                         .command
                         .push(time_s, -f64::from(frame.number(0)).to_radians());
                 }
-                _ => {
+                VFR_HUD => {
                     let (airspeed, climb) = (frame.number(0), frame.number(12));
                     heard.airspeed.push(time_s, f64::from(airspeed));
                     if airspeed > SLOWEST_MPS {
@@ -168,6 +233,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
                         heard.climb.push(time_s, libm::asin(share));
                     }
                 }
+                _ => heard.note(&frame, time_s, &commands),
             }
         }
         at += frame.length;
@@ -175,8 +241,17 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     let most = systems
         .into_iter()
         .max_by_key(|(address, heard)| (heard.attitudes, core::cmp::Reverse(*address)));
-    let heard = most.map_or_else(Heard::default, |(_, heard)| heard);
+    let ((system, _), mut heard) = most.unwrap_or_default();
+    // A companion that commands the attitude does so often; the vehicle's own word of it may be slow.
+    let mut source = "NAV_CONTROLLER_OUTPUT.nav_roll";
+    if !heard.command.is_fast()
+        && let Some(sent) = commanded.remove(&system)
+    {
+        (heard.command, source) = (sent, "SET_ATTITUDE_TARGET.q");
+    }
     Signals {
+        phases: heard.phases,
+        limits: heard.limits,
         airspeed_mps: heard.airspeed,
         bank_command_rad: heard.command,
         bank_rad: heard.bank,
@@ -184,7 +259,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
         climb_rad: heard.climb,
         sources: [
             "VFR_HUD.airspeed",
-            "NAV_CONTROLLER_OUTPUT.nav_roll",
+            source,
             "ATTITUDE.roll",
             "ATTITUDE.yaw",
             "VFR_HUD.climb",

@@ -125,8 +125,10 @@ fn format(kind: u8, name: &str, codes: &str, labels: &str) -> Vec<u8> {
                 8
             } else if code == b'B' {
                 1
-            } else if code == b'c' {
+            } else if code == b'c' || code == b'H' {
                 2
+            } else if code == b'N' {
+                16
             } else {
                 4
             }
@@ -287,5 +289,131 @@ fn no_bytes_of_a_log_make_it_panic() {
             }
             let _ = parsed(&damaged);
         }
+    }
+}
+
+/// A dataflash message of a kind, at a time in seconds.
+fn message(kind: u8, time_s: f64, rest: &[u8]) -> Vec<u8> {
+    let mut bytes = vec![0xa3, 0x95, kind];
+    bytes.extend(((time_s * 1e6) as u64).to_le_bytes());
+    bytes.extend(rest);
+    bytes
+}
+
+/// TAKEOFF, then AUTO with a take-off until 115 s, then a waypoint, then the pilot's own turns from 130 s on.
+fn with_phases(rows: &[[f64; 6]], mission: &str) -> Vec<u8> {
+    let mut bytes = format(20, "MODE", "QBBB", "TimeUS,Mode,ModeNum,Rsn");
+    bytes.extend(format(21, mission, "QHHH", "TimeUS,CTot,CNum,CId"));
+    bytes.extend(format(22, "PARM", "QNf", "TimeUS,Name,Value"));
+    for (time_s, mode) in [(100.0, 13), (110.0, 10), (130.0, 0)] {
+        bytes.extend(message(20, time_s, &[mode, mode, 0]));
+    }
+    // The listing of the mission when the log begins names nothing that begins.
+    let listing = [(99.0, 16_u16), (99.01, 22), (99.02, 21)];
+    let begun = [(110.0, 22_u16), (115.0, 16)];
+    let listing = listing.into_iter().filter(|_| mission == "CMD");
+    for (time_s, command) in listing.chain(begun) {
+        let fields = [3_u16, 1, command].map(u16::to_le_bytes).concat();
+        bytes.extend(message(21, time_s, &fields));
+    }
+    for (name, value) in [("ROLL_LIMIT_DEG", 45.0_f32), ("TECS_CLMB_MAX", 4.0), ("LIM_PITCH_MIN", -2000.0)] {
+        let mut field = name.as_bytes().to_vec();
+        field.resize(16, 0);
+        field.extend(value.to_le_bytes());
+        bytes.extend(message(22, 99.0, &field));
+    }
+    bytes.extend(dataflash(rows));
+    bytes
+}
+
+#[test]
+fn n3_only_what_an_avoider_would_fly_is_kept() {
+    for mission in ["MISE", "CMD"] {
+        let log = parsed(&with_phases(&flight(900, 0.05), mission)).unwrap();
+        let [piece] = &log.pieces[..] else {
+            panic!("{mission}: {} pieces", log.pieces.len())
+        };
+        assert!((piece.start_s - 115.0).abs() < 0.06, "{mission}: {}", piece.start_s);
+        let lasts_s = piece.len() as f64 * log.period_s;
+        assert!((lasts_s - 15.0).abs() < 0.11, "{mission}: {lasts_s}");
+        assert_eq!(log.limits.bank_rad, Some(45.0_f64.to_radians()));
+        assert_eq!(log.limits.climb_mps, Some(4.0));
+        assert_eq!(log.limits.pitch_min_rad, Some((-20.0_f64).to_radians()));
+        assert_eq!(log.limits.sink_mps, None);
+    }
+}
+
+/// A sensor with U or H of 0 gives no airspeed, and the estimate of CTUN is taken.
+#[test]
+fn n3_a_disabled_airspeed_sensor_is_no_airspeed() {
+    let rows = flight(300, 0.05);
+    for (label, flag) in [("U", 0), ("H", 0), ("U", 1)] {
+        let mut bytes = dataflash(&rows);
+        // The same kind of message, described again with a flag where the instance was.
+        let from = format(11, "ARSP", "QBf", "TimeUS,I,Airspeed");
+        let to = format(11, "ARSP", "QBf", &format!("TimeUS,{label},Airspeed"));
+        let at = bytes.windows(from.len()).position(|window| window == from).unwrap();
+        bytes.splice(at..at + to.len(), to);
+        let found = parsed(&bytes);
+        // Instance 0 of the messages reads as the flag 0, instance 1 as 1 with three times the airspeed.
+        let log = found.unwrap();
+        let airspeed_mps = log.pieces[0].airspeed_mps[0];
+        assert!((airspeed_mps - 60.0).abs() < 1e-3, "{label} {flag}: {airspeed_mps}");
+    }
+}
+
+#[test]
+fn n3_a_log_of_the_ground_never_flies_and_a_ulog_is_named() {
+    let mut rows = flight(300, 0.05);
+    for row in &mut rows {
+        row[1] = 0.4;
+    }
+    let found = parsed(&dataflash(&rows)).unwrap_err();
+    assert!(found.starts_with("log: never flies: its airspeed is below 0.4 m/s"), "{found}");
+    let found = parsed(b"ULog\x01\x12\x35\x01 and more").unwrap_err();
+    assert!(found.starts_with("log: is a ULog of PX4, which is not read"), "{found}");
+}
+
+/// The vehicle says its commanded bank twice a second; what the companion sends it comes 20 times a second.
+#[test]
+fn n3_the_log_of_a_companion_has_the_banks_that_it_commanded() {
+    let rows = flight(600, 0.05);
+    let mut bytes = vec![];
+    let mut body = |time_us: u64, message: u8, seed: u8, payload: Vec<u8>| {
+        bytes.extend(time_us.to_be_bytes());
+        let mut frame = vec![payload.len() as u8, 0, 0, 0, 1, 1, message, 0, 0];
+        frame.extend(&payload);
+        let sum = mcrf4xx(&frame, seed);
+        bytes.push(0xfd);
+        bytes.extend(frame);
+        bytes.extend(sum.to_le_bytes());
+    };
+    let floats = |values: &[f32]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    for (index, row) in rows.iter().enumerate() {
+        let time_us = ((row[0] + 1e9) * 1e6) as u64;
+        // The first third is flown in MANUAL.
+        let mode = u32::from(row[0] >= 10.0) * 15;
+        if index % 20 == 0 {
+            let mut heartbeat = mode.to_le_bytes().to_vec();
+            heartbeat.extend([1, 3, 128 + 1, 4, 3]);
+            body(time_us, 0, 50, heartbeat);
+        }
+        body(time_us, 30, 39, floats(&[0.0, -row[3] as f32, 0.0, (core::f64::consts::FRAC_PI_2 - row[4]) as f32, 0.0, 0.0, 0.0]));
+        body(time_us, 74, 20, floats(&[row[1] as f32, row[1] as f32, 100.0, (row[1] * row[5].sin()) as f32, 0.0]));
+        if index % 10 == 0 {
+            body(time_us, 62, 183, floats(&[99.0; 6]));
+        }
+        let (sin, cos) = (-0.5 * row[2]).sin_cos();
+        let mut target = floats(&[0.0, cos as f32, sin as f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5]);
+        target.extend([1, 1, 7]);
+        body(time_us, 82, 49, target);
+    }
+    let log = parsed(&bytes).unwrap();
+    let piece = &log.pieces[0];
+    assert!((piece.start_s - 1e9 - 10.0).abs() < 0.06, "{}", piece.start_s);
+    assert!((piece.len() as f64 * log.period_s - 20.0).abs() < 1.1, "{}", piece.len());
+    let at = 200;
+    for (offset, bank) in piece.bank_command_rad.iter().take(300).enumerate() {
+        assert!((bank - rows[at + offset][2]).abs() < 1e-2, "{offset}: {bank}");
     }
 }

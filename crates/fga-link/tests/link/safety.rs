@@ -388,8 +388,10 @@ fn d8_mode_paper_keeps_its_disc_in_wind_or_does_not_begin() {
             // The aircraft flies north: from ahead, the left, behind, the right.
             let (sin, cos) = (f64::from(side) * core::f64::consts::FRAC_PI_2).sin_cos();
             let speed_mps = strength * fga_emulator::PlantSettings::default().airspeed_mps;
+            // CRUISE holds the track that the aircraft has, north.
             let settings = Settings {
                 wind_mps: [speed_mps * sin, -speed_mps * cos],
+                heading_rad: -(strength * sin).asin(),
                 ..Settings::default()
             };
             let config = format!(

@@ -6,7 +6,7 @@
 )]
 
 use fga_files::TomlText;
-use fga_formats::flight_log::{FlightLog, Piece};
+use fga_formats::flight_log::{FlightLog, Limits, Piece};
 use fga_sim::identification::{Estimate, identify};
 use fga_sim::vehicle_file::VehicleModel;
 use std::path::Path;
@@ -64,6 +64,7 @@ fn log(plant: &Plant, command: impl Fn(f64) -> f64, lasts_s: f64) -> FlightLog {
     FlightLog {
         period_s: 0.05,
         pieces: vec![piece],
+        ..FlightLog::default()
     }
 }
 
@@ -154,4 +155,21 @@ fn the_file_that_is_written_is_read_again() {
     assert!((model.vehicle.response.dead_time_s - found.dead_time_s.value).abs() < 1e-3);
     assert!((model.settings.avoider.margin_m - found.position_error_m.high).abs() < 0.06);
     assert_eq!(model.protection.radius_m(), 40.0);
+}
+
+/// What the vehicle's guidance holds by its parameters is the most that an avoider can ask for.
+#[test]
+fn n3_limits_of_the_vehicle_cap_the_figures() {
+    let mut log = log(&PLANT, steps, 60.0);
+    log.limits = Limits {
+        bank_rad: Some(25.0_f64.to_radians()),
+        climb_mps: Some(20.0 * 5.0_f64.to_radians().sin()),
+        sink_mps: Some(10.0),
+        pitch_max_rad: Some(20.0_f64.to_radians()),
+        pitch_min_rad: Some(-3.0_f64.to_radians()),
+    };
+    let found = identify(&log).unwrap();
+    near(found.max_bank_deg, 25.0, 1e-9);
+    near(found.climb_max_deg, 5.0, 0.05);
+    near(found.climb_min_deg, -3.0, 1e-9);
 }
