@@ -1,4 +1,4 @@
-// The plots under the timeline: separation, course, climb, bank, decision time.
+// The plots under the timeline: margin, course, climb, bank, decision time.
 
 import uPlot from "uplot";
 import type { Run } from "./data";
@@ -38,7 +38,10 @@ interface Kind {
   range?(low: number, high: number, limit: number): [number, number];
 }
 
-/** Every sample, or of each group of neighbours the one with the least separation. */
+/** Larger margins are off the scale, metres. */
+const MOST_MARGIN_M = 500;
+
+/** Every sample, or of each group of neighbours the one with the least margin. */
 function picks(run: Run): number[] {
   const group = Math.max(1, Math.ceil(run.n / POINTS));
   const out: number[] = [];
@@ -59,10 +62,6 @@ function sampled(run: Run, value: (i: number) => number | null): Curve {
 
 const finite = (x: number): number | null => (Number.isFinite(x) ? x : null);
 
-function radiusAt(run: Run, i: number): number {
-  return run.obstacles[run.nearest[i]!]?.radius ?? NaN;
-}
-
 function symmetric(least: number) {
   return (low: number, high: number): [number, number] => {
     const most = Math.max(least, 1.1 * Math.abs(low), 1.1 * Math.abs(high));
@@ -77,18 +76,18 @@ function compass(value: number): string {
 
 const KINDS: Kind[] = [
   {
-    title: "Separation",
+    title: "Margin",
     unit: "m",
-    curve: (run) => sampled(run, (i) => finite(run.margin[i]! + radiusAt(run, i))),
-    limit: (run) => sampled(run, (i) => finite(radiusAt(run, i))),
+    curve: (run) => sampled(run, (i) => finite(run.margin[i]!)),
+    limit: (run) => sampled(run, () => 0),
     read: (run, t) => {
       const i = run.sampleAt(t);
       const obstacle = run.obstacles[run.nearest[i] ?? -1];
       if (!obstacle) return "no obstacle";
-      const separation = run.margin[i]! + obstacle.radius;
-      return `${separation.toFixed(1)} m, limit ${obstacle.radius.toFixed(0)} m`;
+      const margin = run.margin[i]!;
+      return margin < 0 ? `${(-margin).toFixed(1)} m inside` : `${margin.toFixed(1)} m`;
     },
-    range: (_low, high, limit) => [0, Math.min(Math.max(100, 6 * limit), Math.max(20, 1.05 * high))],
+    range: (low, high) => [Math.min(0, 1.1 * low), Math.min(MOST_MARGIN_M, Math.max(20, 1.05 * high))],
   },
   {
     title: "Course",

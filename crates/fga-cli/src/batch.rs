@@ -8,7 +8,7 @@ use std::time::Instant;
 use clap::Args;
 use fga_formats::OutputError;
 use fga_formats::atomic::{self, AtomicFile};
-use fga_formats::words::counted;
+use fga_formats::words::{counted, per_second};
 use fga_sim::batch::{
     BatchRow, BatchSettings, NAME_COLUMN, RESULT_COLUMNS, TIMING_COLUMNS, TRACK_COLUMNS,
 };
@@ -239,7 +239,11 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
             }
             totals.take(row);
             // Rows come in the order of the encounters.
-            worst.take(row.outcome.min_margin_m, (row.encounter, place));
+            let outcome = &row.outcome;
+            worst.take(
+                [outcome.min_margin_m, outcome.min_separation_m],
+                (row.encounter, place),
+            );
             let name = input.names().and_then(|names| names.get(place));
             place += 1;
             Ok(files.take(row, name.map(String::as_str))?)
@@ -287,8 +291,8 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
                 ));
             }
             lines.push(format!(
-                "{:.0} encounters a second; results in {}\n",
-                totals.encounters as f64 / flown_s,
+                "{} encounters a second; results in {}\n",
+                per_second(totals.encounters as f64 / flown_s),
                 folder.display()
             ));
             lines.join("\n")

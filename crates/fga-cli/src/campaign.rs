@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Args, Subcommand};
 use fga_formats::atomic;
 use fga_formats::error::read_text;
-use fga_formats::words::counted;
+use fga_formats::words::{counted, per_second};
 use fga_results::campaign::summary::{document as summary_document, in_words};
 use fga_results::campaign::{document, finish};
 use fga_results::flight::summary as flight_summary;
@@ -325,9 +325,9 @@ fn rate(times: &[DecisionTimes], fly_s: f64) -> Option<String> {
     let encounters = times.first()?.encounters;
     (encounters > 0).then(|| {
         format!(
-            "{} flown in {fly_s:.1} s: {:.0} a second\n",
+            "{} flown in {fly_s:.1} s: {} a second\n",
             counted(encounters, "encounter"),
-            encounters as f64 / fly_s
+            per_second(encounters as f64 / fly_s)
         )
     })
 }

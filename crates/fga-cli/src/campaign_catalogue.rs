@@ -82,7 +82,7 @@ impl CampaignCatalogue {
                 } else {
                     row.min_margin_m
                 };
-                worst.take(rank_m, *row);
+                worst.take([rank_m, row.min_separation_m], *row);
                 tally.take(row.separated, row.avoidable());
             }
         })?;

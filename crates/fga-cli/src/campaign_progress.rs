@@ -4,7 +4,7 @@ use core::time::Duration;
 use std::io::{IsTerminal as _, Write as _};
 use std::time::Instant;
 
-use fga_formats::words::counted;
+use fga_formats::words::{counted, per_second};
 use fga_sim::campaign::{Expected, Progress};
 
 /// Progress on standard error: on a terminal a line that overwrites itself, else a line now and then.
@@ -45,10 +45,11 @@ impl Display {
         let rate = (progress.done - progress.before) as f64 / progress.elapsed_s.max(1e-9);
         let left_s = (progress.total - progress.done) as f64 / rate.max(1e-9);
         let line = format!(
-            "{} of {} encounters ({:.1} %), {rate:.0} a second, {} left",
+            "{} of {} encounters ({:.1} %), {} a second, {} left",
             progress.done,
             progress.total,
             100.0 * progress.done as f64 / progress.total.max(1) as f64,
+            per_second(rate),
             duration(left_s)
         );
         let mut out = std::io::stderr().lock();

@@ -117,7 +117,7 @@ impl Gathered {
         if let Some(worst) = self.worst.get_mut(index)
             && let Some(badness) = badness(row)
         {
-            worst.take(badness, *row);
+            worst.take([badness, row.min_separation_m], *row);
         }
         let Some(policy) = self.policies.get_mut(index) else {
             return;

@@ -2,7 +2,7 @@
 
 use core::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use core::time::Duration;
-use std::io::{self, Read as _, Write as _};
+use std::io::{self, IsTerminal as _, Read as _, Write as _};
 use std::process::{Command, ExitCode, Stdio};
 use std::thread;
 use std::time::Instant;
@@ -120,8 +120,10 @@ pub(crate) fn run(args: &RcArgs) -> Result<ExitCode, Failure> {
                         s.roll_us, s.pitch_us, s.throttle_us
                     )
                 });
-                eprint!("\r\x1b[K{words}");
-                let _ = io::stderr().flush();
+                if io::stderr().is_terminal() {
+                    eprint!("\r\x1b[K{words}");
+                    let _ = io::stderr().flush();
+                }
             }
         }
         let system = vehicle.load(Ordering::Relaxed);

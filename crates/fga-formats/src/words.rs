@@ -1,7 +1,7 @@
 //! Words in files and answers: a decision (the threat, the manoeuvre and the reason), counted things, and texts as CSV fields.
 
 use fga::angle::wrap_pi;
-use fga::avoider::{Candidate, Decision, Reason};
+use fga::avoider::{Candidate, Decision, Reason, State};
 use fga::maneuver::Maneuver;
 use fga::situation::Ownship;
 
@@ -97,7 +97,14 @@ pub fn decision_words(
     name_of: impl Fn(u32) -> String,
 ) -> String {
     let record = &decision.record;
-    let mut parts = vec![reason_words(record.reason).to_string()];
+    // A pilot that only waits has begun nothing.
+    let has_no_way = record.reason == Reason::BestAvailable && decision.state == State::Threatened;
+    let reason = if has_no_way {
+        "no way round keeps the protected volume: the mission is flown on"
+    } else {
+        reason_words(record.reason)
+    };
+    let mut parts = vec![reason.to_string()];
     if let Some(threat) = &record.threat {
         let name = name_of(threat.id);
         parts.push(if threat.margin_m < 0.0 {
@@ -130,6 +137,23 @@ pub fn decision_words(
         parts.push(format!("to the other side: {}", candidate_words(other)));
     }
     parts.join("; ")
+}
+
+/// A rate, per second, with the decimals that a slow one needs.
+///
+/// ```
+/// use fga_formats::words::per_second;
+///
+/// assert_eq!(per_second(1234.5), "1234");
+/// assert_eq!(per_second(4.26), "4.3");
+/// assert_eq!(per_second(0.0123), "0.012");
+/// ```
+pub fn per_second(rate: f64) -> String {
+    match rate {
+        10.0.. => format!("{rate:.0}"),
+        1.0.. => format!("{rate:.1}"),
+        _ => format!("{rate:.3}"),
+    }
 }
 
 /// A number of things in words, with the plural in "s", or "ies" in the place of a "y".

@@ -49,8 +49,9 @@ const STREAMS: [Stream; 11] = [
         interval_s: 0.5,
     },
     Stream {
+        // The commanded bank, often enough for `fga identify`.
         message_id: 62.0,
-        interval_s: 0.5,
+        interval_s: 0.2,
     },
     Stream {
         message_id: 87.0,

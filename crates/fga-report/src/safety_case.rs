@@ -107,6 +107,7 @@ impl SafetyCase {
             "{} encounters (effective number {:.0}), each flown in closed loop by every policy in simulation.",
             self.encounters, self.effective
         )));
+        blocks.extend(self.met_by_all().map(Block::Paragraph));
         blocks.extend(self.stands_for.iter().cloned().map(Block::Paragraph));
         blocks.push(Block::Paragraph(
             "This is no certification and no flight test. Intruders do not react. What the numbers hold for are \
@@ -117,6 +118,39 @@ impl SafetyCase {
             title: "Result, and what it is evidence of".into(),
             blocks,
         }
+    }
+
+    /// The thresholds that every one of several policies meets, in a sentence.
+    fn met_by_all(&self) -> Option<String> {
+        let policies = self
+            .policies
+            .iter()
+            .filter(|policy| policy.policy != WITHOUT);
+        let policies: Vec<&PolicyCase> = policies.collect();
+        let losses: [(&str, &[Threshold], fn(&PolicyCase) -> &Lost); 2] = [
+            ("NMAC", &NMAC_THRESHOLDS, |policy| &policy.nmac),
+            ("LoWC", &LOWC_THRESHOLDS, |policy| &policy.lowc),
+        ];
+        let mut met = Vec::new();
+        for (loss, thresholds, of) in losses {
+            for threshold in thresholds {
+                let meets = |policy: &&PolicyCase| {
+                    of(policy)
+                        .ratio
+                        .is_some_and(|ratio| verdict(&ratio, threshold) == "met")
+                };
+                if policies.iter().all(meets) {
+                    met.push(format!("{loss} ≤ {:.2}", threshold.ratio));
+                }
+            }
+        }
+        (policies.len() > 1 && !met.is_empty()).then(|| {
+            format!(
+                "All {} policies meet {}: these encounters are too easy to rank policies by it.",
+                policies.len(),
+                met.join(", ")
+            )
+        })
     }
 
     fn table(&self) -> Section {
@@ -543,6 +577,31 @@ mod tests {
         assert_eq!(verdict(&estimate(0.0, 0.18), &cooperative), "met");
         assert_eq!(verdict(&estimate(0.1, 0.2), &cooperative), "not shown");
         assert_eq!(verdict(&estimate(0.19, 0.3), &cooperative), "not met");
+    }
+
+    #[test]
+    fn n11_thresholds_that_every_policy_meets_are_said_to_rank_none() {
+        let case = |policy: &str, high: f64| PolicyCase {
+            policy: policy.into(),
+            nmac: Lost {
+                ratio: Some(estimate(0.0, high)),
+                ..Lost::default()
+            },
+            ..PolicyCase::default()
+        };
+        let of = |cases: Vec<PolicyCase>| SafetyCase {
+            policies: cases,
+            ..SafetyCase::default()
+        };
+        let both = of(vec![case(WITHOUT, 1.0), case("a", 0.1), case("b", 0.1)]);
+        let said = both.met_by_all().unwrap();
+        assert!(
+            said.starts_with("All 2 policies meet NMAC ≤ 0.18"),
+            "{said}"
+        );
+        assert!(both.to_html().contains("too easy to rank policies"));
+        assert_eq!(of(vec![case("a", 0.1), case("b", 0.9)]).met_by_all(), None);
+        assert_eq!(of(vec![case("a", 0.1)]).met_by_all(), None);
     }
 
     #[test]

@@ -82,7 +82,8 @@ impl Format {
     fn text(&self, message: &[u8], name: &str) -> Option<String> {
         let (_, code, begin) = self.fields.iter().find(|(label, ..)| label == name)?;
         let end = begin + width(*code)?;
-        matches!(code, b'n' | b'N' | b'Z').then(|| text(message.get(*begin..end).unwrap_or_default()))
+        matches!(code, b'n' | b'N' | b'Z')
+            .then(|| text(message.get(*begin..end).unwrap_or_default()))
     }
 
     /// A field as a number.
@@ -120,6 +121,8 @@ struct Choices {
     attitude: [Series; 3],
     airspeed: [Series; 2],
     descent: [Series; 2],
+    /// Whether the airspeed sensor is not used or not healthy at times.
+    is_unused: bool,
     phases: Phases,
     limits: Limits,
     /// Commands of the mission with their times, if no message names those that begin.
@@ -159,9 +162,10 @@ impl Choices {
                 course.push(time_s, FRAC_PI_2 - field("Yaw")? * PI / 180.0);
             }
             // A sensor that is not used or not healthy measures nothing.
-            "ARSP" if is_first && field("U") != Some(0.0) && field("H") != Some(0.0) => {
-                self.airspeed[0].push(time_s()?, field("Airspeed")?);
+            "ARSP" if is_first && (field("U") == Some(0.0) || field("H") == Some(0.0)) => {
+                self.is_unused = true;
             }
+            "ARSP" if is_first => self.airspeed[0].push(time_s()?, field("Airspeed")?),
             "MODE" => {
                 let mode = field("ModeNum").or_else(|| field("Mode"))?;
                 self.phases.mode(time_s()?, whole(mode));
@@ -243,6 +247,17 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     let phases = choices.phases_of_all();
     let limits = choices.limits;
     let [bank_command_rad, bank_rad, course_rad] = choices.attitude;
+    let [measured, estimated] = &choices.airspeed;
+    // Without a sensor the estimate moves with the wind and the ground speed, once the aircraft flies.
+    let constant_mps = estimated
+        .constant()
+        .filter(|_| choices.is_unused && measured.is_empty());
+    let never_flies = constant_mps.map(|constant_mps| {
+        format!(
+            "its airspeed sensor is not used or not healthy (ARSP.U, ARSP.H), and the estimate CTUN.As is {constant_mps:.1} \
+             m/s all the time"
+        )
+    });
     let airspeed_mps = first(choices.airspeed);
     let climb_rad = first(choices.descent).over(&airspeed_mps, |descent_mps, airspeed_mps| {
         (airspeed_mps > SLOWEST_MPS)
@@ -254,6 +269,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
         bank_rad,
         course_rad,
         climb_rad,
+        never_flies,
         phases,
         limits,
         sources: [

@@ -77,7 +77,9 @@ impl Phases {
     /// Whether an avoider would fly at a time. Before the first word of a log it is as after.
     pub(super) fn would_fly(&self, time_s: f64) -> bool {
         let before = self.changes.partition_point(|change| change.0 <= time_s);
-        let change = before.checked_sub(1).map_or(self.changes.first(), |at| self.changes.get(at));
+        let change = before
+            .checked_sub(1)
+            .map_or(self.changes.first(), |at| self.changes.get(at));
         change.is_none_or(|change| change.1)
     }
 }

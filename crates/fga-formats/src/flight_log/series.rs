@@ -34,6 +34,15 @@ impl Series {
         }
     }
 
+    /// The value that it never leaves.
+    pub(super) fn constant(&self) -> Option<f64> {
+        let first = self.0.first()?.1;
+        self.0
+            .iter()
+            .all(|sample| sample.1 == first)
+            .then_some(first)
+    }
+
     /// Whether it comes often enough for a bank.
     pub(super) fn is_fast(&self) -> bool {
         self.period_s() <= SLOWEST_BANK_S * (1.0 + JITTER)
@@ -126,6 +135,8 @@ pub(super) struct Signals {
     pub(super) bank_rad: Series,
     pub(super) course_rad: Series,
     pub(super) climb_rad: Series,
+    /// Why the log shows no flight, whatever its signals.
+    pub(super) never_flies: Option<String>,
     /// When an avoider would fly.
     pub(super) phases: Phases,
     pub(super) limits: Limits,
@@ -195,6 +206,9 @@ impl Signals {
         ];
         let sources = self.sources;
         let cruise_mps = self.cruise_mps();
+        if let Some(reason) = self.never_flies {
+            return Err(format!("never flies: {reason}, expected a flight"));
+        }
         if !self.airspeed_mps.is_empty() && cruise_mps < FLIES_MPS {
             return Err(format!(
                 "never flies: its airspeed is below {cruise_mps:.1} m/s nine tenths of the time ({}), expected a flight",

@@ -172,7 +172,10 @@ impl Heard {
                 }
             }
             PARAM_VALUE => {
-                let name: Vec<u8> = (8..24).map(|at| frame.byte(at)).take_while(|byte| *byte != 0).collect();
+                let name: Vec<u8> = (8..24)
+                    .map(|at| frame.byte(at))
+                    .take_while(|byte| *byte != 0)
+                    .collect();
                 let name = String::from_utf8_lossy(&name);
                 self.limits.take(&name, f64::from(frame.number(0)));
             }
@@ -207,7 +210,10 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
         let time_s = u64::from_be_bytes(stamp.unwrap_or_default()) as f64 * 1e-6;
         if frame.message == SET_ATTITUDE_TARGET {
             let bank_rad = commanded_bank_rad(&frame);
-            commanded.entry(frame.byte(36)).or_default().push(time_s, bank_rad);
+            commanded
+                .entry(frame.byte(36))
+                .or_default()
+                .push(time_s, bank_rad);
         } else if frame.message == MISSION_ITEM_INT {
             commands.insert(frame.short(28), frame.short(30));
         } else if known(frame.message).is_some() {
@@ -252,6 +258,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     Signals {
         phases: heard.phases,
         limits: heard.limits,
+        never_flies: None,
         airspeed_mps: heard.airspeed,
         bank_command_rad: heard.command,
         bank_rad: heard.bank,

@@ -316,7 +316,11 @@ fn with_phases(rows: &[[f64; 6]], mission: &str) -> Vec<u8> {
         let fields = [3_u16, 1, command].map(u16::to_le_bytes).concat();
         bytes.extend(message(21, time_s, &fields));
     }
-    for (name, value) in [("ROLL_LIMIT_DEG", 45.0_f32), ("TECS_CLMB_MAX", 4.0), ("LIM_PITCH_MIN", -2000.0)] {
+    for (name, value) in [
+        ("ROLL_LIMIT_DEG", 45.0_f32),
+        ("TECS_CLMB_MAX", 4.0),
+        ("LIM_PITCH_MIN", -2000.0),
+    ] {
         let mut field = name.as_bytes().to_vec();
         field.resize(16, 0);
         field.extend(value.to_le_bytes());
@@ -333,7 +337,11 @@ fn n3_only_what_an_avoider_would_fly_is_kept() {
         let [piece] = &log.pieces[..] else {
             panic!("{mission}: {} pieces", log.pieces.len())
         };
-        assert!((piece.start_s - 115.0).abs() < 0.06, "{mission}: {}", piece.start_s);
+        assert!(
+            (piece.start_s - 115.0).abs() < 0.06,
+            "{mission}: {}",
+            piece.start_s
+        );
         let lasts_s = piece.len() as f64 * log.period_s;
         assert!((lasts_s - 15.0).abs() < 0.11, "{mission}: {lasts_s}");
         assert_eq!(log.limits.bank_rad, Some(45.0_f64.to_radians()));
@@ -343,22 +351,43 @@ fn n3_only_what_an_avoider_would_fly_is_kept() {
     }
 }
 
-/// A sensor with U or H of 0 gives no airspeed, and the estimate of CTUN is taken.
+/// A sensor that is not used or not healthy gives no airspeed; the estimate is taken if it moves.
 #[test]
 fn n3_a_disabled_airspeed_sensor_is_no_airspeed() {
     let rows = flight(300, 0.05);
-    for (label, flag) in [("U", 0), ("H", 0), ("U", 1)] {
-        let mut bytes = dataflash(&rows);
-        // The same kind of message, described again with a flag where the instance was.
-        let from = format(11, "ARSP", "QBf", "TimeUS,I,Airspeed");
-        let to = format(11, "ARSP", "QBf", &format!("TimeUS,{label},Airspeed"));
-        let at = bytes.windows(from.len()).position(|window| window == from).unwrap();
-        bytes.splice(at..at + to.len(), to);
-        let found = parsed(&bytes);
-        // Instance 0 of the messages reads as the flag 0, instance 1 as 1 with three times the airspeed.
-        let log = found.unwrap();
-        let airspeed_mps = log.pieces[0].airspeed_mps[0];
-        assert!((airspeed_mps - 60.0).abs() < 1e-3, "{label} {flag}: {airspeed_mps}");
+    for flag in ["U", "H"] {
+        for (swing_mps, expected) in [
+            (1.0, None),
+            (
+                0.0,
+                Some("log: never flies: its airspeed sensor is not used"),
+            ),
+        ] {
+            let mut bytes = dataflash(&rows);
+            // The same kind of message, described again with a flag, which is 0, where the instance was; and no second sensor.
+            let from = format(11, "ARSP", "QBf", "TimeUS,I,Airspeed");
+            let to = format(11, "ARSP", "QBf", &format!("TimeUS,{flag},Airspeed"));
+            let at = bytes
+                .windows(from.len())
+                .position(|window| window == from)
+                .unwrap();
+            bytes.splice(at..at + to.len(), to);
+            for at in 0..bytes.len() - 12 {
+                if bytes[at..at + 3] == [0xa3, 0x95, 11] {
+                    bytes[at + 11] = 0;
+                }
+            }
+            bytes.extend(format(14, "CTUN", "Qf", "TimeUS,As"));
+            for row in &rows {
+                let airspeed = (25.0 + swing_mps * libm::sin(row[0])) as f32;
+                bytes.extend(message(14, row[0] + 100.0, &airspeed.to_le_bytes()));
+            }
+            match (parsed(&bytes), expected) {
+                (Ok(log), None) => assert!((log.pieces[0].airspeed_mps[0] - 25.0).abs() < 0.1),
+                (Err(found), Some(expected)) => assert!(found.starts_with(expected), "{found}"),
+                (found, _) => panic!("{flag}, {swing_mps}: {found:?}"),
+            }
+        }
     }
 }
 
@@ -369,9 +398,15 @@ fn n3_a_log_of_the_ground_never_flies_and_a_ulog_is_named() {
         row[1] = 0.4;
     }
     let found = parsed(&dataflash(&rows)).unwrap_err();
-    assert!(found.starts_with("log: never flies: its airspeed is below 0.4 m/s"), "{found}");
+    assert!(
+        found.starts_with("log: never flies: its airspeed is below 0.4 m/s"),
+        "{found}"
+    );
     let found = parsed(b"ULog\x01\x12\x35\x01 and more").unwrap_err();
-    assert!(found.starts_with("log: is a ULog of PX4, which is not read"), "{found}");
+    assert!(
+        found.starts_with("log: is a ULog of PX4, which is not read"),
+        "{found}"
+    );
 }
 
 /// The vehicle says its commanded bank twice a second; what the companion sends it comes 20 times a second.
@@ -388,7 +423,12 @@ fn n3_the_log_of_a_companion_has_the_banks_that_it_commanded() {
         bytes.extend(frame);
         bytes.extend(sum.to_le_bytes());
     };
-    let floats = |values: &[f32]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    let floats = |values: &[f32]| {
+        values
+            .iter()
+            .flat_map(|value| value.to_le_bytes())
+            .collect::<Vec<u8>>()
+    };
     for (index, row) in rows.iter().enumerate() {
         let time_us = ((row[0] + 1e9) * 1e6) as u64;
         // The first third is flown in MANUAL.
@@ -398,8 +438,32 @@ fn n3_the_log_of_a_companion_has_the_banks_that_it_commanded() {
             heartbeat.extend([1, 3, 128 + 1, 4, 3]);
             body(time_us, 0, 50, heartbeat);
         }
-        body(time_us, 30, 39, floats(&[0.0, -row[3] as f32, 0.0, (core::f64::consts::FRAC_PI_2 - row[4]) as f32, 0.0, 0.0, 0.0]));
-        body(time_us, 74, 20, floats(&[row[1] as f32, row[1] as f32, 100.0, (row[1] * row[5].sin()) as f32, 0.0]));
+        body(
+            time_us,
+            30,
+            39,
+            floats(&[
+                0.0,
+                -row[3] as f32,
+                0.0,
+                (core::f64::consts::FRAC_PI_2 - row[4]) as f32,
+                0.0,
+                0.0,
+                0.0,
+            ]),
+        );
+        body(
+            time_us,
+            74,
+            20,
+            floats(&[
+                row[1] as f32,
+                row[1] as f32,
+                100.0,
+                (row[1] * row[5].sin()) as f32,
+                0.0,
+            ]),
+        );
         if index % 10 == 0 {
             body(time_us, 62, 183, floats(&[99.0; 6]));
         }
@@ -410,10 +474,21 @@ fn n3_the_log_of_a_companion_has_the_banks_that_it_commanded() {
     }
     let log = parsed(&bytes).unwrap();
     let piece = &log.pieces[0];
-    assert!((piece.start_s - 1e9 - 10.0).abs() < 0.06, "{}", piece.start_s);
-    assert!((piece.len() as f64 * log.period_s - 20.0).abs() < 1.1, "{}", piece.len());
+    assert!(
+        (piece.start_s - 1e9 - 10.0).abs() < 0.06,
+        "{}",
+        piece.start_s
+    );
+    assert!(
+        (piece.len() as f64 * log.period_s - 20.0).abs() < 1.1,
+        "{}",
+        piece.len()
+    );
     let at = 200;
     for (offset, bank) in piece.bank_command_rad.iter().take(300).enumerate() {
-        assert!((bank - rows[at + offset][2]).abs() < 1e-2, "{offset}: {bank}");
+        assert!(
+            (bank - rows[at + offset][2]).abs() < 1e-2,
+            "{offset}: {bank}"
+        );
     }
 }

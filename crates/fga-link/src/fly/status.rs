@@ -3,7 +3,7 @@
 
 use alloc::sync::Arc;
 use core::time::Duration;
-use std::io::{self, Write as _};
+use std::io::{self, IsTerminal as _, Write as _};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::time::Instant;
 
@@ -11,6 +11,8 @@ use super::shared::{Shared, spawn};
 
 /// Interval between lines.
 const EVERY: Duration = Duration::from_millis(500);
+/// Interval between lines that are kept.
+const EVERY_LINE: Duration = Duration::from_secs(10);
 /// Longest wait for the terminal at the end of a flight.
 const LAST_WORDS: Duration = Duration::from_millis(200);
 
@@ -27,11 +29,21 @@ impl Status {
             // One line waits: an older one is useless.
             let (to, lines) = sync_channel::<String>(1);
             spawn(shared, "fga-status", move |_| {
+                // Control codes are for terminals alone; a file or a pipe gets a line now and then.
+                let is_terminal = io::stderr().is_terminal();
+                let mut written: Option<Instant> = None;
                 while let Ok(line) = lines.recv() {
                     // Without a reader there is nobody to report to.
-                    let _ = write!(io::stderr(), "\r\x1b[K{line}");
+                    if is_terminal {
+                        let _ = write!(io::stderr(), "\r\x1b[K{line}");
+                    } else if written.is_none_or(|written| written.elapsed() >= EVERY_LINE) {
+                        written = Some(Instant::now());
+                        let _ = writeln!(io::stderr(), "{line}");
+                    }
                 }
-                let _ = writeln!(io::stderr());
+                if is_terminal {
+                    let _ = writeln!(io::stderr());
+                }
             })?;
             Some(to)
         } else {
