@@ -34,7 +34,7 @@ pub(crate) struct ReportArgs {
 /// Folder of the replays beside the page.
 const REPLAYS: &str = "worst";
 
-/// Most changes into or out of avoiding in a calm flight.
+/// Most turns from away to back, or the reverse, in a calm flight.
 const RESTLESS: f64 = 3.0;
 
 /// Writes `report.html` and the replays of the worst encounters.

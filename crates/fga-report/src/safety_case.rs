@@ -320,7 +320,7 @@ impl SafetyCase {
             title: "What it costs".into(),
             blocks: vec![Block::Table(Table {
                 caption: "Needless: acted though the encounter stays well clear (ASTM F3442) without it. \
-                    Restless: changed into or out of avoiding more than three times. \
+                    Restless: the track turned from away to back, or the reverse, more than three times. \
                     Not back: acted and was not back on its mission when the flight ended. \
                     Departures and times are those of encounters in which it acted."
                     .into(),

@@ -120,11 +120,17 @@ impl Identified {
         let angle_deg = |speed_mps: Option<f64>| {
             speed_mps.map(|speed_mps| libm::asin((speed_mps / airspeed_mps).min(1.0)).to_degrees())
         };
-        let least = |a: Option<f64>, b: Option<f64>| a.unwrap_or(infinite).min(b.unwrap_or(infinite));
-        let climb_deg = least(angle_deg(limits.climb_mps), limits.pitch_max_rad.map(f64::to_degrees));
+        let least =
+            |a: Option<f64>, b: Option<f64>| a.unwrap_or(infinite).min(b.unwrap_or(infinite));
+        let climb_deg = least(
+            angle_deg(limits.climb_mps),
+            limits.pitch_max_rad.map(f64::to_degrees),
+        );
         let sink_deg = least(
             angle_deg(limits.sink_mps),
-            limits.pitch_min_rad.map(|pitch_rad| -pitch_rad.to_degrees()),
+            limits
+                .pitch_min_rad
+                .map(|pitch_rad| -pitch_rad.to_degrees()),
         );
         self.climb_max_deg = self.climb_max_deg.within(0.0, climb_deg.max(0.0));
         self.climb_min_deg = self.climb_min_deg.within(-sink_deg.max(0.0), 0.0);

@@ -359,3 +359,43 @@ fn wrong_usage_is_code_1_and_help_is_code_0() {
         Some(0)
     );
 }
+
+/// Seen too late for its way round, the disc is refused before anything is flown or written.
+#[test]
+fn d8_circle_refuses_before_the_flight_what_it_cannot_keep() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = MAST.replace(
+        "position_m = [300, 5, 100]",
+        "position_m = [300, 5, 100]\nradius_m = 280.0",
+    );
+    fs::write(folder.path().join("disc.toml"), text).unwrap();
+    let arguments = ["run", "disc.toml", "--policy", "circle"];
+    let output = fga_in(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(1));
+    let said = errors(&output);
+    let expected = "fga: disc.toml: policy circle cannot keep 280 m from mast: it begins ";
+    assert!(said.starts_with(expected), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(!folder.path().join("out").exists());
+}
+
+/// Two waypoints that the flight never came near are missed, and the mission is not flown.
+#[test]
+fn d9_orca_missed_waypoints_of_the_first_flight() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = repository().join("scenarios/first-flight.toml");
+    let arguments = [
+        "run",
+        scenario.to_str().unwrap(),
+        "--policy",
+        "orca",
+        "--json",
+    ];
+    let summary = summary(&fga_in(folder.path(), &arguments));
+    assert_eq!(summary["mission_flown"], false, "{summary}");
+    assert!(
+        summary["waypoints_missed"].as_u64().unwrap() >= 2,
+        "{summary}"
+    );
+    assert!(summary["rejoined_s"].is_null(), "{summary}");
+}

@@ -1,6 +1,6 @@
 //! The circling policy keeps out of a sphere that it sees in time.
 
-use core::f64::consts::FRAC_PI_4;
+use core::f64::consts::{FRAC_PI_4, PI};
 
 use fga::Vec3;
 use fga::avoider::{Reason, State};
@@ -269,5 +269,28 @@ proptest! {
         prop_assert!(least_m > radius_m - 0.02, "{least_m} of {radius_m}");
         let off_m = (flight.own.position_m - start).dot(north);
         prop_assert!(off_m.abs() < 1.0, "not back: {off_m}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// Any wind up to 0.8 of the airspeed, any radius, any place of the disc across the track.
+    #[test]
+    fn d8_any_wind_any_radius_any_place(
+        lagged in prop::bool::ANY, radius_m in 25.0..320.0f64, share in -0.99..0.99f64,
+        strength in 0.0..0.8f64, from in -PI..PI, seen_m in 250.0..850.0f64,
+    ) {
+        let vehicle = if lagged { rascal() } else { planar() };
+        let wind_mps = Vec3::new(from.cos(), from.sin(), 0.0) * strength * vehicle.airspeed_mps;
+        let disc = (radius_m, share * radius_m);
+        let (least_m, said, flight) = fly_past(vehicle, disc, wind_mps, seen_m);
+        let begun = said.iter().any(|(state, _)| *state == State::Avoiding);
+        let told = said.contains(&(State::Threatened, Reason::BestAvailable));
+        prop_assert!(begun != told, "neither or both: {said:?}");
+        if begun {
+            prop_assert!(least_m >= radius_m, "{least_m} m");
+            prop_assert!(flight.own.position_m.y.abs() < 5.0, "not back: {}", flight.own.position_m.y);
+        }
     }
 }

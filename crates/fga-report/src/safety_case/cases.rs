@@ -73,7 +73,7 @@ pub struct PolicyCase {
     pub needless: u64,
     /// Nominally well clear.
     pub clear: u64,
-    /// Changed into or out of avoiding more than three times.
+    /// The track turned from going away to coming back, or the reverse, more than three times.
     pub restless: u64,
     /// Acted, and not back on its mission at the end.
     pub not_back: u64,

@@ -12,11 +12,15 @@ use fga_alerts::{Aircraft, AircraftId, Monitor, State, schemes};
 
 use super::metrics::Metrics;
 use crate::engine::{Observer, Sample};
+use crate::progress::MissionProgress;
 use crate::track::Track;
 use crate::world::World;
 
 /// Time between two evaluations of the alerts, seconds.
 const ALERT_STEP_S: f64 = 1.0;
+
+/// A track that turns by less from away to back, or the reverse, has not turned, metres.
+const TURNED_M: f64 = 10.0;
 
 /// Levels of DO-365B.
 const CORRECTIVE: usize = 2;
@@ -28,8 +32,6 @@ pub(super) struct Flown {
     path: Vec<(f64, Vec3)>,
     /// When the aircraft left the recording, seconds.
     left_s: Option<f64>,
-    changes: u32,
-    last: FlightState,
 }
 
 impl Flown {
@@ -37,8 +39,6 @@ impl Flown {
     pub(super) fn clear(&mut self) {
         self.path.clear();
         self.left_s = None;
-        self.changes = 0;
-        self.last = FlightState::Cruise;
     }
 }
 
@@ -47,14 +47,47 @@ impl Observer for Flown {
         if sample.state == FlightState::Avoiding && self.left_s.is_none() {
             self.left_s = Some(sample.time_s);
         }
-        let (was, is) = (
-            self.last == FlightState::Avoiding,
-            sample.state == FlightState::Avoiding,
-        );
-        self.changes += u32::from(was != is);
-        self.last = sample.state;
         self.path.push((sample.time_s, sample.position_m));
     }
+}
+
+/// How often the flown track turns from going away from its line to coming back, or the reverse, by more than
+/// [`TURNED_M`]: what a policy says of itself does not count.
+fn changes(world: &World, flown: &Flown) -> u32 {
+    let Some(left_s) = flown.left_s else {
+        return 0;
+    };
+    let mut progress = MissionProgress::of(world);
+    let nexts = flown.path.iter().skip(1).chain(flown.path.last());
+    let beside_m =
+        flown
+            .path
+            .iter()
+            .zip(nexts)
+            .filter_map(|(&(time_s, at_m), &(next_s, next_m))| {
+                let velocity_mps = || (next_m - at_m) / (next_s - time_s).max(1e-9);
+                progress.follow(time_s, at_m, None, velocity_mps);
+                (time_s >= left_s).then(|| progress.cross_track_m())
+            });
+    turns(beside_m)
+}
+
+/// How often a distance turns from growing to shrinking, or the reverse, by more than [`TURNED_M`].
+fn turns(distances_m: impl Iterator<Item = f64>) -> u32 {
+    let (mut turns, mut grows, mut extreme_m) = (0, false, 0.0_f64);
+    for distance_m in distances_m {
+        let turned_m = if grows {
+            extreme_m - distance_m
+        } else {
+            distance_m - extreme_m
+        };
+        if turned_m > TURNED_M {
+            (turns, grows, extreme_m) = (turns + 1, !grows, distance_m);
+        } else if turned_m < 0.0 {
+            extreme_m = distance_m;
+        }
+    }
+    turns
 }
 
 /// The result against one intruder.
@@ -117,7 +150,7 @@ impl Judge {
         let Some(own) = &world.recorded else {
             return;
         };
-        metrics.changes = Some(f64::from(flown.changes));
+        metrics.changes = Some(f64::from(changes(world, flown)));
         // While the aircraft follows the recording, the rows give its position.
         let Some(left_s) = flown.left_s else {
             metrics.nmac = metrics.nominal_nmac;
@@ -383,6 +416,15 @@ fn geometry(metrics: &mut Metrics, own: &Track, intruder: &Track, cpa_s: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Away and back are two; a wobble below 10 m is none, whatever a policy calls its state.
+    #[test]
+    fn d9_changes_follow_from_the_track() {
+        let of = |distances_m: &[f64]| turns(distances_m.iter().copied());
+        assert_eq!(of(&[0.0, 4.0, 0.0, 9.0, 1.0]), 0);
+        assert_eq!(of(&[0.0, 30.0, 90.0, 85.0, 120.0, 40.0, 0.0, 5.0]), 2);
+        assert_eq!(of(&[0.0, 90.0, 70.0, 95.0, 60.0, 100.0, 0.0]), 6);
+    }
 
     /// Past each other 100 m aside at 100 m/s; the other one climbs at 10 m/s and is level at the closest approach. 1,000 m before, and with
     /// samples 20 s apart, the least is between them: 100 / 152.4, for the vertical one is smaller there.

@@ -65,7 +65,7 @@ metrics! {
     corrective_s: Real, "first corrective alert of DO-365B en route before that time, without avoidance; the lead before it, s";
     warning_s: Real, "first warning alert, in the same way; the lead, s";
     action_s: Real, "first maneuver; the lead before the closest approach without avoidance, s (negative after it)";
-    changes: Real, "times that the aircraft changed into or out of avoiding";
+    changes: Real, "times that the track turned from going away from its line to coming back, or the reverse";
     ownship_mps: Real, "speed over the ground of the ownship at the closest approach without avoidance, m/s";
     intruder_mps: Real, "speed over the ground of the intruder there, m/s";
     closing_mps: Real, "relative speed there, m/s";
