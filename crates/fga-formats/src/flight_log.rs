@@ -5,7 +5,7 @@
 //! | CSV | any other text | the columns `t_s, airspeed_mps, bank_command_rad, bank_rad, course_rad, climb_rad` |
 //! | telemetry log (`.tlog`) | a time of 8 bytes before a MAVLink frame | `ATTITUDE`, `VFR_HUD`, `NAV_CONTROLLER_OUTPUT` or `SET_ATTITUDE_TARGET` |
 //! | dataflash log (`.bin`) | begins with the bytes A3 95 | `ATT`, `ARSP` or `CTUN`, `XKF1` or `NKF1` |
-//! | ULog of PX4 (`.ulg`) | begins with `ULog` | refused by name |
+//! | `ULog` of PX4 (`.ulg`) | begins with `ULog` | refused by name |
 //!
 //! A file that is compressed with gzip is read as what it holds. The signals of a log have rates of their
 //! own; they are brought to one steady rate, and split where one of them has a gap or the aircraft does not fly. Where a

@@ -3,10 +3,10 @@
 //!
 //! Source: ArduPlane's mode numbers and the commands of the message set `common` of MAVLink.
 
-/// CIRCLE, FBWB, CRUISE, AUTO, RTL, LOITER, AVOID_ADSB, GUIDED and THERMAL: a guidance loop holds height and airspeed.
+/// CIRCLE, FBWB, CRUISE, AUTO, RTL, LOITER, `AVOID_ADSB`, GUIDED and THERMAL: a guidance loop holds height and airspeed.
 const MODES: [u32; 9] = [1, 6, 7, 10, 11, 12, 14, 15, 24];
 const AUTO: u32 = 10;
-/// NAV_LAND, NAV_TAKEOFF, NAV_VTOL_TAKEOFF and NAV_VTOL_LAND.
+/// `NAV_LAND`, `NAV_TAKEOFF`, `NAV_VTOL_TAKEOFF` and `NAV_VTOL_LAND`.
 const TAKE_OFF_OR_LAND: [u32; 4] = [21, 22, 84, 85];
 
 /// What an avoider would fly of a log.
@@ -48,7 +48,9 @@ impl Phases {
         words.extend(commands.map(|(time_s, command)| (time_s, Word::Command(command))));
         words.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut all = Self::default();
-        words.into_iter().for_each(|word| all.take(word));
+        for word in words {
+            all.take(word);
+        }
         all
     }
 
