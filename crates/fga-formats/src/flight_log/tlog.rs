@@ -250,7 +250,8 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     let ((system, _), mut heard) = most.unwrap_or_default();
     // A companion that commands the attitude does so often; the vehicle's own word of it may be slow.
     let mut source = "NAV_CONTROLLER_OUTPUT.nav_roll";
-    if !heard.command.is_fast()
+    if heard.bank.is_fast()
+        && !heard.command.is_fast()
         && let Some(sent) = commanded.remove(&system)
     {
         (heard.command, source) = (sent, "SET_ATTITUDE_TARGET.q");
