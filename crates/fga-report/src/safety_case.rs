@@ -127,16 +127,16 @@ impl SafetyCase {
             .iter()
             .filter(|policy| policy.policy != WITHOUT);
         let policies: Vec<&PolicyCase> = policies.collect();
-        let losses: [(&str, &[Threshold], fn(&PolicyCase) -> &Lost); 2] = [
-            ("NMAC", &NMAC_THRESHOLDS, |policy| &policy.nmac),
-            ("LoWC", &LOWC_THRESHOLDS, |policy| &policy.lowc),
+        let losses = [
+            ("NMAC", &NMAC_THRESHOLDS[..]),
+            ("LoWC", &LOWC_THRESHOLDS[..]),
         ];
         let mut met = Vec::new();
-        for (loss, thresholds, of) in losses {
+        for (place, (loss, thresholds)) in losses.into_iter().enumerate() {
             for threshold in thresholds {
                 let meets = |policy: &&PolicyCase| {
-                    of(policy)
-                        .ratio
+                    let lost = [&policy.nmac, &policy.lowc][place];
+                    lost.ratio
                         .is_some_and(|ratio| verdict(&ratio, threshold) == "met")
                 };
                 if policies.iter().all(meets) {
