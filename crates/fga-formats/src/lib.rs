@@ -21,6 +21,7 @@
 //! | [`atomic`] | how does a file become complete or stay absent? |
 //! | [`number`] | how does a number become the same text on every machine? |
 //! | [`error`] | what was wrong with an input, and where? |
+//! | [`tally`] | how much of an input was used, and why not the rest? |
 //!
 //! Local frame: x east, y north, z up, metres; times in seconds. See the crate `fga`.
 #![forbid(unsafe_code)]
@@ -57,6 +58,7 @@ pub mod geodesy;
 mod gzip;
 pub mod number;
 pub mod recordings;
+pub mod tally;
 pub mod traffic;
 pub mod units;
 pub mod words;

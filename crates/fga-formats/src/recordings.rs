@@ -4,19 +4,29 @@
 //! |---|---|---|
 //! | `.daa` of DAIDALUS; pairing files of MIT-LL (`NAME, east, north, alt, …`) | a line of column names | one |
 //! | DEGAS of MIT-LL | a first line `# xE1,xE2,…` | one |
-//! | BaseStation lines (SBS), with or without a recorder's nanoseconds before them | lines with `MSG,` | one for each close pair |
-//! | state vectors in JSON, a list of objects or an object of columns | `[` or `{` | one for each close pair |
+//! | BaseStation lines (SBS), with or without a recorder's nanoseconds before them | lines with `MSG,` or `MLAT,` | one for each close pair |
+//! | state vectors in JSON: a list of objects, columns, `aircraft` of readsb, `states` of OpenSky | `[` or `{` | one for each close pair |
 //!
 //! Files may be compressed (gzip). Two received tracks are a pair when they come close; see [`pairs`].
+//! Where a file holds one instant only, its aircraft fly straight on. Aircraft that say that they are on the ground are left
+//! out; so is what cannot be used, with a count by reason.
 
 mod degas;
 pub mod pairs;
 mod received;
+mod state_vectors;
 
 use crate::daa::{self, Recording};
 use crate::error::InputError;
 use crate::gzip;
+use crate::tally::Tally;
+use crate::traffic::sbs;
 use std::path::{Path, PathBuf};
+
+pub use received::{Heard, Received, ReceivedTrack};
+
+/// First lines that show what a file is: a recorder may begin anywhere.
+const LOOK_AT: usize = 1000;
 
 /// Endings of recordings, besides `.gz` after them.
 const ENDINGS: [&str; 6] = ["daa", "csv", "txt", "json", "sbs", "log"];
@@ -28,6 +38,26 @@ pub struct Named {
     pub name: String,
     /// The aircraft; the first is the ownship.
     pub recording: Recording,
+}
+
+/// The encounters of a file.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Encounters {
+    /// The encounters.
+    pub named: Vec<Named>,
+    /// What became of the file's lines, rows or state vectors.
+    pub tally: Tally,
+}
+
+/// The content of a file of any kind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Content {
+    /// Lines of BaseStation, as text: [`sbs::Log`] reads them.
+    Lines(String),
+    /// State vectors.
+    States(Received),
+    /// One encounter.
+    Recording(Recording),
 }
 
 /// The recordings of a folder by their endings, sorted by name; a file stands for itself.
@@ -75,40 +105,67 @@ fn has_known_ending(path: &Path) -> bool {
 ///
 /// # Errors
 /// A file that is unreadable or no recording; fewer than two aircraft; no two that come close.
-pub fn read(path: &Path) -> Result<Vec<Named>, InputError> {
-    let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
-    parse(&bytes, path)
+pub fn read(path: &Path) -> Result<Encounters, InputError> {
+    parse(&bytes_of(path)?, path)
+}
+
+/// Reads a file of any kind.
+///
+/// # Errors
+/// A file that is unreadable or no recording.
+pub fn read_content(path: &Path) -> Result<Content, InputError> {
+    content(&bytes_of(path)?, path)
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
+    std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))
 }
 
 /// Reads the encounters in the bytes of a file; errors name it `path`. See [`read`].
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<Named>, InputError> {
-    let text = text_of(bytes, path)?;
-    let text = text.as_str();
+pub fn parse(bytes: &[u8], path: &Path) -> Result<Encounters, InputError> {
     let name = name_of(path);
-    let one = |recording: Recording| {
-        if recording.aircraft.len() < 2 {
-            return Err(InputError::in_file(
-                path,
-                "holds one aircraft only, expected the ownship and at least one more",
-            ));
+    let recording = match content(bytes, path)? {
+        Content::Lines(text) => {
+            let received = received::from_sbs(text.as_bytes()).carried_on();
+            return pairs::close_pairs(&received, "lines", &name, path);
         }
-        let name = name.clone();
-        Ok(vec![Named { name, recording }])
+        Content::States(states) => {
+            return pairs::close_pairs(&states.carried_on(), "state vectors", &name, path);
+        }
+        Content::Recording(recording) => recording,
     };
+    if recording.aircraft.len() < 2 {
+        return Err(InputError::in_file(
+            path,
+            "holds one aircraft only, expected the ownship and at least one more",
+        ));
+    }
+    let tally = recording.tally;
+    let named = vec![Named { name, recording }];
+    Ok(Encounters { named, tally })
+}
+
+fn content(bytes: &[u8], path: &Path) -> Result<Content, InputError> {
+    let text = text_of(bytes, path)?;
     let begin = text.trim_start();
     if begin.starts_with(['[', '{']) {
-        return pairs::close_pairs(&received::from_json(begin, path)?, &name, path);
+        return state_vectors::parse(begin, path).map(Content::States);
     }
     if degas::is_degas(begin) {
-        return one(degas::parse(text, path)?);
+        return degas::parse(&text, path).map(Content::Recording);
     }
-    if begin.lines().take(50).any(received::is_message) {
-        return pairs::close_pairs(&received::from_sbs(text), &name, path);
+    if has_messages(begin) {
+        return Ok(Content::Lines(text));
     }
-    one(daa::parse(text, path)?)
+    daa::parse(&text, path).map(Content::Recording)
+}
+
+/// Whether the first lines hold one of BaseStation.
+fn has_messages(text: &str) -> bool {
+    text.lines().take(LOOK_AT).any(sbs::is_message)
 }
 
 /// Whether the bytes of a file are those of a recording, and not a table of encounters around a line:
@@ -135,7 +192,7 @@ pub fn is_recording(bytes: &[u8], path: &Path) -> bool {
     };
     !has(&["encounter", "obstacle", "radius_m"])
         && (has(&["time", "tm", "st", "clock"])
-            || begin.lines().take(50).any(received::is_message)
+            || has_messages(begin)
             || path.extension().is_none_or(|ending| ending != "csv"))
 }
 

@@ -64,6 +64,7 @@ pub(crate) fn fly(
         recordings: Vec::new(),
         models: Vec::new(),
         damaged: Vec::new(),
+        tally: fga_formats::tally::Tally::default(),
         sensors: Vec::new(),
         vehicle: planar.then(|| PLANAR_VEHICLE.into()),
         vehicle_sha256: String::new(),

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use fga_formats::InputError;
 use fga_formats::daa::Recording;
 use fga_formats::encounters::{self, Encounter};
-use fga_formats::recordings::{self, Named};
+use fga_formats::recordings::{self, Encounters};
 
 pub use tables::{ROW_COLUMNS, TRACK_COLUMNS, TableWriter};
 
@@ -173,7 +173,7 @@ pub fn files_of(path: &Path) -> Result<Vec<PathBuf>, InputError> {
 ///
 /// # Errors
 /// A file that is none, or holds none that can be used.
-pub fn recordings_in(bytes: &[u8], path: &Path) -> Result<Vec<Named>, InputError> {
+pub fn recordings_in(bytes: &[u8], path: &Path) -> Result<Encounters, InputError> {
     if columns::is_parquet(bytes) {
         return read::tracks(bytes.to_vec(), path);
     }
@@ -219,6 +219,7 @@ mod tests {
     fn an_origin_is_read_back_and_wrong_numbers_are_refused() {
         let mut recording = Recording {
             aircraft: Vec::new(),
+            tally: fga_formats::tally::Tally::default(),
             frame: None,
             parameters: vec![("fga_weight".into(), "-1".into())],
         };

@@ -39,6 +39,7 @@ pub mod ahead;
 pub mod baselines;
 pub mod batch;
 pub mod campaign;
+mod corrupt;
 pub mod drawn;
 pub mod encounters;
 pub mod engine;

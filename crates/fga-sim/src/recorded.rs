@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use fga_formats::InputError;
 use fga_formats::daa::Recording;
 use fga_formats::recordings::Named;
+use fga_formats::tally::Tally;
 use serde::{Deserialize, Serialize};
 
 use crate::drawn::{self, Origin};
@@ -34,6 +35,8 @@ pub struct Found {
     pub sources: Vec<RecordingSource>,
     /// The faults of the others, one sentence each.
     pub damaged: Vec<String>,
+    /// What became of the lines and rows of the usable files.
+    pub tally: Tally,
 }
 
 /// Searches folders and files for recordings; reads each completely and tries it as a flight.
@@ -50,7 +53,10 @@ pub fn find(paths: &[PathBuf], model: &VehicleModel) -> Result<Found, InputError
             .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         for file in drawn::files_of(path)? {
             match look_at(&file, &source, model) {
-                Ok(usable) => found.sources.push(usable),
+                Ok((usable, tally)) => {
+                    found.sources.push(usable);
+                    found.tally += tally;
+                }
                 Err(error) => errors.push(error),
             }
         }
@@ -73,9 +79,14 @@ pub fn find(paths: &[PathBuf], model: &VehicleModel) -> Result<Found, InputError
 }
 
 /// A usable file in its present state.
-fn look_at(path: &Path, source: &str, model: &VehicleModel) -> Result<RecordingSource, InputError> {
+fn look_at(
+    path: &Path,
+    source: &str,
+    model: &VehicleModel,
+) -> Result<(RecordingSource, Tally), InputError> {
     let bytes = std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
-    let encounters = drawn::recordings_in(&bytes, path)?;
+    let read = drawn::recordings_in(&bytes, path)?;
+    let encounters = read.named;
     for named in &encounters {
         let wrong = |message: String| match encounters.len() {
             1 => InputError::in_file(path, message),
@@ -84,12 +95,13 @@ fn look_at(path: &Path, source: &str, model: &VehicleModel) -> Result<RecordingS
         plan_of(&named.recording, &named.name, model).map_err(wrong)?;
         Origin::of(&named.recording).map_err(wrong)?;
     }
-    Ok(RecordingSource {
+    let usable = RecordingSource {
         path: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()),
         sha256: fingerprint(&bytes),
         encounters: encounters.len() as u64,
         source: source.to_owned(),
-    })
+    };
+    Ok((usable, read.tally))
 }
 
 /// A recorded or drawn encounter as a flight.
@@ -203,7 +215,7 @@ fn read(source: &RecordingSource) -> Result<Vec<Named>, InputError> {
     if fingerprint(&bytes) != source.sha256 {
         return Err(changed(source));
     }
-    drawn::recordings_in(&bytes, &source.path)
+    Ok(drawn::recordings_in(&bytes, &source.path)?.named)
 }
 
 fn changed(source: &RecordingSource) -> InputError {

@@ -8,7 +8,7 @@ use fga_alerts::volume::{
     Advisory, Cylinder, DeviationFactors, HorizontalTime, Sensitivity, UncertainWellClear,
     VerticalTime, Volume, WellClear,
 };
-use fga_alerts::{AlertLevel, Alerter, PerManeuver, Region, Settings};
+use fga_alerts::{AlertLevel, Alerter, PerManeuver, Region, Settings, TerminalGuidance};
 
 /// The most levels of an alerter.
 const MOST_LEVELS: usize = 100;
@@ -48,6 +48,10 @@ pub(super) fn read(entries: &mut Entries, settings: &mut Settings) -> Result<(),
         }
     }
     let count = settings.alerters.len();
+    // Without guidance in the terminal area nothing uses the alerter.
+    if settings.terminal.guidance == TerminalGuidance::Off {
+        settings.terminal.alerter = settings.terminal.alerter.filter(|index| *index < count);
+    }
     if settings
         .terminal
         .alerter

@@ -4,6 +4,7 @@ use super::columns::{Layout, PositionColumns, VelocityColumns, fields};
 use super::extras::Extras;
 use super::rows::Rows;
 use crate::error::InputError;
+use crate::tally::Tally;
 use fga_alerts::Deviation;
 use glam::DVec3;
 use std::path::Path;
@@ -102,6 +103,8 @@ pub struct Instants {
     pub is_geodetic: bool,
     /// The times, increasing.
     pub instants: Vec<Instant>,
+    /// What became of the rows of the file.
+    pub tally: Tally,
 }
 
 /// Reads a recording time by time.
@@ -162,7 +165,11 @@ pub fn parse(text: &str, path: &Path) -> Result<Instants, InputError> {
     let mut instants: Vec<Instant> = Vec::new();
     for (time_s, report) in found {
         match instants.last_mut() {
-            Some(instant) if instant.time_s == time_s => instant.reports.push(report),
+            Some(instant) if instant.time_s == time_s => match instant.reports.last_mut() {
+                // The last row of a time stands.
+                Some(before) if before.aircraft == report.aircraft => *before = report,
+                _ => instant.reports.push(report),
+            },
             _ => instants.push(Instant {
                 time_s,
                 reports: vec![report],
@@ -170,6 +177,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Instants, InputError> {
         }
     }
     Ok(Instants {
+        tally: rows.tally,
         names: rows.aircraft.into_iter().map(|track| track.name).collect(),
         is_geodetic: matches!(layout.position, PositionColumns::Geodetic(_)),
         instants,

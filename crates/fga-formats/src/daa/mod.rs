@@ -25,7 +25,8 @@
 //!
 //! Other columns are ignored. A name `"` repeats the previous one. The first aircraft of the file is
 //! the ownship; any aircraft may be missing at some times. Rows of one aircraft are in time order;
-//! rows of different aircraft may come in any order.
+//! rows of different aircraft may come in any order. Of several rows of one aircraft and time the last stands, as in
+//! DAIDALUS; the others are left out and counted.
 //!
 //! [`Earth::Daidalus`] maps latitudes and longitudes to the local frame, from the ownship's first
 //! position (altitude included), because DAIDALUS measures separations that way. The frame is fixed, so
@@ -44,6 +45,7 @@ mod write;
 use crate::error::InputError;
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
 use crate::recordings::text_of;
+use crate::tally::Tally;
 use columns::Layout;
 use extras::Extras;
 use fga_alerts::Deviation;
@@ -62,6 +64,8 @@ pub struct Recording {
     pub frame: Option<LocalFrame>,
     /// The `key = value` lines before the column names, keys in lower case.
     pub parameters: Vec<(String, String)>,
+    /// What became of the rows of its file.
+    pub tally: Tally,
 }
 
 /// The recorded flight of one aircraft.
@@ -185,7 +189,7 @@ impl Track {
 /// # Errors
 /// An unreadable file; a missing or doubled column; an unknown unit or a unit of another quantity; a
 /// row with too few or too many fields; a field that is not a finite number or far out of range; a deviation
-/// without a unit; a deviation or airspeed that is negative; a time that goes back or repeats for one aircraft;
+/// without a unit; a deviation or airspeed that is negative; a time that goes back for one aircraft;
 /// no rows.
 pub fn read(path: &Path) -> Result<Recording, InputError> {
     parse(&text(path)?, path)
@@ -255,5 +259,6 @@ pub fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
         aircraft: rows.aircraft,
         frame: rows.frame,
         parameters,
+        tally: rows.tally,
     })
 }

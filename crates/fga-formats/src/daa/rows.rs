@@ -5,6 +5,7 @@ use super::extras::Extras;
 use super::{Track, TrackSample};
 use crate::error::shown;
 use crate::geodesy::{Earth, Geodetic, LocalFrame, course_from_compass_rad};
+use crate::tally::{LeftOut, Tally};
 use crate::units::DEGREE_RAD;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -25,6 +26,7 @@ pub(super) struct Rows<'a> {
     pub(super) frame: Option<LocalFrame>,
     index_of: HashMap<String, usize>,
     pub(super) last: Option<usize>,
+    pub(super) tally: Tally,
 }
 
 impl<'a> Rows<'a> {
@@ -36,6 +38,7 @@ impl<'a> Rows<'a> {
             frame: None,
             index_of: HashMap::new(),
             last: None,
+            tally: Tally::default(),
         }
     }
 
@@ -75,18 +78,18 @@ impl<'a> Rows<'a> {
         let Some(track) = self.aircraft.get_mut(index) else {
             return Ok(());
         };
+        self.tally.used += 1;
         if let Some(last) = track.samples.last() {
-            let name = shown(&track.name);
-            if time_s == last.time_s {
-                return Err(format!(
-                    "aircraft {name} has a second row at {time_s} s, expected one for each time"
-                ));
-            }
             if time_s < last.time_s {
                 return Err(format!(
-                    "the time of aircraft {name} goes back from {} s to {time_s} s, expected it to grow",
+                    "the time of aircraft {} goes back from {} s to {time_s} s, expected it to grow",
+                    shown(&track.name),
                     last.time_s
                 ));
+            }
+            if time_s == last.time_s {
+                track.samples.pop();
+                self.tally.refuse(LeftOut::SameTime);
             }
         }
         track.samples.push(TrackSample {

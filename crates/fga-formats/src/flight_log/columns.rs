@@ -5,6 +5,7 @@ use std::path::Path;
 use super::COLUMNS;
 use super::series::Signals;
 use crate::error::{InputError, shown};
+use crate::tally::Tally;
 
 const FEWEST_ROWS: usize = 50;
 
@@ -102,6 +103,7 @@ pub(super) fn of(columns: &[Vec<f64>; 6]) -> Result<Signals, String> {
     }
     let mut signals = Signals {
         sources: ["a column"; 5],
+        tally: Tally::all_used(count as u64),
         ..Signals::default()
     };
     let Signals {

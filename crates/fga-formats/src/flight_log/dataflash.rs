@@ -7,6 +7,7 @@ use std::collections::HashMap;
 
 use super::phases::{Limits, Phases};
 use super::series::{Series, Signals};
+use crate::tally::{LeftOut, Tally};
 
 const HEAD: [u8; 2] = [0xa3, 0x95];
 const FORMAT_KIND: u8 = 128;
@@ -145,7 +146,8 @@ fn whole(value: f64) -> u32 {
 }
 
 impl Choices {
-    fn take(&mut self, format: &Format, message: &[u8]) -> Option<()> {
+    /// Takes a message; `None` if it lacks a field.
+    fn take(&mut self, format: &Format, message: &[u8]) -> Option<Result<(), LeftOut>> {
         let field = |name: &str| format.number(message, name);
         // Instance 0 of sensors and filters, where there are several.
         let is_first = ["I", "C", "Instance"]
@@ -185,9 +187,9 @@ impl Choices {
             }
             "XKF1" if is_first => self.descent[0].push(time_s()?, field("VD")?),
             "NKF1" if is_first => self.descent[1].push(time_s()?, field("VD")?),
-            _ => {}
+            _ => return Some(Err(LeftOut::NotNeeded)),
         }
-        Some(())
+        Some(Ok(()))
     }
 }
 
@@ -207,38 +209,55 @@ impl Choices {
     }
 }
 
+/// The message at the beginning of some bytes and its kind; `None` where there is no whole one of a known kind.
+fn message_of<'a>(rest: &'a [u8], formats: &HashMap<u8, Format>) -> Option<(u8, &'a [u8])> {
+    let kind = *rest.get(2).filter(|_| rest.starts_with(&HEAD))?;
+    let length = if kind == FORMAT_KIND {
+        Format::of(rest.get(..FORMAT_LENGTH)?)?;
+        FORMAT_LENGTH
+    } else {
+        formats.get(&kind)?.length
+    };
+    // A shorter length would end nowhere.
+    Some((kind, rest.get(..length.max(HEAD.len() + 1))?))
+}
+
 /// Reads the signals of a log and skips damaged parts.
 pub(super) fn signals(bytes: &[u8]) -> Signals {
     let mut formats: HashMap<u8, Format> = HashMap::new();
     let mut choices = Choices::default();
+    let mut tally = Tally::default();
+    let mut is_damaged = false;
     let mut at = 0;
-    while let Some(rest) = bytes.get(at..) {
-        let Some(&kind) = rest.get(2) else {
-            break;
-        };
-        if !rest.starts_with(&HEAD) {
-            at += 1;
-            continue;
-        }
-        if kind == FORMAT_KIND {
-            if let Some((described, format)) = rest.get(..FORMAT_LENGTH).and_then(Format::of) {
+    while let Some(rest) = bytes.get(at..).filter(|rest| !rest.is_empty()) {
+        let taken = message_of(rest, &formats).map(|(kind, message)| {
+            at += message.len();
+            if kind == FORMAT_KIND {
+                let (described, format) = Format::of(message).ok_or(LeftOut::UnreadableField)?;
                 formats.insert(described, format);
-                at += FORMAT_LENGTH;
-            } else {
+                return Ok(());
+            }
+            let format = formats.get(&kind).ok_or(LeftOut::UnknownKind)?;
+            choices
+                .take(format, message)
+                .unwrap_or(Err(LeftOut::UnreadableField))
+        });
+        match taken {
+            Some(result) => {
+                // The bytes up to the next message were one part.
+                if core::mem::take(&mut is_damaged) {
+                    tally.leave_out(LeftOut::UnknownKind);
+                }
+                tally.take(&result);
+            }
+            None => {
+                is_damaged = true;
                 at += 1;
             }
-            continue;
         }
-        let Some(format) = formats.get(&kind).filter(|format| format.length >= 3) else {
-            at += 1;
-            continue;
-        };
-        let Some(message) = rest.get(..format.length) else {
-            break;
-        };
-        // A message that lacks a field says nothing.
-        let _ = choices.take(format, message);
-        at += format.length;
+    }
+    if is_damaged {
+        tally.leave_out(LeftOut::CutShort);
     }
     let first = |choices: [Series; 2]| {
         let [first, second] = choices;
@@ -279,5 +298,6 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
             "ATT.Yaw",
             "XKF1.VD or NKF1.VD",
         ],
+        tally,
     }
 }

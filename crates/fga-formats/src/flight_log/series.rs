@@ -3,6 +3,7 @@
 use core::f64::consts::{PI, TAU};
 
 use super::phases::{Limits, Phases};
+use crate::tally::Tally;
 
 /// Longest time between two samples of the bank and its command, seconds.
 const SLOWEST_BANK_S: f64 = 0.25;
@@ -142,6 +143,8 @@ pub(super) struct Signals {
     pub(super) limits: Limits,
     /// What holds each signal in files of this kind, in the order of the fields.
     pub(super) sources: [&'static str; 5],
+    /// What became of the messages or rows.
+    pub(super) tally: Tally,
 }
 
 /// A part of a log in which the aircraft flies and every signal is there, at a steady rate.
@@ -182,6 +185,8 @@ pub struct FlightLog {
     pub limits: Limits,
     /// The pieces in order of time; there is at least one.
     pub pieces: Vec<Piece>,
+    /// What became of the messages or rows of the file.
+    pub tally: Tally,
 }
 
 impl Signals {
@@ -260,6 +265,7 @@ impl Signals {
             period_s,
             limits: self.limits,
             pieces,
+            tally: self.tally,
         })
     }
 

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 
 use super::phases::{Limits, Phases};
 use super::series::{Series, Signals};
+use crate::tally::{LeftOut, Tally};
 
 const STAMP: usize = 8;
 const HEARTBEAT: u32 = 0;
@@ -196,12 +197,19 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     // What others command to a system, and the commands of its mission.
     let mut commanded: HashMap<u8, Series> = HashMap::new();
     let mut commands: HashMap<u16, u16> = HashMap::new();
+    let mut tally = Tally::default();
+    let mut is_damaged = false;
     let mut at = 0;
-    while let Some(rest) = bytes.get(at..).filter(|rest| rest.len() > STAMP) {
+    while let Some(rest) = bytes.get(at..).filter(|rest| !rest.is_empty()) {
         let Some(frame) = Frame::of(rest) else {
+            is_damaged = true;
             at += 1;
             continue;
         };
+        // The bytes up to the next whole frame were one part.
+        if core::mem::take(&mut is_damaged) {
+            tally.leave_out(LeftOut::WrongChecksum);
+        }
         let stamp = rest.get(..STAMP).and_then(|stamp| stamp.try_into().ok());
         #[expect(
             clippy::cast_precision_loss,
@@ -209,14 +217,19 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
         )]
         let time_s = u64::from_be_bytes(stamp.unwrap_or_default()) as f64 * 1e-6;
         if frame.message == SET_ATTITUDE_TARGET {
+            tally.used += 1;
             let bank_rad = commanded_bank_rad(&frame);
             commanded
                 .entry(frame.byte(36))
                 .or_default()
                 .push(time_s, bank_rad);
         } else if frame.message == MISSION_ITEM_INT {
+            tally.used += 1;
             commands.insert(frame.short(28), frame.short(30));
-        } else if known(frame.message).is_some() {
+        } else if known(frame.message).is_none() {
+            tally.leave_out(LeftOut::NotNeeded);
+        } else {
+            tally.used += 1;
             let heard = systems.entry((frame.system, frame.component)).or_default();
             match frame.message {
                 ATTITUDE => {
@@ -243,6 +256,9 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
             }
         }
         at += frame.length;
+    }
+    if is_damaged {
+        tally.leave_out(LeftOut::CutShort);
     }
     let most = systems
         .into_iter()
@@ -272,5 +288,6 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
             "ATTITUDE.yaw",
             "VFR_HUD.climb",
         ],
+        tally,
     }
 }

@@ -5,6 +5,7 @@
 
 use crate::daa::{Recording, Track, TrackSample};
 use crate::error::{InputError, shown};
+use crate::tally::Tally;
 use crate::units::FOOT_M;
 use glam::DVec3;
 use std::path::Path;
@@ -92,6 +93,8 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
             "holds no rows, expected at least one below the column names",
         ));
     }
+    let rows = samples.first().map_or(0, Vec::len);
+    let tally = Tally::all_used(rows as u64);
     let aircraft = ["1", "2"]
         .into_iter()
         .zip(samples)
@@ -104,5 +107,6 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Recording, InputError> {
         aircraft,
         frame: None,
         parameters: Vec::new(),
+        tally,
     })
 }

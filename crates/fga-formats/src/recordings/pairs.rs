@@ -5,11 +5,12 @@
 //! [`AFTER_S`] after it, as far as both report without a gap longer than [`GAP_S`]. The first
 //! of the two by name is the ownship. Between reports aircraft fly straight.
 
-use super::Named;
-use super::received::{Heard, ReceivedTrack};
+use super::{Encounters, Named};
+use super::received::{Heard, Received, ReceivedTrack};
 use crate::daa::{Recording, Track, TrackSample};
 use crate::error::InputError;
 use crate::geodesy::{Earth, LocalFrame};
+use crate::tally::{LeftOut, Tally};
 use std::path::Path;
 
 /// Horizontal distance of a pair, metres.
@@ -29,16 +30,23 @@ const SLOWEST_MPS: f64 = 5.0;
 /// The longest step between two checks of a pair, seconds.
 const LOOK_S: f64 = 1.0;
 
-/// The close pairs among some tracks, in the order of their names.
+/// The close pairs among the aircraft of a log, in the order of their names; `parts` names what the log
+/// counts.
 ///
 /// # Errors
 /// No pair at all.
 pub(super) fn close_pairs(
-    tracks: &[ReceivedTrack],
+    received: &Received,
+    parts: &str,
     name: &str,
     path: &Path,
-) -> Result<Vec<Named>, InputError> {
-    let pieces: Vec<ReceivedTrack> = tracks.iter().flat_map(unbroken).collect();
+) -> Result<Encounters, InputError> {
+    let tracks = &received.tracks;
+    let mut tally = received.tally;
+    let pieces: Vec<ReceivedTrack> = tracks
+        .iter()
+        .flat_map(|track| unbroken(track, &mut tally))
+        .collect();
     let mut found = Vec::new();
     for (index, first) in pieces.iter().enumerate() {
         for second in pieces.iter().skip(index + 1) {
@@ -67,26 +75,37 @@ pub(super) fn close_pairs(
         }
     }
     if found.is_empty() {
+        let left_out = tally
+            .words(parts)
+            .map_or_else(String::new, |words| format!("; left out: {words}"));
         return Err(InputError::in_file(
             path,
             format!(
-                "has {} aircraft with positions, of which no two come within {CLOSE_M} m and {CLOSE_HEIGHT_M} m of each other, expected at least one pair",
+                "has {} aircraft with positions, of which no two come within {CLOSE_M} m and {CLOSE_HEIGHT_M} m of each other, expected at least one pair{left_out}",
                 tracks.len()
             ),
         ));
     }
-    Ok(found)
+    Ok(Encounters {
+        named: found,
+        tally,
+    })
 }
 
 /// The parts of a track without gaps.
-fn unbroken(track: &ReceivedTrack) -> Vec<ReceivedTrack> {
+fn unbroken(track: &ReceivedTrack, tally: &mut Tally) -> Vec<ReceivedTrack> {
     track
         .heard
         .chunk_by(|a, b| b.time_s - a.time_s <= GAP_S)
-        .filter(|part| part.len() >= 2)
+        .filter(|part| {
+            if part.len() < 2 {
+                tally.refuse(LeftOut::Alone);
+            }
+            part.len() >= 2
+        })
         .map(|part| ReceivedTrack {
-            name: track.name.clone(),
             heard: part.to_vec(),
+            ..track.clone()
         })
         .collect()
 }
@@ -151,6 +170,7 @@ fn pair(first: &ReceivedTrack, second: &ReceivedTrack) -> Option<Recording> {
         aircraft,
         frame: Some(frame),
         parameters: Vec::new(),
+        tally: Tally::default(),
     })
 }
 

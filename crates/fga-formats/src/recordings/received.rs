@@ -1,205 +1,217 @@
 //! Tracks of many aircraft from the log of a receiver.
 
-use crate::error::{InputError, shown};
-use crate::geodesy::{Geodetic, course_from_compass_rad};
-use crate::traffic::{TrafficReport, sbs};
-use crate::units::{Feet, FeetPerMinute, Knots};
+use std::io::Read;
+
+use crate::geodesy::{Earth, Geodetic, LocalFrame};
+use crate::tally::{LeftOut, Tally};
+use crate::traffic::{Altitude, Callsign, NON_ICAO, TrafficReport, sbs};
 use alloc::collections::BTreeMap;
 use glam::DVec3;
-use serde_json::{Map, Value};
-use std::path::Path;
+
+/// Validity of an altitude, a velocity and a place on the ground for later positions, seconds: a receiver may
+/// miss some of an aircraft's messages.
+const PART_LIFETIME_S: f64 = 15.0;
+/// From one instant alone aircraft fly straight on for this long, seconds.
+const STRAIGHT_S: u32 = 180;
 
 /// One aircraft, times strictly increasing.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct ReceivedTrack {
-    pub(super) name: String,
-    pub(super) heard: Vec<Heard>,
+pub struct ReceivedTrack {
+    /// Name of the flight, else the address, else the call sign.
+    pub name: String,
+    /// Address as in [`TrafficReport::address`], if it has one.
+    pub address: Option<u32>,
+    /// Call sign; may be empty.
+    pub callsign: String,
+    /// Whether its altitudes are by pressure, not above the ellipsoid.
+    pub is_by_pressure: bool,
+    /// Its positions.
+    pub heard: Vec<Heard>,
 }
 
 /// One report with a position.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Heard {
-    pub(super) time_s: f64,
-    pub(super) place: Geodetic,
+pub struct Heard {
+    /// Time, seconds.
+    pub time_s: f64,
+    /// Position, with the altitude as the aircraft reports it.
+    pub place: Geodetic,
     /// East, north, up at that place, metres per second; `None` if not received.
-    pub(super) velocity_mps: Option<DVec3>,
+    pub velocity_mps: Option<DVec3>,
 }
 
-/// Sorts reports by time; of several at one time the first stays.
-fn tracks_of(reports: BTreeMap<String, Vec<Heard>>) -> Vec<ReceivedTrack> {
-    reports
-        .into_iter()
-        .map(|(name, mut heard)| {
-            heard.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-            heard.dedup_by(|later, earlier| later.time_s <= earlier.time_s);
-            ReceivedTrack { name, heard }
-        })
-        .collect()
+/// Who an aircraft is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Who<'a> {
+    pub(super) name: &'a str,
+    pub(super) address: Option<u32>,
+    pub(super) callsign: Option<&'a str>,
+    pub(super) is_by_pressure: bool,
 }
 
-/// Whether a line is a message of a BaseStation log.
-pub(super) fn is_message(line: &str) -> bool {
-    line.starts_with("MSG,")
-        || line
-            .split_once(',')
-            .is_some_and(|(time, rest)| time.parse::<u64>().is_ok() && rest.starts_with("MSG,"))
+/// The aircraft of a receiver's log.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Received {
+    /// The aircraft with positions in the air, in the order of their names.
+    pub tracks: Vec<ReceivedTrack>,
+    /// What became of the log's lines or state vectors.
+    pub tally: Tally,
 }
 
-/// The tracks of a BaseStation log. Times are a recorder's nanoseconds where each line has them,
-/// else the message's own date and time. Skips aircraft on the ground and damaged lines.
-pub(super) fn from_sbs(text: &str) -> Vec<ReceivedTrack> {
-    let mut reports: BTreeMap<String, Vec<Heard>> = BTreeMap::new();
-    let mut latest: BTreeMap<u32, TrafficReport> = BTreeMap::new();
-    for line in text.lines() {
-        let Some(time_s) = time_of(line) else {
-            continue;
-        };
-        let Some(report) = sbs::parse_line(line.as_bytes()) else {
-            continue;
-        };
-        let known = latest.entry(report.address).or_default();
-        known.altitude = report.altitude.or(known.altitude);
-        known.ground_speed_mps = report.ground_speed_mps.or(known.ground_speed_mps);
-        known.course_rad = report.course_rad.or(known.course_rad);
-        known.climb_mps = report.climb_mps.or(known.climb_mps);
-        let (Some([latitude_deg, longitude_deg]), Some(altitude)) =
-            (report.place_deg, known.altitude)
-        else {
-            continue;
-        };
-        if report.on_ground == Some(true) {
-            continue;
-        }
-        let Some(place) = Geodetic::new(latitude_deg, longitude_deg, altitude.metres()) else {
-            continue;
-        };
-        let velocity_mps = known
-            .ground_velocity_mps()
-            .map(|[east, north]| DVec3::new(east, north, known.climb_mps.unwrap_or(0.0)));
-        let name = format!("{:06X}", report.address);
-        reports.entry(name).or_default().push(Heard {
-            time_s,
-            place,
-            velocity_mps,
-        });
-    }
-    tracks_of(reports)
+/// Collects positions by aircraft.
+#[derive(Debug, Default)]
+pub(super) struct Collector {
+    tracks: BTreeMap<String, ReceivedTrack>,
 }
 
-/// The time of a line, seconds.
-fn time_of(line: &str) -> Option<f64> {
-    let (first, rest) = line.split_once(',')?;
-    if let Ok(nanoseconds) = first.parse::<u64>() {
-        return rest.starts_with("MSG,").then_some(nanoseconds as f64 / 1e9);
-    }
-    let mut fields = line.split(',');
-    let (date, time) = (fields.nth(6)?, fields.next()?);
-    let mut parts = date.split('/').map(str::parse::<f64>);
-    let (Some(Ok(year)), Some(Ok(month)), Some(Ok(day))) =
-        (parts.next(), parts.next(), parts.next())
-    else {
-        return None;
-    };
-    let clock: Option<Vec<f64>> = time.split(':').map(|part| part.parse().ok()).collect();
-    let [hours, minutes, seconds] = *<&[f64; 3]>::try_from(clock?.as_slice()).ok()?;
-    // Days from a fixed day: no month needs more than 31.
-    let day = (year * 12.0 + month) * 31.0 + day;
-    Some(day * 86_400.0 + hours * 3600.0 + minutes * 60.0 + seconds)
-}
-
-/// The tracks of state vectors in JSON: a list of objects, or an object of columns.
-pub(super) fn from_json(text: &str, path: &Path) -> Result<Vec<ReceivedTrack>, InputError> {
-    let wrong = |message: String| InputError::in_file(path, message);
-    let document: Value = serde_json::from_str(text)
-        .map_err(|error| wrong(format!("is no JSON that can be read: {error}")))?;
-    let rows = match document {
-        Value::Array(rows) => rows,
-        Value::Object(columns) => rows_of(&columns)
-            .ok_or_else(|| wrong("is a JSON object of something else than columns, expected a list of state vectors or columns of them".into()))?,
-        _ => return Err(wrong("is no list, expected a list of state vectors".into())),
-    };
-    let mut reports: BTreeMap<String, Vec<Heard>> = BTreeMap::new();
-    for (index, row) in rows.iter().enumerate() {
-        let name = ["flight_id", "icao24", "callsign"]
-            .iter()
-            .find_map(|key| row.get(key)?.as_str())
-            .ok_or_else(|| {
-                wrong(format!(
-                    "state vector {index} has no icao24, callsign or flight_id, expected one"
-                ))
-            })?;
-        let time_s = time_of_row(row).ok_or_else(|| {
-            wrong(format!(
-                "state vector {index} has the timestamp {}, expected milliseconds or seconds since 1970",
-                row.get("timestamp").map_or_else(|| "none".into(), |v| shown(&v.to_string()))
-            ))
-        })?;
-        let number = |key: &str| {
-            row.get(key)
-                .and_then(Value::as_f64)
-                .filter(|v| v.is_finite())
-        };
-        let altitude = number("altitude").or_else(|| number("geoaltitude"));
-        // Receivers omit fields that they did not hear.
-        let (Some(latitude), Some(longitude), Some(feet)) =
-            (number("latitude"), number("longitude"), altitude)
-        else {
-            continue;
-        };
-        let place = Geodetic::new(latitude, longitude, Feet(feet).to_m()).ok_or_else(|| {
-            wrong(format!(
-                "state vector {index} is at {latitude}, {longitude}, {feet} ft, expected a place on the earth"
-            ))
-        })?;
-        let velocity_mps = number("groundspeed")
-            .zip(number("track"))
-            .map(|(knots, track)| {
-                let (sin, cos) = libm::sincos(course_from_compass_rad(track));
-                let speed_mps = Knots(knots).to_mps();
-                let climb_fpm = number("vertical_rate").unwrap_or(0.0);
-                DVec3::new(
-                    speed_mps * cos,
-                    speed_mps * sin,
-                    FeetPerMinute(climb_fpm).to_mps(),
-                )
+impl Collector {
+    /// Adds a position of an aircraft.
+    pub(super) fn push(&mut self, who: Who<'_>, heard: Heard) {
+        let track = self
+            .tracks
+            .entry(who.name.to_owned())
+            .or_insert_with(|| ReceivedTrack {
+                name: who.name.to_owned(),
+                address: who.address,
+                callsign: String::new(),
+                is_by_pressure: who.is_by_pressure,
+                heard: Vec::new(),
             });
-        reports.entry(name.to_owned()).or_default().push(Heard {
+        if let Some(callsign) = who.callsign.map(str::trim).filter(|text| !text.is_empty()) {
+            callsign.clone_into(&mut track.callsign);
+        }
+        track.heard.push(heard);
+    }
+
+    /// The tracks, sorted by time; of several reports of one time the first stays. The tally counts all of
+    /// them as used.
+    pub(super) fn finish(self, mut tally: Tally) -> Received {
+        let tracks = self.tracks.into_values().map(|mut track| {
+            let count = track.heard.len();
+            track.heard.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+            track
+                .heard
+                .dedup_by(|later, earlier| later.time_s <= earlier.time_s);
+            for _ in track.heard.len()..count {
+                tally.refuse(LeftOut::SameTime);
+            }
+            track
+        });
+        let tracks = tracks.collect();
+        Received { tracks, tally }
+    }
+}
+
+impl Received {
+    /// Aircraft that were all heard once only, at one instant, fly straight on from there.
+    pub(super) fn carried_on(mut self) -> Self {
+        if self.tracks.iter().any(|track| track.heard.len() > 1) {
+            return self;
+        }
+        for track in &mut self.tracks {
+            let straight = track.heard.first().copied().and_then(|from| {
+                let velocity_mps = from.velocity_mps?;
+                let frame = LocalFrame::new(from.place, Earth::Wgs84);
+                Some((1..=STRAIGHT_S).map(move |second| {
+                    let after_s = f64::from(second);
+                    Heard {
+                        time_s: from.time_s + after_s,
+                        place: frame.to_geodetic(velocity_mps * after_s),
+                        velocity_mps: None,
+                    }
+                }))
+            });
+            track.heard.extend(straight.into_iter().flatten());
+        }
+        self
+    }
+}
+
+/// The name of an aircraft by its address.
+pub(super) fn name_of(address: u32) -> String {
+    let sign = if address & NON_ICAO == 0 { "" } else { "~" };
+    format!("{sign}{:06X}", address & !NON_ICAO)
+}
+
+/// The parts known of one aircraft between its messages, each with its time.
+#[derive(Debug, Default)]
+struct Parts {
+    altitude: Option<(Altitude, f64)>,
+    velocity_mps: Option<([f64; 2], f64)>,
+    climb_mps: Option<(f64, f64)>,
+    on_ground: Option<(bool, f64)>,
+    callsign: Option<Callsign>,
+}
+
+impl Parts {
+    fn take(&mut self, report: &TrafficReport, time_s: f64) {
+        fn put<T>(part: &mut Option<(T, f64)>, value: Option<T>, time_s: f64) {
+            if let Some(value) = value {
+                *part = Some((value, time_s));
+            }
+        }
+        put(&mut self.altitude, report.altitude, time_s);
+        put(&mut self.velocity_mps, report.ground_velocity_mps(), time_s);
+        put(&mut self.climb_mps, report.climb_mps, time_s);
+        put(&mut self.on_ground, report.on_ground, time_s);
+        self.callsign = report.callsign.or(self.callsign);
+    }
+
+    /// A part that is still valid.
+    fn valid<T: Copy>(part: Option<(T, f64)>, time_s: f64) -> Option<T> {
+        part.filter(|(_, heard_s)| (time_s - heard_s).abs() <= PART_LIFETIME_S)
+            .map(|(value, _)| value)
+    }
+
+    /// The position in a report; `None` if it has none.
+    fn heard(&self, report: &TrafficReport, time_s: f64) -> Option<Result<Heard, LeftOut>> {
+        let [latitude_deg, longitude_deg] = report.place_deg?;
+        if Self::valid(self.on_ground, time_s) == Some(true) {
+            return Some(Err(LeftOut::OnGround));
+        }
+        let Some(altitude) = Self::valid(self.altitude, time_s) else {
+            return Some(Err(LeftOut::NoAltitude));
+        };
+        let Some(place) = Geodetic::new(latitude_deg, longitude_deg, altitude.metres()) else {
+            return Some(Err(LeftOut::UnreadableField));
+        };
+        let climb_mps = Self::valid(self.climb_mps, time_s).unwrap_or(0.0);
+        let velocity_mps = Self::valid(self.velocity_mps, time_s)
+            .map(|[east, north]| DVec3::new(east, north, climb_mps));
+        Some(Ok(Heard {
             time_s,
             place,
             velocity_mps,
-        });
+        }))
     }
-    Ok(tracks_of(reports))
 }
 
-/// The time of a state vector, seconds: epoch milliseconds, or seconds where they are small.
-fn time_of_row(row: &Value) -> Option<f64> {
-    let value = row.get("timestamp")?.as_f64().filter(|v| v.is_finite())?;
-    Some(if value.abs() > 1e11 {
-        value / 1e3
-    } else {
-        value
-    })
-}
-
-/// Rows of columns, each a list or an object by row number.
-fn rows_of(columns: &Map<String, Value>) -> Option<Vec<Value>> {
-    let mut rows: BTreeMap<usize, Map<String, Value>> = BTreeMap::new();
-    for (name, column) in columns {
-        let mut put = |index: usize, value: &Value| {
-            rows.entry(index)
-                .or_default()
-                .insert(name.clone(), value.clone());
-        };
-        match column {
-            Value::Array(values) => values.iter().enumerate().for_each(|(i, v)| put(i, v)),
-            Value::Object(values) => {
-                for (index, value) in values {
-                    put(index.parse().ok()?, value);
-                }
+/// The tracks of a BaseStation log. Aircraft on the ground are left out.
+pub(super) fn from_sbs(input: impl Read) -> Received {
+    let mut collector = Collector::default();
+    let mut aircraft: BTreeMap<u32, Parts> = BTreeMap::new();
+    let mut log = sbs::Log::new(input);
+    let mut refused = Tally::default();
+    for line in &mut log {
+        let Ok(report) = line.report else { continue };
+        let parts = aircraft.entry(report.address).or_default();
+        parts.take(&report, line.time_s);
+        match parts.heard(&report, line.time_s) {
+            Some(Ok(heard)) => {
+                let who = Who {
+                    name: &name_of(report.address),
+                    address: Some(report.address),
+                    callsign: parts.callsign.as_ref().map(Callsign::as_str),
+                    is_by_pressure: matches!(parts.altitude, Some((Altitude::Pressure(_), _))),
+                };
+                collector.push(who, heard);
             }
-            _ => return None,
+            Some(Err(reason)) => refused.leave_out(reason),
+            None => {}
         }
     }
-    Some(rows.into_values().map(Value::Object).collect())
+    let mut tally = log.tally();
+    tally.used -= refused.read();
+    tally += refused;
+    collector.finish(tally)
 }

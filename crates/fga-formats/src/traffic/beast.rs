@@ -4,8 +4,9 @@
 //! 12 MHz clock, one byte of signal strength and 2, 7 or 14 bytes of the message; a `0x1A` inside
 //! is doubled.
 
+use super::TrafficReport;
 use super::surveillance::Surveillance;
-use super::{Counts, TrafficReport};
+use crate::tally::{LeftOut, Tally};
 
 /// The first byte of a frame, doubled inside one.
 const ESCAPE: u8 = 0x1A;
@@ -13,6 +14,8 @@ const ESCAPE: u8 = 0x1A;
 const HEAD: usize = 7;
 /// The longest frame without its escape and type, bytes.
 const LONGEST: usize = HEAD + 14;
+/// Bytes outside of frames that count as one part of the input.
+const STRAY: usize = 64;
 
 /// One frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +36,11 @@ pub struct Frames {
     /// Length of the frame, bytes; zero outside of one.
     expected: usize,
     escaped: bool,
-    damaged: u64,
+    /// Inside a frame of a type without use.
+    other: bool,
+    /// Bytes outside of frames since the last one.
+    stray: usize,
+    tally: Tally,
 }
 
 impl Frames {
@@ -56,6 +63,7 @@ impl Frames {
                 continue;
             }
             if self.expected == 0 {
+                self.skip();
                 continue;
             }
             if let Some(place) = self.body.get_mut(self.filled) {
@@ -86,8 +94,15 @@ impl Frames {
 
     /// A type byte after an escape.
     fn begin(&mut self, kind: u8) {
-        self.damaged += u64::from(self.expected != 0);
+        if self.expected != 0 {
+            self.tally.leave_out(LeftOut::CutShort);
+        }
         self.filled = 0;
+        self.stray = 0;
+        self.other = !matches!(kind, b'1'..=b'3');
+        if self.other {
+            self.tally.leave_out(LeftOut::NotNeeded);
+        }
         self.expected = match kind {
             b'1' => HEAD + 2,
             b'2' => HEAD + 7,
@@ -96,6 +111,16 @@ impl Frames {
             _ => 0,
         };
     }
+
+    /// A byte outside of the known frames.
+    fn skip(&mut self) {
+        if !self.other {
+            if self.stray.is_multiple_of(STRAY) {
+                self.tally.leave_out(LeftOut::UnknownKind);
+            }
+            self.stray += 1;
+        }
+    }
 }
 
 /// Takes the bytes of a connection as they come and gives reports of airborne aircraft.
@@ -103,7 +128,7 @@ impl Frames {
 pub struct Stream {
     frames: Frames,
     surveillance: Surveillance,
-    counts: Counts,
+    tally: Tally,
 }
 
 impl Stream {
@@ -119,25 +144,33 @@ impl Stream {
         let Self {
             frames,
             surveillance,
-            counts,
+            tally,
         } = self;
         frames.push(bytes, |frame| {
-            match surveillance.take(frame.message, time_s) {
-                Ok(Some(found)) => {
-                    counts.reports += 1;
-                    report(found);
-                }
-                Ok(None) => counts.ignored += 1,
-                Err(_) => counts.damaged += 1,
+            let taken = surveillance.take(frame.message, time_s);
+            tally.take(&taken);
+            if let Ok(found) = taken {
+                report(found);
             }
         });
     }
 
-    /// Counts of accepted and skipped messages so far.
-    pub const fn counts(&self) -> Counts {
-        let mut counts = self.counts;
-        counts.damaged += self.frames.damaged;
-        counts
+    /// A new connection begins: a frame under way will not be finished.
+    pub fn reconnect(&mut self) {
+        let Frames {
+            expected, tally, ..
+        } = core::mem::take(&mut self.frames);
+        self.tally += tally;
+        if expected != 0 {
+            self.tally.leave_out(LeftOut::CutShort);
+        }
+    }
+
+    /// Counts of the frames so far.
+    pub fn tally(&self) -> Tally {
+        let mut tally = self.tally;
+        tally += self.frames.tally;
+        tally
     }
 
     /// Aircraft held in memory, at most 32,768.

@@ -6,7 +6,7 @@
 //! | `beast` (with the feature of this name) | Beast binary frames, usually TCP port 30005 |
 //!
 //! Both give [`TrafficReport`]s: the content of one message, in SI units. Memory stays bounded
-//! whatever the network sends; unintelligible messages are counted and skipped.
+//! whatever the network sends; what cannot be used is counted by reason ([`Tally`](crate::tally::Tally)).
 
 #[cfg(feature = "beast")]
 pub mod beast;
@@ -19,10 +19,13 @@ pub use generations::Generations;
 
 use core::fmt;
 
+/// The bit of an address that is none of the ICAO: of a ground station, or drawn by the aircraft.
+pub const NON_ICAO: u32 = 1 << 24;
+
 /// The content of one message about one aircraft; missing fields are `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TrafficReport {
-    /// 24-bit address of the International Civil Aviation Organization.
+    /// 24-bit address of the International Civil Aviation Organization, or another number with [`NON_ICAO`].
     pub address: u32,
     /// Call sign or registration.
     pub callsign: Option<Callsign>,
@@ -50,6 +53,8 @@ pub struct TrafficReport {
     /// Bound of the horizontal velocity error in 95 of 100 cases, metres per second; infinite if
     /// the aircraft reports that it knows none.
     pub velocity_error_mps: Option<f64>,
+    /// Time from its reception to its sending on, seconds; 0 if the receiver does not say it.
+    pub age_s: f64,
 }
 
 impl TrafficReport {
@@ -120,15 +125,4 @@ impl fmt::Display for Callsign {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.as_str())
     }
-}
-
-/// Counts of accepted and skipped messages.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counts {
-    /// Messages that gave a report.
-    pub reports: u64,
-    /// Messages of other kinds, or without useful content.
-    pub ignored: u64,
-    /// Damaged or overlong messages.
-    pub damaged: u64,
 }

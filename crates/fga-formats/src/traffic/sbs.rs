@@ -1,29 +1,58 @@
-//! BaseStation lines, as receivers and `dump1090` send them on port 30003.
+//! BaseStation lines, as receivers send them on port 30003.
 //!
-//! One message is a line of 22 fields separated by commas:
+//! One message is a line of at least 22 fields separated by commas:
 //! `MSG,type,session,aircraft,address,flight,date,time,date,time,callsign,altitude,ground speed,
 //! track,latitude,longitude,vertical rate,squawk,alert,emergency,identification,on ground`.
-//! Units: feet, knots, degrees from true north, degrees, feet per minute. A line with fewer fields is
-//! cut and skipped, because its last number may be cut too.
+//! Units: feet, knots, degrees from true north, degrees, feet per minute. What programs write besides:
+//!
+//! | what | who | meaning here |
+//! |---|---|---|
+//! | `H` after an altitude or a vertical rate | dump1090 and readsb with `--gnss` | height above the ellipsoid |
+//! | `~` before an address | readsb, tar1090 | no address of the ICAO: [`NON_ICAO`] |
+//! | more fields at the end | readsb (signal, category), mlat-client (stations, error) | ignored; after `MLAT` the error is read |
+//! | `MLAT` or another word than `MSG` | mlat-client, Virtual Radar Server | read all the same |
+//! | a field in quotes | mlat-client | its content |
+//! | a first date and time before the second | mlat-client, readsb | the age of the message |
+//! | a number before the first word | Stratux | the recorder's time, nanoseconds |
+//! | `STA`, `AIR`, `ID`, `SEL`, `CLK`, `START`, blank lines | `BaseStation`, recorders, heartbeats | without use |
+//!
+//! A line with fewer fields is cut short; its last number may be cut too.
 
-use super::{Altitude, Callsign, Counts, TrafficReport};
-use crate::error::InputError;
+mod log;
+mod time;
+
+use super::{Altitude, Callsign, NON_ICAO, TrafficReport};
 use crate::geodesy::{compass_from_course_deg, course_from_compass_rad};
 use crate::number::push_fixed;
+use crate::tally::{LeftOut, Tally};
 use crate::units::{Feet, FeetPerMinute, Knots};
 use core::str::from_utf8;
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Write as _};
-use std::path::Path;
+use std::io::Write as _;
+
+pub use log::{Log, LoggedLine};
 
 /// Longest accepted line, bytes.
 const LONGEST_LINE: usize = 512;
 /// Fields of a message.
 const FIELDS: usize = 22;
+/// Place of the position's error behind them in lines that begin with `MLAT`.
+const MLAT_ERROR: usize = 24;
+/// First words of lines about other things than an aircraft's state.
+const OTHER_WORDS: [&str; 7] = ["STA", "AIR", "ID", "SEL", "CLK", "CLICK", "START"];
+/// A message sent longer after its reception is too old, seconds.
+const OLDEST_S: f64 = 30.0;
+/// A larger difference of its two times is one of clocks, not an age, seconds (as in readsb).
+const CLOCKS_S: f64 = 1200.0;
+/// A position is within this many σ in 95 of 100 cases: √(−2 ln 0.05). `MLAT` lines have the σ of all axes
+/// together.
+const SIGMAS_IN_95: f64 = 2.4477;
 
-/// The report in one line; `None` if it holds none.
+/// The report in one line.
 ///
-/// Before `MSG` the line may have a time in nanoseconds, as in Stratux recordings.
+/// Before the first word the line may have a time in nanoseconds, as in Stratux recordings.
+///
+/// # Errors
+/// Why the line holds none.
 ///
 /// ```
 /// use fga_formats::traffic::sbs;
@@ -33,45 +62,73 @@ const FIELDS: usize = 22;
 /// assert_eq!(report.address, 0x4C_A2D6);
 /// assert_eq!(report.altitude.map(|a| a.metres()), Some(37_000.0 * 0.3048));
 /// ```
-pub fn parse_line(line: &[u8]) -> Option<TrafficReport> {
-    parse(line).ok().flatten()
+pub fn parse_line(line: &[u8]) -> Result<TrafficReport, LeftOut> {
+    parse(without_offset(text_of(line)?).1)
 }
 
-/// An incomplete message.
-struct Damaged;
+/// The text of a line.
+fn text_of(line: &[u8]) -> Result<&str, LeftOut> {
+    if line.len() > LONGEST_LINE {
+        return Err(LeftOut::TooLong);
+    }
+    let text = from_utf8(line).map_err(|_| LeftOut::UnreadableField)?;
+    Ok(text.trim())
+}
 
-/// The report in a line; `None` for another kind or no useful content.
-fn parse(line: &[u8]) -> Result<Option<TrafficReport>, Damaged> {
-    let line = from_utf8(line).map_err(|_| Damaged)?.trim();
-    let mut fields = [""; FIELDS];
+/// A recorder's nanoseconds before a line, and the line without them.
+fn without_offset(line: &str) -> (Option<u64>, &str) {
+    line.split_once(',')
+        .and_then(|(first, rest)| {
+            let is_number = !first.is_empty() && first.bytes().all(|byte| byte.is_ascii_digit());
+            is_number.then_some((first.parse().ok(), rest))
+        })
+        .unwrap_or((None, line))
+}
+
+/// The fields of a line: commas in quotes do not end one.
+fn fields(line: &str) -> impl Iterator<Item = &str> {
+    let mut is_quoted = false;
+    line.split(move |letter| {
+        is_quoted ^= letter == '"';
+        letter == ',' && !is_quoted
+    })
+    .map(|field| field.trim().trim_matches('"').trim())
+}
+
+/// Whether a line is of the kind that a recording of BaseStation lines begins with.
+pub(crate) fn is_message(line: &str) -> bool {
+    let (_, line) = without_offset(line.trim());
+    let mut fields = fields(line);
+    let word = fields.next().unwrap_or_default();
+    let kind = fields.next().unwrap_or_default();
+    let is_kind = kind.len() <= 1 && kind.bytes().all(|byte| byte.is_ascii_digit());
+    is_kind && (matches!(word, "MSG" | "MLAT") || OTHER_WORDS[..5].contains(&word))
+}
+
+/// The report in a line without a recorder's time.
+fn parse(line: &str) -> Result<TrafficReport, LeftOut> {
+    let mut found = [""; FIELDS];
+    let mut mlat_error = "";
     let mut count = 0;
-    for field in line.split(',') {
-        // A recording's time before the message.
-        if count == 0 && !field.is_empty() && field.bytes().all(|byte| byte.is_ascii_digit()) {
-            continue;
-        }
-        if let Some(place) = fields.get_mut(count) {
-            *place = field.trim();
+    for field in fields(line) {
+        match found.get_mut(count) {
+            Some(place) => *place = field,
+            None if count == MLAT_ERROR => mlat_error = field,
+            None => {}
         }
         count += 1;
     }
-    if fields.first() != Some(&"MSG") {
-        return Ok(None);
-    }
-    if count != FIELDS {
-        return Err(Damaged);
-    }
     let [
-        _,
+        word,
         kind,
         _,
         _,
         address,
         _,
-        _,
-        _,
-        _,
-        _,
+        date,
+        time,
+        sent_date,
+        sent_time,
         callsign,
         altitude,
         ground_speed,
@@ -84,14 +141,21 @@ fn parse(line: &[u8]) -> Result<Option<TrafficReport>, Damaged> {
         _,
         _,
         on_ground,
-    ] = fields;
-    if !matches!(kind, "1" | "2" | "3" | "4" | "5" | "6" | "7" | "8") {
-        return Err(Damaged);
+    ] = found;
+    if line.is_empty() || OTHER_WORDS.contains(&word) {
+        return Err(LeftOut::NotNeeded);
     }
-    let address = u32::from_str_radix(address, 16)
-        .ok()
-        .filter(|address| address >> 24 == 0 && *address != 0)
-        .ok_or(Damaged)?;
+    let is_word = (2..=8).contains(&word.len()) && word.bytes().all(|b| b.is_ascii_alphabetic());
+    if !is_word || (count < FIELDS && !matches!(word, "MSG" | "MLAT")) {
+        return Err(LeftOut::UnknownKind);
+    }
+    if count < FIELDS {
+        return Err(LeftOut::CutShort);
+    }
+    if kind.len() > 1 || kind.bytes().any(|byte| !byte.is_ascii_digit()) {
+        return Err(LeftOut::UnreadableField);
+    }
+    let address = address_of(address)?;
     let latitude_deg = number(latitude, 90.0)?;
     let longitude_deg = number(longitude, 180.0)?;
     let place_deg = match (latitude_deg, longitude_deg) {
@@ -100,41 +164,87 @@ fn parse(line: &[u8]) -> Result<Option<TrafficReport>, Damaged> {
         (Some(latitude_deg), Some(longitude_deg)) => Some([latitude_deg, longitude_deg]),
     };
     let speed_kn = number(ground_speed, 4000.0)?.filter(|speed| *speed >= 0.0);
+    let error_m = if word == "MLAT" {
+        number(mlat_error, 1e9)?.filter(|error_m| *error_m > 0.0)
+    } else {
+        None
+    };
     let report = TrafficReport {
         address,
         callsign: Callsign::new(callsign),
         place_deg,
-        altitude: number(altitude, 150_000.0)?.map(|feet| Altitude::Pressure(Feet(feet).to_m())),
+        altitude: altitude_of(altitude)?,
         ground_speed_mps: speed_kn.map(|knots| Knots(knots).to_mps()),
         course_rad: number(track, 360.0)?.map(course_from_compass_rad),
-        climb_mps: number(climb, 60_000.0)?.map(|fpm| FeetPerMinute(fpm).to_mps()),
+        climb_mps: number(without_geometric(climb), 60_000.0)?
+            .map(|fpm| FeetPerMinute(fpm).to_mps()),
         on_ground: match on_ground {
+            "" => None,
             "0" => Some(false),
             "1" | "-1" => Some(true),
-            _ => None,
+            _ => return Err(LeftOut::UnreadableField),
         },
-        containment_m: None,
-        position_error_m: None,
-        source_integrity: None,
-        velocity_error_mps: None,
+        position_error_m: error_m.map(|sigma_m| sigma_m * SIGMAS_IN_95),
+        ..TrafficReport::default()
     };
     let nothing = TrafficReport {
         address,
         ..TrafficReport::default()
     };
-    Ok((report != nothing).then_some(report))
+    if report == nothing {
+        return Err(LeftOut::NotNeeded);
+    }
+    let age_s = time::instant_s(date, time)
+        .zip(time::instant_s(sent_date, sent_time))
+        .map_or(0.0, |(heard_s, sent_s)| sent_s - heard_s);
+    match age_s {
+        0.0..=OLDEST_S => Ok(TrafficReport { age_s, ..report }),
+        OLDEST_S..=CLOCKS_S => Err(LeftOut::TooOld),
+        _ => Ok(report),
+    }
+}
+
+/// An address, with [`NON_ICAO`] if a sign before it says so.
+fn address_of(text: &str) -> Result<u32, LeftOut> {
+    let digits = text.trim_start_matches(|letter: char| !letter.is_ascii_alphanumeric());
+    let is_short = digits.len() <= 6 && text.len() - digits.len() <= 1;
+    let address = u32::from_str_radix(digits, 16)
+        .ok()
+        .filter(|address| is_short && *address != 0)
+        .ok_or(LeftOut::NoAddress)?;
+    Ok(if digits.len() < text.len() {
+        address | NON_ICAO
+    } else {
+        address
+    })
+}
+
+/// An altitude in feet; `H` behind it says that satellites measured it.
+fn altitude_of(text: &str) -> Result<Option<Altitude>, LeftOut> {
+    let digits = without_geometric(text);
+    let is_geometric = digits.len() < text.len();
+    let altitude = number(digits, 150_000.0)?.map(|feet| Feet(feet).to_m());
+    Ok(altitude.map(if is_geometric {
+        Altitude::Ellipsoid
+    } else {
+        Altitude::Pressure
+    }))
+}
+
+fn without_geometric(text: &str) -> &str {
+    text.strip_suffix(['H', 'h']).unwrap_or(text)
 }
 
 /// A number within ±`largest`; none for an empty field.
-fn number(text: &str, largest: f64) -> Result<Option<f64>, Damaged> {
+fn number(text: &str, largest: f64) -> Result<Option<f64>, LeftOut> {
     if text.is_empty() {
         return Ok(None);
     }
-    let value: f64 = text.parse().map_err(|_| Damaged)?;
-    if value.is_finite() && value.abs() <= largest {
+    let value: f64 = text.parse().map_err(|_| LeftOut::UnreadableField)?;
+    if value.abs() <= largest {
         Ok(Some(value))
     } else {
-        Err(Damaged)
+        Err(LeftOut::UnreadableField)
     }
 }
 
@@ -142,8 +252,7 @@ fn number(text: &str, largest: f64) -> Result<Option<f64>, Damaged> {
 #[derive(Debug, Clone, Default)]
 pub struct Stream {
     line: Vec<u8>,
-    too_long: bool,
-    counts: Counts,
+    tally: Tally,
 }
 
 impl Stream {
@@ -156,34 +265,32 @@ impl Stream {
     pub fn push(&mut self, bytes: &[u8], mut report: impl FnMut(TrafficReport)) {
         for byte in bytes {
             if *byte != b'\n' {
-                if self.line.len() < LONGEST_LINE {
+                // One byte more than accepted shows that a line is too long.
+                if self.line.len() <= LONGEST_LINE {
                     self.line.push(*byte);
-                } else {
-                    self.too_long = true;
                 }
                 continue;
             }
-            let parsed = if self.too_long {
-                Err(Damaged)
-            } else {
-                parse(&self.line)
-            };
-            match parsed {
-                Ok(Some(found)) => {
-                    self.counts.reports += 1;
-                    report(found);
-                }
-                Ok(None) => self.counts.ignored += 1,
-                Err(Damaged) => self.counts.damaged += 1,
+            let parsed = parse_line(&self.line);
+            self.tally.take(&parsed);
+            if let Ok(found) = parsed {
+                report(found);
             }
             self.line.clear();
-            self.too_long = false;
         }
     }
 
-    /// Counts of accepted and skipped lines so far.
-    pub const fn counts(&self) -> Counts {
-        self.counts
+    /// A new connection begins: a line under way will not be finished.
+    pub fn reconnect(&mut self) {
+        if !self.line.is_empty() {
+            self.tally.leave_out(LeftOut::CutShort);
+            self.line.clear();
+        }
+    }
+
+    /// Counts of the lines so far.
+    pub const fn tally(&self) -> Tally {
+        self.tally
     }
 }
 
@@ -196,7 +303,10 @@ pub fn push_lines(out: &mut Vec<u8>, report: &TrafficReport) {
         fields[1].push(kind);
         fields[2].push(b'1');
         fields[3].push(b'1');
-        let _ = write!(fields[4], "{:06X}", report.address);
+        if report.address & NON_ICAO != 0 {
+            fields[4].push(b'~');
+        }
+        let _ = write!(fields[4], "{:06X}", report.address & !NON_ICAO);
         fields[5].push(b'1');
         if let Some(on_ground) = report.on_ground {
             fields[21].extend(if on_ground { &b"-1"[..] } else { b"0" });
@@ -215,6 +325,9 @@ pub fn push_lines(out: &mut Vec<u8>, report: &TrafficReport) {
         line(b'3', &|fields| {
             if let Some(feet) = altitude_ft {
                 push_fixed(&mut fields[11], feet, 0);
+                if let Some(Altitude::Ellipsoid(_)) = report.altitude {
+                    fields[11].push(b'H');
+                }
             }
             if let Some([latitude_deg, longitude_deg]) = report.place_deg {
                 push_fixed(&mut fields[14], latitude_deg, 6);
@@ -234,120 +347,5 @@ pub fn push_lines(out: &mut Vec<u8>, report: &TrafficReport) {
                 push_fixed(&mut fields[16], FeetPerMinute::from_mps(climb_mps).0, 0);
             }
         });
-    }
-}
-
-/// One line of a recording and its time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RecordedLine {
-    /// Time since the recording's first line, seconds; never goes back.
-    pub time_s: f64,
-    /// The message without the recording's own time, without the line's end.
-    pub line: Vec<u8>,
-}
-
-/// Reads a recording of BaseStation lines, each with a leading time in nanoseconds, as from Stratux;
-/// compressed (gzip) or not.
-///
-/// After a restart of the recorder (a `START` line, or times that go back) the recording continues
-/// without a gap. Damaged lines are skipped.
-#[derive(Debug)]
-pub struct Recording<R> {
-    input: R,
-    /// Offset of the file's times, and the last time of the file, nanoseconds.
-    shift_ns: u64,
-    last_ns: Option<u64>,
-    first_ns: Option<u64>,
-}
-
-impl Recording<BufReader<Box<dyn Read + Send>>> {
-    /// Opens a recording.
-    ///
-    /// # Errors
-    /// A file that cannot be read.
-    pub fn open(path: &Path) -> Result<Self, InputError> {
-        let unreadable = |error| InputError::unreadable(path, &error);
-        let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
-        let compressed = file
-            .fill_buf()
-            .map_err(unreadable)?
-            .starts_with(&[0x1f, 0x8b]);
-        let input: Box<dyn Read + Send> = if compressed {
-            Box::new(flate2::read::MultiGzDecoder::new(file))
-        } else {
-            Box::new(file)
-        };
-        Ok(Self::new(BufReader::new(input)))
-    }
-}
-
-impl<R: BufRead> Recording<R> {
-    /// The recording in `input`.
-    pub const fn new(input: R) -> Self {
-        Self {
-            input,
-            shift_ns: 0,
-            last_ns: None,
-            first_ns: None,
-        }
-    }
-
-    /// The next line, cut at [`LONGEST_LINE`]; `None` at the end or when the input fails.
-    fn next_raw(&mut self) -> Option<Vec<u8>> {
-        let mut line = Vec::new();
-        loop {
-            let buffer = match self.input.fill_buf() {
-                Ok(buffer) if !buffer.is_empty() => buffer,
-                _ => return (!line.is_empty()).then_some(line),
-            };
-            let end = buffer.iter().position(|byte| *byte == b'\n');
-            let part = buffer
-                .get(..end.unwrap_or(buffer.len()))
-                .unwrap_or_default();
-            // One byte more than accepted, so that a cut line shows as too long.
-            let room = (LONGEST_LINE + 1).saturating_sub(line.len());
-            line.extend(part.iter().take(room));
-            let used = part.len() + usize::from(end.is_some());
-            self.input.consume(used);
-            if end.is_some() {
-                return Some(line);
-            }
-        }
-    }
-}
-
-impl<R: BufRead> Iterator for Recording<R> {
-    type Item = RecordedLine;
-
-    fn next(&mut self) -> Option<RecordedLine> {
-        loop {
-            let raw = self.next_raw()?;
-            let Some((time, line)) = from_utf8(&raw)
-                .ok()
-                .filter(|_| raw.len() <= LONGEST_LINE)
-                .and_then(|line| line.trim().split_once(','))
-            else {
-                continue;
-            };
-            let Ok(time_ns) = time.parse::<u64>() else {
-                continue;
-            };
-            // Some 30 years: a longer time is a cut line or two in one.
-            if !line.starts_with("MSG,") || time_ns > 1_000_000_000_000_000_000 {
-                continue;
-            }
-            if let Some(last_ns) = self.last_ns
-                && time_ns < last_ns
-            {
-                self.shift_ns = self.shift_ns.saturating_add(last_ns - time_ns);
-            }
-            self.last_ns = Some(time_ns);
-            let due_ns = time_ns.saturating_add(self.shift_ns);
-            let first_ns = *self.first_ns.get_or_insert(due_ns);
-            return Some(RecordedLine {
-                time_s: (due_ns - first_ns) as f64 / 1e9,
-                line: line.as_bytes().to_vec(),
-            });
-        }
     }
 }

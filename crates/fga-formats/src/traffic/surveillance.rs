@@ -1,8 +1,9 @@
 //! Turns Mode S messages into reports: only extended squitters (downlink formats 17 and 18), because
 //! only they carry a checksum that verifies them and the aircraft's position.
 
-use super::{Altitude, Callsign, Generations, TrafficReport};
+use super::{Altitude, Callsign, Generations, NON_ICAO, TrafficReport};
 use crate::geodesy::course_from_compass_rad;
+use crate::tally::LeftOut;
 use crate::units::{Feet, FeetPerMinute, Knots};
 use rs1090::decode::adsb::ME;
 use rs1090::decode::bds::bds05::AirbornePosition;
@@ -31,10 +32,6 @@ impl Default for Surveillance {
     }
 }
 
-/// An incomplete message.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Damaged;
-
 #[derive(Debug, Clone, Default)]
 struct Heard {
     supplement: Supplement,
@@ -53,16 +50,16 @@ impl Surveillance {
         &mut self,
         message: &[u8],
         time_s: f64,
-    ) -> Result<Option<TrafficReport>, Damaged> {
+    ) -> Result<TrafficReport, LeftOut> {
         let Ok(bytes) = <&[u8; 14]>::try_from(message) else {
-            return Ok(None);
+            return Err(LeftOut::NotNeeded);
         };
         let format = bytes[0] >> 3;
         if !matches!(format, 17 | 18) {
-            return Ok(None);
+            return Err(LeftOut::NotNeeded);
         }
         if checksum(bytes) != 0 {
-            return Err(Damaged);
+            return Err(LeftOut::WrongChecksum);
         }
         // Kinds without use here do not reach the decoder.
         let kind = bytes[4] >> 3;
@@ -72,17 +69,21 @@ impl Surveillance {
             _ => None,
         };
         if !matches!(kind, 1..=22) {
-            return Ok(report);
+            return report.ok_or(LeftOut::NotNeeded);
         }
-        let decoded = Message::try_from(&bytes[..]).map_err(|_| Damaged)?;
+        let decoded = Message::try_from(&bytes[..]).map_err(|_| LeftOut::UnreadableField)?;
         let (address, content) = match decoded.df {
             DF::ExtendedSquitterADSB(squitter) => (squitter.icao24.0, squitter.message),
             DF::ExtendedSquitterTisB { cf, .. } => match cf.field_type {
                 // Formats of a transponder with a true address.
                 ControlFieldType::ADSB_ES_NT | ControlFieldType::TISB_ADSB => (cf.aa.0, cf.me),
-                _ => return Ok(None),
+                // A drawn address, or one of a ground station.
+                ControlFieldType::ADSB_ES_NT_ALT
+                | ControlFieldType::TISB_FINE
+                | ControlFieldType::TISB_ADSB_RELAY => (cf.aa.0 | NON_ICAO, cf.me),
+                _ => return Err(LeftOut::NotNeeded),
             },
-            _ => return Ok(None),
+            _ => return Err(LeftOut::NotNeeded),
         };
         let mut report = TrafficReport {
             address,
@@ -104,13 +105,16 @@ impl Surveillance {
                 report.place_deg = self.place(address, inner, time_s);
             }
             ME::BDS09(velocity) => velocity_of(bytes, &velocity, &mut report),
-            _ => return Ok(None),
+            _ => return Err(LeftOut::NotNeeded),
         }
         let nothing = TrafficReport {
             address,
             ..TrafficReport::default()
         };
-        Ok((report != nothing).then_some(report))
+        if report == nothing {
+            return Err(LeftOut::NotNeeded);
+        }
+        Ok(report)
     }
 
     /// Quality from an operational status of a transponder of version 1 or 2 (DO-260B, 2.2.3.2.7.2);

@@ -302,10 +302,6 @@ fn wrong_files_are_refused_with_file_line_and_reason() {
             "a.daa, line 5: the time of aircraft \"Own\" goes back from 10 s to 5 s, expected it to grow",
         ),
         (
-            with("Own 0 0.01 990 90 100 -60 10"),
-            "a.daa, line 5: aircraft \"Own\" has a second row at 10 s",
-        ),
-        (
             with("Own NaN 0.02 980 90 100 -60 20"),
             "a.daa, line 5: column lat holds \"NaN\", expected a finite number",
         ),

@@ -17,7 +17,9 @@ fn a_pairing_file_is_read_with_its_units() {
         unitless,      [ft],   [ft],   [ft],  [rad],  [ftps],  [ftps], [s]\n\
         OWNSHIP, 0.000, 15.621, 2759.320, 0.00, 156.23, 0.00, 0.1\n\
         INTRUDER, 100.0, -50.0, 3000.0, 1.5707963267948966, 100.0, -5.0, 0.1\n";
-    let found = recordings::parse(text.as_bytes(), Path::new("1.txt")).unwrap();
+    let found = recordings::parse(text.as_bytes(), Path::new("1.txt"))
+        .unwrap()
+        .named;
     assert_eq!((found.len(), found[0].name.as_str()), (1, "1"));
     let [own, other] = &found[0].recording.aircraft[..] else {
         panic!("two aircraft");
@@ -35,7 +37,9 @@ fn a_degas_file_is_two_aircraft_side_by_side() {
     let head = "# xE1,xE2,xN1,xN2,h1,h2,vE1,vE2,vN1,vN2,hdot1,hdot2 [ft, ft/s], 1 Hz; made\n";
     let text =
         format!("{head}0,1000,0,0,500,600,10,-10,0,0,0,1\n10,990,0,0,500,601,10,-10,0,0,0,1\n");
-    let found = recordings::parse(text.as_bytes(), Path::new("a.csv")).unwrap();
+    let found = recordings::parse(text.as_bytes(), Path::new("a.csv"))
+        .unwrap()
+        .named;
     let aircraft = &found[0].recording.aircraft;
     assert_eq!(aircraft[1].samples[1].time_s, 1.0);
     assert!((aircraft[1].samples[1].position_m.x - 990.0 * FOOT_M).abs() < 1e-9);
@@ -91,7 +95,9 @@ fn received_tracks_are_paired_where_they_come_close() {
         "CCCCCC",
     );
     // A latitude of exactly 0 counts; only 0, 0 together is no position.
-    let found = recordings::parse(sbs.as_bytes(), Path::new("r.sbs")).unwrap();
+    let found = recordings::parse(sbs.as_bytes(), Path::new("r.sbs"))
+        .unwrap()
+        .named;
     let names: Vec<&str> = found.iter().map(|named| named.name.as_str()).collect();
     assert_eq!(names, ["r AAAAAA-BBBBBB"]);
     let recording = &found[0].recording;
@@ -114,7 +120,9 @@ fn received_tracks_are_paired_where_they_come_close() {
         "CCCCCC",
     );
     let json = format!("[{}]", rows.trim_end_matches(','));
-    let found = recordings::parse(json.as_bytes(), Path::new("j.json")).unwrap();
+    let found = recordings::parse(json.as_bytes(), Path::new("j.json"))
+        .unwrap()
+        .named;
     assert_eq!(found.len(), 1);
     assert_eq!(found[0].name, "j AAAAAA-BBBBBB");
 }
@@ -181,7 +189,7 @@ fn written_recordings_are_read_back() {
     let found = recordings::parse(text.as_bytes(), Path::new("a.daa")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.daa");
-    fga_formats::daa::write(&path, &found[0].recording).unwrap();
+    fga_formats::daa::write(&path, &found.named[0].recording).unwrap();
     assert_eq!(recordings::read(&path).unwrap(), found);
 }
 
@@ -194,7 +202,7 @@ fn third_party_recordings_are_read() {
         ("flown/NRC_Intercept1.daa", 1),
     ] {
         let Some(path) = data(path) else { return };
-        let found = recordings::read(&path).unwrap();
+        let found = recordings::read(&path).unwrap().named;
         assert_eq!(found.len(), encounters, "{}", path.display());
         assert_eq!(found[0].recording.aircraft.len(), 2);
     }
@@ -202,5 +210,225 @@ fn third_party_recordings_are_read() {
     let Some(path) = data("tracks/calfire.json.gz") else {
         return;
     };
-    assert!(recordings::read(&path).unwrap().len() >= 5);
+    assert!(recordings::read(&path).unwrap().named.len() >= 5);
+}
+
+/// Rows of a log in which the two meet, with `edit` applied to the second.
+fn meeting(edit: impl Fn(String) -> String) -> String {
+    head_on(
+        |address, second, longitude| {
+            let (minute, second) = (second / 60, second % 60);
+            let line = format!(
+                "MSG,3,1,1,{address},1,2024/04/30,23:59:{second:02}.000,2024/04/30,23:{minute:02}:{second:02}.000,,1000,97,90,0.1,{longitude:.7},0,,0,0,0,0\n"
+            )
+            .replace("23:59:", &format!("23:{minute:02}:"));
+            if address == "BBBBBB" { edit(line) } else { line }
+        },
+        "CCCCCC",
+    )
+}
+
+#[test]
+fn t1_pairs_are_found_whatever_the_receiver_writes() {
+    let plain = recordings::parse(meeting(|line| line).as_bytes(), Path::new("r.sbs")).unwrap();
+    assert_eq!((plain.named.len(), plain.tally.lost()), (1, 0));
+    let separation_m = |found: &recordings::Encounters| {
+        let recording = &found.named[0].recording;
+        let at_s = recording.aircraft[0].samples[0].time_s + 60.0;
+        let [own, other] = [0, 1].map(|i: usize| recording.aircraft[i].state_at(at_s).unwrap().0);
+        own.distance(other)
+    };
+    for (edit, name) in [
+        ((",1000,", ",1000H,"), "r AAAAAA-BBBBBB"),
+        (("BBBBBB", "~BBBBBB"), "r AAAAAA-~BBBBBB"),
+        (("MSG", "MLAT"), "r AAAAAA-BBBBBB"),
+        (("0,0,0,0", "0,0,0,0,-20.1,A1"), "r AAAAAA-BBBBBB"),
+    ] {
+        let text = meeting(|line| line.replace(edit.0, edit.1));
+        let found = recordings::parse(text.as_bytes(), Path::new("r.sbs")).unwrap();
+        assert_eq!(found.named[0].name, name);
+        assert_eq!(found.tally, plain.tally, "{edit:?}");
+        assert!((separation_m(&found) - separation_m(&plain)).abs() < 1e-9);
+    }
+    // Over the end of a month of 30 days the log has no gap.
+    let text = plain_over_midnight();
+    let found = recordings::parse(text.as_bytes(), Path::new("r.sbs")).unwrap();
+    assert_eq!(found.named.len(), 1);
+    assert!((separation_m(&found) - separation_m(&plain)).abs() < 1e-6);
+}
+
+fn plain_over_midnight() -> String {
+    head_on(
+        |address, second, longitude| {
+            let (date, hour) = if second < 60 {
+                ("2024/04/30", "23:59")
+            } else {
+                ("2024/05/01", "00:00")
+            };
+            let second = second % 60;
+            format!(
+                "MSG,3,1,1,{address},1,{date},{hour}:{second:02}.000,,,,1000,97,90,0.1,{longitude:.7},0,,0,0,0,0\n"
+            )
+        },
+        "CCCCCC",
+    )
+}
+
+#[test]
+fn t4_positions_without_use_are_counted_by_reason() {
+    use fga_formats::tally::LeftOut;
+    let mut text = meeting(|line| line);
+    for line in [
+        // Without any altitude.
+        "MSG,3,1,1,DDDDDD,1,2024/04/30,23:01:00.000,,,,,97,90,0.1,0.1,0,,0,0,0,0",
+        // Once only.
+        "MSG,3,1,1,EEEEEE,1,2024/04/30,23:01:00.000,,,,1000,97,90,0.1,0.1,0,,0,0,0,0",
+        // On the ground, also where a later message does not say so.
+        "MSG,2,1,1,FFFFF1,1,2024/04/30,23:01:00.000,,,,0,10,90,0.1,0.1,0,,0,0,0,-1",
+        "MSG,3,1,1,FFFFF1,1,2024/04/30,23:01:01.000,,,,0,10,90,0.1,0.1,0,,0,0,0,",
+        // A second position at one time, a heartbeat, and a line that ends too early.
+        "MSG,3,1,1,AAAAAA,1,2024/04/30,23:01:00.000,,,,1000,97,90,0.1,0.1,0,,0,0,0,0",
+        "",
+        "MSG,3,1,1,AAAAAA,1,2024/04/30,23:01:",
+    ] {
+        text.push_str(line);
+        text.push('\n');
+    }
+    let found = recordings::parse(text.as_bytes(), Path::new("r.sbs")).unwrap();
+    assert_eq!(found.named.len(), 1);
+    let tally = found.tally;
+    assert_eq!((tally.read(), tally.used, tally.lost()), (367, 360, 6));
+    for (reason, count) in [
+        (LeftOut::NoAltitude, 1),
+        (LeftOut::Alone, 1),
+        (LeftOut::OnGround, 2),
+        (LeftOut::SameTime, 1),
+        (LeftOut::NotNeeded, 1),
+        (LeftOut::CutShort, 1),
+    ] {
+        assert_eq!(tally.left_out(reason), count, "{reason:?}");
+    }
+}
+
+/// State vectors of two that meet, on the ground or not.
+fn states(onground: &str) -> String {
+    let rows = head_on(
+        |name, second, longitude| {
+            format!(
+                "{{\"timestamp\":{},\"icao24\":\"{name}\",\"latitude\":0.1,\"longitude\":{longitude:.7},\
+                 \"altitude\":1000,\"groundspeed\":97.2,\"track\":90,\"vertical_rate\":0,\"onground\":{onground}}},",
+                1_600_000_000 + second
+            )
+        },
+        "CCCCCC",
+    );
+    format!("[{}]", rows.trim_end_matches(','))
+}
+
+#[test]
+fn t5_aircraft_on_the_ground_are_no_encounter_in_any_format() {
+    let found = recordings::parse(states("false").as_bytes(), Path::new("j.json")).unwrap();
+    assert_eq!(found.named.len(), 1);
+    let taxiing = meeting(|line| line).replace("0,0,0,0\n", "0,0,0,-1\n");
+    for (text, name, parts) in [
+        (states("true"), "j.json", "360 of 360 state vectors: 360 on the ground"),
+        (states("1"), "j.json", "360 of 360 state vectors: 360 on the ground"),
+        (taxiing, "r.sbs", "360 of 360 lines: 360 on the ground"),
+    ] {
+        let error = recordings::parse(text.as_bytes(), Path::new(name))
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("has 0 aircraft with positions"), "{error}");
+        assert!(error.ends_with(&format!("; left out: {parts}")), "{error}");
+    }
+}
+
+/// Two aircraft 9 km apart, head-on at 51.4 m/s each, as one instant of a receiver's list.
+#[test]
+fn t7_an_instant_of_readsb_or_opensky_is_read_and_flies_on() {
+    let readsb = r#"{"now":1700000000.1,"messages":100,"aircraft":[
+        {"hex":"aa0001","flight":"ONE     ","alt_baro":2000,"alt_geom":2100,"gs":100.0,"track":0.0,"baro_rate":0,"lat":45.0,"lon":5.0,"seen_pos":0.1},
+        {"hex":"~aa0002","alt_geom":2000,"gs":100.0,"track":180.0,"lat":45.08,"lon":5.0,"seen_pos":0.1,"seen":0.1},
+        {"hex":"aa0003","alt_baro":"ground","gs":3.0,"lat":45.01,"lon":5.0,"seen_pos":0.1},
+        {"hex":"aa0004","alt_baro":2000,"gs":3.0,"lat":45.01,"lon":5.0,"seen_pos":80},
+        {"hex":"aa0005","alt_baro":2000,"seen":0.1},
+        {"alt_baro":2000,"lat":45.01,"lon":5.0},
+        {"hex":"aa0006","lat":45.01,"lon":5.0,"seen":0.1}]}"#;
+    let opensky = r#"{"time":1700000000,"states":[
+        ["aa0001","ONE     ","X",1699999999,1700000000,5.0,45.0,609.6,false,51.444,0.0,0.0,null,640.0,"7000",false,0],
+        ["aa0002","TWO     ","X",1699999999,1700000000,5.0,45.08,null,false,51.444,180.0,0.0,null,609.6,"7000",false,0],
+        ["aa0003","","X",1699999999,1700000000,5.0,45.01,0,true,3.0,180.0,0.0,null,0,"7000",false,0],
+        ["aa0004","","X",1699999900,1700000000,5.0,45.01,600,false,3.0,180.0,0.0,null,0,"7000",false,0],
+        ["aa0005","","X",null,1700000000,null,null,600,false,3.0,180.0,0.0,null,0,"7000",false,0],
+        [null,"","X",1699999999,1700000000,5.0,45.01,600,false,3.0,180.0,0.0,null,0,"7000",false,0],
+        ["aa0006","","X",1699999999,1700000000,5.0,45.01,null,false,3.0,180.0,0.0,null,null,"7000",false,0]]}"#;
+    for (text, name) in [
+        (readsb, "a aa0001-~aa0002"),
+        (opensky, "a aa0001-aa0002"),
+    ] {
+        let found = recordings::parse(text.as_bytes(), Path::new("a.json")).unwrap();
+        assert_eq!(found.named.len(), 1);
+        assert_eq!(found.named[0].name, name);
+        assert_eq!(
+            found.tally.words("state vectors").unwrap(),
+            "5 of 7 state vectors: 1 without an address, 1 without a position, 1 without an altitude, 1 on the ground, 1 too old"
+        );
+        let aircraft = &found.named[0].recording.aircraft;
+        // 8.9 km at 103 m/s: they meet after 86 s.
+        let at_s = aircraft[0].samples[0].time_s + 86.4;
+        let [a, b] = [0, 1].map(|i: usize| aircraft[i].state_at(at_s).unwrap().0);
+        assert!(a.distance(b) < 60.0, "{}", a.distance(b));
+    }
+    // Several instants in one file, one after the other or as a list: real tracks.
+    let later = readsb.replace("1700000000.1", "1700000020.1").replace("\"lat\":45.0,", "\"lat\":45.00925,");
+    for text in [format!("{readsb}\n{later}"), format!("[{readsb},{later}]")] {
+        let found = recordings::parse(text.as_bytes(), Path::new("a.json"));
+        let error = found.unwrap_err().to_string();
+        assert!(error.contains("has 2 aircraft with positions"), "{error}");
+        assert!(error.contains("10 of 14 state vectors"), "{error}");
+    }
+    let nothing = recordings::parse(br#"{"time":1,"states":null}"#, Path::new("a.json"));
+    let error = nothing.unwrap_err().to_string();
+    assert!(error.contains("has 0 aircraft with positions"), "{error}");
+}
+
+#[test]
+fn n11_the_last_of_several_rows_of_a_second_stands_and_is_counted() {
+    let text = "NAME sx sy sz vx vy vz time\n[none] [m] [m] [m] [m/s] [m/s] [m/s] [s]\n\
+        A 1 2 3 4 5 6 0\nA 2 2 3 4 5 6 0\nB 10 20 30 -4 -5 -6 0\nB 11 20 30 -4 -5 -6 0\nA 5 7 9 4 5 6 1\nB 6 15 24 -4 -5 -6 1\n";
+    let found = recordings::parse(text.as_bytes(), Path::new("a.daa")).unwrap();
+    let aircraft = &found.named[0].recording.aircraft;
+    assert_eq!(aircraft[0].samples.len(), 2);
+    assert_eq!(aircraft[0].samples[0].position_m.x, 2.0);
+    assert_eq!(aircraft[1].samples[0].position_m.x, 11.0);
+    assert_eq!(
+        found.tally.words("rows").unwrap(),
+        "2 of 6 rows: 2 of a time given twice"
+    );
+    let instants = fga_formats::daa::instants::parse(text, Path::new("a.daa")).unwrap();
+    let counts: Vec<usize> = instants.instants.iter().map(|at| at.reports.len()).collect();
+    assert_eq!(counts, [2, 2]);
+    assert_eq!(instants.instants[0].reports[0].place.altitude_m(), 3.0);
+    assert_eq!(instants.tally, found.tally);
+}
+
+/// The trial's inputs, where they are.
+#[test]
+fn t1_t5_t6_t7_the_inputs_of_a_trial_are_read() {
+    for (file, pairs) in [
+        ("sbs_plain.sbs.gz", Some(1)),
+        ("sbs_gnss_h.sbs.gz", Some(1)),
+        ("sbs_gnss_h_third_aircraft.sbs.gz", Some(3)),
+        ("sbs_non_icao_tilde.sbs.gz", Some(1)),
+        ("json_columns.json.gz", Some(1)),
+        ("json_onground.json.gz", None),
+        ("opensky_states.json", Some(1)),
+        ("readsb_aircraft.json", None),
+    ] {
+        let Some(path) = data(&format!("trials/2026-11-25/{file}")) else {
+            return;
+        };
+        let found = recordings::read(&path);
+        assert_eq!(found.ok().map(|found| found.named.len()), pairs, "{file}");
+    }
 }

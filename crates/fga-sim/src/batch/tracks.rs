@@ -7,6 +7,7 @@
 use std::path::Path;
 
 use fga_formats::InputError;
+use fga_formats::tally::Tally;
 use fga_formats::words::push_csv_field;
 use rayon::prelude::*;
 
@@ -21,6 +22,7 @@ use crate::recorded::{self, Recordings};
 pub struct Tracks {
     recordings: Recordings,
     damaged: Vec<String>,
+    tally: Tally,
 }
 
 impl Tracks {
@@ -33,6 +35,7 @@ impl Tracks {
         Ok(Self {
             recordings: Recordings::open(&found.sources)?,
             damaged: found.damaged,
+            tally: found.tally,
         })
     }
 
@@ -54,6 +57,11 @@ impl Tracks {
     /// The faults of the files that were left out, one sentence each.
     pub fn damaged(&self) -> &[String] {
         &self.damaged
+    }
+
+    /// What became of the lines and rows of the other files.
+    pub const fn tally(&self) -> Tally {
+        self.tally
     }
 
     /// Number of files, with those that were left out.

@@ -8,8 +8,10 @@ use fga_files::TomlText;
 use fga_files::sensors::SensorSource;
 use fga_formats::daa::Recording;
 use fga_formats::encounters::Encounter;
+use fga_formats::tally::Tally;
 use fga_formats::{InputError, error::shown};
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
 use super::CampaignError;
 use super::sources::{self, ModelFile};
@@ -74,6 +76,9 @@ pub struct Configuration {
     /// The faults of left-out recordings, one sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub damaged: Vec<String>,
+    /// What became of the lines and rows of the other recordings.
+    #[serde(default, skip_serializing_if = "is_whole")]
+    pub tally: Tally,
     /// Sources that take the place of the vehicle file's sensor.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<SensorSource>,
@@ -85,7 +90,25 @@ pub struct Configuration {
     pub events: Vec<u64>,
 }
 
+/// Whether nothing was left out of the recordings.
+fn is_whole(tally: &Tally) -> bool {
+    tally.lost() == 0
+}
+
 impl Configuration {
+    /// What was left out of the recordings, by reason, with the number of those left out as a whole.
+    pub fn left_out(&self) -> Map<String, Value> {
+        let mut left_out = if is_whole(&self.tally) {
+            Map::new()
+        } else {
+            self.tally.to_json()
+        };
+        if !self.damaged.is_empty() {
+            left_out.insert("recordings".into(), self.damaged.len().into());
+        }
+        left_out
+    }
+
     /// Fingerprint of everything that determines the results; paths of files and additional logs do not
     /// count.
     pub fn hash(&self) -> String {
@@ -101,6 +124,7 @@ impl Configuration {
     fn forget_extras(&mut self) {
         self.events.clear();
         self.damaged.clear();
+        self.tally = Tally::default();
     }
 
     /// The paths of all files.

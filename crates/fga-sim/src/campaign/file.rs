@@ -161,6 +161,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         recordings: found.sources,
         models,
         damaged: found.damaged,
+        tally: found.tally,
         sensors: sensors(&text, file.sensor)?,
         vehicle_sha256: model.sha256,
         vehicle,

@@ -1,8 +1,8 @@
 //! Rows as a Parquet table and as CSV.
 //!
 //! A file holds one row group for each block. Its metadata has `fga.version`, `fga.target`,
-//! `fga.configuration_hash`, `fga.seeds`, `fga.configuration` and `fga.columns`, but no time of day and
-//! no duration.
+//! `fga.configuration_hash`, `fga.seeds`, `fga.configuration`, `fga.columns`, and `fga.left_out` where recordings
+//! or parts of them were left out, but no time of day and no duration.
 
 use alloc::sync::Arc;
 use core::fmt::Write as _;
@@ -27,9 +27,11 @@ use parquet::file::reader::{ChunkReader, FileReader, RowGroupReader, SerializedF
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use parquet::schema::types::{ColumnPath, Type};
+use serde_json::Value;
 
 use super::metrics::{Access, FIELDS, Metrics};
 use super::{Campaign, Row, Stamp};
+use crate::corrupt::guarded;
 
 const BASE: &str = "
     required int64 encounter (INTEGER(64,false));
@@ -254,14 +256,21 @@ impl<W: Write + Send> TableWriter<W> {
             ),
             ("fga.columns", columns_in_words()),
         ];
-        let entries = entries.map(|(key, value)| KeyValue::new(key.to_owned(), value));
+        let mut entries: Vec<(&str, String)> = entries.into();
+        let left_out = configuration.left_out();
+        if !left_out.is_empty() {
+            entries.push(("fga.left_out", Value::Object(left_out).to_string()));
+        }
+        let entries = entries
+            .into_iter()
+            .map(|(key, value)| KeyValue::new(key.to_owned(), value));
         let mut properties = WriterProperties::builder()
             .set_created_by(format!("fga {}", configuration.version))
             .set_compression(Compression::SNAPPY)
             .set_dictionary_enabled(false)
             .set_statistics_enabled(EnabledStatistics::Chunk)
             .set_offset_index_disabled(true)
-            .set_key_value_metadata(Some(entries.into()));
+            .set_key_value_metadata(Some(entries.collect()));
         for name in ["seed", "source", "policy", "name"] {
             properties = properties.set_column_dictionary_enabled(ColumnPath::from(name), true);
         }
@@ -346,15 +355,16 @@ pub fn read<R: ChunkReader + 'static, E: From<ParquetError>>(
     campaign: &Campaign,
     mut take: impl FnMut(Vec<Row>) -> Result<(), E>,
 ) -> Result<(), E> {
-    let reader = SerializedFileReader::new(input)?;
+    let corrupt = |words: &str| ParquetError::General(words.to_owned());
+    let reader = guarded(|| SerializedFileReader::new(input), corrupt)?;
     let expected = schema()?;
     let found = reader.metadata().file_metadata().schema();
     if found != expected.as_ref() {
         return Err(ParquetError::General(other_columns(found, &expected)).into());
     }
     for index in 0..reader.num_row_groups() {
-        let group = reader.get_row_group(index)?;
-        take(read_group(group.as_ref(), campaign)?)?;
+        let group = || read_group(reader.get_row_group(index)?.as_ref(), campaign);
+        take(guarded(group, corrupt)?)?;
     }
     Ok(())
 }
@@ -463,7 +473,9 @@ fn values<T: DataType>(
     count: usize,
 ) -> Result<(Vec<T::T>, Vec<i16>), ParquetError> {
     let mut reader = get_typed_column_reader::<T>(group.get_column_reader(column)?);
-    let (mut values, mut levels) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    // The file says how many rows it has, and that may be wrong.
+    let room = count.min(65_536);
+    let (mut values, mut levels) = (Vec::with_capacity(room), Vec::with_capacity(room));
     while reader
         .read_records(count, Some(&mut levels), None, &mut values)?
         .0

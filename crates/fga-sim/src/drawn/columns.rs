@@ -10,6 +10,11 @@ use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 
+use crate::corrupt::guarded;
+
+/// Rows for which a reader makes room at once.
+const FEW: usize = 65_536;
+
 /// Whether these are the bytes of a Parquet file.
 pub(super) fn is_parquet(bytes: &[u8]) -> bool {
     bytes.starts_with(b"PAR1")
@@ -33,8 +38,8 @@ pub(super) struct Group<'a> {
 
 impl<'a> Table<'a> {
     pub(super) fn open(bytes: Vec<u8>, path: &'a Path) -> Result<Self, InputError> {
-        let reader =
-            SerializedFileReader::new(Bytes::from(bytes)).map_err(|error| damaged(path, &error))?;
+        let reader = SerializedFileReader::new(Bytes::from(bytes))
+            .map_err(|error| damaged(path, &error))?;
         let schema = reader.metadata().file_metadata().schema_descr();
         let places = schema
             .columns()
@@ -70,6 +75,16 @@ impl<'a> Table<'a> {
             })
         })
     }
+}
+
+/// Runs a reader of a file; a panic of the crate `parquet` is an error about the file.
+pub(super) fn reading<T>(
+    path: &Path,
+    read: impl FnOnce() -> Result<T, InputError>,
+) -> Result<T, InputError> {
+    guarded(read, |words| {
+        damaged(path, &ParquetError::General(words.to_owned()))
+    })
 }
 
 fn damaged(path: &Path, error: &ParquetError) -> InputError {
@@ -172,7 +187,8 @@ impl Group<'_> {
         &self,
         mut column: ColumnReaderImpl<T>,
     ) -> Result<(Vec<T::T>, Vec<i16>), InputError> {
-        let (mut values, mut levels) = (Vec::with_capacity(self.count), Vec::new());
+        // The file says how many rows it has, and that may be wrong.
+        let (mut values, mut levels) = (Vec::with_capacity(self.count.min(FEW)), Vec::new());
         loop {
             let (records, _, _) = column
                 .read_records(self.count, Some(&mut levels), None, &mut values)

@@ -9,9 +9,10 @@ use fga_formats::InputError;
 use fga_formats::daa::{Recording, Track, TrackSample};
 use fga_formats::encounters::{self, Encounter};
 use fga_formats::error::shown;
-use fga_formats::recordings::Named;
+use fga_formats::recordings::{Encounters, Named};
+use fga_formats::tally::Tally;
 
-use super::columns::{Group, Table};
+use super::columns::{Group, Table, reading};
 use super::tables::{AIR, AIR_FROM, DEVIATIONS_FROM, ROW_COLUMNS, TRACK_COLUMNS};
 use super::{Content, Origin};
 
@@ -21,7 +22,7 @@ const LARGEST_SPEED_MPS: f64 = 5000.0;
 
 /// The content of a table, by its columns.
 pub(super) fn content(bytes: Vec<u8>, path: &Path) -> Result<Content, InputError> {
-    let table = Table::open(bytes, path)?;
+    let table = reading(path, || Table::open(bytes, path))?;
     match (table.has("aircraft"), table.has("obstacle")) {
         (true, false) => Ok(Content::Tracks),
         (false, true) => Ok(Content::Rows),
@@ -34,6 +35,10 @@ pub(super) fn content(bytes: Vec<u8>, path: &Path) -> Result<Content, InputError
 
 /// Obstacles around a line.
 pub(super) fn rows(bytes: Vec<u8>, path: &Path) -> Result<Vec<Encounter>, InputError> {
+    reading(path, || read_rows(bytes, path))
+}
+
+fn read_rows(bytes: Vec<u8>, path: &Path) -> Result<Vec<Encounter>, InputError> {
     let table = Table::open(bytes, path)?;
     let mut found = Vec::new();
     for group in table.groups() {
@@ -83,7 +88,11 @@ pub(super) fn rows(bytes: Vec<u8>, path: &Path) -> Result<Vec<Encounter>, InputE
 }
 
 /// Aircraft with tracks.
-pub(super) fn tracks(bytes: Vec<u8>, path: &Path) -> Result<Vec<Named>, InputError> {
+pub(super) fn tracks(bytes: Vec<u8>, path: &Path) -> Result<Encounters, InputError> {
+    reading(path, || read_tracks(bytes, path))
+}
+
+fn read_tracks(bytes: Vec<u8>, path: &Path) -> Result<Encounters, InputError> {
     let table = Table::open(bytes, path)?;
     let mut found: Vec<(u64, Named)> = Vec::new();
     for group in table.groups() {
@@ -117,7 +126,11 @@ pub(super) fn tracks(bytes: Vec<u8>, path: &Path) -> Result<Vec<Named>, InputErr
             "holds no rows, expected at least one",
         ));
     }
-    Ok(found.into_iter().map(|(_, named)| named).collect())
+    let named: Vec<Named> = found.into_iter().map(|(_, named)| named).collect();
+    let tracks = named.iter().flat_map(|named| &named.recording.aircraft);
+    let rows: usize = tracks.map(|track| track.samples.len()).sum();
+    let tally = Tally::all_used(rows as u64);
+    Ok(Encounters { named, tally })
 }
 
 /// The columns that a table may lack.
@@ -210,6 +223,7 @@ fn take_tracks(
                 aircraft: Vec::new(),
                 frame: None,
                 parameters: Vec::new(),
+                tally: Tally::default(),
             };
             origin.mark(&mut recording);
             let name = format!("{number:08}");

@@ -277,6 +277,7 @@ mod tests {
     use fga::Vec3;
     use fga::situation::{Obstacle, ProtectedVolume};
     use fga_alerts::Deviation;
+    use fga_formats::InputError;
     use fga_formats::daa::{Track, TrackSample};
 
     use super::*;
@@ -306,6 +307,7 @@ mod tests {
             aircraft: vec![track("own", 40.0), track("its", -50.0)],
             frame: None,
             parameters: Vec::new(),
+            tally: fga_formats::tally::Tally::default(),
         };
         let origin = Origin {
             number: Some(3),
@@ -330,8 +332,8 @@ mod tests {
         let written = recording(1.0 / 7.0);
         let path = Path::new("t.parquet");
         let read = tracks(table(core::slice::from_ref(&written)), path).unwrap();
-        assert_eq!(read.len(), 1);
-        assert_eq!(read[0].recording, written);
+        assert_eq!((read.named.len(), read.tally.read()), (1, 6));
+        assert_eq!(read.named[0].recording, written);
         assert_eq!(content(table(&[written]), path).unwrap(), Content::Tracks);
     }
 
@@ -384,5 +386,40 @@ mod tests {
         let path = Path::new("e.parquet");
         assert_eq!(content(bytes.clone(), path).unwrap(), Content::Rows);
         assert_eq!(rows(bytes, path).unwrap(), [written]);
+    }
+
+    /// Every byte of a good file changed in turn, and the file cut there: read, or refused in one sentence. A panic
+    /// of the crate `parquet` would fail this test.
+    #[test]
+    fn l14_no_corrupt_table_makes_a_reader_panic() {
+        let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+        let mut writer = TableWriter::new(Vec::new(), Content::Rows).unwrap();
+        for id in 0..20 {
+            let obstacle = Obstacle::new(4, Vec3::X * 700.0, Vec3::X * -0.7, volume);
+            let obstacles = vec![obstacle];
+            writer.push_rows(&Encounter { id, obstacles }).unwrap();
+        }
+        let path = Path::new("e.parquet");
+        let sentence = |error: InputError| {
+            let said = error.to_string();
+            assert!(said.starts_with("e.parquet: ") && !said.contains('\n'), "{said}");
+        };
+        for good in [writer.finish().unwrap(), table(&[recording(1.0)])] {
+            let refused = |bytes: Vec<u8>| {
+                let _ = content(bytes.clone(), path).map_err(sentence);
+                let _ = rows(bytes.clone(), path).map_err(sentence);
+                tracks(bytes, path).map_err(sentence).is_err()
+            };
+            let mut damaged = 0;
+            for at in 0..good.len() {
+                for byte in [0x00, 0xff, good[at] ^ 0x01, good[at] ^ 0x80] {
+                    let mut bytes = good.clone();
+                    bytes[at] = byte;
+                    damaged += u32::from(refused(bytes));
+                }
+                assert!(refused(good[..at].to_vec()));
+            }
+            assert!(damaged > 1000, "{damaged}");
+        }
     }
 }

@@ -31,6 +31,7 @@ use fga_alerts::volume::Cylinder;
 use fga_alerts::{Pair, PairDeviation, State};
 pub use fga_files::campaign::OwnshipFlight;
 use fga_formats::daa::{Recording, Track, TrackSample};
+use fga_formats::tally::Tally;
 use fga_formats::encounter_model::{EncounterModel, ModelRow};
 use serde::{Deserialize, Serialize};
 
@@ -239,6 +240,7 @@ impl ModelSource {
                         aircraft: vec![track("ownship", &own), track("intruder", &intruder)],
                         frame: None,
                         parameters: Vec::new(),
+                        tally: Tally::default(),
                     },
                     weight,
                 });

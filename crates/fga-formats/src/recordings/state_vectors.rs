@@ -1,0 +1,325 @@
+//! State vectors in JSON: of recordings, of readsb, and of the OpenSky network.
+//!
+//! | document | units | time |
+//! |---|---|---|
+//! | a list of objects, or an object of columns, with `icao24`, `timestamp`, `latitude`, … | ft, kt, ft/min | `timestamp` |
+//! | `{"now": …, "aircraft": [{"hex": …, "lat": …}]}` of readsb, dump1090 and tar1090 | ft, kt, ft/min | `now` less `seen_pos` |
+//! | `{"time": …, "states": [["icao24", …]]}` of the OpenSky network | m, m/s | `time_position` |
+//!
+//! A file may hold several documents one after the other, or a list of them. Times are seconds or milliseconds since
+//! 1970.
+
+use std::path::Path;
+
+use alloc::collections::BTreeMap;
+use glam::DVec3;
+use serde_json::{Map, Value};
+
+use super::received::{Collector, Heard, Received, Who};
+use crate::error::{InputError, shown};
+use crate::geodesy::{Geodetic, course_from_compass_rad};
+use crate::tally::{LeftOut, Tally};
+use crate::traffic::NON_ICAO;
+use crate::units::{Feet, FeetPerMinute, Knots};
+
+/// A position that was older when the list was written is too old, seconds.
+const OLDEST_S: f64 = 60.0;
+
+/// A state vector as a document gives it, in SI units.
+struct State<'a> {
+    name: &'a str,
+    address: Option<u32>,
+    callsign: Option<&'a str>,
+    time_s: Option<f64>,
+    /// Seconds before the document's time; 0 if it does not say.
+    age_s: f64,
+    place_deg: Option<[f64; 2]>,
+    altitude_m: Option<f64>,
+    is_by_pressure: bool,
+    speed_mps: Option<f64>,
+    track_deg: Option<f64>,
+    climb_mps: Option<f64>,
+    on_ground: bool,
+}
+
+impl State<'_> {
+    fn heard(&self) -> Result<Heard, LeftOut> {
+        if self.on_ground {
+            return Err(LeftOut::OnGround);
+        }
+        let [latitude_deg, longitude_deg] = self.place_deg.ok_or(LeftOut::NoPosition)?;
+        let altitude_m = self.altitude_m.ok_or(LeftOut::NoAltitude)?;
+        let time_s = self.time_s.ok_or(LeftOut::NoTime)?;
+        if self.age_s > OLDEST_S {
+            return Err(LeftOut::TooOld);
+        }
+        let place = Geodetic::new(latitude_deg, longitude_deg, altitude_m)
+            .ok_or(LeftOut::UnreadableField)?;
+        let velocity_mps = self.speed_mps.zip(self.track_deg).map(|(speed_mps, track_deg)| {
+            let (sin, cos) = libm::sincos(course_from_compass_rad(track_deg));
+            DVec3::new(
+                speed_mps * cos,
+                speed_mps * sin,
+                self.climb_mps.unwrap_or(0.0),
+            )
+        });
+        Ok(Heard {
+            time_s: time_s - self.age_s,
+            place,
+            velocity_mps,
+        })
+    }
+}
+
+/// The tracks of the state vectors in a text.
+///
+/// # Errors
+/// Text that is no JSON, or JSON of something else.
+pub(super) fn parse(text: &str, path: &Path) -> Result<Received, InputError> {
+    let mut reader = Reader {
+        path,
+        collector: Collector::default(),
+        tally: Tally::default(),
+    };
+    for document in serde_json::Deserializer::from_str(text).into_iter::<Value>() {
+        let document = document.map_err(|error| {
+            let message = format!("is no JSON that can be read: {error}");
+            InputError::in_file(path, message)
+        })?;
+        reader.document(&document)?;
+    }
+    Ok(reader.collector.finish(reader.tally))
+}
+
+struct Reader<'a> {
+    path: &'a Path,
+    collector: Collector,
+    tally: Tally,
+}
+
+impl Reader<'_> {
+    fn document(&mut self, document: &Value) -> Result<(), InputError> {
+        let wrong = |message: &str| Err(InputError::in_file(self.path, message));
+        match document {
+            Value::Array(rows) => rows.iter().try_for_each(|row| match row {
+                Value::Object(object) if list_of(object).is_some() => self.document(row),
+                _ => self.row(row),
+            }),
+            Value::Object(object) => match list_of(object) {
+                Some(List::Aircraft(aircraft)) => {
+                    let now_s = seconds(object.get("now"));
+                    for row in aircraft {
+                        self.aircraft(row, now_s);
+                    }
+                    Ok(())
+                }
+                Some(List::States(states)) => {
+                    for row in states {
+                        self.opensky(row, seconds(object.get("time")));
+                    }
+                    Ok(())
+                }
+                None => match rows_of(object) {
+                    Some(rows) => rows.iter().try_for_each(|row| self.row(row)),
+                    None => wrong(
+                        "is a JSON object of something else, expected state vectors: a list of them, columns of them, aircraft of readsb or states of OpenSky",
+                    ),
+                },
+            },
+            _ => wrong("is no list, expected a list of state vectors"),
+        }
+    }
+
+    /// An object of a list, or of columns. Other objects than state vectors are errors.
+    fn row(&mut self, row: &Value) -> Result<(), InputError> {
+        let index = self.tally.read();
+        let wrong = |message: String| {
+            Err(InputError::in_file(
+                self.path,
+                format!("state vector {index} {message}"),
+            ))
+        };
+        let words = |key: &str| row.get(key).and_then(Value::as_str);
+        let Some(name) = ["flight_id", "icao24", "callsign"]
+            .iter()
+            .find_map(|key| words(key))
+        else {
+            return wrong("has no icao24, callsign or flight_id, expected one".into());
+        };
+        let time_s = seconds(row.get("timestamp"));
+        if time_s.is_none() {
+            let found = row
+                .get("timestamp")
+                .map_or_else(|| "none".into(), |value| shown(&value.to_string()));
+            return wrong(format!(
+                "has the timestamp {found}, expected milliseconds or seconds since 1970"
+            ));
+        }
+        let number = |key: &str| number(row.get(key));
+        let place_deg = number("latitude").zip(number("longitude"));
+        let altitude_ft = number("altitude").or_else(|| number("geoaltitude"));
+        if let Some((latitude, longitude)) = place_deg
+            && Geodetic::new(latitude, longitude, 0.0).is_none()
+        {
+            return wrong(format!(
+                "is at {latitude}, {longitude}, expected a place on the earth"
+            ));
+        }
+        self.take(&State {
+            name,
+            address: words("icao24").and_then(address_of),
+            callsign: words("callsign"),
+            time_s,
+            age_s: 0.0,
+            place_deg: place_deg.map(<[f64; 2]>::from),
+            altitude_m: altitude_ft.map(|feet| Feet(feet).to_m()),
+            is_by_pressure: number("altitude").is_some(),
+            speed_mps: number("groundspeed").map(|knots| Knots(knots).to_mps()),
+            track_deg: number("track"),
+            climb_mps: number("vertical_rate").map(|fpm| FeetPerMinute(fpm).to_mps()),
+            on_ground: ["onground", "on_ground"]
+                .iter()
+                .any(|key| is_true(row.get(key))),
+        });
+        Ok(())
+    }
+
+    /// An object of readsb's `aircraft.json`.
+    fn aircraft(&mut self, row: &Value, now_s: Option<f64>) {
+        let Some(name) = row.get("hex").and_then(Value::as_str) else {
+            return self.tally.leave_out(LeftOut::NoAddress);
+        };
+        let number = |key: &str| number(row.get(key));
+        let first = |keys: [&str; 2]| keys.iter().find_map(|key| number(key));
+        self.take(&State {
+            name,
+            address: address_of(name),
+            callsign: row.get("flight").and_then(Value::as_str),
+            time_s: now_s,
+            age_s: first(["seen_pos", "seen"]).unwrap_or(0.0).max(0.0),
+            place_deg: number("lat").zip(number("lon")).map(<[f64; 2]>::from),
+            altitude_m: first(["alt_baro", "alt_geom"]).map(|feet| Feet(feet).to_m()),
+            is_by_pressure: number("alt_baro").is_some(),
+            speed_mps: number("gs").map(|knots| Knots(knots).to_mps()),
+            track_deg: number("track"),
+            climb_mps: first(["baro_rate", "geom_rate"]).map(|fpm| FeetPerMinute(fpm).to_mps()),
+            on_ground: row.get("alt_baro").and_then(Value::as_str) == Some("ground"),
+        });
+    }
+
+    /// A list of OpenSky's `states`.
+    fn opensky(&mut self, row: &Value, now_s: Option<f64>) {
+        let field = |index: usize| row.get(index);
+        let number = |index: usize| number(field(index));
+        let Some(name) = field(0).and_then(Value::as_str) else {
+            return self.tally.leave_out(LeftOut::NoAddress);
+        };
+        let time_s = seconds(field(3));
+        let age_s = now_s.zip(time_s).map(|(now_s, time_s)| now_s - time_s);
+        self.take(&State {
+            name,
+            address: address_of(name),
+            callsign: field(1).and_then(Value::as_str),
+            time_s: now_s.or(time_s),
+            age_s: age_s.unwrap_or(0.0).max(0.0),
+            place_deg: number(6).zip(number(5)).map(<[f64; 2]>::from),
+            altitude_m: number(7).or_else(|| number(13)),
+            is_by_pressure: number(7).is_some(),
+            speed_mps: number(9),
+            track_deg: number(10),
+            climb_mps: number(11),
+            on_ground: is_true(field(8)),
+        });
+    }
+
+    fn take(&mut self, state: &State<'_>) {
+        let heard = state.heard();
+        self.tally.take(&heard);
+        if let Ok(heard) = heard {
+            let who = Who {
+                name: state.name.trim(),
+                address: state.address,
+                callsign: state.callsign,
+                is_by_pressure: state.is_by_pressure,
+            };
+            self.collector.push(who, heard);
+        }
+    }
+}
+
+/// The list in a document of readsb or OpenSky.
+enum List<'a> {
+    Aircraft(&'a [Value]),
+    States(&'a [Value]),
+}
+
+fn list_of(object: &Map<String, Value>) -> Option<List<'_>> {
+    let list = |key: &str| object.get(key).and_then(Value::as_array);
+    // OpenSky writes null where it has none.
+    let no_states = object.contains_key("time") && object.get("states") == Some(&Value::Null);
+    list("aircraft")
+        .or_else(|| list("ac"))
+        .filter(|list| list.iter().all(Value::is_object))
+        .map(|list| List::Aircraft(list))
+        .or_else(|| {
+            list("states")
+                .filter(|list| list.iter().all(Value::is_array))
+                .map(|list| List::States(list))
+        })
+        .or_else(|| no_states.then_some(List::States(&[])))
+}
+
+/// A 24-bit address in hexadecimal digits; a sign before them says that it is none of the ICAO.
+fn address_of(text: &str) -> Option<u32> {
+    let text = text.trim();
+    let digits = text.trim_start_matches('~');
+    let address = u32::from_str_radix(digits, 16)
+        .ok()
+        .filter(|address| *address < NON_ICAO)?;
+    Some(if digits.len() < text.len() {
+        address | NON_ICAO
+    } else {
+        address
+    })
+}
+
+fn number(value: Option<&Value>) -> Option<f64> {
+    value?.as_f64().filter(|number| number.is_finite())
+}
+
+/// True, or 1 as tables write it.
+fn is_true(value: Option<&Value>) -> bool {
+    value.is_some_and(|value| value.as_bool() == Some(true) || value.as_f64() == Some(1.0))
+}
+
+/// A time since 1970, seconds: milliseconds where it is large.
+fn seconds(value: Option<&Value>) -> Option<f64> {
+    let value = number(value)?;
+    Some(if value.abs() > 1e11 {
+        value / 1e3
+    } else {
+        value
+    })
+}
+
+/// Rows of columns, each a list or an object by row number.
+fn rows_of(columns: &Map<String, Value>) -> Option<Vec<Value>> {
+    let mut rows: BTreeMap<usize, Map<String, Value>> = BTreeMap::new();
+    for (name, column) in columns {
+        let mut put = |index: usize, value: &Value| {
+            rows.entry(index)
+                .or_default()
+                .insert(name.clone(), value.clone());
+        };
+        match column {
+            Value::Array(values) => values.iter().enumerate().for_each(|(i, v)| put(i, v)),
+            Value::Object(values) => {
+                for (index, value) in values {
+                    put(index.parse().ok()?, value);
+                }
+            }
+            _ => return None,
+        }
+    }
+    Some(rows.into_values().map(Value::Object).collect())
+}
