@@ -2,14 +2,17 @@
 //! text: endpoints, receivers, lines and tracks of traffic.
 #![no_main]
 
+use fga_formats::recordings::{self, Content};
 use fga_link::endpoint::Endpoint;
-use fga_link::player::{Line, read_sbs_log, read_tracks};
+use fga_link::player::{Line, from_states, read_log};
 use fga_link::traffic::receiver::ReceiverEndpoint;
 use fga_link::{Companion, Config};
 use libfuzzer_sys::fuzz_target;
+use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = read_sbs_log(bytes);
+    let (lines, tally) = read_log(bytes);
+    assert!(lines.len() as u64 <= tally.read());
     let Ok(text) = core::str::from_utf8(bytes) else {
         return;
     };
@@ -29,5 +32,8 @@ fuzz_target!(|bytes: &[u8]| {
             assert!(sample.place.latitude_deg.is_finite());
         }
     }
-    let _ = read_tracks(text);
+    if let Ok(Content::States(states)) = recordings::parse_content(bytes, Path::new("a")) {
+        let samples = from_states(&states).into_iter().flat_map(|flight| flight.samples);
+        assert!(samples.into_iter().all(|sample| sample.time_s >= 0.0));
+    }
 });

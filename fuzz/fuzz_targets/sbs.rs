@@ -1,9 +1,8 @@
-//! Any bytes of a connection are taken, and give the same reports however they are cut.
+//! Any bytes of a connection are taken, and give the same reports however they are cut; every line is counted once.
 #![no_main]
 
-use fga_formats::traffic::sbs::{Recording, Stream};
+use fga_formats::traffic::sbs::{Log, Stream};
 use libfuzzer_sys::fuzz_target;
-use std::io::BufReader;
 
 fuzz_target!(|bytes: &[u8]| {
     let collect = |size: usize| {
@@ -19,12 +18,11 @@ fuzz_target!(|bytes: &[u8]| {
                 reports.push(report);
             });
         }
-        (reports, stream.counts())
+        (reports, stream.tally())
     };
     assert_eq!(collect(1), collect(usize::MAX));
-    let mut last_s = 0.0;
-    for line in Recording::new(BufReader::new(bytes)) {
-        assert!(line.time_s >= last_s);
-        last_s = line.time_s;
-    }
+    let lines = bytes.split_inclusive(|byte| *byte == b'\n').count() as u64;
+    let mut log = Log::new(bytes);
+    assert!((&mut log).all(|line| line.time_s.is_finite()));
+    assert_eq!(log.tally().read(), lines);
 });

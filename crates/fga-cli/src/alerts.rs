@@ -10,7 +10,7 @@ use fga_formats::daa::instants::{self, Instants};
 use fga_formats::daa::tables::{Tables, watch};
 use serde_json::json;
 
-use crate::common::{AnswerArgs, OutArgs};
+use crate::common::{AnswerArgs, OutArgs, tell_left_out};
 use crate::failure::Failure;
 
 /// Options of `fga alerts`.
@@ -38,6 +38,7 @@ impl DetectArgs {
     /// Reads both files.
     pub(crate) fn read(&self) -> Result<(Instants, Configuration), Failure> {
         let recording = instants::read(&self.recording)?;
+        tell_left_out(&[], &recording.tally, "rows");
         let configuration = conf::read(&self.config)?;
         if recording.names.len() < 2 {
             return Err(Failure::Input(format!(
@@ -87,6 +88,7 @@ pub(crate) fn run(args: &AlertsArgs) -> Result<ExitCode, Failure> {
             "instants": times,
             "highest_level": highest.map_or(0, |(level, _)| level),
             "highest_level_t_s": highest.map(|(_, time_s)| time_s),
+            "left_out": recording.tally.to_json(),
             "file": path.display().to_string(),
         }),
     )?;

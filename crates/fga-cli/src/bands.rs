@@ -38,7 +38,11 @@ pub(crate) fn run(args: &BandsArgs) -> Result<ExitCode, Failure> {
     atomic::write(&path, text)?;
     input.answer.print(
         || format!("{times} instants; bands in {}\n", path.display()),
-        &json!({ "instants": times, "file": path.display().to_string() }),
+        &json!({
+            "instants": times,
+            "left_out": recording.tally.to_json(),
+            "file": path.display().to_string(),
+        }),
     )?;
     Ok(ExitCode::SUCCESS)
 }

@@ -269,7 +269,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
             "vehicle": settings.model.name,
             "seed": args.seed,
             "encounters": totals.encounters,
-            "left_out": input.damaged().len(),
+            "left_out": input.left_out(),
             "separated": totals.separated,
             "manoeuvred": totals.manoeuvred,
             "decisions": totals.decisions,

@@ -11,11 +11,17 @@ use fga_sim::drawn::{self, Content};
 use fga_sim::run::RunLog;
 use fga_sim::vehicle_file::VehicleModel;
 
+use serde_json::{Map, Value};
+
 use crate::batch::BatchArgs;
+use crate::common::tell_left_out;
 use crate::failure::Failure;
 
 /// Longest time flown around a line without `--horizon`, seconds.
 pub(crate) const HORIZON_S: f64 = 60.0;
+
+/// What recordings consist of, in the plural.
+pub(crate) const PARTS: &str = "lines or rows";
 
 /// The encounters and how they are flown.
 #[derive(Debug)]
@@ -61,7 +67,7 @@ impl Input {
             },
             Content::Tracks => {
                 let tracks = Tracks::find(path, &settings)?;
-                name_damaged(&tracks);
+                tell_left_out(tracks.damaged(), &tracks.tally(), PARTS);
                 Self {
                     sha256: tracks.sha256(),
                     encounters: Encounters::Tracks(tracks),
@@ -79,11 +85,15 @@ impl Input {
         }
     }
 
-    /// The faults of files that were left out.
-    pub(crate) fn damaged(&self) -> &[String] {
+    /// What was left out, by reason, with the number of recordings left out as a whole.
+    pub(crate) fn left_out(&self) -> Map<String, Value> {
         match &self.encounters {
-            Encounters::Rows(_) => &[],
-            Encounters::Tracks(tracks) => tracks.damaged(),
+            Encounters::Rows(_) => Map::new(),
+            Encounters::Tracks(tracks) => {
+                let mut left_out = tracks.tally().to_json();
+                left_out.insert("recordings".into(), tracks.damaged().len().into());
+                left_out
+            }
         }
     }
 
@@ -123,13 +133,6 @@ impl Input {
             Encounters::Rows(_) => Ok(ExitCode::SUCCESS),
             Encounters::Tracks(tracks) => verdict(tracks, skip_damaged),
         }
-    }
-}
-
-/// Names recordings that cannot be used on standard error.
-pub(crate) fn name_damaged(tracks: &Tracks) {
-    for damaged in tracks.damaged() {
-        eprintln!("fga: left out: {damaged}");
     }
 }
 

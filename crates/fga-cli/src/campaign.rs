@@ -20,11 +20,13 @@ use fga_sim::campaign::{
 use fga_sim::policy::PolicyChoice;
 use serde_json::{Value, json};
 
+use crate::batch_input::PARTS;
 use crate::campaign_draw::{self, DrawArgs};
 use crate::campaign_progress::Display;
 use crate::campaign_report::{self, ReportArgs};
 use crate::common::{
-    self, AnswerArgs, OutArgs, OverlayArgs, ThreadArgs, interrupted, watch_for_interrupt,
+    self, AnswerArgs, OutArgs, OverlayArgs, ThreadArgs, interrupted, tell_left_out,
+    watch_for_interrupt,
 };
 use crate::failure::Failure;
 
@@ -166,9 +168,7 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
         ..args.sources.overrides()
     };
     let configuration = file::read(&args.file, &overrides)?;
-    for damaged in &configuration.damaged {
-        eprintln!("fga: left out: {damaged}");
-    }
+    tell_left_out(&configuration.damaged, &configuration.tally, PARTS);
     let campaign = Campaign::new(configuration, &args.file)?;
     let task = Task {
         campaign: &campaign,
@@ -209,6 +209,7 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
         "input": args.file.display().to_string(),
         "shard": format!("{}/{}", part.number, part.of),
         "decision_times": decision_times(&campaign, &times, fly_s),
+        "left_out": campaign.configuration.left_out(),
     });
     if part != Shard::WHOLE {
         let document = document(&provenance, &manifest, more);
@@ -240,7 +241,7 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
             let rate = rate(&times, fly_s).unwrap_or_default();
             in_words(&campaign, &summary, task.folder.path()) + &rate
         },
-        &summary_document(&campaign, &summary),
+        &with_left_out(&campaign, summary_document(&campaign, &summary)),
     )?;
     verdict(&campaign, args.skip_damaged)
 }
@@ -257,9 +258,18 @@ fn finished(task: &Task<'_>, manifest: &Manifest, answer: AnswerArgs) -> Result<
     tell_complete(&task.folder);
     answer.print(
         || in_words(task.campaign, &assembled.summary, task.folder.path()),
-        &summary_document(task.campaign, &assembled.summary),
+        &with_left_out(
+            task.campaign,
+            summary_document(task.campaign, &assembled.summary),
+        ),
     )?;
     Ok(())
+}
+
+/// A summary with what was left out of the recordings.
+fn with_left_out(campaign: &Campaign, mut summary: Value) -> Value {
+    summary["left_out"] = campaign.configuration.left_out().into();
+    summary
 }
 
 /// Says that earlier runs flew every encounter.

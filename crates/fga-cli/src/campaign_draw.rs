@@ -13,6 +13,7 @@ use fga_sim::campaign::{Campaign, Scene};
 use fga_sim::drawn::{Content, Origin, ROWS, TRACKS, TableWriter};
 use serde_json::json;
 
+use crate::batch_input::PARTS;
 use crate::campaign::SourceArgs;
 use crate::common::{self, AnswerArgs, OutArgs};
 use crate::failure::Failure;
@@ -47,6 +48,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
         ..args.sources.overrides()
     };
     let configuration = file::read(&args.file, &overrides)?;
+    common::tell_left_out(&configuration.damaged, &configuration.tally, PARTS);
     let campaign = Campaign::new(configuration, &args.file)?;
     let folder = args.out.prepare(&args.file)?;
     let whole = AtomicFolder::create(&folder)?;
@@ -76,6 +78,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<ExitCode, Failure> {
             "file": shown.display().to_string(),
             "rows": drawn.rows,
             "recordings": drawn.recordings,
+            "left_out": campaign.configuration.left_out(),
         }),
     )?;
     Ok(ExitCode::SUCCESS)

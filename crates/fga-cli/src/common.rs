@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fga_formats::InputError;
+use fga_formats::tally::Tally;
 use fga_sim::campaign::{MOST_ENCOUNTERS, parse_policy};
 use fga_sim::policy::PolicyChoice;
 use fga_sim::vehicle_file::VehicleModel;
@@ -62,6 +63,16 @@ impl AnswerArgs {
         } else {
             print(&in_words())
         }
+    }
+}
+
+/// Says on standard error what was left out of an input: whole files by their faults, and parts of the others.
+pub(crate) fn tell_left_out(damaged: &[String], tally: &Tally, parts: &str) {
+    for sentence in damaged {
+        eprintln!("fga: left out: {sentence}");
+    }
+    if let Some(words) = tally.words(parts) {
+        eprintln!("fga: left out: {words}");
     }
 }
 

@@ -11,7 +11,7 @@ use fga_sim::identification::{Identified, identify};
 use fga_sim::vehicle_file::VehicleModel;
 use serde_json::{Map, Value, json};
 
-use crate::common::AnswerArgs;
+use crate::common::{AnswerArgs, tell_left_out};
 use crate::failure::Failure;
 
 /// Options of `fga identify`.
@@ -43,6 +43,7 @@ pub(crate) struct IdentifyArgs {
 /// Reads the log and writes the vehicle file.
 pub(crate) fn run(args: &IdentifyArgs) -> Result<ExitCode, Failure> {
     let log = flight_log::read(&args.log)?;
+    tell_left_out(&[], &log.tally, "messages or rows");
     let identified = identify(&log).map_err(|message| InputError::in_file(&args.log, message))?;
     let name = args.name.clone().unwrap_or_else(|| {
         let stem = args.log.file_stem().unwrap_or("identified".as_ref());
@@ -58,7 +59,8 @@ pub(crate) fn run(args: &IdentifyArgs) -> Result<ExitCode, Failure> {
         atomic::write(out, &text)?;
     }
     let file = args.out.as_ref().map(|out| out.display().to_string());
-    let answer = answer(&identified, file.as_deref());
+    let mut answer = answer(&identified, file.as_deref());
+    answer["left_out"] = log.tally.to_json().into();
     args.answer.print(
         || file.map_or(text, |file| table(&identified, &file)),
         &answer,

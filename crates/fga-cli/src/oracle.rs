@@ -18,9 +18,9 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use crate::batch::positive_seconds;
-use crate::batch_input::{name_damaged, verdict};
+use crate::batch_input::{PARTS, verdict};
 use crate::common::{
-    AnswerArgs, OutArgs, ThreadArgs, VehicleArgs, interrupted, watch_for_interrupt,
+    AnswerArgs, OutArgs, ThreadArgs, VehicleArgs, interrupted, tell_left_out, watch_for_interrupt,
 };
 use crate::failure::Failure;
 
@@ -97,7 +97,7 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
                 tracks: false,
             };
             let tracks = Tracks::find(path, &settings)?;
-            name_damaged(&tracks);
+            tell_left_out(tracks.damaged(), &tracks.tally(), PARTS);
             let oracle = OracleSettings {
                 horizon_s: args.horizon,
                 ..OracleSettings::default()

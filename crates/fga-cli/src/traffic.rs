@@ -1,23 +1,22 @@
 //! `fga traffic`: plays other aircraft to a vehicle or to readers of BaseStation lines.
 
-use std::fs::File;
-use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use fga_formats::InputError;
+use fga_formats::recordings::{self, Content};
 use fga_link::endpoint::Endpoint;
 use fga_link::play::{PlayOptions, Script, play};
-use fga_link::player::{Line, Played, from_recording, read_sbs_log, read_tracks};
+use fga_link::player::{Line, from_recording, from_states, read_log};
 
+use crate::common::tell_left_out;
 use crate::failure::Failure;
 use crate::fly::stop_on_interrupt;
 
 /// Play intruders as `ADSB_VEHICLE` messages and as BaseStation lines.
 #[derive(Args)]
 pub(crate) struct TrafficArgs {
-    /// The source: a .daa recording, a .json of state vectors or a BaseStation log (also .gz).
+    /// The source: a recording, state vectors in JSON or a BaseStation log, as `fga batch` reads them.
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     /// A straight line: `ICAO,LATITUDE,LONGITUDE,ALTITUDE_M,TRACK_DEG,SPEED_MPS[,CLIMB_MPS[,AT_S]]`.
@@ -89,47 +88,31 @@ pub(crate) fn run(args: &TrafficArgs) -> Result<ExitCode, Failure> {
 }
 
 fn read_script(path: &Path) -> Result<Script, Failure> {
-    let named =
-        |error: &dyn core::fmt::Display| Failure::Input(format!("{}: {error}", path.display()));
-    let name = path
-        .file_name()
-        .map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    let plain = name.trim_end_matches(".gz");
-    if Path::new(plain)
-        .extension()
-        .is_some_and(|ending| ending.eq_ignore_ascii_case("daa"))
-    {
-        let recording = fga_formats::daa::read(path)?;
-        return aircraft(
-            path,
-            from_recording(&recording),
+    let (script, tally, parts, expected) = match recordings::read_content(path)? {
+        Content::Lines(text) => {
+            let (lines, tally) = read_log(text.as_bytes());
+            let expected = "line of BaseStation with a time";
+            (Script::Log(lines), tally, "lines", expected)
+        }
+        Content::States(received) => (
+            Script::Aircraft(from_states(&received)),
+            received.tally,
+            "state vectors",
+            "aircraft in the air with a position and an altitude",
+        ),
+        Content::Recording(recording) => (
+            Script::Aircraft(from_recording(&recording)),
+            recording.tally,
+            "rows",
             "aircraft with latitude and longitude",
-        );
-    }
-    let file = File::open(path).map_err(|error| InputError::unreadable(path, &error))?;
-    let mut from: Box<dyn Read> = if plain == name {
-        Box::new(file)
-    } else {
-        Box::new(flate2::read::MultiGzDecoder::new(file))
+        ),
     };
-    if Path::new(plain)
-        .extension()
-        .is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
-    {
-        let mut text = String::new();
-        from.read_to_string(&mut text)
-            .map_err(|error| named(&error))?;
-        let tracks = read_tracks(&text).map_err(|error| named(&error))?;
-        return aircraft(path, tracks, "state vectors");
+    tell_left_out(&[], &tally, parts);
+    if script.is_empty() {
+        return Err(Failure::Input(format!(
+            "{}: has no {expected}, expected at least one",
+            path.display()
+        )));
     }
-    Ok(Script::Log(
-        read_sbs_log(BufReader::new(from)).map_err(|error| named(&error))?,
-    ))
-}
-
-fn aircraft(path: &Path, played: Vec<Played>, expected: &str) -> Result<Script, Failure> {
-    if played.is_empty() {
-        return Err(Failure::Input(format!("{}: no {expected}", path.display())));
-    }
-    Ok(Script::Aircraft(played))
+    Ok(script)
 }

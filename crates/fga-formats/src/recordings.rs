@@ -114,7 +114,7 @@ pub fn read(path: &Path) -> Result<Encounters, InputError> {
 /// # Errors
 /// A file that is unreadable or no recording.
 pub fn read_content(path: &Path) -> Result<Content, InputError> {
-    content(&bytes_of(path)?, path)
+    parse_content(&bytes_of(path)?, path)
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
@@ -127,7 +127,7 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Encounters, InputError> {
     let name = name_of(path);
-    let recording = match content(bytes, path)? {
+    let recording = match parse_content(bytes, path)? {
         Content::Lines(text) => {
             let received = received::from_sbs(text.as_bytes()).carried_on();
             return pairs::close_pairs(&received, "lines", &name, path);
@@ -148,7 +148,11 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Encounters, InputError> {
     Ok(Encounters { named, tally })
 }
 
-fn content(bytes: &[u8], path: &Path) -> Result<Content, InputError> {
+/// Reads the bytes of a file of any kind; errors name it `path`.
+///
+/// # Errors
+/// As [`read_content`].
+pub fn parse_content(bytes: &[u8], path: &Path) -> Result<Content, InputError> {
     let text = text_of(bytes, path)?;
     let begin = text.trim_start();
     if begin.starts_with(['[', '{']) {

@@ -199,6 +199,7 @@ fn intruders(seed: u32, kind: Kind, shown: (f64, f64), bench: &Bench) -> Vec<Int
                 path: Played {
                     icao: 0x0010_0000 + seed * 16 + number,
                     callsign: format!("E{seed}{number}"),
+                    is_by_pressure: false,
                     samples: vec![Sample {
                         time_s: bench.now_s(),
                         place: frame.to_geodetic(along(course_rad, meet - velocity_mps * at_s)),

@@ -9,6 +9,7 @@ mod alerts;
 mod around;
 mod decide;
 mod decider;
+mod feeds;
 mod gap;
 mod mission_watch;
 mod neighbors;
@@ -146,6 +147,7 @@ pub struct Companion {
     /// The same for banks steeper than the normal one.
     steep_response: ResponseEstimate,
     tracks: TrackTable,
+    feeds: feeds::Feeds,
     virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
     keeper: Keeper,
     decider: Option<decider::Decider>,
@@ -234,6 +236,7 @@ impl Companion {
             response: ResponseEstimate::new(&config.response),
             steep_response: ResponseEstimate::new(&config.response),
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
+            feeds: feeds::Feeds::default(),
             virtual_reports: around::virtual_reports(&config),
             keeper: Keeper::new(target, config.safety.armed_at_start),
             decider: None,
@@ -392,6 +395,7 @@ impl Companion {
         self.send_regular(now_s);
         if now_s >= self.due.tidy_s {
             self.due.tidy_s = now_s + 0.5;
+            self.tell_feeds(now_s);
             let own = self
                 .decided
                 .map(|d| (d.own.ownship.position_m, d.own.ground_velocity_mps));

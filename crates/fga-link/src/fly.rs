@@ -38,7 +38,7 @@ use crate::endpoint::{Endpoint, open};
 use crate::outgoing::{OWN_COMPONENT, Outgoing};
 use crate::player::{Sample, adsb_message};
 use crate::traffic::Report;
-use crate::traffic::receiver::{self, ReceiverEndpoint};
+use crate::traffic::receiver::{self, FeedStatus, ReceiverEndpoint};
 use crate::wire::{Frame, Signing, encode};
 use crate::{Companion, Config};
 
@@ -82,6 +82,7 @@ pub struct FlyOptions {
 enum Event {
     Frame(Box<Frame>, f64),
     Traffic(Box<Report>),
+    Feed(Box<FeedStatus>),
 }
 
 /// Sequence numbers by sender.
@@ -232,6 +233,7 @@ fn read_traffic(shared: &Shared, endpoint: &ReceiverEndpoint, to: &SyncSender<Ev
                     let _ = to.try_send(Event::Traffic(Box::new(report)));
                     true
                 },
+                |status| to.try_send(Event::Feed(Box::new(status))).is_ok(),
             );
         });
         if std::panic::catch_unwind(reading).is_err() {
@@ -261,7 +263,8 @@ impl Pilot<'_> {
         while !ended() && locked(&self.shared.failed).is_none() && self.turn(events) {
             watch(self.companion);
             let (companion, now_s) = (&*self.companion, self.shared.now_s());
-            self.status.show(|| companion.status_line(now_s));
+            self.status
+                .show(|| companion.status_line(now_s) + &companion.feeds_in_words());
         }
         self.companion.shut_down(self.shared.now_s());
         let since = Instant::now();
@@ -308,6 +311,7 @@ impl Pilot<'_> {
                 self.record_report(&report, now_s);
                 self.companion.take_report(&report, now_s);
             }
+            Event::Feed(status) => self.companion.take_feed(*status, now_s),
         }
     }
 

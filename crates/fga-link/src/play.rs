@@ -13,7 +13,7 @@ use mavlink::dialects::ardupilotmega::{
 };
 
 use crate::endpoint::{Endpoint, Writer, open};
-use crate::player::{LineTranslator, LoggedLine, Played, adsb_message, sbs_lines};
+use crate::player::{LineTranslator, LoggedLine, Played, sbs_lines};
 use crate::wire::encode;
 
 /// System and component id of the player: an ADS-B receiver (`MAV_COMP_ID_ADSB`).
@@ -30,6 +30,16 @@ pub enum Script {
     Aircraft(Vec<Played>),
     /// A BaseStation log.
     Log(Vec<LoggedLine>),
+}
+
+impl Script {
+    /// Whether there is nothing to play.
+    pub fn is_empty(&self) -> bool {
+        match self {
+            Self::Aircraft(aircraft) => aircraft.is_empty(),
+            Self::Log(lines) => lines.is_empty(),
+        }
+    }
 }
 
 /// The settings of the playing.
@@ -180,11 +190,13 @@ fn play_aircraft(
         if real_s >= next_s {
             next_s = real_s + 1.0 / options.rate_hz;
             for played in aircraft {
-                if let Some(sample) = played.at(time_s) {
-                    outputs.message(&adsb_message(played.icao, &played.callsign, &sample));
-                    if !outputs.readers.is_empty() {
-                        outputs.lines(&sbs_lines(played.icao, &played.callsign, &sample));
-                    }
+                if let Some(message) = played.message_at(time_s) {
+                    outputs.message(&message);
+                }
+                if let Some(sample) = played.at(time_s)
+                    && !outputs.readers.is_empty()
+                {
+                    outputs.lines(&sbs_lines(played.icao, &played.callsign, &sample));
                 }
             }
         }
@@ -201,6 +213,7 @@ fn play_log(
     let start = Instant::now();
     let mut translator = LineTranslator::default();
     let mut beat_s = 0.0;
+    let begin_s = lines.first().map_or(0.0, |line| line.time_s);
     for line in lines {
         loop {
             if stop.load(Ordering::Relaxed) {
@@ -212,7 +225,7 @@ fn play_log(
                 beat_s = real_s + 1.0;
                 outputs.heartbeat();
             }
-            let wait_s = line.time_s / options.speed - real_s;
+            let wait_s = (line.time_s - begin_s) / options.speed - real_s;
             if wait_s <= 0.0 {
                 break;
             }
@@ -222,7 +235,7 @@ fn play_log(
             outputs.lines(&format!("{}\r\n", line.line));
         }
         if outputs.writer.is_some()
-            && let Some(message) = translator.message(&line.line, line.time_s)
+            && let Some(message) = translator.message(line)
         {
             outputs.message(&message);
         }

@@ -3,27 +3,30 @@
 //! | script | content |
 //! |---|---|
 //! | straight lines | from a place, on a track, at a speed |
-//! | recorded tracks | JSON rows of state vectors (as those of the OpenSky network) |
+//! | state vectors | JSON, as [`fga_formats::recordings`] reads it |
 //! | `.daa` recording | every aircraft, where the recording has latitudes and longitudes |
-//! | BaseStation log | lines with a nanosecond offset before them, at their recorded pace |
+//! | BaseStation log | lines at their recorded pace |
 //!
 //! Everything is played as `ADSB_VEHICLE` messages, as BaseStation lines, or both.
 
-use alloc::collections::BTreeMap;
 use core::fmt::Write as _;
 use core::str::FromStr;
-use std::io::{self, BufRead};
+use std::io::Read;
 
 use fga::Vec3;
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
-use fga_formats::traffic::sbs;
+use fga_formats::recordings::{Heard, Received};
+use fga_formats::tally::Tally;
+pub use fga_formats::traffic::sbs::LoggedLine;
+use fga_formats::traffic::{address_in_words, sbs};
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbEmitterType, AdsbFlags, MavMessage,
 };
 
 use crate::number::{degrees_to_e7, to_i16, to_i32, to_u16};
-use crate::traffic::Source;
 use crate::traffic::receiver::Joiner;
+use crate::traffic::report::tidy_callsign;
+use crate::traffic::{AltitudeReference, Source};
 
 const FEET_M: f64 = 0.3048;
 const KNOT_MPS: f64 = 1852.0 / 3600.0;
@@ -46,6 +49,8 @@ pub struct Played {
     pub icao: u32,
     /// Call sign.
     pub callsign: String,
+    /// Whether its altitudes are by pressure; else satellites measured them.
+    pub is_by_pressure: bool,
     /// Its path, in order of time; a single sample is a straight line without end.
     pub samples: Vec<Sample>,
 }
@@ -54,6 +59,13 @@ pub struct Played {
 const LONGEST_GAP_S: f64 = 30.0;
 
 impl Played {
+    /// Its `ADSB_VEHICLE` message at a time; `None` as for [`Played::at`].
+    pub fn message_at(&self, time_s: f64) -> Option<MavMessage> {
+        let sample = self.at(time_s)?;
+        let message = adsb_message(self.icao, &self.callsign, &sample);
+        Some(with_datum(message, self.is_by_pressure))
+    }
+
     /// Its state at a time; `None` before, after, and in long gaps.
     pub fn at(&self, time_s: f64) -> Option<Sample> {
         let after = self
@@ -153,77 +165,49 @@ impl FromStr for Line {
         Ok(Self(Played {
             icao,
             callsign: format!("FGA{icao:X}"),
+            is_by_pressure: false,
             samples,
         }))
     }
 }
 
-/// Reads recorded tracks: a JSON array of state vectors with the keys `timestamp` (ms), `icao24`,
-/// `latitude`, `longitude`, `altitude` and `geoaltitude` (ft), `groundspeed` (kt), `track` (deg),
-/// `vertical_rate` (ft/min), `callsign`, `flight_id`. Every flight begins at time 0.
-///
-/// # Errors
-/// A file that is not such an array.
-pub fn read_tracks(text: &str) -> Result<Vec<Played>, String> {
-    let rows: Vec<serde_json::Value> = serde_json::from_str(text).map_err(|e| e.to_string())?;
-    let mut flights: BTreeMap<String, Played> = BTreeMap::new();
-    for row in &rows {
-        let number = |key: &str| row.get(key).and_then(serde_json::Value::as_f64);
-        let words = |key: &str| {
-            row.get(key)
-                .and_then(serde_json::Value::as_str)
-                .unwrap_or("")
-        };
-        let (Some(time_ms), Some(latitude), Some(longitude)) =
-            (number("timestamp"), number("latitude"), number("longitude"))
-        else {
-            continue;
-        };
-        let Some(feet) = number("geoaltitude").or_else(|| number("altitude")) else {
-            continue;
-        };
-        let Some(place) = Geodetic::new(latitude, longitude, feet * FEET_M) else {
-            continue;
-        };
-        let Ok(icao) = u32::from_str_radix(words("icao24"), 16) else {
-            continue;
-        };
-        let track_rad = number("track").unwrap_or(0.0).to_radians();
-        let speed = number("groundspeed").unwrap_or(0.0) * KNOT_MPS;
-        let climb = number("vertical_rate").unwrap_or(0.0) * FEET_M / 60.0;
-        let velocity_mps = Vec3::new(
-            speed * libm::sin(track_rad),
-            speed * libm::cos(track_rad),
-            climb,
-        );
-        let name = match words("flight_id") {
-            "" => words("icao24"),
-            name => name,
-        };
-        let played = flights.entry(name.to_owned()).or_insert_with(|| Played {
-            icao: icao & 0x00FF_FFFF,
-            callsign: crate::traffic::report::tidy_callsign(words("callsign")),
-            samples: Vec::new(),
-        });
-        played.samples.push(Sample {
-            time_s: time_ms * 1e-3,
-            place,
-            velocity_mps,
-        });
-    }
-    let mut played: Vec<Played> = flights.into_values().collect();
+/// The aircraft of state vectors as traffic. Flights that overlap in time keep their times; those before and after
+/// them begin with the script, too.
+pub fn from_states(received: &Received) -> Vec<Played> {
+    let mut number = 0x00FB_0000;
+    let mut played: Vec<Played> = received
+        .tracks
+        .iter()
+        .filter(|track| !track.heard.is_empty())
+        .map(|track| {
+            number += 1;
+            let sample = |heard: &Heard| Sample {
+                time_s: heard.time_s,
+                place: heard.place,
+                velocity_mps: heard.velocity_mps.unwrap_or_default(),
+            };
+            Played {
+                icao: track.address.unwrap_or(number),
+                callsign: tidy_callsign(&track.callsign),
+                is_by_pressure: track.is_by_pressure,
+                samples: track.heard.iter().map(sample).collect(),
+            }
+        })
+        .collect();
+    let begin_s = |flight: &Played| flight.samples.first().map_or(0.0, |first| first.time_s);
+    played.sort_by(|a, b| begin_s(a).total_cmp(&begin_s(b)));
+    let (mut origin_s, mut until_s) = (0.0, f64::NEG_INFINITY);
     for flight in &mut played {
-        flight.samples.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-        flight.samples.dedup_by(|a, b| a.time_s == b.time_s);
-        let begin_s = flight.samples.first().map_or(0.0, |sample| sample.time_s);
+        if begin_s(flight) > until_s + LONGEST_GAP_S {
+            origin_s = begin_s(flight);
+        }
+        let last_s = flight.samples.last().map_or(0.0, |last| last.time_s);
+        until_s = last_s.max(until_s);
         for sample in &mut flight.samples {
-            sample.time_s -= begin_s;
+            sample.time_s -= origin_s;
         }
     }
-    if played.is_empty() {
-        return Err("no state vectors with timestamp, icao24, latitude and longitude".to_owned());
-    }
-    Ok(played)
+    played
 }
 
 /// The aircraft of a `.daa` recording as traffic; those without latitudes are left out.
@@ -245,52 +229,22 @@ pub fn from_recording(recording: &fga_formats::daa::Recording) -> Vec<Played> {
                     })
                 })
                 .collect();
-            let callsign = crate::traffic::report::tidy_callsign(&track.name);
+            let callsign = tidy_callsign(&track.name);
             (!samples.is_empty()).then_some(Played {
                 icao: number,
                 callsign,
+                is_by_pressure: false,
                 samples,
             })
         })
         .collect()
 }
 
-/// A line of a BaseStation log and when it was received.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LoggedLine {
-    /// Time from the start of the log, seconds.
-    pub time_s: f64,
-    /// The line without its offset.
-    pub line: String,
-}
-
-/// Reads a BaseStation log whose lines begin with an offset in nanoseconds; others are left out.
-///
-/// # Errors
-/// A log that cannot be read, or without any such line.
-pub fn read_sbs_log(log: impl BufRead) -> io::Result<Vec<LoggedLine>> {
-    let mut lines = Vec::new();
-    for line in log.lines() {
-        let line = line?;
-        let Some((offset, rest)) = line.split_once(',') else {
-            continue;
-        };
-        if let Ok(nanoseconds) = offset.parse::<u64>()
-            && rest.starts_with("MSG,")
-        {
-            lines.push(LoggedLine {
-                time_s: nanoseconds as f64 * 1e-9,
-                line: rest.trim_end().to_owned(),
-            });
-        }
-    }
-    if lines.is_empty() {
-        return Err(io::Error::new(
-            io::ErrorKind::InvalidData,
-            "no line of the form NANOSECONDS,MSG,…",
-        ));
-    }
-    Ok(lines)
+/// Reads a BaseStation log: every line with a time, and what became of all of them.
+pub fn read_log(log: impl Read) -> (Vec<LoggedLine>, Tally) {
+    let mut log = sbs::Log::new(log);
+    let lines = (&mut log).collect();
+    (lines, log.tally())
 }
 
 /// The `ADSB_VEHICLE` message of an aircraft at a moment.
@@ -322,6 +276,19 @@ pub fn adsb_message(icao: u32, callsign: &str, sample: &Sample) -> MavMessage {
     })
 }
 
+/// A message with the datum of its altitude.
+fn with_datum(message: MavMessage, is_by_pressure: bool) -> MavMessage {
+    match message {
+        MavMessage::ADSB_VEHICLE(data) if is_by_pressure => {
+            MavMessage::ADSB_VEHICLE(ADSB_VEHICLE_DATA {
+                altitude_type: AdsbAltitudeType::ADSB_ALTITUDE_TYPE_PRESSURE_QNH,
+                ..data
+            })
+        }
+        other => other,
+    }
+}
+
 /// The BaseStation lines of an aircraft at a moment: position and velocity.
 pub fn sbs_lines(icao: u32, callsign: &str, sample: &Sample) -> String {
     let velocity = sample.velocity_mps;
@@ -331,13 +298,14 @@ pub fn sbs_lines(icao: u32, callsign: &str, sample: &Sample) -> String {
     let speed_kn = libm::hypot(velocity.x, velocity.y) / KNOT_MPS;
     let climb_fpm = velocity.z / FEET_M * 60.0;
     let feet = sample.place.altitude_m / FEET_M;
+    let address = address_in_words(icao);
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = write!(
         text,
-        "MSG,1,1,1,{icao:06X},1,,,,,{callsign},,,,,,,,,,,0\r\n\
-         MSG,3,1,1,{icao:06X},1,,,,,,{feet:.0},,,{:.7},{:.7},,,0,0,0,0\r\n\
-         MSG,4,1,1,{icao:06X},1,,,,,,,{speed_kn:.2},{track_deg:.2},,,{climb_fpm:.0},,0,0,0,0\r\n",
+        "MSG,1,1,1,{address},1,,,,,{callsign},,,,,,,,,,,0\r\n\
+         MSG,3,1,1,{address},1,,,,,,{feet:.0},,,{:.7},{:.7},,,0,0,0,0\r\n\
+         MSG,4,1,1,{address},1,,,,,,,{speed_kn:.2},{track_deg:.2},,,{climb_fpm:.0},,0,0,0,0\r\n",
         sample.place.latitude_deg, sample.place.longitude_deg,
     );
     text
@@ -354,20 +322,26 @@ impl Default for LineTranslator {
 }
 
 impl LineTranslator {
-    /// The message of a line, where it held a position.
-    pub fn message(&mut self, line: &str, now_s: f64) -> Option<MavMessage> {
-        let report = self.0.take(&sbs::parse_line(line.as_bytes())?, now_s)?;
+    /// The message of a line, where it and those before it give a position and a velocity.
+    pub fn message(&mut self, line: &LoggedLine) -> Option<MavMessage> {
+        let message = line.report.as_ref().ok()?;
+        let report = self.0.take(message, line.time_s)?;
         let sample = Sample {
-            time_s: now_s,
+            time_s: line.time_s,
             place: report.place,
             velocity_mps: report.velocity_mps?,
         };
-        Some(adsb_message(report.icao, &report.callsign, &sample))
+        let is_by_pressure = report.quality.altitude == AltitudeReference::Pressure;
+        let message = adsb_message(report.icao, &report.callsign, &sample);
+        Some(with_datum(message, is_by_pressure))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use fga_formats::recordings::{self, Content};
+    use fga_formats::traffic::NON_ICAO;
+
     use super::*;
 
     #[test]
@@ -391,22 +365,52 @@ mod tests {
         }
     }
 
+    fn received(text: &str) -> Received {
+        let path = std::path::Path::new("a.json");
+        let Content::States(received) = recordings::parse_content(text.as_bytes(), path).unwrap()
+        else {
+            panic!("state vectors")
+        };
+        received
+    }
+
     #[test]
-    fn recorded_rows_become_flights() {
-        let text = r#"[
-            {"timestamp": 2000, "icao24": "a3c6bd", "latitude": 47.0, "longitude": -122.0,
-             "altitude": 1000.0, "groundspeed": 100.0, "track": 0.0, "vertical_rate": 0.0,
-             "callsign": "N1", "flight_id": "N1_1"},
-            {"timestamp": 12000, "icao24": "a3c6bd", "latitude": 47.01, "longitude": -122.0,
-             "altitude": 2000.0, "groundspeed": 100.0, "track": 0.0, "vertical_rate": 0.0,
-             "callsign": "N1", "flight_id": "N1_1"}]"#;
-        let flights = read_tracks(text).unwrap();
-        assert_eq!(flights.len(), 1);
+    fn t6_state_vectors_become_flights_at_their_times() {
+        let row = |time_ms: u32, icao: &str, latitude: f64, feet: f64| {
+            format!(
+                r#"{{"timestamp": {time_ms}, "icao24": "{icao}", "latitude": {latitude}, "longitude": -122.0,
+                "altitude": {feet}, "groundspeed": 100.0, "track": 0.0, "vertical_rate": 0.0, "callsign": "N1"}}"#
+            )
+        };
+        let text = [
+            row(2000, "a3c6bd", 47.0, 1000.0),
+            row(12_000, "a3c6bd", 47.01, 2000.0),
+            row(5000, "~00beef", 47.02, 1000.0),
+            row(10_000, "~00beef", 47.03, 1000.0),
+            // Hours later, alone: it does not wait for them.
+            row(90_000_000, "c0ffee", 47.0, 1000.0),
+        ];
+        let flights = from_states(&received(&format!("[{}]", text.join(","))));
+        let begins: Vec<(u32, f64)> = flights
+            .iter()
+            .map(|flight| (flight.icao, flight.samples[0].time_s))
+            .collect();
+        assert_eq!(
+            begins,
+            [(0xA3_C6BD, 0.0), (0xBEEF | NON_ICAO, 3.0), (0xC0_FFEE, 0.0)]
+        );
         let middle = flights[0].at(5.0).unwrap();
         assert!((middle.place.latitude_deg - 47.005).abs() < 1e-9);
         assert!((middle.place.altitude_m - 457.2).abs() < 1e-9);
         assert!(flights[0].at(11.0).is_none());
-        assert!(read_tracks("[]").is_err());
+        let Some(MavMessage::ADSB_VEHICLE(data)) = flights[0].message_at(5.0) else {
+            panic!("no message")
+        };
+        // The altitude of the file is by pressure, and the message says so.
+        assert_eq!(
+            data.altitude_type,
+            AdsbAltitudeType::ADSB_ALTITUDE_TYPE_PRESSURE_QNH
+        );
     }
 
     #[test]
@@ -417,10 +421,13 @@ mod tests {
         let mut translator = LineTranslator::default();
         let mut messages = Vec::new();
         for _ in 0..2 {
-            messages.extend(
-                text.lines()
-                    .filter_map(|line| translator.message(line, 0.0)),
-            );
+            messages.extend(text.lines().filter_map(|line| {
+                translator.message(&LoggedLine {
+                    time_s: 0.0,
+                    line: line.to_owned(),
+                    report: sbs::parse_line(line.as_bytes()),
+                })
+            }));
         }
         let Some(MavMessage::ADSB_VEHICLE(data)) = messages.first() else {
             panic!("no message")

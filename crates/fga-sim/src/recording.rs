@@ -44,7 +44,9 @@ pub fn read(path: &Path, model: VehicleModel, ownship: Option<&str>) -> Result<P
     let name = path
         .file_stem()
         .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let description = format!("recording {}", path.display());
+    let left_out = recording.tally.words("rows");
+    let left_out = left_out.map_or_else(String::new, |words| format!("; left out: {words}"));
+    let description = format!("recording {}{left_out}", path.display());
     plan(&recording, name, description, model).map_err(|message| InputError::in_file(path, message))
 }
 

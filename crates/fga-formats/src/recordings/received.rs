@@ -4,7 +4,7 @@ use std::io::Read;
 
 use crate::geodesy::{Earth, Geodetic, LocalFrame};
 use crate::tally::{LeftOut, Tally};
-use crate::traffic::{Altitude, Callsign, NON_ICAO, TrafficReport, sbs};
+use crate::traffic::{Altitude, Callsign, TrafficReport, address_in_words, sbs};
 use alloc::collections::BTreeMap;
 use glam::DVec3;
 
@@ -127,12 +127,6 @@ impl Received {
     }
 }
 
-/// The name of an aircraft by its address.
-pub(super) fn name_of(address: u32) -> String {
-    let sign = if address & NON_ICAO == 0 { "" } else { "~" };
-    format!("{sign}{:06X}", address & !NON_ICAO)
-}
-
 /// The parts known of one aircraft between its messages, each with its time.
 #[derive(Debug, Default)]
 struct Parts {
@@ -199,7 +193,7 @@ pub(super) fn from_sbs(input: impl Read) -> Received {
         match parts.heard(&report, line.time_s) {
             Some(Ok(heard)) => {
                 let who = Who {
-                    name: &name_of(report.address),
+                    name: &address_in_words(report.address),
                     address: Some(report.address),
                     callsign: parts.callsign.as_ref().map(Callsign::as_str),
                     is_by_pressure: matches!(parts.altitude, Some((Altitude::Pressure(_), _))),

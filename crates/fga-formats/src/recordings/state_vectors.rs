@@ -55,14 +55,17 @@ impl State<'_> {
         }
         let place = Geodetic::new(latitude_deg, longitude_deg, altitude_m)
             .ok_or(LeftOut::UnreadableField)?;
-        let velocity_mps = self.speed_mps.zip(self.track_deg).map(|(speed_mps, track_deg)| {
-            let (sin, cos) = libm::sincos(course_from_compass_rad(track_deg));
-            DVec3::new(
-                speed_mps * cos,
-                speed_mps * sin,
-                self.climb_mps.unwrap_or(0.0),
-            )
-        });
+        let velocity_mps = self
+            .speed_mps
+            .zip(self.track_deg)
+            .map(|(speed_mps, track_deg)| {
+                let (sin, cos) = libm::sincos(course_from_compass_rad(track_deg));
+                DVec3::new(
+                    speed_mps * cos,
+                    speed_mps * sin,
+                    self.climb_mps.unwrap_or(0.0),
+                )
+            });
         Ok(Heard {
             time_s: time_s - self.age_s,
             place,

@@ -22,6 +22,19 @@ use core::fmt;
 /// The bit of an address that is none of the ICAO: of a ground station, or drawn by the aircraft.
 pub const NON_ICAO: u32 = 1 << 24;
 
+/// An address in hexadecimal digits; `~` before them says that it is none of the ICAO, as readsb writes it.
+///
+/// ```
+/// use fga_formats::traffic::{NON_ICAO, address_in_words};
+///
+/// assert_eq!(address_in_words(0xA1B2C), "0A1B2C");
+/// assert_eq!(address_in_words(0xA1B2C | NON_ICAO), "~0A1B2C");
+/// ```
+pub fn address_in_words(address: u32) -> String {
+    let sign = if address & NON_ICAO == 0 { "" } else { "~" };
+    format!("{sign}{:06X}", address & !NON_ICAO)
+}
+
 /// The content of one message about one aircraft; missing fields are `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TrafficReport {

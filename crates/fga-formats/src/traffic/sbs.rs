@@ -21,13 +21,12 @@
 mod log;
 mod time;
 
-use super::{Altitude, Callsign, NON_ICAO, TrafficReport};
+use super::{Altitude, Callsign, NON_ICAO, TrafficReport, address_in_words};
 use crate::geodesy::{compass_from_course_deg, course_from_compass_rad};
 use crate::number::push_fixed;
 use crate::tally::{LeftOut, Tally};
 use crate::units::{Feet, FeetPerMinute, Knots};
 use core::str::from_utf8;
-use std::io::Write as _;
 
 pub use log::{Log, LoggedLine};
 
@@ -303,10 +302,7 @@ pub fn push_lines(out: &mut Vec<u8>, report: &TrafficReport) {
         fields[1].push(kind);
         fields[2].push(b'1');
         fields[3].push(b'1');
-        if report.address & NON_ICAO != 0 {
-            fields[4].push(b'~');
-        }
-        let _ = write!(fields[4], "{:06X}", report.address & !NON_ICAO);
+        fields[4].extend(address_in_words(report.address).bytes());
         fields[5].push(b'1');
         if let Some(on_ground) = report.on_ground {
             fields[21].extend(if on_ground { &b"-1"[..] } else { b"0" });

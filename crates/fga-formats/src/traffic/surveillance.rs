@@ -46,11 +46,7 @@ impl Surveillance {
     }
 
     /// Takes one message received at `time_s`.
-    pub(super) fn take(
-        &mut self,
-        message: &[u8],
-        time_s: f64,
-    ) -> Result<TrafficReport, LeftOut> {
+    pub(super) fn take(&mut self, message: &[u8], time_s: f64) -> Result<TrafficReport, LeftOut> {
         let Ok(bytes) = <&[u8; 14]>::try_from(message) else {
             return Err(LeftOut::NotNeeded);
         };

@@ -222,7 +222,11 @@ fn meeting(edit: impl Fn(String) -> String) -> String {
                 "MSG,3,1,1,{address},1,2024/04/30,23:59:{second:02}.000,2024/04/30,23:{minute:02}:{second:02}.000,,1000,97,90,0.1,{longitude:.7},0,,0,0,0,0\n"
             )
             .replace("23:59:", &format!("23:{minute:02}:"));
-            if address == "BBBBBB" { edit(line) } else { line }
+            if address == "BBBBBB" {
+                edit(line)
+            } else {
+                line
+            }
         },
         "CCCCCC",
     )
@@ -331,8 +335,16 @@ fn t5_aircraft_on_the_ground_are_no_encounter_in_any_format() {
     assert_eq!(found.named.len(), 1);
     let taxiing = meeting(|line| line).replace("0,0,0,0\n", "0,0,0,-1\n");
     for (text, name, parts) in [
-        (states("true"), "j.json", "360 of 360 state vectors: 360 on the ground"),
-        (states("1"), "j.json", "360 of 360 state vectors: 360 on the ground"),
+        (
+            states("true"),
+            "j.json",
+            "360 of 360 state vectors: 360 on the ground",
+        ),
+        (
+            states("1"),
+            "j.json",
+            "360 of 360 state vectors: 360 on the ground",
+        ),
         (taxiing, "r.sbs", "360 of 360 lines: 360 on the ground"),
     ] {
         let error = recordings::parse(text.as_bytes(), Path::new(name))
@@ -362,10 +374,7 @@ fn t7_an_instant_of_readsb_or_opensky_is_read_and_flies_on() {
         ["aa0005","","X",null,1700000000,null,null,600,false,3.0,180.0,0.0,null,0,"7000",false,0],
         [null,"","X",1699999999,1700000000,5.0,45.01,600,false,3.0,180.0,0.0,null,0,"7000",false,0],
         ["aa0006","","X",1699999999,1700000000,5.0,45.01,null,false,3.0,180.0,0.0,null,null,"7000",false,0]]}"#;
-    for (text, name) in [
-        (readsb, "a aa0001-~aa0002"),
-        (opensky, "a aa0001-aa0002"),
-    ] {
+    for (text, name) in [(readsb, "a aa0001-~aa0002"), (opensky, "a aa0001-aa0002")] {
         let found = recordings::parse(text.as_bytes(), Path::new("a.json")).unwrap();
         assert_eq!(found.named.len(), 1);
         assert_eq!(found.named[0].name, name);
@@ -380,7 +389,9 @@ fn t7_an_instant_of_readsb_or_opensky_is_read_and_flies_on() {
         assert!(a.distance(b) < 60.0, "{}", a.distance(b));
     }
     // Several instants in one file, one after the other or as a list: real tracks.
-    let later = readsb.replace("1700000000.1", "1700000020.1").replace("\"lat\":45.0,", "\"lat\":45.00925,");
+    let later = readsb
+        .replace("1700000000.1", "1700000020.1")
+        .replace("\"lat\":45.0,", "\"lat\":45.00925,");
     for text in [format!("{readsb}\n{later}"), format!("[{readsb},{later}]")] {
         let found = recordings::parse(text.as_bytes(), Path::new("a.json"));
         let error = found.unwrap_err().to_string();
@@ -406,7 +417,11 @@ fn n11_the_last_of_several_rows_of_a_second_stands_and_is_counted() {
         "2 of 6 rows: 2 of a time given twice"
     );
     let instants = fga_formats::daa::instants::parse(text, Path::new("a.daa")).unwrap();
-    let counts: Vec<usize> = instants.instants.iter().map(|at| at.reports.len()).collect();
+    let counts: Vec<usize> = instants
+        .instants
+        .iter()
+        .map(|at| at.reports.len())
+        .collect();
     assert_eq!(counts, [2, 2]);
     assert_eq!(instants.instants[0].reports[0].place.altitude_m(), 3.0);
     assert_eq!(instants.tally, found.tally);

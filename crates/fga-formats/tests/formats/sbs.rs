@@ -110,20 +110,41 @@ fn what_cannot_be_used_is_counted_by_its_reason() {
         ("*8D4840D6202CC371C32CE0576098;", UnknownKind),
         ("START,Wed Sep 2 04:23:37 +0000 UTC 2015", NotNeeded),
         ("STA,,5,179,400AE7,10103,,,,,RM", NotNeeded),
-        ("AIR,,496,5906,400F01,27931,2010/02/19,18:06:07.128,,", NotNeeded),
+        (
+            "AIR,,496,5906,400F01,27931,2010/02/19,18:06:07.128,,",
+            NotNeeded,
+        ),
         ("MSG,8,,,A1B2C3,,,,,,,,,,,,,,,,,", NotNeeded),
         ("MSG,6,,,A1B2C3,,,,,,,,,,,,,1200,0,0,0,", NotNeeded),
         ("MSG,3,,,A1B2C3,,,,,,,1000,,,10.0,20.", CutShort),
-        ("MSG,33,,,A1B2C3,,,,,,,1000,,,10.0,20.0,,,,,,0", UnreadableField),
+        (
+            "MSG,33,,,A1B2C3,,,,,,,1000,,,10.0,20.0,,,,,,0",
+            UnreadableField,
+        ),
         ("MSG,3,,,XYZ,,,,,,,1000,,,10.0,20.0,,,,,,0", NoAddress),
         ("MSG,3,,,,,,,,,,1000,,,10.0,20.0,,,,,,0", NoAddress),
         ("MSG,3,,,~~A1B2C3,,,,,,,1000,,,10.0,20.0,,,,,,0", NoAddress),
         ("MSG,3,,,1A1B2C3,,,,,,,1000,,,10.0,20.0,,,,,,0", NoAddress),
-        ("MSG,3,,,A1B2C3,,,,,,,NaN,,,10.0,20.0,,,,,,0", UnreadableField),
-        ("MSG,3,,,A1B2C3,,,,,,,1000,,,91.0,20.0,,,,,,0", UnreadableField),
-        ("MSG,3,,,A1B2C3,,,,,,,1e9,,,10.0,20.0,,,,,,0", UnreadableField),
-        ("MSG,3,,,A1B2C3,,,,,,,1000,,,10.0,20.0,,,,,,0MSG,3", UnreadableField),
-        ("MSG,3,1,1,A1B2C3,1,2024/01/01,00:00:00.000,2024/01/01,00:01:00.000,,1000,,,10.0,20.0,,,,,,0", LeftOut::TooOld),
+        (
+            "MSG,3,,,A1B2C3,,,,,,,NaN,,,10.0,20.0,,,,,,0",
+            UnreadableField,
+        ),
+        (
+            "MSG,3,,,A1B2C3,,,,,,,1000,,,91.0,20.0,,,,,,0",
+            UnreadableField,
+        ),
+        (
+            "MSG,3,,,A1B2C3,,,,,,,1e9,,,10.0,20.0,,,,,,0",
+            UnreadableField,
+        ),
+        (
+            "MSG,3,,,A1B2C3,,,,,,,1000,,,10.0,20.0,,,,,,0MSG,3",
+            UnreadableField,
+        ),
+        (
+            "MSG,3,1,1,A1B2C3,1,2024/01/01,00:00:00.000,2024/01/01,00:01:00.000,,1000,,,10.0,20.0,,,,,,0",
+            LeftOut::TooOld,
+        ),
     ] {
         let mut stream = Stream::new();
         stream.push(line.as_bytes(), |report| panic!("{line}: {report:?}"));
@@ -216,8 +237,14 @@ fn t1_the_time_of_reception_gives_the_age() {
     assert!((age - 1.75).abs() < 1e-6, "{age}");
     assert_eq!(age_s(",", "2026/05/01,00:00:00.250"), Ok(0.0));
     // A clock that is wrong says nothing about an age.
-    assert_eq!(age_s("2026/05/01,00:00:01.000", "2026/05/01,00:00:00.250"), Ok(0.0));
-    assert_eq!(age_s("2026/05/01,00:00:01.000", "2026/05/01,02:00:00.250"), Ok(0.0));
+    assert_eq!(
+        age_s("2026/05/01,00:00:01.000", "2026/05/01,00:00:00.250"),
+        Ok(0.0)
+    );
+    assert_eq!(
+        age_s("2026/05/01,00:00:01.000", "2026/05/01,02:00:00.250"),
+        Ok(0.0)
+    );
 }
 
 #[test]
@@ -236,7 +263,10 @@ fn t1_recorded_lines_keep_their_times_over_the_end_of_a_month() {
     let mut log = Log::new(text.as_bytes());
     let times_s: Vec<f64> = (&mut log).map(|line| line.time_s).collect();
     // date -u -d '2026-04-30 23:59:58' +%s
-    assert_eq!(times_s, [0.0, 2.0, 3.5].map(|after_s| 1_777_593_598.0 + after_s));
+    assert_eq!(
+        times_s,
+        [0.0, 2.0, 3.5].map(|after_s| 1_777_593_598.0 + after_s)
+    );
     let tally = log.tally();
     assert_eq!((tally.used, tally.read()), (3, 7));
     assert_eq!(tally.left_out(LeftOut::NoTime), 1);

@@ -39,6 +39,8 @@ pub(super) enum Lacking {
     TwoVehicles,
     Listens,
     TwoSenders,
+    FeedUnreadable,
+    FeedSilent,
 }
 
 impl Lacking {
@@ -62,6 +64,8 @@ impl Lacking {
             Self::Limits => "fga: not ready: vehicle's limits not known",
             Self::BankLimit => "fga: not ready: bank limit cannot be flown",
             Self::Decision => "fga: not ready: no decision possible",
+            Self::FeedUnreadable => "fga: not ready: traffic feed not understood",
+            Self::FeedSilent => "fga: not ready: no traffic feed",
         }
     }
 
@@ -164,10 +168,14 @@ impl Companion {
         let Some(state) = state else {
             return Some(Lacking::Telemetry);
         };
+        let engaged = self.keeper.is_engaged();
+        // Before the vehicle is armed the operator can still mend it.
+        if let Some(lacking) = self.feeds.lacking().filter(|_| !engaged) {
+            return Some(lacking);
+        }
         if !heard.armed {
             return Some(Lacking::Disarmed);
         }
-        let engaged = self.keeper.is_engaged();
         let floor_m = self.config.safety.floor_m;
         // A little above the floor at first, so that the manoeuvre does not cross it at once.
         let high_enough = state.above_home_m >= floor_m + 5.0
@@ -254,6 +262,8 @@ mod tests {
             Lacking::TwoVehicles,
             Lacking::Listens,
             Lacking::TwoSenders,
+            Lacking::FeedUnreadable,
+            Lacking::FeedSilent,
         ] {
             assert!(lacking.words().len() <= 50, "{lacking:?}");
         }

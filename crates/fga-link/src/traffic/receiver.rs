@@ -7,6 +7,7 @@ use core::time::Duration;
 use fga::Vec3;
 use fga::situation::Movement;
 use fga_formats::geodesy::Geodetic;
+use fga_formats::tally::{LeftOut, Tally};
 #[cfg(feature = "beast")]
 use fga_formats::traffic::beast;
 use fga_formats::traffic::{Altitude, Generations, TrafficReport, sbs};
@@ -199,22 +200,109 @@ impl Joiner {
     }
 }
 
+/// What a receiver has given so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FeedStatus {
+    /// The receiver.
+    pub sender: Sender,
+    /// Whether there has been a connection.
+    pub was_connected: bool,
+    /// What became of its lines or frames.
+    pub tally: Tally,
+}
+
+impl FeedStatus {
+    /// What is passed on at once when it changes: all but larger counts.
+    fn news(&self) -> (bool, bool, u64, Vec<LeftOut>) {
+        let reasons = self.tally.reasons().map(|(reason, _)| reason);
+        let lost = self.tally.lost().min(FIRST);
+        (
+            self.was_connected,
+            self.tally.used > 0,
+            lost,
+            reasons.collect(),
+        )
+    }
+}
+
+/// Counts are passed on at once up to this number of lost parts, and at these times at the latest, seconds.
+const FIRST: u64 = 10;
+const COUNTS_EVERY_S: f64 = 10.0;
+
+/// The lines or frames of a receiver.
+struct Wire {
+    lines: sbs::Stream,
+    #[cfg(feature = "beast")]
+    frames: beast::Stream,
+    source: Source,
+}
+
+impl Wire {
+    fn new(source: Source) -> Self {
+        Self {
+            lines: sbs::Stream::new(),
+            #[cfg(feature = "beast")]
+            frames: beast::Stream::new(),
+            source,
+        }
+    }
+
+    fn push(&mut self, bytes: &[u8], now_s: f64, report: impl FnMut(TrafficReport)) {
+        match self.source {
+            #[cfg(feature = "beast")]
+            Source::Beast => self.frames.push(bytes, now_s, report),
+            _ => {
+                let _ = now_s;
+                self.lines.push(bytes, report);
+            }
+        }
+    }
+
+    fn reconnect(&mut self) {
+        self.lines.reconnect();
+        #[cfg(feature = "beast")]
+        self.frames.reconnect();
+    }
+
+    fn tally(&self) -> Tally {
+        match self.source {
+            #[cfg(feature = "beast")]
+            Source::Beast => self.frames.tally(),
+            _ => self.lines.tally(),
+        }
+    }
+}
+
 /// Reads a receiver until `stop` is set, and connects again after a loss; `take` gets each report
-/// and says whether to go on. `clock_s` gives the time of the data just read,
-/// seconds.
+/// and says whether to go on. `feed` gets what the receiver has given so far, when that changes, and says whether it has
+/// arrived. `clock_s` gives the time of the data just read, seconds.
 pub fn read(
     endpoint: &ReceiverEndpoint,
     clock_s: impl Fn() -> f64,
     stop: &AtomicBool,
     mut take: impl FnMut(Report) -> bool,
+    mut feed: impl FnMut(FeedStatus) -> bool,
 ) {
     let mut buffer = vec![0; 16_384];
-    let mut joiner = Joiner::of(Sender::receiver(endpoint.source, &endpoint.address));
-    let mut lines = sbs::Stream::new();
-    #[cfg(feature = "beast")]
-    let mut frames = beast::Stream::new();
+    let sender = Sender::receiver(endpoint.source, &endpoint.address);
+    let mut joiner = Joiner::of(sender);
+    let mut wire = Wire::new(endpoint.source);
     let mut reader = None;
+    let mut status = FeedStatus {
+        sender,
+        was_connected: false,
+        tally: Tally::default(),
+    };
+    let mut passed_on: Option<(FeedStatus, f64)> = None;
     while !stop.load(Ordering::Relaxed) {
+        status.tally = wire.tally();
+        let now_s = clock_s();
+        let is_due = passed_on.is_none_or(|(last, at_s)| {
+            last.news() != status.news() || (last != status && now_s - at_s >= COUNTS_EVERY_S)
+        });
+        if is_due && feed(status) {
+            passed_on = Some((status, now_s));
+        }
         let Some(open_reader) = &mut reader else {
             // The name may become resolvable later.
             match open(&Endpoint::Tcp(endpoint.address.clone())) {
@@ -231,26 +319,19 @@ pub fn read(
                 let bytes = buffer.get(..count).unwrap_or_default();
                 let now_s = clock_s();
                 let mut goes_on = true;
-                let mut report = |message: TrafficReport| {
-                    if let Some(report) = joiner.take(&message, now_s) {
+                wire.push(bytes, now_s, |message: TrafficReport| {
+                    if let Some(mut report) = joiner.take(&message, now_s) {
+                        report.valid_s -= message.age_s;
                         goes_on &= take(report);
                     }
-                };
-                match endpoint.source {
-                    #[cfg(feature = "beast")]
-                    Source::Beast => frames.push(bytes, now_s, &mut report),
-                    _ => lines.push(bytes, &mut report),
-                }
+                });
                 if !goes_on {
                     return;
                 }
             }
             Received::NewConnection => {
-                lines = sbs::Stream::new();
-                #[cfg(feature = "beast")]
-                {
-                    frames = beast::Stream::new();
-                }
+                status.was_connected = true;
+                wire.reconnect();
             }
             Received::Nothing => {}
         }

@@ -119,7 +119,7 @@ pub struct Report {
     pub source: Source,
     /// Its sender.
     pub sender: Sender,
-    /// ICAO address; 0 if unknown.
+    /// ICAO address, or another with [`NON_ICAO`](fga_formats::traffic::NON_ICAO); 0 if unknown.
     pub icao: u32,
     /// The claimed identity, if neither address nor call sign gives one.
     pub key: Option<Key>,

@@ -204,7 +204,7 @@ impl Track {
         if !self.callsign.is_empty() {
             self.callsign.clone()
         } else if self.icao != 0 {
-            format!("{:06X}", self.icao)
+            fga_formats::traffic::address_in_words(self.icao)
         } else {
             format!("#{}", self.id)
         }

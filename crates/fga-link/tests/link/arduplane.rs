@@ -255,6 +255,7 @@ impl Bench {
             path: Played {
                 icao: 0x00AB_C123,
                 callsign: "FGATEST".into(),
+                is_by_pressure: false,
                 samples: vec![sample],
             },
             reported,

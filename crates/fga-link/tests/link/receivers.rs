@@ -36,6 +36,7 @@ fn received(kind: &str, bytes: Vec<u8>, piece: usize, last: u32) -> Vec<Report> 
             }
             goes_on
         },
+        |_| true,
     );
     sending.join().expect("sent");
     reports

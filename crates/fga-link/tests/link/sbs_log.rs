@@ -51,7 +51,7 @@ fn every_aircraft_with_positions_is_tracked_where_it_is() {
     let (mut frame, mut seen) = (LocalFrame::new(origin, Earth::Wgs84), BTreeMap::new());
     let mut first = true;
     for line in &lines {
-        let Some(message) = sbs::parse_line(line.line.as_bytes()) else {
+        let Ok(message) = sbs::parse_line(line.line.as_bytes()) else {
             continue;
         };
         let Some(report) = joiner.take(&message, line.time_s) else {
@@ -113,7 +113,7 @@ fn played_for_hours_it_does_not_grow() {
     for round in 0..2_u8 {
         for line in &lines {
             let now_s = f64::from(round) * length_s + line.time_s;
-            if let Some(message) = sbs::parse_line(line.line.as_bytes())
+            if let Ok(message) = sbs::parse_line(line.line.as_bytes())
                 && let Some(report) = joiner.take(&message, now_s)
             {
                 tracks.take(&report, &frame, now_s);

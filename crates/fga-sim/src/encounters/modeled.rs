@@ -31,8 +31,8 @@ use fga_alerts::volume::Cylinder;
 use fga_alerts::{Pair, PairDeviation, State};
 pub use fga_files::campaign::OwnshipFlight;
 use fga_formats::daa::{Recording, Track, TrackSample};
-use fga_formats::tally::Tally;
 use fga_formats::encounter_model::{EncounterModel, ModelRow};
+use fga_formats::tally::Tally;
 use serde::{Deserialize, Serialize};
 
 use super::Random;

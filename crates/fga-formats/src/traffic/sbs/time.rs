@@ -21,8 +21,7 @@ pub(super) fn instant_s(date: &str, time: &str) -> Option<f64> {
     };
     let is_time = parts.next().is_none() && hour < 24 && minute < 60 && second <= 60;
     let day_s = f64::from(hour * 3600 + minute * 60 + second) + thousandths / 1000.0;
-    (is_date && is_time)
-        .then(|| days_from_civil(year, month, day) * 86_400.0 + day_s)
+    (is_date && is_time).then(|| days_from_civil(year, month, day) * 86_400.0 + day_s)
 }
 
 /// Days from 1970-01-01 to a date of the Gregorian calendar (Howard Hinnant, "chrono-Compatible Low-Level

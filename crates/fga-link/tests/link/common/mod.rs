@@ -14,11 +14,10 @@ pub mod random;
 
 pub use random::Random;
 use std::collections::BinaryHeap;
-use std::io::{BufReader, Read as _};
 use std::path::PathBuf;
 
 use fga_emulator::{Emulator, Item, Mode, STEP_S, Settings};
-use fga_link::player::{LoggedLine, read_sbs_log};
+use fga_link::player::{LoggedLine, read_log};
 use fga_link::{Companion, Config};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
@@ -45,11 +44,7 @@ pub fn data(name: &str) -> Option<PathBuf> {
 /// The recorded BaseStation log.
 pub fn sbs_log() -> Option<Vec<LoggedLine>> {
     let file = std::fs::File::open(data("adsb/stratux-es.log.gz")?).expect("readable");
-    let mut text = String::new();
-    flate2::read::GzDecoder::new(file)
-        .read_to_string(&mut text)
-        .expect("gzip");
-    Some(read_sbs_log(BufReader::new(text.as_bytes())).expect("a log"))
+    Some(read_log(flate2::read::GzDecoder::new(file)).0)
 }
 
 /// The network's effect on packets.

@@ -1,0 +1,113 @@
+//! What the receivers of traffic give, and what the operator reads of it.
+
+use fga_formats::tally::LeftOut;
+use serde_json::{Value, json};
+
+use super::Companion;
+use super::readiness::Lacking;
+use crate::authority::Severity;
+use crate::traffic::receiver::FeedStatus;
+
+/// A feed that begins with this many unusable parts, and none that is usable, is not understood: one alone may be
+/// cut by the connection.
+const NOT_UNDERSTOOD: u64 = 3;
+
+/// The receivers of traffic.
+#[derive(Debug, Default)]
+pub(super) struct Feeds(Vec<Feed>);
+
+#[derive(Debug)]
+struct Feed {
+    status: FeedStatus,
+    /// The reasons that the operator has read.
+    told: Vec<LeftOut>,
+}
+
+impl Feeds {
+    /// The lack of a feed that gives what can be used or says that it has nothing to give.
+    pub(super) fn lacking(&self) -> Option<Lacking> {
+        let lacks = |is: fn(&FeedStatus) -> bool| self.0.iter().any(|feed| is(&feed.status));
+        if lacks(|feed| feed.tally.used == 0 && feed.tally.lost() >= NOT_UNDERSTOOD) {
+            Some(Lacking::FeedUnreadable)
+        } else if lacks(|feed| !feed.was_connected) {
+            Some(Lacking::FeedSilent)
+        } else {
+            None
+        }
+    }
+}
+
+impl Companion {
+    /// Takes what a receiver has given so far.
+    pub fn take_feed(&mut self, status: FeedStatus, now_s: f64) {
+        self.note(
+            now_s,
+            "feed",
+            json!({
+                "source": status.sender.source.name(),
+                "connected": status.was_connected,
+                "read": status.tally.read(),
+                "used": status.tally.used,
+                "left_out": Value::Object(status.tally.to_json()),
+            }),
+        );
+        let same = |feed: &&mut Feed| feed.status.sender == status.sender;
+        match self.feeds.0.iter_mut().find(same) {
+            Some(feed) => feed.status = status,
+            None => self.feeds.0.push(Feed {
+                status,
+                told: Vec::new(),
+            }),
+        }
+    }
+
+    /// Tells the operator once of each reason for which a feed's parts are left out, when there is a vehicle that
+    /// passes it on.
+    pub(super) fn tell_feeds(&mut self, now_s: f64) {
+        if self.heard.is_none() {
+            return;
+        }
+        let mut words = Vec::new();
+        for feed in &mut self.feeds.0 {
+            for (reason, count) in feed.status.tally.reasons() {
+                if reason != LeftOut::NotNeeded && !feed.told.contains(&reason) {
+                    feed.told.push(reason);
+                    words.push(words_of(reason, count));
+                }
+            }
+        }
+        for words in words {
+            self.tell(Severity::Warning, &words, now_s);
+        }
+    }
+
+    /// The end of the status line about feeds; empty while all of them are well.
+    pub fn feeds_in_words(&self) -> String {
+        let mut words = String::new();
+        for Feed { status, .. } in &self.feeds.0 {
+            if !status.was_connected {
+                words.push_str(" | no traffic feed");
+            } else if let Some(left_out) = status.tally.words("reports") {
+                words.push_str(" | left out ");
+                words.push_str(&left_out);
+            }
+        }
+        words
+    }
+}
+
+fn words_of(reason: LeftOut, count: u64) -> String {
+    format!("fga: traffic feed: {count} {}", reason.words())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_text_fits_into_one_message() {
+        for reason in LeftOut::all() {
+            assert!(words_of(reason, 123_456).len() <= 50, "{reason:?}");
+        }
+    }
+}
