@@ -6,8 +6,9 @@
 )]
 
 use crate::common::data;
-use fga_formats::traffic::TrafficReport;
+use fga_formats::tally::LeftOut;
 use fga_formats::traffic::beast::{Frames, Stream, push_frame};
+use fga_formats::traffic::{NON_ICAO, TrafficReport};
 use proptest::prelude::*;
 
 fn bytes(hex: &str) -> Vec<u8> {
@@ -113,6 +114,11 @@ fn squitter(format: u8, address: [u8; 3], content: [u8; 7]) -> Vec<u8> {
     let mut message = vec![format << 3 | 5];
     message.extend(address);
     message.extend(content);
+    with_parity(message)
+}
+
+/// The message with its checksum.
+fn with_parity(mut message: Vec<u8>) -> Vec<u8> {
     // Polynomial division bit by bit, as in the book, on the whole message as one number.
     let mut number = message.iter().fold(0_u128, |n, b| n << 8 | u128::from(*b)) << 24;
     for bit in (24..112).rev() {
@@ -124,13 +130,72 @@ fn squitter(format: u8, address: [u8; 3], content: [u8; 7]) -> Vec<u8> {
     message
 }
 
+#[test]
+fn t1_another_wire_on_this_port_is_counted() {
+    let mut stream = Stream::new();
+    let text = "MSG,3,1,1,AA0001,1,,,,,,1000,,,45.0,5.0,,,0,0,0,0\r\n".repeat(100);
+    stream.push(text.as_bytes(), 0.0, |report| panic!("{report:?}"));
+    let tally = stream.tally();
+    assert_eq!(
+        (tally.used, tally.lost()),
+        (0, text.len().div_ceil(64) as u64)
+    );
+    // A wrong checksum, a short message, a settings frame, and a frame that ends too early.
+    let mut frames = Vec::new();
+    push_frame(&mut frames, 0, 0, &bytes("8D4840D6202CC371C32CE0576099"));
+    push_frame(&mut frames, 0, 0, &bytes("5D4840D6202CC3"));
+    frames.extend([0x1A, b'4', 1, 2, 3]);
+    push_frame(&mut frames, 0, 0, &bytes("8D4840D6202CC371C32CE0576098"));
+    frames.extend([0x1A, b'3', 1, 2, 3]);
+    let mut stream = Stream::new();
+    stream.push(&frames, 0.0, |_| {});
+    stream.reconnect();
+    let tally = stream.tally();
+    assert_eq!((tally.read(), tally.used), (5, 1));
+    assert_eq!(tally.left_out(LeftOut::WrongChecksum), 1);
+    assert_eq!(tally.left_out(LeftOut::CutShort), 1);
+}
+
+#[test]
+fn t1_addresses_of_others_than_the_icao_are_read() {
+    // Downlink format 18: the control field says whose the address is.
+    for (control, expected) in [
+        (0, Some(0xA0_0001)),
+        (1, Some(0xA0_0001 | NON_ICAO)),
+        (4, None),
+    ] {
+        let mut message = squitter(18, [0xA0, 0, 1], [0x20, 0x2C, 0xC3, 0x71, 0xC3, 0x2C, 0xE0]);
+        message.truncate(11);
+        message[0] = 18 << 3 | control;
+        let mut frame = Vec::new();
+        push_frame(&mut frame, 0, 0, &with_parity(message));
+        let mut found = None;
+        Stream::new().push(&frame, 0.0, |report| found = Some(report.address));
+        assert_eq!(found, expected, "{control}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
     fn any_bytes_are_taken(bytes in proptest::collection::vec(prop_oneof![Just(0x1A_u8), b'1'..=b'4', any::<u8>()], 0..400)) {
         let mut stream = Stream::new();
-        stream.push(&bytes, 0.0, |_| {});
+        let mut used = 0;
+        stream.push(&bytes, 0.0, |_| used += 1);
+        stream.reconnect();
+        // Each beginning of a frame is in one count, and so is what is outside.
+        let (mut begun, mut is_escaped) = (0, false);
+        for byte in &bytes {
+            let was_escaped = core::mem::replace(&mut is_escaped, *byte == 0x1A);
+            if was_escaped {
+                is_escaped = false;
+                begun += u64::from(*byte != 0x1A);
+            }
+        }
+        let tally = stream.tally();
+        let outside = tally.left_out(LeftOut::UnknownKind);
+        prop_assert_eq!((tally.read() - outside, tally.used), (begun, used));
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod arduplane;
 mod closed_loop;
 mod encounters;
 mod faults;
+mod feeds;
 mod flights;
 mod gaps;
 mod items;

@@ -1,0 +1,184 @@
+//! What a receiver's wire gives, told and counted: a feed that is not understood never looks like an empty sky.
+
+use core::sync::atomic::{AtomicBool, Ordering};
+use std::io::Write as _;
+use std::net::TcpListener;
+
+use fga_formats::tally::LeftOut;
+use fga_formats::traffic::NON_ICAO;
+use fga_link::authority::Authority;
+use fga_link::traffic::receiver::{self, FeedStatus};
+use fga_link::traffic::{AltitudeReference, Report};
+
+use crate::common::{GOOD, Intruder, World};
+
+/// What a receiver gives of some lines: its reports, each valid at what time, and its last status.
+fn given(text: &str, lines: u64) -> (Vec<Report>, Vec<FeedStatus>) {
+    let server = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = server.local_addr().expect("an address");
+    let text = text.to_owned();
+    let (done, wait) = std::sync::mpsc::channel();
+    let sending = std::thread::spawn(move || {
+        let (mut stream, _) = server.accept().expect("a reader");
+        stream.write_all(text.as_bytes()).expect("sent");
+        // The connection stays until everything is read.
+        let _ = wait.recv();
+    });
+    let endpoint = format!("sbs:{address}").parse().expect("a receiver");
+    let (mut reports, mut statuses) = (Vec::new(), Vec::new());
+    let stop = AtomicBool::new(false);
+    receiver::read(
+        &endpoint,
+        || 100.0,
+        &stop,
+        |report| {
+            reports.push(report);
+            true
+        },
+        |status| {
+            statuses.push(status);
+            if status.tally.read() >= lines {
+                stop.store(true, Ordering::Relaxed);
+            }
+            true
+        },
+    );
+    done.send(()).expect("a sender");
+    sending.join().expect("sent");
+    (reports, statuses)
+}
+
+/// Three lines of an aircraft, with this address and altitude, and fields behind the last.
+fn lines(word: &str, address: &str, altitude: &str, more: &str) -> String {
+    let line = |kind: u8, fields: &str| {
+        format!(
+            "{word},{kind},1,1,{address},1,2024/01/31,23:59:59.000,2024/02/01,00:00:00.500,{fields},,0,0,0,0{more}\r\n"
+        )
+    };
+    line(1, "N1,,,,,,") + &line(4, ",,97,90,,,0") + &line(3, &format!(",{altitude},,,45.0,5.0,"))
+}
+
+#[test]
+fn t1_every_form_of_base_station_gives_reports() {
+    for (text, icao, altitude) in [
+        (
+            lines("MSG", "A1B2C3", "2000", ""),
+            0xA1_B2C3,
+            AltitudeReference::Pressure,
+        ),
+        (
+            lines("MSG", "A1B2C3", "2000H", ""),
+            0xA1_B2C3,
+            AltitudeReference::Ellipsoid,
+        ),
+        (
+            lines("MSG", "A1B2C3", "2000", ",-20.5,A1"),
+            0xA1_B2C3,
+            AltitudeReference::Pressure,
+        ),
+        (
+            lines("MLAT", "A1B2C3", "2000", ",4,,100"),
+            0xA1_B2C3,
+            AltitudeReference::Pressure,
+        ),
+        (
+            lines("MSG", "~A1B2C3", "2000", ""),
+            0xA1_B2C3 | NON_ICAO,
+            AltitudeReference::Pressure,
+        ),
+    ] {
+        let (reports, statuses) = given(&text, 3);
+        assert_eq!(reports.len(), 1, "{text}");
+        let report = &reports[0];
+        assert_eq!((report.icao, report.quality.altitude), (icao, altitude));
+        assert!((report.place.altitude_m - 609.6).abs() < 1e-9);
+        assert!(report.velocity_mps.is_some());
+        // The line had waited for 1.5 s.
+        assert!((report.valid_s - 98.5).abs() < 1e-6, "{}", report.valid_s);
+        assert!(!statuses[0].was_connected && statuses[0].tally.read() == 0);
+        let last = statuses.last().expect("a status");
+        assert!(last.was_connected);
+        assert_eq!((last.tally.used, last.tally.lost()), (3, 0), "{text}");
+    }
+}
+
+/// A world in which the feed has given this from the start, after some time.
+fn world_with(status: FeedStatus) -> World {
+    let mut world = World::new("", GOOD, 5);
+    world.companion.take_feed(status, 0.0);
+    world.run_until(20.0);
+    world
+}
+
+fn texts_with(world: &World, words: &str) -> usize {
+    let texts = world.emulator.texts().iter();
+    texts.filter(|text| text.contains(words)).count()
+}
+
+#[test]
+fn t1_a_feed_without_anything_readable_is_told_once_for_each_reason_and_is_not_ready() {
+    let text = "nonsense\n".repeat(30)
+        + &"MSG,3,1,1,A1B2C3,1,,,,,,5825X,,,45.0,5.0,,,0,0,0,0\n".repeat(30);
+    let (reports, statuses) = given(&text, 60);
+    assert!(reports.is_empty());
+    let last = *statuses.last().expect("a status");
+    assert_eq!(last.tally.left_out(LeftOut::UnknownKind), 30);
+    assert_eq!(last.tally.left_out(LeftOut::UnreadableField), 30);
+    let mut world = world_with(last);
+    assert_eq!(world.companion.authority(), Authority::Waiting);
+    let texts = world.emulator.texts();
+    for words in [
+        "of an unknown kind",
+        "with an unreadable field",
+        "not ready: traffic feed not understood",
+    ] {
+        assert_eq!(texts_with(&world, words), 1, "{words}: {texts:?}");
+    }
+    assert!(world.companion.feeds_in_words().contains("60 of 60"));
+    // As soon as it is understood, it is ready; what is left out later is told, and costs nothing.
+    let mut good = last;
+    good.tally.used += 1;
+    world.companion.take_feed(good, 20.0);
+    world.run_until(30.0);
+    assert_eq!(world.companion.authority(), Authority::Ready);
+    good.tally.leave_out(LeftOut::CutShort);
+    world.companion.take_feed(good, 30.0);
+    world.run_until(35.0);
+    assert_eq!(world.companion.authority(), Authority::Ready);
+    assert_eq!(texts_with(&world, "traffic feed: 1 cut short"), 1);
+}
+
+#[test]
+fn t1_a_feed_that_never_came_is_told_and_an_empty_one_is_ready() {
+    let (_, statuses) = given("\r\n\r\n", 2);
+    let world = world_with(statuses[0]);
+    assert_eq!(world.companion.authority(), Authority::Waiting);
+    assert_eq!(texts_with(&world, "not ready: no traffic feed"), 1);
+    // Heartbeats alone: it says that it has nothing to give.
+    let empty = *statuses.last().expect("a status");
+    assert_eq!(empty.tally.left_out(LeftOut::NotNeeded), 2);
+    let world = world_with(empty);
+    assert_eq!(world.companion.authority(), Authority::Ready);
+    assert_eq!(world.companion.feeds_in_words(), "");
+}
+
+/// What goes wrong with a feed in flight takes nothing away: the manoeuvre goes on.
+#[test]
+fn t1_a_feed_that_is_not_understood_any_more_ends_no_manoeuvre() {
+    let mut world = World::new("", GOOD, 5);
+    world.add(Intruder::straight(
+        0x00AB_CDEF,
+        [5.0, 3000.0, 100.0],
+        [0.0, -25.0, 0.0],
+    ));
+    world.run_until(30.0);
+    let (_, statuses) = given(&"nonsense\n".repeat(30), 30);
+    let broken = *statuses.last().expect("a status");
+    while world.time_s < 110.0 {
+        world.step();
+        if matches!(world.companion.authority(), Authority::InCommand { .. }) {
+            world.companion.take_feed(broken, world.time_s);
+        }
+    }
+    assert!(world.least_m[0].0 >= 60.0, "{:?}", world.least_m[0]);
+}
