@@ -18,6 +18,7 @@ mod files;
 #[cfg(all(feature = "fly", target_os = "linux"))]
 mod fly;
 mod identify;
+mod left_out;
 mod messages;
 mod recomputed;
 mod reference;

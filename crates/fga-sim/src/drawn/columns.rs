@@ -88,7 +88,11 @@ pub(super) fn reading<T>(
 }
 
 fn damaged(path: &Path, error: &ParquetError) -> InputError {
-    InputError::in_file(path, format!("is no readable Parquet file: {error}"))
+    let reason = match error {
+        ParquetError::General(message) => message.clone(),
+        other => other.to_string(),
+    };
+    InputError::in_file(path, format!("is no readable Parquet file: {reason}"))
 }
 
 impl Group<'_> {
