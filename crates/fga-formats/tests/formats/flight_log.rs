@@ -6,6 +6,7 @@
 )]
 
 use fga_formats::flight_log::{COLUMNS, FlightLog, parse};
+use fga_formats::tally::LeftOut;
 use std::path::Path;
 
 /// Time, airspeed, commanded bank, bank, course and climb, in the units of [`COLUMNS`].
@@ -272,7 +273,39 @@ fn a_frame_with_a_wrong_checksum_is_left_out() {
     for byte in &mut bytes[third..third + 3] {
         *byte ^= 0x5a;
     }
-    near(&parsed(&bytes).unwrap(), &rows, 0.05);
+    let log = parsed(&bytes).unwrap();
+    near(&log, &rows, 0.05);
+    // 900 frames, of which one or two are one part of the file.
+    assert_eq!(log.tally.left_out(LeftOut::WrongChecksum), 1);
+    assert!((898..=900).contains(&log.tally.read()), "{:?}", log.tally);
+    assert_eq!(log.tally.read(), log.tally.used + 1);
+}
+
+/// Whole messages and the damaged parts between them are each in one count.
+#[test]
+fn what_a_log_leaves_out_is_counted() {
+    let rows = flight(300, 0.1);
+    for (bytes, messages) in [(tlog(&rows), 900), (csv(&rows).into_bytes(), 300)] {
+        let tally = parsed(&bytes).unwrap().tally;
+        assert_eq!((tally.used, tally.lost()), (messages, 0));
+    }
+    let whole = dataflash(&rows);
+    let tally = parsed(&whole).unwrap().tally;
+    assert_eq!(tally.lost(), 0);
+    // A stray part between two messages, another at the end, and a message of another system.
+    let mut bytes = whole.clone();
+    bytes.splice(0..0, format(200, "XYZ", "B", "A"));
+    bytes.extend([0xa3, 0x95, 200, 7, 1, 2, 3]);
+    bytes.extend(format(201, "XYZ", "B", "A"));
+    bytes.extend([0xa3, 0x95, 200]);
+    let damaged = parsed(&bytes).unwrap().tally;
+    assert_eq!(damaged.used, tally.used + 2);
+    assert_eq!(
+        damaged.left_out(LeftOut::NotNeeded),
+        tally.left_out(LeftOut::NotNeeded) + 1
+    );
+    assert_eq!(damaged.left_out(LeftOut::UnknownKind), 1);
+    assert_eq!(damaged.left_out(LeftOut::CutShort), 1);
 }
 
 #[test]

@@ -8,9 +8,10 @@ use super::readiness::Lacking;
 use crate::authority::Severity;
 use crate::traffic::receiver::FeedStatus;
 
-/// A feed that begins with this many unusable parts, and none that is usable, is not understood: one alone may be
-/// cut by the connection.
-const NOT_UNDERSTOOD: u64 = 3;
+/// A feed without any position is not understood when it has this many unusable parts, and one of this many is
+/// unusable: single ones may be cut by the connection.
+const FEWEST_LOST: u64 = 3;
+const ONE_LOST_OF: u64 = 10;
 
 /// The receivers of traffic.
 #[derive(Debug, Default)]
@@ -27,7 +28,7 @@ impl Feeds {
     /// The lack of a feed that gives what can be used or says that it has nothing to give.
     pub(super) fn lacking(&self) -> Option<Lacking> {
         let lacks = |is: fn(&FeedStatus) -> bool| self.0.iter().any(|feed| is(&feed.status));
-        if lacks(|feed| feed.tally.used == 0 && feed.tally.lost() >= NOT_UNDERSTOOD) {
+        if lacks(is_not_understood) {
             Some(Lacking::FeedUnreadable)
         } else if lacks(|feed| !feed.was_connected) {
             Some(Lacking::FeedSilent)
@@ -35,6 +36,13 @@ impl Feeds {
             None
         }
     }
+}
+
+/// Whether a feed speaks, but nothing of it says where an aircraft is.
+fn is_not_understood(feed: &FeedStatus) -> bool {
+    let lost = feed.tally.lost();
+    let needed = feed.tally.used + lost;
+    feed.positions == 0 && lost >= FEWEST_LOST && lost * ONE_LOST_OF >= needed
 }
 
 impl Companion {
@@ -48,6 +56,7 @@ impl Companion {
                 "connected": status.was_connected,
                 "read": status.tally.read(),
                 "used": status.tally.used,
+                "positions": status.positions,
                 "left_out": Value::Object(status.tally.to_json()),
             }),
         );

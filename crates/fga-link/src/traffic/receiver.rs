@@ -209,6 +209,8 @@ pub struct FeedStatus {
     pub was_connected: bool,
     /// What became of its lines or frames.
     pub tally: Tally,
+    /// Positions of aircraft in them.
+    pub positions: u64,
 }
 
 impl FeedStatus {
@@ -218,7 +220,7 @@ impl FeedStatus {
         let lost = self.tally.lost().min(FIRST);
         (
             self.was_connected,
-            self.tally.used > 0,
+            self.positions > 0,
             lost,
             reasons.collect(),
         )
@@ -292,6 +294,7 @@ pub fn read(
         sender,
         was_connected: false,
         tally: Tally::default(),
+        positions: 0,
     };
     let mut passed_on: Option<(FeedStatus, f64)> = None;
     while !stop.load(Ordering::Relaxed) {
@@ -320,6 +323,7 @@ pub fn read(
                 let now_s = clock_s();
                 let mut goes_on = true;
                 wire.push(bytes, now_s, |message: TrafficReport| {
+                    status.positions += u64::from(message.place_deg.is_some());
                     if let Some(mut report) = joiner.take(&message, now_s) {
                         report.valid_s -= message.age_s;
                         goes_on &= take(report);

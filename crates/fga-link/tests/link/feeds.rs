@@ -1,5 +1,6 @@
 //! What a receiver's wire gives, told and counted: a feed that is not understood never looks like an empty sky.
 
+use core::cell::Cell;
 use core::sync::atomic::{AtomicBool, Ordering};
 use std::io::Write as _;
 use std::net::TcpListener;
@@ -12,8 +13,14 @@ use fga_link::traffic::{AltitudeReference, Report};
 
 use crate::common::{GOOD, Intruder, World};
 
-/// What a receiver gives of some lines: its reports, each valid at what time, and its last status.
+/// What a receiver gives of some lines: its reports, and its statuses. Much time passes between two reads, so that every
+/// status is passed on.
 fn given(text: &str, lines: u64) -> (Vec<Report>, Vec<FeedStatus>) {
+    given_with_clock(text, lines, 11.0)
+}
+
+/// The same with a clock that begins at 100 s and goes on by `step_s` whenever it is read.
+fn given_with_clock(text: &str, lines: u64, step_s: f64) -> (Vec<Report>, Vec<FeedStatus>) {
     let server = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = server.local_addr().expect("an address");
     let text = text.to_owned();
@@ -27,9 +34,10 @@ fn given(text: &str, lines: u64) -> (Vec<Report>, Vec<FeedStatus>) {
     let endpoint = format!("sbs:{address}").parse().expect("a receiver");
     let (mut reports, mut statuses) = (Vec::new(), Vec::new());
     let stop = AtomicBool::new(false);
+    let now_s = Cell::new(100.0);
     receiver::read(
         &endpoint,
-        || 100.0,
+        || now_s.replace(now_s.get() + step_s),
         &stop,
         |report| {
             reports.push(report);
@@ -87,7 +95,7 @@ fn t1_every_form_of_base_station_gives_reports() {
             AltitudeReference::Pressure,
         ),
     ] {
-        let (reports, statuses) = given(&text, 3);
+        let (reports, statuses) = given_with_clock(&text, 3, 0.0);
         assert_eq!(reports.len(), 1, "{text}");
         let report = &reports[0];
         assert_eq!((report.icao, report.quality.altitude), (icao, altitude));
@@ -98,7 +106,10 @@ fn t1_every_form_of_base_station_gives_reports() {
         assert!(!statuses[0].was_connected && statuses[0].tally.read() == 0);
         let last = statuses.last().expect("a status");
         assert!(last.was_connected);
-        assert_eq!((last.tally.used, last.tally.lost()), (3, 0), "{text}");
+        assert_eq!(
+            (last.tally.used, last.tally.lost(), last.positions),
+            (3, 0, 1)
+        );
     }
 }
 
@@ -138,6 +149,7 @@ fn t1_a_feed_without_anything_readable_is_told_once_for_each_reason_and_is_not_r
     // As soon as it is understood, it is ready; what is left out later is told, and costs nothing.
     let mut good = last;
     good.tally.used += 1;
+    good.positions += 1;
     world.companion.take_feed(good, 20.0);
     world.run_until(30.0);
     assert_eq!(world.companion.authority(), Authority::Ready);
@@ -160,6 +172,37 @@ fn t1_a_feed_that_never_came_is_told_and_an_empty_one_is_ready() {
     let world = world_with(empty);
     assert_eq!(world.companion.authority(), Authority::Ready);
     assert_eq!(world.companion.feeds_in_words(), "");
+}
+
+/// Call signs and velocities are read, but no position: the altitude is of a form that nobody knows.
+#[test]
+fn t1_a_feed_whose_positions_cannot_be_read_is_not_ready() {
+    let text = lines("MSG", "A1B2C3", "FL020", "").repeat(20);
+    let (reports, statuses) = given(&text, 60);
+    assert!(reports.is_empty());
+    let last = *statuses.last().expect("a status");
+    assert_eq!(
+        (last.tally.used, last.tally.lost(), last.positions),
+        (40, 20, 0)
+    );
+    let world = world_with(last);
+    assert_eq!(world.companion.authority(), Authority::Waiting);
+    assert_eq!(
+        texts_with(&world, "not ready: traffic feed not understood"),
+        1
+    );
+    // Messages without a position, of transponders without ADS-B, are nothing unusual: a cut line among many.
+    let text = lines("MSG", "A1B2C3", "2000", "")
+        .replace(",45.0,5.0,", ",,,")
+        .repeat(20)
+        + "MSG,3\n";
+    let (_, statuses) = given(&text, 61);
+    let last = *statuses.last().expect("a status");
+    assert_eq!(
+        (last.tally.used, last.tally.lost(), last.positions),
+        (60, 1, 0)
+    );
+    assert_eq!(world_with(last).companion.authority(), Authority::Ready);
 }
 
 /// What goes wrong with a feed in flight takes nothing away: the manoeuvre goes on.
