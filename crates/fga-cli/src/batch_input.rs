@@ -35,7 +35,7 @@ pub(crate) struct Input {
 #[derive(Debug)]
 enum Encounters {
     Rows(Vec<Encounter>),
-    Tracks(Tracks),
+    Tracks(Box<Tracks>),
 }
 
 impl Input {
@@ -70,7 +70,7 @@ impl Input {
                 tell_left_out(tracks.damaged(), &tracks.tally(), PARTS);
                 Self {
                     sha256: tracks.sha256(),
-                    encounters: Encounters::Tracks(tracks),
+                    encounters: Encounters::Tracks(Box::new(tracks)),
                     settings,
                 }
             }

@@ -376,10 +376,11 @@ mod tests {
 
     #[test]
     fn t6_state_vectors_become_flights_at_their_times() {
-        let row = |time_ms: u32, icao: &str, latitude: f64, feet: f64| {
+        let row = |after_ms: u64, icao: &str, latitude: f64, feet: f64| {
             format!(
-                r#"{{"timestamp": {time_ms}, "icao24": "{icao}", "latitude": {latitude}, "longitude": -122.0,
-                "altitude": {feet}, "groundspeed": 100.0, "track": 0.0, "vertical_rate": 0.0, "callsign": "N1"}}"#
+                r#"{{"timestamp": {}, "icao24": "{icao}", "latitude": {latitude}, "longitude": -122.0,
+                "altitude": {feet}, "groundspeed": 100.0, "track": 0.0, "vertical_rate": 0.0, "callsign": "N1"}}"#,
+                1_700_000_000_000 + after_ms
             )
         };
         let text = [

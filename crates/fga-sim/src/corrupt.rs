@@ -4,7 +4,8 @@
 //! reader of this crate goes through [`guarded`], which makes an error of that.
 
 use core::cell::Cell;
-use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
+use core::panic::AssertUnwindSafe;
+use std::panic::{catch_unwind, set_hook, take_hook};
 use std::sync::Once;
 
 thread_local! {

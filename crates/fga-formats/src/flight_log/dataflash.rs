@@ -242,18 +242,15 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
                 .take(format, message)
                 .unwrap_or(Err(LeftOut::UnreadableField))
         });
-        match taken {
-            Some(result) => {
-                // The bytes up to the next message were one part.
-                if core::mem::take(&mut is_damaged) {
-                    tally.leave_out(LeftOut::UnknownKind);
-                }
-                tally.take(&result);
+        if let Some(result) = taken {
+            // The bytes up to the next message were one part.
+            if core::mem::take(&mut is_damaged) {
+                tally.leave_out(LeftOut::UnknownKind);
             }
-            None => {
-                is_damaged = true;
-                at += 1;
-            }
+            tally.take(&result);
+        } else {
+            is_damaged = true;
+            at += 1;
         }
     }
     if is_damaged {

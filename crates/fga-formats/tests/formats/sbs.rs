@@ -255,9 +255,9 @@ fn t1_recorded_lines_keep_their_times_over_the_end_of_a_month() {
         ("2026/04/30", "23:59:59.1000"),
         ("2026/05/01", "00:00:01.500"),
     ] {
-        text.push_str(&format!(
-            "MSG,3,1,1,AA0001,1,{date},{time},{date},{time},,1000,,,45.0,5.0,,,0,0,0,0\n\n"
-        ));
+        let line = format!("MSG,3,1,1,AA0001,1,{date},{time},{date},{time}");
+        text.push_str(&line);
+        text.push_str(",,1000,,,45.0,5.0,,,0,0,0,0\n\n");
     }
     text.push_str("MSG,3,1,1,AA0001,1,,,,,,1000,,,45.0,5.0,,,0,0,0,0\n");
     let mut log = Log::new(text.as_bytes());
@@ -293,7 +293,7 @@ proptest! {
         }
         bytes.extend(garbage);
         bytes.push(b'\n');
-        let lines = bytes.iter().filter(|byte| **byte == b'\n').count() as u64;
+        let lines = bytes.split(|byte| *byte == b'\n').count() as u64 - 1;
         let mut stream = Stream::new();
         let mut reports = 0;
         stream.push(&bytes, |_| reports += 1);

@@ -234,6 +234,10 @@ pub struct Campaign {
 
 /// The content of an encounter.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one scene at a time, and its tracks are far larger"
+)]
 pub enum Scene {
     /// Obstacles around a straight line; the identifier is the number in the campaign.
     Rows(Encounter),

@@ -62,6 +62,7 @@ fn log(plant: &Plant, command: impl Fn(f64) -> f64, lasts_s: f64) -> FlightLog {
         course += plant.factor * 9.80665 * bank.tan() / (plant.airspeed_mps * climb.cos()) * 1e-3;
     }
     FlightLog {
+        tally: fga_formats::tally::Tally::default(),
         period_s: 0.05,
         pieces: vec![piece],
         ..FlightLog::default()
