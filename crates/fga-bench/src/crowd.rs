@@ -71,7 +71,7 @@ impl Crowd {
             let (x, y) = (within(-half_m, half_m), within(-half_m, half_m));
             let position = Vec3::new(x, y, within(-500.0, 500.0));
             let velocity = Vec3::new(within(-40.0, 40.0), within(-40.0, 40.0), within(-5.0, 5.0));
-            let obstacle = Obstacle::new(id, position, velocity, volume);
+            let obstacle = Obstacle::straight(id, position, velocity, volume);
             if wanted(&obstacle) {
                 rows.push(obstacle);
             }

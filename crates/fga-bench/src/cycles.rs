@@ -153,7 +153,7 @@ impl Encounter {
                 let meets_m = Vec3::X * vehicle.airspeed_mps * meets_s + off;
                 let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
                 let mut obstacle =
-                    Obstacle::new(id, meets_m - velocity * meets_s, velocity, volume);
+                    Obstacle::straight(id, meets_m - velocity * meets_s, velocity, volume);
                 if aircraft == Aircraft::Noisy {
                     obstacle.uncertainty.position_m = 5.0;
                     obstacle.uncertainty.velocity_mps = 0.5;
@@ -215,11 +215,11 @@ impl Encounter {
                         (beside, ProtectedVolume::Sphere { radius_m })
                     }
                 };
-                let mut obstacle = Obstacle::new(id, position, velocity, volume);
+                let mut obstacle = Obstacle::straight(id, position, velocity, volume);
                 obstacle.uncertainty.position_m = 10.0;
                 obstacle.uncertainty.velocity_mps = 1.0;
                 if id < 2 && has_layers {
-                    obstacle = Obstacle::new(id, position, Vec3::ZERO, volume);
+                    obstacle = Obstacle::straight(id, position, Vec3::ZERO, volume);
                     obstacle.movement = Movement::AtRest;
                 } else if flown {
                     obstacle.movement = Movement::CREWED;

@@ -173,9 +173,7 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
     let task = Task {
         campaign: &campaign,
         shard: args.shard.unwrap_or(Shard::WHOLE),
-        stamp: Stamp {
-            target: TARGET.into(),
-        },
+        stamp: Stamp::of_this_build(TARGET),
         folder: Folder::at(&args.out.prepare(&args.file)?),
         resume: args.resume,
         is_expected: true,

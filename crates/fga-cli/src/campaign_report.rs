@@ -168,6 +168,7 @@ impl Gathered {
             name: configuration.name.clone(),
             facts: vec![
                 ("version".into(), configuration.version.clone()),
+                ("commit".into(), manifest.stamp.commit.clone()),
                 ("target".into(), manifest.stamp.target.clone()),
                 (
                     "configuration".into(),

@@ -6,10 +6,15 @@ use std::process::ExitCode;
 use clap::Args;
 use fga_files::TomlText;
 use fga_formats::error::read_text;
+use fga_formats::flight::Flight;
+use fga_formats::flight_log::FlightLog;
 use fga_formats::words::counted;
-use fga_formats::{InputError, daa, encounters};
+use fga_formats::{InputError, conf, daa, encounter_model, flight_log, missions};
+use fga_results::flight_file;
 use fga_sim::campaign::Campaign;
 use fga_sim::campaign::file::{self as campaign_file, Overrides};
+use fga_sim::drawn::{self, Content};
+use fga_sim::recorded;
 use fga_sim::scenario;
 use fga_sim::vehicle_file::VehicleModel;
 use serde_json::json;
@@ -21,7 +26,8 @@ use crate::file_kind::FileKind;
 /// Options of `fga check`.
 #[derive(Args, Debug)]
 pub(crate) struct CheckArgs {
-    /// A scenario, vehicle, campaign or link file (.toml), a recording (.daa) or encounters (.csv).
+    /// A scenario, vehicle, campaign or link file (.toml), or any other file or folder that a command reads: recordings,
+    /// encounters, missions, configurations of alerts, encounter models, flight logs, finished flights.
     file: PathBuf,
     /// Kind of a .toml file; without it the file's keys decide.
     #[arg(long)]
@@ -30,25 +36,73 @@ pub(crate) struct CheckArgs {
     answer: AnswerArgs,
 }
 
+/// What a usable file is.
+struct Usable {
+    /// Its kind, in words.
+    kind: String,
+    /// Its content, in words.
+    holds: String,
+    /// What it probably does not mean, or what of it is not flown; one sentence each.
+    warnings: Vec<String>,
+}
+
+impl Usable {
+    fn new(kind: impl Into<String>, holds: impl Into<String>) -> Self {
+        Self {
+            kind: kind.into(),
+            holds: holds.into(),
+            warnings: Vec::new(),
+        }
+    }
+
+    fn with(self, warnings: Vec<String>) -> Self {
+        Self { warnings, ..self }
+    }
+}
+
 /// Reads the file as its command does, and describes it.
 pub(crate) fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
-    let (kind, holds) = check(&args.file, args.kind)?;
+    let Usable {
+        kind,
+        holds,
+        warnings,
+    } = check(&args.file, args.kind)?;
     let shown = args.file.display();
     let file = shown.to_string();
+    let told = warnings.iter().fold(String::new(), |told, warning| {
+        told + &format!("{shown}: warning: {warning}\n")
+    });
     args.answer.print(
-        || format!("{shown}: a usable {kind}: {holds}\n"),
-        &json!({ "file": file, "kind": kind, "usable": true, "holds": holds }),
+        || format!("{shown}: a usable {kind}: {holds}\n{told}"),
+        &json!({ "file": file, "kind": kind, "usable": true, "holds": holds, "warnings": warnings }),
     )?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// The kind of a file and its content, in words.
-fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failure> {
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    match (extension, kind) {
-        (Some("daa"), None) => Ok(("recording".into(), recording(path)?)),
-        (Some("csv"), None) => Ok(("file of encounters".into(), encounter_file(path)?)),
-        (Some("toml"), None) => {
+/// The ending of a file's name in small letters, without the one of gzip.
+fn ending_of(path: &Path) -> String {
+    let ending = |path: &Path| path.extension().unwrap_or_default().to_ascii_lowercase();
+    let found = match ending(path) {
+        gzip if gzip == "gz" => ending(Path::new(path.file_stem().unwrap_or_default())),
+        plain => plain,
+    };
+    found.to_string_lossy().into_owned()
+}
+
+/// The kind of a file and its content.
+fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
+    if let Some(kind) = kind {
+        return toml_file(path, kind);
+    }
+    if path.is_dir() {
+        return folder(path);
+    }
+    if missions::is_mission_file(path) {
+        let mission = missions::read(path)?;
+        return Ok(Usable::new("mission", mission.holds()).with(mission.notes));
+    }
+    match ending_of(path).as_str() {
+        "toml" => {
             let text = read_text(path)?;
             let keys = TomlText::new(path, &text).keys()?;
             if keys.is_empty() {
@@ -66,16 +120,124 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<(String, String), Failur
                      (policies), a vehicle (airspeed_mps) or a link file; --kind says which",
                 )
             })?;
-            Ok((format!("{kind} file"), toml_file(path, kind)?))
+            toml_file(path, kind)
         }
-        (_, Some(kind)) => Ok((format!("{kind} file"), toml_file(path, kind)?)),
-        (_, None) => {
-            // A missing file or a folder is said first.
+        "daa" => {
+            let recording = daa::read(path)?;
+            let holds = format!("{} aircraft", recording.aircraft.len());
+            Ok(Usable::new("recording", holds))
+        }
+        "conf" => {
+            conf::read(path)?;
+            Ok(Usable::new("configuration of DAIDALUS", "alerts and bands"))
+        }
+        "tlog" | "bin" | "ulg" => match flight_log::read(path) {
+            Ok(log) => Ok(flight_log_of(&log)),
+            Err(error) => telemetry(path, &error).ok_or_else(|| error.into()),
+        },
+        "txt" if read_text(path)?.contains(MODEL) => {
+            let model = encounter_model::read(path)?;
+            let holds = counted(model.variables().len(), "variable");
+            Ok(Usable::new("encounter model", holds))
+        }
+        "json"
+            if path
+                .file_name()
+                .is_some_and(|name| name == flight_file::NAME) =>
+        {
+            flight(path)
+        }
+        "csv" | "parquet" | "txt" | "json" | "sbs" | "log" => encounters_in(path),
+        _ => {
+            // A missing file is said first.
             let _ = read_text(path)?;
             Err(Failure::Input(format!(
-                "{}: a file of this kind cannot be checked, expected .toml, .daa or .csv",
+                "{}: a file of this kind cannot be checked, expected .toml, .daa, .csv, .parquet, .json, .sbs, .conf, \
+                 .tlog, .bin, a mission (.plan, .waypoints), an encounter model (.txt) or a folder",
                 path.display()
             )))
+        }
+    }
+}
+
+/// The first section of an encounter model.
+const MODEL: &str = "# labels_initial";
+
+/// A folder that `fga run` or `fga campaign draw` wrote, or one of recordings.
+fn folder(path: &Path) -> Result<Usable, Failure> {
+    let file = path.join(flight_file::NAME);
+    if file.is_file() {
+        return flight(&file);
+    }
+    encounters_in(path)
+}
+
+fn flight(path: &Path) -> Result<Usable, Failure> {
+    let flight = Flight::read(path)?;
+    let (begin_s, end_s) = flight.span_s();
+    Ok(Usable::new(
+        "finished flight",
+        format!("{:.0} s", end_s - begin_s),
+    ))
+}
+
+/// A telemetry log that `fga fly --replay` reads, though `fga identify` cannot use it.
+#[cfg(feature = "fly")]
+fn telemetry(path: &Path, error: &InputError) -> Option<Usable> {
+    let file = std::fs::File::open(path).ok()?;
+    let mut log = fga_link::tlog::TlogReader::new(std::io::BufReader::new(file));
+    let mut frames = 0_u64;
+    while log.next_frame().ok()?.is_some() {
+        frames += 1;
+    }
+    let holds = format!("{} for fga fly --replay", counted(frames, "frame"));
+    let warning = format!("not for fga identify: {}", error.message);
+    (frames > 0).then(|| Usable::new("telemetry log", holds).with(vec![warning]))
+}
+
+#[cfg(not(feature = "fly"))]
+const fn telemetry(_path: &Path, _error: &InputError) -> Option<Usable> {
+    None
+}
+
+fn flight_log_of(log: &FlightLog) -> Usable {
+    let holds = format!("{} in flight", counted(log.pieces.len(), "piece"));
+    Usable::new("flight log", holds)
+}
+
+/// Encounters as `fga batch` reads them, or a flight log as `fga identify` does.
+fn encounters_in(path: &Path) -> Result<Usable, Failure> {
+    match drawn::content(path)? {
+        Content::Rows => {
+            let encounters = drawn::read_rows(path)?;
+            let obstacles: usize = encounters.iter().map(|each| each.obstacles.len()).sum();
+            let holds = format!(
+                "{}, {}",
+                counted(encounters.len(), "encounter"),
+                counted(obstacles, "obstacle")
+            );
+            Ok(Usable::new("file of encounters", holds))
+        }
+        Content::Tracks => {
+            let found = match recorded::find(&[path.to_owned()], &VehicleModel::recorded()?) {
+                Ok(found) => found,
+                Err(error) => {
+                    let log = flight_log::read(path).map_err(|_| error)?;
+                    return Ok(flight_log_of(&log));
+                }
+            };
+            let encounters: u64 = found.sources.iter().map(|source| source.encounters).sum();
+            let kind = if path.is_dir() {
+                "folder of recordings"
+            } else {
+                "recording"
+            };
+            let holds = counted(encounters, "encounter");
+            let left_out = found
+                .damaged
+                .iter()
+                .map(|damaged| format!("left out: {damaged}"));
+            Ok(Usable::new(kind, holds).with(left_out.collect()))
         }
     }
 }
@@ -98,72 +260,67 @@ fn outline(path: &Path) -> Option<String> {
     ))
 }
 
-fn toml_file(path: &Path, kind: FileKind) -> Result<String, Failure> {
+fn toml_file(path: &Path, kind: FileKind) -> Result<Usable, Failure> {
+    let words = format!("{kind} file");
     match kind {
         FileKind::Scenario => {
             let plan = scenario::read(path, None)?;
-            Ok(format!(
+            let holds = format!(
                 "{}, {}, vehicle {}",
                 counted(plan.world.mission_m.len(), "waypoint"),
                 counted(plan.world.obstacles.len(), "obstacle"),
                 plan.model.name
-            ))
+            );
+            Ok(Usable::new(words, holds).with(plan.warnings()))
         }
         FileKind::Vehicle => {
             let model = VehicleModel::read(path)?;
-            Ok(format!(
+            let holds = format!(
                 "{}, {} m/s, turn radius {:.1} m",
                 model.name, model.vehicle.airspeed_mps, model.vehicle.turn_radius_m
-            ))
+            );
+            Ok(Usable::new(words, holds).with(model.warnings()))
         }
         FileKind::Campaign => {
             let configuration = match campaign_file::read(path, &Overrides::default()) {
                 Ok(configuration) => configuration,
-                Err(error) => return outline(path).ok_or_else(|| error.into()),
+                Err(error) => {
+                    let holds = outline(path).ok_or(error)?;
+                    return Ok(Usable::new(words, holds));
+                }
             };
             let campaign = Campaign::new(configuration, path)?;
-            Ok(format!(
+            let holds = format!(
                 "{} from {}, {}, vehicle {}",
                 counted(campaign.configuration.encounters, "encounter"),
                 counted(campaign.source_names().len(), "source"),
                 counted(campaign.policies.len(), "policy"),
                 campaign.model.name
-            ))
+            );
+            Ok(Usable::new(words, holds))
         }
         FileKind::Link => link(path),
     }
 }
 
 #[cfg(feature = "fly")]
-fn link(path: &Path) -> Result<String, Failure> {
+fn link(path: &Path) -> Result<Usable, Failure> {
     let config = crate::fly::config_file(path)?;
-    Ok(format!(
-        "takes over {}, keeps {} m, {}",
+    let crewed = config.volume(fga_link::traffic::Class::Crewed);
+    let holds = format!(
+        "takes over {}, keeps {} x +-{} m from crewed aircraft, {}",
         config.vehicle.take_over.join(" and "),
-        config.protection.radius_m,
+        crewed.radius_m(),
+        crewed.half_height_m(),
         counted(config.obstacle.len(), "virtual obstacle")
-    ))
+    );
+    Ok(Usable::new("link file", holds).with(config.warnings()))
 }
 
 #[cfg(not(feature = "fly"))]
-fn link(path: &Path) -> Result<String, Failure> {
+fn link(path: &Path) -> Result<Usable, Failure> {
     Err(Failure::Input(format!(
         "{}: this program was built without the command fly, expected one built with it",
         path.display()
     )))
-}
-
-fn recording(path: &Path) -> Result<String, Failure> {
-    let recording = daa::read(path)?;
-    Ok(format!("{} aircraft", recording.aircraft.len()))
-}
-
-fn encounter_file(path: &Path) -> Result<String, Failure> {
-    let encounters = encounters::read(path)?;
-    let obstacles: usize = encounters.iter().map(|each| each.obstacles.len()).sum();
-    Ok(format!(
-        "{}, {}",
-        counted(encounters.len(), "encounter"),
-        counted(obstacles, "obstacle")
-    ))
 }

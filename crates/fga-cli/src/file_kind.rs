@@ -40,9 +40,10 @@ impl FileKind {
 
     /// The kind of a file, by the keys that only this kind has.
     pub(crate) fn of(keys: &BTreeSet<String>) -> Option<Self> {
-        const LINK: [&str; 9] = [
+        const LINK: [&str; 10] = [
             "vehicle",
             "protection",
+            "volumes",
             "command",
             "safety",
             "response",

@@ -123,7 +123,11 @@ fn read_config(path: Option<&PathBuf>) -> Result<Config, Failure> {
     let Some(path) = path else {
         return Ok(Config::default());
     };
-    config_file(path)
+    let config = config_file(path)?;
+    for warning in config.warnings() {
+        let _ = writeln!(io::stderr(), "fga: {}: warning: {warning}", path.display());
+    }
+    Ok(config)
 }
 
 /// Reads and checks a configuration.

@@ -323,7 +323,7 @@ mod tests {
     fn an_obstacle_is_sent_again_when_it_leaves_its_expected_path() {
         let at = |x_m: f64, speed_mps: f64| {
             let volume = ProtectedVolume::Sphere { radius_m: 60.0 };
-            Obstacle::new(7, Vec3::X * x_m, Vec3::X * speed_mps, volume)
+            Obstacle::straight(7, Vec3::X * x_m, Vec3::X * speed_mps, volume)
         };
         let first = at(0.0, 10.0);
         let mut told = Told {

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use fga_formats::OutputError;
+use fga_files::from_mission::scenario_text;
+use fga_formats::{OutputError, missions};
+use fga_sim::vehicle_file::VehicleModel;
 use serde_json::json;
 
 use crate::common::AnswerArgs;
@@ -21,12 +23,35 @@ pub(crate) struct InitArgs {
     /// The file to write; without it KIND.toml in this folder.
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
+    /// The mission that a scenario flies: a plan of QGroundControl (.plan) or a list of Mission Planner (.waypoints).
+    #[arg(long, value_name = "MISSION")]
+    from: Option<PathBuf>,
     #[command(flatten)]
     answer: AnswerArgs,
 }
 
+/// The text of the file, and notes about it.
+fn text_of(args: &InitArgs) -> Result<(String, Vec<String>), Failure> {
+    let Some(from) = &args.from else {
+        return Ok((args.kind.template().to_owned(), Vec::new()));
+    };
+    if args.kind != FileKind::Scenario {
+        return Err(Failure::Input(format!(
+            "--from makes a scenario of a mission, expected fga init scenario --from {}",
+            from.display()
+        )));
+    }
+    let mission = missions::read(from)?;
+    let airspeed_mps = match mission.cruise_mps {
+        Some(cruise_mps) => cruise_mps,
+        None => VehicleModel::built_in()?.vehicle.airspeed_mps,
+    };
+    Ok((scenario_text(&mission, from, airspeed_mps)?, mission.notes))
+}
+
 /// Writes the file; never overwrites one.
 pub(crate) fn run(args: &InitArgs) -> Result<ExitCode, Failure> {
+    let (text, notes) = text_of(args)?;
     let path = args
         .file
         .clone()
@@ -42,15 +67,18 @@ pub(crate) fn run(args: &InitArgs) -> Result<ExitCode, Failure> {
             )),
             _ => Failure::Output(OutputError::new(&path, error)),
         })?;
-    if let Err(error) = file.write_all(args.kind.template().as_bytes()) {
+    if let Err(error) = file.write_all(text.as_bytes()) {
         // No half-written file stays.
         let _ = std::fs::remove_file(&path);
         return Err(Failure::Output(OutputError::new(&path, error)));
     }
     let next = args.kind.next_step(&shown.to_string());
+    let told = notes
+        .iter()
+        .fold(String::new(), |told, note| told + note + "\n");
     args.answer.print(
-        || format!("{shown} written; {next}\n"),
-        &json!({ "file": shown.to_string(), "kind": args.kind.to_string() }),
+        || format!("{told}{shown} written; {next}\n"),
+        &json!({ "file": shown.to_string(), "kind": args.kind.to_string(), "notes": notes }),
     )?;
     Ok(ExitCode::SUCCESS)
 }

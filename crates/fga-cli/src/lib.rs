@@ -48,7 +48,7 @@ use crate::failure::Failure;
 #[derive(Parser)]
 #[command(
     name = "fga",
-    version,
+    version = fga_build::VERSION,
     max_term_width = 100,
     after_help = "Exit codes: 0 done; 1 wrong input or usage; 2, only from run: a protected volume was entered."
 )]
@@ -105,6 +105,7 @@ pub fn main() -> ExitCode {
 
 /// Runs the program with these arguments, the first of which is its name.
 pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ExitCode {
+    fga_formats::build::set_commit(fga_build::COMMIT);
     let arguments: Vec<_> = arguments.into_iter().collect();
     let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,

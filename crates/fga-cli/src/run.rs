@@ -8,7 +8,7 @@ use clap::Args;
 use fga::situation::ProtectedVolume;
 use fga_formats::number::fixed;
 use fga_formats::words::counted;
-use fga_formats::{InputError, conf};
+use fga_formats::{InputError, conf, missions};
 use fga_results::flight::{document, summary};
 use fga_results::flight_files;
 use fga_results::provenance::{Provenance, file_fingerprint};
@@ -26,7 +26,7 @@ const ENTERED: u8 = 2;
 /// Options of `fga run`.
 #[derive(Args, Debug)]
 pub(crate) struct RunArgs {
-    /// A scenario (.toml) or a recording (.daa).
+    /// A scenario (.toml), a recording (.daa), or a mission of QGroundControl (.plan) or Mission Planner (.waypoints).
     file: PathBuf,
     /// The aircraft of a recording that is the ownship; without it the file's first one.
     #[arg(long, value_name = "NAME")]
@@ -66,12 +66,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let overlay = args.overlay.choices(&policy)?;
     let guidance = args.config.as_deref().map(conf::read).transpose()?;
     let plan = Plan::read_as(&args.file, args.vehicle.given()?, args.ownship.as_deref())?;
-    if args.vehicle.vehicle.is_none() && args.file.extension().is_some_and(|is| is == "daa") {
-        eprintln!(
-            "a recording names no vehicle: {} flies it; --vehicle names another",
-            plan.model.name
-        );
-    }
+    say_beforehand(args, &plan)?;
     let mut policies = core::iter::once(&policy).chain(&overlay);
     if let Some(refusal) = policies.find_map(|policy| way_round::refusal(policy, &plan)) {
         return Err(InputError::in_file(&args.file, refusal).into());
@@ -102,6 +97,27 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
             ExitCode::from(ENTERED)
         },
     )
+}
+
+/// Says on standard error who flies a file that names no vehicle, what of it is not flown, and what probably is not meant.
+fn say_beforehand(args: &RunArgs, plan: &Plan) -> Result<(), Failure> {
+    let shown = args.file.display();
+    let is_mission = missions::is_mission_file(&args.file);
+    let is_recording = args.file.extension().is_some_and(|is| is == "daa");
+    if args.vehicle.vehicle.is_none() && (is_mission || is_recording) {
+        let kind = if is_mission { "mission" } else { "recording" };
+        let name = &plan.model.name;
+        eprintln!("a {kind} names no vehicle: {name} flies it; --vehicle names another");
+    }
+    if is_mission {
+        for note in missions::read(&args.file)?.notes {
+            eprintln!("fga: {shown}: {note}");
+        }
+    }
+    for warning in plan.warnings() {
+        eprintln!("fga: {shown}: warning: {warning}");
+    }
+    Ok(())
 }
 
 fn begin_live(plan: &Plan, policy: &PolicyChoice, speed: f64) -> Result<LiveView, Failure> {

@@ -217,7 +217,7 @@ impl Case {
     fn compare(&self, path: &mut FlightPath) -> Compared {
         let flyer = Flyer::new(&self.vehicle);
         let body = &self.body;
-        let mut obstacle = Obstacle::new(1, body.position_m, body.velocity_mps, body.volume);
+        let mut obstacle = Obstacle::straight(1, body.position_m, body.velocity_mps, body.volume);
         obstacle.uncertainty.velocity_mps = body.growth_mps;
         let hazard = Hazard::new(0, &obstacle, self.wind_mps, 1.0);
         let start = MotionState::of(&self.own);

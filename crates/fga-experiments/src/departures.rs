@@ -335,7 +335,7 @@ fn clear_traffic(seed: u64, number: u64, planar: bool) -> Encounter {
         if (0.05..limit).contains(&margin(position_m, velocity_mps)) {
             let id = u32::try_from(obstacles.len()).unwrap_or(u32::MAX);
             let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-            obstacles.push(Obstacle::new(id, position_m, velocity_mps, volume));
+            obstacles.push(Obstacle::straight(id, position_m, velocity_mps, volume));
         }
     }
     Encounter {

@@ -224,7 +224,7 @@ fn fly(family: Family, number: u64, seed: u64) -> Result<Flown, String> {
         obstacles: obstacles
             .map(|((position_m, velocity_mps), id)| {
                 let volume = ProtectedVolume::Sphere { radius_m: RADIUS_M };
-                Obstacle::new(id, position_m, velocity_mps, volume)
+                Obstacle::straight(id, position_m, velocity_mps, volume)
             })
             .collect(),
     };

@@ -104,7 +104,7 @@ fn drawn(random: &mut Random, id: u32, planar: bool, airspeed_mps: f64) -> Obsta
         } else {
             Movement::SMALL_UAS
         },
-        ..Obstacle::new(id, meets_m - velocity_mps * meets_s, velocity_mps, volume)
+        ..Obstacle::straight(id, meets_m - velocity_mps * meets_s, velocity_mps, volume)
     }
 }
 

@@ -342,7 +342,7 @@ impl Flight {
                     self.others.push(Straight {
                         obstacle: Obstacle {
                             movement: Movement::AtRest,
-                            ..Obstacle::new(id, place_m, Vec3::ZERO, volume)
+                            ..Obstacle::straight(id, place_m, Vec3::ZERO, volume)
                         },
                         present_s: (0.0, f64::INFINITY),
                     });
@@ -370,7 +370,7 @@ impl Flight {
             self.others.push(Straight {
                 obstacle: Obstacle {
                     movement,
-                    ..Obstacle::new(
+                    ..Obstacle::straight(
                         id,
                         meets_m + aside_m - velocity_mps * at_s,
                         velocity_mps,
@@ -404,7 +404,7 @@ impl Flight {
                     // A fleet's aircraft that is done has landed.
                     (!flier.has_landed()).then(|| Obstacle {
                         movement: Movement::SMALL_UAS,
-                        ..Obstacle::new(
+                        ..Obstacle::straight(
                             id,
                             flier.plant.ownship().position_m,
                             flier.plant.ground_velocity_mps(),

@@ -10,13 +10,17 @@
 //! | [`vehicle`] | an aircraft, its protected volume, its sensor |
 //! | [`campaign`] | a grid of conditions, policies and seeds |
 //! | [`sensors`] | a source of a campaign's knowledge about other aircraft |
+//! | [`from_mission`] | which scenario flies the mission of a ground station? |
+//! | [`surveillance`] | does an aircraft look far enough, by keys of several tables? |
 //! | [`text`] | any of them: reads TOML, with errors that name file and line |
 
 extern crate alloc;
 
 pub mod campaign;
+pub mod from_mission;
 pub mod scenario;
 pub mod sensors;
+pub mod surveillance;
 pub mod text;
 pub mod vehicle;
 

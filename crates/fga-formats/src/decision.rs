@@ -50,10 +50,14 @@ pub fn to_json(
         "candidates": record.work.candidates,
         "limit_met": record.work.limit_met,
     });
-    match fields {
-        Value::Object(fields) => fields,
-        _ => Map::new(),
+    let Value::Object(mut fields) = fields else {
+        return Map::new();
+    };
+    // Rare, so that the key is as rare.
+    if record.work.unusable > 0 {
+        fields.insert("unusable".into(), record.work.unusable.into());
     }
+    fields
 }
 
 fn finite(value: f64) -> Option<f64> {

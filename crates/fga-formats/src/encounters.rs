@@ -343,7 +343,7 @@ impl Row<'_> {
         let volume = ProtectedVolume::Sphere { radius_m };
         Ok(Obstacle {
             movement: self.movement()?,
-            ..Obstacle::new(id, position_m, velocity_mps, volume)
+            ..Obstacle::straight(id, position_m, velocity_mps, volume)
         })
     }
 

@@ -9,6 +9,7 @@
 //! | [`geodesy`] | where is a latitude and longitude in the local frame? |
 //! | [`daa`] | what did the aircraft of a DAIDALUS recording do? |
 //! | [`recordings`] | which encounters does a recording of any kind hold? |
+//! | [`missions`] | which mission, fences and rally points did a ground station write? |
 //! | [`conf`] | how are alerts and bands configured? |
 //! | [`encounters`] | which encounters does a batch file hold? |
 //! | [`traffic`] | what do receivers of ADS-B say, as BaseStation lines or Beast frames? |
@@ -18,6 +19,7 @@
 //! | [`flight`] | what does a finished flight hold, for other programs? |
 //! | [`export`] | how does Google Earth, Cesium, a map or Foxglove get it? |
 //! | [`encounter_model`] | how do aircraft fly that meet, statistically? |
+//! | [`build`] | which build wrote a file? |
 //! | [`atomic`] | how does a file become complete or stay absent? |
 //! | [`number`] | how does a number become the same text on every machine? |
 //! | [`error`] | what was wrong with an input, and where? |
@@ -44,6 +46,7 @@
 extern crate alloc;
 
 pub mod atomic;
+pub mod build;
 pub mod conf;
 pub mod daa;
 pub mod decision;
@@ -56,6 +59,7 @@ pub mod flight;
 pub mod flight_log;
 pub mod geodesy;
 mod gzip;
+pub mod missions;
 pub mod number;
 pub mod recordings;
 pub mod tally;

@@ -367,7 +367,7 @@ mod tests {
                 radius_m,
                 half_height_m,
             };
-            let mut obstacle = Obstacle::new(1, Vec3::ZERO, self.vector(30.0), volume);
+            let mut obstacle = Obstacle::straight(1, Vec3::ZERO, self.vector(30.0), volume);
             if !is_certain {
                 obstacle.uncertainty = Uncertainty {
                     position_m: self.within(0.0, 5.0),

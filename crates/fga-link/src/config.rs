@@ -4,6 +4,10 @@
 //! error. Angles are in degrees and speeds in metres per second, as the names say; this module
 //! converts them to the core's units.
 
+mod volumes;
+
+pub use volumes::{NMAC, VolumeConfig, VolumesConfig};
+
 use fga_formats::error::toml_sentence;
 use serde::Deserialize;
 
@@ -20,8 +24,10 @@ pub struct ConfigError(pub String);
 pub struct Config {
     /// The vehicle and its limits.
     pub vehicle: VehicleConfig,
-    /// The protected volume.
+    /// What is kept clear, and how far ahead.
     pub protection: ProtectionConfig,
+    /// The protected volumes about other aircraft, by class.
+    pub volumes: VolumesConfig,
     /// The commands.
     pub command: CommandConfig,
     /// The conditions for acting and stopping.
@@ -70,20 +76,20 @@ impl Default for VehicleConfig {
     }
 }
 
-/// The protected volume.
+/// What is kept clear, and how far ahead.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ProtectionConfig {
-    /// Radius around other aircraft, metres.
-    pub radius_m: f64,
-    /// Half height around other aircraft, metres; without it the volume is a sphere.
+    /// Radius around every other aircraft, metres, whatever its class; without it `[volumes]` count.
+    pub radius_m: Option<f64>,
+    /// With a radius: half height, metres; without it the volume is a sphere.
     pub half_height_m: Option<f64>,
     /// Distance kept beyond the volume, metres.
     pub margin_m: f64,
     /// Standard deviations of the uncertainty that widen the volume.
     pub confidence_sigmas: f64,
-    /// Obstacles farther away are not considered, metres.
-    pub surveillance_m: f64,
+    /// Obstacles farther away are not considered, metres; without it [`Config::surveillance_m`] derives it.
+    pub surveillance_m: Option<f64>,
     /// Horizon of the certificate, seconds.
     pub horizon_s: f64,
     /// Safety score `C_s`: share of the time until the latest safe start that it waits; without it
@@ -94,11 +100,11 @@ pub struct ProtectionConfig {
 impl Default for ProtectionConfig {
     fn default() -> Self {
         Self {
-            radius_m: 60.0,
+            radius_m: None,
             half_height_m: None,
             margin_m: 4.0,
             confidence_sigmas: 2.0,
-            surveillance_m: 3000.0,
+            surveillance_m: None,
             horizon_s: 60.0,
             safety_score: None,
         }
@@ -368,19 +374,12 @@ impl Config {
                 0.0,
                 45.0,
             )
-            .within("protection.radius_m", self.protection.radius_m, 1.0, 5000.0)
             .within("protection.margin_m", self.protection.margin_m, 0.0, 1000.0)
             .within(
                 "protection.confidence_sigmas",
                 self.protection.confidence_sigmas,
                 0.0,
                 10.0,
-            )
-            .within(
-                "protection.surveillance_m",
-                self.protection.surveillance_m,
-                50.0,
-                50_000.0,
             )
             .within(
                 "protection.horizon_s",
@@ -440,6 +439,7 @@ impl Config {
         checked.within("alerts.act_at_level", act_at, 0.0, most);
         self.check_optional(&mut checked);
         checked.finish().map_err(ConfigError)?;
+        self.check_across()?;
         self.own_icao()?;
         self.signing_key()?;
         self.take_over()?;
@@ -448,6 +448,26 @@ impl Config {
 
     /// The keys that may be absent, and the obstacles.
     fn check_optional(&self, checked: &mut Checked) {
+        if let Some(value) = self.protection.radius_m {
+            checked.within("protection.radius_m", value, 1.0, 5000.0);
+        }
+        if let Some(value) = self.protection.surveillance_m {
+            checked.within("protection.surveillance_m", value, 50.0, 50_000.0);
+        }
+        for (name, volume) in self.volumes.each() {
+            let VolumeConfig {
+                radius_m,
+                half_height_m,
+            } = volume;
+            checked
+                .within(&format!("volumes.{name}.radius_m"), radius_m, 1.0, 5000.0)
+                .within(
+                    &format!("volumes.{name}.half_height_m"),
+                    half_height_m,
+                    1.0,
+                    5000.0,
+                );
+        }
         if let Some(value) = self.protection.half_height_m {
             checked.within("protection.half_height_m", value, 1.0, 5000.0);
         }

@@ -165,8 +165,8 @@ pub struct Obstacle {
 }
 
 impl Obstacle {
-    /// An obstacle known exactly, of no particular kind.
-    pub const fn new(
+    /// An obstacle known exactly, of no particular kind, that keeps its velocity: optimistic for an aircraft.
+    pub const fn straight(
         id: u32,
         position_m: Vec3,
         velocity_mps: Vec3,

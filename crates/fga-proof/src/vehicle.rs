@@ -68,11 +68,17 @@ impl Vehicle {
 
     /// A vehicle held in the plane that turns as tightly as its largest bank angle allows (Eq. 8).
     ///
-    /// `None` unless the airspeed is positive and the bank angle lies strictly between 0 and π/2.
-    pub fn from_bank(airspeed_mps: f64, bank_max_rad: f64) -> Option<Self> {
-        Some(Self {
+    /// # Errors
+    /// An airspeed that is not positive; a bank angle that does not lie strictly between 0 and π/2.
+    pub fn from_bank(airspeed_mps: f64, bank_max_rad: f64) -> Result<Self, SettingsError> {
+        let positive = "a positive number";
+        SettingsError::unless(airspeed_mps > 0.0, "airspeed_mps", airspeed_mps, positive)?;
+        let turn_radius_m = turn_radius_m(airspeed_mps, bank_max_rad).unwrap_or(f64::NAN);
+        let (name, expected) = ("bank_max_rad", "above 0, below π/2");
+        SettingsError::unless(turn_radius_m > 0.0, name, bank_max_rad, expected)?;
+        Ok(Self {
             airspeed_mps,
-            turn_radius_m: turn_radius_m(airspeed_mps, bank_max_rad)?,
+            turn_radius_m,
             climb_min_rad: 0.0,
             climb_max_rad: 0.0,
             climb_rate_radps: 0.0,
@@ -89,11 +95,6 @@ impl Vehicle {
             climb_rate_radps: rate_radps,
             ..self
         }
-    }
-
-    /// Largest bank angle, from the turn radius, radians (Eq. 60); `None` for an invalid one.
-    pub fn bank_max_rad(&self) -> Option<f64> {
-        bank_for_radius_rad(self.airspeed_mps, self.turn_radius_m)
     }
 
     /// Checks every limit: plausible for flight, and predictable in bounded work.
@@ -191,7 +192,8 @@ mod tests {
         let vehicle = Vehicle::from_bank(15.0, 30f64.to_radians()).unwrap();
         // 225 / (9.80665 · tan 30°), by hand.
         assert!((vehicle.turn_radius_m - 39.739).abs() < 1e-3);
-        assert!((vehicle.bank_max_rad().unwrap().to_degrees() - 30.0).abs() < 1e-9);
+        let bank_rad = bank_for_radius_rad(15.0, vehicle.turn_radius_m).unwrap();
+        assert!((bank_rad.to_degrees() - 30.0).abs() < 1e-9);
         assert!(vehicle.check().is_ok() && !vehicle.can_climb());
         assert!(vehicle.with_climb(-0.2, 0.2, 0.1).can_climb());
     }
@@ -247,6 +249,9 @@ mod tests {
             .check()
             .is_err()
         );
-        assert!(Vehicle::from_bank(15.0, 0.0).is_none());
+        let flat = Vehicle::from_bank(15.0, 0.0).unwrap_err();
+        assert_eq!(flat.name, "bank_max_rad");
+        let still = Vehicle::from_bank(f64::NAN, 0.5).unwrap_err();
+        assert_eq!(still.name, "airspeed_mps");
     }
 }

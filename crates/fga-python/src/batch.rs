@@ -138,7 +138,7 @@ fn rows_of(batch: &RecordBatch, rows: &mut Vec<(u64, Obstacle)>) -> PyResult<()>
         let velocity_mps = Vec3::new(at(3), at(4), at(5));
         let obstacle = Obstacle {
             movement,
-            ..Obstacle::new(id, place_m, velocity_mps, volume)
+            ..Obstacle::straight(id, place_m, velocity_mps, volume)
         };
         rows.push((encounter[row], obstacle));
     }

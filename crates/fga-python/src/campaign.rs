@@ -33,9 +33,7 @@ pub(crate) struct Campaign(CoreCampaign);
 
 impl Campaign {
     fn stamp() -> Stamp {
-        Stamp {
-            target: TARGET.into(),
-        }
+        Stamp::of_this_build(TARGET)
     }
 
     fn manifest(&self) -> Manifest {
@@ -399,10 +397,11 @@ impl Campaign {
     }
 }
 
-/// Versions: of the package and of the build's target.
+/// Versions: of the package, of its sources and of the build's target.
 pub(crate) fn versions(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("version", env!("CARGO_PKG_VERSION"))?;
+    dict.set_item("commit", fga_build::COMMIT)?;
     dict.set_item("target", TARGET)?;
     Ok(dict)
 }

@@ -370,7 +370,13 @@ impl Decision {
         self.decision.record.work.tracked
     }
 
-    /// Of these, those that threaten the mission.
+    /// Obstacles left out because a number of theirs is not finite.
+    #[getter]
+    fn unusable(&self) -> u32 {
+        self.decision.record.work.unusable
+    }
+
+    /// Obstacles in sight that threaten the mission.
     #[getter]
     fn threats(&self) -> u32 {
         self.decision.record.work.threats
@@ -428,6 +434,7 @@ impl Decision {
                 work.candidates,
                 work.work,
                 record.straight_aircraft,
+                work.unusable,
             ),
             self.ownship.map(Ownship),
         );
@@ -550,7 +557,7 @@ pub(crate) fn _decision(
     candidates: (Option<PyRef<'_, Candidate>>, Option<PyRef<'_, Candidate>>),
     figures: (Option<f64>, Option<f64>, Option<f64>),
     flags: (bool, bool, bool),
-    work: (u32, u32, u32, u32, u32),
+    work: (u32, u32, u32, u32, u32, u32),
     ownship: Option<PyRef<'_, Ownship>>,
 ) -> PyResult<Decision> {
     let mut reasons = Reason::ALL.into_iter();
@@ -575,6 +582,7 @@ pub(crate) fn _decision(
             threats: work.1,
             candidates: work.2,
             work: work.3,
+            unusable: work.5,
             limit_met: flags.2,
         },
         straight_aircraft: work.4,

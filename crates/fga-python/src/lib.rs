@@ -36,6 +36,7 @@ use pyo3::prelude::*;
 /// The compiled part of the package `fga`.
 #[pymodule]
 fn _fga(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    fga_formats::build::set_commit(fga_build::COMMIT);
     module.add_class::<value::Ownship>()?;
     module.add_class::<value::Obstacle>()?;
     module.add_class::<value::Vehicle>()?;

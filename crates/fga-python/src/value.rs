@@ -3,7 +3,7 @@
 use fga::Vec3;
 use fga::avoider::SettingsError;
 use fga::situation::{Movement, ObstacleKind, ProtectedVolume};
-use fga::vehicle::{Response, Vehicle as CoreVehicle};
+use fga::vehicle::{Response, Vehicle as CoreVehicle, bank_for_radius_rad};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -282,7 +282,7 @@ impl Obstacle {
             expect(holds, name, length, "a number of 0 or more")?;
         }
         let volume = volume_of(radius_m, half_height_m);
-        let mut obstacle = fga::situation::Obstacle::new(id, position_m.0, velocity_mps.0, volume);
+        let mut obstacle = fga::situation::Obstacle::straight(id, position_m.0, velocity_mps.0, volume);
         obstacle.uncertainty.position_m = position_sigma_m;
         obstacle.uncertainty.velocity_mps = velocity_sigma_mps;
         obstacle.movement = movement_of(kind)?;
@@ -460,7 +460,7 @@ impl Vehicle {
     /// Largest bank angle, radians.
     #[getter]
     fn bank_max_rad(&self) -> Option<f64> {
-        self.0.bank_max_rad()
+        bank_for_radius_rad(self.0.airspeed_mps, self.0.turn_radius_m)
     }
 
     /// Largest real course rate, radians per second.

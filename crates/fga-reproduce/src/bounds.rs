@@ -352,7 +352,7 @@ fn ahead(distance_m: f64, radius_m: f64, across_m: f64) -> Option<Obstacle> {
         let volume = ProtectedVolume::Sphere { radius_m };
         Obstacle {
             movement: Movement::AtRest,
-            ..Obstacle::new(1, position_m, Vec3::ZERO, volume)
+            ..Obstacle::straight(1, position_m, Vec3::ZERO, volume)
         }
     })
 }

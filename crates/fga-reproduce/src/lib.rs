@@ -131,6 +131,7 @@ pub fn reproduce(setting: &Setting<'_>) -> Result<PathBuf, ReproduceError> {
         .into();
     report.facts = vec![
         ("version".into(), env!("CARGO_PKG_VERSION").into()),
+        ("commit".into(), fga_formats::build::commit().into()),
         ("target".into(), TARGET.into()),
         ("seed".into(), setting.seed.to_string()),
         (

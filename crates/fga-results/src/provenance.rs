@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use fga_formats::InputError;
+use fga_formats::{InputError, build};
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 
@@ -38,6 +38,7 @@ impl Provenance {
         let mut document = json!({
             "command": command,
             "version": env!("CARGO_PKG_VERSION"),
+            "commit": build::commit(),
             "target": TARGET,
             "configuration_hash": fingerprint(configuration.to_string().as_bytes()),
             "configuration": configuration,

@@ -95,7 +95,9 @@ impl EncounterSource {
             obstacles: obstacles
                 .into_iter()
                 .zip(0..)
-                .map(|(body, id)| Obstacle::new(id, body.position_m, body.velocity_mps, volume))
+                .map(|(body, id)| {
+                    Obstacle::straight(id, body.position_m, body.velocity_mps, volume)
+                })
                 .collect(),
         }
     }

@@ -1,5 +1,7 @@
 //! A flight plan.
 
+mod warnings;
+
 use fga_formats::geodesy::LocalFrame;
 
 use crate::vehicle_file::VehicleModel;

@@ -9,7 +9,9 @@ use std::path::Path;
 
 use fga::avoider::{Decision, SettingsError, State};
 use fga::situation::{Obstacle, Ownship, ProtectedVolume};
-use fga_formats::InputError;
+use fga_files::TomlText;
+use fga_files::from_mission::scenario_text;
+use fga_formats::{InputError, missions};
 
 use crate::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
 use crate::policy::PolicyChoice;
@@ -19,11 +21,11 @@ use crate::vehicle_file::VehicleModel;
 use crate::{recording, scenario};
 
 impl Plan {
-    /// Reads a scenario (`.toml`) or a recording (`.daa`). `vehicle` replaces the vehicle of a scenario,
-    /// and the light aircraft that flies recordings.
+    /// Reads a scenario (`.toml`), a recording (`.daa`) or a mission (`.plan`, `.waypoints`). `vehicle` replaces the
+    /// vehicle of a scenario, the light aircraft that flies recordings, and Table 4's, which flies missions.
     ///
     /// # Errors
-    /// A file of neither kind, or an unusable one.
+    /// A file of no such kind, or an unusable one.
     pub fn read(path: &Path, vehicle: Option<VehicleModel>) -> Result<Self, InputError> {
         Self::read_as(path, vehicle, None)
     }
@@ -31,7 +33,7 @@ impl Plan {
     /// The same, with the name of a recording's ownship; without it the first aircraft is the ownship.
     ///
     /// # Errors
-    /// As [`Plan::read`]; an ownship that is not in the recording, or an ownship for a scenario.
+    /// As [`Plan::read`]; an ownship that is not in the recording, or an ownship for another file.
     pub fn read_as(
         path: &Path,
         vehicle: Option<VehicleModel>,
@@ -39,9 +41,9 @@ impl Plan {
     ) -> Result<Self, InputError> {
         let extension = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
         match extension.as_ref().and_then(|extension| extension.to_str()) {
-            Some("toml") if ownship.is_some() => Err(InputError::in_file(
+            Some(ending) if ownship.is_some() && ending != "daa" => Err(InputError::in_file(
                 path,
-                "is a scenario, expected a .daa recording with --ownship",
+                "is no recording, expected a .daa recording with --ownship",
             )),
             Some("toml") => scenario::read(path, vehicle),
             Some("daa") => {
@@ -53,11 +55,23 @@ impl Plan {
             }
             _ if path.is_dir() => Err(InputError::in_file(
                 path,
-                "is a folder, expected a .toml scenario or a .daa recording; fga batch flies folders",
+                "is a folder, expected a .toml scenario, a .daa recording or a mission; fga batch flies folders",
             )),
+            _ if missions::is_mission_file(path) => {
+                let model = vehicle.map_or_else(VehicleModel::built_in, Ok)?;
+                let mission = missions::read(path)?;
+                let text = scenario_text(&mission, path, model.vehicle.airspeed_mps)?;
+                scenario::parse(TomlText::new(path, &text), Some(model)).map_err(|error| {
+                    // Lines of the text that was made are no lines of the file.
+                    InputError {
+                        line: None,
+                        ..error
+                    }
+                })
+            }
             _ => Err(InputError::in_file(
                 path,
-                "is of no known kind, expected a .toml scenario or a .daa recording",
+                "is of no known kind, expected a .toml scenario, a .daa recording or a mission (.plan, .waypoints)",
             )),
         }
     }

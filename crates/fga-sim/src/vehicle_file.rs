@@ -2,7 +2,8 @@
 //!
 //! Units are in the keys. Required: `name`, `airspeed_mps`, one of `turn_radius_m` and
 //! `max_bank_deg`, and `[protection] radius_m`. Everything else has the default of
-//! `vehicles/paper.toml` (no response lag, no wind, perfect sight); an unknown key is an error.
+//! `vehicles/paper.toml` (no response lag, no wind, perfect sight), but for the surveillance radius, which
+//! [`surveillance`] derives; an unknown key is an error.
 
 pub(crate) mod checks;
 
@@ -14,6 +15,7 @@ use fga::search::Objective;
 use fga::situation::ProtectedVolume;
 use fga::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
 use fga_files::TomlText;
+use fga_files::surveillance;
 use fga_files::vehicle::{ObjectiveName, VehicleFile};
 use fga_formats::InputError;
 use fga_formats::error::read_text;
@@ -135,10 +137,14 @@ impl VehicleModel {
             })?,
             response: file.response.checked(&text)?,
         };
+        let protection = file.protection.checked(&text)?;
+        let mut settings = settings(&file, &text)?;
+        settings.avoider.surveillance_radius_m =
+            surveillance_m(&file, &text, airspeed_mps, protection, &settings.avoider)?;
         Ok(Self {
             vehicle,
-            settings: settings(&file, &text)?,
-            protection: file.protection.checked(&text)?,
+            settings,
+            protection,
             limits_m: file.limits.checked(&text)?,
             wind_mps: file.wind.checked(&text)?,
             sensor: sensor(&file.sensor, &file.noise, &text, SensorSettings::default())?,
@@ -150,25 +156,55 @@ impl VehicleModel {
     }
 }
 
+/// The surveillance radius of the file, or the one that follows from its other keys, metres.
+fn surveillance_m(
+    file: &VehicleFile,
+    text: &TomlText<'_>,
+    airspeed_mps: f64,
+    protection: ProtectedVolume,
+    settings: &Settings,
+) -> Result<f64, InputError> {
+    let Some(value) = &file.surveillance_radius_m else {
+        let Settings {
+            horizon_s,
+            margin_m,
+            ..
+        } = *settings;
+        return Ok(surveillance::derived_m(
+            airspeed_mps,
+            horizon_s,
+            protection,
+            margin_m,
+        ));
+    };
+    // Infinity: everything that the sensor sees.
+    if *value.get_ref() == f64::INFINITY {
+        return Ok(f64::INFINITY);
+    }
+    let radius_m = text.positive("surveillance_radius_m", value)?;
+    if radius_m <= protection.radius_m() {
+        let message = format!(
+            "surveillance_radius_m is {radius_m}, expected more than protection.radius_m, {}",
+            protection.radius_m()
+        );
+        return Err(text.error_at(value, message));
+    }
+    Ok(radius_m)
+}
+
 fn settings(file: &VehicleFile, text: &TomlText<'_>) -> Result<PolicySettings, InputError> {
     let default = Settings::default();
     let (cost, avoidance) = (&file.cost, &file.avoidance);
-    let surveillance_radius_m = match &file.surveillance_radius_m {
-        None => default.surveillance_radius_m,
-        // Infinity: everything that the sensor sees.
-        Some(value) if *value.get_ref() == f64::INFINITY => f64::INFINITY,
-        Some(value) => text.positive("surveillance_radius_m", value)?,
-    };
     let avoider = Settings {
         start: default.start,
         work_limit: default.work_limit,
+        surveillance_radius_m: default.surveillance_radius_m,
         decision_period_s: file
             .decision_period_s
             .as_ref()
             .map_or(Ok(default.decision_period_s), |value| {
                 text.within("decision_period_s", value, (0.01, 10.0))
             })?,
-        surveillance_radius_m,
         horizon_s: avoidance
             .horizon_s
             .as_ref()
@@ -222,8 +258,25 @@ mod tests {
         assert_eq!(model.vehicle.turn_radius_m, 30.0);
         assert_eq!(model.vehicle.course_rate_radps(), 0.5);
         assert_eq!(model.protection, ProtectedVolume::Sphere { radius_m: 30.0 });
-        assert_eq!(model.settings, PolicySettings::default());
+        let mut expected = PolicySettings::default();
+        expected.avoider.surveillance_radius_m = 300.0;
+        assert_eq!(model.settings, expected);
         assert_eq!(model.autopilot, Autopilot::Direct);
+    }
+
+    /// Whoever comes head-on as fast as crewed traffic and could enter within the horizon is seen.
+    #[test]
+    fn n1_a_surveillance_radius_that_is_not_named_follows_from_the_other_keys() {
+        let text = "name='a'\nairspeed_mps=18\nturn_radius_m=30\n[protection]\nradius_m=150\n\
+            half_height_m=50\n[avoidance]\nmargin_m=5\nhorizon_s=40\n";
+        let model = parse(text).unwrap();
+        let corner_m = (150.0_f64 * 150.0 + 50.0 * 50.0).sqrt();
+        let expected_m = corner_m + 5.0 + (18.0 + 90.0) * 40.0;
+        assert!((model.settings.avoider.surveillance_radius_m - expected_m).abs() < 1e-6);
+        assert_eq!(model.warnings(), [String::new(); 0]);
+        let near = text.replace("turn", "surveillance_radius_m=300\nturn");
+        let warnings = parse(&near).unwrap().warnings();
+        assert!(warnings[0].starts_with("surveillance_radius_m is 300 m, too near for crewed"));
     }
 
     #[test]
@@ -234,6 +287,9 @@ mod tests {
             let path = entry.unwrap().path();
             let model = VehicleModel::read(&path).unwrap();
             assert_eq!(model.name, path.file_stem().unwrap().to_str().unwrap());
+            // The paper's radii are toy values, and only its own vehicles have them.
+            let toy = model.name.starts_with("paper");
+            assert_eq!(model.warnings().is_empty(), !toy, "{:?}", model.warnings());
             names.push(model.name);
         }
         assert!(names.len() >= 5);
@@ -268,6 +324,11 @@ mod tests {
                 "]\nradius_m=30",
                 "]\nradius_m=-3",
                 "v.toml, line 5: radius_m is -3, expected a positive number",
+            ),
+            (
+                "turn_radius_m=30",
+                "turn_radius_m=30\nsurveillance_radius_m=30",
+                "v.toml, line 4: surveillance_radius_m is 30, expected more than protection.radius_m, 30",
             ),
             ("name='a'", "name=", "v.toml, line 1: "),
         ] {

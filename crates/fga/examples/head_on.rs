@@ -31,7 +31,7 @@ fn main() -> Result<(), fga::avoider::SettingsError> {
 
     // The intruder, with a protected sphere of 30 m around it.
     let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-    let mut intruder = Obstacle::new(
+    let mut intruder = Obstacle::straight(
         7,
         Vec3::new(900.0, 0.0, 100.0),
         Vec3::new(-20.0, 0.0, 0.0),

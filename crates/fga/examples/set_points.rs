@@ -64,7 +64,7 @@ fn main() -> Result<(), fga::avoider::SettingsError> {
     };
     let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
     let ahead = Vec3::new(90.0, 5.0, 100.0);
-    let obstacles = [Obstacle::new(1, ahead, Vec3::ZERO, volume)];
+    let obstacles = [Obstacle::straight(1, ahead, Vec3::ZERO, volume)];
     let decision = avoider.step(&Situation {
         time_s: 0.0,
         ownship: own,

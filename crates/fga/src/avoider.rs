@@ -507,6 +507,7 @@ impl Avoider {
         };
         let work = Work {
             tracked: self.tracks.seen,
+            unusable: self.tracks.unusable,
             ..Work::default()
         };
         let mut decision = Decision::new(self.state, command, reason);

@@ -336,7 +336,7 @@ fn a_clear_flight_with_lag_has_the_margin_that_is_asked_about() {
     let mut path = FlightPath::new();
     path.predict(&flyer, &start, &Maneuver::turn(0.0, 2.0, 0.0), 60.0);
     assert!(path.remainder_m() > 0.0 && path.remainder_m() < 0.01);
-    let far = Obstacle::new(
+    let far = Obstacle::straight(
         1,
         Vec3::new(0.0, -500.0, 0.0),
         Vec3::ZERO,

@@ -198,7 +198,7 @@ impl Random {
                 };
                 let position_m = own.position_m + beside + Vec3::new(0.0, 0.0, above);
                 let velocity_mps = -beside / self.within(3.0, 60.0);
-                let mut obstacle = Obstacle::new(id, position_m, velocity_mps, volume);
+                let mut obstacle = Obstacle::straight(id, position_m, velocity_mps, volume);
                 if self.chance(flown) {
                     obstacle.movement = Movement::Aircraft(self.bounds());
                 }

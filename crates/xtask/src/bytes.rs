@@ -6,7 +6,8 @@
 //! under the default policy. Prints the hashes, or with `--before`, the program of another build, the files
 //! whose hashes differ, and fails if there are any. Nothing in it depends on the clock. Without the
 //! third-party data (`FGA_DATA`, or beside the repository) it leaves out the runs on that data, and the list
-//! says so.
+//! says so. Parquet files name the commit of the program: build both with one value in the
+//! variable `FGA_COMMIT`, as in 0000000.
 
 use core::f64::consts::PI;
 use core::fmt::Write as _;

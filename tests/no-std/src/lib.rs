@@ -92,7 +92,7 @@ fn start_s(pilot: &mut dyn Pilot, x_m: f64, y_m: f64, radius_m: f64) -> f64 {
     let decision = pilot.step(&Situation {
         time_s: 0.0,
         ownship: ownship(0.0, 0.0, 0.0),
-        obstacles: Obstacles::Rows(&[Obstacle::new(1, place, Vec3::ZERO, volume)]),
+        obstacles: Obstacles::Rows(&[Obstacle::straight(1, place, Vec3::ZERO, volume)]),
         mission: Mission::new(&[Vec3::ZERO, Vec3::new(1000.0, 0.0, 0.0)]),
         wind_mps: Vec3::ZERO,
     });
@@ -118,7 +118,7 @@ pub extern "C" fn fga_kept_looked(x_m: f64, y_m: f64, radius_m: f64, id: u32) ->
     let mut blocks = [const { Block::EMPTY }; 20];
     let mut kept = Kept::new(&mut blocks);
     let volume = ProtectedVolume::Sphere { radius_m };
-    let obstacle = Obstacle::new(id, Vec3::new(x_m, y_m, 0.0), Vec3::ZERO, volume);
+    let obstacle = Obstacle::straight(id, Vec3::new(x_m, y_m, 0.0), Vec3::ZERO, volume);
     let put = kept.put(&obstacle, x_m).is_ok();
     let situation = Situation {
         time_s: 0.0,

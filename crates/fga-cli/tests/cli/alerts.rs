@@ -7,7 +7,8 @@ use std::process::Command;
 
 use crate::support::{data, errors, fga_in};
 
-const CONFIGURATION: &str = "lookahead_time = 180.0 [s]
+/// One alerter.
+pub(crate) const CONFIGURATION: &str = "lookahead_time = 180.0 [s]
 corrective_region = NEAR
 alerters = A
 A_alert_1_region = NEAR

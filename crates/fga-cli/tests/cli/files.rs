@@ -70,7 +70,13 @@ fn check_names_the_file_and_what_is_wrong_in_one_sentence() {
         ),
         ("e.csv", "", "e.csv"),
         ("f.daa", "", "f.daa"),
-        ("g.txt", "", "cannot be checked"),
+        ("g.xyz", "", "cannot be checked"),
+        ("h.txt", "", "h.txt"),
+        (
+            "i.plan",
+            "{}",
+            "i.plan, line 1: is no plan of QGroundControl",
+        ),
     ] {
         fs::write(folder.path().join(name), text).unwrap();
         let checked = fga_in(folder.path(), &["check", name]);

@@ -20,6 +20,7 @@ mod fly;
 mod identify;
 mod left_out;
 mod messages;
+mod missions;
 mod recomputed;
 mod reference;
 mod replay;

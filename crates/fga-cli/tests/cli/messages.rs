@@ -30,7 +30,7 @@ fn a_missing_file_a_folder_and_another_kind_of_file_are_named() {
     let no_file = "there is no such file or folder";
     for (arguments, expected) in [
         (&["check", "nope"][..], no_file),
-        (&["check", "dir"], "dir: cannot be read: it is a folder"),
+        (&["check", "dir"], "dir: holds no recordings"),
         (&["check", "empty.toml"], "empty.toml: holds no key"),
         (&["run", "dir"], "dir: is a folder, expected a .toml"),
         (

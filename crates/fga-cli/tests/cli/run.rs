@@ -306,7 +306,7 @@ fn wrong_input_is_one_sentence_with_code_1() {
         (
             "a.txt",
             String::new(),
-            "expected a .toml scenario or a .daa recording",
+            "expected a .toml scenario, a .daa recording or a mission",
         ),
     ] {
         fs::write(folder.path().join(name), &text).unwrap();

@@ -232,7 +232,7 @@ pub(crate) fn fly(
             let Some((position_m, velocity_mps, heard_s)) = heard.track else {
                 continue;
             };
-            let mut obstacle = Obstacle::new(
+            let mut obstacle = Obstacle::straight(
                 u32::try_from(place).unwrap_or(u32::MAX),
                 position_m + velocity_mps * (time_s - heard_s),
                 velocity_mps,

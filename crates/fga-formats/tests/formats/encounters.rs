@@ -26,7 +26,7 @@ fn rows_are_grouped_in_the_order_of_first_appearance() {
     assert_eq!(found.iter().map(|e| e.id).collect::<Vec<_>>(), [7, 3]);
     assert_eq!(
         found[0].obstacles[1],
-        Obstacle::new(
+        Obstacle::straight(
             4,
             DVec3::new(100.0, -2.0, 0.5),
             DVec3::new(4.0, 5.0, 6.0),
@@ -158,7 +158,7 @@ proptest! {
             obstacles: chunk.iter().zip(0..).map(|((v, radius), id)| Obstacle { movement:
                 [Movement::Straight, Movement::AtRest, Movement::CREWED, Movement::SMALL_UAS]
                     [id as usize % kinds],
-                ..Obstacle::new(
+                ..Obstacle::straight(
                 id,
                 DVec3::new(round(v[0]), round(v[1]), round(v[2])),
                 DVec3::new(round(v[3]), round(v[4]), round(v[5])),

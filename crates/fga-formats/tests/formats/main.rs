@@ -14,5 +14,6 @@ mod encounters;
 #[cfg(feature = "export")]
 mod export;
 mod flight_log;
+mod missions;
 mod recordings;
 mod sbs;

@@ -56,7 +56,7 @@ pub(super) struct Slot {
 
 impl Slot {
     const EMPTY: Self = Self {
-        obstacle: Obstacle::new(
+        obstacle: Obstacle::straight(
             0,
             Vec3::ZERO,
             Vec3::ZERO,

@@ -140,7 +140,7 @@ mod tests {
                 self.vector(30.0)
             };
             let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-            let mut obstacle = Obstacle::new(1, Vec3::ZERO, velocity_mps, volume);
+            let mut obstacle = Obstacle::straight(1, Vec3::ZERO, velocity_mps, volume);
             obstacle.movement = movement;
             obstacle.uncertainty = Uncertainty {
                 position_m: 1.0,

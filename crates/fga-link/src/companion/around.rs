@@ -12,7 +12,7 @@ use crate::traffic::fence::{CEILING_ID, FLOOR_ID, layer};
 use crate::traffic::report::{Quality, Sender};
 use crate::traffic::table::Wanted;
 use crate::traffic::threat::Ahead;
-use crate::traffic::{AltitudeReference, Report, Source};
+use crate::traffic::{AltitudeReference, Class, Report, Source, Volumes};
 
 /// Identifier of the first virtual obstacle.
 pub(super) const FIRST_VIRTUAL_ID: usize = 1_000;
@@ -61,6 +61,7 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
         } else {
             Movement::Straight
         },
+        class: Class::Crewed,
         quality: Quality {
             position_m: 0.0,
             velocity_mps: 0.0,
@@ -77,7 +78,7 @@ impl Companion {
         self.obstacles.clear();
         let at_s = now_s + self.ahead_s;
         let own_m = state.ownship.position_m;
-        let within_m = self.config.protection.surveillance_m;
+        let within_m = self.config.surveillance_m(state.ownship.airspeed_mps);
         if let Some(frame) = self.ownship.frame() {
             for (index, (report, volume, since_s)) in self.virtual_reports.iter().enumerate() {
                 let Ok(id) = u32::try_from(FIRST_VIRTUAL_ID + index) else {
@@ -89,21 +90,11 @@ impl Companion {
                 if (position_m - own_m).length() - volume.bounding_radius_m() < within_m {
                     self.obstacles.push(Obstacle {
                         movement: report.movement,
-                        ..Obstacle::new(id, position_m, velocity_mps, *volume)
+                        ..Obstacle::straight(id, position_m, velocity_mps, *volume)
                     });
                 }
             }
         }
-        let protection = &self.config.protection;
-        let volume = match protection.half_height_m {
-            Some(half_height_m) => ProtectedVolume::Cylinder {
-                radius_m: protection.radius_m,
-                half_height_m,
-            },
-            None => ProtectedVolume::Sphere {
-                radius_m: protection.radius_m,
-            },
-        };
         let (met_m, left_m) = self.way_left(own_m);
         let own = (own_m, state.ground_velocity_mps);
         self.tracks.set_ahead(Ahead::new(at_s, own, met_m, left_m));
@@ -112,7 +103,7 @@ impl Companion {
             own_m,
             own_altitude_m: own_m.z + self.ownship.frame().map_or(0.0, |f| f.origin().altitude_m),
             within_m,
-            volume,
+            volumes: Volumes::new(&self.config),
             most: MOST_TRACKS,
         };
         self.tracks.obstacles(&wanted, &mut self.obstacles);

@@ -11,7 +11,7 @@ use mavlink::dialects::ardupilotmega::{
 use super::Companion;
 use crate::outgoing::AUTOPILOT;
 use crate::traffic::report::{Key, Quality};
-use crate::traffic::{AltitudeReference, Report, Sender, Source};
+use crate::traffic::{AltitudeReference, Class, Report, Sender, Source};
 
 /// σ of a sensor's position without a configuration, metres, and as a share of its distance.
 const SENSOR_SIGMA_M: f64 = 10.0;
@@ -157,6 +157,7 @@ impl Companion {
             valid_s: now_s,
             // It may be any flying object.
             movement: Movement::SMALL_UAS,
+            class: Class::Crewed,
             quality: Quality {
                 position_m: libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m),
                 velocity_mps: 0.0,

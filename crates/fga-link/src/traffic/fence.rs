@@ -158,7 +158,7 @@ impl Fence {
                 radius_m,
                 half_height_m: TALL_M,
             };
-            let mut obstacle = Obstacle::new(id, at_m, Vec3::ZERO, volume);
+            let mut obstacle = Obstacle::straight(id, at_m, Vec3::ZERO, volume);
             obstacle.kind = ObstacleKind::NaturalBarrier;
             obstacle.movement = Movement::AtRest;
             into.push(obstacle);
@@ -179,7 +179,7 @@ pub fn layer(id: u32, height_m: f64, below: bool, own_m: Vec3) -> Obstacle {
         radius_m: WIDTH_M,
         half_height_m: DEPTH_M,
     };
-    let mut obstacle = Obstacle::new(id, Vec3::new(own_m.x, own_m.y, z), Vec3::ZERO, volume);
+    let mut obstacle = Obstacle::straight(id, Vec3::new(own_m.x, own_m.y, z), Vec3::ZERO, volume);
     obstacle.kind = ObstacleKind::NaturalBarrier;
     obstacle.movement = Movement::AtRest;
     obstacle

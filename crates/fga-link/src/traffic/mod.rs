@@ -3,6 +3,7 @@
 //! | module | question |
 //! |---|---|
 //! | [`report`] | what did one message say? |
+//! | [`class`] | what kind of aircraft is it, so how much room does it get? |
 //! | [`receiver`] | what do the receivers on the network say? |
 //! | [`remote_id`] | what do unmanned aircraft broadcast? |
 //! | [`table`] | which reports are of one aircraft, and which aircraft are kept? |
@@ -12,6 +13,7 @@
 //! | [`vertical`] | how high is it above the same level as the vehicle? |
 //! | [`fence`] | which obstacles stand for the vehicle's fence, floor and ceiling? |
 
+pub mod class;
 pub mod fence;
 pub mod own;
 pub mod receiver;
@@ -22,6 +24,7 @@ pub mod threat;
 pub mod track;
 pub mod vertical;
 
+pub use class::{Class, Volumes};
 pub use report::{AltitudeReference, Report, Sender, Source};
 pub use table::TrackTable;
 pub use track::Track;

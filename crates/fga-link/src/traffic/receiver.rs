@@ -12,6 +12,7 @@ use fga_formats::tally::{LeftOut, Tally};
 use fga_formats::traffic::beast;
 use fga_formats::traffic::{Altitude, Generations, TrafficReport, sbs};
 
+use super::class::Class;
 use super::report::{AltitudeReference, Quality, Report, Sender, Source};
 use crate::endpoint::{Endpoint, Received, open};
 
@@ -184,6 +185,7 @@ impl Joiner {
             velocity_mps: velocity.map(|(velocity_mps, _)| velocity_mps),
             valid_s: now_s,
             movement: Movement::CREWED,
+            class: Class::Crewed,
             quality: Quality {
                 position_m: parts.sigma_m(),
                 velocity_mps: velocity.map_or(0.0, |(_, heard_s)| {

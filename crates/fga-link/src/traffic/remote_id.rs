@@ -11,6 +11,7 @@ use mavlink::dialects::ardupilotmega::{
     OPEN_DRONE_ID_MESSAGE_PACK_DATA,
 };
 
+use super::class::Class;
 use super::report::{AltitudeReference, Key, Quality, Report, Sender, tidy_callsign};
 use super::vertical::Levels;
 use crate::number::degrees_from_e7;
@@ -197,6 +198,7 @@ impl RemoteId {
             velocity_mps: location.velocity_mps(),
             valid_s: now_s,
             movement: Movement::SMALL_UAS,
+            class: Class::SmallUnmanned,
             quality: Quality {
                 position_m: horizontal_m(location.horizontal_accuracy)
                     .map_or(UNKNOWN_SIGMA_M, |m| m / SIGMAS_IN_95),

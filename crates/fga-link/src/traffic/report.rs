@@ -3,10 +3,9 @@
 use fga::Vec3;
 use fga::situation::Movement;
 use fga_formats::geodesy::Geodetic;
-use mavlink::dialects::ardupilotmega::{
-    ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbEmitterType, AdsbFlags,
-};
+use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags};
 
+use super::class::Class;
 use crate::number::degrees_from_e7;
 
 /// The source of a report.
@@ -133,6 +132,8 @@ pub struct Report {
     pub valid_s: f64,
     /// How such an aircraft may move.
     pub movement: Movement,
+    /// How much room it gets.
+    pub class: Class,
     /// Its quality.
     pub quality: Quality,
 }
@@ -206,6 +207,7 @@ impl Report {
         });
         // "Time since last communication" counts whole seconds: 0 is fresh.
         let age_s = f64::from(data.tslc.min(60));
+        let class = Class::of(data.emitter_type);
         let geometric = data.altitude_type == AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC;
         Some(Self {
             source: sender.source,
@@ -216,11 +218,8 @@ impl Report {
             place,
             velocity_mps,
             valid_s: now_s - age_s,
-            movement: if data.emitter_type == AdsbEmitterType::ADSB_EMITTER_TYPE_UAV {
-                Movement::SMALL_UAS
-            } else {
-                Movement::CREWED
-            },
+            movement: class.movement(),
+            class,
             quality: Quality {
                 position_m: position_sigma_m,
                 velocity_mps: VELOCITY_SIGMA_MPS,

@@ -10,16 +10,17 @@
 use alloc::collections::BTreeMap;
 
 use fga::Vec3;
-use fga::situation::{Obstacle, ObstacleKind, ProtectedVolume, Uncertainty};
+use fga::situation::{Obstacle, ObstacleKind, Uncertainty};
 use fga_formats::geodesy::LocalFrame;
 
+use super::class::Volumes;
 use super::own::{self, Flown};
 use super::remote_id::RemoteId;
 use super::report::{Key, Report, Sender, Source};
 use super::threat::{Ahead, Reach, Urgency};
 use super::track::{Seen, Track, bit};
 use super::vertical::{Levels, Shift, taller};
-use crate::config::TrafficConfig;
+use crate::config::{Config, TrafficConfig};
 
 /// Most tracks of one sender.
 pub const MOST_OF_A_SENDER: usize = 512;
@@ -53,8 +54,8 @@ pub struct Wanted {
     pub own_altitude_m: f64,
     /// Farther tracks do not count, metres.
     pub within_m: f64,
-    /// The protected volume around each.
-    pub volume: ProtectedVolume,
+    /// The protected volumes around them.
+    pub volumes: Volumes,
     /// Largest number.
     pub most: usize,
 }
@@ -76,8 +77,8 @@ pub struct TrackTable {
     remote_id: RemoteId,
     /// Own height in the frame and own altitude above mean sea level, metres.
     own_height_m: Option<(f64, f64)>,
-    /// The last protected volume around each.
-    volume: ProtectedVolume,
+    /// The protected volumes around them.
+    volumes: Volumes,
     overload_s: Option<f64>,
     overload_told: bool,
     next_id: u32,
@@ -102,7 +103,7 @@ impl TrackTable {
             levels: Levels::default(),
             remote_id: RemoteId::default(),
             own_height_m: None,
-            volume: ProtectedVolume::Sphere { radius_m: 0.0 },
+            volumes: Volumes::new(&Config::default()),
             overload_s: None,
             overload_told: false,
             next_id: FIRST_ID,
@@ -338,9 +339,10 @@ impl TrackTable {
         let mut position_m = track.position_m(now_s);
         let shift = self.shift(track, position_m.z, now_s);
         position_m.z -= shift.by_m;
+        let volume = self.volumes.of(track.class);
         let reach = Reach {
-            radius_m: self.volume.radius_m() + 2.0 * track.sigma_m(now_s),
-            half_height_m: self.volume.half_height_m() + shift.bound_m,
+            radius_m: volume.radius_m() + 2.0 * track.sigma_m(now_s),
+            half_height_m: volume.half_height_m() + shift.bound_m,
         };
         self.ahead
             .urgency(position_m, track.velocity_mps(), now_s, reach)
@@ -409,7 +411,7 @@ impl TrackTable {
     /// The tracks as obstacles, at most `wanted.most`: those in conflict with the way ahead first, in
     /// half of the places, then those that could be near soonest.
     pub fn obstacles(&mut self, wanted: &Wanted, into: &mut Vec<Obstacle>) {
-        self.volume = wanted.volume;
+        self.volumes = wanted.volumes;
         self.own_height_m = Some((wanted.own_m.z, wanted.own_altitude_m));
         let mut candidates: Vec<(Urgency, Obstacle)> = self
             .tracks
@@ -448,7 +450,7 @@ impl TrackTable {
             id: track.id,
             position_m,
             velocity_mps: track.velocity_mps(),
-            volume: taller(&wanted.volume, shift.bound_m),
+            volume: taller(wanted.volumes.of(track.class), shift.bound_m),
             kind: ObstacleKind::Unknown,
             movement: track.movement,
             uncertainty: Uncertainty {

@@ -8,6 +8,7 @@ use alloc::collections::VecDeque;
 use fga::Vec3;
 use fga::situation::Movement;
 
+use super::class::Class;
 use super::own::Belief;
 use super::report::{AltitudeReference, Key, Quality, Report, Source};
 
@@ -81,6 +82,8 @@ pub struct Track {
     pub source: Source,
     /// Its possible motion.
     pub movement: Movement,
+    /// How much room it gets.
+    pub class: Class,
     pub(super) key: Key,
     pub(super) own: Belief,
     /// The sender that opened it, and all that have continued it, as bits.
@@ -117,6 +120,7 @@ impl Track {
             callsign: report.callsign.clone(),
             source: report.source,
             movement: report.movement,
+            class: report.class,
             key: report.key(),
             own: Belief::default(),
             slot: seen.slot,

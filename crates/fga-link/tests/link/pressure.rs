@@ -27,7 +27,7 @@ fn flown(config: &str, sea_level_hpa: f64, told: bool, home_m: f64) -> World {
 
 #[test]
 fn a_reported_pressure_altitude_is_compared_with_the_vehicles_pressure() {
-    for config in ["", "[protection]\nhalf_height_m = 40.0\n"] {
+    for config in ["", "[protection]\nradius_m = 60.0\nhalf_height_m = 40.0\n"] {
         for sea_level_hpa in [950.0, 970.0, 990.0, 1013.25, 1030.0, 1050.0] {
             let world = flown(config, sea_level_hpa, true, 4.0);
             assert!(world.least_m[0].0 >= PROTECTED_M, "{sea_level_hpa}");

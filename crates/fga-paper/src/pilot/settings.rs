@@ -67,7 +67,7 @@ impl PaperSettings {
         Self {
             rule,
             decision_period_s: core.decision_period_s,
-            surveillance_radius_m: core.surveillance_radius_m,
+            surveillance_radius_m: 300.0,
             horizon_s: core.horizon_s,
             margin_m: core.margin_m,
             confidence_sigmas: core.confidence_sigmas,

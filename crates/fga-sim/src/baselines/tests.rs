@@ -184,7 +184,7 @@ fn a_flight_is_the_same_twice() {
 #[test]
 fn nothing_that_is_not_finite_comes_out() {
     let waypoints = [Vec3::ZERO, Vec3::X * 1000.0];
-    let at = |position: Vec3, velocity: Vec3| Obstacle::new(1, position, velocity, VOLUME);
+    let at = |position: Vec3, velocity: Vec3| Obstacle::straight(1, position, velocity, VOLUME);
     let odd = [
         at(Vec3::ZERO, Vec3::ZERO),
         at(Vec3::ZERO, Vec3::X * 15.0),

@@ -10,7 +10,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use fga_formats::atomic;
-use fga_formats::{InputError, OutputError};
+use fga_formats::{InputError, OutputError, build};
 use parquet::errors::ParquetError;
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +35,30 @@ const CHECKSUM_DIGITS: usize = 32;
 pub struct Stamp {
     /// The target of the build.
     pub target: String,
+    /// The commit of the build.
+    #[serde(default = "unknown")]
+    pub commit: String,
+}
+
+/// The commit in manifests that do not name it.
+fn unknown() -> String {
+    build::UNKNOWN.into()
+}
+
+impl Stamp {
+    /// The stamp of this program, built for `target`.
+    pub fn of_this_build(target: &str) -> Self {
+        Self {
+            target: target.into(),
+            commit: build::commit().into(),
+        }
+    }
+}
+
+impl core::fmt::Display for Stamp {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "{} by commit {}", self.target, self.commit)
+    }
 }
 
 /// Which part of a campaign: `number` of `of`, counted from one. A part has every `of`-th block.
@@ -152,10 +176,10 @@ impl Folder {
                         "holds part {}/{} made on {}, expected part {}/{} made on {}",
                         found.shard.number,
                         found.shard.of,
-                        found.stamp.target,
+                        found.stamp,
                         manifest.shard.number,
                         manifest.shard.of,
-                        manifest.stamp.target
+                        manifest.stamp
                     ),
                 )
                 .into());

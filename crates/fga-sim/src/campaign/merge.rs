@@ -227,9 +227,9 @@ pub fn merge(folders: &[PathBuf]) -> Result<Parts, CampaignError> {
                     path,
                     format!(
                         "was made on {}, and {} on {}",
-                        manifest.stamp.target,
+                        manifest.stamp,
                         at.display(),
-                        first.stamp.target
+                        first.stamp
                     ),
                 )
                 .into());

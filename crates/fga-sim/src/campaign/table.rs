@@ -1,6 +1,6 @@
 //! Rows as a Parquet table and as CSV.
 //!
-//! A file holds one row group for each block. Its metadata has `fga.version`, `fga.target`,
+//! A file holds one row group for each block. Its metadata has `fga.version`, `fga.commit`, `fga.target`,
 //! `fga.configuration_hash`, `fga.seeds`, `fga.configuration`, `fga.columns`, and `fga.left_out` where recordings
 //! or parts of them were left out, but no time of day and no duration.
 
@@ -247,6 +247,7 @@ impl<W: Write + Send> TableWriter<W> {
         let seeds: Vec<String> = configuration.seeds.iter().map(u64::to_string).collect();
         let entries = [
             ("fga.version", configuration.version.clone()),
+            ("fga.commit", stamp.commit.clone()),
             ("fga.target", stamp.target.clone()),
             ("fga.configuration_hash", campaign.hash.clone()),
             ("fga.seeds", seeds.join(",")),

@@ -74,7 +74,7 @@ fn read_rows(bytes: Vec<u8>, path: &Path) -> Result<Vec<Encounter>, InputError> 
                 )
             })?;
             let volume = ProtectedVolume::Sphere { radius_m: at(6) };
-            let mut obstacle = Obstacle::new(
+            let mut obstacle = Obstacle::straight(
                 id,
                 Vec3::new(at(0), at(1), at(2)),
                 Vec3::new(at(3), at(4), at(5)),

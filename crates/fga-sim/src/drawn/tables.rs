@@ -12,6 +12,7 @@ use alloc::sync::Arc;
 use core::fmt::Write as _;
 use std::io::Write;
 
+use fga_formats::build;
 use fga_formats::daa::Recording;
 use fga_formats::encounters::{self, Encounter};
 use parquet::basic::Compression;
@@ -137,10 +138,13 @@ impl<W: Write + Send> TableWriter<W> {
         let properties = WriterProperties::builder()
             .set_created_by(format!("fga {}", env!("CARGO_PKG_VERSION")))
             .set_compression(Compression::SNAPPY)
-            .set_key_value_metadata(Some(vec![KeyValue::new(
-                "fga.columns".to_owned(),
-                serde_json::Value::Object(words).to_string(),
-            )]));
+            .set_key_value_metadata(Some(vec![
+                KeyValue::new("fga.commit".to_owned(), build::commit().to_owned()),
+                KeyValue::new(
+                    "fga.columns".to_owned(),
+                    serde_json::Value::Object(words).to_string(),
+                ),
+            ]));
         let schema = Arc::new(parse_message_type(&schema)?);
         Ok(Self {
             file: SerializedFileWriter::new(output, schema, Arc::new(properties.build()))?,
@@ -378,7 +382,7 @@ mod tests {
         let place = Vec3::new(1.0 / 3.0, -2.0, 5.0);
         let written = Encounter {
             id: 12,
-            obstacles: vec![Obstacle::new(4, place, Vec3::X * -0.7, volume)],
+            obstacles: vec![Obstacle::straight(4, place, Vec3::X * -0.7, volume)],
         };
         let mut writer = TableWriter::new(Vec::new(), Content::Rows).unwrap();
         writer.push_rows(&written).unwrap();
@@ -395,7 +399,7 @@ mod tests {
         let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
         let mut writer = TableWriter::new(Vec::new(), Content::Rows).unwrap();
         for id in 0..20 {
-            let obstacle = Obstacle::new(4, Vec3::X * 700.0, Vec3::X * -0.7, volume);
+            let obstacle = Obstacle::straight(4, Vec3::X * 700.0, Vec3::X * -0.7, volume);
             let obstacles = vec![obstacle];
             writer.push_rows(&Encounter { id, obstacles }).unwrap();
         }

@@ -4,9 +4,6 @@ use core::fmt::Write as _;
 
 use super::{Estimate, Identified, MARGIN_AHEAD_S};
 
-/// The vehicle file's surveillance radius, as a time of flight, seconds.
-const SEEN_AHEAD_S: f64 = 60.0;
-
 impl Identified {
     /// The figures with their keys in a vehicle file and the decimals that they are written with.
     pub fn figures(&self) -> [(&'static str, Estimate, usize); 9] {
@@ -62,12 +59,7 @@ impl Identified {
         for figure in of_flight {
             line(&mut text, figure);
         }
-        let seen_m = (2.0 * SEEN_AHEAD_S * self.airspeed_mps.value / 100.0).ceil() * 100.0;
-        let _ = writeln!(
-            text,
-            "# {SEEN_AHEAD_S} s before an aircraft that comes as fast: no figure of the log.\n\
-             surveillance_radius_m = {seen_m:.0}\n\n[protection]\nradius_m = {radius_m:?}"
-        );
+        let _ = writeln!(text, "\n[protection]\nradius_m = {radius_m:?}");
         if let Some(half_height_m) = half_height_m {
             let _ = writeln!(text, "half_height_m = {half_height_m:?}");
         }

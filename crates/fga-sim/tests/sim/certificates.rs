@@ -107,7 +107,7 @@ fn the_first_decisions_of_the_trial_missions_keep_what_they_certify() {
             .iter()
             .filter_map(|known| {
                 let (position_m, velocity_mps) = known.track.at(0.0)?;
-                Some(Obstacle::new(
+                Some(Obstacle::straight(
                     known.id,
                     position_m,
                     velocity_mps,
@@ -163,7 +163,7 @@ fn missions_of_short_legs_keep_what_they_certify() {
         let velocity_mps = Vec3::new(heading.cos(), heading.sin(), 0.0) * random.within(3.0, 20.0);
         let near = Vec3::new(13.5 * meets_s, random.within(-20.0, 60.0), 0.0);
         let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-        let obstacle = Obstacle::new(1, near - velocity_mps * meets_s, velocity_mps, volume);
+        let obstacle = Obstacle::straight(1, near - velocity_mps * meets_s, velocity_mps, volume);
         let own = Ownship {
             position_m: Vec3::ZERO,
             course_rad: 0.0,

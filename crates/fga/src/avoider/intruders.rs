@@ -363,7 +363,7 @@ mod tests {
         };
         Obstacle {
             movement: Movement::CREWED,
-            ..Obstacle::new(
+            ..Obstacle::straight(
                 7,
                 Vec3::new(900.0, 300.0, 20.0),
                 Vec3::new(-52.0, 21.0, 1.5),

@@ -113,6 +113,8 @@ pub struct Work {
     pub tracked: u32,
     /// Of these, those that threaten the mission.
     pub threats: u32,
+    /// Obstacles left out because a number of theirs is not finite, or a length is negative.
+    pub unusable: u32,
     /// Manoeuvres evaluated.
     pub candidates: u32,
     /// Work done, in the unit of [`Settings::work_limit`](super::Settings::work_limit).

@@ -38,7 +38,7 @@ pub struct Settings {
     pub start: Start,
     /// Time from one step to the next, seconds; manoeuvres begin at steps.
     pub decision_period_s: f64,
-    /// Surveillance radius R, metres: obstacles farther away are not considered; infinity allowed.
+    /// Surveillance radius R, metres: obstacles farther away are not considered; infinity, the default, considers all.
     pub surveillance_radius_m: f64,
     /// Horizon of the certificate, seconds.
     pub horizon_s: f64,
@@ -74,7 +74,7 @@ impl Default for Settings {
         Self {
             start: Start::Free,
             decision_period_s: 0.1,
-            surveillance_radius_m: 300.0,
+            surveillance_radius_m: f64::INFINITY,
             horizon_s: 60.0,
             margin_m: 0.05,
             drift_mps: 0.0,

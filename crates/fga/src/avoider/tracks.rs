@@ -80,6 +80,8 @@ pub struct Tracks {
     has_distances: bool,
     /// Obstacles within the surveillance radius.
     pub seen: u32,
+    /// Unusable ones.
+    pub unusable: u32,
     /// Whether the aircraft is inside a protected volume.
     pub inside: bool,
     /// Whether some obstacles found no room.
@@ -116,6 +118,7 @@ impl Tracks {
             distances_m: [0.0; MAX_TRACKED],
             has_distances: false,
             seen: 0,
+            unusable: 0,
             inside: false,
             overflow: false,
             uncertain: false,
@@ -130,7 +133,7 @@ impl Tracks {
         (self.aircraft, self.limits) = (0, 0);
         self.work = 0;
         (self.farthest, self.has_distances) = (None, false);
-        self.seen = 0;
+        (self.seen, self.unusable) = (0, 0);
         (self.inside, self.overflow, self.uncertain) = (false, false, false);
     }
 
@@ -242,7 +245,7 @@ impl Tracks {
             let volume = ProtectedVolume::Sphere { radius_m: FLAT_M };
             let limit = Obstacle {
                 movement: Movement::AtRest,
-                ..Obstacle::new(
+                ..Obstacle::straight(
                     u32::MAX,
                     Vec3::new(x, y, limit_m + side * FLAT_M),
                     Vec3::ZERO,
@@ -385,6 +388,7 @@ impl Tracks {
         sigmas: f64,
     ) {
         if !obstacle.is_valid() {
+            self.unusable += 1;
             return;
         }
         let offset = obstacle.position_m - situation.ownship.position_m;
@@ -553,7 +557,7 @@ mod tests {
                 .map(|id| Obstacle {
                     movement: Movement::CREWED,
                     // Pairs at one distance.
-                    ..Obstacle::new(
+                    ..Obstacle::straight(
                         id,
                         Vec3::new(300.0 + f64::from(id / 2), 0.0, 0.0),
                         Vec3::new(-40.0, 0.0, 0.0),

@@ -34,7 +34,7 @@ pub(crate) fn crewed(position_m: Vec3, velocity_mps: Vec3) -> Obstacle {
     };
     Obstacle {
         movement: Movement::CREWED,
-        ..Obstacle::new(1, position_m, velocity_mps, volume)
+        ..Obstacle::straight(1, position_m, velocity_mps, volume)
     }
 }
 

@@ -32,7 +32,7 @@ pub(crate) fn planar() -> Vehicle {
 }
 
 pub(crate) fn sphere(id: u32, position_m: Vec3, velocity_mps: Vec3, radius_m: f64) -> Obstacle {
-    Obstacle::new(
+    Obstacle::straight(
         id,
         position_m,
         velocity_mps,

@@ -32,7 +32,7 @@ fn least_m(position_m: Vec3, velocity_mps: Vec3, movement: Movement) -> f64 {
     let mut flight = avoider(settings, vehicle);
     let mut obstacles = [Obstacle {
         movement,
-        ..Obstacle::new(7, position_m, velocity_mps, WELL_CLEAR)
+        ..Obstacle::straight(7, position_m, velocity_mps, WELL_CLEAR)
     }];
     let mut least_m = f64::INFINITY;
     for _ in 0..600 {

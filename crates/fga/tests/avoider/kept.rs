@@ -85,7 +85,7 @@ impl Draw {
         Obstacle {
             movement,
             uncertainty,
-            ..Obstacle::new(id, place_m, self.vector(speed, 0.1 * speed), volume)
+            ..Obstacle::straight(id, place_m, self.vector(speed, 0.1 * speed), volume)
         }
     }
 
@@ -401,7 +401,7 @@ fn a_step_looks_only_at_obstacles_that_could_matter() {
             let mut place_m = draw.vector(11e3, 100.0);
             place_m.y += 200.0_f64.copysign(place_m.y);
             let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-            let masts = Obstacle::new(id, place_m, Vec3::ZERO, volume);
+            let masts = Obstacle::straight(id, place_m, Vec3::ZERO, volume);
             kept.put(&masts, 0.0).unwrap();
         }
         assert_eq!(step(&mut avoider, &mut kept, 0), State::Cruise);
@@ -421,12 +421,16 @@ fn a_step_looks_only_at_obstacles_that_could_matter() {
 
 #[test]
 fn an_obstacle_that_nobody_reports_again_is_met_where_it_flies() {
-    let mut avoider = Avoider::new(Settings::default(), vehicle()).unwrap();
+    let settings = Settings {
+        surveillance_radius_m: 300.0,
+        ..Settings::default()
+    };
+    let mut avoider = Avoider::new(settings, vehicle()).unwrap();
     let mut blocks = [const { Block::EMPTY }; 1];
     let mut kept = Kept::new(&mut blocks);
     // 25 m/s of closing speed and 30 m of radius: in sight, at 300 m, after 58 s.
     let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-    let comes = Obstacle::new(7, Vec3::X * 1750.0, Vec3::X * -10.0, volume);
+    let comes = Obstacle::straight(7, Vec3::X * 1750.0, Vec3::X * -10.0, volume);
     kept.put(&comes, 0.0).unwrap();
     let seen = (0..=650).find(|k| step(&mut avoider, &mut kept, *k) != State::Cruise);
     let speed_mps = 10.0 + vehicle().airspeed_mps;
@@ -437,7 +441,7 @@ fn an_obstacle_that_nobody_reports_again_is_met_where_it_flies() {
 #[test]
 fn a_report_replaces_the_one_with_its_identifier_and_a_full_memory_says_so() {
     let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-    let at = |id, x_m| Obstacle::new(id, Vec3::X * x_m, Vec3::X, volume);
+    let at = |id, x_m| Obstacle::straight(id, Vec3::X * x_m, Vec3::X, volume);
     let mut blocks = vec![Block::EMPTY; 2];
     let mut kept = Kept::new(&mut blocks);
     assert_eq!((kept.capacity(), kept.is_empty()), (32, true));
@@ -484,7 +488,7 @@ fn an_obstacle_that_is_removed_is_not_looked_at() {
     let mut blocks = vec![Block::EMPTY];
     let mut kept = Kept::new(&mut blocks);
     let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-    let mast = Obstacle::new(7, Vec3::X * 50_000.0, Vec3::ZERO, volume);
+    let mast = Obstacle::straight(7, Vec3::X * 50_000.0, Vec3::ZERO, volume);
     kept.put(&mast, 0.0).unwrap();
     step(&mut avoider, &mut kept, 0);
     step(&mut avoider, &mut kept, 1);
@@ -502,7 +506,7 @@ fn without_memory_nothing_is_kept_and_steps_decide() {
     let mut avoider = Avoider::new(Settings::default(), vehicle()).unwrap();
     let mut kept = Kept::new(&mut []);
     let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-    let mast = Obstacle::new(7, Vec3::X * 100.0, Vec3::ZERO, volume);
+    let mast = Obstacle::straight(7, Vec3::X * 100.0, Vec3::ZERO, volume);
     assert_eq!(kept.put(&mast, 0.0), Err(KeptError::Full { capacity: 0 }));
     assert!(!kept.remove(7));
     assert_eq!(step(&mut avoider, &mut kept, 0), State::Cruise);
@@ -518,7 +522,7 @@ fn the_position_of_an_old_report_is_as_uncertain_as_its_velocity_made_it() {
             position_m: 2.0,
             velocity_mps: 0.5,
         },
-        ..Obstacle::new(1, Vec3::ZERO, Vec3::X, volume)
+        ..Obstacle::straight(1, Vec3::ZERO, Vec3::X, volume)
     };
     kept.put(&known, 10.0).unwrap();
     let resting = Obstacle {

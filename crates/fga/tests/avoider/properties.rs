@@ -128,7 +128,7 @@ fn any_obstacle() -> impl Strategy<Value = Obstacle> {
                     position_m: sp.abs(),
                     velocity_mps: sv.abs(),
                 },
-                ..Obstacle::new(1, position_m, velocity_mps, volume)
+                ..Obstacle::straight(1, position_m, velocity_mps, volume)
             }
         })
 }

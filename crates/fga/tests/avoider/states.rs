@@ -6,7 +6,7 @@ use fga::avoider::{Reason, Settings, SettingsError, Start, State};
 use fga::situation::{Obstacle, ProtectedVolume};
 
 use crate::flight::{Flies as _, Flight, PERIOD_S, planar, sphere, vehicle};
-use crate::policies::{POLICIES, avoider, settings};
+use crate::policies::{POLICIES, Policy, avoider, settings};
 
 impl Flight {
     /// Flies until the decision's state is `state`; returns the number of steps.
@@ -229,7 +229,7 @@ fn unusable_input_holds_and_changes_nothing() {
 }
 
 #[test]
-fn an_obstacle_with_unusable_numbers_is_left_out() {
+fn n10_an_obstacle_with_unusable_numbers_is_left_out_and_counted() {
     for policy in POLICIES {
         let mut plain = policy.flight(vehicle(), 1.0, 300.0);
         let mut spoiled = policy.flight(vehicle(), 1.0, 300.0);
@@ -248,7 +248,10 @@ fn an_obstacle_with_unusable_numbers_is_left_out() {
         with.push(sphere(4, Vec3::X * 100.0, Vec3::ZERO, f64::NAN));
         for _ in 0..20 {
             let clean = plain.cycle(&mut standing(AHEAD));
-            assert_eq!(spoiled.cycle(&mut with.clone()), clean, "{policy:?}");
+            let mut found = spoiled.cycle(&mut with.clone());
+            let unusable = core::mem::take(&mut found.record.work.unusable);
+            assert_eq!(found, clean, "{policy:?}");
+            assert_eq!(unusable, if policy == Policy::Mission { 0 } else { 4 });
         }
     }
 }
@@ -299,7 +302,7 @@ fn between_floor_and_ceiling_it_descends_and_levels_off() {
             radius_m,
             half_height_m,
         };
-        Obstacle::new(id, position_m, velocity_mps, volume)
+        Obstacle::straight(id, position_m, velocity_mps, volume)
     };
     let layer = |id, z_m| cylinder(id, Vec3::Z * z_m, Vec3::ZERO, 1e5, 2000.0);
     let oncoming = Vec3::new(600.0, 0.0, -10.0);

@@ -261,6 +261,17 @@ pub fn upload(
     }
 }
 
+/// A configuration, with the sphere of 60 m and the 3,000 m of surveillance that the encounters of these tests are made
+/// for, where it gives no volume of its own.
+pub fn configuration(text: &str) -> Config {
+    let mut config = Config::parse(text).expect("configuration");
+    if !text.contains("[volumes") {
+        config.protection.radius_m.get_or_insert(60.0);
+        config.protection.surveillance_m.get_or_insert(3000.0);
+    }
+    config
+}
+
 impl World {
     /// North along the y axis at 100 m: waypoints at 0 (behind), 6 km, 9 km, and east from there.
     pub fn new(config: &str, network: Network, seed: u64) -> Self {
@@ -278,8 +289,7 @@ impl World {
         ];
         let items = mission(&emulator, &points);
         emulator.set_mission(items, 2);
-        let companion = Companion::new(Config::parse(config).expect("configuration"), false)
-            .expect("companion");
+        let companion = Companion::new(configuration(config), false).expect("companion");
         Self {
             emulator,
             companion,

@@ -53,7 +53,7 @@ pub(super) struct Known {
 
 impl Known {
     pub(super) const NONE: Self = Self {
-        obstacle: Obstacle::new(
+        obstacle: Obstacle::straight(
             0,
             Vec3::ZERO,
             Vec3::ZERO,

@@ -1,0 +1,271 @@
+//! Missions of ground stations, and what `fga check` and `fga run` say about usable files.
+
+use std::fs;
+use std::path::Path;
+
+use crate::support::{data, errors, fga_in};
+
+/// Home, and two waypoints 1,112 m apart.
+const LIST: &str = "QGC WPL 110
+0\t1\t0\t16\t0\t0\t0\t0\t45.0\t5.0\t100\t1
+1\t0\t3\t16\t0\t0\t0\t0\t45.01\t5.0\t100\t1
+2\t0\t3\t16\t0\t0\t0\t0\t45.02\t5.01\t100\t1
+3\t0\t3\t178\t0\t18\t0\t0\t0\t0\t0\t1
+";
+
+/// What a command says, on both outputs.
+fn said(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let output = fga_in(folder, arguments);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &errors(&output);
+    assert_eq!(output.status.code(), Some(code), "{text}");
+    text
+}
+
+#[test]
+fn n8_a_mission_is_checked_flown_and_made_a_scenario() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(at.join("mission.waypoints"), LIST).unwrap();
+    assert!(said(at, &["init", "vehicle"], 0).contains("written"));
+    let checked = said(at, &["check", "mission.waypoints"], 0);
+    assert!(
+        checked.contains("a usable mission: 3 waypoints"),
+        "{checked}"
+    );
+    assert!(checked.contains("DO_CHANGE_SPEED 1"), "{checked}");
+    let flown = said(
+        at,
+        &["run", "mission.waypoints", "--vehicle", "vehicle.toml"],
+        0,
+    );
+    assert!(flown.contains("mission flown to its end"), "{flown}");
+    assert!(flown.contains("DO_CHANGE_SPEED 1"), "{flown}");
+    let made = said(
+        at,
+        &[
+            "init",
+            "scenario",
+            "made.toml",
+            "--from",
+            "mission.waypoints",
+        ],
+        0,
+    );
+    assert!(made.contains("DO_CHANGE_SPEED 1"), "{made}");
+    assert!(said(at, &["check", "made.toml"], 0).contains("a usable scenario file: 3 waypoints"));
+    let flown = said(at, &["run", "made.toml"], 0);
+    assert!(flown.contains("mission flown to its end"), "{flown}");
+    let refused = said(
+        at,
+        &["init", "vehicle", "v.toml", "--from", "mission.waypoints"],
+        1,
+    );
+    assert!(refused.contains("expected fga init scenario"), "{refused}");
+    assert!(!at.join("v.toml").exists());
+    // A file of fences alone is a usable one, and no mission.
+    let fence = "QGC WPL 110\n1 0 3 5003 90 0 0 0 45 5 0 1\n";
+    fs::write(at.join("fence.waypoints"), fence).unwrap();
+    assert!(
+        said(at, &["check", "fence.waypoints"], 0)
+            .contains("not yet enforced: 0 polygons, 1 circle")
+    );
+    assert!(said(at, &["run", "fence.waypoints"], 1).contains("expected a mission"));
+}
+
+#[test]
+fn n8_check_knows_every_kind_that_a_command_reads() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(at.join("c.conf"), crate::alerts::CONFIGURATION).unwrap();
+    fs::write(at.join("mission.waypoints"), LIST).unwrap();
+    said(at, &["run", "mission.waypoints", "--out", "flown"], 0);
+    for (file, kind) in [
+        ("c.conf", "configuration of DAIDALUS"),
+        ("flown", "finished flight"),
+        ("flown/flight.json", "finished flight"),
+    ] {
+        let checked = said(at, &["check", file], 0);
+        assert!(checked.contains(&format!("a usable {kind}")), "{checked}");
+    }
+    for (file, kind) in [
+        ("json_columns.json.gz", "recording"),
+        ("sbs_plain.sbs.gz", "recording"),
+        ("mission.plan", "mission"),
+        ("mission.waypoints", "mission"),
+    ] {
+        if let Some(path) = data(&format!("trials/2026-11-25/{file}")) {
+            let checked = said(at, &["check", &path.display().to_string()], 0);
+            let expected = format!("a usable {kind}");
+            assert!(checked.contains(&expected), "{checked}");
+        }
+    }
+}
+
+#[test]
+fn n1_a_surveillance_radius_that_is_too_small_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let vehicle = |key: &str| {
+        format!(
+            "name = 'x8'\nairspeed_mps = 18.0\nmax_bank_deg = 45.0\n{key}[protection]\nradius_m = 150\nhalf_height_m = 50\n\
+             [response]\nbank_time_constant_s = 0.5\nturn_rate_factor = 0.75\ndead_time_s = 0.3\n"
+        )
+    };
+    fs::write(
+        at.join("near.toml"),
+        vehicle("surveillance_radius_m = 300\n"),
+    )
+    .unwrap();
+    fs::write(at.join("derived.toml"), vehicle("")).unwrap();
+    fs::write(
+        at.join("head-on.toml"),
+        "name = 'head-on'\nduration_s = 300\n[mission]\nwaypoints_m = [[0,0,100],[4000,0,100]]\n\
+         [[obstacle]]\nname = 'D-EABC'\nmovement = 'aircraft'\nposition_m = [4500,0,100]\nvelocity_mps = [-45,0,0]\n",
+    )
+    .unwrap();
+    let warned = said(at, &["run", "head-on.toml", "--vehicle", "near.toml"], 2);
+    assert!(
+        warned.contains("surveillance_radius_m is 300 m, too near for D-EABC"),
+        "{warned}"
+    );
+    let warned = said(at, &["check", "near.toml"], 0);
+    assert!(
+        warned.contains("too near for crewed traffic at 90 m/s"),
+        "{warned}"
+    );
+    let kept = said(at, &["run", "head-on.toml", "--vehicle", "derived.toml"], 0);
+    assert!(!kept.contains("warning"), "{kept}");
+}
+
+#[test]
+fn n5_what_cannot_be_flown_is_said_beforehand() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let scenario = |rest: &str| format!("name = 'a'\nduration_s = 300.0\n{rest}");
+    for (name, text, expected) in [
+        (
+            "swapped.toml",
+            "[origin]\nlatitude_deg = 47.4\nlongitude_deg = 8.5\n[mission]\n\
+             waypoints_deg = [[47.4, 8.5, 100], [8.51, 47.41, 100]]\n",
+            "with latitude and longitude exchanged it would be",
+        ),
+        (
+            "long.toml",
+            "[mission]\nwaypoints_m = [[0,0,100],[40000,0,100]]\n",
+            "its 40.0 km take 2667 s at 15 m/s, duration_s is 300",
+        ),
+        (
+            "steep.toml",
+            "[mission]\nwaypoints_m = [[0,0,100],[100,0,200],[900,0,200]]\n",
+            "leg 1 cannot be flown: it needs a climb angle of 45.0 degrees",
+        ),
+        (
+            "wind.toml",
+            "[wind]\neast_mps = 16.0\n[mission]\nwaypoints_m = [[0,0,100],[900,0,100],[0,0,100]]\n",
+            "leg 2 cannot be flown: the wind of 16.0 m/s is too strong",
+        ),
+        (
+            "covered.toml",
+            "[mission]\nwaypoints_m = [[0,0,100],[900,0,100]]\n[[obstacle]]\nname = 'mast'\nposition_m = [900,10,100]\n",
+            "waypoint 2 lies inside the protected volume of mast",
+        ),
+        (
+            "absent.toml",
+            "[mission]\nwaypoints_m = [[0,0,100],[900,0,100]]\n[[obstacle]]\nname = 'N1'\nposition_m = [0,900,100]\nappears_s = 400.0\n",
+            "N1 appears at 400 s, after the flight: duration_s is 300",
+        ),
+    ] {
+        fs::write(at.join(name), scenario(text)).unwrap();
+        let checked = said(at, &["check", name], 0);
+        assert!(checked.contains(expected), "{checked}");
+        let warnings = checked
+            .lines()
+            .filter(|line| line.contains("warning: "))
+            .count();
+        assert!(warnings >= 1, "{checked}");
+        let flown = fga_in(at, &["run", name]);
+        assert!(errors(&flown).contains(expected), "{}", errors(&flown));
+    }
+}
+
+#[test]
+fn l12_surveillance_within_the_protected_radius_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let vehicle = "name = 'a'\nairspeed_mps = 15\nturn_radius_m = 30\nsurveillance_radius_m = 50\n[protection]\nradius_m = 60\n";
+    fs::write(at.join("v.toml"), vehicle).unwrap();
+    let refused = said(at, &["check", "v.toml"], 1);
+    assert!(
+        refused.contains("v.toml, line 4: surveillance_radius_m is 50, expected more than"),
+        "{refused}"
+    );
+    if cfg!(feature = "fly") {
+        fs::write(
+            at.join("l.toml"),
+            "[protection]\nradius_m = 60.0\nsurveillance_m = 50.0\n",
+        )
+        .unwrap();
+        let refused = said(at, &["check", "l.toml"], 1);
+        assert!(
+            refused.contains("l.toml, line 3: protection.surveillance_m is 50"),
+            "{refused}"
+        );
+        fs::write(at.join("s.toml"), "[protection]\nradius_m = 60.0\n").unwrap();
+        let warned = said(at, &["check", "s.toml"], 0);
+        assert!(
+            warned.contains("less than a near mid-air collision"),
+            "{warned}"
+        );
+    }
+}
+
+#[test]
+fn n6_results_name_the_commit_and_merging_refuses_another_build() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let version = said(at, &["--version"], 0);
+    let commit = version.split(['(', ')']).nth(1).unwrap().to_owned();
+    assert!(commit == "unknown" || commit.len() >= 7, "{version}");
+    fs::write(
+        at.join("small.toml"),
+        "policies = ['none']\nencounters = 16\n[[grid]]\nfamily = 'threats'\ncount = [1]\nfirst_seen_m = [300]\nspeed_mps = [20]\n",
+    )
+    .unwrap();
+    for (shard, out) in [("1/2", "a"), ("2/2", "b")] {
+        said(
+            at,
+            &[
+                "campaign",
+                "run",
+                "small.toml",
+                "--shard",
+                shard,
+                "--out",
+                out,
+            ],
+            0,
+        );
+    }
+    let run = |out: &str| at.join(out).join("campaign.json");
+    let manifest = fs::read_to_string(run("b")).unwrap();
+    assert!(manifest.contains(&commit), "{manifest}");
+    let other = manifest.replace(
+        &format!("\"commit\": \"{commit}\""),
+        "\"commit\": \"0123456789abcdef\"",
+    );
+    assert_ne!(other, manifest);
+    fs::write(run("b"), other).unwrap();
+    let merge = ["campaign", "merge", "a", "b", "--out", "ab"];
+    let refused = said(at, &merge, 1);
+    assert!(refused.contains("by commit 0123456789abcdef"), "{refused}");
+    assert!(!at.join("ab/results.parquet").exists());
+    fs::write(run("b"), manifest).unwrap();
+    said(at, &merge, 0);
+    let document = fs::read_to_string(at.join("ab/run.json")).unwrap();
+    assert!(
+        document.contains(&format!("\"commit\": \"{commit}\"")),
+        "{document}"
+    );
+    let table = fs::read(at.join("ab/results.parquet")).unwrap();
+    assert!(table.windows(10).any(|bytes| bytes == b"fga.commit"));
+}

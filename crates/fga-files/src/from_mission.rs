@@ -1,0 +1,106 @@
+//! A scenario from the mission of a ground station.
+
+use core::fmt::Write as _;
+use std::path::Path;
+
+use fga::situation::Passing;
+use fga_formats::InputError;
+use fga_formats::geodesy::{Earth, LocalFrame};
+use fga_formats::missions::{MissionFile, Outline};
+
+/// Longest flight of a scenario, seconds.
+const LONGEST_S: f64 = 86_400.0;
+/// Time allowed beside twice that of the mission in still air, seconds.
+const SPARE_S: f64 = 60.0;
+
+/// The text of a scenario that flies the mission in the file `path` at about this airspeed. Its origin is home, or the
+/// first waypoint; altitudes are above mean sea level. What is not flown stands in comments.
+///
+/// # Errors
+/// A file of fences or rally points alone.
+pub fn scenario_text(
+    mission: &MissionFile,
+    path: &Path,
+    airspeed_mps: f64,
+) -> Result<String, InputError> {
+    let Some(first) = mission.waypoints.first() else {
+        let message = format!("holds {}, expected a mission", mission.holds());
+        return Err(InputError::in_file(path, message));
+    };
+    let origin = mission.home.unwrap_or(first.place);
+    let frame = LocalFrame::new(origin, Earth::Wgs84);
+    let length_m: f64 = mission
+        .waypoints
+        .windows(2)
+        .map(|pair| match pair {
+            [from, to] => frame
+                .to_local_m(from.place)
+                .distance(frame.to_local_m(to.place)),
+            _ => 0.0,
+        })
+        .sum();
+    let duration_s = (2.0 * length_m / airspeed_mps + SPARE_S)
+        .min(LONGEST_S)
+        .ceil();
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    let one_line = |text: &str| text.replace(|c: char| c.is_control(), " ");
+    let mut text = format!("# The mission of {}.\n", one_line(&file));
+    for note in &mission.notes {
+        let _ = writeln!(text, "# {}.", one_line(note));
+    }
+    let _ = write!(
+        text,
+        "name = {}\n\
+         # Twice the time that the mission takes at {airspeed_mps} m/s in still air, and a minute.\n\
+         duration_s = {duration_s:?}\n\
+         # Without it the aircraft of the paper's Table 4.\n\
+         # vehicle = \"vehicle.toml\"\n\n\
+         [origin]\nlatitude_deg = {:?}\nlongitude_deg = {:?}\n# Altitudes are above mean sea level.\naltitude_m = {:?}\n\n\
+         [mission]\nwaypoints_deg = [\n",
+        toml::Value::String(name.into_owned()),
+        origin.latitude_deg,
+        origin.longitude_deg,
+        origin.altitude_m
+    );
+    for waypoint in &mission.waypoints {
+        let place = waypoint.place;
+        let _ = writeln!(
+            text,
+            "    [{:?}, {:?}, {:?}],",
+            place.latitude_deg, place.longitude_deg, place.altitude_m
+        );
+    }
+    let passing: Vec<&str> = mission
+        .waypoints
+        .iter()
+        .map(|waypoint| match waypoint.passing {
+            Passing::FlyBy => "\"fly-by\"",
+            Passing::FlyOver => "\"fly-over\"",
+        })
+        .collect();
+    let _ = writeln!(text, "]\npassing = [{}]", passing.join(", "));
+    for fence in &mission.fences {
+        let side = if fence.keep_in { "inside" } else { "outside" };
+        let _ = match &fence.outline {
+            Outline::Circle {
+                center_deg,
+                radius_m,
+            } => writeln!(
+                text,
+                "\n# Fence, stay {side}: {radius_m} m about {center_deg:?}."
+            ),
+            Outline::Polygon { corners_deg } => {
+                writeln!(text, "\n# Fence, stay {side}: {corners_deg:?}.")
+            }
+        };
+    }
+    for place in &mission.rally {
+        let _ = writeln!(
+            text,
+            "\n# Rally point: [{:?}, {:?}, {:?}].",
+            place.latitude_deg, place.longitude_deg, place.altitude_m
+        );
+    }
+    Ok(text)
+}

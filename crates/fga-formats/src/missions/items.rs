@@ -1,0 +1,417 @@
+//! The items of a mission, one by one, and what they mean for a flight.
+//!
+//! Commands are those of MAVLink (`MAV_CMD`) as ArduPlane reads them.
+
+use alloc::collections::BTreeMap;
+use std::path::Path;
+
+use fga::situation::Passing;
+
+use super::{Fence, MissionFile, Outline, Waypoint};
+use crate::error::InputError;
+use crate::geodesy::Geodetic;
+use crate::words::counted;
+
+/// A place nearer than this to the one before adds no leg, metres.
+const SAME_PLACE_M: f64 = 1.0;
+/// How far before the only place of a mission its flight begins, metres.
+const RUN_UP_M: f64 = 1000.0;
+/// Metres of a degree of latitude.
+const DEGREE_M: f64 = 111_320.0;
+
+/// An item as a file gives it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Item {
+    /// Its number in the file.
+    pub number: u64,
+    /// Its line, if the file has lines.
+    pub line: Option<u64>,
+    pub command: u16,
+    pub frame: u16,
+    pub first_parameter: Option<f64>,
+    /// Latitude and longitude, degrees; altitude, metres.
+    pub at: [Option<f64>; 3],
+}
+
+/// What the items have led to so far.
+#[derive(Debug)]
+pub(super) struct Reader<'a> {
+    path: &'a Path,
+    file: MissionFile,
+    /// The corners of an unfinished polygon, how many there will be, and whether it keeps in.
+    corners: Option<(Vec<[f64; 2]>, usize, bool)>,
+    begun: bool,
+    ended: bool,
+    left_out: BTreeMap<String, usize>,
+    after_end: usize,
+    circled: usize,
+    repeated: usize,
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(path: &'a Path, home: Option<Geodetic>) -> Self {
+        Self {
+            path,
+            file: MissionFile {
+                home,
+                ..MissionFile::default()
+            },
+            corners: None,
+            begun: false,
+            ended: false,
+            left_out: BTreeMap::new(),
+            after_end: 0,
+            circled: 0,
+            repeated: 0,
+        }
+    }
+
+    pub(super) const fn file(&mut self) -> &mut MissionFile {
+        &mut self.file
+    }
+
+    /// An error about an item.
+    pub(super) fn error(&self, item: &Item, message: &str) -> InputError {
+        let message = format!("item {} {message}", item.number);
+        match item.line {
+            Some(line) => InputError::at_line(self.path, line, message),
+            None => InputError::in_file(self.path, message),
+        }
+    }
+
+    /// Takes the next item.
+    pub(super) fn take(&mut self, item: &Item) -> Result<(), InputError> {
+        if (5000..=5100).contains(&item.command) {
+            return self.take_fence_or_rally(item);
+        }
+        if self.ended {
+            self.after_end += 1;
+            return Ok(());
+        }
+        match item.command {
+            // Waypoint, spline waypoint.
+            16 | 82 => self.go_to(item, Passing::FlyBy),
+            // Circles for ever, by turns, by time, to an altitude.
+            17 | 18 | 19 | 31 => {
+                self.circled += 1;
+                self.ended = item.command == 17;
+                self.go_to(item, Passing::FlyOver)
+            }
+            // Take-off, also vertical.
+            22 | 84 => self.take_off(item),
+            // Landing, also vertical.
+            21 | 85 => {
+                self.ended = true;
+                self.note("the landing is not flown: the flight ends at the place before it");
+                Ok(())
+            }
+            // Return to launch.
+            20 => {
+                self.ended = true;
+                self.note("the return ends over home at the height of the last waypoint");
+                if let (Some(home), Some(last)) = (self.file.home, self.file.waypoints.last()) {
+                    let altitude_m = last.place.altitude_m;
+                    self.add(Geodetic { altitude_m, ..home }, Passing::FlyBy);
+                }
+                Ok(())
+            }
+            other => {
+                let name = name_of(other).map_or_else(|| format!("command {other}"), str::to_owned);
+                *self.left_out.entry(name).or_default() += 1;
+                Ok(())
+            }
+        }
+    }
+
+    /// The mission, and what of it is not flown.
+    pub(super) fn finish(mut self) -> Result<MissionFile, InputError> {
+        if let Some((corners, expected, _)) = self.corners {
+            let message = format!("the last fence has {} of {expected} corners", corners.len());
+            return Err(InputError::in_file(self.path, message));
+        }
+        if let [only] = self.file.waypoints[..] {
+            let mut before = only;
+            before.place.latitude_deg -= RUN_UP_M / DEGREE_M;
+            self.file.waypoints.insert(0, before);
+            let sentence =
+                format!("the mission has one place: the flight begins {RUN_UP_M} m south of it");
+            self.note(&sentence);
+        }
+        let skipped: usize = self.left_out.values().sum();
+        let left_out = self.left_out.iter();
+        let names: Vec<String> = left_out
+            .map(|(name, count)| format!("{name} {count}"))
+            .collect();
+        let fences = self.file.fences.iter();
+        let circles = fences
+            .filter(|fence| matches!(fence.outline, Outline::Circle { .. }))
+            .count();
+        let (fences, rally) = (self.file.fences.len(), self.file.rally.len());
+        let counts = [
+            (
+                self.circled,
+                "loiter item",
+                " flown past, not circled".into(),
+            ),
+            (
+                skipped,
+                "item",
+                format!(" without a leg not flown: {}", names.join(", ")),
+            ),
+            (
+                self.repeated,
+                "item",
+                " at the place before left out".into(),
+            ),
+            (self.after_end, "item", " after the end not flown".into()),
+            (
+                rally,
+                "rally point",
+                " read, not used in a simulated flight".into(),
+            ),
+        ];
+        for (count, thing, rest) in counts.into_iter().filter(|(count, ..)| *count > 0) {
+            self.note(&(counted(count, thing) + &rest));
+        }
+        if fences > 0 {
+            let polygons = counted(fences - circles, "polygon");
+            let circles = counted(circles, "circle");
+            self.note(&format!(
+                "fence read, not yet enforced: {polygons}, {circles}"
+            ));
+        }
+        Ok(self.file)
+    }
+
+    /// Notes what is not flown as the file has it, once.
+    fn note(&mut self, sentence: &str) {
+        if !self.file.notes.iter().any(|note| note == sentence) {
+            self.file.notes.push(sentence.to_owned());
+        }
+    }
+
+    fn go_to(&mut self, item: &Item, passing: Passing) -> Result<(), InputError> {
+        let [latitude, longitude, _] = item.at;
+        if (latitude, longitude) == (Some(0.0), Some(0.0)) {
+            // ArduPilot: where the aircraft is.
+            self.repeated += 1;
+            return Ok(());
+        }
+        let place = self.place(item)?;
+        self.begin(place);
+        self.add(place, passing);
+        Ok(())
+    }
+
+    /// The flight begins over home at the height of the first place.
+    fn begin(&mut self, first: Geodetic) {
+        if !self.begun {
+            self.begun = true;
+            if let Some(home) = self.file.home {
+                let altitude_m = first.altitude_m;
+                self.file.waypoints.push(Waypoint {
+                    place: Geodetic { altitude_m, ..home },
+                    passing: Passing::FlyBy,
+                });
+            }
+        }
+    }
+
+    fn take_off(&mut self, item: &Item) -> Result<(), InputError> {
+        if self.begun {
+            return Err(self.error(
+                item,
+                "is a take-off in flight, expected it before the first waypoint",
+            ));
+        }
+        self.note("the take-off is not flown: the flight begins over home at its height");
+        // ArduPlane climbs straight ahead whatever place the item gives, which may be 0, 0.
+        let mut item = *item;
+        if let Some(home) = self.file.home {
+            (item.at[0], item.at[1]) = (Some(home.latitude_deg), Some(home.longitude_deg));
+        } else if item.at[0].unwrap_or(0.0) == 0.0 && item.at[1].unwrap_or(0.0) == 0.0 {
+            return Ok(());
+        }
+        let place = self.place(&item)?;
+        self.begun = true;
+        self.add(place, Passing::FlyBy);
+        Ok(())
+    }
+
+    fn add(&mut self, place: Geodetic, passing: Passing) {
+        let same = self.file.waypoints.last().is_some_and(|last| {
+            let north_m = (place.latitude_deg - last.place.latitude_deg) * DEGREE_M;
+            let east_m = (place.longitude_deg - last.place.longitude_deg)
+                * DEGREE_M
+                * libm::cos(place.latitude_deg.to_radians());
+            libm::hypot(north_m, east_m) < SAME_PLACE_M
+        });
+        if same {
+            self.repeated += usize::from(self.file.waypoints.len() > 1);
+            // A climb on the spot is none of an aeroplane: the later height counts.
+            self.file.waypoints.pop();
+        }
+        self.file.waypoints.push(Waypoint { place, passing });
+    }
+
+    /// Where an item leads, above mean sea level.
+    fn place(&mut self, item: &Item) -> Result<Geodetic, InputError> {
+        let [Some(latitude_deg), Some(longitude_deg), Some(given_m)] = item.at else {
+            return Err(self.error(
+                item,
+                "has no place, expected latitude, longitude and altitude",
+            ));
+        };
+        let altitude_m = match item.frame {
+            0 | 5 => given_m,
+            3 | 6 => {
+                if self.file.home.is_none() {
+                    self.note("the file gives no home: heights above home count from sea level");
+                }
+                given_m + self.file.home.map_or(0.0, |home| home.altitude_m)
+            }
+            10 | 11 => {
+                return Err(self.error(
+                    item,
+                    "has a height above the terrain, which is not known here, expected heights above home (frame 3) or \
+                     above mean sea level (frame 0)",
+                ));
+            }
+            frame => {
+                let message = format!(
+                    "has frame {frame}, expected 0 or 5 (above mean sea level), 3 or 6 (above home)"
+                );
+                return Err(self.error(item, &message));
+            }
+        };
+        Geodetic::new(latitude_deg, longitude_deg, altitude_m).ok_or_else(|| {
+            let message = format!(
+                "is at latitude {latitude_deg}, longitude {longitude_deg}, expected -90 to 90 and -180 to 180 degrees"
+            );
+            self.error(item, &message)
+        })
+    }
+
+    fn take_fence_or_rally(&mut self, item: &Item) -> Result<(), InputError> {
+        let (Some(latitude_deg), Some(longitude_deg)) = (item.at[0], item.at[1]) else {
+            return Err(self.error(item, "has no place, expected latitude and longitude"));
+        };
+        let at_deg = [latitude_deg, longitude_deg];
+        match item.command {
+            5001 | 5002 => {
+                let keep_in = item.command == 5001;
+                let expected = item
+                    .first_parameter
+                    .filter(|count| (3.0..=1e4).contains(count));
+                let Some(expected) = expected else {
+                    return Err(self.error(
+                        item,
+                        "is a corner of a fence, expected 3 corners or more as its first parameter",
+                    ));
+                };
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "from 3 to 10,000"
+                )]
+                let expected = expected as usize;
+                let (mut corners_deg, count, kept_in) =
+                    self.corners
+                        .take()
+                        .unwrap_or((Vec::new(), expected, keep_in));
+                if (count, kept_in) != (expected, keep_in) {
+                    return Err(self.error(
+                        item,
+                        "is a corner of another fence, expected the rest of the one before",
+                    ));
+                }
+                corners_deg.push(at_deg);
+                if corners_deg.len() == count {
+                    let outline = Outline::Polygon { corners_deg };
+                    return self.add_fence(item, Fence { outline, keep_in });
+                }
+                self.corners = Some((corners_deg, count, keep_in));
+                Ok(())
+            }
+            5003 | 5004 => {
+                let outline = Outline::Circle {
+                    center_deg: at_deg,
+                    radius_m: item.first_parameter.unwrap_or(0.0),
+                };
+                let keep_in = item.command == 5003;
+                self.add_fence(item, Fence { outline, keep_in })
+            }
+            5100 => {
+                let place = self.place(item)?;
+                self.file.rally.push(place);
+                Ok(())
+            }
+            // Where ArduPlane returns to after it has left a fence.
+            _ => {
+                *self
+                    .left_out
+                    .entry("fence return point".into())
+                    .or_default() += 1;
+                Ok(())
+            }
+        }
+    }
+
+    /// Adds a fence that can be one.
+    pub(super) fn add_fence(&mut self, item: &Item, fence: Fence) -> Result<(), InputError> {
+        let on_earth = |at: &[f64; 2]| Geodetic::new(at[0], at[1], 0.0).is_some();
+        let usable = match &fence.outline {
+            Outline::Circle {
+                center_deg,
+                radius_m,
+            } => on_earth(center_deg) && radius_m.is_finite() && *radius_m > 0.0,
+            Outline::Polygon { corners_deg } => {
+                corners_deg.len() >= 3 && corners_deg.iter().all(on_earth)
+            }
+        };
+        if !usable {
+            return Err(self.error(
+                item,
+                "is no fence, expected a circle of a positive radius or a polygon of three corners or more",
+            ));
+        }
+        self.file.fences.push(fence);
+        Ok(())
+    }
+}
+
+/// The name of a command that leads to no place.
+const fn name_of(command: u16) -> Option<&'static str> {
+    Some(match command {
+        30 => "CONTINUE_AND_CHANGE_ALT",
+        83 => "ALTITUDE_WAIT",
+        92 => "GUIDED_ENABLE",
+        93 => "DELAY",
+        94 => "PAYLOAD_PLACE",
+        112 => "CONDITION_DELAY",
+        114 => "CONDITION_DISTANCE",
+        115 => "CONDITION_YAW",
+        177 => "DO_JUMP",
+        178 => "DO_CHANGE_SPEED",
+        179 => "DO_SET_HOME",
+        181 => "DO_SET_RELAY",
+        183 => "DO_SET_SERVO",
+        184 => "DO_REPEAT_SERVO",
+        189 => "DO_LAND_START",
+        195 | 197 | 201 => "DO_SET_ROI",
+        203 => "DO_DIGICAM_CONTROL",
+        205 => "DO_MOUNT_CONTROL",
+        206 => "DO_SET_CAM_TRIGG_DIST",
+        207 => "DO_FENCE_ENABLE",
+        210 => "DO_INVERTED_FLIGHT",
+        211 => "DO_GRIPPER",
+        212 => "DO_AUTOTUNE_ENABLE",
+        530 => "SET_CAMERA_MODE",
+        1000 => "DO_GIMBAL_MANAGER_PITCHYAW",
+        2000 => "IMAGE_START_CAPTURE",
+        2001 => "IMAGE_STOP_CAPTURE",
+        2500 => "VIDEO_START_CAPTURE",
+        2501 => "VIDEO_STOP_CAPTURE",
+        _ => return None,
+    })
+}

@@ -1,0 +1,229 @@
+//! Plans of QGroundControl: <https://docs.qgroundcontrol.com/master/en/qgc-dev-guide/file_formats/plan.html>.
+//!
+//! Surveys, corridor scans and structure scans hold the items that were made of them; a landing pattern of an aeroplane
+//! is its approach and a landing.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::items::{Item, Reader};
+use super::{Fence, MissionFile, Outline};
+use crate::error::InputError;
+use crate::geodesy::Geodetic;
+
+/// A plan; what else it holds concerns the ground station alone.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Plan {
+    file_type: String,
+    #[serde(default)]
+    mission: Mission,
+    #[serde(default)]
+    geo_fence: GeoFence,
+    #[serde(default)]
+    rally_points: RallyPoints,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Mission {
+    #[serde(default)]
+    items: Vec<Value>,
+    planned_home_position: Option<Vec<Option<f64>>>,
+    cruise_speed: Option<f64>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+struct GeoFence {
+    #[serde(default)]
+    circles: Vec<Circle>,
+    #[serde(default)]
+    polygons: Vec<Polygon>,
+    /// Version 1: one polygon to stay in.
+    #[serde(default)]
+    polygon: Vec<[f64; 2]>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Circle {
+    circle: CircleShape,
+    inclusion: bool,
+}
+
+#[derive(Debug, Deserialize)]
+struct CircleShape {
+    center: [f64; 2],
+    radius: f64,
+}
+
+#[derive(Debug, Deserialize)]
+struct Polygon {
+    polygon: Vec<[f64; 2]>,
+    inclusion: bool,
+}
+
+#[derive(Debug, Default, Deserialize)]
+struct RallyPoints {
+    #[serde(default)]
+    points: Vec<[f64; 3]>,
+}
+
+#[derive(Debug, Deserialize)]
+struct SimpleItem {
+    command: u16,
+    frame: u16,
+    params: Vec<Option<f64>>,
+}
+
+/// What a complex item may hold of interest.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct ComplexItem {
+    #[serde(rename = "complexItemType")]
+    kind: String,
+    #[serde(rename = "TransectStyleComplexItem")]
+    transects: Option<Transects>,
+    #[serde(default)]
+    altitudes_are_relative: bool,
+    #[serde(alias = "loiterCoordinate")]
+    landing_approach_coordinate: Option<[f64; 3]>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Transects {
+    #[serde(rename = "Items")]
+    items: Option<Vec<Value>>,
+}
+
+pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> {
+    let plan: Plan = serde_json::from_str(text).map_err(|error| {
+        let line = u64::try_from(error.line()).unwrap_or(1);
+        let told = error.to_string();
+        let told = told.split(" at line ").next().unwrap_or_default();
+        InputError::at_line(path, line, format!("is no plan of QGroundControl: {told}"))
+    })?;
+    if plan.file_type != "Plan" {
+        let message = format!(
+            "is of type {}, expected a Plan of QGroundControl",
+            crate::error::shown(&plan.file_type)
+        );
+        return Err(InputError::in_file(path, message));
+    }
+    let home = match plan.mission.planned_home_position.as_deref() {
+        None => None,
+        Some(&[Some(latitude_deg), Some(longitude_deg), altitude_m]) => {
+            let home = Geodetic::new(latitude_deg, longitude_deg, altitude_m.unwrap_or(0.0));
+            Some(home.ok_or_else(|| InputError::in_file(path, HOME))?)
+        }
+        Some(_) => return Err(InputError::in_file(path, HOME)),
+    };
+    let mut reader = Reader::new(path, home);
+    let mut number = 0;
+    for value in &plan.mission.items {
+        take(value, &mut number, &mut reader, true)?;
+    }
+    // Fences have numbers of their own in messages.
+    let mut item = blank(0);
+    for circle in plan.geo_fence.circles {
+        item.number += 1;
+        let outline = Outline::Circle {
+            center_deg: circle.circle.center,
+            radius_m: circle.circle.radius,
+        };
+        let keep_in = circle.inclusion;
+        reader.add_fence(&item, Fence { outline, keep_in })?;
+    }
+    let old = Some(plan.geo_fence.polygon).filter(|corners| !corners.is_empty());
+    let old = old.map(|polygon| Polygon {
+        polygon,
+        inclusion: true,
+    });
+    for polygon in plan.geo_fence.polygons.into_iter().chain(old) {
+        item.number += 1;
+        let outline = Outline::Polygon {
+            corners_deg: polygon.polygon,
+        };
+        let keep_in = polygon.inclusion;
+        reader.add_fence(&item, Fence { outline, keep_in })?;
+    }
+    for [latitude_deg, longitude_deg, above_home_m] in plan.rally_points.points {
+        reader.take(&Item {
+            command: 5100,
+            frame: 3,
+            at: [Some(latitude_deg), Some(longitude_deg), Some(above_home_m)],
+            ..item
+        })?;
+    }
+    reader.file().cruise_mps = plan
+        .mission
+        .cruise_speed
+        .filter(|speed| speed.is_finite() && *speed > 0.0);
+    reader.finish()
+}
+
+const HOME: &str = "has an unusable plannedHomePosition, expected [latitude, longitude, altitude]";
+
+const fn blank(number: u64) -> Item {
+    Item {
+        number,
+        line: None,
+        command: 0,
+        frame: 0,
+        first_parameter: None,
+        at: [None; 3],
+    }
+}
+
+/// Takes an item, and the items within it where `complex` ones may be.
+fn take(
+    value: &Value,
+    number: &mut u64,
+    reader: &mut Reader<'_>,
+    complex: bool,
+) -> Result<(), InputError> {
+    *number += 1;
+    let item = blank(*number);
+    let unusable = |reader: &Reader<'_>, error: &serde_json::Error| {
+        reader.error(&item, &format!("cannot be read: {error}"))
+    };
+    if value.get("type").and_then(Value::as_str) != Some("ComplexItem") {
+        let simple = SimpleItem::deserialize(value).map_err(|error| unusable(reader, &error))?;
+        let parameter = |index: usize| simple.params.get(index).copied().flatten();
+        return reader.take(&Item {
+            command: simple.command,
+            frame: simple.frame,
+            first_parameter: parameter(0),
+            at: [parameter(4), parameter(5), parameter(6)],
+            ..item
+        });
+    }
+    let found = ComplexItem::deserialize(value).map_err(|error| unusable(reader, &error))?;
+    if let Some(items) = found.transects.and_then(|transects| transects.items)
+        && complex
+    {
+        // Its items have the numbers, as the ground station counts.
+        *number -= 1;
+        return items
+            .iter()
+            .try_for_each(|value| take(value, number, reader, false));
+    }
+    let Some(approach) = found.landing_approach_coordinate else {
+        let message = format!(
+            "is a complex item of type {}, expected a survey, a scan or a landing pattern with its items",
+            crate::error::shown(&found.kind)
+        );
+        return Err(reader.error(&item, &message));
+    };
+    reader.take(&Item {
+        command: 31,
+        frame: if found.altitudes_are_relative { 3 } else { 0 },
+        at: approach.map(Some),
+        ..item
+    })?;
+    reader.take(&Item {
+        command: 21,
+        ..item
+    })
+}

@@ -1,0 +1,95 @@
+//! Lists of items in lines: `QGC WPL 110`.
+//!
+//! Number, current, frame, command, four parameters, latitude, longitude, altitude, continue; between them tabs, or
+//! spaces. Item 0 is home where it is a waypoint above mean sea level, as Mission Planner and MAVProxy write it.
+
+use std::path::Path;
+
+use super::MissionFile;
+use super::items::{Item, Reader};
+use crate::error::InputError;
+use crate::geodesy::Geodetic;
+
+/// Fields of a line.
+const FIELDS: usize = 12;
+
+pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> {
+    let mut lines = (1..)
+        .zip(text.lines().map(str::trim))
+        .filter(|(_, line)| !line.is_empty());
+    let version = lines
+        .next()
+        .map_or("", |(_, line)| line.rsplit(' ').next().unwrap_or(""));
+    if version != "110" {
+        return Err(InputError::at_line(
+            path,
+            1,
+            format!(
+                "is version {}, expected QGC WPL 110",
+                crate::error::shown(version)
+            ),
+        ));
+    }
+    let items = lines
+        .filter(|(_, line)| !line.starts_with('#'))
+        .map(|(number, line)| item(line, number, path))
+        .collect::<Result<Vec<Item>, _>>()?;
+    let (home, items) = match items.split_first() {
+        Some((first, rest)) if (first.number, first.command, first.frame) == (0, 16, 0) => {
+            let [latitude_deg, longitude_deg, altitude_m] =
+                first.at.map(|value| value.unwrap_or(0.0));
+            // All zero: the station knew no home.
+            let known = latitude_deg != 0.0 || longitude_deg != 0.0;
+            let home = Geodetic::new(latitude_deg, longitude_deg, altitude_m).filter(|_| known);
+            (home, rest)
+        }
+        _ => (None, items.as_slice()),
+    };
+    let mut reader = Reader::new(path, home);
+    for item in items {
+        reader.take(item)?;
+    }
+    reader.finish()
+}
+
+fn item(line: &str, number: u64, path: &Path) -> Result<Item, InputError> {
+    let fields: Vec<&str> = line.split_whitespace().collect();
+    if fields.len() != FIELDS {
+        let message = format!("has {} fields, expected {FIELDS}", fields.len());
+        return Err(InputError::at_line(path, number, message));
+    }
+    let value = |index: usize| {
+        let text = fields.get(index).copied().unwrap_or_default();
+        let value: Option<f64> = text.parse().ok();
+        // Stations write NaN for what the vehicle decides.
+        value
+            .map(|value| Some(value).filter(|value| value.is_finite()))
+            .ok_or_else(|| {
+                let message = format!(
+                    "field {} is {}, expected a number",
+                    index + 1,
+                    crate::error::shown(text)
+                );
+                InputError::at_line(path, number, message)
+            })
+    };
+    let whole = |index: usize| -> Result<u16, InputError> {
+        let text = fields.get(index).copied().unwrap_or_default();
+        text.parse().map_err(|_| {
+            let message = format!(
+                "field {} is {}, expected a whole number",
+                index + 1,
+                crate::error::shown(text)
+            );
+            InputError::at_line(path, number, message)
+        })
+    };
+    Ok(Item {
+        number: u64::from(whole(0)?),
+        line: Some(number),
+        frame: whole(2)?,
+        command: whole(3)?,
+        first_parameter: value(4)?,
+        at: [value(8)?, value(9)?, value(10)?],
+    })
+}

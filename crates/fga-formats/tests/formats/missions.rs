@@ -1,0 +1,233 @@
+//! Missions as QGroundControl, Mission Planner and MAVProxy write them.
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "tests fail by panicking"
+)]
+
+use fga::situation::Passing;
+use fga_formats::missions::{Outline, is_mission, parse};
+use proptest::prelude::*;
+use std::path::Path;
+
+/// Take-off, three waypoints, a servo, a jump and a return, as Mission Planner writes them.
+const LIST: &str = "QGC WPL 110\r
+0\t1\t0\t16\t0\t0\t0\t0\t-35.3632620\t149.1652370\t584.000000\t1\r
+1\t0\t3\t22\t15.00000000\t0.00000000\t0.00000000\t0.00000000\t0.00000000\t0.00000000\t50.000000\t1\r
+2\t0\t3\t16\t0.00000000\t0.00000000\t0.00000000\t0.00000000\t-35.35900000\t149.16500000\t100.000000\t1\r
+3\t0\t3\t183\t9.00000000\t1900.00000000\t0.00000000\t0.00000000\t0.00000000\t0.00000000\t0.000000\t1\r
+4\t0\t0\t16\t0.00000000\t0.00000000\t0.00000000\t0.00000000\t-35.35900000\t149.17500000\t700.000000\t1\r
+5\t0\t3\t18\t2.00000000\t0.00000000\t60.00000000\t0.00000000\t-35.36500000\t149.17500000\t100.000000\t1\r
+6\t0\t3\t177\t2.00000000\t3.00000000\t0.00000000\t0.00000000\t0.00000000\t0.00000000\t0.000000\t1\r
+7\t0\t3\t20\t0.00000000\t0.00000000\t0.00000000\t0.00000000\t0.00000000\t0.00000000\t0.000000\t1\r
+";
+
+#[test]
+fn n8_a_list_of_mission_planner_is_read() {
+    let file = parse(LIST, Path::new("a.waypoints")).unwrap();
+    let heights: Vec<f64> = file.waypoints.iter().map(|w| w.place.altitude_m).collect();
+    // Over home at the height of the take-off; above home, above the sea, above home; over home again.
+    assert_eq!(heights, [634.0, 684.0, 700.0, 684.0, 684.0]);
+    let home = file.home.unwrap();
+    assert_eq!(home.latitude_deg, -35.363_262);
+    let last = file.waypoints.last().unwrap();
+    assert_eq!(last.place.longitude_deg, home.longitude_deg);
+    assert_eq!(file.waypoints[3].passing, Passing::FlyOver);
+    let notes = file.notes.join("\n");
+    for part in [
+        "take-off is not flown",
+        "1 loiter item flown past",
+        "2 items without a leg not flown: DO_JUMP 1, DO_SET_SERVO 1",
+        "the return ends over home",
+    ] {
+        assert!(notes.contains(part), "{part}: {notes}");
+    }
+}
+
+/// A plan with a survey, a landing pattern, fences and a rally point, as QGroundControl writes them.
+const PLAN: &str = r#"{
+    "fileType": "Plan",
+    "geoFence": {
+        "circles": [{"circle": {"center": [47.5, 8.6], "radius": 120.5}, "inclusion": false, "version": 1}],
+        "polygons": [{"inclusion": true, "polygon": [[47.3, 8.4], [47.5, 8.4], [47.5, 8.7]], "version": 1}],
+        "version": 2
+    },
+    "groundStation": "QGroundControl",
+    "mission": {
+        "cruiseSpeed": 15, "firmwareType": 3, "globalPlanAltitudeMode": 1, "hoverSpeed": 5,
+        "items": [
+            {"AMSLAltAboveTerrain": null, "Altitude": 50, "AltitudeMode": 1, "autoContinue": true, "command": 22,
+             "doJumpId": 1, "frame": 3, "params": [15, 0, 0, null, 47.397, 8.545, 50], "type": "SimpleItem"},
+            {"autoContinue": true, "command": 178, "doJumpId": 2, "frame": 2,
+             "params": [1, 18, -1, 0, 0, 0, 0], "type": "SimpleItem"},
+            {"TransectStyleComplexItem": {"CameraCalc": {"DistanceMode": 1}, "Items": [
+                {"autoContinue": true, "command": 16, "doJumpId": 3, "frame": 3,
+                 "params": [0, 0, 0, null, 47.40, 8.55, 80], "type": "SimpleItem"},
+                {"autoContinue": true, "command": 206, "doJumpId": 4, "frame": 2,
+                 "params": [25, 0, 1, 0, 0, 0, 0], "type": "SimpleItem"},
+                {"autoContinue": true, "command": 16, "doJumpId": 5, "frame": 3,
+                 "params": [0, 0, 0, null, 47.41, 8.55, 80], "type": "SimpleItem"}
+             ]}, "angle": 0, "complexItemType": "survey", "polygon": [], "type": "ComplexItem", "version": 5},
+            {"altitudesAreRelative": true, "complexItemType": "fwLandingPattern",
+             "landCoordinate": [47.398, 8.546, 0], "landingApproachCoordinate": [47.405, 8.546, 40],
+             "loiterClockwise": true, "loiterRadius": 75, "type": "ComplexItem", "version": 2}
+        ],
+        "plannedHomePosition": [47.3977, 8.5456, 488.1], "vehicleType": 1, "version": 2
+    },
+    "rallyPoints": {"points": [[47.39, 8.54, 60]], "version": 2},
+    "version": 1
+}"#;
+
+#[test]
+fn n8_a_plan_of_qgroundcontrol_is_read() {
+    assert!(is_mission(PLAN));
+    let file = parse(PLAN, Path::new("a.plan")).unwrap();
+    let heights: Vec<f64> = file
+        .waypoints
+        .iter()
+        .map(|w| w.place.altitude_m - 488.1)
+        .collect();
+    let expected = [50.0, 80.0, 80.0, 40.0];
+    assert!(
+        heights
+            .iter()
+            .zip(expected)
+            .all(|(a, b)| (a - b).abs() < 1e-9),
+        "{heights:?}"
+    );
+    assert_eq!(heights.len(), expected.len());
+    assert_eq!(file.cruise_mps, Some(15.0));
+    assert_eq!(file.fences.len(), 2);
+    assert!(!file.fences[0].keep_in && file.fences[1].keep_in);
+    assert_eq!(
+        file.fences[0].outline,
+        Outline::Circle {
+            center_deg: [47.5, 8.6],
+            radius_m: 120.5
+        }
+    );
+    assert!((file.rally[0].altitude_m - 548.1).abs() < 1e-9);
+    let notes = file.notes.join("\n");
+    for part in [
+        "fence read, not yet enforced: 1 polygon, 1 circle",
+        "1 rally point read",
+        "the landing is not flown",
+        "DO_CHANGE_SPEED 1, DO_SET_CAM_TRIGG_DIST 1",
+    ] {
+        assert!(notes.contains(part), "{part}: {notes}");
+    }
+}
+
+#[test]
+fn n8_fences_and_rally_points_of_mission_planner_are_read() {
+    let row = |number: u32, command: u32, first: f64, place: &str| {
+        format!("{number}\t0\t3\t{command}\t{first}\t0\t0\t0\t{place}\t100\t1\n")
+    };
+    let text = format!(
+        "QGC WPL 110\n{}{}{}{}{}{}",
+        "0\t1\t0\t16\t0\t0\t0\t0\t45\t5\t100\t1\n",
+        row(1, 5001, 3.0, "45.0\t5.0"),
+        row(2, 5001, 3.0, "45.1\t5.0"),
+        row(3, 5001, 3.0, "45.1\t5.1"),
+        row(4, 5004, 80.0, "45.05\t5.02"),
+        row(5, 5100, 0.0, "45.02\t5.01"),
+    );
+    let file = parse(&text, Path::new("fence.waypoints")).unwrap();
+    assert_eq!(file.holds(), "0 waypoints, 2 fences, 1 rally point");
+    let unfinished = text.replace("3\t0\t3\t5001", "3\t0\t3\t5003");
+    let error = parse(&unfinished, Path::new("f.waypoints")).unwrap_err();
+    assert!(error.message.contains("2 of 3 corners"), "{error}");
+}
+
+#[test]
+fn n8_what_cannot_be_understood_is_named_with_its_line() {
+    let of_list =
+        |from: &str, to: &str| parse(&LIST.replacen(from, to, 1), Path::new("a.waypoints"));
+    let of_plan = |from: &str, to: &str| parse(&PLAN.replacen(from, to, 1), Path::new("a.plan"));
+    for (found, expected) in [
+        (
+            of_list("110", "120"),
+            "a.waypoints, line 1: is version \"120\", expected QGC WPL 110",
+        ),
+        (
+            of_list("2\t0\t3\t16", "2\t0\t10\t16"),
+            "a.waypoints, line 4: item 2 has a height above the terrain",
+        ),
+        (
+            of_list("2\t0\t3\t16", "2\t0\t7\t16"),
+            "a.waypoints, line 4: item 2 has frame 7, expected 0 or 5",
+        ),
+        (
+            of_list("-35.359", "-95.359"),
+            "a.waypoints, line 4: item 2 is at latitude -95.359",
+        ),
+        (
+            of_list("100.000000\t1\r", "100.000000\r"),
+            "a.waypoints, line 4: has 11 fields, expected 12",
+        ),
+        (
+            of_list("-35.359", "S35.359"),
+            "a.waypoints, line 4: field 9 is \"S35.35900000\", expected a number",
+        ),
+        (
+            of_plan("\"Plan\"", "\"Mission\""),
+            "a.plan: is of type \"Mission\", expected a Plan",
+        ),
+        (of_plan("47.397, 8.545", "47.397, 1e9"), ""),
+        (
+            of_plan("\"survey\"", "survey"),
+            "a.plan, line 23: is no plan of QGroundControl",
+        ),
+        (
+            of_plan("\"landingApproachCoordinate\"", "\"x\""),
+            "a.plan: item 6 is a complex item of type \"fwLandingPattern\"",
+        ),
+        (
+            of_plan("47.40, 8.55, 80", "47.40, null, 80"),
+            "a.plan: item 3 has no place",
+        ),
+        (
+            of_plan("[47.3977, 8.5456, 488.1]", "[47.3977]"),
+            "a.plan: has an unusable plannedHomePosition",
+        ),
+        (
+            of_plan("\"radius\": 120.5", "\"radius\": -1"),
+            "a.plan: item 1 is no fence",
+        ),
+    ] {
+        match found {
+            Ok(_) => assert!(expected.is_empty(), "{expected}"),
+            Err(error) => assert!(
+                !expected.is_empty() && error.to_string().starts_with(expected),
+                "{error}"
+            ),
+        }
+    }
+}
+
+/// The run-up of a mission of one place, such as a plan with a single item over home.
+#[test]
+fn n8_a_mission_of_one_place_has_a_way_to_it() {
+    let text = "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t45\t5\t100\t1\n1\t0\t3\t16\t0\t0\t0\t0\t45\t5\t100\t1\n";
+    let file = parse(text, Path::new("a.waypoints")).unwrap();
+    assert_eq!(file.waypoints.len(), 2);
+    assert_eq!(file.waypoints[1].place.altitude_m, 200.0);
+    assert!(file.notes[0].contains("begins 1000 m south of it"));
+}
+
+proptest! {
+    /// Whatever a text holds, it is refused in one sentence or gives places on the earth.
+    #[test]
+    fn any_text_is_a_mission_of_places_or_refused(
+        rows in prop::collection::vec((0u16..6000, 0u16..12, prop::collection::vec("[-0-9.eN]{0,6}", 7)), 0..20),
+    ) {
+        let mut text = String::from("QGC WPL 110\n");
+        for (index, (command, frame, rest)) in rows.iter().enumerate() {
+            text += &format!("{index} 0 {frame} {command} {} 1\n", rest.join(" "));
+        }
+        match parse(&text, Path::new("a.waypoints")) {
+            Ok(file) => prop_assert!(file.waypoints.iter().all(|w| w.place.latitude_deg.abs() <= 91.0)),
+            Err(error) => prop_assert!(!error.to_string().contains('\n')),
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! The room of other aircraft, and how far to look for them.
+
+use fga::situation::ProtectedVolume;
+use fga::vehicle::{Response, Vehicle};
+use fga_files::surveillance::{self, CREWED_MPS, Evasion};
+use serde::Deserialize;
+
+use super::{Config, ConfigError};
+use crate::traffic::Class;
+
+/// Airspeed that warnings are judged at, before the vehicle has told its own, metres per second: ArduPlane's cruise.
+const CRUISE_MPS: f64 = 22.0;
+/// Change of the climb angle that warnings are judged at, radians per second.
+const CLIMB_RATE_RADPS: f64 = 0.2;
+/// Time between two reports of ADS-B, seconds.
+const REPORT_PERIOD_S: f64 = 1.0;
+
+/// An upright cylinder about an aircraft.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VolumeConfig {
+    /// Radius, metres.
+    pub radius_m: f64,
+    /// Half of its height, metres.
+    pub half_height_m: f64,
+}
+
+/// A near mid-air collision: 500 ft and 100 ft (RTCA DO-365).
+pub const NMAC: VolumeConfig = VolumeConfig {
+    radius_m: 152.4,
+    half_height_m: 30.48,
+};
+
+/// The protected volumes about other aircraft, by class. `docs/how-to-choose-volumes.md` gives the sources.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct VolumesConfig {
+    /// Crewed aircraft, and those of unknown class.
+    pub crewed: VolumeConfig,
+    /// Small unmanned aircraft.
+    pub small_unmanned: VolumeConfig,
+    /// Gliders, balloons, airships, parachutes.
+    pub glider_balloon: VolumeConfig,
+}
+
+impl Default for VolumesConfig {
+    fn default() -> Self {
+        Self {
+            crewed: NMAC,
+            // Four times the near mid-air collision of small unmanned aircraft, 50 ft and 15 ft.
+            small_unmanned: VolumeConfig {
+                radius_m: 60.96,
+                half_height_m: 18.288,
+            },
+            // A balloon's envelope reaches 30 m above the basket that reports.
+            glider_balloon: VolumeConfig {
+                half_height_m: 60.96,
+                ..NMAC
+            },
+        }
+    }
+}
+
+impl VolumesConfig {
+    /// The classes with their keys.
+    pub(super) const fn each(&self) -> [(&'static str, VolumeConfig); 3] {
+        [
+            ("crewed", self.crewed),
+            ("small_unmanned", self.small_unmanned),
+            ("glider_balloon", self.glider_balloon),
+        ]
+    }
+}
+
+impl Config {
+    /// Keys that are usable one by one and not together.
+    pub(super) fn check_across(&self) -> Result<(), ConfigError> {
+        let protection = &self.protection;
+        if let (None, Some(half_height_m)) = (protection.radius_m, protection.half_height_m) {
+            return Err(ConfigError(format!(
+                "protection.half_height_m is {half_height_m} without protection.radius_m, expected both, or [volumes]"
+            )));
+        }
+        if protection.radius_m.is_some() && self.volumes != VolumesConfig::default() {
+            return Err(ConfigError(
+                "protection.radius_m and [volumes] are given, expected one of them".to_owned(),
+            ));
+        }
+        let Some(surveillance_m) = protection.surveillance_m else {
+            return Ok(());
+        };
+        let radii_m = self.volumes.each().map(|(_, volume)| volume.radius_m);
+        let widest_m = protection
+            .radius_m
+            .unwrap_or(radii_m.into_iter().fold(0.0, f64::max));
+        if surveillance_m <= widest_m {
+            return Err(ConfigError(format!(
+                "protection.surveillance_m is {surveillance_m}, expected more than the protected radius, {widest_m}"
+            )));
+        }
+        Ok(())
+    }
+
+    /// The protected volume about an aircraft of a class.
+    pub fn volume(&self, class: Class) -> ProtectedVolume {
+        let protection = &self.protection;
+        let VolumeConfig {
+            radius_m,
+            half_height_m,
+        } = match (protection.radius_m, class) {
+            (Some(radius_m), _) => match protection.half_height_m {
+                Some(half_height_m) => VolumeConfig {
+                    radius_m,
+                    half_height_m,
+                },
+                None => return ProtectedVolume::Sphere { radius_m },
+            },
+            (None, Class::Crewed) => self.volumes.crewed,
+            (None, Class::SmallUnmanned) => self.volumes.small_unmanned,
+            (None, Class::GliderBalloon) => self.volumes.glider_balloon,
+        };
+        ProtectedVolume::Cylinder {
+            radius_m,
+            half_height_m,
+        }
+    }
+
+    /// The distance beyond which obstacles are not considered at an airspeed, metres.
+    pub fn surveillance_m(&self, airspeed_mps: f64) -> f64 {
+        let protection = &self.protection;
+        protection.surveillance_m.unwrap_or_else(|| {
+            let volume = self.volume(Class::Crewed);
+            surveillance::derived_m(
+                airspeed_mps,
+                protection.horizon_s,
+                volume,
+                protection.margin_m,
+            )
+        })
+    }
+
+    /// Warnings about a usable configuration, one sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let crewed = self.volume(Class::Crewed);
+        if crewed.radius_m() < NMAC.radius_m || crewed.half_height_m() < NMAC.half_height_m {
+            warnings.push(format!(
+                "crewed aircraft get {} x +-{} m, less than a near mid-air collision with one, {} x +-{} m",
+                crewed.radius_m(),
+                crewed.half_height_m(),
+                NMAC.radius_m,
+                NMAC.half_height_m
+            ));
+        }
+        let bank_rad = self.vehicle.max_bank_deg.to_radians();
+        let climb_rad = if self.vehicle.vertical {
+            self.vehicle.max_climb_deg.to_radians()
+        } else {
+            0.0
+        };
+        let evasion = Vehicle::from_bank(CRUISE_MPS, bank_rad).map(|vehicle| Evasion {
+            vehicle: Vehicle {
+                response: Response {
+                    dead_time_s: self.response.dead_time_s,
+                    bank_time_constant_s: self.response.bank_time_constant_s,
+                    turn_rate_factor: self.response.turn_rate_factor,
+                },
+                ..vehicle.with_climb(-climb_rad, climb_rad, CLIMB_RATE_RADPS)
+            },
+            late_s: self.command.decision_period_s + REPORT_PERIOD_S,
+            volume: crewed,
+            margin_m: self.protection.margin_m,
+        });
+        let seen = ("protection.surveillance_m", self.surveillance_m(CRUISE_MPS));
+        let closing_mps = CRUISE_MPS + CREWED_MPS;
+        let whom = format!("crewed traffic at {CREWED_MPS} m/s");
+        let horizon_s = self.protection.horizon_s;
+        warnings.extend(
+            evasion
+                .into_iter()
+                .filter_map(|evasion| evasion.shortfall(seen, horizon_s, closing_mps, &whom)),
+        );
+        warnings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn n2_every_class_has_a_volume_and_the_unknown_one_is_crewed() {
+        use mavlink::dialects::ardupilotmega::AdsbEmitterType as Emitter;
+        let config = Config::default();
+        let room = |emitter| {
+            let volume = config.volume(Class::of(emitter));
+            (volume.radius_m(), volume.half_height_m())
+        };
+        for crewed in [
+            Emitter::ADSB_EMITTER_TYPE_NO_INFO,
+            Emitter::ADSB_EMITTER_TYPE_LIGHT,
+            Emitter::ADSB_EMITTER_TYPE_UNASSIGNED,
+            Emitter::ADSB_EMITTER_TYPE_ULTRA_LIGHT,
+        ] {
+            assert_eq!(room(crewed), (152.4, 30.48), "{crewed:?}");
+        }
+        assert_eq!(room(Emitter::ADSB_EMITTER_TYPE_UAV), (60.96, 18.288));
+        for tall in [
+            Emitter::ADSB_EMITTER_TYPE_GLIDER,
+            Emitter::ADSB_EMITTER_TYPE_LIGHTER_AIR,
+        ] {
+            assert_eq!(room(tall), (152.4, 60.96));
+        }
+        assert_eq!(config.warnings(), [String::new(); 0]);
+        let text = "[volumes]\nsmall_unmanned = { radius_m = 100.0, half_height_m = 40.0 }\n";
+        let volume = Config::parse(text).unwrap().volume(Class::SmallUnmanned);
+        assert_eq!((volume.radius_m(), volume.half_height_m()), (100.0, 40.0));
+        let small = Config::parse("[protection]\nradius_m = 60.0\n").unwrap();
+        assert!(small.warnings()[0].contains("less than a near mid-air collision"));
+    }
+
+    #[test]
+    fn l12_keys_are_checked_across() {
+        let error = |text: &str| Config::parse(text).unwrap_err().0;
+        assert_eq!(
+            error("[protection]\nsurveillance_m = 50.0\nradius_m = 60.0"),
+            "protection.surveillance_m is 50, expected more than the protected radius, 60"
+        );
+        assert!(error("[protection]\nsurveillance_m = 150.0").contains("radius, 152.4"));
+        assert!(
+            error("[protection]\nhalf_height_m = 30.0").contains("without protection.radius_m")
+        );
+        let both = "[protection]\nradius_m = 60.0\n[volumes.crewed]\nradius_m = 200.0\nhalf_height_m = 50.0";
+        assert!(error(both).contains("expected one of them"));
+        let near = Config::parse("[protection]\nsurveillance_m = 500.0").unwrap();
+        assert!(near.warnings()[0].starts_with("protection.surveillance_m is 500 m, too near"));
+        let short = Config::parse("[protection]\nhorizon_s = 5.0").unwrap();
+        assert!(
+            short.warnings()[0].contains("horizon_s is 5, too short"),
+            "{:?}",
+            short.warnings()
+        );
+    }
+}

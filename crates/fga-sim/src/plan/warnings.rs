@@ -1,0 +1,205 @@
+//! Warnings about usable files: what they say is probably not what they mean. Each is one sentence.
+//!
+//! Each check needs keys of several tables, or of several files, so that no single value is wrong.
+
+use fga::Vec3;
+use fga::avoider::Settings;
+use fga::situation::ProtectedVolume;
+use fga::vehicle::Vehicle;
+use fga_files::surveillance::{CREWED_MPS, Evasion};
+use fga_formats::geodesy::{Geodetic, LocalFrame};
+
+use super::Plan;
+use crate::sensor::SensorSettings;
+use crate::vehicle_file::VehicleModel;
+use crate::wind::crab;
+use crate::world::World;
+
+/// A place nearer to the origin is not suspected of exchanged coordinates, metres.
+const NEAR_M: f64 = 100e3;
+/// Exchanged coordinates bring a place nearer to the origin by this factor at least.
+const MUCH_NEARER: f64 = 10.0;
+
+impl Plan {
+    /// Warnings about the flight, the gravest first; empty for most files.
+    pub fn warnings(&self) -> Vec<String> {
+        let world = &self.world;
+        let mut warnings = Vec::new();
+        warnings.extend(self.exchanged());
+        // A recorded aircraft flew what it flew.
+        if world.recorded.is_none() {
+            warnings.extend(unflyable(world));
+            warnings.extend(self.covered());
+            warnings.extend(self.absent());
+        }
+        warnings.extend(self.unseen());
+        warnings
+    }
+
+    /// A place whose latitude and longitude seem to be exchanged.
+    fn exchanged(&self) -> Option<String> {
+        let frame = self.frame.as_ref()?;
+        let places = self.world.mission_m.iter().zip(1..);
+        let waypoints = places.map(|(at_m, number)| (format!("waypoint {number}"), *at_m));
+        let obstacles = self.names.iter().zip(&self.world.obstacles);
+        let obstacles = obstacles.filter_map(|(name, each)| {
+            let begins_s = each.track.presence_s().0.max(0.0);
+            Some((name.clone(), each.track.at(begins_s)?.0))
+        });
+        waypoints.chain(obstacles).find_map(|(name, at_m)| {
+            let away_m = at_m.truncate().length();
+            let exchanged_m = exchanged_m(frame, frame.to_geodetic(at_m))?;
+            (away_m > NEAR_M && exchanged_m * MUCH_NEARER < away_m).then(|| {
+                format!(
+                    "{name} is {:.0} km from the origin, with latitude and longitude exchanged it would be {:.1} km: \
+                     expected [latitude, longitude, altitude_m]",
+                    away_m / 1e3,
+                    exchanged_m / 1e3
+                )
+            })
+        })
+    }
+
+    /// A waypoint inside the volume of an obstacle at rest.
+    fn covered(&self) -> Option<String> {
+        let world = &self.world;
+        let obstacles = self.names.iter().zip(&world.obstacles);
+        obstacles
+            .filter(|(_, each)| each.track.speed_bound_mps() == Some(0.0))
+            .find_map(|(name, each)| {
+                let (at_m, _) = each.track.at(each.track.presence_s().0.max(0.0))?;
+                let inside = |place_m: &Vec3| each.volume.margin_m(*place_m - at_m) < 0.0;
+                let index = world.mission_m.iter().position(inside)?;
+                Some(format!(
+                    "waypoint {} lies inside the protected volume of {name}: it cannot be reached",
+                    index + 1
+                ))
+            })
+    }
+
+    /// An obstacle that is there or known only after the flight.
+    fn absent(&self) -> Option<String> {
+        let end_s = self.world.horizon_s;
+        let obstacles = self.names.iter().zip(&self.world.obstacles);
+        obstacles
+            .map(|(name, each)| (name, each.appears_s.max(each.track.presence_s().0)))
+            .find(|(_, from_s)| *from_s > end_s)
+            .map(|(name, from_s)| {
+                format!("{name} appears at {from_s} s, after the flight: duration_s is {end_s}")
+            })
+    }
+
+    /// The obstacle that is seen too late by the largest distance.
+    fn unseen(&self) -> Option<String> {
+        let world = &self.world;
+        let own_mps = world.vehicle.airspeed_mps + world.wind_mps.length();
+        let sight = Sight::of(&world.vehicle, &world.settings.avoider, &world.sensor);
+        let warnings = self.names.iter().zip(&world.obstacles).map(|(name, each)| {
+            let closing_mps = own_mps + each.track.speed_bound_mps().unwrap_or(0.0);
+            sight.of_volume(each.volume, closing_mps, name)
+        });
+        let (_, worst) = warnings.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        worst
+    }
+}
+
+impl VehicleModel {
+    /// Warnings about the aircraft among crewed traffic.
+    pub fn warnings(&self) -> Vec<String> {
+        let closing_mps = self.vehicle.airspeed_mps + CREWED_MPS;
+        let whom = format!("crewed traffic at {CREWED_MPS} m/s");
+        let sight = Sight::of(&self.vehicle, &self.settings.avoider, &self.sensor);
+        let (_, warning) = sight.of_volume(self.protection, closing_mps, &whom);
+        warning.into_iter().collect()
+    }
+}
+
+/// What an aircraft sees, and how late.
+struct Sight<'a> {
+    vehicle: &'a Vehicle,
+    settings: &'a Settings,
+    sensor: &'a SensorSettings,
+}
+
+impl<'a> Sight<'a> {
+    const fn of(vehicle: &'a Vehicle, settings: &'a Settings, sensor: &'a SensorSettings) -> Self {
+        Self {
+            vehicle,
+            settings,
+            sensor,
+        }
+    }
+
+    /// The distance at which a volume must be seen, metres, and a warning if it is not.
+    fn of_volume(
+        &self,
+        volume: ProtectedVolume,
+        closing_mps: f64,
+        whom: &str,
+    ) -> (f64, Option<String>) {
+        let (settings, sensor) = (self.settings, self.sensor);
+        let evasion = Evasion {
+            vehicle: *self.vehicle,
+            late_s: settings.decision_period_s + sensor.update_period_s + sensor.delay_s,
+            volume,
+            margin_m: settings.margin_m,
+        };
+        let seen = if sensor.range_m < settings.surveillance_radius_m {
+            ("range_m", sensor.range_m)
+        } else {
+            ("surveillance_radius_m", settings.surveillance_radius_m)
+        };
+        (
+            evasion.needed_m(closing_mps),
+            evasion.shortfall(seen, settings.horizon_s, closing_mps, whom),
+        )
+    }
+}
+
+/// Distance of a place from the origin with latitude and longitude exchanged, metres; `None` where that is no place.
+fn exchanged_m(frame: &LocalFrame, place: Geodetic) -> Option<f64> {
+    let place = Geodetic::new(place.longitude_deg, place.latitude_deg, place.altitude_m)?;
+    Some(frame.to_local_m(place).truncate().length())
+}
+
+/// Why the mission cannot be flown: a wind, a climb, or the time.
+fn unflyable(world: &World) -> Option<String> {
+    let vehicle = &world.vehicle;
+    let mut time_s = 0.0;
+    let mut length_m = 0.0;
+    let mut steep = None;
+    for (pair, number) in world.mission_m.windows(2).zip(1..) {
+        let &[from_m, to_m] = pair else { continue };
+        let along = (to_m - from_m).normalize_or(Vec3::X);
+        let Some((course_rad, climb_rad)) = crab(along, vehicle.airspeed_mps, world.wind_mps)
+        else {
+            return Some(format!(
+                "leg {number} cannot be flown: the wind of {:.1} m/s is too strong for an airspeed of {} m/s",
+                world.wind_mps.length(),
+                vehicle.airspeed_mps
+            ));
+        };
+        let air_mps = fga::angle::direction(course_rad, climb_rad) * vehicle.airspeed_mps;
+        length_m += from_m.distance(to_m);
+        time_s += from_m.distance(to_m) / (air_mps + world.wind_mps).dot(along);
+        // A hundredth of a degree is rounding.
+        let limits = vehicle.climb_min_rad - 2e-4..=vehicle.climb_max_rad + 2e-4;
+        if steep.is_none() && !limits.contains(&climb_rad) {
+            steep = Some(format!(
+                "leg {number} cannot be flown: it needs a climb angle of {:.1} degrees, the vehicle has {:.1} to {:.1}",
+                climb_rad.to_degrees(),
+                vehicle.climb_min_rad.to_degrees(),
+                vehicle.climb_max_rad.to_degrees()
+            ));
+        }
+    }
+    if time_s > world.horizon_s {
+        return Some(format!(
+            "the mission cannot be flown to its end: its {:.1} km take {time_s:.0} s at {} m/s, duration_s is {}",
+            length_m / 1e3,
+            vehicle.airspeed_mps,
+            world.horizon_s
+        ));
+    }
+    steep
+}
