@@ -30,6 +30,10 @@ pub(crate) struct Guidance {
     pub(crate) circling_since_s: Option<f64>,
     /// The jumps made.
     pub(crate) jumps: Vec<u16>,
+    /// An item before the present one, set outside of AUTO: it runs first when AUTO begins.
+    pub(crate) resume_at: Option<u16>,
+    /// The items without a place that ran, and when, seconds.
+    pub(crate) ran: Vec<(f64, u16)>,
     stick_altitude_m: f64,
     locked_heading_rad: Option<f64>,
     line_from_m: [f64; 3],
@@ -40,6 +44,7 @@ impl Guidance {
     /// Begins to fly to an item: along the leg, or from the aircraft's position.
     pub(crate) fn begin_item(&mut self, item: u16, plant: &Plant, along_leg: bool) {
         self.item = item;
+        self.resume_at = None;
         self.circling_since_s = None;
         self.crosstrack = true;
         if !along_leg {
@@ -184,8 +189,23 @@ impl Emulator {
             .flatten()
     }
 
-    /// Goes on to the next flown item: makes jumps, and does items without a place at once.
-    fn skip_to_flown(&mut self) {
+    /// The flown item that follows an item, without a jump made or an item run.
+    pub(crate) fn flown_from(&mut self, item: u16) -> u16 {
+        let now = (
+            self.guidance.item,
+            self.guidance.jumps.clone(),
+            self.guidance.ran.len(),
+        );
+        self.guidance.item = item;
+        self.skip_to_flown();
+        let flown = self.guidance.item;
+        (self.guidance.item, self.guidance.jumps) = (now.0, now.1);
+        self.guidance.ran.truncate(now.2);
+        flown
+    }
+
+    /// Goes on to the next flown item: makes jumps, and runs items without a place at once.
+    pub(crate) fn skip_to_flown(&mut self) {
         for _ in 0..MOST_SKIPPED {
             let Some(item) = self.mission.get(usize::from(self.guidance.item)) else {
                 return;
@@ -194,6 +214,10 @@ impl Emulator {
                 || self.item_place_m(self.guidance.item).is_some()
             {
                 return;
+            }
+            let is_jump = item.command == MavCmd::MAV_CMD_DO_JUMP;
+            if !is_jump {
+                self.guidance.ran.push((self.time_s, self.guidance.item));
             }
             self.guidance.item = self.after(self.guidance.item);
         }

@@ -205,8 +205,14 @@ impl Emulator {
             .unwrap_or(self.plant.position_m());
     }
 
-    /// Sets the fence.
+    /// Sets the fence, and enables it.
     pub fn set_fence(&mut self, items: Vec<Item>) {
+        self.store_fence(items);
+        self.parameters.set("FENCE_ENABLE", 1.0);
+    }
+
+    /// Sets the fence without a change of whether it is enabled.
+    pub fn store_fence(&mut self, items: Vec<Item>) {
         self.fence = items;
     }
 
@@ -315,6 +321,11 @@ impl Emulator {
         self.guidance.item
     }
 
+    /// The mission items without a place that ran, and when, seconds since boot.
+    pub fn items_run(&self) -> &[(f64, u16)] {
+        &self.guidance.ran
+    }
+
     /// Whether the aircraft reached the last item.
     pub const fn mission_done(&self) -> bool {
         self.guidance.done
@@ -403,10 +414,11 @@ impl Emulator {
         self.mode = mode;
         match mode {
             Mode::Auto => {
+                let next = self.guidance.resume_at.take();
                 let item = if self.parameters.value("MIS_RESTART") == 1.0 {
                     1
                 } else {
-                    self.guidance.item.max(1)
+                    next.unwrap_or(self.guidance.item).max(1)
                 };
                 self.guidance.begin_item(item, &self.plant, false);
             }

@@ -19,7 +19,7 @@ impl Default for Parameters {
             ("FENCE_ALT_MIN", 0.0),
             ("FENCE_ENABLE", 0.0),
             ("FENCE_RADIUS", 0.0),
-            ("FENCE_TYPE", 0.0),
+            ("FENCE_TYPE", 4.0),
             ("GUIDED_TIMEOUT", 3.0),
             ("MAV_GCS_SYSID", 255.0),
             ("MIS_RESTART", 0.0),

@@ -346,11 +346,15 @@ impl Emulator {
         if usize::from(item) >= self.mission.len() {
             return false;
         }
-        if item != self.guidance.item {
+        if self.mode != Mode::Auto {
+            // As ArduPlane: the flown item is the present one; what comes before it runs when AUTO begins.
+            let flown = self.flown_from(item);
+            self.guidance.begin_item(flown, &self.plant, false);
+            self.guidance.resume_at = (flown != item).then_some(item);
+        } else if item != self.guidance.item {
             self.guidance.begin_item(item, &self.plant, false);
-            if self.mode == Mode::Auto {
-                self.say_item();
-            }
+            self.skip_to_flown();
+            self.say_item();
         }
         true
     }

@@ -3,9 +3,9 @@
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, GPS_RAW_INT_DATA, GpsFixType,
     HEARTBEAT_DATA, MISSION_CURRENT_DATA, MISSION_ITEM_REACHED_DATA, MavAutopilot, MavMessage,
-    MavModeFlag, MavSeverity, MavState, MavType, NAV_CONTROLLER_OUTPUT_DATA,
-    POSITION_TARGET_GLOBAL_INT_DATA, SCALED_PRESSURE_DATA, STATUSTEXT_DATA, SYSTEM_TIME_DATA,
-    VFR_HUD_DATA, WIND_DATA,
+    MavModeFlag, MavSeverity, MavState, MavSysStatusSensor, MavType, NAV_CONTROLLER_OUTPUT_DATA,
+    POSITION_TARGET_GLOBAL_INT_DATA, SCALED_PRESSURE_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA,
+    SYSTEM_TIME_DATA, VFR_HUD_DATA, WIND_DATA,
 };
 
 use crate::geometry::{bearing, distance_m};
@@ -20,6 +20,7 @@ struct Stream {
 }
 
 pub(crate) const HEARTBEAT: u32 = 0;
+const SYS_STATUS: u32 = 1;
 const SYSTEM_TIME: u32 = 2;
 const GPS_RAW_INT: u32 = 24;
 const SCALED_PRESSURE: u32 = 29;
@@ -39,8 +40,9 @@ const INITIALISING: u32 = 16;
 pub(crate) struct Streams(Vec<Stream>);
 
 /// Messages that a companion can request.
-const KNOWN: [u32; 12] = [
+const KNOWN: [u32; 13] = [
     HEARTBEAT,
+    SYS_STATUS,
     SYSTEM_TIME,
     GPS_RAW_INT,
     SCALED_PRESSURE,
@@ -220,6 +222,22 @@ impl Emulator {
         Some(self.settings.sea_level_hpa? * libm::pow(kelvin / 288.15, 5.255_88))
     }
 
+    /// Whether the fence is enabled: one that only reports has no status.
+    fn status(&self) -> MavMessage {
+        let fence = MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
+        let acts = self.parameters.value("FENCE_ACTION") != 0.0;
+        let enabled = acts && self.parameters.value("FENCE_ENABLE") != 0.0;
+        MavMessage::SYS_STATUS(SYS_STATUS_DATA {
+            onboard_control_sensors_present: fence,
+            onboard_control_sensors_enabled: if enabled {
+                fence
+            } else {
+                MavSysStatusSensor::empty()
+            },
+            ..SYS_STATUS_DATA::DEFAULT
+        })
+    }
+
     /// The message for a part of the state.
     #[expect(
         clippy::cast_possible_truncation,
@@ -231,6 +249,7 @@ impl Emulator {
         let velocity = self.plant.velocity_mps();
         let degrees = self.plant.heading_rad().to_degrees().rem_euclid(360.0);
         Some(match message_id {
+            SYS_STATUS => self.status(),
             SYSTEM_TIME => MavMessage::SYSTEM_TIME(SYSTEM_TIME_DATA {
                 time_unix_usec: 1_700_000_000_000_000 + (self.time_s * 1e6) as u64,
                 time_boot_ms,
