@@ -7,6 +7,11 @@ use serde_json::Value;
 
 use crate::Catalogue;
 
+/// The text of a regular file; `None` for anything else under its name: a pipe would never end.
+fn read_regular(path: &Path) -> Option<String> {
+    path.is_file().then(|| fs::read_to_string(path).ok())?
+}
+
 /// Deepest folder searched.
 const MAX_DEPTH: usize = 6;
 /// Most rows listed.
@@ -35,7 +40,7 @@ impl Folder {
     }
 
     fn collect(&self, folder: &Path, depth: usize, rows: &mut Vec<ListingRow>) -> io::Result<()> {
-        if let Ok(text) = fs::read_to_string(folder.join("run.json")) {
+        if let Some(text) = read_regular(&folder.join("run.json")) {
             // The folder may hold any file: an entry that does not parse is no run.
             let document: Value = serde_json::from_str(&text).unwrap_or_default();
             if document.get("command").and_then(Value::as_str) == Some("campaign") {
@@ -206,6 +211,23 @@ mod tests {
         let path = folder.join(file);
         fs::create_dir_all(path.parent().expect("below a folder")).expect("create");
         fs::write(path, text).expect("write");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn l14_a_pipe_under_the_name_of_a_run_is_passed_over() {
+        let home = tempfile::tempdir().expect("folder");
+        write(home.path(), "a/run.json", r#"{"name":"a"}"#);
+        fs::create_dir(home.path().join("b")).expect("create");
+        let pipe = home.path().join("b/run.json");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        if !made.is_ok_and(|status| status.success()) {
+            assert!(std::env::var("CI").is_err(), "mkfifo is missing");
+            eprintln!("skipped: mkfifo is missing");
+            return;
+        }
+        let folder = Folder::open(home.path()).expect("open");
+        assert_eq!(folder.listing().expect("listing").rows.len(), 1);
     }
 
     #[test]
