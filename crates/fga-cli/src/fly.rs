@@ -2,7 +2,7 @@
 
 use alloc::sync::Arc;
 use core::net::SocketAddr;
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::fs::File;
 use std::io::{self, BufReader, Write as _};
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &FlyArgs) -> Result<ExitCode, Failure> {
         end_program: || std::process::abort(),
     };
     let mut live = args.live.then(|| begin_live(args.listen)).transpose()?;
-    let flown = fly(&options, &stop_on_interrupt(), &mut |companion| {
+    let flown = fly(&options, &count_interrupts(), &mut |companion| {
         if let Some(live) = &mut live {
             live.show(companion);
         }
@@ -117,6 +117,14 @@ pub(crate) fn stop_on_interrupt() -> Arc<AtomicBool> {
     // A second handler is refused; then the first one serves.
     let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
     stop
+}
+
+/// The number of interrupts so far.
+fn count_interrupts() -> Arc<AtomicU32> {
+    let count = Arc::new(AtomicU32::new(0));
+    let counter = Arc::clone(&count);
+    let _ = ctrlc::set_handler(move || _ = counter.fetch_add(1, Ordering::Relaxed));
+    count
 }
 
 fn read_config(path: Option<&PathBuf>) -> Result<Config, Failure> {

@@ -51,6 +51,8 @@ use crate::traffic::{Report, TrackTable};
 pub(crate) use gap::round_trip_of;
 pub use picture::Picture;
 
+/// A program that is to end flies on for this long at most, seconds: service managers kill it after 90 s.
+pub const LONGEST_END_S: f64 = 60.0;
 /// System id of the first heartbeats, before the first one of a vehicle: the id of most vehicles.
 const FIRST_SYSTEM: u8 = 1;
 /// Assumed duration of the bank before a manoeuvre, seconds.
@@ -118,10 +120,17 @@ pub struct Companion {
     notes: Vec<Note>,
     /// The vehicle's clock when the mode was taken.
     noted_boot_ms: Option<u32>,
-    /// Whether it flies on a manoeuvre of an earlier run.
-    resumed: bool,
+    /// Since when it flies on a manoeuvre of an earlier run, or from before a lost link, without a threat known yet,
+    /// seconds.
+    resumed_s: Option<f64>,
+    /// Since when the program is to end, seconds.
+    ending_s: Option<f64>,
+    /// Since when it waits for a vehicle with a note, seconds.
+    noted_wait_s: Option<f64>,
     /// The item to go on with, where the vehicle begins its mission again with each change to AUTO.
     item_to_resume: Option<u16>,
+    /// What a manoeuvre has passed of the mission.
+    passing: way::Passing,
     /// Start of a time without possible decisions, seconds; a late step does not count.
     undecided_s: Option<f64>,
     told: readiness::Told,
@@ -134,6 +143,10 @@ pub struct Companion {
     mission: Download,
     fence_download: Download,
     fence: Fence,
+    /// Whether the vehicle's status says that its fence is enabled.
+    fence_enabled: Option<bool>,
+    /// The mission and the fence of the report that one crosses the other.
+    told_crossing: Option<(u32, u32)>,
     /// The number of the fence download in the local frame.
     fence_laid: u32,
     /// The number of the mission download behind the way.
@@ -213,8 +226,11 @@ impl Companion {
             hearing: Hearing::default(),
             notes: Vec::new(),
             noted_boot_ms: None,
-            resumed: false,
+            resumed_s: None,
+            ending_s: None,
+            noted_wait_s: None,
             item_to_resume: None,
+            passing: way::Passing::default(),
             undecided_s: Some(never),
             told: readiness::Told::NOTHING,
             neighbors: neighbors::Neighbors::default(),
@@ -226,6 +242,8 @@ impl Companion {
             mission: Download::new(MavMissionType::MAV_MISSION_TYPE_MISSION),
             fence_download: Download::new(MavMissionType::MAV_MISSION_TYPE_FENCE),
             fence: Fence::default(),
+            fence_enabled: None,
+            told_crossing: None,
             fence_laid: 0,
             mission_laid: 0,
             rally: rally::Rally::default(),
@@ -341,15 +359,14 @@ impl Companion {
 
     /// Passes the debt of an earlier run of this program, before any message.
     pub fn set_notes(&mut self, notes: Vec<Note>) {
-        if !self.dry_run {
-            self.notes = notes;
-        }
+        self.notes = notes;
     }
 
     /// The note for a later run, if this one stops now.
     pub fn restart_note(&self) -> Option<Note> {
         if let Some(note) = self.notes.last() {
-            return Some(*note);
+            // A note of another vehicle is another program's.
+            return Some(*note).filter(|_| self.heard.is_some() && !self.dry_run);
         }
         Some(Note::new(
             self.owed()?,
@@ -363,14 +380,31 @@ impl Companion {
         self.perform(&actions, now_s);
     }
 
-    /// Restores the mode in an orderly way before the program ends.
+    /// The program is to end. A manoeuvre goes on until the mode can be restored without a collision, for
+    /// [`LONGEST_END_S`] at most; then, or without a manoeuvre at once, nothing is owed any more.
     pub fn shut_down(&mut self, now_s: f64) {
+        if self.keeper.commands() {
+            self.ending_s = Some(now_s);
+            let words = format!("fga: program ends when clear, {LONGEST_END_S} s at most");
+            self.tell(Severity::Warning, &words, now_s);
+            return;
+        }
+        self.shut_down_at_once(now_s);
+    }
+
+    /// Restores the mode in an orderly way before the program ends, whatever threatens.
+    pub fn shut_down_at_once(&mut self, now_s: f64) {
         if self.keeper.owed().is_some() {
             self.fault(Fault::ProgramEnds, now_s);
         } else if self.heard.is_some() {
             self.tell(Severity::Notice, "fga: program ends", now_s);
         }
         self.send_commands(now_s);
+    }
+
+    /// Whether it flies the vehicle.
+    pub const fn flies(&self) -> bool {
+        self.keeper.commands()
     }
 
     /// Records trouble of the surrounding program, for the operator and the log.
@@ -434,6 +468,12 @@ impl Companion {
         } else if self.keeper.commands() && !self.can_decide(now_s) {
             self.fault(Fault::NoDecision, now_s);
         }
+        let is_over = self
+            .ending_s
+            .is_some_and(|since_s| now_s - since_s >= LONGEST_END_S);
+        if is_over && self.keeper.commands() {
+            self.fault(Fault::ProgramEnds, now_s);
+        }
     }
 
     fn fault(&mut self, fault: Fault, now_s: f64) {
@@ -454,13 +494,14 @@ impl Companion {
                 Action::Tell(severity, words) => self.tell(severity, words, now_s),
                 Action::Resumed => {
                     self.counts.maneuvers += 1;
-                    self.resumed = true;
+                    self.resumed_s = Some(now_s);
                     self.start_commanding(now_s);
                 }
                 Action::Began => {
                     self.counts.maneuvers += 1;
                     self.noted_boot_ms = Some(self.boot_ms);
                     self.item_to_resume = self.mission_item.filter(|_| self.restarts_mission());
+                    self.begin_passing();
                     self.start_commanding(now_s);
                     self.tell_threat(now_s);
                 }
@@ -508,7 +549,7 @@ impl Companion {
     fn forget_plan(&mut self) {
         self.decider = None;
         self.decided = None;
-        self.resumed = false;
+        self.resumed_s = None;
         self.commanded_lately.clear();
     }
 }

@@ -92,8 +92,8 @@ pub struct ProtectionConfig {
     pub surveillance_m: Option<f64>,
     /// Horizon of the certificate, seconds.
     pub horizon_s: f64,
-    /// Safety score `C_s`: share of the time until the latest safe start that it waits; without it
-    /// the start is chosen for the least departure.
+    /// Safety score `C_s`: share of the time until the latest safe start that it waits for obstacles at rest; 0.9
+    /// without it.
     pub safety_score: Option<f64>,
 }
 

@@ -19,7 +19,7 @@ mod shared;
 mod status;
 
 use alloc::sync::Arc;
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicU32, Ordering};
 use core::time::Duration;
 use std::io;
 use std::path::PathBuf;
@@ -100,15 +100,16 @@ impl Sequences {
     }
 }
 
-/// Flies until `stop` is set; restores the vehicle's mode before it returns, also after a panic. `watch`
-/// sees the companion after each step; the flight waits for it.
+/// Flies until `stop`, the number of signals to end, is not 0; restores the vehicle's mode before it returns, also after a
+/// panic: after the first signal as soon as nothing threatens, after the second at once. `watch` sees the companion after each
+/// step; the flight waits for it.
 ///
 /// # Errors
 /// An unusable configuration or endpoint, or a part of the program that has failed. An unwritable log
 /// is no error; the companion reports it.
 pub fn fly(
     options: &FlyOptions,
-    stop: &Arc<AtomicBool>,
+    stop: &Arc<AtomicU32>,
     watch: &mut dyn FnMut(&Companion),
 ) -> io::Result<()> {
     let invalid = |error: crate::config::ConfigError| {
@@ -124,13 +125,16 @@ pub fn fly(
     {
         signing.go_on_from(&kept);
     }
-    let notes = notebook::read_notes(&options.out);
+    let (notes, troubles) = notebook::read_notes(&options.out);
     let mut companion = Companion::new(options.config.clone(), options.dry_run).map_err(invalid)?;
     companion.set_notes(notes);
     let shared = Arc::new(Shared::new(
         Arc::clone(stop),
         options.config.vehicle.system_id,
     ));
+    for words in troubles {
+        shared.trouble(words);
+    }
     let (to, events) = sync_channel(INBOX);
     let (parcels, to_write) = sync_channel(OUTBOX);
     let threads = start(
@@ -259,19 +263,32 @@ struct Pilot<'a> {
 
 impl Pilot<'_> {
     fn run(&mut self, events: &Receiver<Event>, watch: &mut dyn FnMut(&Companion)) {
-        let ended = || self.shared.stop.load(Ordering::Relaxed);
-        while !ended() && locked(&self.shared.failed).is_none() && self.turn(events) {
+        let signals = || self.shared.stop.load(Ordering::Relaxed);
+        while signals() == 0 && locked(&self.shared.failed).is_none() && self.turn(events) {
             watch(self.companion);
             let (companion, now_s) = (&*self.companion, self.shared.now_s());
             self.status
                 .show(|| companion.status_line(now_s) + &companion.feeds_in_words());
         }
-        self.companion.shut_down(self.shared.now_s());
-        let since = Instant::now();
+        let (now_s, mut since) = (self.shared.now_s(), Instant::now());
+        if locked(&self.shared.failed).is_some() {
+            self.companion.shut_down_at_once(now_s);
+        } else {
+            self.companion.shut_down(now_s);
+        }
         while self.turn(events)
             && self.companion.owed_mode().is_some()
             && since.elapsed() < LAST_WORDS
-        {}
+        {
+            watch(self.companion);
+            if self.companion.flies() {
+                since = Instant::now();
+                let is_urgent = signals() > 1 || locked(&self.shared.failed).is_some();
+                if is_urgent {
+                    self.companion.shut_down_at_once(self.shared.now_s());
+                }
+            }
+        }
     }
 
     /// Takes events, advances the time and sends; `false` when nothing can come any more.
@@ -289,6 +306,10 @@ impl Pilot<'_> {
         let now_s = self.shared.now_s();
         for words in self.shared.take_troubles() {
             self.companion.tell_trouble(&words, now_s);
+        }
+        match self.shared.version1.load(Ordering::Relaxed) {
+            0 => {}
+            system_id => self.companion.hear_version1(system_id, now_s),
         }
         self.companion.tick(now_s);
         *locked(&self.shared.owed) = self.companion.owed();

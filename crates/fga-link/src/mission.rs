@@ -78,6 +78,8 @@ pub struct Way {
     pub waypoints_m: Vec<Vec3>,
     /// The mission item of each; `None` for a start that is no item.
     pub items: Vec<Option<u16>>,
+    /// The items without a place that run when the leg to each begins.
+    pub commands: Vec<Vec<u16>>,
 }
 
 /// Most legs ahead.
@@ -135,6 +137,8 @@ pub fn way_ahead(
     };
     way.waypoints_m.push(begin_m);
     way.items.push(item);
+    way.commands.push(Vec::new());
+    let mut commands = Vec::new();
     let (mut next, mut jumps) = (current.max(1), 0);
     while next < items.len() && way.waypoints_m.len() < MOST_WAYPOINTS {
         let index = next;
@@ -160,10 +164,22 @@ pub fn way_ahead(
                 way.waypoints_m.push(from_m);
                 way.items.push(None);
             } else if repeated {
+                // Passed with the one before.
+                if let (Some(item), Some(before)) = (way.items.last_mut(), way.commands.last_mut())
+                {
+                    *item = u16::try_from(index).ok();
+                    before.append(&mut commands);
+                }
                 continue;
             }
             way.waypoints_m.push(at_m);
             way.items.push(u16::try_from(index).ok());
+            way.commands.push(core::mem::take(&mut commands));
+        } else if !matches!(
+            command,
+            Some(MavCmd::MAV_CMD_DO_LAND_START | MavCmd::MAV_CMD_NAV_SPLINE_WAYPOINT)
+        ) {
+            commands.extend(u16::try_from(index));
         }
         let ends = matches!(
             command,
@@ -241,11 +257,13 @@ mod tests {
         let here = Vec3::new(5.0, 0.0, 90.0);
         let way = way_ahead(&items, 3, here, &frame, 10.0);
         assert_eq!(way.items, [Some(1), Some(3)]);
+        assert!(way.commands.iter().all(Vec::is_empty), "it ran before");
         // 1e-3° of latitude is 111 m (110.97 m at 37°, by the standard formula).
         assert!((way.waypoints_m[0].y - 110.97).abs() < 0.05, "{way:?}");
         assert!((way.waypoints_m[0].z - 100.0).abs() < 1e-9);
         let first = way_ahead(&items, 1, here, &frame, 10.0);
         assert_eq!(first.items, [None, Some(1), Some(3)]);
+        assert_eq!(first.commands, [vec![], vec![], vec![2_u16]]);
         assert_eq!(first.waypoints_m[0], here);
     }
 

@@ -23,7 +23,7 @@ struct Stream {
 const ATTITUDE: usize = 0;
 const POSITION: usize = 1;
 /// The messages and their intervals; the heartbeat more often than usual, because it has the mode.
-const STREAMS: [Stream; 11] = [
+const STREAMS: [Stream; 12] = [
     Stream {
         message_id: 30.0,
         interval_s: 0.05,
@@ -70,6 +70,11 @@ const STREAMS: [Stream; 11] = [
         message_id: 24.0,
         interval_s: 2.0,
     },
+    // Whether the fence is enabled.
+    Stream {
+        message_id: 1.0,
+        interval_s: 1.0,
+    },
 ];
 
 /// The index in [`STREAMS`] of a message.
@@ -86,6 +91,7 @@ const fn slot(message: &MavMessage) -> Option<usize> {
         MavMessage::SYSTEM_TIME(_) => 8,
         MavMessage::SCALED_PRESSURE(_) => 9,
         MavMessage::GPS_RAW_INT(_) => 10,
+        MavMessage::SYS_STATUS(_) => 11,
         _ => return None,
     })
 }

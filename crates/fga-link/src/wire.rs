@@ -5,7 +5,7 @@
 //! is set). It never holds more than one frame and a read.
 
 use mavlink::dialects::ardupilotmega::MavMessage;
-use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message};
+use mavlink::{MAVLinkV1MessageRaw, MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message};
 
 pub use crate::signing::{Signing, Timestamps};
 
@@ -48,6 +48,25 @@ pub struct FrameCounts {
     pub refused: u64,
     /// Frames with a right checksum and content outside of the dialect.
     pub not_understood: u64,
+    /// The sender of a MAVLink 1 frame, where no MAVLink 2 frame came before it.
+    pub version1: Option<u8>,
+}
+
+/// The first byte of a MAVLink 1 frame, and its length without the payload.
+const START_1: u8 = 0xFE;
+const AROUND_1: usize = 8;
+
+/// The sender of the first whole MAVLink 1 frame in some bytes.
+fn version1_sender(bytes: &[u8]) -> Option<u8> {
+    (0..bytes.len()).find_map(|from| {
+        let rest = bytes.get(from..)?;
+        let (start, payload) = (*rest.first()?, *rest.get(1)?);
+        let candidate = rest.get(..AROUND_1 + usize::from(payload))?;
+        let mut whole = [0; mavlink::consts::v1::FRAME_SIZE];
+        whole.get_mut(..candidate.len())?.copy_from_slice(candidate);
+        let raw = MAVLinkV1MessageRaw::from_bytes_unparsed(whole);
+        (start == START_1 && raw.has_valid_crc::<MavMessage>()).then(|| raw.system_id())
+    })
 }
 
 /// Finds frames in a stream of bytes.
@@ -81,6 +100,9 @@ impl Framer {
 
     /// Takes bytes and calls `sink` for each whole message in them.
     pub fn push(&mut self, mut bytes: &[u8], mut sink: impl FnMut(Frame)) {
+        if self.counts.good == 0 && self.counts.version1.is_none() {
+            self.counts.version1 = version1_sender(bytes);
+        }
         while !bytes.is_empty() {
             let room = 2 * LONGEST_FRAME - self.buffer.len().min(2 * LONGEST_FRAME - 1);
             let (now, later) = bytes.split_at(room.min(bytes.len()));
@@ -222,6 +244,27 @@ mod tests {
             assert_eq!(frames.len(), 20, "pieces of {piece}");
             assert_eq!(frames[19].message, attitude(19.0));
             assert!(framer.buffer.len() < 2 * LONGEST_FRAME);
+        }
+    }
+
+    #[test]
+    fn l14_mavlink_1_is_noticed_before_any_mavlink_2() {
+        let mut raw = MAVLinkV1MessageRaw::new();
+        raw.serialize_message(header(3), &attitude(1.0));
+        let mut framer = Framer::new(None);
+        let noise = [0xFE, 0xFE, 1, 9];
+        let stream: Vec<u8> = noise.iter().chain(raw.raw_bytes()).copied().collect();
+        assert!(all(&mut framer, &stream).is_empty());
+        assert_eq!(framer.counts().version1, Some(7));
+        let mut framer = Framer::new(None);
+        all(
+            &mut framer,
+            encode(header(0), &attitude(1.0), None).raw_bytes(),
+        );
+        all(&mut framer, &stream);
+        assert_eq!(framer.counts().version1, None, "MAVLink 2 is heard");
+        for length in 0..raw.raw_bytes().len() {
+            assert_eq!(version1_sender(&raw.raw_bytes()[..length]), None);
         }
     }
 

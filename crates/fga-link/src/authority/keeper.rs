@@ -30,6 +30,8 @@ const WHOSE_MODE: &str = "fga: mode is perhaps our late request: set one";
 /// mode from before by itself.
 const NOBODY_FLIES: &str = "fga: GUIDED, but nobody flies: set a mode";
 
+/// The operator reads that at most once in this time, seconds.
+const NOBODY_AGAIN_S: f64 = 5.0;
 /// The same after a gap in the telemetry, which ends as suddenly as it began, seconds.
 const GAP_SETTLE_S: f64 = 0.4;
 
@@ -56,6 +58,8 @@ pub struct Keeper {
     /// The mode in the last heartbeat.
     told: Option<Mode>,
     requests: Requests,
+    /// When the operator last read that nobody flies, seconds.
+    nobody_told_s: f64,
 }
 
 impl Keeper {
@@ -70,6 +74,7 @@ impl Keeper {
             disarmed_s: None,
             told: None,
             requests: Requests::NONE,
+            nobody_told_s: f64::NEG_INFINITY,
         }
     }
 
@@ -280,7 +285,10 @@ impl Keeper {
             }
             if mode == self.target && self.was_displaced() && !self.undoes(mode, now_s) {
                 let mut actions = self.mode_told(mode, now_s);
-                actions.push(Action::Tell(Severity::Critical, NOBODY_FLIES));
+                if now_s - self.nobody_told_s >= NOBODY_AGAIN_S {
+                    self.nobody_told_s = now_s;
+                    actions.push(Action::Tell(Severity::Critical, NOBODY_FLIES));
+                }
                 return actions;
             }
             if before == self.target && origin != Origin::Ours && self.ends_what_is_owed(mode) {

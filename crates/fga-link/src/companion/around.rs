@@ -7,6 +7,8 @@ use fga_formats::geodesy::Geodetic;
 use super::Companion;
 use crate::authority::Severity;
 use crate::config::{Config, VirtualObstacle};
+use crate::mode::Mode;
+use crate::number;
 use crate::ownship::State;
 use crate::traffic::fence::{CEILING_ID, FLOOR_ID, layer};
 use crate::traffic::report::{Quality, Sender};
@@ -16,6 +18,10 @@ use crate::traffic::{AltitudeReference, Class, Report, Source, Volumes};
 
 /// Identifier of the first virtual obstacle.
 pub(super) const FIRST_VIRTUAL_ID: usize = 1_000;
+/// The vehicle flies this near to its way by itself, metres: a fence closer to the way is no reason to leave it.
+const OFF_WAY_M: f64 = 25.0;
+/// Bit of `FENCE_TYPE`: circles and polygons.
+const FENCE_TYPE_PLACES: u16 = 4;
 /// Most tracks of one decision.
 const MOST_TRACKS: usize = 64;
 /// The configuration's obstacles: a report each, the volume, and when they were at that place.
@@ -74,6 +80,42 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
 }
 
 impl Companion {
+    /// Whether the stored fence counts for the vehicle. Its status says so, also where the mission or a switch enabled
+    /// it; a fence that only reports has no status.
+    fn fence_is_active(&self) -> bool {
+        let value = |name| self.parameters.get(name);
+        let is_enabled = value("FENCE_ENABLE").is_none_or(|enabled| enabled != 0.0);
+        let is_enabled = match self.fence_enabled {
+            Some(enabled) if value("FENCE_ACTION") != Some(0.0) => enabled,
+            _ => is_enabled,
+        };
+        let bars_places =
+            value("FENCE_TYPE").is_none_or(|kinds| number::to_u16(kinds) & FENCE_TYPE_PLACES != 0);
+        is_enabled && bars_places
+    }
+
+    /// The fence near the aircraft: nothing while it does not count.
+    pub(super) fn fence_obstacles(&mut self, own_m: Vec3, now_s: f64) -> Vec<Obstacle> {
+        let mut posts = Vec::new();
+        if !self.config.safety.use_fence || !self.fence_is_active() {
+            return posts;
+        }
+        let (met_m, left_m) = self.way_left(own_m);
+        let way_m: Vec<Vec3> = core::iter::once(met_m)
+            .chain(left_m.iter().copied())
+            .collect();
+        let clear_m = self.config.protection.margin_m + OFF_WAY_M;
+        let crossed = self.fence.obstacles(own_m, &way_m, clear_m, &mut posts);
+        // Until the vehicle has answered which kinds of fence count, all do.
+        let of_mission = self.way_mode == Some(Mode::AUTO) && self.parameters.is_complete();
+        let lists = (self.mission_laid, self.fence_laid);
+        if crossed && of_mission && self.told_crossing.replace(lists) != Some(lists) {
+            let words = "fga: the mission crosses the fence: flown as it is";
+            self.tell(Severity::Warning, words, now_s);
+        }
+        posts
+    }
+
     pub(super) fn gather_obstacles(&mut self, state: &State, now_s: f64) {
         self.obstacles.clear();
         let at_s = now_s + self.ahead_s;
@@ -113,9 +155,6 @@ impl Companion {
                 "fga: traffic overload, most urgent kept",
                 now_s,
             );
-        }
-        if self.config.safety.use_fence {
-            self.fence.obstacles(own_m, &mut self.obstacles);
         }
         let climbs = self
             .decider

@@ -1,6 +1,7 @@
 //! From telemetry and tracks to a decision, and from the decision to who flies.
 
 use fga::avoider::{Decision, Reason, State as AvoiderState};
+use fga::maneuver::Maneuver;
 use fga::situation::{Mission, Obstacles, Situation};
 use fga::vehicle::{Response, Vehicle};
 use serde_json::json;
@@ -13,6 +14,11 @@ use crate::telling;
 
 /// The vehicle gets its mode back after this long on the leg, seconds.
 const ON_LEG_FOR_S: f64 = 0.4;
+/// A manoeuvre that is taken up again listens this long for traffic before it may end, seconds: the longest interval of reports
+/// (5 s), and the delay of one.
+const LISTENS_S: f64 = 6.0;
+/// A program that is to end gives the mode back when the vehicle's own course keeps this much more clear than the margin, m.
+const ENDS_CLEAR_M: f64 = 30.0;
 /// The companion takes over when a manoeuvre begins within this time, seconds.
 const PREPARE_S: f64 = 0.6;
 /// A change of airspeed or response that requires new limits, as a share.
@@ -86,12 +92,19 @@ impl Companion {
         if !self.keeper.commands() {
             self.hand.watch(&state);
         }
-        let Some(decision) = self.decision_for(&state, now_s) else {
+        let Some(mut decision) = self.decision_for(&state, now_s) else {
             self.undecided_s.get_or_insert(now_s);
             return;
         };
         self.counts.decisions += 1;
         self.undecided_s = None;
+        if self.keeper.commands() {
+            self.watch_passing(state.ownship.position_m);
+            if self.listens(now_s) && decision.state == AvoiderState::Cruise {
+                // The course of the manoeuvre: the way back may lead to what was not heard yet.
+                decision.command = Maneuver::hold();
+            }
+        }
         self.decided = Some(Decided {
             decision,
             for_s: now_s + self.ahead_s,
@@ -129,16 +142,39 @@ impl Companion {
         self.renew_way(state, now_s);
         self.renew_decider(now_s)?;
         self.gather_obstacles(state, now_s);
-        self.grow_obstacles(now_s);
         self.watch_alerts(state, now_s);
-        let situation = Situation {
+        let fence = self.fence_obstacles(state.ownship.position_m, now_s);
+        let is_free = !fence.is_empty() && !self.keeper.is_engaged();
+        if is_free && let Some(decision) = self.quiet_without_fence(state, now_s) {
+            return Some(decision);
+        }
+        self.obstacles.extend(fence);
+        self.grow_obstacles(now_s);
+        let mut decider = self.decider.take()?;
+        let decision = decider.step(&self.situation(state, now_s));
+        self.decider = Some(decider);
+        Some(decision)
+    }
+
+    fn situation(&self, state: &State, now_s: f64) -> Situation<'_> {
+        Situation {
             time_s: now_s + self.ahead_s,
             ownship: state.ownship,
             obstacles: Obstacles::Rows(&self.obstacles),
             mission: Mission::new(&self.way.waypoints_m),
             wind_mps: state.wind_mps,
-        };
-        Some(self.decider.as_mut()?.step(&situation))
+        }
+    }
+
+    /// The decision of a vehicle that flies by itself with nothing but the fence near: a fence bounds manoeuvres and begins none.
+    fn quiet_without_fence(&mut self, state: &State, now_s: f64) -> Option<Decision> {
+        let mut decider = self.decider.clone()?;
+        let decision = decider.step(&self.situation(state, now_s));
+        if decision.state != AvoiderState::Cruise {
+            return None;
+        }
+        self.decider = Some(decider);
+        Some(decision)
     }
 
     /// Measured airspeed, or cruise airspeed, metres per second.
@@ -241,9 +277,20 @@ impl Companion {
         if !self.keeper.commands() {
             return;
         }
-        if self.is_back(decision, state, now_s) {
+        let is_back = self.is_back(decision, state, now_s);
+        // The vehicle answers while the aircraft settles on the leg.
+        let is_set = self.on_way_since_s.is_some() && self.item_is_set(now_s);
+        let clear_m = self.config.protection.margin_m + ENDS_CLEAR_M;
+        let ends = self.ending_s.is_some()
+            && !self.listens(now_s)
+            && (is_back || !self.given_back_collides(state, clear_m));
+        if !(is_back && is_set || ends && self.item_is_set(now_s)) {
+            return;
+        }
+        if ends {
+            self.fault(Fault::ProgramEnds, now_s);
+        } else {
             self.fly_straight(now_s);
-            self.resume_item(now_s);
             let actions = self.keeper.hand_back(now_s);
             self.perform(&actions, now_s);
         }
@@ -261,14 +308,20 @@ impl Companion {
         );
     }
 
+    /// Whether it has taken up a manoeuvre so lately that aircraft may not have reported yet: nothing heard is no
+    /// evidence that nothing threatens.
+    fn listens(&self, now_s: f64) -> bool {
+        self.resumed_s
+            .is_some_and(|since_s| now_s - since_s < LISTENS_S)
+    }
+
     /// Whether the aircraft is back on its way and nothing threatens.
     fn is_back(&mut self, decision: &Decision, state: &State, now_s: f64) -> bool {
-        if decision.state != AvoiderState::Cruise {
-            self.resumed = false;
+        if self.listens(now_s) {
+            return false;
         }
         let on_way = match decision.state {
-            // The way back of a manoeuvre from an earlier run is the vehicle's own.
-            AvoiderState::Cruise => self.resumed || self.is_on_leg(state),
+            AvoiderState::Cruise => self.is_on_leg(state),
             // The end of a planned way back leaves time for the slowest roll.
             AvoiderState::Recovering => {
                 decision.record.threat.is_none()

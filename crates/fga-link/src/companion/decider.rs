@@ -12,8 +12,13 @@ use crate::config::{CommandMode, Config};
 /// How much faster than estimated a vehicle may turn: the estimate of the turn-rate factor is a little low.
 const TURN_RATE_EXCESS: f64 = 1.07;
 
+/// Where the configuration has no safety score: a manoeuvre for obstacles at rest begins after this share of the time until the
+/// latest certified start. The least departure from the mission would begin as soon as the obstacle is seen, and hold the mode for
+/// a minute; manoeuvres for aircraft wait anyway.
+const LATE_SCORE: f64 = 0.9;
+
 /// The pilot of a companion.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) enum Decider {
     Avoider(Box<Avoider>),
     Paper(Box<PaperPilot>),
@@ -38,7 +43,7 @@ impl Decider {
             return Ok(Self::Paper(Box::new(PaperPilot::new(settings, vehicle)?)));
         }
         let settings = Settings {
-            start: protection.safety_score.map_or(Start::Free, Start::Score),
+            start: Start::Score(protection.safety_score.unwrap_or(LATE_SCORE)),
             decision_period_s,
             surveillance_radius_m,
             horizon_s: protection.horizon_s,

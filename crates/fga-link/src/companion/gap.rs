@@ -8,6 +8,7 @@
 use fga::Vec3;
 use fga::angle::wrap_pi;
 use fga::avoider::Decision;
+use fga::situation::ObstacleKind;
 use mavlink::dialects::ardupilotmega::{MavMessage, TIMESYNC_DATA};
 
 use super::Companion;
@@ -119,7 +120,7 @@ impl Companion {
         if proven || age_s <= LEAST_BLIND_S {
             return;
         }
-        if self.given_back_collides(state, now_s) {
+        if self.given_back_collides(state, -self.growth_m(now_s)) {
             if !core::mem::replace(&mut self.gap.collision, true) {
                 let words = "fga: no telemetry, not given back: collision";
                 self.tell(Severity::Critical, words, now_s);
@@ -144,21 +145,25 @@ impl Companion {
         self.fault(fault, now_s);
     }
 
-    /// Whether the vehicle, with its mode restored now, is known to enter a volume: it turns to its next
-    /// waypoint and flies there.
-    fn given_back_collides(&self, state: &State, now_s: f64) -> bool {
+    /// Whether the vehicle, with its mode restored now, is known to come nearer to a volume than `clear_m`: it turns to
+    /// its next waypoint and flies there.
+    pub(super) fn given_back_collides(&self, state: &State, clear_m: f64) -> bool {
         let Some(decider) = &self.decider else {
             return false;
         };
         let rate_radps = decider.vehicle().course_rate_radps();
         let to_m = self.way.waypoints_m.get(decider.leg_index() + 1).copied();
-        let grown_m = self.growth_m(now_s);
         let (mut at_m, mut course_rad) = (state.ownship.position_m, state.ownship.course_rad);
         let mut after_s = 0.0;
         while after_s < GIVEN_BACK_S {
-            let enters = self.obstacles.iter().any(|obstacle| {
+            // Fences, floor and ceiling are the mission's own business.
+            let beings = self
+                .obstacles
+                .iter()
+                .filter(|obstacle| obstacle.kind != ObstacleKind::NaturalBarrier);
+            let enters = beings.into_iter().any(|obstacle| {
                 let offset_m = at_m - obstacle.position_after_m(after_s);
-                obstacle.volume.margin_m(offset_m) + grown_m < 0.0
+                obstacle.volume.margin_m(offset_m) < clear_m
             });
             if enters {
                 return true;

@@ -110,6 +110,10 @@ pub(super) struct Neighbors {
     /// An autopilot that is no ArduPlane, heard before any plane: its system id, and since when, seconds.
     stranger: Option<(u8, f64)>,
     stranger_told: bool,
+    /// A sender of MAVLink 1, heard before any plane.
+    version1: Option<u8>,
+    /// A plane that is not the configured one.
+    other: Option<u8>,
 }
 
 impl Neighbors {
@@ -128,9 +132,21 @@ impl Neighbors {
         self.chosen = true;
     }
 
-    /// System id of a vehicle that the companion cannot fly.
-    pub(super) fn stranger(&self) -> Option<u8> {
-        self.stranger.map(|(system, _)| system)
+    /// What is heard instead of a vehicle, in words.
+    pub(super) fn instead(&self) -> Option<String> {
+        if let Some((system, _)) = self.stranger {
+            return Some(format!("{system} is no ArduPlane"));
+        }
+        if let Some(system) = self.version1 {
+            return Some(format!("{system} sends MAVLink 1, expected MAVLink 2"));
+        }
+        self.other
+            .map(|system| format!("{system} is heard, expected vehicle.system_id"))
+    }
+
+    /// A plane that is not the configured one was heard.
+    pub(super) const fn hear_other(&mut self, system: u8) {
+        self.other = Some(system);
     }
 }
 
@@ -138,8 +154,9 @@ impl Companion {
     /// The only system id that counts; `None` takes the first plane.
     pub(super) fn wanted_system(&self) -> Option<u8> {
         let configured = Some(self.config.vehicle.system_id).filter(|id| *id != 0);
-        // An earlier run of this program owes a mode to this vehicle.
-        configured.or_else(|| self.notes.last().map(|note| note.system_id))
+        // An earlier run of this program owes a mode to the vehicle that is heard.
+        let noted = self.notes.last().filter(|_| self.heard.is_some());
+        configured.or_else(|| noted.map(|note| note.system_id))
     }
 
     /// Takes a position of the vehicle's id, whoever sent it.
@@ -155,6 +172,14 @@ impl Companion {
             let at_m = frame.to_local_m(place);
             self.senders
                 .stand(data.time_boot_ms, at_m, velocity_mps, now_s);
+        }
+    }
+
+    /// The link carries MAVLink 1 frames of a system, which nobody here reads.
+    pub fn hear_version1(&mut self, system: u8, now_s: f64) {
+        if self.heard.is_none() && self.neighbors.version1.replace(system).is_none() {
+            let words = format!("fga: {system} sends MAVLink 1, expected MAVLink 2");
+            self.tell(Severity::Warning, &words, now_s);
         }
     }
 

@@ -5,8 +5,8 @@ use fga_formats::geodesy::LocalFrame;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     ATTITUDE_DATA, COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd,
-    MavMessage, MavMissionType, MavModeFlag, MavParamType, MavResult, MavType, PARAM_SET_DATA,
-    PARAM_VALUE_DATA, PING_DATA,
+    MavMessage, MavMissionType, MavModeFlag, MavParamType, MavResult, MavSysStatusSensor, MavType,
+    PARAM_SET_DATA, PARAM_VALUE_DATA, PING_DATA,
 };
 use serde_json::json;
 
@@ -17,10 +17,14 @@ use crate::mode::Mode;
 use crate::number::single;
 use crate::outgoing::{AUTOPILOT, OWN_COMPONENT};
 use crate::ownship::Update;
+use crate::restart::Note;
 use crate::traffic::fence;
 
 /// Name of the switch among this component's parameters.
 const ENABLE: &str = "FGA_ENABLE";
+/// The first vehicle waits this long for one that an earlier run left in a manoeuvre, seconds: each sends its heartbeat once a
+/// second.
+const NOTED_S: f64 = 3.0;
 /// Interval between reports of contradicting heartbeats, s.
 const CONTRADICTION_AGAIN_S: f64 = 5.0;
 
@@ -78,6 +82,11 @@ impl Companion {
         let wanted = self.wanted_system();
         let Some(heard) = &mut self.heard else {
             if wanted.is_some_and(|wanted| wanted != system) {
+                self.neighbors.hear_other(system);
+                self.tell_left(system, mode, now_s);
+                return;
+            }
+            if self.waits_for_noted(system, mode, now_s) {
                 return;
             }
             self.hearing.hear(beat, now_s);
@@ -88,6 +97,7 @@ impl Companion {
                 since_s: now_s,
                 heartbeat_s: now_s,
             });
+            let others: Vec<u8> = self.notes.iter().map(|note| note.system_id).collect();
             self.notes.retain(|note| note.fits(system, mode));
             self.outbox.set_own_system(system);
             self.mission.begin();
@@ -101,6 +111,10 @@ impl Companion {
                 "fga: connected"
             };
             self.tell(Severity::Info, words, now_s);
+            for other in others.into_iter().filter(|other| *other != system) {
+                let words = format!("fga: note of vehicle {other} left aside");
+                self.tell(Severity::Warning, &words, now_s);
+            }
             self.note(
                 now_s,
                 "vehicle",
@@ -138,6 +152,9 @@ impl Companion {
         // The mode first: whoever changed it wins, whatever else this message contains.
         let actions = self.keeper.heartbeat(mode, armed, now_s);
         self.perform(&actions, now_s);
+        if mode == Mode::AUTO {
+            self.mission_goes_on();
+        }
         if mode == Mode::AUTO && mode_was == self.keeper.target() {
             self.set_item_to_resume(now_s);
         }
@@ -163,7 +180,10 @@ impl Companion {
     fn take_note(&mut self, boot_ms: u32, now_s: f64) {
         let Some(note) = self.notes.pop() else { return };
         self.notes.clear();
-        if note.counts(boot_ms) {
+        let may_resume = !self.dry_run && Mode(note.owned_mode) == self.keeper.target();
+        if note.counts(boot_ms) && !may_resume {
+            self.tell_left_in(note, now_s);
+        } else if note.counts(boot_ms) {
             self.neighbors.choose();
             self.keeper.resume(note.previous(), now_s);
             self.noted_boot_ms = Some(note.boot_ms);
@@ -179,6 +199,37 @@ impl Companion {
                 now_s,
             );
         }
+    }
+
+    /// Whether a vehicle of which a note says that it was left in a manoeuvre may still be heard: that one is ours.
+    fn waits_for_noted(&mut self, system: u8, mode: Mode, now_s: f64) -> bool {
+        if self.wanted_system().is_some()
+            || self.notes.is_empty()
+            || self.notes.iter().any(|note| note.fits(system, mode))
+        {
+            return false;
+        }
+        now_s - *self.noted_wait_s.get_or_insert(now_s) < NOTED_S
+    }
+
+    /// Reports that an earlier run left a vehicle that is not ours in a manoeuvre.
+    fn tell_left(&mut self, system: u8, mode: Mode, now_s: f64) {
+        let found = self.notes.iter().position(|note| note.fits(system, mode));
+        if let Some(index) = found {
+            let note = self.notes.remove(index);
+            self.tell_left_in(note, now_s);
+        }
+    }
+
+    /// Reports that an earlier run left the vehicle in a manoeuvre that this one does not take up.
+    fn tell_left_in(&mut self, note: Note, now_s: f64) {
+        let (system, mode) = (note.system_id, Mode(note.owned_mode));
+        let (mode, previous) = (mode.name(), note.previous());
+        let words = format!(
+            "fga: vehicle {system} left in {mode}: set {}",
+            previous.name()
+        );
+        self.tell(Severity::Critical, &words, now_s);
     }
 
     fn take_telemetry(&mut self, message: &MavMessage, now_s: f64) {
@@ -203,6 +254,10 @@ impl Companion {
                 if update == Update::Fresh {
                     self.prompted(now_s);
                 }
+            }
+            MavMessage::SYS_STATUS(data) => {
+                let fence = MavSysStatusSensor::MAV_SYS_STATUS_GEOFENCE;
+                self.fence_enabled = Some(data.onboard_control_sensors_enabled.contains(fence));
             }
             MavMessage::VFR_HUD(data) => self.ownship.take_hud(data),
             MavMessage::WIND(data) => self.ownship.take_wind(data, now_s),

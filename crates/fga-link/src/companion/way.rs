@@ -1,5 +1,7 @@
 //! The vehicle's intended way, and whether it is back on it.
 
+use core::ops::Range;
+
 use fga::Vec3;
 use fga::angle::{course_of, wrap_pi};
 use fga::avoider::{Decision, State as AvoiderState};
@@ -8,8 +10,9 @@ use serde_json::json;
 
 use super::Companion;
 use super::decider::Decider;
+use crate::authority::Severity;
 use crate::commands::Command;
-use crate::mission::{Way, item_position_m, way_ahead};
+use crate::mission::{Item, Way, item_position_m, way_ahead};
 use crate::mode::Mode;
 use crate::number::single;
 use crate::ownship::State;
@@ -24,6 +27,10 @@ const CRUISE_OFF_RAD: f64 = 0.05;
 const ON_LEG_M: f64 = 18.0;
 const ON_LEG_RAD: f64 = 0.06;
 const ON_LEG_HEIGHT_M: f64 = 12.0;
+/// Copies of the request to set an item arrive within this time after its answer, seconds.
+const SET_SETTLES_S: f64 = 0.3;
+/// A waypoint that is passed farther off was not flown to, metres; `WP_RADIUS` where that is less.
+const NEAR_WAYPOINT_M: f64 = 30.0;
 /// Targets closer together than this count as one, metres.
 pub(super) const SAME_TARGET_M: f64 = 5.0;
 
@@ -90,6 +97,7 @@ impl Companion {
                 self.way = Way {
                     waypoints_m: vec![own_m, own_m + ahead * CRUISE_AHEAD_M],
                     items: vec![None, None],
+                    ..Way::default()
                 };
             }
         }
@@ -100,6 +108,7 @@ impl Companion {
         self.way = Way {
             waypoints_m: to_m.map_or_else(Vec::new, |to_m| vec![own_m, to_m]),
             items: vec![None, None],
+            ..Way::default()
         };
     }
 
@@ -108,6 +117,7 @@ impl Companion {
         self.way_mode = Some(mode);
         self.way_item = self.mission_item;
         self.decider = None;
+        self.begin_passing();
         self.note(
             now_s,
             "way",
@@ -138,6 +148,7 @@ impl Companion {
             self.way = Way {
                 waypoints_m: vec![own_m, to_m],
                 items: vec![None, self.mission_item],
+                ..Way::default()
             };
             self.way_mission = None;
             return true;
@@ -245,6 +256,7 @@ impl Companion {
     /// Where the vehicle begins its mission again with each change to AUTO, sets the item to go on with.
     pub(super) fn set_item_to_resume(&mut self, now_s: f64) {
         if let Some(item) = self.item_to_resume.take() {
+            self.tell_repeated(now_s);
             self.set_item(item, now_s);
         }
     }
@@ -261,18 +273,167 @@ impl Companion {
         self.note(now_s, "set-item", json!({ "item": item }));
     }
 
-    /// Sets the vehicle's mission item, if the aircraft passed waypoints meanwhile.
-    pub(super) fn resume_item(&mut self, now_s: f64) {
-        if self.owed_mode() != Some(Mode::AUTO) {
-            return;
-        }
-        let (Some(item), Some(known)) = (self.current_leg_item(), self.mission_item) else {
-            return;
+    /// A manoeuvre begins, or another way in one: from here on waypoints are passed without the vehicle.
+    pub(super) fn begin_passing(&mut self) {
+        // The decider and the vehicle pass a waypoint at slightly different moments.
+        let leg = self.decider.as_ref().map_or(0, Decider::leg_index);
+        let around = [leg + 1, leg]
+            .into_iter()
+            .chain(leg + 2..self.way.items.len());
+        let next = self.flown_to(around).unwrap_or(leg + 1);
+        self.passing = Passing {
+            next,
+            known: self.mission_item,
+            nearest_m: vec![f64::INFINITY; self.way.waypoints_m.len()],
+            pending: core::mem::take(&mut self.passing.pending),
+            ..Passing::default()
         };
-        if self.restarts_mission() {
-            self.item_to_resume = Some(item);
-        } else if item != known {
-            self.set_item(item, now_s);
+    }
+
+    /// The first of some indices of the way whose waypoint is the vehicle's present item.
+    fn flown_to(&self, mut indices: impl Iterator<Item = usize>) -> Option<usize> {
+        let item = self.mission_item?;
+        indices.find(|index| self.way.items.get(*index) == Some(&Some(item)))
+    }
+
+    /// Measures how near the aircraft comes to each waypoint.
+    pub(super) fn watch_passing(&mut self, own_m: Vec3) {
+        for (nearest_m, waypoint_m) in self.passing.nearest_m.iter_mut().zip(&self.way.waypoints_m)
+        {
+            *nearest_m = nearest_m.min((own_m - *waypoint_m).truncate().length());
         }
     }
+
+    /// The waypoints of the way that this manoeuvre has passed and the vehicle has not.
+    fn passed(&mut self) -> Range<usize> {
+        let known = self.mission_item;
+        if known != self.passing.known {
+            self.passing.known = known;
+            // An item before that was asked for earlier, or set by a ground station: it stays.
+            if let Some(index) = self.flown_to(self.passing.next + 1..self.way.items.len()) {
+                self.passing.next = index;
+                self.passing.pending.clear();
+            }
+        }
+        let leg = self.decider.as_ref().map_or(0, Decider::leg_index);
+        self.passing.next..leg + 1
+    }
+
+    /// Reports what the vehicle will not do by itself of what the manoeuvre has passed: commands that do not run, and waypoints
+    /// that were passed far off.
+    fn tell_passed(&mut self, passed: Range<usize>, now_s: f64) {
+        let near_m = self.parameters.get("WP_RADIUS").unwrap_or(NEAR_WAYPOINT_M);
+        let near_m = near_m.min(NEAR_WAYPOINT_M);
+        let mut words = Vec::new();
+        for index in passed.clone() {
+            let item = self.way.items.get(index).copied().flatten();
+            let nearest_m = self.passing.nearest_m.get(index).copied();
+            if let (Some(item), Some(nearest_m)) = (item, nearest_m)
+                && nearest_m > near_m
+            {
+                words.push(format!("fga: waypoint {item} passed {nearest_m:.0} m off"));
+            }
+        }
+        // The commands before the first one ran when the vehicle began to fly there, or wait for AUTO.
+        let mut lost = core::mem::take(&mut self.passing.pending);
+        let later = passed
+            .skip(1)
+            .filter_map(|index| self.way.commands.get(index));
+        lost.extend(later.flatten());
+        for item in lost {
+            let name = self.command_name(item);
+            words.push(format!("fga: item {item} not run: {name}"));
+        }
+        for words in &words {
+            self.tell(Severity::Warning, words, now_s);
+        }
+    }
+
+    /// Name of an item's command.
+    fn command_name(&self, item: u16) -> String {
+        let name = self
+            .mission
+            .item(item)
+            .map(|item| format!("{:?}", item.command));
+        let name = name.as_deref().unwrap_or("unreadable");
+        name.trim_start_matches("MAV_CMD_").to_owned()
+    }
+
+    /// Whether the vehicle goes on with its mission where it should when it gets AUTO back: at the first item after the last
+    /// waypoint that the manoeuvre has passed. Sets that item; the vehicle is still in GUIDED when it answers, so that no
+    /// repeated request runs a command twice.
+    pub(super) fn item_is_set(&mut self, now_s: f64) -> bool {
+        if self.owed_mode() != Some(Mode::AUTO) {
+            return true;
+        }
+        let passed = self.passed();
+        let last = passed.end.checked_sub(1).filter(|_| !passed.is_empty());
+        let item = last.and_then(|last| self.way.items.get(last).copied().flatten());
+        if let Some(item) = item {
+            let (next, item) = (passed.end, item.saturating_add(1));
+            self.tell_passed(passed, now_s);
+            self.passing.pending = self.way.commands.get(next).cloned().unwrap_or_default();
+            self.passing.next = next;
+            self.passing.asked = Some(item);
+            self.passing.settled_s = None;
+            if !self.restarts_mission() {
+                self.set_item(item, now_s);
+            }
+        }
+        let asked = self.passing.asked;
+        if self.restarts_mission() {
+            self.item_to_resume = asked.or(self.mission_item);
+            return true;
+        }
+        let waits = self
+            .commands
+            .is_waiting(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
+        let reported = self.way.items.get(self.passing.next) == Some(&self.mission_item);
+        if asked.is_none() || waits && !reported {
+            return asked.is_none();
+        }
+        // The vehicle answered, or reports the item.
+        self.commands.cancel(MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT);
+        now_s - *self.passing.settled_s.get_or_insert(now_s) >= SET_SETTLES_S
+    }
+
+    /// The vehicle flies its mission: it runs what waited for that.
+    pub(super) fn mission_goes_on(&mut self) {
+        self.passing.pending.clear();
+    }
+
+    /// Where the vehicle begins its mission again with each change to AUTO: the commands before its first waypoint run again.
+    pub(super) fn tell_repeated(&mut self, now_s: f64) {
+        let Some((items, frame)) = self.mission.items().zip(self.ownship.frame()) else {
+            return;
+        };
+        let is_flown = |item: &Item| {
+            item.as_ref()
+                .is_some_and(|item| item_position_m(item, frame, 0.0, 0.0).is_some())
+        };
+        let first = items.iter().skip(1).position(is_flown).unwrap_or(0);
+        let repeated: Vec<u16> = (1..=first)
+            .filter_map(|item| u16::try_from(item).ok())
+            .collect();
+        for item in repeated {
+            let words = format!("fga: item {item} runs again: {}", self.command_name(item));
+            self.tell(Severity::Warning, &words, now_s);
+        }
+    }
+}
+
+/// What a manoeuvre has passed of the way.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Passing {
+    /// Index of the waypoint that the vehicle flies to when it gets AUTO back, and the vehicle's item when that was found.
+    next: usize,
+    known: Option<u16>,
+    /// The commands that it runs then.
+    pending: Vec<u16>,
+    /// Least distance to each waypoint, metres.
+    nearest_m: Vec<f64>,
+    /// The item that the vehicle was asked to go on with.
+    asked: Option<u16>,
+    /// When the answer was heard, seconds.
+    settled_s: Option<f64>,
 }

@@ -72,8 +72,8 @@ impl Companion {
     /// One line for a terminal.
     pub fn status_line(&self, now_s: f64) -> String {
         let Some(heard) = self.heard else {
-            return match self.neighbors.stranger() {
-                Some(system) => format!("waiting for a vehicle: {system} is no ArduPlane"),
+            return match self.neighbors.instead() {
+                Some(heard) => format!("waiting for a vehicle: {heard}"),
                 None => "waiting for a vehicle".to_owned(),
             };
         };

@@ -79,7 +79,7 @@ mod tests {
 
     /// A flight in which the mode is owed or not.
     fn flight(owed: Option<Owed>) -> Arc<Shared> {
-        let shared = Shared::new(Arc::new(AtomicBool::new(false)), 1);
+        let shared = Shared::new(Arc::new(AtomicU32::new(0)), 1);
         *locked(&shared.owed) = owed;
         Arc::new(shared)
     }

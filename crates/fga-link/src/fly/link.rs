@@ -1,5 +1,6 @@
 //! The threads that read and write the link.
 
+use core::sync::atomic::Ordering;
 use core::time::Duration;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Instant;
@@ -77,6 +78,9 @@ pub(super) fn read(
                     from_vehicle |= shared.hear(frame.header, &frame.message, now_s);
                     sink(frame, now_s);
                 });
+                if let Some(system_id) = framer.counts().version1 {
+                    shared.version1.store(system_id, Ordering::Relaxed);
+                }
                 if from_vehicle {
                     reader.answer_sender();
                 }

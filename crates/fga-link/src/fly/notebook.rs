@@ -9,7 +9,7 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 use super::recorder::reason;
 use super::shared::{Shared, spawn};
@@ -44,17 +44,53 @@ fn settle(path: &Path) -> io::Result<()> {
     File::open(path)?.sync_data()
 }
 
-/// The notes of an earlier run in a folder.
-pub(super) fn read_notes(folder: &Path) -> Vec<Note> {
-    (1..=u8::MAX)
-        .filter_map(|system_id| fs::read_to_string(note_path(folder, system_id)).ok())
-        .filter_map(|text| serde_json::from_str(&text).ok())
-        .collect()
+/// The text of a regular file: a pipe under its name would never end.
+fn read_regular(path: &Path) -> Option<String> {
+    path.is_file().then(|| fs::read_to_string(path).ok())?
+}
+
+/// Seconds since 1970 by this computer's clock.
+fn unix_s() -> u64 {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    since.map_or(0, |since| since.as_secs())
+}
+
+/// The notes of an earlier run in a folder, and what the operator should know of the others. Notes that have expired are
+/// removed.
+pub(super) fn read_notes(folder: &Path) -> (Vec<Note>, Vec<String>) {
+    let (mut notes, mut troubles) = (Vec::new(), Vec::new());
+    for system_id in 1..=u8::MAX {
+        let path = note_path(folder, system_id);
+        let Some(text) = read_regular(&path) else {
+            continue;
+        };
+        match serde_json::from_str::<Note>(&text).map(|note| note.read_at(unix_s())) {
+            Ok(note) if note.system_id == system_id && !note.has_expired() => notes.push(note),
+            Ok(_) => {
+                // Where it cannot be removed, the next run reports it again.
+                let _ = fs::remove_file(&path);
+                troubles.push(format!("fga: old note of vehicle {system_id} removed"));
+            }
+            Err(_) => troubles.push(format!("fga: owed-{system_id}.json is no note")),
+        }
+    }
+    (notes, troubles)
+}
+
+/// The note with the time at which it was first written.
+fn dated(note: Note) -> Note {
+    Note {
+        written_unix_s: match note.written_unix_s {
+            0 => unix_s(),
+            written_s => written_s,
+        },
+        ..note
+    }
 }
 
 /// The timestamps of an earlier run in a folder.
 pub(super) fn read_timestamps(folder: &Path) -> Option<Timestamps> {
-    let text = fs::read_to_string(folder.join(TIMESTAMPS)).ok()?;
+    let text = read_regular(&folder.join(TIMESTAMPS))?;
     serde_json::from_str(&text).ok()
 }
 
@@ -142,7 +178,7 @@ fn keep(
         let wish = wishes.recv_timeout(KEEP_TIMESTAMPS);
         if let Ok((number, note)) = wish {
             let result = match (note, written) {
-                (Some(note), _) => serde_json::to_string(&note)
+                (Some(note), _) => serde_json::to_string(&dated(note))
                     .map_err(io::Error::other)
                     .and_then(|text| write_whole(&note_path(folder, note.system_id), &text)),
                 (None, Some(before)) => fs::remove_file(note_path(folder, before.system_id)),

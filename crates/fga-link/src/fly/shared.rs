@@ -1,7 +1,7 @@
 //! The shared knowledge of the threads of a flight.
 
 use alloc::sync::Arc;
-use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -33,10 +33,12 @@ struct Vehicle {
 #[derive(Debug)]
 pub(super) struct Shared {
     start: Instant,
-    /// Set to end the flight.
-    pub(super) stop: Arc<AtomicBool>,
+    /// Number of signals to end the flight.
+    pub(super) stop: Arc<AtomicU32>,
     /// Set to end all threads, after the flight.
     pub(super) over: AtomicBool,
+    /// System id of a sender of MAVLink 1; 0 for none.
+    pub(super) version1: AtomicU8,
     /// Steps of the deciding thread.
     pub(super) ticks: AtomicU64,
     /// The mode that the deciding thread would leave owed.
@@ -49,11 +51,12 @@ pub(super) struct Shared {
 
 impl Shared {
     /// Nothing heard yet; `system_id` is the vehicle's if configured, else 0.
-    pub(super) fn new(stop: Arc<AtomicBool>, system_id: u8) -> Self {
+    pub(super) fn new(stop: Arc<AtomicU32>, system_id: u8) -> Self {
         Self {
             start: Instant::now(),
             stop,
             over: AtomicBool::new(false),
+            version1: AtomicU8::new(0),
             ticks: AtomicU64::new(0),
             owed: Mutex::new(None),
             failed: Mutex::new(None),

@@ -143,13 +143,29 @@ impl Fence {
         self.posts.is_empty()
     }
 
-    /// The posts near the aircraft as obstacles.
-    pub fn obstacles(&self, own_m: Vec3, into: &mut Vec<Obstacle>) {
+    /// The posts near the aircraft as obstacles; whether the way enters one.
+    ///
+    /// A fence bounds manoeuvres; the way itself is the operator's choice. So a post is as large as leaves the way clear by
+    /// `clear_m`, and the vehicle flies by itself where its mission leads beside the fence or across it.
+    pub fn obstacles(
+        &self,
+        own_m: Vec3,
+        way_m: &[Vec3],
+        clear_m: f64,
+        into: &mut Vec<Obstacle>,
+    ) -> bool {
         let mut near: Vec<(f64, u32, Vec3, f64)> = Vec::new();
+        let mut crossed = false;
         for (id, (at_m, radius_m)) in (FIRST_ID..).zip(&self.posts) {
             let distance = libm::hypot(at_m.x - own_m.x, at_m.y - own_m.y) - radius_m;
-            if distance < NEAR_M {
-                near.push((distance, id, *at_m, *radius_m));
+            if distance >= NEAR_M {
+                continue;
+            }
+            let off_m = off_way_m(way_m, *at_m);
+            crossed |= off_m < *radius_m;
+            let left_m = radius_m.min(off_m - clear_m);
+            if left_m > 0.0 {
+                near.push((distance, id, *at_m, left_m));
             }
         }
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -163,7 +179,21 @@ impl Fence {
             obstacle.movement = Movement::AtRest;
             into.push(obstacle);
         }
+        crossed
     }
+}
+
+/// Distance of a place from a way in the plane, metres; infinite without a way.
+fn off_way_m(way_m: &[Vec3], at_m: Vec3) -> f64 {
+    way_m
+        .iter()
+        .zip(way_m.iter().skip(1))
+        .map(|(from_m, to_m)| {
+            let (leg_m, to_place_m) = ((*to_m - *from_m).truncate(), (at_m - *from_m).truncate());
+            let share = to_place_m.dot(leg_m) / leg_m.length_squared().max(1e-6);
+            (to_place_m - leg_m * share.clamp(0.0, 1.0)).length()
+        })
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// The forbidden air below `height_m` (or above it) as an obstacle; heights in the local frame.
@@ -281,6 +311,39 @@ mod tests {
             assert!(clearance(&fence, at(795.0)) > 0.0);
             assert!(clearance(&fence, at(800.0 + RIPPLE_M + 0.5)) < 0.0);
         }
+    }
+
+    #[test]
+    fn l6_a_post_leaves_the_way_clear_and_is_whole_elsewhere() {
+        let frame = frame();
+        let circle = |x, y| {
+            let command = MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION;
+            Some(vertex(command, &frame, x, y, 100.0))
+        };
+        let fence = Fence::new(
+            &[
+                circle(0.0, 300.0),
+                circle(110.0, 300.0),
+                circle(200.0, 300.0),
+            ],
+            &frame,
+        );
+        let way_m = [Vec3::ZERO, Vec3::new(0.0, 600.0, 0.0)];
+        let mut posts = Vec::new();
+        assert!(fence.obstacles(Vec3::ZERO, &way_m, 30.0, &mut posts));
+        let radii_m: Vec<f64> = posts.iter().map(|post| post.volume.radius_m()).collect();
+        assert_eq!(radii_m.len(), 2, "the way leads through the first one");
+        assert!(
+            radii_m.iter().any(|r| (r - 80.0).abs() < 0.1),
+            "{radii_m:?}"
+        );
+        assert!(
+            radii_m.iter().any(|r| (r - 100.0).abs() < 0.1),
+            "{radii_m:?}"
+        );
+        posts.clear();
+        assert!(!fence.obstacles(Vec3::ZERO, &[], 30.0, &mut posts));
+        assert_eq!(posts.len(), 3);
     }
 
     #[test]

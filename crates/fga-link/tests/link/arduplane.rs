@@ -413,6 +413,7 @@ fn meet_a_fence(bench: &mut Bench, home: Geodetic) {
     ];
     bench.ground.upload_fence(home, &corners);
     bench.run(20.0, "the fence", |b| b.ground.uploaded);
+    bench.ground.set_parameter("FENCE_ENABLE", 1.0);
     bench.companion = companion("");
     bench.run_for(10.0);
     let own_mps = bench.ground.velocity_mps.y;

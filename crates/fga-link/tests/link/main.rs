@@ -33,3 +33,4 @@ mod sbs_log;
 mod sequences;
 mod survivors;
 mod traffic;
+mod trial;

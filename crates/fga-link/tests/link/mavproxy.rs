@@ -5,7 +5,7 @@
 //! except in CI.
 
 use alloc::sync::Arc;
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use core::time::Duration;
 use std::fs::{self, File};
 use std::io::{Read as _, Write as _};
@@ -203,13 +203,14 @@ fn a_ground_station_and_fga_fly_work_side_by_side_behind_mavproxy() {
         status: false,
         end_program: || panic!("the program must not be ended"),
     };
-    let stop = Arc::new(AtomicBool::new(false));
+    let (stop, landed) = (Arc::new(AtomicU32::new(0)), AtomicBool::new(false));
     let peer = start_mavproxy(&python, &master, [fly_port, ground_port], &folder);
     let (flown, modes, answers) = thread::scope(|scope| {
         let flying = scope.spawn(|| fly(&options, &stop, &mut |_| {}));
-        let watching = scope.spawn(|| watch_from_ground(&ground, &stop));
+        let watching = scope.spawn(|| watch_from_ground(&ground, &landed));
         let flown = fly_emulator(&server);
-        stop.store(true, Ordering::Relaxed);
+        stop.store(1, Ordering::Relaxed);
+        landed.store(true, Ordering::Relaxed);
         flying.join().expect("ends").expect("flies");
         let (modes, answers) = watching.join().expect("ends");
         (flown, modes, answers)

@@ -22,7 +22,7 @@ const KEY: &str = "0707070707070707070707070707070707070707070707070707070707070
 
 /// The program in a thread of this one.
 struct Program {
-    stop: Arc<AtomicBool>,
+    stop: Arc<AtomicU32>,
     thread: Option<JoinHandle<std::io::Result<()>>>,
 }
 
@@ -43,7 +43,7 @@ impl Program {
             status: false,
             end_program,
         };
-        let stop = Arc::new(AtomicBool::new(false));
+        let stop = Arc::new(AtomicU32::new(0));
         let flag = Arc::clone(&stop);
         let thread = thread::spawn(move || fly(&options, &flag, &mut watch));
         Self {
@@ -53,7 +53,7 @@ impl Program {
     }
 
     fn end(&mut self) -> std::io::Result<()> {
-        self.stop.store(true, Ordering::Relaxed);
+        self.stop.fetch_add(1, Ordering::Relaxed);
         self.thread
             .take()
             .expect("a thread")

@@ -31,7 +31,7 @@ use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, HEARTBEAT_DATA, MavAutopilot, MavCmd,
     MavMessage, MavModeFlag, MavState, MavType,
 };
-use plan::{Fault, PILOTS, Planned, plan};
+use plan::{Fault, PILOTS, Planned, Trial, plan};
 
 /// Length of a sequence, seconds.
 const LENGTH_S: f64 = 75.0;
@@ -66,6 +66,9 @@ struct Rig {
     report_s: f64,
     intruder_m: [f64; 3],
     planned: Vec<Planned>,
+    trial: Trial,
+    /// Since when a program that is to end does not fly, seconds.
+    ends_s: Option<f64>,
     judge: Judge,
     /// Texts to the operator, arrived or not.
     texts: Vec<String>,
@@ -73,18 +76,51 @@ struct Rig {
 }
 
 impl Rig {
-    fn new(seed: u64, trace: bool) -> Self {
+    fn new(seed: u64, trace: bool, with_trial: bool) -> Self {
         let mut random = Random::new(seed);
-        let planned = plan(&mut random);
+        let mut planned = plan(&mut random);
         let mut emulator = Emulator::new(Settings::default());
         let home = *emulator.home();
         let points = [[0.0, 0.0, 4.0], [0.0, 0.0, 100.0], [0.0, 9000.0, 100.0]];
-        emulator.set_mission(points.map(|point| Item::waypoint(&home, point)).to_vec(), 2);
+        let mut items = points.map(|point| Item::waypoint(&home, point)).to_vec();
+        let mut trial = Trial::NONE;
+        if with_trial {
+            let mut random = Random::new(seed ^ 0x7A11);
+            trial = Trial::draw(&mut random, &mut planned);
+            items.truncate(2);
+            // A waypoint and a command every so often.
+            let spacing_m = random.uniform(150.0, 700.0);
+            for n in 1..40_u8 {
+                items.push(Item::waypoint(
+                    &home,
+                    [0.0, spacing_m * f64::from(n), 100.0],
+                ));
+                items.push(Item {
+                    command: MavCmd::MAV_CMD_DO_SET_SERVO,
+                    latitude_e7: 0,
+                    longitude_e7: 0,
+                    ..Item::waypoint(&home, [0.0; 3])
+                });
+            }
+            let circle = Item {
+                command: MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
+                parameters: [150.0, 0.0, 0.0, 0.0],
+                ..Item::waypoint(&home, [40.0, random.uniform(500.0, 1500.0), 0.0])
+            };
+            if let Some(enabled) = trial.fence {
+                emulator.store_fence(vec![circle]);
+                let enable = if enabled { 1.0 } else { 0.0 };
+                emulator.parameters.set("FENCE_ENABLE", enable);
+            }
+        }
+        emulator.set_mission(items, 2);
         // Head-on, met between 15 and 40 s.
         let meeting_s = random.uniform(18.0, 42.0);
+        let mut companion = Companion::new(Config::default(), false).expect("a companion");
+        companion.set_notes(foreign_notes(trial));
         Self {
             emulator,
-            companion: Companion::new(Config::default(), false).expect("a companion"),
+            companion,
             hearing: Hearing::default(),
             watchdog: Watchdog::default(),
             ticks: 0,
@@ -101,7 +137,11 @@ impl Rig {
             report_s: 0.0,
             intruder_m: [random.uniform(-20.0, 20.0), 50.0 * meeting_s, 100.0],
             planned,
+            trial,
+            ends_s: None,
             judge: Judge {
+                reported_s: f64::NEG_INFINITY,
+                changes: 0,
                 pilot: None,
                 known_s: None,
                 telemetry_s: 0.0,
@@ -171,6 +211,10 @@ impl Rig {
                 Fault::Ignores if begins || ends => self.emulator.ignore_targets(begins),
                 Fault::Reboots if begins => self.emulator.reboot(),
                 Fault::Sinks if begins => self.emulator.displace([0.0, 0.0, -85.0]),
+                Fault::Term if begins && self.alive => {
+                    self.companion.shut_down(now_s);
+                    self.ends_s = Some(now_s);
+                }
                 Fault::Killed if begins => self.alive = false,
                 Fault::Killed if ends && !self.alive => self.start_again(),
                 _ => {}
@@ -199,7 +243,10 @@ impl Rig {
     fn start_again(&mut self) {
         self.say("starts again");
         self.companion = Companion::new(Config::default(), false).expect("a companion");
-        self.companion.set_notes(self.note.into_iter().collect());
+        let mut notes = foreign_notes(self.trial);
+        notes.extend(self.note);
+        self.companion.set_notes(notes);
+        self.ends_s = None;
         self.hearing = Hearing::default();
         self.watchdog = Watchdog::default();
         self.owed = None;
@@ -259,6 +306,7 @@ impl Rig {
             };
             self.arrive(&packet);
         }
+        self.judge_changes();
         if !self.alive {
             self.to_companion.clear();
             return;
@@ -278,7 +326,9 @@ impl Rig {
 
     /// Sends the messages of the vehicle and the receiver on their way.
     fn telemetry(&mut self) {
-        let lost = self.is_on(Fault::Deaf) || self.is_on(Fault::Cut);
+        let lost = [Fault::Deaf, Fault::Cut, Fault::Version1]
+            .into_iter()
+            .any(|fault| self.is_on(fault));
         let delay_s = if self.is_on(Fault::Late) { 1.5 } else { 0.02 };
         for message in self.emulator.drain() {
             let sequence = self.sequences[0];
@@ -301,7 +351,8 @@ impl Rig {
         let own_m = self.emulator.plant().position_m();
         let range_m = (self.intruder_m[1] - own_m[1]).hypot(self.intruder_m[0] - own_m[0]);
         if range_m < 900.0 && self.time_s >= self.report_s {
-            self.report_s = self.time_s + 0.5;
+            self.report_s = self.time_s + self.trial.report_every_s;
+            self.judge.reported_s = self.time_s;
             let place = self.emulator.home().to_place(self.intruder_m);
             let message = MavMessage::ADSB_VEHICLE(ADSB_VEHICLE_DATA {
                 ICAO_address: 0xAB_CDEF,
@@ -376,6 +427,9 @@ impl Rig {
             self.companion
                 .receive(&packet.header, &packet.message, self.time_s);
         }
+        if self.is_on(Fault::Version1) {
+            self.companion.hear_version1(1, self.time_s);
+        }
         self.companion.tick(self.time_s);
         self.ticks += 1;
         self.owed = self.companion.owed();
@@ -396,6 +450,15 @@ impl Rig {
             self.send(outgoing.change, outgoing.message);
         }
         self.companion.take_log();
+        if let Some(since_s) = self.ends_s {
+            let done = self.companion.owed_mode().is_none() || self.time_s - since_s >= 5.0;
+            if self.companion.flies() {
+                self.ends_s = Some(self.time_s);
+            } else if done {
+                self.say("ends");
+                self.alive = false;
+            }
+        }
     }
 
     /// The writing thread: checks at the last moment what leaves a mode.
@@ -474,14 +537,30 @@ impl Rig {
     }
 }
 
+/// A note of another vehicle.
+fn foreign_notes(trial: Trial) -> Vec<Note> {
+    let owed = Owed {
+        system_id: 7,
+        owned: LinkMode::GUIDED,
+        previous: LinkMode::AUTO,
+    };
+    let note = trial.foreign_note.then(|| Note::new(owed, 20_000));
+    note.into_iter().collect()
+}
+
+/// Flies a sequence; those of odd seeds with what a trial found.
 fn fly(seed: u64, trace: bool) -> Option<String> {
+    fly_with(seed, trace, seed % 2 == 1)
+}
+
+fn fly_with(seed: u64, trace: bool, with_trial: bool) -> Option<String> {
     let flown = std::panic::catch_unwind(|| {
-        let mut rig = Rig::new(seed, trace);
+        let mut rig = Rig::new(seed, trace, with_trial);
         while rig.time_s < LENGTH_S {
             rig.step();
         }
         rig.at_the_end();
-        (rig.judge.failures, rig.planned)
+        (rig.judge.failures, (rig.planned, rig.trial))
     });
     match flown {
         Ok((failures, _)) if failures.is_empty() => None,
@@ -495,7 +574,7 @@ fn fly(seed: u64, trace: bool) -> Option<String> {
 #[test]
 fn guided_is_never_nobodys_on_a_late_link_or_after_forged_heartbeats() {
     for seed in [5150, 8945, 3380] {
-        assert_eq!(fly(seed, false), None);
+        assert_eq!(fly_with(seed, false, false), None);
     }
 }
 

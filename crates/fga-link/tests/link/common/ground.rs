@@ -16,7 +16,8 @@ use fga_link::wire::{Frame, Framer, encode};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     COMMAND_LONG_DATA, GpsFixType, HEARTBEAT_DATA, MISSION_COUNT_DATA, MISSION_ITEM_INT_DATA,
-    MavCmd, MavFrame, MavMessage, MavMissionType, MavModeFlag, RC_CHANNELS_OVERRIDE_DATA,
+    MavCmd, MavFrame, MavMessage, MavMissionType, MavModeFlag, MavParamType, PARAM_SET_DATA,
+    RC_CHANNELS_OVERRIDE_DATA,
 };
 
 pub const FBWB: u32 = 6;
@@ -110,6 +111,16 @@ impl Ground {
 
     pub fn heartbeat(&mut self) {
         self.send(&MavMessage::HEARTBEAT(HEARTBEAT_DATA::DEFAULT));
+    }
+
+    pub fn set_parameter(&mut self, name: &str, value: f32) {
+        self.send(&MavMessage::PARAM_SET(PARAM_SET_DATA {
+            param_value: value,
+            target_system: 1,
+            target_component: 1,
+            param_id: name.into(),
+            param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+        }));
     }
 
     pub fn command(&mut self, command: MavCmd, param1: f32, param2: f32) {

@@ -164,10 +164,15 @@ pub struct World {
     pub no_telemetry: bool,
     /// The packets of each sender have a separate fate: more of one change nothing of the others.
     fates: [Random; 4],
+    /// … and those about the fence's status have another, with the answers that are due for requests of it.
+    fence_fate: Random,
+    fence_answers: u32,
     queue: BinaryHeap<Packet>,
     number: u64,
     sequences: [u8; 4],
     next_report_s: Vec<f64>,
+    /// Interval of the reports of intruders, seconds.
+    pub report_every_s: f64,
     /// The companion's first report of each intruder, seconds.
     pub first_heard_s: Vec<Option<f64>>,
     /// Number of requests for GUIDED that the network lost.
@@ -272,6 +277,19 @@ pub fn configuration(text: &str) -> Config {
     config
 }
 
+/// Whether a message is about the status of the vehicle's fence.
+fn is_about_fence(message: &MavMessage) -> bool {
+    match message {
+        MavMessage::SYS_STATUS(_) => true,
+        MavMessage::COMMAND_LONG(data) => {
+            data.command == MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL && data.param1 == 1.0
+        }
+        MavMessage::PARAM_REQUEST_READ(data) => data.param_id.to_str() == Ok("FENCE_TYPE"),
+        MavMessage::PARAM_VALUE(data) => data.param_id.to_str() == Ok("FENCE_TYPE"),
+        _ => false,
+    }
+}
+
 impl World {
     /// North along the y axis at 100 m: waypoints at 0 (behind), 6 km, 9 km, and east from there.
     pub fn new(config: &str, network: Network, seed: u64) -> Self {
@@ -303,11 +321,14 @@ impl World {
             held: Vec::new(),
             deaf: false,
             no_telemetry: false,
+            fence_fate: Random::new(seed ^ 0xFE7CE),
+            fence_answers: 0,
             fates: [1, 2, 3, 4].map(|sender| Random::new(seed.wrapping_mul(4) + sender)),
             queue: BinaryHeap::new(),
             number: 0,
             sequences: [0; 4],
             next_report_s: Vec::new(),
+            report_every_s: 0.5,
             first_heard_s: Vec::new(),
             lost_requests: 0,
             least_m: Vec::new(),
@@ -342,7 +363,14 @@ impl World {
             component_id: ids.1,
             sequence,
         };
-        let fate = &mut self.fates[sender];
+        let is_answer = matches!(message, MavMessage::COMMAND_ACK(data)
+            if data.command == MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL && self.fence_answers > 0);
+        self.fence_answers -= u32::from(is_answer);
+        let fate = if is_answer || is_about_fence(message) {
+            &mut self.fence_fate
+        } else {
+            &mut self.fates[sender]
+        };
         let copies = if fate.uniform(0.0, 1.0) < self.network.copies {
             2
         } else {
@@ -406,7 +434,7 @@ impl World {
                 self.shown[index] = true;
             }
             if self.shown[index] && time_s >= self.next_report_s[index] {
-                self.next_report_s[index] = time_s + 0.5;
+                self.next_report_s[index] = time_s + self.report_every_s;
                 let report = self.report(index);
                 self.post(false, 2, (200, 156), &report);
             }
@@ -426,6 +454,9 @@ impl World {
             if packet.to_vehicle && self.frozen {
                 self.held.push((packet.header, packet.message));
             } else if packet.to_vehicle {
+                if matches!(packet.message, MavMessage::COMMAND_LONG(_)) {
+                    self.fence_answers += u32::from(is_about_fence(&packet.message));
+                }
                 self.emulator.receive(&packet.header, &packet.message);
             } else if !self.killed {
                 if let MavMessage::ADSB_VEHICLE(data) = &packet.message

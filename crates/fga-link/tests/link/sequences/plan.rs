@@ -44,6 +44,52 @@ pub enum Fault {
     Sinks,
     /// The network delays by more and more.
     Late,
+    /// The program gets a signal to end.
+    Term,
+    /// The vehicle's port speaks MAVLink 1.
+    Version1,
+}
+
+/// What a trial found: faults that last, and those of [`Self::plan`].
+#[derive(Debug, Clone, Copy)]
+pub struct Trial {
+    /// Interval of the reports of traffic, seconds.
+    pub report_every_s: f64,
+    /// Whether a fence that the mission crosses is stored, and enabled.
+    pub fence: Option<bool>,
+    /// Whether each start finds a note of another vehicle.
+    pub foreign_note: bool,
+}
+
+impl Trial {
+    /// Nothing of it.
+    pub const NONE: Self = Self {
+        report_every_s: 0.5,
+        fence: None,
+        foreign_note: false,
+    };
+
+    /// Draws it, and adds to the faults.
+    pub fn draw(random: &mut Random, planned: &mut Vec<Planned>) -> Self {
+        let begin_s = random.uniform(FIRST_FAULT_S, LAST_FAULT_S - 12.0);
+        let end_s = begin_s + random.uniform(0.3, 12.0);
+        let fault = match random.next() % 6 {
+            0 | 1 => Some(Fault::Term),
+            2 => Some(Fault::Killed),
+            3 => Some(Fault::Version1),
+            _ => None,
+        };
+        planned.extend(fault.map(|fault| Planned {
+            fault,
+            begin_s,
+            end_s,
+        }));
+        Self {
+            report_every_s: [0.5, 1.0, 5.0][(random.next() % 3) as usize],
+            fence: [None, Some(false), Some(true)][(random.next() % 3) as usize],
+            foreign_note: random.next().is_multiple_of(2),
+        }
+    }
 }
 
 /// A fault with its start and end, seconds.
