@@ -28,6 +28,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use mavlink::MavHeader;
+use mavlink::dialects::ardupilotmega::{AdsbAltitudeType, AdsbFlags, MavMessage};
 
 use self::link::{Parcel, post};
 use self::notebook::Notebook;
@@ -37,8 +38,8 @@ use self::status::Status;
 use crate::endpoint::{Endpoint, open};
 use crate::outgoing::{OWN_COMPONENT, Outgoing};
 use crate::player::{Sample, adsb_message};
-use crate::traffic::Report;
 use crate::traffic::receiver::{self, FeedStatus, ReceiverEndpoint};
+use crate::traffic::{AltitudeReference, Report};
 use crate::wire::{Frame, Signing, encode};
 use crate::{Companion, Config};
 
@@ -247,6 +248,30 @@ fn read_traffic(shared: &Shared, endpoint: &ReceiverEndpoint, to: &SyncSender<Ev
     }
 }
 
+/// The message with the flags and the datum of a report.
+fn with_quality(message: MavMessage, report: &Report) -> MavMessage {
+    let MavMessage::ADSB_VEHICLE(mut data) = message else {
+        return message;
+    };
+    if report.velocity_mps.is_none() {
+        data.flags.remove(
+            AdsbFlags::ADSB_FLAGS_VALID_HEADING
+                | AdsbFlags::ADSB_FLAGS_VALID_VELOCITY
+                | AdsbFlags::ADSB_FLAGS_VERTICAL_VELOCITY_VALID,
+        );
+    }
+    match report.quality.altitude {
+        AltitudeReference::Unknown => {
+            data.flags.remove(AdsbFlags::ADSB_FLAGS_VALID_ALTITUDE);
+        }
+        AltitudeReference::Pressure => {
+            data.altitude_type = AdsbAltitudeType::ADSB_ALTITUDE_TYPE_PRESSURE_QNH;
+        }
+        _ => {}
+    }
+    MavMessage::ADSB_VEHICLE(data)
+}
+
 /// The deciding thread.
 struct Pilot<'a> {
     companion: &'a mut Companion,
@@ -344,7 +369,7 @@ impl Pilot<'_> {
             place: report.place,
             velocity_mps: report.velocity_mps.unwrap_or_default(),
         };
-        let message = adsb_message(report.icao, &report.callsign, &sample);
+        let message = with_quality(adsb_message(report.icao, &report.callsign, &sample), report);
         let header = MavHeader {
             system_id: u32::from(RECEIVER_SYSTEM),
             component_id: RECEIVER_COMPONENT,

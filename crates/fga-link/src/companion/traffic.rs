@@ -2,6 +2,7 @@
 
 use fga::Vec3;
 use fga::situation::Movement;
+use fga_formats::geodesy::Geodetic;
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, GPS_RAW_INT_DATA, GpsFixType, MavFrame, MavMessage,
@@ -9,9 +10,10 @@ use mavlink::dialects::ardupilotmega::{
 };
 
 use super::Companion;
+use crate::authority::Severity;
 use crate::outgoing::AUTOPILOT;
-use crate::traffic::report::{Key, Quality};
-use crate::traffic::{AltitudeReference, Class, Report, Sender, Source};
+use crate::traffic::report::{Key, Quality, adsb_address, adsb_place};
+use crate::traffic::{AltitudeReference, Class, Defect, Defects, Report, Sender, Source};
 
 /// σ of a sensor's position without a configuration, metres, and as a share of its distance.
 const SENSOR_SIGMA_M: f64 = 10.0;
@@ -76,7 +78,7 @@ impl Companion {
     }
 
     fn adsb_report(
-        &self,
+        &mut self,
         data: &ADSB_VEHICLE_DATA,
         header: MavHeader,
         now_s: f64,
@@ -91,7 +93,15 @@ impl Companion {
         };
         let sigma_m = configured.unwrap_or(self.config.traffic.position_sigma_m);
         let sender = Sender::mavlink(source, system, header.component_id);
-        let mut report = Report::from_adsb(data, sender, now_s, sigma_m)?;
+        let report = Report::from_adsb(data, sender, now_s, sigma_m);
+        if let Err(defect) = report {
+            let key = match adsb_address(data) {
+                0 => Key::Unnamed(sender),
+                icao => Key::Address(icao),
+            };
+            self.count_defect(defect, key, adsb_place(data), now_s);
+        }
+        let mut report = report.ok()?;
         if source == Source::Sensor && report.icao != 0 {
             // A sensor numbers its detections; its numbers are no addresses.
             let number = u16::try_from(report.icao & 0xFFFF).unwrap_or(UNNUMBERED);
@@ -99,6 +109,49 @@ impl Companion {
             report.icao = 0;
         }
         Some(report)
+    }
+
+    /// Takes a report of traffic, from a receiver or a message.
+    pub fn take_report(&mut self, report: &Report, now_s: f64) {
+        let Some(frame) = self.ownship.frame() else {
+            return;
+        };
+        self.tracks.take(report, frame, now_s);
+        let key = report.key();
+        let defects = [
+            (Defect::Old, self.tracks.is_old(report, now_s)),
+            (
+                Defect::NoAltitude,
+                report.quality.altitude == AltitudeReference::Unknown,
+            ),
+            (Defect::FalseVelocity, self.tracks.contradicts_itself(key)),
+        ];
+        let first = defects.into_iter().find(|(_, has)| *has);
+        if let Some((defect, _)) = first {
+            self.count_defect(defect, key, Some(report.place), now_s);
+        }
+    }
+
+    /// Counts a defect, and tells the operator of the first one of its kind within the surveillance radius; an aircraft
+    /// without any position may be near.
+    fn count_defect(&mut self, defect: Defect, key: Key, place: Option<Geodetic>, now_s: f64) {
+        let range_m = place.zip(self.ownship.frame()).and_then(|(place, frame)| {
+            let off_m = frame.to_local_m(place) - self.ownship.position_m(now_s)?;
+            Some(libm::hypot(off_m.x, off_m.y))
+        });
+        let is_near = range_m.is_none_or(|m| m <= self.config.protection.surveillance_m);
+        let is_own = matches!(key, Key::Address(icao) if self.config.own_icao() == Ok(Some(icao)));
+        if is_own {
+            return;
+        }
+        if let Some(words) = self.defects.count(defect, key, is_near) {
+            self.tell(Severity::Warning, &words, now_s);
+        }
+    }
+
+    /// The defects of reports so far.
+    pub const fn defects(&self) -> &Defects {
+        &self.defects
     }
 
     /// σ of a configured sensor, metres.

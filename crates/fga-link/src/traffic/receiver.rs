@@ -142,7 +142,7 @@ impl Joiner {
         self.aircraft.len()
     }
 
-    /// Takes a message; returns a report if it has a position and the altitude is known.
+    /// Takes a message; returns a report if it has a position.
     pub fn take(&mut self, message: &TrafficReport, now_s: f64) -> Option<Report> {
         let parts = self.aircraft.entry(message.address);
         if let Some(altitude) = message.altitude {
@@ -164,15 +164,17 @@ impl Joiner {
             return None;
         }
         let [latitude_deg, longitude_deg] = message.place_deg?;
-        let (altitude, altitude_s) = parts
+        let altitude = parts
             .altitude
-            .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S)?;
+            .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S);
         let velocity = parts
             .velocity_mps
             .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S)
             .map(|([east, north], heard_s)| (Vec3::new(east, north, parts.climb_mps), heard_s));
         let velocity_is_told = parts.velocity_error_mps.is_some();
-        let altitude_m = altitude.metres() + parts.climb_mps * (now_s - altitude_s).max(0.0);
+        let altitude_m = altitude.map_or(0.0, |(altitude, altitude_s)| {
+            altitude.metres() + parts.climb_mps * (now_s - altitude_s).max(0.0)
+        });
         Some(Report {
             source: self.sender.source,
             sender: self.sender,
@@ -194,8 +196,9 @@ impl Joiner {
                 velocity_is_told: velocity_is_told && velocity.is_some(),
                 height_m: 0.0,
                 altitude: match altitude {
-                    Altitude::Pressure(_) => AltitudeReference::Pressure,
-                    Altitude::Ellipsoid(_) => AltitudeReference::Ellipsoid,
+                    Some((Altitude::Pressure(_), _)) => AltitudeReference::Pressure,
+                    Some((Altitude::Ellipsoid(_), _)) => AltitudeReference::Ellipsoid,
+                    None => AltitudeReference::Unknown,
                 },
             },
         })

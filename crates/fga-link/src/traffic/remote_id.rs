@@ -187,7 +187,10 @@ impl RemoteId {
         if location.on_ground || (location.latitude_deg == 0.0 && location.longitude_deg == 0.0) {
             return None;
         }
-        let (altitude_m, altitude, accuracy) = location.altitude(levels, now_s)?;
+        let (altitude_m, altitude, accuracy) =
+            location
+                .altitude(levels, now_s)
+                .unwrap_or((0.0, AltitudeReference::Unknown, 0));
         let mut report = Report {
             source: sender.source,
             sender,

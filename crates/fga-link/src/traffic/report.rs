@@ -6,6 +6,7 @@ use fga_formats::geodesy::Geodetic;
 use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags};
 
 use super::class::Class;
+use super::defect::Defect;
 use crate::number::degrees_from_e7;
 
 /// The source of a report.
@@ -93,6 +94,10 @@ pub enum AltitudeReference {
     Ellipsoid,
     /// The pressure of 1013.25 hPa in the standard atmosphere.
     Pressure,
+    /// What its sender calls geometric: the sea level, the ellipsoid, or a pressure in spite of the label.
+    Geometric,
+    /// None: the altitude is unknown.
+    Unknown,
 }
 
 /// The quality of a report.
@@ -170,30 +175,26 @@ impl Report {
         Key::Callsign(self.sender, name)
     }
 
-    /// The report in an `ADSB_VEHICLE` message; `None` without a usable position and altitude.
+    /// The report in an `ADSB_VEHICLE` message.
+    ///
+    /// # Errors
+    /// [`Defect::NoPosition`] without a valid position.
     pub fn from_adsb(
         data: &ADSB_VEHICLE_DATA,
         sender: Sender,
         now_s: f64,
         position_sigma_m: f64,
-    ) -> Option<Self> {
-        let needed = AdsbFlags::ADSB_FLAGS_VALID_COORDS | AdsbFlags::ADSB_FLAGS_VALID_ALTITUDE;
-        if !data.flags.contains(needed) || (data.lat == 0 && data.lon == 0) {
-            return None;
-        }
-        let place = Geodetic::new(
-            degrees_from_e7(data.lat),
-            degrees_from_e7(data.lon),
-            f64::from(data.altitude) * 1e-3,
-        )?;
+    ) -> Result<Self, Defect> {
+        let has = |flag| data.flags.contains(flag);
+        let place = adsb_place(data)
+            .filter(|_| has(AdsbFlags::ADSB_FLAGS_VALID_COORDS))
+            .ok_or(Defect::NoPosition)?;
+        let has_altitude = has(AdsbFlags::ADSB_FLAGS_VALID_ALTITUDE);
         let heading_rad = (f64::from(data.heading) * 0.01).to_radians();
         let speed_mps = f64::from(data.hor_velocity) * 0.01;
         let moves = AdsbFlags::ADSB_FLAGS_VALID_HEADING | AdsbFlags::ADSB_FLAGS_VALID_VELOCITY;
-        let known = data.flags.contains(moves) && data.heading <= 36_000;
-        let climb_mps = if data
-            .flags
-            .contains(AdsbFlags::ADSB_FLAGS_VERTICAL_VELOCITY_VALID)
-        {
+        let known = has(moves) && data.heading <= 36_000;
+        let climb_mps = if has(AdsbFlags::ADSB_FLAGS_VERTICAL_VELOCITY_VALID) && has_altitude {
             f64::from(data.ver_velocity) * 0.01
         } else {
             0.0
@@ -206,13 +207,13 @@ impl Report {
             )
         });
         // "Time since last communication" counts whole seconds: 0 is fresh.
-        let age_s = f64::from(data.tslc.min(60));
+        let age_s = f64::from(data.tslc);
         let class = Class::of(data.emitter_type);
         let geometric = data.altitude_type == AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC;
-        Some(Self {
+        Ok(Self {
             source: sender.source,
             sender,
-            icao: data.ICAO_address & 0x00FF_FFFF,
+            icao: adsb_address(data),
             key: None,
             callsign: tidy_callsign(data.callsign.to_str().unwrap_or_default()),
             place,
@@ -227,12 +228,31 @@ impl Report {
                 height_m: 0.0,
                 // Receivers fill in the transponder's pressure altitude, whatever the type's name
                 // says of QNH.
-                altitude: if geometric {
-                    AltitudeReference::MeanSeaLevel
+                altitude: if !has_altitude {
+                    AltitudeReference::Unknown
+                } else if geometric {
+                    AltitudeReference::Geometric
                 } else {
                     AltitudeReference::Pressure
                 },
             },
         })
     }
+}
+
+/// The ICAO address of an `ADSB_VEHICLE` message; 0 if unknown.
+pub const fn adsb_address(data: &ADSB_VEHICLE_DATA) -> u32 {
+    data.ICAO_address & 0x00FF_FFFF
+}
+
+/// The position in an `ADSB_VEHICLE` message, valid or not.
+pub fn adsb_place(data: &ADSB_VEHICLE_DATA) -> Option<Geodetic> {
+    if data.lat == 0 && data.lon == 0 {
+        return None;
+    }
+    Geodetic::new(
+        degrees_from_e7(data.lat),
+        degrees_from_e7(data.lon),
+        f64::from(data.altitude) * 1e-3,
+    )
 }

@@ -154,6 +154,18 @@ impl TrackTable {
         is_new
     }
 
+    /// Whether a report is too old to use.
+    pub fn is_old(&self, report: &Report, now_s: f64) -> bool {
+        now_s - report.valid_s > self.drop_after_s
+    }
+
+    /// Whether a track of this identity contradicts its own velocity.
+    pub fn contradicts_itself(&self, key: Key) -> bool {
+        let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
+        let mut tracks = members.iter().filter_map(|place| self.tracks.get(*place));
+        tracks.any(Track::contradicts_itself)
+    }
+
     /// Takes a report; `false` if it was nothing new.
     pub fn take(&mut self, report: &Report, frame: &LocalFrame, now_s: f64) -> bool {
         let position_m = frame.to_local_m(report.place);
@@ -163,7 +175,7 @@ impl TrackTable {
         let fits = position_m.is_finite()
             && report.valid_s.is_finite()
             && velocity_mps.is_none_or(|v| v.is_finite() && v.length() < 2000.0);
-        if !fits || now_s - report.valid_s > self.drop_after_s {
+        if !fits || self.is_old(report, now_s) {
             return false;
         }
         let seen = Seen {
@@ -331,7 +343,7 @@ impl TrackTable {
             own_altitude_m,
             now_s,
         );
-        shift.bound_m += track.height_bound_m();
+        shift.bound_m += track.height_bound_m(now_s);
         shift
     }
 
@@ -474,7 +486,10 @@ fn check_own(track: &mut Track, flown: &Flown, shift: Shift, named: Option<bool>
     let seen = own::Seen {
         valid_s: last.valid_s,
         position_m,
-        velocity_mps: last.velocity_mps.unwrap_or_else(|| track.velocity_mps()),
+        velocity_mps: last
+            .velocity_mps
+            .filter(|_| !track.contradicts_itself())
+            .unwrap_or_else(|| track.velocity_mps()),
         height_bound_m: shift.bound_m,
     };
     track.own.check(&seen, flown, named == Some(true), now_s);

@@ -2,6 +2,9 @@
 //!
 //! An address is a claim. Where two lines of reports claim one address, there are two tracks, and
 //! each report moves the one that it continues; see [`super::table`].
+//!
+//! A velocity is a claim too. It counts while the reported positions bear it out; a sender whose velocity
+//! contradicts its positions moves as its positions do ([`super::motion`]).
 
 use alloc::collections::VecDeque;
 
@@ -9,6 +12,7 @@ use fga::Vec3;
 use fga::situation::Movement;
 
 use super::class::Class;
+use super::motion::{self, Place};
 use super::own::Belief;
 use super::report::{AltitudeReference, Key, Quality, Report, Source};
 
@@ -22,10 +26,13 @@ const GATE_DELAY_S: f64 = 0.6;
 const GATE_MPS2: f64 = 5.0;
 /// … if the velocity is known; else this speed, metres per second.
 const GATE_UNKNOWN_MPS: f64 = 120.0;
-/// The same for heights, metres and metres per second, …
+/// A report that only this speed connects to the track continues it worse than this, from 0 to 1.
+const REACHED_MISFIT: f64 = 0.5;
+/// The same for heights, metres and metres per second.
 const GATE_HEIGHT_M: f64 = 40.0;
 const GATE_CLIMB_MPS: f64 = 20.0;
-/// … and for velocities, metres per second and metres per second squared.
+/// Of two tracks that a report continues, it continues the one with the nearer velocity: a difference up to this, metres
+/// per second and metres per second squared, is none of another aircraft.
 const GATE_VELOCITY_MPS: f64 = 15.0;
 const GATE_TURN_MPS2: f64 = 10.0;
 /// Share of the difference between report and prediction that the track takes over.
@@ -51,9 +58,9 @@ const REPEATED_FOR_S: f64 = 3.0;
 const MOVES_MPS: f64 = 2.0;
 /// An altitude above the sea holds for this long against a pressure altitude, seconds.
 const BETTER_HEIGHT_S: f64 = 3.0;
-/// A missing velocity is estimated over this time, seconds, and from this time on.
-const ESTIMATED_OVER_S: f64 = 3.5;
-const ESTIMATED_FROM_S: f64 = 0.5;
+/// A height is unknown after this long without a report of it, seconds; until then its error grows by this, metres per second.
+const HEIGHT_LIFETIME_S: f64 = 15.0;
+const HEIGHT_CLIMB_MPS: f64 = 8.0;
 /// Longest usual time between reports, seconds.
 const LONGEST_INTERVAL_S: f64 = 5.0;
 
@@ -105,9 +112,13 @@ pub struct Track {
     residual_m2: f64,
     /// σ of an estimated velocity, metres per second.
     estimated_mps: f64,
+    /// The velocity that the last positions show, metres per second.
+    shown_mps: Option<Vec3>,
+    /// Whether the last reported velocity contradicts the positions.
+    contradicts: bool,
     height_s: f64,
     last: Seen,
-    reported: VecDeque<(f64, Vec3, Vec3)>,
+    reported: VecDeque<Place>,
     repeated_since_s: Option<f64>,
 }
 
@@ -137,6 +148,8 @@ impl Track {
             quality: seen.quality,
             residual_m2: 0.0,
             estimated_mps: 0.0,
+            shown_mps: None,
+            contradicts: false,
             height_s: seen.valid_s,
             last: seen,
             reported: VecDeque::new(),
@@ -161,9 +174,20 @@ impl Track {
         self.quality.altitude
     }
 
-    /// Bound of its altitude's error, metres, besides the error of the datum.
-    pub(super) const fn height_bound_m(&self) -> f64 {
-        self.quality.height_m
+    /// Bound of its altitude's error at `at_s`, metres, besides the error of the datum: it grows while reports have
+    /// no altitude.
+    pub(super) fn height_bound_m(&self, at_s: f64) -> f64 {
+        let unheard_s = if self.last.quality.altitude == AltitudeReference::Unknown {
+            (at_s - self.height_s).max(0.0)
+        } else {
+            0.0
+        };
+        self.quality.height_m + HEIGHT_CLIMB_MPS * unheard_s
+    }
+
+    /// Whether its reported velocity contradicts its reported positions, which then show its motion.
+    pub const fn contradicts_itself(&self) -> bool {
+        self.contradicts
     }
 
     /// Whether it counts as our transponder.
@@ -195,7 +219,7 @@ impl Track {
     /// σ of the velocity along an axis for the time ahead, metres per second: what was told of it, or how well
     /// the places tell it. Zero where nothing was told: how it may move bounds it then.
     pub fn velocity_sigma_mps(&self) -> f64 {
-        let told_mps = if self.quality.velocity_is_told {
+        let told_mps = if self.quality.velocity_is_told && !self.contradicts {
             self.quality.velocity_mps
         } else {
             0.0
@@ -228,27 +252,61 @@ impl Track {
     /// How badly a report continues this track, from 0 to 1; `None` if it does not.
     pub(super) fn misfit(&self, seen: &Seen) -> Option<f64> {
         let apart_s = (seen.valid_s - self.valid_s).abs();
-        let off = seen.position_m - self.position_m(seen.valid_s);
-        let speed_mps = self.velocity_mps.length();
+        let misfit = self
+            .misfit_from(self.position_m(seen.valid_s), self.velocity_mps, seen)
+            .min(self.misfit_from_places(seen));
+        if misfit > 1.0 {
+            return None;
+        }
+        let turned = seen
+            .velocity_mps
+            .zip(self.last.velocity_mps)
+            .map_or(0.0, |(velocity_mps, last_mps)| velocity_mps.distance(last_mps));
+        let turned = turned / (GATE_VELOCITY_MPS + GATE_TURN_MPS2 * apart_s);
+        Some(misfit.max(turned.min(1.0)))
+    }
+
+    /// The misfit to a predicted place, metres, and velocity, metres per second; beyond 1 it does not continue it.
+    fn misfit_from(&self, predicted_m: Vec3, velocity_mps: Vec3, seen: &Seen) -> f64 {
+        let apart_s = (seen.valid_s - self.valid_s).abs();
+        let speed_mps = velocity_mps.length();
         let moved_m = if self.has_velocity || self.hits > 1 {
             // No turn takes it farther than it flies.
             (0.5 * GATE_MPS2 * apart_s * apart_s).min(2.0 * (speed_mps + 10.0) * apart_s)
         } else {
             GATE_UNKNOWN_MPS * apart_s
         };
-        let sigma_m = self.quality.position_m.max(seen.quality.position_m);
-        let gate_m = GATE_M + GATE_SIGMAS * sigma_m + speed_mps * GATE_DELAY_S + moved_m;
-        let mut misfit = libm::hypot(off.x, off.y) / gate_m;
-        if seen.quality.altitude == self.quality.altitude {
-            misfit = misfit.max(off.z.abs() / (GATE_HEIGHT_M + GATE_CLIMB_MPS * apart_s));
+        let gate_m = self.gate_m(seen) + speed_mps * GATE_DELAY_S + moved_m;
+        let off = seen.position_m - predicted_m;
+        let misfit = libm::hypot(off.x, off.y) / gate_m;
+        misfit.max(self.height_misfit(predicted_m.z, seen))
+    }
+
+    /// The misfit to the motion that the positions show, whatever velocity was reported: a second report continues the
+    /// first wherever an aircraft can have flown.
+    fn misfit_from_places(&self, seen: &Seen) -> f64 {
+        let since_s = seen.valid_s - self.last.valid_s;
+        if let Some(shown_mps) = self.shown_mps {
+            let predicted_m = self.last.position_m + shown_mps * since_s;
+            return self.misfit_from(predicted_m, shown_mps, seen);
         }
-        if let Some(velocity_mps) = seen.velocity_mps
-            && self.has_velocity
-        {
-            let turned = velocity_mps.distance(self.velocity_mps);
-            misfit = misfit.max(turned / (GATE_VELOCITY_MPS + GATE_TURN_MPS2 * apart_s));
+        let off = seen.position_m - self.last.position_m;
+        let gate_m = self.gate_m(seen) + GATE_UNKNOWN_MPS * since_s.abs();
+        let misfit = libm::hypot(off.x, off.y) / gate_m;
+        let misfit = misfit.max(self.height_misfit(self.last.position_m.z, seen));
+        REACHED_MISFIT + (1.0 - REACHED_MISFIT) * misfit
+    }
+
+    fn gate_m(&self, seen: &Seen) -> f64 {
+        GATE_M + GATE_SIGMAS * self.quality.position_m.max(seen.quality.position_m)
+    }
+
+    fn height_misfit(&self, predicted_m: f64, seen: &Seen) -> f64 {
+        if seen.quality.altitude != self.quality.altitude {
+            return 0.0;
         }
-        (misfit <= 1.0).then_some(misfit)
+        let apart_s = (seen.valid_s - self.valid_s).abs();
+        (seen.position_m.z - predicted_m).abs() / (GATE_HEIGHT_M + GATE_CLIMB_MPS * apart_s)
     }
 
     /// Whether a report only repeats earlier reports of this track: sent again, or late by a detour. Such a
@@ -290,21 +348,21 @@ impl Track {
         }
         // Along the reported way, behind its end.
         let behind = self.reported.iter().zip(self.reported.iter().skip(1));
-        for ((from_s, from_m, from_mps), (to_s, to_m, _)) in behind {
-            let way = flat(*to_m - *from_m);
+        for (from, to) in behind {
+            let way = flat(to.position_m - from.position_m);
             let length2 = way.length_squared();
-            if to_s - from_s > 3.0 || length2 < 1.0 {
+            if to.valid_s - from.valid_s > 3.0 || length2 < 1.0 {
                 continue;
             }
-            let part = (flat(seen.position_m - *from_m).dot(way) / length2).clamp(0.0, 1.0);
-            let near = flat(seen.position_m - (*from_m + way * part)).length() < REPEATED_M;
+            let part = (flat(seen.position_m - from.position_m).dot(way) / length2).clamp(0.0, 1.0);
+            let near = flat(seen.position_m - (from.position_m + way * part)).length() < REPEATED_M;
             let is_end = self
                 .reported
                 .back()
-                .is_some_and(|(_, end_m, _)| flat(seen.position_m - *end_m).length() < REPEATED_M);
+                .is_some_and(|end| flat(seen.position_m - end.position_m).length() < REPEATED_M);
             let same_velocity = seen
                 .velocity_mps
-                .is_none_or(|v| v.distance(*from_mps) < REPEATED_MPS);
+                .is_none_or(|v| v.distance(from.velocity_mps) < REPEATED_MPS);
             if near && !is_end && same_velocity {
                 return true;
             }
@@ -322,8 +380,7 @@ impl Track {
         let off = seen.position_m - self.position_m(seen.valid_s);
         self.take_velocity(seen);
         let new_height = seen.quality.altitude != self.quality.altitude;
-        let better_height = self.quality.altitude == AltitudeReference::MeanSeaLevel
-            && seen.valid_s - self.height_s < BETTER_HEIGHT_S;
+        let better_height = self.has_better_height(seen);
         let smooth = self.has_velocity && since_s.abs() < 3.0;
         let predicted_m = self.position_m(seen.valid_s);
         let mut position_m = if smooth {
@@ -353,6 +410,11 @@ impl Track {
         };
         self.quality = Quality {
             altitude,
+            height_m: if altitude == seen.quality.altitude {
+                seen.quality.height_m
+            } else {
+                self.quality.height_m
+            },
             ..seen.quality
         };
         let heard_after_s = (now_s - self.heard_s).clamp(0.0, LONGEST_INTERVAL_S);
@@ -368,61 +430,69 @@ impl Track {
         true
     }
 
-    /// The reported velocity, or the velocity from the positions.
-    fn take_velocity(&mut self, seen: &Seen) {
-        match seen.velocity_mps {
-            Some(velocity_mps) => {
-                self.velocity_mps = velocity_mps;
-                self.has_velocity = true;
-                self.estimated_mps = 0.0;
+    /// Whether the known height counts for longer than the report's: one is missing, or its datum is a claim.
+    fn has_better_height(&self, seen: &Seen) -> bool {
+        let lifetime_s = match (self.quality.altitude, seen.quality.altitude) {
+            (AltitudeReference::Unknown, _) => return false,
+            (_, AltitudeReference::Unknown) => HEIGHT_LIFETIME_S,
+            (AltitudeReference::Geometric, _) => return false,
+            (_, AltitudeReference::Geometric) | (AltitudeReference::MeanSeaLevel, _) => {
+                BETTER_HEIGHT_S
             }
-            None if !self.has_velocity => self.estimate_velocity(seen),
-            None => {}
-        }
+            _ => return false,
+        };
+        seen.valid_s - self.height_s < lifetime_s
     }
 
-    /// Velocity that fits the last places best: the slope of a straight line.
-    fn estimate_velocity(&mut self, seen: &Seen) {
-        let recent = || {
-            let reported = self.reported.iter().map(|(at_s, at_m, _)| (*at_s, *at_m));
-            let all = reported.chain([(seen.valid_s, seen.position_m)]);
-            all.filter(|(at_s, _)| seen.valid_s - at_s <= ESTIMATED_OVER_S)
-        };
-        let (mut count, mut mean_s, mut mean_m) = (0.0, 0.0, Vec3::ZERO);
-        for (at_s, at_m) in recent() {
-            count += 1.0;
-            mean_s += at_s - seen.valid_s;
-            mean_m += at_m - seen.position_m;
-        }
-        let span_s = recent().next().map_or(0.0, |(at_s, _)| seen.valid_s - at_s);
-        if span_s < ESTIMATED_FROM_S {
+    /// The reported velocity while the positions bear it out, else the velocity that the positions show.
+    fn take_velocity(&mut self, seen: &Seen) {
+        let place = self.place(seen);
+        let places = || self.reported.iter().copied().chain([place]);
+        let shown = motion::shown(places, self.quality.position_m.max(seen.quality.position_m));
+        self.shown_mps = shown.map(|shown| shown.velocity_mps);
+        // Without a new claim the last velocity holds as long as the positions bear it out.
+        let held_mps = self.has_velocity.then_some(self.velocity_mps);
+        let Some(claimed_mps) = seen.velocity_mps.or(held_mps) else {
+            if let Some(shown) = shown {
+                self.velocity_mps = shown.velocity_mps;
+                self.estimated_mps = shown.sigma_mps;
+            }
             return;
+        };
+        self.has_velocity = true;
+        self.velocity_mps = claimed_mps;
+        self.estimated_mps = 0.0;
+        self.contradicts = false;
+        let Some(shown) = shown else { return };
+        let false_ways = motion::contradictions(places, &shown);
+        if false_ways.horizontal {
+            self.velocity_mps.x = shown.velocity_mps.x;
+            self.velocity_mps.y = shown.velocity_mps.y;
+            self.estimated_mps = shown.sigma_mps;
         }
-        (mean_s, mean_m) = (mean_s / count, mean_m / count);
-        let (mut squares_s2, mut products) = (0.0, Vec3::ZERO);
-        for (at_s, at_m) in recent() {
-            let off_s = at_s - seen.valid_s - mean_s;
-            squares_s2 += off_s * off_s;
-            products += (at_m - seen.position_m - mean_m) * off_s;
+        if false_ways.vertical {
+            self.velocity_mps.z = shown.velocity_mps.z;
         }
-        let velocity_mps = products / squares_s2;
-        if velocity_mps.is_finite() && velocity_mps.length() < 1000.0 {
-            self.velocity_mps = velocity_mps;
-            // σ of the slope of a line through places with this σ.
-            let sigma_m = self.quality.position_m.max(seen.quality.position_m);
-            self.estimated_mps = sigma_m / libm::sqrt(squares_s2);
+        self.contradicts = false_ways.horizontal || false_ways.vertical;
+    }
+
+    fn place(&self, seen: &Seen) -> Place {
+        Place {
+            valid_s: seen.valid_s,
+            position_m: seen.position_m,
+            velocity_mps: seen.velocity_mps.unwrap_or(self.velocity_mps),
+            altitude: seen.quality.altitude,
         }
     }
 
     fn remember(&mut self, seen: &Seen) {
-        let velocity_mps = seen.velocity_mps.unwrap_or(self.velocity_mps);
-        self.reported
-            .push_back((seen.valid_s, seen.position_m, velocity_mps));
+        let place = self.place(seen);
+        self.reported.push_back(place);
         while self.reported.len() > MOST_REMEMBERED
             || self
                 .reported
                 .front()
-                .is_some_and(|(at_s, ..)| seen.valid_s - at_s > REMEMBERED_S)
+                .is_some_and(|place| seen.valid_s - place.valid_s > REMEMBERED_S)
         {
             self.reported.pop_front();
         }

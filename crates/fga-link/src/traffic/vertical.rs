@@ -3,6 +3,9 @@
 //! A pressure altitude counts from 1013.25 hPa, wherever that pressure is today: 302 m below the
 //! sea at 1050 hPa, 540 m above at 950 hPa. The vehicle's own pressure shows that level here, and
 //! pressures compare with pressures. Without it these two bound the level.
+//!
+//! "Geometric" is a label that senders give to heights above the sea, above the ellipsoid and, wrongly, to pressure
+//! altitudes. Nothing in a report shows which, so the bound contains all three.
 
 use fga::situation::ProtectedVolume;
 
@@ -26,6 +29,8 @@ const LIFETIME_S: f64 = 600.0;
 const SMOOTHING: f64 = 0.2;
 /// Range of the geoid above the ellipsoid, metres.
 const GEOID_M: [f64; 2] = [-107.0, 86.0];
+/// An aircraft of unknown altitude may be this far above or below the vehicle, metres: farther than any manoeuvre climbs.
+const UNKNOWN_M: f64 = 1_000.0;
 
 /// Altitude in the standard atmosphere, metres above 1013.25 hPa, where the pressure is
 /// `pressure_hpa`, hectopascals; `None` outside of 100 to 1100 hPa.
@@ -110,6 +115,11 @@ impl Levels {
             AltitudeReference::Ellipsoid => self
                 .geoid_m
                 .map_or(middle(GEOID_M), |by_m| Shift { by_m, bound_m: 5.0 }),
+            AltitudeReference::Unknown => Shift {
+                by_m: altitude_m - own_m,
+                bound_m: UNKNOWN_M,
+            },
+            AltitudeReference::Geometric => self.geometric(altitude_m, own_m, now_s),
             AltitudeReference::Pressure => {
                 match self.pressure.filter(|(_, at_s)| now_s - at_s < LIFETIME_S) {
                     Some((by_m, _)) => Shift {
@@ -119,6 +129,22 @@ impl Levels {
                     None => middle(pressure_range_m(altitude_m)),
                 }
             }
+        }
+    }
+}
+
+impl Levels {
+    /// The shift that holds for the sea level, for any geoid, and for pressure where the vehicle's own shows it.
+    fn geometric(&self, altitude_m: f64, own_m: f64, now_s: f64) -> Shift {
+        let [mut low_m, mut high_m] = GEOID_M;
+        if self.knows_pressure(now_s) {
+            let pressure = self.shift(AltitudeReference::Pressure, altitude_m, own_m, now_s);
+            low_m = low_m.min(pressure.by_m - pressure.bound_m);
+            high_m = high_m.max(pressure.by_m + pressure.bound_m);
+        }
+        Shift {
+            by_m: 0.5 * (low_m + high_m),
+            bound_m: 0.5 * (high_m - low_m),
         }
     }
 }
@@ -189,6 +215,21 @@ mod tests {
                 .bound_m
                 > 400.0
         );
+    }
+
+    /// 190 m at 990 hPa, and any geoid.
+    #[test]
+    fn t3_a_geometric_label_holds_for_every_level_that_it_may_mean() {
+        let mut levels = Levels::default();
+        let contains = |levels: &Levels, off_m: f64| {
+            let shift = levels.shift(AltitudeReference::Geometric, 300.0, 104.0, 2.0);
+            (off_m - shift.by_m).abs() <= shift.bound_m
+        };
+        assert!(contains(&levels, 0.0) && contains(&levels, -100.0) && contains(&levels, 80.0));
+        assert!(!contains(&levels, 195.0) && !contains(&levels, -150.0));
+        let pressure_hpa = 990.0 * libm::pow(1.0 - 104.0 / SCALE_M, 1.0 / EXPONENT);
+        levels.take_pressure(pressure_hpa, 104.0, 1.0);
+        assert!(contains(&levels, 195.0) && contains(&levels, -100.0));
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod common;
 mod adversary;
 mod alerts;
 mod arduplane;
+mod claims;
 mod closed_loop;
 mod encounters;
 mod faults;

@@ -1,0 +1,267 @@
+//! Which velocity do an aircraft's reported positions show, and does the reported velocity contradict it?
+//!
+//! The reported velocity carries each position to the next one. Positions less the way flown by the reported
+//! velocities stay in one place if both are right; a line through them that moves by more than the positions'
+//! own scatter explains is a contradiction.
+
+use fga::Vec3;
+
+use super::report::AltitudeReference;
+
+/// A motion is estimated over this time, seconds, or from the last two positions, and from this time on.
+const SHOWN_OVER_S: f64 = 3.5;
+const SHOWN_FROM_S: f64 = 0.5;
+/// A contradiction is this many σ of the line.
+const SIGMAS: f64 = 3.0;
+/// Error of the time of a position, seconds: messages wait on their way, and whole seconds are rounded.
+const TIME_S: f64 = 0.3;
+/// Step of reported altitudes, metres: 25 ft.
+const ALTITUDE_STEP_M: f64 = 7.62;
+/// Error of the way between two reports in a turn, as a share of the change of velocity times the time between. A turn by
+/// 100° makes 0.15: the chord is sin 50°/50° of the arc, the mean of the velocities cos 50° of the speed.
+const TURN_SHARE: f64 = 0.15;
+
+/// A reported position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    /// Time of validity, seconds.
+    pub valid_s: f64,
+    /// Position, metres, local frame; the height above its datum.
+    pub position_m: Vec3,
+    /// The velocity reported with it, metres per second.
+    pub velocity_mps: Vec3,
+    /// Datum of the height.
+    pub altitude: AltitudeReference,
+}
+
+/// The motion that positions show.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shown {
+    /// Metres per second.
+    pub velocity_mps: Vec3,
+    /// σ of the velocity along an axis, metres per second.
+    pub sigma_mps: f64,
+    /// σ of the positions along an axis, metres.
+    position_m: f64,
+}
+
+/// The parts of a reported velocity that the positions contradict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Contradictions {
+    pub horizontal: bool,
+    pub vertical: bool,
+}
+
+/// A straight line through places at times.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    slope_mps: Vec3,
+    /// Σ (t − mean t)², s².
+    squares_s2: f64,
+    /// Mean square of the distances from the line along each axis, m².
+    scatter_m2: Vec3,
+}
+
+/// The line of least squares; `None` for a single moment.
+fn line(points: impl Iterator<Item = (f64, Vec3)> + Clone) -> Option<Line> {
+    let (from_s, from_m) = points.clone().next()?;
+    let (mut count, mut mean_s, mut mean_m) = (0.0, 0.0, Vec3::ZERO);
+    for (at_s, at_m) in points.clone() {
+        count += 1.0;
+        mean_s += at_s - from_s;
+        mean_m += at_m - from_m;
+    }
+    (mean_s, mean_m) = (mean_s / count, mean_m / count);
+    let centred = || points.clone().map(|(s, m)| (s - from_s - mean_s, m - from_m - mean_m));
+    let (mut squares_s2, mut products) = (0.0, Vec3::ZERO);
+    for (off_s, off_m) in centred() {
+        squares_s2 += off_s * off_s;
+        products += off_m * off_s;
+    }
+    let slope_mps = products / squares_s2;
+    let mut scatter_m2 = Vec3::ZERO;
+    for (off_s, off_m) in centred() {
+        let off_m = off_m - slope_mps * off_s;
+        scatter_m2 += off_m * off_m / count;
+    }
+    let usable = slope_mps.is_finite() && squares_s2 >= 0.5 * SHOWN_FROM_S * SHOWN_FROM_S;
+    usable.then_some(Line {
+        slope_mps,
+        squares_s2,
+        scatter_m2,
+    })
+}
+
+/// The newest of `places` within `over_s`, and at least two.
+fn newest<P: Iterator<Item = Place> + Clone>(
+    places: P,
+    over_s: f64,
+) -> impl Iterator<Item = Place> + Clone {
+    let count = places.clone().count();
+    let newest_s = places
+        .clone()
+        .fold(f64::NEG_INFINITY, |newest_s, place| place.valid_s.max(newest_s));
+    places
+        .enumerate()
+        .filter(move |(index, place)| index + 2 >= count || newest_s - place.valid_s <= over_s)
+        .map(|(_, place)| place)
+}
+
+/// The motion that the newest places show, oldest first; `position_m` is σ of their horizontal position, metres.
+pub(super) fn shown<P: Iterator<Item = Place> + Clone>(
+    places: impl Fn() -> P,
+    position_m: f64,
+) -> Option<Shown> {
+    let recent = newest(places(), SHOWN_OVER_S);
+    let last = recent.clone().last()?;
+    let level = line(recent.clone().map(|place| (place.valid_s, place.position_m)))?;
+    // Heights above different datums do not compare.
+    let same = recent.filter(|place| place.altitude == last.altitude);
+    let climb = line(same.map(|place| (place.valid_s, place.position_m)));
+    let scatter_m2 = level.scatter_m2.x.max(level.scatter_m2.y);
+    let position_m = libm::sqrt((position_m * position_m).max(scatter_m2));
+    let climb_mps = climb.map_or(0.0, |line| line.slope_mps.z);
+    let velocity_mps = Vec3::new(level.slope_mps.x, level.slope_mps.y, climb_mps);
+    (velocity_mps.length() < 1000.0).then_some(Shown {
+        velocity_mps,
+        sigma_mps: position_m / libm::sqrt(level.squares_s2),
+        position_m,
+    })
+}
+
+/// The parts of the reported velocities that the places contradict, over the last seconds or over all of them.
+pub(super) fn contradictions<P: Iterator<Item = Place> + Clone>(
+    places: impl Fn() -> P,
+    shown: &Shown,
+) -> Contradictions {
+    let mut found = Contradictions {
+        horizontal: false,
+        vertical: false,
+    };
+    let speed_mps = shown.velocity_mps.length();
+    for over_s in [SHOWN_OVER_S, f64::INFINITY] {
+        let recent = newest(places(), over_s);
+        let Some(last) = recent.clone().last() else {
+            break;
+        };
+        let turn_m = largest_turn_m(recent.clone());
+        let left = left_over(recent.clone());
+        if let Some(line) = line(left.clone().map(|(place, m)| (place.valid_s, m))) {
+            let scatter_m2 = line.scatter_m2.x.max(line.scatter_m2.y);
+            let sigma_m = libm::hypot(shown.position_m, TIME_S * speed_mps).max(scatter_m2.sqrt());
+            let off_mps = libm::hypot(line.slope_mps.x, line.slope_mps.y);
+            found.horizontal |= line.exceeds(off_mps, sigma_m + turn_m);
+        }
+        let same = left.filter(|(place, _)| place.altitude == last.altitude);
+        if let Some(line) = line(same.map(|(place, m)| (place.valid_s, m)))
+            && last.altitude != AltitudeReference::Unknown
+        {
+            let sigma_m = ALTITUDE_STEP_M.max(line.scatter_m2.z.sqrt());
+            found.vertical |= line.exceeds(line.slope_mps.z.abs(), sigma_m);
+        }
+    }
+    found
+}
+
+impl Line {
+    /// Whether a slope is none of positions that scatter by `sigma_m`.
+    fn exceeds(&self, slope_mps: f64, sigma_m: f64) -> bool {
+        slope_mps > SIGMAS * sigma_m / libm::sqrt(self.squares_s2)
+    }
+}
+
+/// Largest error of the way between two reports in a turn, metres.
+fn largest_turn_m(places: impl Iterator<Item = Place> + Clone) -> f64 {
+    let pairs = places.clone().zip(places.skip(1));
+    pairs
+        .map(|(from, to)| {
+            let turned_mps = from.velocity_mps.distance(to.velocity_mps);
+            TURN_SHARE * turned_mps * (to.valid_s - from.valid_s).abs()
+        })
+        .fold(0.0, f64::max)
+}
+
+/// Each place less the way that the reported velocities lead until then.
+fn left_over(
+    places: impl Iterator<Item = Place> + Clone,
+) -> impl Iterator<Item = (Place, Vec3)> + Clone {
+    places.scan(None, |before: &mut Option<(Place, Vec3)>, place| {
+        let way_m = before.map_or(Vec3::ZERO, |(last, way_m)| {
+            way_m + 0.5 * (last.velocity_mps + place.velocity_mps) * (place.valid_s - last.valid_s)
+        });
+        *before = Some((place, way_m));
+        Some((place, place.position_m - way_m))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Reports of a circle flown at this rate, with a claimed velocity each.
+    fn circle(
+        rate_radps: f64,
+        interval_s: f64,
+        count: u32,
+        claim: impl Fn(Vec3) -> Vec3,
+    ) -> Vec<Place> {
+        let speed_mps = 60.0;
+        (0..count)
+            .map(|n| {
+                let valid_s = f64::from(n) * interval_s;
+                let (sin, cos) = libm::sincos(rate_radps * valid_s);
+                let position_m = if rate_radps == 0.0 {
+                    Vec3::X * speed_mps * valid_s
+                } else {
+                    Vec3::new(sin, 1.0 - cos, 0.0) * (speed_mps / rate_radps)
+                };
+                Place {
+                    valid_s,
+                    position_m,
+                    velocity_mps: claim(Vec3::new(cos, sin, 0.0) * speed_mps),
+                    altitude: AltitudeReference::Pressure,
+                }
+            })
+            .collect()
+    }
+
+    fn found(places: &[Place]) -> Contradictions {
+        let iterate = || places.iter().copied();
+        contradictions(iterate, &shown(iterate, 2.0).unwrap())
+    }
+
+    #[test]
+    fn a_true_velocity_is_never_contradicted_in_any_turn() {
+        for rate_degps in [0.0, 1.5, 3.0, 6.0, 12.0, 20.0] {
+            for interval_s in [0.1, 0.5, 1.0, 2.0, 5.0] {
+                for count in 2..12 {
+                    let places = circle(f64::to_radians(rate_degps), interval_s, count, |v| v);
+                    if f64::from(count - 1) * interval_s < SHOWN_FROM_S {
+                        continue;
+                    }
+                    let found = found(&places);
+                    assert!(
+                        !found.horizontal && !found.vertical,
+                        "{rate_degps} deg/s, {count} each {interval_s} s"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn t2_a_velocity_wrong_by_sign_angle_or_unit_is_contradicted_within_two_seconds() {
+        let claims: [fn(Vec3) -> Vec3; 6] = [
+            |v| -v,
+            |v| Vec3::new(-v.y, v.x, v.z),
+            |v| v * 100.0,
+            |v| v * 0.01,
+            |v| v * 3.6,
+            |v| v + Vec3::Z * 64.0,
+        ];
+        for (index, claim) in claims.into_iter().enumerate() {
+            let found = found(&circle(0.0, 0.5, 5, claim));
+            assert!(found.horizontal || found.vertical, "claim {index}");
+        }
+    }
+}
