@@ -11,11 +11,13 @@
 //!   symbolic link out of it;
 //! - a page in the folder that somebody else wrote: it serves replays sandboxed, without access
 //!   to anything else on the server;
-//! - a slow or vanished browser: a live run hands its messages over without ever waiting.
+//! - a slow or vanished browser: a live run hands its messages over without ever waiting;
+//! - any number of connections, idle or greedy: at most 32 at once, each with limits on time and memory.
 
 extern crate alloc;
 
 mod catalogue;
+mod connections;
 mod folder;
 mod guard;
 mod live;

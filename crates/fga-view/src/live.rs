@@ -1,5 +1,8 @@
 //! Passes the messages of a running flight to every listening browser.
+//!
+//! There is one history, and each browser has its place in it: a browser costs no memory, however slow it is.
 
+use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
 use core::time::Duration;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -8,32 +11,38 @@ use std::time::Instant;
 use axum::body::Bytes;
 use axum::extract::ws::{Message, Utf8Bytes, WebSocket};
 use fga_report::replay::LiveMessage;
-use tokio::sync::broadcast::error::RecvError;
-use tokio::sync::broadcast::{self, Receiver};
+use tokio::sync::watch;
 
-/// Messages that wait for a slow browser; a browser further behind gets the whole run again.
-const WAITING: usize = 1024;
-/// Messages kept for late browsers; beyond that every second sample is dropped.
+/// Messages kept for late browsers, and their bytes; beyond that every second sample is dropped.
 const REMEMBERED: usize = 40_000;
+const REMEMBERED_BYTES: usize = 8 * 1024 * 1024;
+/// Messages that a browser gets at once.
+const AT_ONCE: usize = 16;
 /// A browser that takes no message for this long is gone.
 const GONE_AFTER: Duration = Duration::from_secs(15);
-/// Time for a browser to catch up before it gets the whole run again.
-const PAUSE: Duration = Duration::from_millis(500);
 
 /// The sending end of a live run. Clones send to the same browsers.
 #[derive(Debug, Clone)]
 pub struct Live {
     shared: Arc<Mutex<Shared>>,
+    /// Wakes the browsers.
+    news: watch::Sender<()>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Shared {
     history: Vec<Kept>,
-    sender: broadcast::Sender<Utf8Bytes>,
+    bytes: usize,
+    /// Number of the next message.
+    next: u64,
+    /// The next message of each listening browser.
+    browsers: BTreeMap<u64, u64>,
+    next_browser: u64,
 }
 
 #[derive(Debug)]
 struct Kept {
+    number: u64,
     text: Utf8Bytes,
     /// Whether the picture stays the same, if coarser, without it.
     spare: bool,
@@ -43,10 +52,9 @@ struct Kept {
 
 impl Live {
     pub(crate) fn new() -> Self {
-        let (sender, _) = broadcast::channel(WAITING);
-        let history = Vec::new();
         Self {
-            shared: Arc::new(Mutex::new(Shared { history, sender })),
+            shared: Arc::default(),
+            news: watch::Sender::new(()),
         }
     }
 
@@ -55,8 +63,7 @@ impl Live {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sends a message without waiting for any browser. A slow browser misses messages and gets the
-    /// whole run again when it has caught up.
+    /// Sends a message without waiting for any browser. A browser that is slower than the flight gets a coarser one.
     pub fn send(&self, message: &LiveMessage) {
         let text = Utf8Bytes::from(message.to_json());
         let spare = matches!(
@@ -70,22 +77,28 @@ impl Live {
             _ => None,
         };
         let mut shared = self.lock();
+        let number = shared.next;
+        shared.next += 1;
+        shared.bytes += text.len();
         shared.history.push(Kept {
-            text: text.clone(),
+            number,
+            text,
             spare,
             obstacle,
         });
-        if shared.history.len() > REMEMBERED {
-            forget(&mut shared.history);
-        }
-        // Without a browser nobody receives it, which is no error.
-        let _ = shared.sender.send(text);
+        shared.forget();
+        drop(shared);
+        self.news.send_replace(());
     }
 
     /// Waits until the browsers that keep up have taken everything, or until the time is over.
     pub fn drain(&self, at_most: Duration) {
         let since = Instant::now();
-        while since.elapsed() < at_most && !self.lock().sender.is_empty() {
+        let behind = || {
+            let shared = self.lock();
+            shared.browsers.values().any(|next| *next < shared.next)
+        };
+        while since.elapsed() < at_most && behind() {
             std::thread::sleep(Duration::from_millis(10));
         }
         if self.listeners() > 0 {
@@ -96,75 +109,110 @@ impl Live {
 
     /// Number of listening browsers.
     pub fn listeners(&self) -> usize {
-        self.lock().sender.receiver_count()
+        self.lock().browsers.len()
     }
 
-    /// The messages sent so far, and a receiver of the following ones.
-    fn join(&self) -> (Vec<Utf8Bytes>, Receiver<Utf8Bytes>) {
-        let shared = self.lock();
-        let told = shared
-            .history
-            .iter()
-            .map(|kept| kept.text.clone())
-            .collect();
-        (told, shared.sender.subscribe())
+    /// A browser at the beginning of the history.
+    fn join(&self) -> Browser<'_> {
+        let mut shared = self.lock();
+        let number = shared.next_browser;
+        shared.next_browser += 1;
+        shared.browsers.insert(number, 0);
+        Browser { live: self, number }
     }
 
+    /// Sends the run so far and then each message, until the browser goes; then there is nobody to report an error to.
     pub(crate) async fn serve(self, mut socket: WebSocket) {
-        // Until the browser goes; then there is nobody to report an error to.
-        while self.tell(&mut socket).await.is_some() {
-            tokio::time::sleep(PAUSE).await;
-            if send(&mut socket, Utf8Bytes::from_static(RESET))
-                .await
-                .is_none()
-            {
-                return;
-            }
+        let browser = self.join();
+        let _ = browser.follow(&mut socket).await;
+    }
+}
+
+/// A listening browser; it counts until it is dropped.
+struct Browser<'a> {
+    live: &'a Live,
+    number: u64,
+}
+
+impl Browser<'_> {
+    /// Its next messages; it has taken those before them.
+    fn next(&self) -> Vec<Utf8Bytes> {
+        let mut shared = self.live.lock();
+        let next = shared.browsers.get(&self.number).copied().unwrap_or(0);
+        let from = shared.history.partition_point(|kept| kept.number < next);
+        let some = shared.history.iter().skip(from).take(AT_ONCE);
+        let (numbers, texts): (Vec<u64>, Vec<Utf8Bytes>) =
+            some.map(|kept| (kept.number, kept.text.clone())).unzip();
+        if let Some(last) = numbers.last() {
+            shared.browsers.insert(self.number, last + 1);
         }
+        texts
     }
 
-    /// Sends the whole run and then each message; `Some` when the browser fell behind, `None` when it went.
-    async fn tell(&self, socket: &mut WebSocket) -> Option<()> {
-        let (told, mut news) = self.join();
-        for text in told {
-            send(socket, text).await?;
-        }
+    /// `None` when the browser went.
+    async fn follow(&self, socket: &mut WebSocket) -> Option<()> {
+        let mut news = self.live.news.subscribe();
         loop {
+            news.mark_unchanged();
+            let texts = self.next();
+            let idle = texts.is_empty();
+            for text in texts {
+                send(socket, Message::Text(text)).await?;
+            }
+            if !idle {
+                continue;
+            }
             tokio::select! {
-                text = news.recv() => match text {
-                    Ok(text) => send(socket, text).await?,
-                    Err(RecvError::Lagged(_)) => return Some(()),
-                    Err(RecvError::Closed) => return None,
-                },
+                word = news.changed() => word.ok()?,
                 // The server ignores what a browser sends, but not its end.
                 word = socket.recv() => match word {
                     Some(Ok(Message::Close(_)) | Err(_)) | None => return None,
                     Some(Ok(_)) => {}
                 },
                 () = tokio::time::sleep(GONE_AFTER) => {
-                    send_message(socket, Message::Ping(Bytes::new())).await?;
+                    send(socket, Message::Ping(Bytes::new())).await?;
                 }
             }
         }
     }
 }
 
-/// Tells the page to clear itself before the whole run is sent again.
-const RESET: &str = "{\"type\":\"reset\"}";
-
-async fn send(socket: &mut WebSocket, text: Utf8Bytes) -> Option<()> {
-    send_message(socket, Message::Text(text)).await
+impl Drop for Browser<'_> {
+    fn drop(&mut self) {
+        self.live.lock().browsers.remove(&self.number);
+    }
 }
 
-async fn send_message(socket: &mut WebSocket, message: Message) -> Option<()> {
+async fn send(socket: &mut WebSocket, message: Message) -> Option<()> {
     tokio::time::timeout(GONE_AFTER, socket.send(message))
         .await
         .ok()?
         .ok()
 }
 
+impl Shared {
+    fn is_full(&self) -> bool {
+        self.history.len() > REMEMBERED || self.bytes > REMEMBERED_BYTES
+    }
+
+    /// Drops every second sample, decision and duration, and replaced obstacles; and where that is not enough, the older
+    /// half, but not the first message, which names the run.
+    fn forget(&mut self) {
+        if !self.is_full() {
+            return;
+        }
+        thin(&mut self.history);
+        self.bytes = self.history.iter().map(|kept| kept.text.len()).sum();
+        if self.history.len() > 3 * REMEMBERED / 4 || self.bytes > 3 * REMEMBERED_BYTES / 4 {
+            let half = self.history.len() / 2;
+            self.history.drain(1.min(half)..half);
+            self.bytes = self.history.iter().map(|kept| kept.text.len()).sum();
+        }
+    }
+}
+
 /// Drops every second sample, decision and duration, and replaced obstacles.
-fn forget(history: &mut Vec<Kept>) {
+fn thin(history: &mut Vec<Kept>) {
     let mut latest = std::collections::HashSet::new();
     let mut last: Vec<bool> = history
         .iter()
@@ -201,9 +249,11 @@ mod tests {
             };
             live.send(&LiveMessage::Sample { run: 0, sample });
         }
-        let (told, _) = live.join();
-        assert!(told.len() <= REMEMBERED, "{}", told.len());
-        assert!(told[0].as_str().contains("\"long\""));
-        assert!(told[told.len() - 1].as_str().contains("9999.9"));
+        let shared = live.lock();
+        let told = &shared.history;
+        assert!(!shared.is_full(), "{} of {} bytes", told.len(), shared.bytes);
+        assert!(told.len() > REMEMBERED / 4);
+        assert!(told[0].text.as_str().contains("\"long\""));
+        assert!(told[told.len() - 1].text.as_str().contains("9999.9"));
     }
 }

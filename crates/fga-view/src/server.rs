@@ -1,13 +1,13 @@
 use alloc::sync::Arc;
 use core::net::SocketAddr;
 use std::io;
-use std::net::TcpListener;
 use std::thread::JoinHandle;
 
-use axum::Router;
+use axum::body::Bytes;
+use axum::{Extension, Router};
 use axum::extract::{Path, Request, State, WebSocketUpgrade};
 use axum::http::header::{
-    CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, LOCATION, X_CONTENT_TYPE_OPTIONS,
+    CACHE_CONTROL, CONNECTION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, LOCATION, X_CONTENT_TYPE_OPTIONS,
 };
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::middleware::{self, Next};
@@ -17,8 +17,14 @@ use fga_report::listing;
 use fga_report::replay::render_live;
 use tokio::sync::oneshot;
 
+use crate::connections::{self, Share};
 use crate::guard::{host_allowed, origin_allowed};
 use crate::{Catalogue, Live};
+
+/// Threads that read folders.
+const BLOCKING_THREADS: usize = 2;
+/// Buffer of a WebSocket, bytes: a browser sends nothing but pongs.
+const SOCKET_BYTES: usize = 4096;
 
 /// A server with its own thread; dropping it stops it.
 #[derive(Debug)]
@@ -47,7 +53,8 @@ impl Server {
     /// If the server cannot listen on the address.
     pub fn live(address: SocketAddr, title: &str) -> io::Result<(Self, Live)> {
         let live = Live::new();
-        let page = render_live(title, "/live");
+        // Shared by all answers.
+        let page = Bytes::from(render_live(title, "/live"));
         let router = Router::new()
             .route("/", get(|| async { Html(page) }))
             .route("/live", get(socket))
@@ -56,12 +63,15 @@ impl Server {
     }
 
     fn start(address: SocketAddr, router: Router) -> io::Result<Self> {
-        let listener = TcpListener::bind(address)?;
-        listener.set_nonblocking(true)?;
-        let address = listener.local_addr()?;
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
+            .max_blocking_threads(BLOCKING_THREADS)
             .build()?;
+        let listener = {
+            let _entered = runtime.enter();
+            connections::listen(address)?
+        };
+        let address = listener.local_addr()?;
         let router = if address.ip().is_loopback() {
             router.layer(middleware::from_fn(named_here))
         } else {
@@ -73,13 +83,9 @@ impl Server {
             .name("fga-view".into())
             .spawn(move || {
                 runtime.block_on(async {
-                    let Ok(listener) = tokio::net::TcpListener::from_std(listener) else {
-                        return;
-                    };
-                    let serving = axum::serve(listener, router).into_future();
                     // Stopping does not wait for browsers that keep their connection.
                     tokio::select! {
-                        _ = serving => {}
+                        () = connections::serve(listener, router) => {}
                         _ = stopped => {}
                     }
                 });
@@ -136,6 +142,11 @@ async fn with_headers(mut response: Response) -> Response {
     headers.insert(CACHE_CONTROL, HeaderValue::from_static("no-store"));
     let same = HeaderValue::from_static("same-origin");
     headers.insert("cross-origin-resource-policy", same);
+    if response.status() != StatusCode::SWITCHING_PROTOCOLS {
+        // A connection kept for a next request would take another client's room.
+        let close = HeaderValue::from_static("close");
+        response.headers_mut().insert(CONNECTION, close);
+    }
     response
 }
 
@@ -153,7 +164,8 @@ async fn blocking<T: Send + 'static>(
     }
 }
 
-async fn table(State(catalogue): Shown) -> Result<Response, Response> {
+async fn table(State(catalogue): Shown, Extension(share): Extension<Arc<Share>>) -> Result<Response, Response> {
+    share.page().await;
     let page = blocking(move || {
         let mut shown = catalogue.listing()?;
         for row in &mut shown.rows {
@@ -189,7 +201,12 @@ fn address_of(key: &str) -> String {
     address
 }
 
-async fn replay(State(catalogue): Shown, Path(key): Path<String>) -> Result<Response, Response> {
+async fn replay(
+    State(catalogue): Shown,
+    Extension(share): Extension<Arc<Share>>,
+    Path(key): Path<String>,
+) -> Result<Response, Response> {
+    share.page().await;
     let page = blocking(move || catalogue.page(&key)).await?;
     Ok(match page {
         Some(page) => {
@@ -204,6 +221,7 @@ async fn replay(State(catalogue): Shown, Path(key): Path<String>) -> Result<Resp
 
 async fn socket(
     State(live): State<Live>,
+    Extension(share): Extension<Arc<Share>>,
     headers: HeaderMap,
     upgrade: WebSocketUpgrade,
 ) -> Response {
@@ -211,6 +229,12 @@ async fn socket(
         return (StatusCode::FORBIDDEN, "not a page of this server").into_response();
     }
     upgrade
-        .max_message_size(64 * 1024)
-        .on_upgrade(move |socket| live.serve(socket))
+        .read_buffer_size(SOCKET_BYTES)
+        .write_buffer_size(SOCKET_BYTES)
+        .max_message_size(SOCKET_BYTES)
+        .max_frame_size(SOCKET_BYTES)
+        .on_upgrade(async move |socket| {
+            live.serve(socket).await;
+            drop(share);
+        })
 }
