@@ -3,6 +3,9 @@
 //! A signed frame carries an increasing time for each stream of a link, a system and a component.
 //! A frame that is not newer than the last of its stream is a replay. The disk keeps the last times
 //! ([`Timestamps`]), so that a restarted program refuses what it heard before.
+//!
+//! This computer's clock decides nothing that is heard: it may be years wrong, as on a computer without a battery before
+//! it hears of the time. Times sent follow the newest time heard, as the protocol asks, and no less than the clock.
 
 use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
@@ -22,6 +25,8 @@ const NEW_STREAM_BEHIND: u64 = 60 * TICKS_PER_S;
 /// The saved timestamps are ahead of the heard ones by this: more than the time to the next saving,
 /// so that no frame from before a sudden end is new afterwards.
 const KEPT_AHEAD: u64 = TICKS_PER_S;
+/// Up to this many old frames are no reason to tell of.
+const MOST_COPIES: u64 = 20;
 /// Most remembered streams; only a holder of the key can begin one.
 const MOST_STREAMS: usize = 256;
 
@@ -34,15 +39,66 @@ pub struct Timestamps {
     pub heard: Vec<(u8, u8, u8, u64)>,
 }
 
+/// Why a frame is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refusal {
+    /// It has no signature.
+    Unsigned,
+    /// Its signature is of another key.
+    OtherKey,
+    /// Its time is none after what was heard before.
+    Old,
+}
+
+impl Refusal {
+    /// All reasons.
+    pub const ALL: [Self; 3] = [Self::Unsigned, Self::OtherKey, Self::Old];
+
+    /// What the operator reads.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Unsigned => "fga: unsigned messages refused",
+            Self::OtherKey => "fga: messages with another signing key refused",
+            Self::Old => "fga: messages with an old signing time refused",
+        }
+    }
+}
+
+/// Frames accepted, and refused by reason.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct SigningCounts {
+    /// Accepted.
+    pub accepted: u64,
+    refused: [u64; Refusal::ALL.len()],
+}
+
+impl SigningCounts {
+    /// Frames refused for a reason.
+    pub fn refused(&self, reason: Refusal) -> u64 {
+        self.refused.get(reason as usize).copied().unwrap_or(0)
+    }
+}
+
 #[derive(Default)]
 struct State {
+    counts: SigningCounts,
+    told: [bool; Refusal::ALL.len()],
     sent: u64,
     /// After a restart a new stream must be newer than this.
     floor: u64,
     heard: BTreeMap<(u8, u8, u8), u64>,
 }
 
+impl State {
+    /// The newest timestamp heard; 0 before any.
+    fn newest(&self) -> u64 {
+        self.heard.values().copied().max().unwrap_or(0)
+    }
+}
+
 struct Inner {
+    /// Added to this computer's clock, s.
+    clock_off_s: i64,
     key: [u8; 32],
     link_id: u8,
     allow_unsigned: bool,
@@ -59,18 +115,33 @@ impl core::fmt::Debug for Signing {
     }
 }
 
-/// The present time as a timestamp.
-fn now() -> u64 {
-    let since = SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .unwrap_or_default();
-    u64::try_from(since.as_micros().saturating_sub(BEGIN_UNIX_US) / 10).unwrap_or(0)
+impl Inner {
+    /// The present time as a timestamp; 0 before 2015.
+    fn clock(&self) -> u64 {
+        let since = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .unwrap_or_default();
+        let ticks = u64::try_from(since.as_micros().saturating_sub(BEGIN_UNIX_US) / 10);
+        let off = self.clock_off_s.saturating_mul(TICKS_PER_S.cast_signed());
+        ticks.unwrap_or(0).saturating_add_signed(off)
+    }
 }
 
 impl Signing {
     /// Signs outgoing frames with `key` and refuses frames without its signature, unless `allow_unsigned`.
     pub fn new(key: [u8; 32], link_id: u8, allow_unsigned: bool) -> Self {
+        Self::with_clock_off(key, link_id, allow_unsigned, 0)
+    }
+
+    /// The same with a clock that is off by some seconds, for tests.
+    pub fn with_clock_off(
+        key: [u8; 32],
+        link_id: u8,
+        allow_unsigned: bool,
+        clock_off_s: i64,
+    ) -> Self {
         Self(Arc::new(Inner {
+            clock_off_s,
             key,
             link_id,
             allow_unsigned,
@@ -108,23 +179,60 @@ impl Signing {
         }
     }
 
+    /// The counts so far.
+    pub fn counts(&self) -> SigningCounts {
+        self.state().counts
+    }
+
+    /// A reason of refusals for the operator, once each. A link with a detour delivers old copies of what was accepted:
+    /// these are a reason only where they are most of what comes.
+    pub fn refusal_to_tell(&self) -> Option<Refusal> {
+        let mut state = self.state();
+        let counts = state.counts;
+        let reason = Refusal::ALL.into_iter().find(|reason| {
+            let least = match reason {
+                Refusal::Old => counts.accepted.max(MOST_COPIES),
+                Refusal::Unsigned | Refusal::OtherKey => 0,
+            };
+            let told = state.told.get(*reason as usize).copied().unwrap_or(true);
+            !told && counts.refused(*reason) > least
+        })?;
+        if let Some(told) = state.told.get_mut(reason as usize) {
+            *told = true;
+        }
+        Some(reason)
+    }
+
     /// Whether to believe a frame; a believed signed frame counts as heard.
     pub fn accepts(&self, raw: &MAVLinkV2MessageRaw) -> bool {
+        let refusal = self.refusal(raw);
+        let mut state = self.state();
+        let count = match refusal {
+            None => Some(&mut state.counts.accepted),
+            Some(reason) => state.counts.refused.get_mut(reason as usize),
+        };
+        if let Some(count) = count {
+            *count = count.saturating_add(1);
+        }
+        refusal.is_none()
+    }
+
+    fn refusal(&self, raw: &MAVLinkV2MessageRaw) -> Option<Refusal> {
         if raw.incompatibility_flags() & FLAG_SIGNED == 0 {
-            return self.0.allow_unsigned;
+            return (!self.0.allow_unsigned).then_some(Refusal::Unsigned);
         }
         let mut signature = [0; 6];
         raw.calculate_signature(&self.0.key, &mut signature);
         if signature != raw.signature_value() {
-            return false;
+            return Some(Refusal::OtherKey);
         }
         let Ok(system_id) = u8::try_from(raw.system_id()) else {
-            return false;
+            return Some(Refusal::OtherKey);
         };
         let stream = (raw.signature_link_id(), system_id, raw.component_id());
         let timestamp = raw.signature_timestamp();
         let mut state = self.state();
-        let newest_of_all = state.heard.values().copied().max().unwrap_or(0).max(now());
+        let newest_of_all = state.newest();
         let is_new = match state.heard.get(&stream) {
             Some(newest) => timestamp > *newest,
             None => {
@@ -136,14 +244,14 @@ impl Signing {
         if is_new {
             state.heard.insert(stream, timestamp);
         }
-        is_new
+        (!is_new).then_some(Refusal::Old)
     }
 
     /// Signs a serialized frame.
     pub fn sign(&self, raw: &mut MAVLinkV2MessageRaw) {
         let timestamp = {
             let mut state = self.state();
-            state.sent = now().max(state.sent + 1);
+            state.sent = self.0.clock().max(state.sent.max(state.newest()) + 1);
             state.sent
         };
         let bytes = timestamp.to_le_bytes();
@@ -221,13 +329,51 @@ mod tests {
         assert_eq!(read.heard, before.timestamps().heard);
     }
 
+    /// 1970, an hour behind and an hour ahead: both sides hear each other.
+    #[test]
+    fn l5_a_wrong_clock_hears_and_is_heard() {
+        for off_s in [-2_000_000_000, -3600, 0, 3600] {
+            // The vehicle refuses what is a minute behind the newest that it knows.
+            let vehicle = Signing::new([7; 32], 0, false);
+            let ours = Signing::with_clock_off([7; 32], 1, false, off_s);
+            assert!(vehicle.accepts(&frame(&vehicle, 1)), "its own time");
+            for _ in 0..3 {
+                assert!(ours.accepts(&frame(&vehicle, 1)), "{off_s} s");
+                assert!(vehicle.accepts(&frame(&ours, 196)), "{off_s} s");
+            }
+            let heard = ours.state().newest();
+            assert!(frame(&ours, 196).signature_timestamp() > heard);
+        }
+    }
+
+    #[test]
+    fn l5_each_reason_of_refusals_is_told_once() {
+        let ours = Signing::new([7; 32], 1, false);
+        let vehicle = Signing::new([7; 32], 0, false);
+        let copy = frame(&vehicle, 1);
+        assert!(ours.accepts(&copy));
+        assert!(!ours.accepts(&copy));
+        assert_eq!(ours.refusal_to_tell(), None, "a copy");
+        for _ in 0..MOST_COPIES {
+            assert!(!ours.accepts(&copy));
+        }
+        assert_eq!(ours.refusal_to_tell(), Some(Refusal::Old));
+        assert!(!ours.accepts(&frame(&Signing::new([8; 32], 0, false), 1)));
+        assert_eq!(ours.refusal_to_tell(), Some(Refusal::OtherKey));
+        assert_eq!(ours.refusal_to_tell(), None);
+        assert_eq!(ours.counts().refused(Refusal::Old), MOST_COPIES + 1);
+        for reason in Refusal::ALL {
+            assert!(reason.words().len() <= 50);
+        }
+    }
+
     #[test]
     fn a_new_stream_may_not_be_old() {
         let receiver = Signing::new([7; 32], 1, false);
         let stale = Signing::new([7; 32], 1, false);
         assert!(receiver.accepts(&frame(&stale, 1)));
         let mut old = frame(&stale, 9);
-        let timestamp = (now() - 2 * NEW_STREAM_BEHIND).to_le_bytes();
+        let timestamp = (stale.0.clock() - 2 * NEW_STREAM_BEHIND).to_le_bytes();
         old.signature_timestamp_bytes_mut()
             .copy_from_slice(&timestamp[..6]);
         let mut signature = [0; 6];

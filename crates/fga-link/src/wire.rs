@@ -7,7 +7,7 @@
 use mavlink::dialects::ardupilotmega::MavMessage;
 use mavlink::{MAVLinkV1MessageRaw, MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message};
 
-pub use crate::signing::{Signing, Timestamps};
+pub use crate::signing::{Refusal, Signing, SigningCounts, Timestamps};
 
 /// First byte of a MAVLink 2 frame.
 const START: u8 = 0xFD;
