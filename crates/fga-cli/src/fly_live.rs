@@ -39,6 +39,8 @@ const OFF_MPS: f64 = 1.0;
 const TOLD_EVERY_S: f64 = 1.0;
 /// An unseen obstacle is gone after this time, seconds.
 const GONE_AFTER_S: f64 = 5.0;
+/// An obstacle unseen for this long is forgotten here, seconds; the page keeps it.
+const FORGOTTEN_AFTER_S: f64 = 600.0;
 /// Most straight pieces of an obstacle's track; the oldest ones are dropped.
 const MOST_PIECES: usize = 500;
 
@@ -254,6 +256,9 @@ impl Painter {
             .values_mut()
             .filter_map(|told| told.miss(t_s).then(|| told.obstacle.clone()));
         news.extend(missed);
+        // One that comes again later begins a new track on the page.
+        self.obstacles
+            .retain(|_, told| t_s - told.seen_s < FORGOTTEN_AFTER_S);
         for obstacle in news {
             self.live.send(&LiveMessage::Obstacle { run: 0, obstacle });
         }

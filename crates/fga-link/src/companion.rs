@@ -19,6 +19,7 @@ mod readiness;
 mod receive;
 mod send;
 mod traffic;
+mod trips;
 mod way;
 mod words;
 
@@ -46,7 +47,7 @@ use crate::rates::Rates;
 use crate::response::ResponseEstimate;
 use crate::restart::Note;
 use crate::traffic::fence::Fence;
-use crate::traffic::{Report, TrackTable};
+use crate::traffic::{Defect, Defects, Report, TrackTable};
 
 pub(crate) use gap::round_trip_of;
 pub use picture::Picture;
@@ -138,6 +139,9 @@ pub struct Companion {
     senders: neighbors::Senders,
     rates: Rates,
     gap: gap::Gap,
+    trips: trips::Trips,
+    /// The dead time that the link adds to the vehicle's, seconds.
+    link_dead_time_s: f64,
     commands: Commands,
     parameters: VehicleParameters,
     mission: Download,
@@ -161,6 +165,9 @@ pub struct Companion {
     steep_response: ResponseEstimate,
     tracks: TrackTable,
     feeds: feeds::Feeds,
+    defects: Defects,
+    /// The last trouble of the surrounding program.
+    trouble: String,
     virtual_reports: Vec<(Report, ProtectedVolume, f64)>,
     keeper: Keeper,
     decider: Option<decider::Decider>,
@@ -183,6 +190,8 @@ pub struct Companion {
     ahead_at_s: f64,
     following_since_s: Option<f64>,
     on_way_since_s: Option<f64>,
+    /// Since when nothing threatens in a manoeuvre, seconds.
+    cruises_since_s: Option<f64>,
     refusals: u32,
     pause_until_s: f64,
     boot_ms: u32,
@@ -237,6 +246,8 @@ impl Companion {
             senders: neighbors::Senders::default(),
             rates: Rates::default(),
             gap: gap::Gap::default(),
+            trips: trips::Trips::default(),
+            link_dead_time_s: 0.0,
             commands: Commands::default(),
             parameters: VehicleParameters::default(),
             mission: Download::new(MavMissionType::MAV_MISSION_TYPE_MISSION),
@@ -255,6 +266,8 @@ impl Companion {
             steep_response: ResponseEstimate::new(&config.response),
             tracks: TrackTable::new(&config.traffic, config.own_icao()?),
             feeds: feeds::Feeds::default(),
+            defects: Defects::default(),
+            trouble: String::new(),
             virtual_reports: around::virtual_reports(&config),
             keeper: Keeper::new(target, config.safety.armed_at_start),
             decider: None,
@@ -272,6 +285,7 @@ impl Companion {
             ahead_at_s: 0.0,
             following_since_s: None,
             on_way_since_s: None,
+            cruises_since_s: None,
             refusals: 0,
             pause_until_s: never,
             boot_ms: 0,
@@ -330,7 +344,7 @@ impl Companion {
 
     /// How the vehicle follows, as estimated so far.
     pub fn response(&self) -> fga::vehicle::Response {
-        self.response.response()
+        self.link_response()
     }
 
     /// The last decision.
@@ -399,6 +413,18 @@ impl Companion {
         } else if self.heard.is_some() {
             self.tell(Severity::Notice, "fga: program ends", now_s);
         }
+        let counts = Defect::ALL.map(|defect| {
+            let count = json!({
+                "reports": self.defects.reports(defect),
+                "aircraft": self.defects.aircraft(defect),
+            });
+            (defect.name().to_owned(), count)
+        });
+        self.note(
+            now_s,
+            "defects",
+            Value::Object(counts.into_iter().collect()),
+        );
         self.send_commands(now_s);
     }
 
@@ -409,14 +435,8 @@ impl Companion {
 
     /// Records trouble of the surrounding program, for the operator and the log.
     pub fn tell_trouble(&mut self, words: &str, now_s: f64) {
+        words.clone_into(&mut self.trouble);
         self.tell(Severity::Warning, words, now_s);
-    }
-
-    /// Takes a report of traffic from a receiver.
-    pub fn take_report(&mut self, report: &Report, now_s: f64) {
-        if let Some(frame) = self.ownship.frame() {
-            self.tracks.take(report, frame, now_s);
-        }
     }
 
     /// Advances the time: sends due messages and decides if no telemetry prompted it.

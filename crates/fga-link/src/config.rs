@@ -220,8 +220,23 @@ pub struct TrafficConfig {
     pub own_callsign: Option<String>,
     /// σ of a position without quality figures, metres.
     pub position_sigma_m: f64,
+    /// What the senders of `ADSB_VEHICLE` mean by a geometric altitude.
+    pub geometric: GeometricDatum,
     /// Radars and cameras that report detections.
     pub sensor: Vec<SensorConfig>,
+}
+
+/// What a geometric altitude counts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GeometricDatum {
+    /// Nobody has confirmed it: the volume contains every datum that the label is used for.
+    #[default]
+    Unconfirmed,
+    /// Mean sea level, as the vehicle's own altitude does.
+    SeaLevel,
+    /// The WGS-84 ellipsoid.
+    Ellipsoid,
 }
 
 /// A radar or a camera, identified by the sender of its `OBSTACLE_DISTANCE_3D` or `ADSB_VEHICLE`.
@@ -243,6 +258,7 @@ impl Default for TrafficConfig {
             own_icao: None,
             own_callsign: None,
             position_sigma_m: 2.0,
+            geometric: GeometricDatum::Unconfirmed,
             sensor: Vec::new(),
         }
     }

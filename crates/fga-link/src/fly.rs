@@ -203,7 +203,7 @@ fn start(
     let (link_to, link_signing) = (to.clone(), signing.cloned());
     let mut threads = vec![
         spawn(shared, "fga-read", move |shared| {
-            link::read(shared, reader, link_signing, |frame, heard_s| {
+            link::read(shared, reader, link_signing.as_ref(), |frame, heard_s| {
                 let _ = link_to.try_send(Event::Frame(Box::new(frame), heard_s));
             });
         })?,

@@ -42,6 +42,12 @@ const ANSWER_S: f64 = 0.3;
 const MOST_ROUNDS: u8 = 20;
 /// Reserve below the vehicle's own bank limit, degrees.
 const BELOW_LIMIT_DEG: f64 = 2.0;
+/// With a smaller bank limit the vehicle does not turn, degrees; it may climb all the same.
+const LEAST_LIMIT_DEG: f64 = 5.0;
+/// Least bank in the plan, degrees: a turn radius of 3.6 km at 25 m/s.
+const LEAST_BANK_DEG: f64 = 1.0;
+/// `AVD_F_ACTION` up to this only reports.
+const AVD_REPORTS: f64 = 1.0;
 /// A bank in need must be steeper by at least this, radians (2°).
 const CLEARLY_STEEPER_RAD: f64 = 0.035;
 /// The autopilot prevents a stall: no bank may need more lift than the wing has at the airspeed.
@@ -145,6 +151,12 @@ impl VehicleParameters {
         }
     }
 
+    /// Whether the vehicle avoids other aircraft by itself.
+    pub fn avoids_by_itself(&self) -> bool {
+        let value = |name| self.get(name).unwrap_or(0.0);
+        value("AVD_ENABLE") != 0.0 && value("AVD_F_ACTION") > AVD_REPORTS
+    }
+
     /// The largest bank under the autopilot's stall prevention, degrees: the load 1/cos φ is at most
     /// the square of airspeed over stall speed.
     fn stall_limit_deg(&self, airspeed_mps: f64) -> f64 {
@@ -161,22 +173,27 @@ impl VehicleParameters {
 
     /// The largest bank to command at an airspeed, radians; `None` until the vehicle's limit is known.
     pub fn bank_limit_rad(&self, config: &Config, airspeed_mps: f64) -> Option<f64> {
-        self.bank_rad(config.vehicle.max_bank_deg, airspeed_mps)
+        self.bank_rad(config.vehicle.max_bank_deg, config, airspeed_mps)
     }
 
     /// The largest bank in need at an airspeed, radians; `None` if it is not clearly steeper than the
     /// normal one.
     pub fn bank_in_need_rad(&self, config: &Config, airspeed_mps: f64) -> Option<f64> {
         let normal_rad = self.bank_limit_rad(config, airspeed_mps)?;
-        let most_rad = self.bank_rad(config.vehicle.max_bank_in_need_deg, airspeed_mps)?;
+        let most_deg = config.vehicle.max_bank_in_need_deg;
+        let most_rad = self.bank_rad(most_deg, config, airspeed_mps)?;
         (most_rad >= normal_rad + CLEARLY_STEEPER_RAD).then_some(most_rad)
     }
 
-    fn bank_rad(&self, most_deg: f64, airspeed_mps: f64) -> Option<f64> {
-        let limit_deg = self.get("ROLL_LIMIT_DEG").filter(|limit| *limit > 10.0)?;
+    fn bank_rad(&self, most_deg: f64, config: &Config, airspeed_mps: f64) -> Option<f64> {
+        let climbs = config.vehicle.vertical && self.get("TECS_CLMB_MAX").is_some();
+        let least_deg = if climbs { 0.0 } else { LEAST_LIMIT_DEG };
+        let limit_deg = self
+            .get("ROLL_LIMIT_DEG")
+            .filter(|limit| *limit > least_deg)?;
         let limit_deg = limit_deg.min(self.stall_limit_deg(airspeed_mps));
         let deg = (limit_deg - BELOW_LIMIT_DEG).min(most_deg);
-        Some(deg.clamp(5.0, 70.0).to_radians())
+        Some(deg.clamp(LEAST_BANK_DEG, 70.0).to_radians())
     }
 
     /// The vehicle's limits for the core, at an airspeed.
@@ -319,6 +336,27 @@ mod tests {
         assert_eq!(in_need_deg(&parameters, &config, 25.0), None);
         parameters.take(&value("ROLL_LIMIT_DEG", 47.0));
         assert_eq!(in_need_deg(&parameters, &Config::default(), 25.0), None);
+    }
+
+    #[test]
+    fn l13_a_small_bank_limit_is_flown_and_none_needs_a_climb() {
+        let mut parameters = VehicleParameters::default();
+        let mut config = Config::default();
+        let limit_deg = |parameters: &VehicleParameters, config: &Config| {
+            let limit_rad = parameters.bank_limit_rad(config, 25.0)?;
+            Some(limit_rad.to_degrees().round())
+        };
+        parameters.take(&value("ROLL_LIMIT_DEG", 9.0));
+        assert_eq!(limit_deg(&parameters, &config), Some(7.0));
+        parameters.take(&value("ROLL_LIMIT_DEG", 3.0));
+        assert_eq!(limit_deg(&parameters, &config), None);
+        parameters.take(&value("TECS_CLMB_MAX", 5.0));
+        config.vehicle.vertical = true;
+        assert_eq!(limit_deg(&parameters, &config), Some(1.0));
+        let vehicle = parameters.vehicle(&config, 25.0, Response::default());
+        assert!(vehicle.unwrap().can_climb());
+        parameters.take(&value("ROLL_LIMIT_DEG", -45.0));
+        assert_eq!(limit_deg(&parameters, &config), None);
     }
 
     #[test]

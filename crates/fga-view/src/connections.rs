@@ -23,7 +23,7 @@ const MOST_PAGES: usize = 4;
 /// A client sends its request within this time.
 const ASKED_WITHIN: Duration = Duration::from_secs(5);
 /// A client takes its answer within this time.
-const ANSWERED_WITHIN: Duration = Duration::from_secs(60);
+const ANSWERED_WITHIN: Duration = Duration::from_mins(1);
 /// Pause after a refused connection, and after one that the system could not accept: a flood takes little of a processor.
 const PAUSE: Duration = Duration::from_millis(1);
 /// Buffer for a request, bytes: the least that hyper takes.
@@ -74,7 +74,8 @@ pub(crate) async fn serve(listener: TcpListener, router: Router) {
     let pages = Arc::new(Semaphore::new(MOST_PAGES));
     loop {
         let accepted = listener.accept().await;
-        let (Ok((stream, _)), Ok(permit)) = (accepted, Arc::clone(&room).try_acquire_owned()) else {
+        let (Ok((stream, _)), Ok(permit)) = (accepted, Arc::clone(&room).try_acquire_owned())
+        else {
             tokio::time::sleep(PAUSE).await;
             continue;
         };

@@ -251,7 +251,12 @@ mod tests {
         }
         let shared = live.lock();
         let told = &shared.history;
-        assert!(!shared.is_full(), "{} of {} bytes", told.len(), shared.bytes);
+        assert!(
+            !shared.is_full(),
+            "{} of {} bytes",
+            told.len(),
+            shared.bytes
+        );
         assert!(told.len() > REMEMBERED / 4);
         assert!(told[0].text.as_str().contains("\"long\""));
         assert!(told[told.len() - 1].text.as_str().contains("9999.9"));

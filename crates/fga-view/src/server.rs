@@ -4,15 +4,16 @@ use std::io;
 use std::thread::JoinHandle;
 
 use axum::body::Bytes;
-use axum::{Extension, Router};
 use axum::extract::{Path, Request, State, WebSocketUpgrade};
 use axum::http::header::{
-    CACHE_CONTROL, CONNECTION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, LOCATION, X_CONTENT_TYPE_OPTIONS,
+    CACHE_CONTROL, CONNECTION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, LOCATION,
+    X_CONTENT_TYPE_OPTIONS,
 };
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::middleware::{self, Next};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::get;
+use axum::{Extension, Router};
 use fga_report::listing;
 use fga_report::replay::render_live;
 use tokio::sync::oneshot;
@@ -164,7 +165,10 @@ async fn blocking<T: Send + 'static>(
     }
 }
 
-async fn table(State(catalogue): Shown, Extension(share): Extension<Arc<Share>>) -> Result<Response, Response> {
+async fn table(
+    State(catalogue): Shown,
+    Extension(share): Extension<Arc<Share>>,
+) -> Result<Response, Response> {
     share.page().await;
     let page = blocking(move || {
         let mut shown = catalogue.listing()?;

@@ -5,10 +5,11 @@ use core::net::{Ipv4Addr, SocketAddr};
 use core::time::Duration;
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::{fs, thread};
 
 use fga_report::replay::{LiveMessage, ReplayRun, ReplaySample};
-use fga_view::{Live, Server};
+use fga_view::{Folder, Live, Server};
 
 const ANY_PORT: SocketAddr = SocketAddr::new(core::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 0);
 const CROWD: usize = 1000;
@@ -46,8 +47,16 @@ fn samples(live: &Live, count: u32) {
     }
 }
 
+/// Each test measures the memory of the program: one at a time.
+static ALONE: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 #[test]
 fn l3_a_thousand_idle_and_a_thousand_greedy_connections_cost_little() {
+    let _alone = alone();
     let (server, live) = Server::live(ANY_PORT, "flight").expect("server");
     let address = server.address();
     live.send(&LiveMessage::Run(Box::new(ReplayRun::named("r"))));
@@ -92,9 +101,39 @@ fn l3_a_thousand_idle_and_a_thousand_greedy_connections_cost_little() {
     }
 }
 
+/// Pages of a folder are megabytes: a few at once, however many ask and do not read.
+#[test]
+fn l3_a_crowd_at_a_folder_costs_a_few_pages() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().expect("folder");
+    fs::write(
+        folder.path().join("run.json"),
+        "{\"name\":\"n\",\"policy\":\"p\"}",
+    )
+    .expect("run");
+    let page = "x".repeat(2_000_000);
+    fs::write(folder.path().join("replay.html"), page).expect("page");
+    let folder = Folder::open(folder.path()).expect("open");
+    let server = Server::catalogue(ANY_PORT, folder).expect("server");
+    let before = memory();
+    let crowd: Vec<_> = (0..200)
+        .map(|_| {
+            let mut stream = TcpStream::connect(server.address()).expect("connect");
+            let request = "GET /replay/replay.html HTTP/1.1\r\nHost: localhost\r\n\r\n";
+            let _ = stream.write_all(request.as_bytes());
+            stream
+        })
+        .collect();
+    thread::sleep(Duration::from_secs(2));
+    let cost = memory().saturating_sub(before);
+    eprintln!("{} at a folder: {cost} bytes", crowd.len());
+    assert!(cost < MOST_BYTES, "{cost} bytes");
+}
+
 /// Idle connections end by themselves, so that a browser finds room while they stay open.
 #[test]
 fn l3_idle_connections_make_room() {
+    let _alone = alone();
     let (server, _live) = Server::live(ANY_PORT, "flight").expect("server");
     let idle: Vec<_> = (0..40)
         .map(|_| TcpStream::connect(server.address()).expect("connect"))

@@ -267,3 +267,52 @@ fn a_browser_that_is_frozen() {
     program.signal("TERM");
     assert!(program.ended().success());
 }
+
+/// Resident memory of a process, bytes.
+#[cfg(target_os = "linux")]
+fn memory(process: u32) -> u64 {
+    let text = fs::read_to_string(format!("/proc/{process}/statm")).expect("statm");
+    let pages: u64 = text
+        .split_whitespace()
+        .nth(1)
+        .and_then(|pages| pages.parse().ok())
+        .expect("resident pages");
+    pages * 4096
+}
+
+/// An earlier version held 0.65 MB for each connection, until the process was killed in GUIDED.
+#[cfg(target_os = "linux")]
+#[test]
+fn l3_a_thousand_idle_and_a_thousand_greedy_browsers() {
+    let live = Live::udp(None, None);
+    let folder: PathBuf = live::folder("crowd");
+    let address = free_address();
+    let listen = address.to_string();
+    let more = ["--quiet", "--live", "--listen", &listen];
+    let child = command("exec \"$@\"", &live, &folder, &more).spawn();
+    let mut program = Program(child.expect("the program starts"));
+    // It answers.
+    drop(frozen_browser(address));
+    let before = memory(program.0.id());
+    let request = format!("GET / HTTP/1.1\r\nHost: {address}\r\n\r\n");
+    // As many at once as this process may have descriptors for.
+    let crowd: Vec<TcpStream> = (0..2000)
+        .map_while(|number| {
+            let mut stream = TcpStream::connect(address).ok()?;
+            if number % 2 == 1 {
+                // One without room is closed already.
+                let _ = stream.write_all(request.as_bytes());
+            }
+            Some(stream)
+        })
+        .collect();
+    avoids(&live);
+    let cost = memory(program.0.id()).saturating_sub(before);
+    eprintln!(
+        "{} connections: {cost} bytes, the flight in it",
+        crowd.len()
+    );
+    assert!(cost < 20_000_000, "{cost} bytes");
+    program.signal("TERM");
+    assert!(program.ended().success());
+}

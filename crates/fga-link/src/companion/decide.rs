@@ -19,6 +19,8 @@ const ON_LEG_FOR_S: f64 = 0.4;
 const LISTENS_S: f64 = 6.0;
 /// A program that is to end gives the mode back when the vehicle's own course keeps this much more clear than the margin, m.
 const ENDS_CLEAR_M: f64 = 30.0;
+/// Without a threat it gets its mode back beside the leg after this long, seconds: it flies to its leg by itself.
+const BESIDE_LEG_S: f64 = 30.0;
 /// The companion takes over when a manoeuvre begins within this time, seconds.
 const PREPARE_S: f64 = 0.6;
 /// A change of airspeed or response that requires new limits, as a share.
@@ -46,7 +48,16 @@ impl Companion {
 
     /// How the vehicle follows at banks steeper than the normal one.
     fn steep_response(&self) -> Response {
-        self.steep_response.steep_response(self.response.response())
+        self.steep_response.steep_response(self.link_response())
+    }
+
+    /// How the vehicle follows over the link.
+    pub(super) fn link_response(&self) -> Response {
+        let response = self.response.response();
+        Response {
+            dead_time_s: response.dead_time_s + self.link_dead_time_s,
+            ..response
+        }
     }
 
     /// How the vehicle follows its present commands.
@@ -54,7 +65,7 @@ impl Companion {
         if self.is_in_need() {
             self.steep_response()
         } else {
-            self.response.response()
+            self.link_response()
         }
     }
 
@@ -62,7 +73,8 @@ impl Companion {
     /// because the avoider would forget its plan.
     fn follow_dead_time(&mut self, now_s: f64) {
         let most_s = AHEAD_PACE * (now_s - self.ahead_at_s).max(0.0);
-        let off_s = self.response.response().dead_time_s - self.ahead_s;
+        self.link_dead_time_s = self.trips.dead_time_s();
+        let off_s = self.link_response().dead_time_s - self.ahead_s;
         self.ahead_s += off_s.clamp(-most_s, most_s);
         self.ahead_at_s = now_s;
     }
@@ -80,6 +92,7 @@ impl Companion {
         let before = self.keeper.state();
         let actions = self.keeper.readiness(lacking.is_none(), now_s);
         self.perform(&actions, now_s);
+        self.tell_airspeed(now_s);
         self.tell_readiness(lacking, now_s);
         if before == Authority::Waiting && self.keeper.state() == Authority::Ready {
             self.forget_plan();
@@ -317,11 +330,17 @@ impl Companion {
 
     /// Whether the aircraft is back on its way and nothing threatens.
     fn is_back(&mut self, decision: &Decision, state: &State, now_s: f64) -> bool {
+        if decision.state != AvoiderState::Cruise {
+            self.cruises_since_s = None;
+        }
         if self.listens(now_s) {
             return false;
         }
         let on_way = match decision.state {
-            AvoiderState::Cruise => self.is_on_leg(state),
+            AvoiderState::Cruise => {
+                let since_s = *self.cruises_since_s.get_or_insert(now_s);
+                self.is_on_leg(state) || now_s - since_s >= BESIDE_LEG_S
+            }
             // The end of a planned way back leaves time for the slowest roll.
             AvoiderState::Recovering => {
                 decision.record.threat.is_none()

@@ -36,12 +36,19 @@ const ROUND_TRIP_S: f64 = 1.0;
 const LATE_ROUND_TRIP_S: f64 = 0.2;
 /// Telemetry is late when it is older than this, seconds.
 const LATE_S: f64 = 0.3;
-/// A slower answer is not ours, seconds.
+/// A slower answer says nothing of the vehicle's clock, seconds.
 const LONGEST_TRIP_S: f64 = 5.0;
+/// A slower answer is not ours, seconds.
+const LONGEST_QUEUE_S: f64 = 30.0;
 
 /// The round trip of an answer: the time of the request, and the reading of the vehicle's clock;
 /// seconds. `None` for the answer to somebody else.
 pub(crate) fn round_trip_of(data: &TIMESYNC_DATA, now_s: f64) -> Option<(f64, f64)> {
+    answer_of(data, now_s, LONGEST_TRIP_S)
+}
+
+/// The same for an answer after at most `longest_s` seconds.
+fn answer_of(data: &TIMESYNC_DATA, now_s: f64, longest_s: f64) -> Option<(f64, f64)> {
     #[expect(
         clippy::cast_precision_loss,
         reason = "nanoseconds of a flight are exact for 104 days"
@@ -49,7 +56,7 @@ pub(crate) fn round_trip_of(data: &TIMESYNC_DATA, now_s: f64) -> Option<(f64, f6
     let seconds = |nanoseconds: i64| nanoseconds as f64 * 1e-9;
     let for_us = data.target_component == OWN_COMPONENT || data.target_component == 0;
     let sent_s = seconds(data.ts1);
-    let plausible = data.tc1 > 0 && (now_s - LONGEST_TRIP_S..=now_s).contains(&sent_s);
+    let plausible = data.tc1 > 0 && (now_s - longest_s..=now_s).contains(&sent_s);
     (for_us && plausible).then(|| (sent_s, seconds(data.tc1)))
 }
 
@@ -209,6 +216,9 @@ impl Companion {
 
     /// Takes the answer.
     pub(super) fn take_round_trip(&mut self, data: &TIMESYNC_DATA, now_s: f64) {
+        if let Some((sent_s, _)) = answer_of(data, now_s, LONGEST_QUEUE_S) {
+            self.trips.take(sent_s, now_s);
+        }
         if let Some((sent_s, boot_s)) = round_trip_of(data, now_s) {
             self.ownship.round_trip(sent_s, boot_s, now_s);
             self.hearing.round_trip(sent_s, boot_s, now_s);

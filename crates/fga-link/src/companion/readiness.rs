@@ -41,6 +41,8 @@ pub(super) enum Lacking {
     TwoSenders,
     FeedUnreadable,
     FeedSilent,
+    OtherAvoider,
+    SlowLink,
 }
 
 impl Lacking {
@@ -62,6 +64,8 @@ impl Lacking {
             Self::TwoSenders => "fga: not ready: two senders with one id",
             Self::TwoVehicles => "fga: not ready: two vehicles, set system_id",
             Self::Limits => "fga: not ready: vehicle's limits not known",
+            Self::OtherAvoider => "fga: not ready: AVD_F_ACTION avoids by itself",
+            Self::SlowLink => "fga: not ready: link answers too late",
             Self::BankLimit => "fga: not ready: bank limit cannot be flown",
             Self::Decision => "fga: not ready: no decision possible",
             Self::FeedUnreadable => "fga: not ready: traffic feed not understood",
@@ -91,6 +95,8 @@ pub(super) struct Told {
     pub(super) need: bool,
     /// Whether an obstacle without a way round was reported.
     pub(super) no_way: bool,
+    /// Whether a failing airspeed sensor was reported.
+    pub(super) airspeed: bool,
 }
 
 impl Told {
@@ -100,6 +106,7 @@ impl Told {
         last: None,
         need: false,
         no_way: false,
+        airspeed: false,
     };
 }
 
@@ -162,6 +169,13 @@ impl Companion {
         if !self.keeper.is_engaged() && self.senders.are_two(now_s) {
             return Some(Lacking::TwoSenders);
         }
+        // Before all that changes with the mode: two avoiders would take turns.
+        if !self.keeper.is_engaged() && self.parameters.avoids_by_itself() {
+            return Some(Lacking::OtherAvoider);
+        }
+        if !self.keeper.is_engaged() && self.trips.is_too_long(now_s) {
+            return Some(Lacking::SlowLink);
+        }
         if !self.rates.is_usable() {
             return Some(Lacking::Rate);
         }
@@ -206,6 +220,16 @@ impl Companion {
             return Some(Lacking::BankLimit);
         }
         (!self.can_decide(now_s)).then_some(Lacking::Decision)
+    }
+
+    /// Reports once that ground speed and wind stand in for the airspeed sensor.
+    pub(super) fn tell_airspeed(&mut self, now_s: f64) {
+        let fails = self.ownship.airspeed_fails();
+        if fails && !self.told.airspeed {
+            let words = "fga: airspeed sensor fails, ground speed used";
+            self.tell(Severity::Warning, words, now_s);
+        }
+        self.told.airspeed |= fails;
     }
 
     /// Reports to the operator a lost ability, or why it does not come.
@@ -264,6 +288,8 @@ mod tests {
             Lacking::TwoSenders,
             Lacking::FeedUnreadable,
             Lacking::FeedSilent,
+            Lacking::OtherAvoider,
+            Lacking::SlowLink,
         ] {
             assert!(lacking.words().len() <= 50, "{lacking:?}");
         }

@@ -367,6 +367,8 @@ impl Companion {
         let bank_rad = -f64::from(data.roll);
         let measured_s = now_s - self.ownship.attitude_age_s(now_s).unwrap_or(0.0);
         let normal_rad = self.bank_limit_rad().unwrap_or(f64::INFINITY);
+        // What the link adds is known; the rest is estimated.
+        let measured_s = measured_s - self.link_dead_time_s;
         let commanded_rad = self.commanded_lately.at(measured_s);
         let is_steep = |bank_rad: f64| bank_rad.abs() > normal_rad + STEEPER_RAD;
         let estimate = if is_steep(bank_rad) || commanded_rad.is_some_and(is_steep) {

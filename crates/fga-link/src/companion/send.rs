@@ -121,7 +121,7 @@ impl Companion {
             self.outbox
                 .send(telling::value("FGA_ENTRY", threat.entry_s, boot_ms));
         }
-        let response = self.response.response();
+        let response = self.response();
         for (name, value) in [
             ("FGA_TURN", response.turn_rate_factor),
             ("FGA_LAG", response.bank_time_constant_s),

@@ -11,6 +11,7 @@ use mavlink::dialects::ardupilotmega::{
 
 use super::Companion;
 use crate::authority::Severity;
+use crate::config::GeometricDatum;
 use crate::outgoing::AUTOPILOT;
 use crate::traffic::report::{Key, Quality, adsb_address, adsb_place};
 use crate::traffic::{AltitudeReference, Class, Defect, Defects, Report, Sender, Source};
@@ -20,6 +21,9 @@ const SENSOR_SIGMA_M: f64 = 10.0;
 const SENSOR_SIGMA_SHARE: f64 = 0.02;
 /// Largest range of a sensor, m.
 const SENSOR_REACH_M: f64 = 20_000.0;
+/// An altitude farther below home than this, metres, or higher than this is none: a wrong sign or unit.
+const FARTHEST_BELOW_M: f64 = 500.0;
+const HIGHEST_M: f64 = 30_000.0;
 /// An obstacle without a number of its own.
 const UNNUMBERED: u16 = u16::MAX;
 
@@ -102,6 +106,13 @@ impl Companion {
             self.count_defect(defect, key, adsb_place(data), now_s);
         }
         let mut report = report.ok()?;
+        if report.quality.altitude == AltitudeReference::Geometric {
+            report.quality.altitude = match self.config.traffic.geometric {
+                GeometricDatum::Unconfirmed => AltitudeReference::Geometric,
+                GeometricDatum::SeaLevel => AltitudeReference::MeanSeaLevel,
+                GeometricDatum::Ellipsoid => AltitudeReference::Ellipsoid,
+            };
+        }
         if source == Source::Sensor && report.icao != 0 {
             // A sensor numbers its detections; its numbers are no addresses.
             let number = u16::try_from(report.icao & 0xFFFF).unwrap_or(UNNUMBERED);
@@ -116,6 +127,13 @@ impl Companion {
         let Some(frame) = self.ownship.frame() else {
             return;
         };
+        let mut report = report.clone();
+        let home_m = self.ownship.home_altitude_m().unwrap_or(0.0);
+        let likely_m = home_m - FARTHEST_BELOW_M..HIGHEST_M;
+        if !likely_m.contains(&report.place.altitude_m) {
+            report.quality.altitude = AltitudeReference::Unknown;
+        }
+        let report = &report;
         self.tracks.take(report, frame, now_s);
         let key = report.key();
         let defects = [

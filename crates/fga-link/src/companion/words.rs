@@ -74,6 +74,10 @@ impl Companion {
         let Some(heard) = self.heard else {
             return match self.neighbors.instead() {
                 Some(heard) => format!("waiting for a vehicle: {heard}"),
+                // On a link where nothing is believed, the terminal is all that the operator has.
+                None if !self.trouble.is_empty() => {
+                    format!("waiting for a vehicle | {}", self.trouble)
+                }
                 None => "waiting for a vehicle".to_owned(),
             };
         };
@@ -96,8 +100,12 @@ impl Companion {
                         threat.entry_s.max(0.0)
                     )
                 });
+        let unseen = match self.defects.unseen() {
+            0 => String::new(),
+            count => format!(", {count} unseen"),
+        };
         format!(
-            "vehicle {} {} {} | {}{} | {state} | {} tracks | {age}{threat}",
+            "vehicle {} {} {} | {}{} | {state} | {} tracks{unseen} | {age}{threat}",
             heard.system_id,
             heard.mode,
             if heard.armed { "armed" } else { "disarmed" },

@@ -53,10 +53,10 @@ impl Parcel {
 pub(super) fn read(
     shared: &Shared,
     mut reader: Reader,
-    signing: Option<Signing>,
+    signing: Option<&Signing>,
     mut sink: impl FnMut(Frame, f64),
 ) {
-    let mut framer = Framer::new(signing.clone());
+    let mut framer = Framer::new(signing.cloned());
     let mut buffer = vec![0; 4096];
     let mut turned = Instant::now();
     while !shared.is_over() {
@@ -81,7 +81,7 @@ pub(super) fn read(
                 if let Some(system_id) = framer.counts().version1 {
                     shared.version1.store(system_id, Ordering::Relaxed);
                 }
-                if let Some(refusal) = signing.as_ref().and_then(Signing::refusal_to_tell) {
+                if let Some(refusal) = signing.and_then(Signing::refusal_to_tell) {
                     shared.trouble(refusal.words().to_owned());
                 }
                 if from_vehicle {

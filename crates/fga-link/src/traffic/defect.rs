@@ -89,7 +89,9 @@ impl Defects {
 
     /// Number of aircraft that cannot be avoided.
     pub fn unseen(&self) -> usize {
-        let unbounded = Defect::ALL.into_iter().filter(|defect| !defect.is_bounded());
+        let unbounded = Defect::ALL
+            .into_iter()
+            .filter(|defect| !defect.is_bounded());
         unbounded.map(|defect| self.aircraft(defect)).sum()
     }
 }

@@ -63,7 +63,7 @@ struct Line {
 }
 
 /// The line of least squares; `None` for a single moment.
-fn line(points: impl Iterator<Item = (f64, Vec3)> + Clone) -> Option<Line> {
+fn line(points: &(impl Iterator<Item = (f64, Vec3)> + Clone)) -> Option<Line> {
     let (from_s, from_m) = points.clone().next()?;
     let (mut count, mut mean_s, mut mean_m) = (0.0, 0.0, Vec3::ZERO);
     for (at_s, at_m) in points.clone() {
@@ -72,7 +72,11 @@ fn line(points: impl Iterator<Item = (f64, Vec3)> + Clone) -> Option<Line> {
         mean_m += at_m - from_m;
     }
     (mean_s, mean_m) = (mean_s / count, mean_m / count);
-    let centred = || points.clone().map(|(s, m)| (s - from_s - mean_s, m - from_m - mean_m));
+    let centred = || {
+        points
+            .clone()
+            .map(|(s, m)| (s - from_s - mean_s, m - from_m - mean_m))
+    };
     let (mut squares_s2, mut products) = (0.0, Vec3::ZERO);
     for (off_s, off_m) in centred() {
         squares_s2 += off_s * off_s;
@@ -98,9 +102,9 @@ fn newest<P: Iterator<Item = Place> + Clone>(
     over_s: f64,
 ) -> impl Iterator<Item = Place> + Clone {
     let count = places.clone().count();
-    let newest_s = places
-        .clone()
-        .fold(f64::NEG_INFINITY, |newest_s, place| place.valid_s.max(newest_s));
+    let newest_s = places.clone().fold(f64::NEG_INFINITY, |newest_s, place| {
+        place.valid_s.max(newest_s)
+    });
     places
         .enumerate()
         .filter(move |(index, place)| index + 2 >= count || newest_s - place.valid_s <= over_s)
@@ -114,10 +118,14 @@ pub(super) fn shown<P: Iterator<Item = Place> + Clone>(
 ) -> Option<Shown> {
     let recent = newest(places(), SHOWN_OVER_S);
     let last = recent.clone().last()?;
-    let level = line(recent.clone().map(|place| (place.valid_s, place.position_m)))?;
+    let level = line(
+        &recent
+            .clone()
+            .map(|place| (place.valid_s, place.position_m)),
+    )?;
     // Heights above different datums do not compare.
     let same = recent.filter(|place| place.altitude == last.altitude);
-    let climb = line(same.map(|place| (place.valid_s, place.position_m)));
+    let climb = line(&same.map(|place| (place.valid_s, place.position_m)));
     let scatter_m2 = level.scatter_m2.x.max(level.scatter_m2.y);
     let position_m = libm::sqrt((position_m * position_m).max(scatter_m2));
     let climb_mps = climb.map_or(0.0, |line| line.slope_mps.z);
@@ -146,14 +154,14 @@ pub(super) fn contradictions<P: Iterator<Item = Place> + Clone>(
         };
         let turn_m = largest_turn_m(recent.clone());
         let left = left_over(recent.clone());
-        if let Some(line) = line(left.clone().map(|(place, m)| (place.valid_s, m))) {
+        if let Some(line) = line(&left.clone().map(|(place, m)| (place.valid_s, m))) {
             let scatter_m2 = line.scatter_m2.x.max(line.scatter_m2.y);
             let sigma_m = libm::hypot(shown.position_m, TIME_S * speed_mps).max(scatter_m2.sqrt());
             let off_mps = libm::hypot(line.slope_mps.x, line.slope_mps.y);
             found.horizontal |= line.exceeds(off_mps, sigma_m + turn_m);
         }
         let same = left.filter(|(place, _)| place.altitude == last.altitude);
-        if let Some(line) = line(same.map(|(place, m)| (place.valid_s, m)))
+        if let Some(line) = line(&same.map(|(place, m)| (place.valid_s, m)))
             && last.altitude != AltitudeReference::Unknown
         {
             let sigma_m = ALTITUDE_STEP_M.max(line.scatter_m2.z.sqrt());

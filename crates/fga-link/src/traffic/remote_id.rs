@@ -464,10 +464,17 @@ mod tests {
         };
         assert!(take(grounded).is_none());
         let nowhere = OPEN_DRONE_ID_LOCATION_DATA {
-            altitude_barometric: f32::NAN,
+            latitude: 0,
+            longitude: 0,
             ..good.clone()
         };
         assert!(take(nowhere).is_none());
+        let somewhere_above = OPEN_DRONE_ID_LOCATION_DATA {
+            altitude_barometric: f32::NAN,
+            ..good.clone()
+        };
+        let report = take(somewhere_above).unwrap();
+        assert_eq!(report.quality.altitude, AltitudeReference::Unknown);
         for n in 0..5000_u32 {
             let mut other = good.clone();
             other.id_or_mac[..4].copy_from_slice(&n.to_be_bytes());

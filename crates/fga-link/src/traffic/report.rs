@@ -189,7 +189,8 @@ impl Report {
         let place = adsb_place(data)
             .filter(|_| has(AdsbFlags::ADSB_FLAGS_VALID_COORDS))
             .ok_or(Defect::NoPosition)?;
-        let has_altitude = has(AdsbFlags::ADSB_FLAGS_VALID_ALTITUDE);
+        let has_altitude = has(AdsbFlags::ADSB_FLAGS_VALID_ALTITUDE)
+            && place.altitude_m == f64::from(data.altitude) * 1e-3;
         let heading_rad = (f64::from(data.heading) * 0.01).to_radians();
         let speed_mps = f64::from(data.hor_velocity) * 0.01;
         let moves = AdsbFlags::ADSB_FLAGS_VALID_HEADING | AdsbFlags::ADSB_FLAGS_VALID_VELOCITY;
@@ -245,14 +246,12 @@ pub const fn adsb_address(data: &ADSB_VEHICLE_DATA) -> u32 {
     data.ICAO_address & 0x00FF_FFFF
 }
 
-/// The position in an `ADSB_VEHICLE` message, valid or not.
+/// The position in an `ADSB_VEHICLE` message, valid or not; at altitude 0 for an altitude that no aircraft has.
 pub fn adsb_place(data: &ADSB_VEHICLE_DATA) -> Option<Geodetic> {
     if data.lat == 0 && data.lon == 0 {
         return None;
     }
-    Geodetic::new(
-        degrees_from_e7(data.lat),
-        degrees_from_e7(data.lon),
-        f64::from(data.altitude) * 1e-3,
-    )
+    let (latitude_deg, longitude_deg) = (degrees_from_e7(data.lat), degrees_from_e7(data.lon));
+    Geodetic::new(latitude_deg, longitude_deg, f64::from(data.altitude) * 1e-3)
+        .or_else(|| Geodetic::new(latitude_deg, longitude_deg, 0.0))
 }

@@ -16,7 +16,7 @@ use fga_formats::geodesy::LocalFrame;
 use super::class::Volumes;
 use super::own::{self, Flown};
 use super::remote_id::RemoteId;
-use super::report::{Key, Report, Sender, Source};
+use super::report::{AltitudeReference, Key, Report, Sender, Source};
 use super::threat::{Ahead, Reach, Urgency};
 use super::track::{Seen, Track, bit};
 use super::vertical::{Levels, Shift, taller};
@@ -380,11 +380,21 @@ impl TrackTable {
             };
             let keep_s = self.urgency(track, now_s).keep_s();
             let height_m = track.last_seen().position_m.z;
-            let shift = self.shift(track, height_m, now_s);
             let named = self.is_named_own(track);
+            let shift = match track.altitude_reference() {
+                // A wide bound would make a wingman above or below ours.
+                AltitudeReference::Geometric => Some(Shift {
+                    by_m: 0.0,
+                    bound_m: track.height_bound_m(now_s),
+                }),
+                AltitudeReference::Unknown if named != Some(true) => None,
+                _ => Some(self.shift(track, height_m, now_s)),
+            };
             if let Some(track) = self.tracks.get_mut(place) {
                 track.keep_s = keep_s;
-                check_own(track, &self.flown, shift, named, now_s);
+                if let Some(shift) = shift {
+                    check_own(track, &self.flown, shift, named, now_s);
+                }
             }
         }
     }

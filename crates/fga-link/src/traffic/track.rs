@@ -261,7 +261,9 @@ impl Track {
         let turned = seen
             .velocity_mps
             .zip(self.last.velocity_mps)
-            .map_or(0.0, |(velocity_mps, last_mps)| velocity_mps.distance(last_mps));
+            .map_or(0.0, |(velocity_mps, last_mps)| {
+                velocity_mps.distance(last_mps)
+            });
         let turned = turned / (GATE_VELOCITY_MPS + GATE_TURN_MPS2 * apart_s);
         Some(misfit.max(turned.min(1.0)))
     }

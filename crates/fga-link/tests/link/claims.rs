@@ -24,27 +24,46 @@ type Wrong = fn(&mut ADSB_VEHICLE_DATA);
 
 /// The true report, and each way to be wrong.
 const MOTIONS: [(&str, Wrong); 16] = [
-    ("heading + 180 deg", |d| d.heading = turned(d.heading, 18_000)),
+    ("heading + 180 deg", |d| {
+        d.heading = turned(d.heading, 18_000);
+    }),
     ("heading + 90 deg", |d| d.heading = turned(d.heading, 9_000)),
-    ("heading - 90 deg", |d| d.heading = turned(d.heading, 27_000)),
-    ("heading mirrored", |d| d.heading = turned(0, 36_000 - d.heading % 36_000)),
+    ("heading - 90 deg", |d| {
+        d.heading = turned(d.heading, 27_000);
+    }),
+    ("heading mirrored", |d| {
+        d.heading = turned(0, 36_000 - d.heading % 36_000);
+    }),
     ("heading in degrees", |d| d.heading /= 100),
     ("heading 0", |d| d.heading = 0),
     ("speed in metres per second", |d| d.hor_velocity /= 100),
-    ("speed in millimetres per second", |d| d.hor_velocity = d.hor_velocity.saturating_mul(10)),
-    ("speed times 100", |d| d.hor_velocity = d.hor_velocity.saturating_mul(100)),
-    ("speed in knots", |d| d.hor_velocity = scaled(d.hor_velocity, 1.944)),
-    ("speed in kilometres per hour", |d| d.hor_velocity = scaled(d.hor_velocity, 3.6)),
+    ("speed in millimetres per second", |d| {
+        d.hor_velocity = d.hor_velocity.saturating_mul(10);
+    }),
+    ("speed times 100", |d| {
+        d.hor_velocity = d.hor_velocity.saturating_mul(100);
+    }),
+    ("speed in knots", |d| {
+        d.hor_velocity = scaled(d.hor_velocity, 1.944);
+    }),
+    ("speed in kilometres per hour", |d| {
+        d.hor_velocity = scaled(d.hor_velocity, 3.6);
+    }),
     ("speed 0", |d| d.hor_velocity = 0),
     ("climb of 64 m/s", |d| d.ver_velocity = 6400),
     ("climb of 327 m/s", |d| d.ver_velocity = i16::MAX),
     ("sinks by 327 m/s", |d| d.ver_velocity = i16::MIN),
     ("no velocity", |d| {
-        d.flags.remove(AdsbFlags::ADSB_FLAGS_VALID_VELOCITY | AdsbFlags::ADSB_FLAGS_VALID_HEADING);
+        d.flags
+            .remove(AdsbFlags::ADSB_FLAGS_VALID_VELOCITY | AdsbFlags::ADSB_FLAGS_VALID_HEADING);
     }),
 ];
 
-const HEIGHTS: [(&str, Wrong); 5] = [
+const HEIGHTS: [(&str, Wrong); 7] = [
+    ("times 1000", |d| {
+        d.altitude = d.altitude.saturating_mul(1000);
+    }),
+    ("lowest", |d| d.altitude = i32::MIN),
     ("100 m below", |d| d.altitude -= 100_000),
     ("80 m above", |d| d.altitude += 80_000),
     ("no altitude", |d| {
@@ -54,7 +73,9 @@ const HEIGHTS: [(&str, Wrong); 5] = [
         d.altitude = 0;
         d.flags.remove(AdsbFlags::ADSB_FLAGS_VALID_ALTITUDE);
     }),
-    ("pressure as geometric", |d| d.altitude_type = AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC),
+    ("pressure as geometric", |d| {
+        d.altitude_type = AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC;
+    }),
 ];
 
 fn turned(heading: u16, by: u16) -> u16 {
@@ -129,7 +150,11 @@ fn drawn(count: u32) -> Vec<Intruder> {
             let meets_s = random.uniform(45.0, 60.0);
             let course_rad = random.uniform(-2.6, 2.6);
             let speed_mps = random.uniform(20.0, 70.0);
-            let climb_mps = if number % 2 == 0 { 0.0 } else { random.uniform(-3.0, 3.0) };
+            let climb_mps = if number % 2 == 0 {
+                0.0
+            } else {
+                random.uniform(-3.0, 3.0)
+            };
             let velocity_mps = [
                 speed_mps * course_rad.sin(),
                 -speed_mps * course_rad.cos(),
@@ -168,7 +193,10 @@ fn t2_a_velocity_wrong_in_any_way_is_avoided_as_early_and_is_one_track() {
             let flown = flown(head_on(), interval_s, 1013.25, false, wrong);
             assert_as_early(name, &control, &flown);
             let texts = flown.world.emulator.texts();
-            assert!(!texts.iter().any(|text| text.contains("overload")), "{name}");
+            assert!(
+                !texts.iter().any(|text| text.contains("overload")),
+                "{name}"
+            );
         }
     }
 }
@@ -199,7 +227,11 @@ fn t3_a_wrong_height_or_label_is_avoided_as_early() {
 #[test]
 fn t4_traffic_that_cannot_be_used_is_told_once_and_counted() {
     let cases: [(&str, Wrong, Defect); 4] = [
-        ("without position", |d| d.flags = AdsbFlags::empty(), Defect::NoPosition),
+        (
+            "without position",
+            |d| d.flags = AdsbFlags::empty(),
+            Defect::NoPosition,
+        ),
         ("old reports", |d| d.tslc = 30, Defect::Old),
         ("old reports", |d| d.tslc = 255, Defect::Old),
         (
@@ -224,7 +256,8 @@ fn t4_traffic_that_cannot_be_used_is_told_once_and_counted() {
 #[test]
 fn t4_a_lost_altitude_is_bounded_by_the_last_one() {
     for above_m in [0.0, 600.0] {
-        let intruder = Intruder::straight(INTRUDER, [5.0, 3000.0, 100.0 + above_m], [0.0, -25.0, 0.0]);
+        let intruder =
+            Intruder::straight(INTRUDER, [5.0, 3000.0, 100.0 + above_m], [0.0, -25.0, 0.0]);
         let mut world = World::new("", GOOD, 3);
         let mut silent = intruder;
         silent.shown_m = 0.0;

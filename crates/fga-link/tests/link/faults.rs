@@ -201,12 +201,12 @@ fn roll_limit_deg_5_set_in_command() {
 }
 
 #[test]
-fn roll_limit_deg_9_set_in_cruise() {
+fn roll_limit_deg_4_set_in_cruise() {
     let mut world = head_on();
     world.run_while(40.0, "ready", |w| {
         w.companion.authority() != Authority::Ready
     });
-    set_parameter(&mut world, "ROLL_LIMIT_DEG", 9.0);
+    set_parameter(&mut world, "ROLL_LIMIT_DEG", 4.0);
     world.run_until(world.time_s + 1.5);
     let since_s = world.time_s;
     assert!(was_told(

@@ -11,6 +11,7 @@ mod alerts;
 mod arduplane;
 mod claims;
 mod closed_loop;
+mod degraded;
 mod encounters;
 mod faults;
 mod feeds;

@@ -18,12 +18,13 @@ use std::path::PathBuf;
 
 use fga_emulator::{Emulator, Item, Mode, STEP_S, Settings};
 use fga_link::player::{LoggedLine, read_log};
+use fga_link::wire::{Signing, encode};
 use fga_link::{Companion, Config};
-use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, COMMAND_LONG_DATA, MISSION_COUNT_DATA, MavCmd,
     MavFrame, MavMessage, MavMissionType,
 };
+use mavlink::{MAVLinkV2MessageRaw, MavHeader};
 
 /// A file of the third-party data; without it the test skips, or fails in CI.
 pub fn data(name: &str) -> Option<PathBuf> {
@@ -76,6 +77,8 @@ struct Packet {
     to_vehicle: bool,
     header: MavHeader,
     message: MavMessage,
+    /// Its frame, on a signed link.
+    signed: Option<MAVLinkV2MessageRaw>,
 }
 
 impl PartialEq for Packet {
@@ -162,6 +165,14 @@ pub struct World {
     pub deaf: bool,
     /// Only heartbeats pass.
     pub no_telemetry: bool,
+    /// Messages to the vehicle wait this long in a queue, besides the network's delay, seconds.
+    pub uplink_queue_s: f64,
+    /// The pitot tube is blocked: the vehicle reports no airspeed.
+    pub blocked_pitot: bool,
+    /// The vehicle's signing, and the companion's.
+    pub signing: Option<(Signing, Signing)>,
+    /// Frames that the companion refused, and those that the vehicle refused.
+    pub refused: [u32; 2],
     /// The packets of each sender have a separate fate: more of one change nothing of the others.
     fates: [Random; 4],
     /// … and those about the fence's status have another, with the answers that are due for requests of it.
@@ -323,6 +334,10 @@ impl World {
             no_telemetry: false,
             fence_fate: Random::new(seed ^ 0xFE7CE),
             fence_answers: 0,
+            uplink_queue_s: 0.0,
+            blocked_pitot: false,
+            signing: None,
+            refused: [0; 2],
             fates: [1, 2, 3, 4].map(|sender| Random::new(seed.wrapping_mul(4) + sender)),
             queue: BinaryHeap::new(),
             number: 0,
@@ -387,16 +402,46 @@ impl World {
                 }
                 continue;
             }
-            let delay_s = self.network.delay_s + fate.uniform(0.0, self.network.jitter_s);
+            let mut delay_s = self.network.delay_s + fate.uniform(0.0, self.network.jitter_s);
+            if to_vehicle {
+                delay_s += self.uplink_queue_s;
+            }
+            let mut message = message.clone();
+            if let MavMessage::VFR_HUD(data) = &mut message
+                && self.blocked_pitot
+            {
+                data.airspeed = 0.0;
+            }
+            let signed = self.signing.as_ref().map(|(vehicle, companion)| {
+                let signer = if to_vehicle { companion } else { vehicle };
+                encode(header, &message, Some(signer))
+            });
             self.number += 1;
             self.queue.push(Packet {
                 due_us: ((self.time_s + delay_s) * 1e6) as u64,
                 number: self.number,
                 to_vehicle,
                 header,
-                message: message.clone(),
+                message,
+                signed,
             });
         }
+    }
+
+    /// Whether the receiver believes a packet's signature.
+    fn believes(&mut self, packet: &Packet) -> bool {
+        let Some(((vehicle, companion), raw)) = self.signing.as_ref().zip(packet.signed.as_ref())
+        else {
+            return true;
+        };
+        let receiver = if packet.to_vehicle {
+            vehicle
+        } else {
+            companion
+        };
+        let believed = receiver.accepts(raw);
+        self.refused[usize::from(packet.to_vehicle)] += u32::from(!believed);
+        believed
     }
 
     /// Sends a message to the companion as any system and component.
@@ -451,6 +496,9 @@ impl World {
             let Some(packet) = self.queue.pop() else {
                 break;
             };
+            if !self.believes(&packet) {
+                continue;
+            }
             if packet.to_vehicle && self.frozen {
                 self.held.push((packet.header, packet.message));
             } else if packet.to_vehicle {

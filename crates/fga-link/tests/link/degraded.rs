@@ -1,0 +1,284 @@
+//! Sensors, clocks, links and settings that are wrong but not gone: it avoids with what there is, or says by name why not.
+
+#![allow(
+    clippy::cast_possible_truncation,
+    reason = "a bench with small numbers"
+)]
+
+use crate::common::{GOOD, Intruder, Random, World};
+use fga_emulator::Mode;
+use fga_link::authority::Authority;
+use fga_link::signing::Signing;
+use mavlink::dialects::ardupilotmega::{MavMessage, MavParamType, PARAM_SET_DATA};
+
+/// Protected by default, metres.
+const PROTECTED_M: f64 = 60.0;
+const KEY: [u8; 32] = [7; 32];
+const YEARS_S: i64 = 2_000_000_000;
+
+/// A head-on intruder that meets the aircraft after a minute.
+fn head_on(config: &str) -> World {
+    let mut world = World::new(config, GOOD, 3);
+    let mut intruder = Intruder::straight(0x00AB_CDEF, [5.0, 3000.0, 100.0], [0.0, -25.0, 0.0]);
+    intruder.shown_m = 1200.0;
+    world.add(intruder);
+    world
+}
+
+fn set_parameter(world: &mut World, name: &str, value: f32) {
+    let set = MavMessage::PARAM_SET(PARAM_SET_DATA {
+        param_value: value,
+        target_system: 1,
+        target_component: 1,
+        param_id: name.into(),
+        param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+    });
+    world.emulator.receive(&crate::common::GROUND, &set);
+}
+
+fn times_told(world: &World, text: &str) -> usize {
+    let texts = world.emulator.texts().iter();
+    texts.filter(|told| told.contains(text)).count()
+}
+
+fn assert_kept(world: &World, what: &str) {
+    let (least_m, at_s) = world.least_m[0];
+    let texts = world.emulator.texts();
+    eprintln!("{what}: least {least_m:.1} m at {at_s:.1} s");
+    assert!(least_m >= PROTECTED_M, "{what}: {least_m} m, {texts:?}");
+    assert_eq!(world.mode(), Mode::Auto, "{what}");
+}
+
+/// A signed link: the companion's clock is off by some seconds.
+fn signed(world: &mut World, clock_off_s: i64) {
+    world.signing = Some((
+        Signing::new(KEY, 0, false),
+        Signing::with_clock_off(KEY, 1, false, clock_off_s),
+    ));
+}
+
+#[test]
+fn l5_a_signed_link_is_flown_with_any_clock() {
+    for off_s in [-YEARS_S, -3600, 0, 3600] {
+        let mut world = head_on("");
+        signed(&mut world, off_s);
+        world.run_until(110.0);
+        assert_kept(&world, &format!("clock off by {off_s} s"));
+        // At most what was sent before anything was heard.
+        assert_eq!(world.refused[0], 0);
+        assert!(world.refused[1] < 30, "{:?}", world.refused);
+    }
+}
+
+#[test]
+fn l9_a_blocked_pitot_tube_switches_nothing_off() {
+    for blocked_s in [0.0, 20.0, 48.0] {
+        let mut world = head_on("");
+        while world.time_s < 110.0 {
+            world.blocked_pitot = world.time_s >= blocked_s;
+            world.step();
+        }
+        assert_kept(&world, &format!("blocked from {blocked_s} s"));
+        assert_eq!(times_told(&world, "airspeed sensor fails"), 1);
+    }
+}
+
+#[test]
+fn l10_the_round_trip_is_part_of_readiness_and_of_the_plan() {
+    for (each_way_s, usable) in [
+        (0.05, true),
+        (0.3, true),
+        (0.6, true),
+        (1.5, false),
+        (3.0, false),
+    ] {
+        let mut world = head_on("");
+        world.network.delay_s = each_way_s;
+        let mut ready = false;
+        while world.time_s < 110.0 {
+            world.step();
+            ready |= world.time_s > 20.0 && world.companion.authority() == Authority::Ready;
+        }
+        assert_eq!(ready, usable, "{each_way_s} s each way");
+        if usable {
+            assert_kept(&world, &format!("{each_way_s} s each way"));
+        } else {
+            assert_eq!(world.emulator.mode_changes().len(), 0, "{each_way_s} s");
+            assert_eq!(
+                times_told(&world, "link answers too late"),
+                1,
+                "{each_way_s} s"
+            );
+        }
+    }
+}
+
+#[test]
+fn l11_the_vehicles_own_avoidance_is_named_once() {
+    for action in [2.0, 3.0, 4.0, 5.0, 6.0] {
+        let mut world = head_on("");
+        set_parameter(&mut world, "AVD_ENABLE", 1.0);
+        set_parameter(&mut world, "AVD_F_ACTION", action);
+        world.run_until(90.0);
+        assert_eq!(times_told(&world, "AVD_F_ACTION avoids by itself"), 1);
+        assert_eq!(times_told(&world, "fga: not ready"), 1, "{action}");
+        assert_eq!(times_told(&world, "fga: ready"), 0, "{action}");
+        assert_eq!(world.companion.counts().maneuvers, 0);
+    }
+    // It only reports.
+    let mut world = head_on("");
+    set_parameter(&mut world, "AVD_ENABLE", 1.0);
+    world.run_until(110.0);
+    assert_kept(&world, "AVD_F_ACTION 1");
+}
+
+#[test]
+fn l13_a_bank_limit_of_nine_degrees_is_avoided_with() {
+    for (limit, vertical) in [(9.0, false), (9.0, true), (6.0, false), (3.0, true)] {
+        let mut world = head_on(&format!("[vehicle]\nvertical = {vertical}\n"));
+        // Seen as far ahead as ADS-B is.
+        world.intruders[0].shown_m = f64::INFINITY;
+        set_parameter(&mut world, "ROLL_LIMIT_DEG", limit);
+        world.run_until(160.0);
+        let (least_m, _) = world.least_m[0];
+        eprintln!("limit {limit}, vertical {vertical}: least {least_m:.1} m");
+        assert!(
+            least_m >= PROTECTED_M,
+            "limit {limit}, vertical {vertical}: {least_m} m"
+        );
+        assert_eq!(times_told(&world, "cannot be flown"), 0);
+    }
+}
+
+/// Wrong in two ways at once, from drawn moments on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Fault {
+    Pitot,
+    Avoidance(f32),
+    Queue(f64),
+    Clock(i64),
+    Bank(f32),
+}
+
+fn drawn(random: &mut Random) -> (Fault, f64, f64) {
+    let fault = match random.next() % 5 {
+        0 => Fault::Pitot,
+        1 => Fault::Avoidance(if random.next().is_multiple_of(2) {
+            3.0
+        } else {
+            4.0
+        }),
+        2 => Fault::Queue(random.uniform(1.0, 5.0)),
+        3 => Fault::Clock([-YEARS_S, -3600, 3600][(random.next() % 3) as usize]),
+        _ => Fault::Bank(if random.next().is_multiple_of(2) {
+            9.0
+        } else {
+            3.0
+        }),
+    };
+    let begins_s = random.uniform(5.0, 60.0);
+    (fault, begins_s, begins_s + random.uniform(1.0, 30.0))
+}
+
+/// What must hold in a flight with drawn faults; the failure in words.
+fn fails(seed: u64) -> Option<String> {
+    let mut random = Random::new(seed);
+    let faults = [drawn(&mut random), drawn(&mut random)];
+    let is_on = |wanted: fn(Fault) -> bool, time_s: f64| {
+        faults
+            .iter()
+            .any(|(fault, from_s, to_s)| wanted(*fault) && (*from_s..*to_s).contains(&time_s))
+    };
+    let mut world = head_on("");
+    for (fault, ..) in faults {
+        if let Fault::Clock(off_s) = fault {
+            signed(&mut world, off_s);
+        }
+    }
+    let (mut able, mut lost) = (false, None);
+    while world.time_s < 130.0 {
+        world.blocked_pitot = is_on(|fault| fault == Fault::Pitot, world.time_s);
+        for (fault, from_s, to_s) in faults {
+            let crosses =
+                |at_s: f64| world.time_s < at_s && at_s <= world.time_s + fga_emulator::STEP_S;
+            let (begins, ends) = (crosses(from_s), crosses(to_s));
+            match fault {
+                Fault::Avoidance(action) if begins => {
+                    set_parameter(&mut world, "AVD_ENABLE", 1.0);
+                    set_parameter(&mut world, "AVD_F_ACTION", action);
+                }
+                Fault::Avoidance(_) if ends => set_parameter(&mut world, "AVD_F_ACTION", 1.0),
+                Fault::Bank(limit) if begins => set_parameter(&mut world, "ROLL_LIMIT_DEG", limit),
+                Fault::Bank(_) if ends => set_parameter(&mut world, "ROLL_LIMIT_DEG", 45.0),
+                Fault::Queue(queue_s) if begins => world.uplink_queue_s = queue_s,
+                Fault::Queue(_) if ends => world.uplink_queue_s = 0.0,
+                _ => {}
+            }
+        }
+        let told = world.companion.counts().texts;
+        world.step();
+        let now_able = matches!(
+            world.companion.authority(),
+            Authority::Ready
+                | Authority::Taking { .. }
+                | Authority::InCommand { .. }
+                | Authority::Returning { .. }
+        );
+        if able && !now_able {
+            lost = Some((world.time_s, told));
+        }
+        able = now_able;
+        if let Some((lost_s, told)) = lost {
+            if able || world.companion.counts().texts > told {
+                lost = None;
+            } else if world.time_s - lost_s > 3.0 {
+                return Some(format!(
+                    "seed {seed}: silent from {lost_s:.1} s, {faults:?}"
+                ));
+            }
+        }
+    }
+    let texts = world.emulator.texts();
+    let left_to_pilot = texts.iter().any(|text| {
+        text.contains("pilot must set it") || text.contains("released") || text.contains("set one")
+    });
+    if world.mode() == Mode::Guided && !left_to_pilot {
+        return Some(format!(
+            "seed {seed}: GUIDED is nobody's, {faults:?}, {texts:?}"
+        ));
+    }
+    // A blocked tube and a wrong clock take no lead at all.
+    let harmless = faults
+        .iter()
+        .all(|(fault, ..)| matches!(fault, Fault::Pitot | Fault::Clock(_)));
+    let (least_m, _) = world.least_m[0];
+    (harmless && least_m < PROTECTED_M)
+        .then(|| format!("seed {seed}: {least_m:.1} m, {faults:?}, {texts:?}"))
+}
+
+/// `FGA_SEQUENCES` sets their number.
+#[test]
+fn in_no_sequence_of_degradations_an_ability_is_lost_in_silence() {
+    let count = std::env::var("FGA_SEQUENCES")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(100);
+    let threads = std::thread::available_parallelism().map_or(2, usize::from);
+    let failures: Vec<String> = std::thread::scope(|scope| {
+        let fliers: Vec<_> = (0..threads as u64)
+            .map(|first| {
+                let seeds = (first..count).step_by(threads);
+                scope.spawn(move || seeds.filter_map(fails).collect::<Vec<_>>())
+            })
+            .collect();
+        let fliers = fliers.into_iter();
+        fliers
+            .flat_map(|flier| flier.join().expect("no panic"))
+            .collect()
+    });
+    assert!(
+        failures.is_empty(),
+        "{} of {count}: {failures:#?}",
+        failures.len()
+    );
+}
