@@ -187,7 +187,7 @@ fn assert_as_early(name: &str, control: &Flown, flown: &Flown) {
 
 #[test]
 fn t2_a_velocity_wrong_in_any_way_is_avoided_as_early_and_is_one_track() {
-    for interval_s in [0.5, 1.0] {
+    for interval_s in [0.5, 1.0, 5.0] {
         let control = flown(head_on(), interval_s, 1013.25, false, |_| {});
         for (name, wrong) in MOTIONS {
             let flown = flown(head_on(), interval_s, 1013.25, false, wrong);
