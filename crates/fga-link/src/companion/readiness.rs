@@ -84,6 +84,10 @@ impl Lacking {
 
 /// The reports about readiness and need.
 #[derive(Debug, Clone, Copy)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each report is made once, by itself"
+)]
 pub(super) struct Told {
     /// Missing now, and since when, seconds.
     lacking: Option<(Lacking, f64)>,

@@ -157,7 +157,9 @@ impl Companion {
             let off_m = frame.to_local_m(place) - self.ownship.position_m(now_s)?;
             Some(libm::hypot(off_m.x, off_m.y))
         });
-        let is_near = range_m.is_none_or(|m| m <= self.config.protection.surveillance_m);
+        let airspeed_mps = self.ownship.airspeed_mps().unwrap_or_default();
+        let surveillance_m = self.config.surveillance_m(airspeed_mps);
+        let is_near = range_m.is_none_or(|m| m <= surveillance_m);
         let is_own = matches!(key, Key::Address(icao) if self.config.own_icao() == Ok(Some(icao)));
         if is_own {
             return;
