@@ -5,6 +5,8 @@
     reason = "tests fail by panicking"
 )]
 
+use core::fmt::Write as _;
+
 use fga::situation::Passing;
 use fga_formats::missions::{Outline, is_mission, parse};
 use proptest::prelude::*;
@@ -223,7 +225,8 @@ proptest! {
     ) {
         let mut text = String::from("QGC WPL 110\n");
         for (index, (command, frame, rest)) in rows.iter().enumerate() {
-            text += &format!("{index} 0 {frame} {command} {} 1\n", rest.join(" "));
+            let rest = rest.join(" ");
+            writeln!(text, "{index} 0 {frame} {command} {rest} 1").unwrap();
         }
         match parse(&text, Path::new("a.waypoints")) {
             Ok(file) => prop_assert!(file.waypoints.iter().all(|w| w.place.latitude_deg.abs() <= 91.0)),
