@@ -384,7 +384,7 @@ fn d8_mode_paper_keeps_its_disc_in_wind_or_does_not_begin() {
         (300.0, 0.4, 2),
         (300.0, 0.5, 0),
     ] {
-        for surveillance_m in [3000.0, 100.0] {
+        for surveillance_m in [3000.0, 160.0] {
             // The aircraft flies north: from ahead, the left, behind, the right.
             let (sin, cos) = (f64::from(side) * core::f64::consts::FRAC_PI_2).sin_cos();
             let speed_mps = strength * fga_emulator::PlantSettings::default().airspeed_mps;

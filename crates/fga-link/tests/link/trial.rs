@@ -479,8 +479,11 @@ fn l8_a_program_that_is_to_end_flies_on_until_the_mission_is_clear() {
                 let least_m = world.least_m[0].0;
                 assert!(least_m >= RADIUS_M, "{after_s}: {least_m} {took_s}");
                 assert_eq!(world.mode(), Mode::Auto);
-                assert!(was_told(&world, "fga: program ends, mode restored"));
-                assert!(was_told(&world, "fga: program ends when clear"));
+                // A lossy link may lose a text, which nobody acknowledges.
+                if network.loss == 0.0 {
+                    assert!(was_told(&world, "fga: program ends, mode restored"));
+                    assert!(was_told(&world, "fga: program ends when clear"));
+                }
             }
         }
     }

@@ -161,10 +161,7 @@ impl Avoider {
             .then(|| self.detour(situation, now, (waited_s, turn / 2)))
             .flatten();
         let is_any = turn.is_multiple_of(2);
-        // Straight to the next waypoint, as if the mission began here: no way onto the mission was found for long.
         let is_long = given_up(plan, situation.time_s) > 1;
-        let is_anew = is_any && is_long;
-        let is_looked_at = detour.is_some() || is_anew;
         let (mut first, from) = detour.unwrap_or((Maneuver::hold(), *now));
         let intercepts_rad: &[f64] = if is_any {
             &INTERCEPTS_RAD
@@ -176,7 +173,7 @@ impl Avoider {
         let joins_s = nearest.and_then(|_| Some(way.end()?.at_s));
         let is_late = joins_s.is_some_and(|s| situation.time_s + s + self.late_s() > latest_s);
         let target_m = demand.margin_m;
-        if !is_looked_at && (is_late || nearest.is_some() && self.is_blocked(&way, target_m)) {
+        if detour.is_none() && (is_late || nearest.is_some() && self.is_blocked(&way, target_m)) {
             return None;
         }
         let limits = JoinLimits {
@@ -184,15 +181,12 @@ impl Avoider {
             climb_limits_rad: self.climb_limits_rad(),
         };
         let before = self.progress;
-        let mut way = None;
-        if !is_anew {
-            way = self.on_mission(|progress, flyer| {
-                progress.way_back(mission, &from, flyer, &limits, skipped)
-            });
-            let is_near =
-                |joined: &Join| intercept_rad >= SHALLOW_RAD || joined.joined_s <= SHALLOW_S;
-            way = way.filter(|(joined, _)| joined.is_on_leg() && (is_any || is_near(joined)));
-        }
+        let way = self.on_mission(|progress, flyer| {
+            progress.way_back(mission, &from, flyer, &limits, skipped)
+        });
+        let is_near = |joined: &Join| intercept_rad >= SHALLOW_RAD || joined.joined_s <= SHALLOW_S;
+        let mut way = way.filter(|(joined, _)| joined.is_on_leg() && (is_any || is_near(joined)));
+        // Straight to the next waypoint, as if the mission began here: no leg can be joined.
         for (turn_rad, radii) in AWAY.into_iter().filter(|_| is_any) {
             if way.is_some() {
                 break;
