@@ -14,7 +14,7 @@ use clap::Args;
 use fga::Vec3;
 use fga::avoider::{Reason, Settings, State};
 use fga::pilot::Pilot;
-use fga::situation::{Mission, Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
+use fga::situation::{Mission, Movement, Obstacle, Obstacles, Passing, ProtectedVolume, Situation};
 use fga::vehicle::{Response, Vehicle};
 use fga_sim::plant::{Autopilot, Plant};
 use fga_sim::policy::PolicyChoice;
@@ -80,6 +80,8 @@ struct Flier {
     plant: Plant,
     pilot: Box<dyn Pilot + Send>,
     mission_m: Vec<Vec3>,
+    /// It flies over the last waypoint.
+    passing: Vec<Passing>,
     state: State,
     is_complete: bool,
     /// How long it has flown on since then, seconds: with a dead time it is complete before the waypoint.
@@ -287,10 +289,13 @@ impl Flight {
             .sum();
         let slowest_mps = self.vehicle.airspeed_mps - self.wind_mps.length();
         self.until_s = self.until_s.max(600.0 + 4.0 * length_m / slowest_mps);
+        let mut passing = vec![Passing::FlyBy; mission_m.len()];
+        passing[mission_m.len() - 1] = Passing::FlyOver;
         self.fliers.push(Flier {
             plant,
             pilot: pilot.expect("usable settings"),
             lowest_m: mission_m[0].z,
+            passing,
             mission_m,
             state: State::Cruise,
             is_complete: false,
@@ -503,6 +508,7 @@ impl Flier {
             obstacles: Obstacles::Rows(obstacles),
             mission: Mission {
                 limits_m: (self.floor_m(), f64::INFINITY),
+                passing: &self.passing,
                 ..Mission::new(&self.mission_m)
             },
             wind_mps,

@@ -71,12 +71,14 @@ pub fn scenario_text(
             place.latitude_deg, place.longitude_deg, place.altitude_m
         );
     }
+    let last = mission.waypoints.len().saturating_sub(1);
     let passing: Vec<&str> = mission
         .waypoints
         .iter()
-        .map(|waypoint| match waypoint.passing {
-            Passing::FlyBy => "\"fly-by\"",
-            Passing::FlyOver => "\"fly-over\"",
+        .enumerate()
+        .map(|(index, waypoint)| match waypoint.passing {
+            Passing::FlyBy if index < last => "\"fly-by\"",
+            Passing::FlyBy | Passing::FlyOver => "\"fly-over\"",
         })
         .collect();
     let _ = writeln!(text, "]\npassing = [{}]", passing.join(", "));

@@ -300,10 +300,13 @@ impl Progress {
         while let (Some(leg), false, false) = (self.leg, self.complete, self.from_start) {
             let position = leg.position(state.position_m, state.time_s);
             let is_on = position.along_m < leg.length_m - self.lead_m();
-            // The aircraft flies back to a last waypoint that it passes far off, for some times.
+            // The aircraft flies back to a last waypoint to fly over that it passes far off, for some times.
             let is_off = position.cross_m.abs().max(position.above_m.abs()) > FLY_OVER_WITHIN_M
                 || position.along_m > leg.length_m + flyer.turn_radius_m();
-            let is_missed = is_off && self.corner.is_none() && self.passes() < MOST_PASSES;
+            let is_missed = Self::ends_over(mission, self.index)
+                && is_off
+                && self.corner.is_none()
+                && self.passes() < MOST_PASSES;
             if is_on || is_missed || self.is_cut || self.meter().is_met() {
                 break;
             }
@@ -315,6 +318,11 @@ impl Progress {
         if self.is_adrift() {
             self.begin_here(mission, state, flyer);
         }
+    }
+
+    /// Whether the aircraft flies over the end of a leg.
+    fn ends_over(mission: &Mission<'_>, index: usize) -> bool {
+        mission.passing.get(index + 1) == Some(&Passing::FlyOver)
     }
 
     /// How often the aircraft passed the end of the present leg aside of it and began the leg anew.

@@ -154,7 +154,11 @@ impl Progress {
             if is_tried && count >= self.looked_to {
                 passed_m = 0.0;
                 let (along_m, way) = onto(&leg);
-                let room_m = leg.length_m - next.map_or(0.0, |next| next.lead_m);
+                let room_m = match next {
+                    Some(next) => leg.length_m - next.lead_m,
+                    None if Self::ends_over(mission, index) => leg.length_m,
+                    None => f64::INFINITY,
+                };
                 let is_behind = along_m > room_m;
                 let is_far_before = count > 0 && along_m < -BEFORE_RADII * radius_m;
                 if is_far_before || (is_behind && count > 0 && leg.length_m > LONG_RADII * radius_m)

@@ -7,7 +7,7 @@
 //!
 //! [mission]
 //! waypoints_m = [[0, 0, 100], [900, 0, 100]]
-//! passing = ["fly-by", "fly-over"]        # optional, one a waypoint: fly-by (default), fly-over
+//! passing = ["fly-by", "fly-over"]        # optional, one a waypoint: fly-by (default), fly-over (default of the last)
 //!
 //! [[obstacle]]
 //! name = "mast"
@@ -253,14 +253,18 @@ impl Places<'_> {
     }
 }
 
-/// How the aircraft passes each waypoint; empty if the file does not say.
+/// How the aircraft passes each waypoint: where the file does not say, it flies by all but the last and over that.
 fn passing(
     mission: &MissionTable,
     text: &TomlText<'_>,
     waypoints: usize,
 ) -> Result<Vec<Passing>, InputError> {
     let Some(list) = &mission.passing else {
-        return Ok(Vec::new());
+        let mut passing = vec![Passing::FlyBy; waypoints];
+        if let Some(last) = passing.last_mut() {
+            *last = Passing::FlyOver;
+        }
+        return Ok(passing);
     };
     if list.get_ref().len() != waypoints {
         return Err(text.error_at(

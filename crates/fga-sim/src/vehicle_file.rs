@@ -273,7 +273,7 @@ mod tests {
         let corner_m = (150.0_f64 * 150.0 + 50.0 * 50.0).sqrt();
         let expected_m = corner_m + 5.0 + (18.0 + 90.0) * 40.0;
         assert!((model.settings.avoider.surveillance_radius_m - expected_m).abs() < 1e-6);
-        assert_eq!(model.warnings(), [String::new(); 0]);
+        assert!(model.warnings().is_empty());
         let near = text.replace("turn", "surveillance_radius_m=300\nturn");
         let warnings = parse(&near).unwrap().warnings();
         assert!(warnings[0].starts_with("surveillance_radius_m is 300 m, too near for crewed"));
