@@ -161,7 +161,8 @@ impl Avoider {
             .then(|| self.detour(situation, now, (waited_s, turn / 2)))
             .flatten();
         let is_any = turn.is_multiple_of(2);
-        let is_long = given_up(plan, situation.time_s) > 1;
+        let given_up = given_up(plan, situation.time_s);
+        let is_long = given_up > 1;
         let (mut first, from) = detour.unwrap_or((Maneuver::hold(), *now));
         let intercepts_rad: &[f64] = if is_any {
             &INTERCEPTS_RAD
@@ -187,7 +188,7 @@ impl Avoider {
         let is_near = |joined: &Join| intercept_rad >= SHALLOW_RAD || joined.joined_s <= SHALLOW_S;
         let mut way = way.filter(|(joined, _)| joined.is_on_leg() && (is_any || is_near(joined)));
         // Straight to the next waypoint, as if the mission began here: no leg can be joined.
-        for (turn_rad, radii) in AWAY.into_iter().filter(|_| is_any) {
+        for (turn_rad, radii) in AWAY.into_iter().filter(|_| is_any && given_up > 0) {
             if way.is_some() {
                 break;
             }
