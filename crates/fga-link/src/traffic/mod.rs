@@ -9,7 +9,7 @@
 //! | [`remote_id`] | what do unmanned aircraft broadcast? |
 //! | [`table`] | which reports are of one aircraft, and which aircraft are kept? |
 //! | [`track`] | where is it now, and how well is that known? |
-//! | [`motion`] | do its positions bear out its velocity? |
+//! | `motion` | do its positions bear out its velocity? |
 //! | [`threat`] | which aircraft matter most? |
 //! | [`own`] | is it the vehicle's own transponder? |
 //! | [`vertical`] | how high is it above the same level as the vehicle? |

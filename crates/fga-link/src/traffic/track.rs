@@ -4,7 +4,7 @@
 //! each report moves the one that it continues; see [`super::table`].
 //!
 //! A velocity is a claim too. It counts while the reported positions bear it out; a sender whose velocity
-//! contradicts its positions moves as its positions do ([`super::motion`]).
+//! contradicts its positions moves as its positions do (`motion`).
 
 use alloc::collections::VecDeque;
 
