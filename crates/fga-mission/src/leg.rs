@@ -86,7 +86,7 @@ impl Leg {
         let crab_rad = self.air_course_rad - self.course_rad;
         let (course_rad, wind_mps) = (self.course_rad + by_rad, self.wind_mps);
         let turned = Self::endless(self.from_m, course_rad, airspeed_mps, wind_mps);
-        by_rad + (turned.air_course_rad - course_rad - crab_rad)
+        by_rad + wrap_pi(turned.air_course_rad - course_rad - crab_rad)
     }
 
     /// Whether an aircraft can keep the leg's track and gain along it in the wind.
@@ -209,6 +209,21 @@ mod tests {
     use fga_proof::prediction::Flyer;
     use fga_proof::vehicle::Vehicle;
     use proptest::prelude::*;
+
+    /// A leg whose course is near half a turn was once left by a turn of a whole circle more.
+    #[test]
+    fn in_still_air_the_turn_through_the_air_is_that_over_the_ground() {
+        for step in -31..=31 {
+            let leg = Leg::endless(Vec3::ZERO, 0.1 * f64::from(step), 26.2, Vec3::ZERO);
+            for by_rad in [-1.45, -0.785, 0.17, 0.785, 1.45] {
+                let turn_rad = leg.air_turn_rad(26.2, by_rad);
+                assert!(
+                    (turn_rad - by_rad).abs() < 1e-12,
+                    "{step} {by_rad}: {turn_rad}"
+                );
+            }
+        }
+    }
 
     proptest! {
         /// No join, at whatever angle, is over sooner than the least time, and one without lag and wind is hardly later.
