@@ -486,7 +486,7 @@ type DecisionParts = (
     (Option<Candidate>, Option<Candidate>),
     (Option<f64>, Option<f64>, Option<f64>),
     (bool, bool, bool),
-    (u32, u32, u32, u32, u32),
+    (u32, u32, u32, u32, u32, u32),
     Option<Ownship>,
 );
 
