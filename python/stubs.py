@@ -78,6 +78,7 @@ TYPES = {
     "alternative": "Candidate | None",
     "resilience": "float | None",
     "tracked": "int",
+    "unusable": "int",
     "threats": "int",
     "candidates": "int",
     "work": "int",
