@@ -40,6 +40,7 @@ TYPES = {
     "Mission.waypoints_m": "list[_Triple]",
     "Mission.__new__.waypoints_m": "Sequence[_Triple] | ArrayLike",
     "fly_over": "Sequence[int]",
+    "limits_m": "tuple[float, float]",
     "Mission.fly_over": "list[int]",
     "kind": KIND,
     "Obstacle.__new__.kind": "str",

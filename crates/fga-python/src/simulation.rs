@@ -95,7 +95,11 @@ impl Simulation {
     ) -> PyResult<Self> {
         let plan = read_plan(&file, vehicle, ownship)?;
         let world = plan.world.clone();
-        let mission = Mission::of(world.mission_m.clone(), world.passing.clone());
+        let mission = Mission::of(
+            world.mission_m.clone(),
+            world.passing.clone(),
+            world.limits_m,
+        );
         Ok(Self {
             mission: Py::new(py, mission)?,
             flight: Mutex::new(SteppedFlight::new(world)),

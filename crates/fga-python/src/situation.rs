@@ -263,7 +263,7 @@ impl Obstacles {
 /// A mission: straight legs from waypoint to waypoint.
 ///
 /// `waypoints_m` holds (east, north, up) triples or an array of shape (n, 3); `fly_over` the indices of the
-/// waypoints that the aircraft passes over before the turn. No waypoint at all means: hold course and altitude.
+/// waypoints that the aircraft passes over before the turn; `limits_m` the lowest and the highest altitude. No waypoint at all means: hold course and altitude.
 ///
 /// Raises ValueError for a single waypoint or a number that is not finite.
 #[pyclass(frozen, eq, module = "fga")]
@@ -271,13 +271,18 @@ impl Obstacles {
 pub(crate) struct Mission {
     waypoints_m: Vec<Vec3>,
     passing: Vec<Passing>,
+    limits_m: (f64, f64),
 }
 
 #[pymethods]
 impl Mission {
     #[new]
-    #[pyo3(signature = (waypoints_m, fly_over = Vec::new()))]
-    fn new(waypoints_m: &Bound<'_, PyAny>, fly_over: Vec<usize>) -> PyResult<Self> {
+    #[pyo3(signature = (waypoints_m, fly_over = Vec::new(), limits_m = (f64::NEG_INFINITY, f64::INFINITY)))]
+    fn new(
+        waypoints_m: &Bound<'_, PyAny>,
+        fly_over: Vec<usize>,
+        limits_m: (f64, f64),
+    ) -> PyResult<Self> {
         let waypoints_m: Vec<Vec3> = waypoints_m
             .try_iter()?
             .map(|item| Ok(item?.extract::<Triple>()?.0))
@@ -305,6 +310,7 @@ impl Mission {
         Ok(Self {
             waypoints_m,
             passing,
+            limits_m,
         })
     }
 
@@ -323,13 +329,23 @@ impl Mission {
             .collect()
     }
 
+    /// Lowest and highest altitude, metres.
+    #[getter]
+    fn limits_m(&self) -> (f64, f64) {
+        self.limits_m
+    }
+
     fn __len__(&self) -> usize {
         self.waypoints_m.len()
     }
 }
 
 impl Mission {
-    pub(crate) fn of(waypoints_m: Vec<Vec3>, mut passing: Vec<Passing>) -> Self {
+    pub(crate) fn of(
+        waypoints_m: Vec<Vec3>,
+        mut passing: Vec<Passing>,
+        limits_m: (f64, f64),
+    ) -> Self {
         // Beyond the end of the list a waypoint is fly-by, so that equal missions have equal lists.
         passing.truncate(waypoints_m.len());
         if passing.iter().all(|passing| *passing == Passing::FlyBy) {
@@ -340,6 +356,7 @@ impl Mission {
         Self {
             waypoints_m,
             passing,
+            limits_m,
         }
     }
 }
@@ -347,6 +364,7 @@ impl Mission {
 frozen! { Mission, this,
     "waypoints_m": this.waypoints_m(),
     "fly_over": this.fly_over(),
+    "limits_m": this.limits_m(),
 }
 
 /// The obstacles of a situation.
@@ -506,7 +524,7 @@ impl Situation {
             mission: CoreMission {
                 waypoints_m: &mission.waypoints_m,
                 passing: &mission.passing,
-                ..CoreMission::new(&mission.waypoints_m)
+                limits_m: mission.limits_m,
             },
             wind_mps: self.wind_mps,
         })

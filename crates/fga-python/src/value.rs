@@ -282,7 +282,8 @@ impl Obstacle {
             expect(holds, name, length, "a number of 0 or more")?;
         }
         let volume = volume_of(radius_m, half_height_m);
-        let mut obstacle = fga::situation::Obstacle::straight(id, position_m.0, velocity_mps.0, volume);
+        let mut obstacle =
+            fga::situation::Obstacle::straight(id, position_m.0, velocity_mps.0, volume);
         obstacle.uncertainty.position_m = position_sigma_m;
         obstacle.uncertainty.velocity_mps = velocity_sigma_mps;
         obstacle.movement = movement_of(kind)?;
