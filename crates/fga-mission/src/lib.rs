@@ -141,7 +141,7 @@ pub struct Progress {
     is_cut: bool,
     /// The leg at which the next search for a way onto the mission begins after a cut.
     looked_to: usize,
-    /// The leg on which the mission began anew.
+    /// The leg that begins at a place of the aircraft, not at its waypoint.
     anew: Option<Anew>,
 }
 
@@ -325,7 +325,7 @@ impl Progress {
         mission.passing.get(index + 1) == Some(&Passing::FlyOver)
     }
 
-    /// How often the aircraft passed the end of the present leg aside of it and began the leg anew.
+    /// Number of passes beside the end of the present leg after each of which the leg began again.
     fn passes(&self) -> u32 {
         let anew = self.anew.filter(|anew| anew.index == self.index);
         anew.map_or(0, |anew| anew.passes)
@@ -337,7 +337,7 @@ impl Progress {
         leg.is_some_and(|leg| !leg.can_be_flown(self.airspeed_mps))
     }
 
-    /// Begins the mission anew where the aircraft is: the present leg leads straight from there to its end, or to the first
+    /// Restarts the mission where the aircraft is: the present leg leads straight from there to its end, or to the first
     /// waypoint after it that the wind does not keep the aircraft from.
     fn begin_here(&mut self, mission: &Mission<'_>, state: &MotionState, flyer: &Flyer) {
         let is_passed = self.leg.is_some_and(|leg| {

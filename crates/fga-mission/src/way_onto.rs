@@ -70,7 +70,7 @@ impl Progress {
         found.ok().flatten()
     }
 
-    /// A way onto the mission that begins anew where the aircraft is: straight to the next waypoint. Without one nothing changes.
+    /// A way straight to the next waypoint, as if the mission began where the aircraft is. Without a way nothing changes.
     pub fn way_from_here(
         &mut self,
         mission: &Mission<'_>,

@@ -187,7 +187,7 @@ impl Avoider {
         });
         let is_near = |joined: &Join| intercept_rad >= SHALLOW_RAD || joined.joined_s <= SHALLOW_S;
         let mut way = way.filter(|(joined, _)| joined.is_on_leg() && (is_any || is_near(joined)));
-        // Straight to the next waypoint, as if the mission began here: no leg can be joined.
+        // Straight to the next waypoint, as if the mission began here: no leg could be joined for long.
         for (turn_rad, radii) in AWAY.into_iter().filter(|_| is_any && given_up > 0) {
             if way.is_some() {
                 break;
