@@ -32,10 +32,10 @@ const CUT_SHARE: f64 = 0.045;
 const LATE_RADII: f64 = 0.85;
 
 /// Overshoot comes back onto the next leg at this angle, radians.
-const INTERCEPT_RAD: f64 = 0.785;
+pub(super) const INTERCEPT_RAD: f64 = 0.785;
 
 /// A leg of at least this many turn radii is never part of a chain of short ones.
-const LONG_RADII: f64 = 4.0;
+pub(super) const LONG_RADII: f64 = 4.0;
 
 /// A leg shorter than this many turn radii between two corners may merge into one turn.
 const SHORT_RADII: f64 = 2.0;

@@ -7,6 +7,7 @@
 //! | how does it get from one leg onto the next? | [`mod@corner`] |
 //! | which way onto the leg? | [`mod@join`] |
 //! | which leg does a way onto the mission join? | `way_onto` |
+//! | what where no leg can be joined, or a waypoint was missed? | `restart` |
 //! | which way onto the beginning of the leg? | [`mod@turnaround`] |
 //! | which line does the aircraft fly without obstacles? | [`planned_line`] |
 #![no_std]
@@ -23,6 +24,7 @@ mod departure;
 pub mod join;
 pub mod leg;
 mod plan;
+mod restart;
 pub mod turnaround;
 mod way;
 mod way_onto;
@@ -31,9 +33,10 @@ pub use aim::{Shot, Turns};
 pub use plan::planned_line;
 pub use way::{Place, Way};
 
-use self::corner::{Air, Corner, Legs, arrival, corner};
+use self::corner::{Air, Corner, INTERCEPT_RAD, Legs, arrival, corner};
 use self::join::{Join, JoinLimits, has_entered, is_on_leg, join};
 use self::leg::Leg;
+use self::restart::Restart;
 use self::way_onto::MOST_LEGS;
 use fga_proof::Vec3;
 use fga_proof::angle::wrap_pi;
@@ -41,16 +44,10 @@ use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{Flyer, MotionState, flown};
-use fga_proof::situation::{FLY_OVER_WITHIN_M, Mission, Passing};
+use fga_proof::situation::{Mission, Passing};
 
 /// Stages that corners leave free for the turns of an avoidance.
 const ROOM_TO_AVOID: usize = 2;
-
-/// Intercept angle of the guidance along the mission, radians.
-const GUIDANCE_INTERCEPT_RAD: f64 = 0.785;
-
-/// The aircraft flies back to its last waypoint at most so often.
-const MOST_PASSES: u32 = 3;
 
 /// Work of laying a leg and looking whether it is over.
 const LEG: usize = 4;
@@ -79,16 +76,6 @@ struct Turn {
     arrives_s: f64,
 }
 
-/// A leg that begins where the aircraft was.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Anew {
-    /// Index of the waypoint before its end.
-    index: usize,
-    from_m: Vec3,
-    /// How often the aircraft had passed the leg's end aside of it.
-    passes: u32,
-}
-
 /// The mission's legs at an airspeed in a wind.
 struct Laid<'a> {
     mission: &'a Mission<'a>,
@@ -97,15 +84,15 @@ struct Laid<'a> {
     /// Course of a leg between waypoints above each other, radians.
     course_rad: f64,
     /// The leg that begins elsewhere than at its waypoint.
-    anew: Option<Anew>,
+    restart: Option<Restart>,
 }
 
 impl Legs for Laid<'_> {
     fn leg(&self, index: usize) -> Option<Leg> {
         let waypoint_m = *self.mission.waypoints_m.get(index)?;
         let to = *self.mission.waypoints_m.get(index + 1)?;
-        let anew = self.anew.filter(|anew| anew.index == index);
-        let from = anew.map_or(waypoint_m, |anew| anew.from_m);
+        let restart = self.restart.filter(|restart| restart.index == index);
+        let from = restart.map_or(waypoint_m, |restart| restart.from_m);
         Some(Leg::new(
             from,
             to,
@@ -142,7 +129,7 @@ pub struct Progress {
     /// The leg at which the next search for a way onto the mission begins after a cut.
     looked_to: usize,
     /// The leg that begins at a place of the aircraft, not at its waypoint.
-    anew: Option<Anew>,
+    restart: Option<Restart>,
 }
 
 impl Default for Progress {
@@ -168,7 +155,7 @@ impl Progress {
             work: (u32::MAX, u32::MAX, 0),
             is_cut: false,
             looked_to: 0,
-            anew: None,
+            restart: None,
         }
     }
 
@@ -240,7 +227,7 @@ impl Progress {
             airspeed_mps: self.airspeed_mps,
             wind_mps: self.wind_mps,
             course_rad: self.leg.map_or(0.0, |leg| leg.course_rad),
-            anew: self.anew,
+            restart: self.restart,
         }
     }
 
@@ -283,6 +270,7 @@ impl Progress {
         (time_s, climb_limits_rad): (f64, (f64, f64)),
     ) {
         let airspeed_mps = flyer.airspeed_mps();
+        let passed_s = time_s - self.time_s;
         self.time_s = time_s;
         if self.leg.is_none()
             || self.is_cut
@@ -300,13 +288,7 @@ impl Progress {
         while let (Some(leg), false, false) = (self.leg, self.complete, self.from_start) {
             let position = leg.position(state.position_m, state.time_s);
             let is_on = position.along_m < leg.length_m - self.lead_m();
-            // The aircraft flies back to a last waypoint to fly over that it passes far off, for some times.
-            let is_off = position.cross_m.abs().max(position.above_m.abs()) > FLY_OVER_WITHIN_M
-                || position.along_m > leg.length_m + flyer.turn_radius_m();
-            let is_missed = Self::ends_over(mission, self.index)
-                && is_off
-                && self.corner.is_none()
-                && self.passes() < MOST_PASSES;
+            let is_missed = self.is_missed(mission, (&leg, &position), flyer, passed_s);
             if is_on || is_missed || self.is_cut || self.meter().is_met() {
                 break;
             }
@@ -317,51 +299,6 @@ impl Progress {
         }
         if self.is_adrift() {
             self.begin_here(mission, state, flyer);
-        }
-    }
-
-    /// Whether the aircraft flies over the end of a leg.
-    fn ends_over(mission: &Mission<'_>, index: usize) -> bool {
-        mission.passing.get(index + 1) == Some(&Passing::FlyOver)
-    }
-
-    /// Number of passes beside the end of the present leg after each of which the leg began again.
-    fn passes(&self) -> u32 {
-        let anew = self.anew.filter(|anew| anew.index == self.index);
-        anew.map_or(0, |anew| anew.passes)
-    }
-
-    /// Whether the wind is too strong to fly along the present leg.
-    pub fn is_adrift(&self) -> bool {
-        let leg = self.leg.filter(|_| !self.complete);
-        leg.is_some_and(|leg| !leg.can_be_flown(self.airspeed_mps))
-    }
-
-    /// Restarts the mission where the aircraft is: the present leg leads straight from there to its end, or to the first
-    /// waypoint after it that the wind does not keep the aircraft from.
-    fn begin_here(&mut self, mission: &Mission<'_>, state: &MotionState, flyer: &Flyer) {
-        let is_passed = self.leg.is_some_and(|leg| {
-            leg.position(state.position_m, state.time_s).along_m >= leg.length_m
-        });
-        let passes = self.passes() + u32::from(is_passed);
-        let from_m = state.position_m + self.wind_mps * state.time_s;
-        let last = mission.waypoints_m.len().saturating_sub(1);
-        let mut ahead = (self.index..last).take(MOST_LEGS).map(|index| Anew {
-            index,
-            from_m,
-            passes,
-        });
-        let found = ahead.find(|anew| {
-            let laid = Laid {
-                anew: Some(*anew),
-                ..self.laid(mission)
-            };
-            let leg = laid.leg(anew.index);
-            leg.is_some_and(|leg| leg.can_be_flown(self.airspeed_mps))
-        });
-        if let Some(anew) = found {
-            self.anew = found;
-            self.go_to(anew.index, false, mission, state, flyer);
         }
     }
 
@@ -518,7 +455,7 @@ impl Progress {
             )
         } else {
             let limits = JoinLimits {
-                intercept_rad: GUIDANCE_INTERCEPT_RAD,
+                intercept_rad: INTERCEPT_RAD,
                 climb_limits_rad: self.climb_limits_rad,
             };
             let found = (self.way_back(mission, state, flyer, &limits, MOST_LEGS))

@@ -1,9 +1,7 @@
 //! A way onto the mission: onto the leg, or onto one after it.
 
-use core::f64::consts::FRAC_PI_2;
-
 use super::aim::{Turns, with_turns};
-use super::corner::{Air, Legs as _, arrival, corner};
+use super::corner::{Air, LONG_RADII, Legs as _, arrival, corner};
 use super::join::{Join, JoinLimits, join, join_roughly};
 use super::leg::Leg;
 use super::turnaround::turnaround;
@@ -11,16 +9,9 @@ use super::{LEG, Progress, Way};
 use fga_proof::prediction::{Flyer, MotionState};
 use fga_proof::situation::Mission;
 
-/// A leg of at least this many turn radii that the aircraft has not begun is never skipped: a way onto the
-/// mission goes to its beginning.
-const LONG_RADII: f64 = 4.0;
-
 /// Most legs that a search for a way onto the mission examines one by one; after them one in each
 /// half turn radius.
 const ONE_BY_ONE: usize = 8;
-
-/// A way joins a leg at most this far before its beginning, turn radii.
-const BEFORE_RADII: f64 = 4.0;
 
 /// Most legs of a search for a way onto the mission.
 pub(super) const MOST_LEGS: usize = 96;
@@ -68,30 +59,6 @@ impl Progress {
         // If a cut search got to the same leg as the last one, the next begins again.
         self.looked_to = found.as_ref().err().copied().unwrap_or(0);
         found.ok().flatten()
-    }
-
-    /// A way straight to the next waypoint, as if the mission began where the aircraft is. Without a way nothing changes.
-    pub fn way_from_here(
-        &mut self,
-        mission: &Mission<'_>,
-        state: &MotionState,
-        flyer: &Flyer,
-        limits: &JoinLimits,
-    ) -> Option<(Join, usize)> {
-        // The steepest way joins soonest, before a near waypoint too. It need not end on the leg: guidance goes on from there.
-        let limits = JoinLimits {
-            intercept_rad: FRAC_PI_2,
-            ..*limits
-        };
-        let before = *self;
-        self.begin_here(mission, state, flyer);
-        let found = self.way_back(mission, state, flyer, &limits, MOST_LEGS);
-        let found = found.filter(|_| !self.is_adrift());
-        if found.is_none() {
-            let work = self.work;
-            *self = Self { work, ..before };
-        }
-        found
     }
 
     /// About where [`Self::way_back`] leads, without flying it; `None` also where it turns round. Returns the index of the
@@ -160,7 +127,7 @@ impl Progress {
                     None => f64::INFINITY,
                 };
                 let is_behind = along_m > room_m;
-                let is_far_before = count > 0 && along_m < -BEFORE_RADII * radius_m;
+                let is_far_before = count > 0 && along_m < -LONG_RADII * radius_m;
                 if is_far_before || (is_behind && count > 0 && leg.length_m > LONG_RADII * radius_m)
                 {
                     return round(&leg, index);
