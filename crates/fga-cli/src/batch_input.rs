@@ -89,11 +89,7 @@ impl Input {
     pub(crate) fn left_out(&self) -> Map<String, Value> {
         match &self.encounters {
             Encounters::Rows(_) => Map::new(),
-            Encounters::Tracks(tracks) => {
-                let mut left_out = tracks.tally().to_json();
-                left_out.insert("recordings".into(), tracks.damaged().len().into());
-                left_out
-            }
+            Encounters::Tracks(tracks) => left_out(tracks),
         }
     }
 
@@ -134,6 +130,13 @@ impl Input {
             Encounters::Tracks(tracks) => verdict(tracks, skip_damaged),
         }
     }
+}
+
+/// What recordings left out, by reason, with the number of those left out as a whole.
+pub(crate) fn left_out(tracks: &Tracks) -> Map<String, Value> {
+    let mut left_out = tracks.tally().to_json();
+    left_out.insert("recordings".into(), tracks.damaged().len().into());
+    left_out
 }
 
 /// Left-out recordings are an error unless `--skip-damaged` accepts them.

@@ -15,10 +15,10 @@ use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge, OracleSettings, best_margin_of_
 use fga_sim::policy::PolicyChoice;
 use fga_sim::vehicle_file::VehicleModel;
 use rayon::prelude::*;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 
 use crate::batch::positive_seconds;
-use crate::batch_input::{PARTS, verdict};
+use crate::batch_input::{PARTS, left_out, verdict};
 use crate::common::{
     AnswerArgs, OutArgs, ThreadArgs, VehicleArgs, interrupted, tell_left_out, watch_for_interrupt,
 };
@@ -83,7 +83,8 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
                     track: None,
                 })
             };
-            search_all(args, &model, COLUMNS, encounters.len(), search)?;
+            let found = (COLUMNS, encounters.len(), Map::new());
+            search_all(args, &model, found, search)?;
             Ok(ExitCode::SUCCESS)
         }
         Content::Tracks => {
@@ -113,18 +114,18 @@ pub(crate) fn run(args: &OracleArgs) -> Result<ExitCode, Failure> {
                 })
             };
             let columns = format!("{COLUMNS},{TRACK_COLUMNS}");
-            search_all(args, &settings.model, &columns, tracks.len(), search)?;
+            let found = (&*columns, tracks.len(), left_out(&tracks));
+            search_all(args, &settings.model, found, search)?;
             verdict(&tracks, args.skip_damaged)
         }
     }
 }
 
-/// Searches encounters by their places and writes their rows in that order.
+/// Searches `count` encounters by their places and writes their rows in that order; answers with what was left out of them.
 fn search_all(
     args: &OracleArgs,
     model: &VehicleModel,
-    columns: &str,
-    count: usize,
+    (columns, count, left_out): (&str, usize, Map<String, Value>),
     search: impl Fn(usize) -> Result<Answer, Failure> + Sync,
 ) -> Result<(), Failure> {
     let folder = args.out.prepare(&args.encounters)?;
@@ -177,6 +178,7 @@ fn search_all(
         },
         &json!({
             "encounters": count,
+            "left_out": left_out,
             "vehicle": model.name,
             "avoidable": avoidable,
             "avoidable_share": share,

@@ -75,6 +75,9 @@ fn t1_batch_reads_every_form_and_says_what_it_cannot_read() {
     let expected = "fga: left out: 16 of 320 lines or rows: 16 with an unreadable field\n";
     assert_eq!(said, expected);
     assert_eq!(answer["left_out"]["unreadable_field"], 16);
+    let searched = fga_in(at, &["oracle", "a.sbs", "--out", "searched", "--json"]);
+    let searched: Value = serde_json::from_slice(&searched.stdout).unwrap();
+    assert_eq!(searched["left_out"], answer["left_out"]);
     let run: Value = serde_json::from_slice(&fs::read(at.join("out/run.json")).unwrap()).unwrap();
     assert!(run.to_string().contains("\"unreadable_field\":16"), "{run}");
     // Nothing of it readable: an error with the reason, not an empty sky.
