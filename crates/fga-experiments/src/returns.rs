@@ -88,7 +88,7 @@ struct Flier {
     after_s: f64,
     /// How long it has avoided with nothing near, and at most, seconds.
     alone_s: (f64, f64),
-    /// Distances to the mission of the last seconds with nothing near, one a second, metres.
+    /// Distances to the mission with nothing near, one a second, metres.
     away_m: Vec<f64>,
     has_strayed: bool,
     /// Least distance to the last waypoint, metres.
@@ -554,11 +554,12 @@ impl Flier {
             0.0
         };
         self.alone_s.1 = self.alone_s.1.max(self.alone_s.0);
-        let before = self
-            .away_m
+        // Until then it may avoid with nothing near, and a strong wind carries it off as fast.
+        let later_m = self.away_m.get(STUCK_S as usize..).unwrap_or(&[]);
+        let before = later_m
             .len()
             .checked_sub(STRAYS_S as usize)
-            .and_then(|at| self.away_m.get(at));
+            .and_then(|at| later_m.get(at));
         if let (Some(before_m), Some(now_m)) = (before, self.away_m.last()) {
             // A turn, and the drift in it.
             let turn_m = vehicle.turn_radius_m * (2.0 + core::f64::consts::TAU);

@@ -34,7 +34,7 @@ pub use plan::planned_line;
 pub use way::{Place, Way};
 
 use self::corner::{Air, Corner, INTERCEPT_RAD, Legs, arrival, corner};
-use self::join::{Join, JoinLimits, has_entered, is_on_leg, join};
+use self::join::{ENTERED_RADII, Join, JoinLimits, has_entered, is_on_leg, join};
 use self::leg::Leg;
 use self::restart::Restart;
 use self::way_onto::MOST_LEGS;
@@ -324,7 +324,9 @@ impl Progress {
         };
         let meter = self.meter();
         let radius_m = self.air(flyer, &meter).radius_m();
-        if is_on_leg(&leg, state) || has_entered(&leg, state, radius_m) {
+        let [beside, alone] = ENTERED_RADII;
+        let within_m = radius_m * if self.turn.is_some() { beside } else { alone };
+        if is_on_leg(&leg, state) || has_entered(&leg, state, within_m) {
             self.turn = None;
             self.from_start = false;
         } else if let Some(turn) = self.turn {

@@ -211,7 +211,7 @@ impl Avoider {
             return None;
         };
         let late_s = joins_s.map_or(0.0, |joins_s| joined.joined_s - joins_s);
-        self.return_to(index, plan, late_s, (situation, now));
+        self.return_to(index, plan, (joined.joined_s, late_s), (situation, now));
         Some(back)
     }
 
@@ -305,13 +305,13 @@ impl Avoider {
         &mut self,
         leg: usize,
         plan: &Plan,
-        late_s: f64,
+        (joined_s, late_s): (f64, f64),
         (situation, now): (&Situation<'_>, &MotionState),
     ) {
         self.returned = Some(Returned {
             against: plan.against,
             leg,
-            time_s: situation.time_s,
+            time_s: situation.time_s + joined_s,
             late_s,
         });
         let mission = &situation.mission;
