@@ -8,8 +8,9 @@
 
 use crate::Vec3;
 use crate::angle::wrap_pi;
-use crate::certificate::{ALWAYS, Hazard, Hazards, MAX_HAZARDS};
+use crate::certificate::{ALWAYS, Hazard, Hazards};
 use crate::limit::Limit as _;
+use crate::prediction::whole;
 use crate::situation::{MovementBounds, Obstacle};
 
 /// Duration of a change of climb, seconds.
@@ -45,10 +46,6 @@ const HOVERS_MPS: f64 = 2.0;
 
 /// Turn rates below this many standard deviations are noise.
 const NOISE_SIGMAS: f64 = 3.0;
-
-/// Hazards of one aircraft: two turns of five chords, the expected one of three, straight flight, and
-/// the line after each.
-const MOST_A_MOTION: usize = 21;
 
 /// The motions that a check covers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -155,6 +152,35 @@ impl Trend {
     }
 }
 
+/// Straight on, on along the present turn, and a turn to either side.
+const MOST_MOTIONS: usize = 4;
+
+/// The turn rates of an aircraft's motions, radians per second, and how long it turns, seconds.
+fn turns(
+    freedom: Freedom,
+    (obstacle, trend): (&Obstacle, Trend),
+    bounds: &MovementBounds,
+) -> [Option<(f64, f64)>; MOST_MOTIONS] {
+    let (share, rate_radps) = match freedom {
+        Freedom::Expected => (0.0, 0.0),
+        Freedom::Share(share) => (share, bounds.turn_rate_radps),
+        Freedom::Brief => (1.0, bounds.brief_turn_rate_radps),
+    };
+    let expected_radps = trend.expected_radps(obstacle, bounds);
+    let expected = (expected_radps != 0.0).then_some((expected_radps, TURNS_ON_S));
+    let for_s = share * bounds.turn_rad / rate_radps;
+    let to = |rate_radps| (share > 0.0 && rate_radps != 0.0).then_some((rate_radps, for_s));
+    [Some((0.0, 0.0)), expected, to(rate_radps), to(-rate_radps)]
+}
+
+/// Number of chords of a turn at a rate, radians per second, for a time, seconds.
+fn chords((rate_radps, for_s): (f64, f64)) -> usize {
+    if rate_radps == 0.0 {
+        return 0;
+    }
+    whole((rate_radps * for_s).abs() / CHORD_RAD, 5)
+}
+
 /// The motions of all obstacles of a step.
 #[derive(Debug, Clone)]
 pub(super) struct Motions {
@@ -176,18 +202,14 @@ impl Motions {
         &self.hazards
     }
 
-    /// The number of aircraft with room for all their motions beside some other hazards.
-    pub(super) const fn room_for(others: usize) -> usize {
-        MAX_HAZARDS.saturating_sub(others) / MOST_A_MOTION
-    }
-
-    /// The room for each aircraft without a turn, beside some with one and as many others.
-    pub(super) const fn room_of_straight(turning: usize, others: usize) -> Room {
-        if turning * MOST_A_MOTION + 2 * others <= MAX_HAZARDS {
-            Room::Straight
-        } else {
-            Room::One
-        }
+    /// The number of hazards of all motions of an obstacle, at most: with each turn's chords a change of climb and the line after it.
+    pub(super) fn most(freedom: Freedom, (obstacle, trend): (&Obstacle, Trend)) -> usize {
+        let Some(bounds) = obstacle.movement.bounds() else {
+            return 1;
+        };
+        let motions = turns(freedom, (obstacle, trend), &bounds).into_iter();
+        let legs = motions.flatten().map(|turn| chords(turn) + 2);
+        legs.sum()
     }
 
     /// Adds the possible motions of an obstacle, as far as there is room. `hazard` is its straight
@@ -206,13 +228,13 @@ impl Motions {
         let Some(bounds) = obstacle.movement.bounds() else {
             return self.put(hazard);
         };
-        let (climbs, turns, turn_radps, speeds_m) = match freedom {
-            Freedom::Expected => (1.0, 0.0, 0.0, 0.0),
-            Freedom::Share(share) => (share, share, bounds.turn_rate_radps, 0.0),
-            Freedom::Brief => {
-                let speeds_m = 0.5 * bounds.acceleration_mps2 * SPEED_CHANGES_S * SPEED_CHANGES_S;
-                (1.0, 1.0, bounds.brief_turn_rate_radps, speeds_m)
-            }
+        let (climbs, speeds_m) = match freedom {
+            Freedom::Expected => (1.0, 0.0),
+            Freedom::Share(share) => (share, 0.0),
+            Freedom::Brief => (
+                1.0,
+                0.5 * bounds.acceleration_mps2 * SPEED_CHANGES_S * SPEED_CHANGES_S,
+            ),
         };
         hazard.volume = hazard.volume.grown(clearance.growth_m(climbs) + speeds_m);
         let base = Base {
@@ -229,19 +251,14 @@ impl Motions {
                 ..base.hazard
             });
         }
-        self.add_motion(&base, 0.0, 0.0);
-        if room == Room::Straight {
-            return;
-        }
-        let expected_radps = trend.expected_radps(obstacle, &bounds);
-        if expected_radps != 0.0 {
-            self.add_motion(&base, expected_radps, TURNS_ON_S);
-        }
-        if turns > 0.0 && turn_radps > 0.0 {
-            let for_s = turns * bounds.turn_rad / turn_radps;
-            for rate_radps in [turn_radps, -turn_radps] {
-                self.add_motion(&base, rate_radps, for_s);
-            }
+        let most = if room == Room::Straight {
+            1
+        } else {
+            MOST_MOTIONS
+        };
+        let motions = turns(freedom, (obstacle, trend), &bounds).into_iter();
+        for (rate_radps, for_s) in motions.flatten().take(most) {
+            self.add_motion(&base, rate_radps, for_s);
         }
     }
 
@@ -252,14 +269,11 @@ impl Motions {
             position_m: base.hazard.position_m,
             velocity_mps: base.hazard.velocity_mps,
         };
-        if rate_radps != 0.0 {
-            let chords = crate::prediction::whole((rate_radps * for_s).abs() / CHORD_RAD, 5);
-            let step_s = for_s / chords as f64;
-            for _ in 0..chords {
-                let next = at.turned(rate_radps, step_s);
-                self.add_leg(base, &at, &next, rate_radps);
-                at = next;
-            }
+        let chords = chords((rate_radps, for_s));
+        for _ in 0..chords {
+            let next = at.turned(rate_radps, for_s / chords as f64);
+            self.add_leg(base, &at, &next, rate_radps);
+            at = next;
         }
         if at.at_s < CLIMB_CHANGES_S && base.stretch_mps > 0.0 {
             let next = at.turned(0.0, CLIMB_CHANGES_S - at.at_s);
@@ -483,6 +497,28 @@ mod tests {
                         );
                     }
                 }
+            }
+        }
+    }
+
+    /// The room that is kept for an aircraft is enough for it, and hardly more.
+    #[test]
+    fn d4_an_aircraft_takes_the_room_that_is_kept_for_it() {
+        let obstacle = intruder();
+        let mut turning = Trend::STRAIGHT;
+        turning.rate_radps = 0.05;
+        for trend in [Trend::STRAIGHT, turning] {
+            let shares = [0.0, 0.25, 0.5, 0.75, 1.0].map(Freedom::Share);
+            for freedom in shares
+                .into_iter()
+                .chain([Freedom::Expected, Freedom::Brief])
+            {
+                let most = Motions::most(freedom, (&obstacle, trend));
+                let taken = motions(freedom, trend).hazards().rows().len();
+                assert!(
+                    (taken..=taken + 4).contains(&most),
+                    "{freedom:?}: {taken} of {most}"
+                );
             }
         }
     }

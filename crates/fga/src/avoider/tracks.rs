@@ -69,6 +69,8 @@ pub struct Tracks {
     moving: bool,
     /// Number of aircraft among them.
     aircraft: usize,
+    /// Where our aircraft was when their motions were asked for, metres.
+    own_m: Vec3,
     /// Number of limits of altitude among them.
     limits: usize,
     /// Work for taking in the obstacles of this step.
@@ -112,6 +114,7 @@ impl Tracks {
             motions: Motions::new(),
             moving: false,
             aircraft: 0,
+            own_m: Vec3::ZERO,
             limits: 0,
             work: 0,
             farthest: None,
@@ -159,10 +162,44 @@ impl Tracks {
         self.aircraft > 0
     }
 
-    /// The number of aircraft without room for their turns: they count as flying straight on.
-    pub(super) fn straight_aircraft(&self) -> u32 {
-        let room = Motions::room_for(self.hazards.rows().len());
-        u32::try_from(self.aircraft.saturating_sub(room)).unwrap_or(u32::MAX)
+    /// The number of aircraft without room for their turns of a share of the bounds: they count as flying straight on.
+    pub(super) fn straight_aircraft(&self, share: f64, meter: &Meter) -> u32 {
+        let turning = self.turning(&|_| Freedom::Share(share), self.own_m, meter);
+        let turning = turning.map_or(0, |(turning, ..)| turning);
+        u32::try_from(self.aircraft - turning).unwrap_or(u32::MAX)
+    }
+
+    /// The aircraft with room for all their motions, the nearest ones: their number, the distance and place of the last, and the
+    /// hazards left beside one for each other obstacle. `None` if the meter refuses work.
+    fn turning(
+        &self,
+        freedom: &impl Fn(&Hazard) -> Freedom,
+        own_m: Vec3,
+        meter: &Meter,
+    ) -> Option<(usize, (f64, usize), usize)> {
+        let rows = self.hazards.rows();
+        let mut left = MAX_HAZARDS - rows.len();
+        let mut last = (f64::NEG_INFINITY, 0);
+        for turning in 0..self.aircraft {
+            if !meter.take(rows.len() / 2) {
+                return None;
+            }
+            let mut next = (f64::INFINITY, usize::MAX);
+            let mut more = 0;
+            let known = self.obstacles.iter().zip(&self.trend);
+            for (place, (hazard, (known, trend))) in rows.iter().zip(known).enumerate() {
+                let here = (hazard.margin_m(own_m, 0.0), place);
+                if known.movement.bounds().is_some() && here > last && here < next {
+                    next = here;
+                    more = Motions::most(freedom(hazard), (known, *trend)) - 1;
+                }
+            }
+            if more > left {
+                return Some((turning, last, left));
+            }
+            (last, left) = (next, left - more);
+        }
+        Some((self.aircraft, last, left))
     }
 
     /// Whether every aircraft of some moves away from ours.
@@ -183,32 +220,24 @@ impl Tracks {
     ) {
         self.motions.clear();
         self.moving = true;
+        self.own_m = own_m;
         let rows = self.hazards.rows();
-        let room = Motions::room_for(rows.len()).min(self.aircraft);
-        if !meter.take(rows.len() + rows.len() * room / 2) {
+        let turning = meter.take(rows.len()).then_some(());
+        let turning = turning.and_then(|()| self.turning(&freedom, own_m, meter));
+        let Some((turning, last, left)) = turning else {
             return;
-        }
-        // Without room for all, the nearest ones may turn: they come first.
-        let mut last = (f64::NEG_INFINITY, 0);
-        for _ in 0..room {
-            let mut next = (f64::INFINITY, usize::MAX);
-            let distances = rows.iter().zip(&self.obstacles).enumerate();
-            for (place, (hazard, known)) in distances {
-                let here = (hazard.margin_m(own_m, 0.0), place);
-                if known.movement.bounds().is_some() && here > last && here < next {
-                    next = here;
-                }
-            }
-            last = next;
-        }
-        let others = rows.len() - room;
-        let straight = Motions::room_of_straight(room, others);
+        };
+        let straight = if left >= rows.len() - turning {
+            Room::Straight
+        } else {
+            Room::One
+        };
         for (place, (hazard, (known, trend))) in rows
             .iter()
             .zip(self.obstacles.iter().zip(&self.trend))
             .enumerate()
         {
-            let may_turn = room > 0 && (hazard.margin_m(own_m, 0.0), place) <= last;
+            let may_turn = turning > 0 && (hazard.margin_m(own_m, 0.0), place) <= last;
             let room = if may_turn { Room::Turns } else { straight };
             let freedom = (freedom(hazard), clearance);
             let before = self.motions.hazards().rows().len();

@@ -536,7 +536,7 @@ impl Avoider {
             closest_s: threat.closest_s - elapsed_s,
             ..threat
         });
-        record.straight_aircraft = self.tracks.straight_aircraft();
+        record.straight_aircraft = self.tracks.straight_aircraft(plan.resilience, &self.meter);
         let is_shown = self.state == State::Avoiding && plan.proof.is_certified();
         let is_all = self.tracks.has_aircraft() && record.straight_aircraft == 0;
         record.resilience = (is_shown && is_all).then_some(plan.resilience);
