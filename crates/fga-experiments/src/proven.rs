@@ -264,7 +264,7 @@ mod tests {
         for (aircraft, planar, count) in counted(60, 1) {
             assert_eq!(count.entered, 0, "{aircraft} {planar} {count:?}");
             assert!(
-                count.claimed > 5 || aircraft > 3,
+                count.claimed > 5,
                 "{aircraft} {planar} {count:?}"
             );
         }

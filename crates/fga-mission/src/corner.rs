@@ -21,23 +21,24 @@ use fga_proof::meter::{COMPARED, Meter};
 use fga_proof::prediction::{Flyer, MotionState, flown};
 use fga_proof::situation::{FLY_OVER_WITHIN_M, Passing};
 
-/// A turn beyond this never uses a fly-by, radians.
+/// A turn beyond this never uses a fly-by, radians (137°): its arc would begin tan(1.2) = 2.6 turn radii before the waypoint.
 const MOST_FLY_BY_RAD: f64 = 2.4;
 
-/// A tangent arc may begin this share of the longer leg before the waypoint: it cuts off a part of
-/// that leg at either end.
+/// A tangent arc may begin this share of the longer leg before the waypoint: cut at both ends, 91 % of a survey line are flown
+/// (`fga-experiments missions` counts the share of each leg).
 const CUT_SHARE: f64 = 0.045;
 
-/// A sharper fly-by begins this many turn radii before its waypoint and overshoots the next leg.
+/// A sharper fly-by begins this many turn radii before its waypoint and overshoots the next leg (`fga-experiments missions`).
 const LATE_RADII: f64 = 0.85;
 
-/// Overshoot comes back onto the next leg at this angle, radians.
+/// Guidance, and an overshoot, come back onto a leg at this angle, radians (45°): as fast across it as along it.
 pub(super) const INTERCEPT_RAD: f64 = 0.785;
 
-/// A leg of at least this many turn radii is never part of a chain of short ones.
+/// A leg of at least this many turn radii is no part of a chain of short ones, and never skipped before it was begun; a way joins a
+/// leg at most as far before its beginning. Two turn diameters (`fga-experiments missions`).
 pub(super) const LONG_RADII: f64 = 4.0;
 
-/// A leg shorter than this many turn radii between two corners may merge into one turn.
+/// A leg shorter than this many turn radii between two corners may merge into one turn: half a circle spans two radii.
 const SHORT_RADII: f64 = 2.0;
 
 /// Most legs that one corner skips.
@@ -45,20 +46,20 @@ const MOST_IN_CHAIN: usize = 24;
 
 /// The inputs of a corner besides the legs.
 #[derive(Debug, Clone, Copy)]
-pub struct Air<'a> {
+pub(crate) struct Air<'a> {
     /// The vehicle's motion.
-    pub flyer: &'a Flyer,
+    pub(crate) flyer: &'a Flyer,
     /// Velocity of the air over the ground, metres per second.
-    pub wind_mps: Vec3,
+    pub(crate) wind_mps: Vec3,
     /// Steepest descent and climb, radians.
-    pub climb_limits_rad: (f64, f64),
+    pub(crate) climb_limits_rad: (f64, f64),
     /// Counts the work.
     pub(crate) meter: &'a Meter,
 }
 
 impl Air<'_> {
     /// Radius of the tightest real turn, metres.
-    pub fn radius_m(&self) -> f64 {
+    pub(crate) fn radius_m(&self) -> f64 {
         self.flyer.turn_radius_m()
     }
 
@@ -88,23 +89,23 @@ fn still(course_rad: f64) -> MotionState {
 
 /// A corner between two legs of the mission.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Corner {
+pub(crate) struct Corner {
     /// Distance of its start before the leg's end, metres.
-    pub lead_m: f64,
+    pub(crate) lead_m: f64,
     /// Index of the waypoint at the start of the next flown leg.
-    pub next: usize,
+    pub(crate) next: usize,
     /// Whether the aircraft enters the next leg at its beginning, after a turn round.
-    pub is_turnaround: bool,
+    pub(crate) is_turnaround: bool,
     /// The manoeuvre, in time from its start, course from the leg's course through the air.
-    pub maneuver: Maneuver,
+    pub(crate) maneuver: Maneuver,
     /// Its duration, seconds.
-    pub duration_s: f64,
+    pub(crate) duration_s: f64,
     /// Distance of its end along the next leg, metres.
-    pub along_m: f64,
+    pub(crate) along_m: f64,
 }
 
 /// The legs of a mission, laid for an aircraft in a wind.
-pub trait Legs {
+pub(crate) trait Legs {
     /// The leg that begins at a waypoint.
     fn leg(&self, index: usize) -> Option<Leg>;
     /// How the waypoint with an index is passed.
@@ -162,7 +163,7 @@ fn tangent_m(leg: &Leg, next: &Leg, air: &Air<'_>) -> f64 {
 }
 
 /// The corner at the end of a leg; `None` after the last one.
-pub fn corner(legs: &impl Legs, index: usize, leg: &Leg, air: &Air<'_>) -> Option<Corner> {
+pub(crate) fn corner(legs: &impl Legs, index: usize, leg: &Leg, air: &Air<'_>) -> Option<Corner> {
     let next = legs.leg(index + 1)?;
     let turn = wrap_pi(next.course_rad - leg.course_rad).abs();
     let lead = lead_m(legs, index, leg, &next, air);
@@ -288,7 +289,7 @@ fn passes_all(
     joined: &Join,
     air: &Air<'_>,
 ) -> bool {
-    /// Corners up to this make a curve, radians.
+    /// Corners up to this make a curve, radians (46°: circles drawn with eight corners or more).
     const GENTLE_RAD: f64 = 0.8;
     /// Number of checked positions on the way.
     const PLACES: usize = 24;
@@ -347,7 +348,7 @@ fn turn_round(legs: &impl Legs, leg: &Leg, target: usize, air: &Air<'_>) -> Opti
 }
 
 /// The arrival of a turn round onto a leg: at its beginning, or before it with bank lag.
-pub fn arrival(leg: &Leg, air: &Air<'_>) -> Arrival {
+pub(crate) fn arrival(leg: &Leg, air: &Air<'_>) -> Arrival {
     let (low, high) = air.climb_limits_rad;
     Arrival {
         position_m: leg.level_point_m(-air.settling_m()),

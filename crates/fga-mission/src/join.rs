@@ -11,14 +11,14 @@ use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{Flyer, MotionState, while_flown};
 
-/// Largest cross-track and height error on the leg, metres.
+/// Largest cross-track and height error on the leg, metres: far below the metres to which positions are known.
 pub(super) const ON_LEG_M: f64 = 0.05;
 
 /// Largest course error on the leg, radians.
 const ON_COURSE_RAD: f64 = 1e-3;
 
 /// An aircraft that flies along a leg, past its beginning, within this distance and angle, has entered it, whoever flew it
-/// there: turn radii and radians. Beside a turn round to the beginning, and without one: an obstacle may stand at the beginning,
+/// there: turn radii and radians (11°, a turn of 0.2 radii onto the leg). Beside a turn round to the beginning, and without one: an obstacle may stand at the beginning,
 /// and from 1.5 radii aside two turns lead onto the leg in 2.6 radii of flight, where a circle takes 6.3.
 pub(super) const ENTERED_RADII: [f64; 2] = [0.3, 1.5];
 const ENTERED_RAD: f64 = 0.2;
@@ -27,14 +27,14 @@ const ENTERED_RAD: f64 = 0.2;
 const EXACT_M: f64 = 1e-6;
 const LAGGED_M: f64 = 1e-3;
 
-/// A way that ends farther aside is none, metres.
+/// A way that ends farther aside is none, metres: in wind, half circles ended up to 60 m aside where the corrections failed.
 const JOINED_WITHIN_M: f64 = 1.0;
 
 /// Corrections of the two moments with the predicted flight.
 const CORRECTIONS: u32 = 3;
 
 /// A second turn that begins by less than this sooner or later ends where straight flight moves it, to [`LAGGED_M`]: that
-/// needs no other flight. Time constants of the bank.
+/// needs no other flight. Time constants of the bank; `a_join_ends_where_it_is_told_to` flies it.
 const SURELY: f64 = 0.01;
 
 /// A way onto a leg.
@@ -77,7 +77,7 @@ pub(super) fn has_entered(leg: &Leg, state: &MotionState, within_m: f64) -> bool
 }
 
 /// Whether the aircraft flies along the leg, on it.
-pub fn is_on_leg(leg: &Leg, state: &MotionState) -> bool {
+pub(crate) fn is_on_leg(leg: &Leg, state: &MotionState) -> bool {
     let position = leg.position(state.position_m, state.time_s);
     position.along_m <= leg.length_m
         && position.cross_m.abs() < ON_LEG_M

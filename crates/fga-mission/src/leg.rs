@@ -50,7 +50,7 @@ impl Leg {
     /// The leg between two waypoints for an aircraft of `airspeed_mps` in a wind.
     ///
     /// Waypoints that lie above each other give a leg along `fallback_course_rad`.
-    pub fn new(
+    pub(crate) fn new(
         from_m: Vec3,
         to_m: Vec3,
         airspeed_mps: f64,
@@ -74,7 +74,12 @@ impl Leg {
     }
 
     /// A level leg without end.
-    pub fn endless(from_m: Vec3, course_rad: f64, airspeed_mps: f64, wind_mps: Vec3) -> Self {
+    pub(crate) fn endless(
+        from_m: Vec3,
+        course_rad: f64,
+        airspeed_mps: f64,
+        wind_mps: Vec3,
+    ) -> Self {
         let (sin, cos) = libm::sincos(course_rad);
         let along = Vec3::new(cos, sin, 0.0);
         Self::along(from_m, along, f64::INFINITY, 0.0, airspeed_mps, wind_mps)
@@ -136,12 +141,12 @@ impl Leg {
     }
 
     /// The point of the leg at a distance along it, metres.
-    pub fn point_m(&self, along_m: f64) -> Vec3 {
+    pub(crate) fn point_m(&self, along_m: f64) -> Vec3 {
         self.from_m + self.along * along_m + Vec3::new(0.0, 0.0, self.slope * along_m)
     }
 
     /// The point of the leg at a distance along it, at the height of its beginning, metres.
-    pub fn level_point_m(&self, along_m: f64) -> Vec3 {
+    pub(crate) fn level_point_m(&self, along_m: f64) -> Vec3 {
         self.from_m + self.along * along_m
     }
 
@@ -151,7 +156,7 @@ impl Leg {
     }
 
     /// Cross-track speed at a course through the air, metres per second, left positive.
-    pub fn cross_speed_mps(&self, airspeed_mps: f64, course_rad: f64) -> f64 {
+    pub(crate) fn cross_speed_mps(&self, airspeed_mps: f64, course_rad: f64) -> f64 {
         airspeed_mps * libm::sin(course_rad - self.course_rad) + self.along.x * self.wind_mps.y
             - self.along.y * self.wind_mps.x
     }

@@ -4,11 +4,11 @@
 //! |---|---|
 //! | which leg, and which command along it? | [`Progress`] |
 //! | where is the aircraft on a leg? | [`leg`] |
-//! | how does it get from one leg onto the next? | [`mod@corner`] |
+//! | how does it get from one leg onto the next? | `corner` |
 //! | which way onto the leg? | [`mod@join`] |
 //! | which leg does a way onto the mission join? | `way_onto` |
 //! | what where no leg can be joined, or a waypoint was missed? | `restart` |
-//! | which way onto the beginning of the leg? | [`mod@turnaround`] |
+//! | which way onto the beginning of the leg? | `turnaround` |
 //! | which line does the aircraft fly without obstacles? | [`planned_line`] |
 #![no_std]
 #![forbid(unsafe_code)]
@@ -19,13 +19,13 @@
 extern crate std;
 
 mod aim;
-pub mod corner;
+mod corner;
 mod departure;
 pub mod join;
 pub mod leg;
 mod plan;
 mod restart;
-pub mod turnaround;
+mod turnaround;
 mod way;
 mod way_onto;
 
@@ -52,7 +52,7 @@ const ROOM_TO_AVOID: usize = 2;
 /// Work of laying a leg and looking whether it is over.
 const LEG: usize = 4;
 
-/// A turn round is planned again when the aircraft is off it by this, turn radii.
+/// A turn round is planned again when the aircraft is off it by this, turn radii: less than [`ENTERED_RADII`], within which it arrives.
 const OFF_TURN_RADII: f64 = 0.2;
 
 /// A moment from which a manoeuvre flies along a leg.

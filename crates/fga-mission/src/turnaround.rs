@@ -24,22 +24,22 @@ const NO_TURN_RAD: f64 = 1e-9;
 
 /// A target pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Arrival {
+pub(crate) struct Arrival {
     /// Position over the ground, metres.
-    pub position_m: Vec3,
+    pub(crate) position_m: Vec3,
     /// Course through the air on arrival, radians.
-    pub course_rad: f64,
+    pub(crate) course_rad: f64,
     /// Climb angle on arrival, radians.
-    pub climb_rad: f64,
+    pub(crate) climb_rad: f64,
 }
 
 /// A turn round.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Turnaround {
+pub(crate) struct Turnaround {
     /// The manoeuvre, in time from its first state.
-    pub maneuver: Maneuver,
+    pub(crate) maneuver: Maneuver,
     /// Its arrival, seconds from the decision.
-    pub arrives_s: f64,
+    pub(crate) arrives_s: f64,
 }
 
 /// Turn angles, left positive, and the straight flight between the first two, in turn radii.

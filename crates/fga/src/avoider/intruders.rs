@@ -76,17 +76,6 @@ impl Clearance {
     }
 }
 
-/// The number of hazards available for one aircraft.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Room {
-    /// All its motions.
-    Turns,
-    /// Straight flight with a change of climb for a time.
-    Straight,
-    /// One: straight flight, stretched by the whole change of climb from the start on.
-    One,
-}
-
 /// The turn rate and the changes of climb of an aircraft, learned from its reports.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Trend {
@@ -153,14 +142,14 @@ impl Trend {
 }
 
 /// Straight on, on along the present turn, and a turn to either side.
-const MOST_MOTIONS: usize = 4;
+pub(super) const MOTIONS: usize = 4;
 
 /// The turn rates of an aircraft's motions, radians per second, and how long it turns, seconds.
 fn turns(
     freedom: Freedom,
     (obstacle, trend): (&Obstacle, Trend),
     bounds: &MovementBounds,
-) -> [Option<(f64, f64)>; MOST_MOTIONS] {
+) -> [Option<(f64, f64)>; MOTIONS] {
     let (share, rate_radps) = match freedom {
         Freedom::Expected => (0.0, 0.0),
         Freedom::Share(share) => (share, bounds.turn_rate_radps),
@@ -212,14 +201,14 @@ impl Motions {
         legs.sum()
     }
 
-    /// Adds the possible motions of an obstacle, as far as there is room. `hazard` is its straight
-    /// motion.
+    /// Adds the first motions of an obstacle, or with 0 one hazard: straight flight, stretched by the whole change of climb from the
+    /// start on. `hazard` is its straight motion.
     pub(super) fn add_aircraft(
         &mut self,
         hazard: &Hazard,
         (obstacle, trend): (&Obstacle, Trend),
         (freedom, clearance): (Freedom, Clearance),
-        room: Room,
+        motions: usize,
     ) {
         let mut hazard = *hazard;
         if clearance.by_depth && hazard.is_cylinder() {
@@ -244,20 +233,15 @@ impl Motions {
                     .climb_change_mps(obstacle)
                     .max(bounds.climb_change_mps),
         };
-        if room == Room::One {
+        if motions == 0 {
             let stretch_m = (base.stretch_mps * CLIMB_CHANGES_S, 0.0);
             return self.put(Hazard {
                 stretch_m,
                 ..base.hazard
             });
         }
-        let most = if room == Room::Straight {
-            1
-        } else {
-            MOST_MOTIONS
-        };
-        let motions = turns(freedom, (obstacle, trend), &bounds).into_iter();
-        for (rate_radps, for_s) in motions.flatten().take(most) {
+        let all = turns(freedom, (obstacle, trend), &bounds).into_iter();
+        for (rate_radps, for_s) in all.flatten().take(motions) {
             self.add_motion(&base, rate_radps, for_s);
         }
     }
@@ -390,7 +374,7 @@ mod tests {
         let obstacle = intruder();
         let mut motions = Motions::new();
         let hazard = Hazard::new(0, &obstacle, Vec3::ZERO, 3.0);
-        motions.add_aircraft(&hazard, (&obstacle, trend), (freedom, EXACT), Room::Turns);
+        motions.add_aircraft(&hazard, (&obstacle, trend), (freedom, EXACT), MOTIONS);
         motions
     }
 

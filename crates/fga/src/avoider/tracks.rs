@@ -5,7 +5,7 @@ mod memory;
 use self::memory::{Known, Memory};
 use crate::Vec3;
 use crate::avoider::Kept;
-use crate::avoider::intruders::{Clearance, Freedom, Motions, Room, Trend};
+use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Motions, Trend};
 use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
 use crate::meter::{COMPARED, MOTION, Meter};
 use crate::situation::{Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
@@ -222,27 +222,24 @@ impl Tracks {
         self.moving = true;
         self.own_m = own_m;
         let rows = self.hazards.rows();
-        let turning = meter.take(rows.len()).then_some(());
-        let turning = turning.and_then(|()| self.turning(&freedom, own_m, meter));
-        let Some((turning, last, left)) = turning else {
+        if !meter.take(rows.len()) {
+            return;
+        }
+        let Some((turning, last, left)) = self.turning(&freedom, own_m, meter) else {
             return;
         };
-        let straight = if left >= rows.len() - turning {
-            Room::Straight
-        } else {
-            Room::One
-        };
+        let straight = usize::from(left >= rows.len() - turning);
         for (place, (hazard, (known, trend))) in rows
             .iter()
             .zip(self.obstacles.iter().zip(&self.trend))
             .enumerate()
         {
             let may_turn = turning > 0 && (hazard.margin_m(own_m, 0.0), place) <= last;
-            let room = if may_turn { Room::Turns } else { straight };
+            let motions = if may_turn { MOTIONS } else { straight };
             let freedom = (freedom(hazard), clearance);
             let before = self.motions.hazards().rows().len();
             self.motions
-                .add_aircraft(hazard, (known, *trend), freedom, room);
+                .add_aircraft(hazard, (known, *trend), freedom, motions);
             let added = self.motions.hazards().rows().len() - before;
             if !meter.take(MOTION * added) {
                 return;
