@@ -10,6 +10,23 @@ use fga_sim::policy::{Pilot, PolicyChoice};
 use fga_sim::vehicle_file::VehicleModel;
 use fga_sim::world::World;
 
+/// Time between two decisions, seconds.
+pub(crate) const PERIOD_S: f64 = 0.1;
+
+/// Horizon of the decisions, seconds.
+pub(crate) const HORIZON_S: f64 = 60.0;
+
+/// Flights drawn by an experiment itself.
+#[derive(Args, Debug)]
+pub(crate) struct DrawnArgs {
+    /// Number of flights, of each kind where there are several.
+    #[arg(value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) count: u64,
+    /// Master seed.
+    #[arg(default_value_t = 1)]
+    pub(crate) seed: u64,
+}
+
 /// The encounters to draw.
 #[derive(Args, Debug)]
 pub(crate) struct DrawArgs {

@@ -68,7 +68,7 @@ enum Experiment {
     /// Count the encounters that the policy saves among intruders that turn, with imperfect sight and gusts.
     Intruders(intruders::IntrudersArgs),
     /// Count the claims of a resilience that do not hold when the aircraft do exactly what it covers.
-    Proven(proven::ProvenArgs),
+    Proven(common::DrawnArgs),
     /// Count the drawn flights in which an aircraft does not return to its mission once nothing is near.
     Returns(returns::ReturnsArgs),
     /// Measure the share of each leg that is flown, and the way back to short and curved legs.

@@ -10,7 +10,6 @@
     reason = "drawn numbers are small and not negative"
 )]
 
-use clap::Args;
 use fga::Vec3;
 use fga::avoider::{Avoider, Settings, State};
 use fga::situation::{Mission, Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
@@ -18,16 +17,11 @@ use fga::vehicle::{Response, Vehicle};
 use fga_sim::plant::{Autopilot, Plant};
 use rayon::prelude::*;
 
+use crate::common::{DrawnArgs, HORIZON_S, PERIOD_S};
 use crate::intruders::traffic::Random;
-
-/// Time between two decisions, seconds.
-const PERIOD_S: f64 = 0.1;
 
 /// Time between two instants of the judge, seconds.
 const INSTANT_S: f64 = 0.05;
-
-/// Horizon of what is proven, seconds.
-const HORIZON_S: f64 = 60.0;
 
 /// Longest time before the drawn moment, seconds.
 const LONGEST_S: f64 = 90.0;
@@ -39,17 +33,6 @@ const RADIUS_M: f64 = 30.0;
 
 /// Numbers of aircraft.
 const COUNTS: [usize; 3] = [1, 3, 8];
-
-/// Options of `proven`.
-#[derive(Args, Debug)]
-pub(crate) struct ProvenArgs {
-    /// Number of encounters for each number of aircraft, in the plane and in space.
-    #[arg(value_parser = clap::value_parser!(u64).range(1..))]
-    count: u64,
-    /// Master seed.
-    #[arg(default_value_t = 1)]
-    seed: u64,
-}
 
 /// What came of encounters.
 #[derive(Debug, Default, Clone, Copy)]
@@ -243,7 +226,7 @@ fn counted(count: u64, seed: u64) -> Vec<(usize, bool, Count)> {
 }
 
 /// Runs the experiment.
-pub(crate) fn run(args: &ProvenArgs) {
+pub(crate) fn run(args: &DrawnArgs) {
     for (aircraft, planar, count) in counted(args.count, args.seed) {
         println!(
             "{aircraft} aircraft {}: {} of {} claims entered; {} encounters with aircraft that count as straight",
@@ -263,10 +246,7 @@ mod tests {
     fn d4_what_a_record_claims_is_true() {
         for (aircraft, planar, count) in counted(60, 1) {
             assert_eq!(count.entered, 0, "{aircraft} {planar} {count:?}");
-            assert!(
-                count.claimed > 5,
-                "{aircraft} {planar} {count:?}"
-            );
+            assert!(count.claimed > 5, "{aircraft} {planar} {count:?}");
         }
     }
 }
