@@ -1,0 +1,266 @@
+//! How the encounters went: what the system does without need, when it warns and acts, how the ratios converge, where the losses
+//! lie, and the worst encounters.
+
+use core::fmt::Write as _;
+
+use super::{
+    LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, SafetyCase, Threshold, count, number,
+    quantile, ratio,
+};
+use crate::plot::{Axis, Cdf, Claim, Line, LineChart, LinePoint, SampleSeries};
+use crate::report::{Block, Cell, Column, Section, Table};
+
+impl SafetyCase {
+    pub(super) fn effects(&self) -> Section {
+        let columns = vec![
+            Column::text("policy"),
+            Column::number("acted"),
+            Column::number("needless of clear"),
+            Column::number("restless"),
+            Column::number("not back"),
+            Column::number("departure median (m)"),
+            Column::number("90 % (m)"),
+            Column::number("off mission median (s)"),
+        ];
+        let rows = self
+            .policies
+            .iter()
+            .map(|policy| {
+                vec![
+                    Cell::Text(policy.policy.clone()),
+                    count(policy.acted),
+                    Cell::Text(format!("{} of {}", policy.needless, policy.clear)),
+                    count(policy.restless),
+                    count(policy.not_back),
+                    number(quantile(&policy.departures_m, 0.5), 0),
+                    number(quantile(&policy.departures_m, 0.9), 0),
+                    number(quantile(&policy.away_s, 0.5), 0),
+                ]
+            })
+            .collect();
+        Section {
+            title: "What it costs".into(),
+            blocks: vec![Block::Table(Table {
+                caption: "Needless: acted though the encounter stays well clear (ASTM F3442) without it. \
+                    Restless: the track turned from away to back, or the reverse, more than three times. \
+                    Not back: acted and was not back on its mission when the flight ended. \
+                    Departures and times are those of encounters in which it acted."
+                    .into(),
+                columns,
+                rows,
+            })],
+        }
+    }
+
+    pub(super) fn times(&self) -> Section {
+        let spread = |name: &str, values: &[f64]| {
+            vec![
+                Cell::Text(name.into()),
+                count(values.len() as u64),
+                number(quantile(values, 0.1), 1),
+                number(quantile(values, 0.5), 1),
+                number(quantile(values, 0.9), 1),
+            ]
+        };
+        let mut rows = vec![
+            spread(
+                "corrective alert, DO-365B en route",
+                &self.corrective_leads_s,
+            ),
+            spread("warning alert, DO-365B en route", &self.warning_leads_s),
+        ];
+        for policy in &self.policies {
+            let name = format!("first maneuver, {}", policy.policy);
+            if !policy.action_leads_s.is_empty() {
+                rows.push(spread(&name, &policy.action_leads_s));
+            }
+        }
+        Section {
+            title: "When it warns and acts".into(),
+            blocks: vec![Block::Table(Table {
+                caption: "Seconds before the closest approach without avoidance: what 10, 50 and 90 % of the encounters have less of. \
+                    Encounters that lose well clear (ASTM F3442) without avoidance."
+                    .into(),
+                columns: vec![
+                    Column::text("what"),
+                    Column::number("encounters"),
+                    Column::number("10 %"),
+                    Column::number("median"),
+                    Column::number("90 %"),
+                ],
+                rows,
+            })],
+        }
+    }
+
+    pub(super) fn curves(&self) -> Section {
+        let converging = |title: &str, thresholds: &[Threshold], of: fn(&PolicyCase) -> &Lost| {
+            let lines: Vec<Line> = self
+                .policies
+                .iter()
+                .filter(|policy| policy.policy != "none")
+                .map(|policy| Line {
+                    name: policy.policy.clone(),
+                    points: of(policy)
+                        .convergence
+                        .iter()
+                        .map(|(encounters, estimate)| LinePoint {
+                            x: *encounters as f64,
+                            y: *estimate,
+                        })
+                        .collect(),
+                })
+                .collect();
+            let first = lines.iter().filter_map(|line| line.points.first());
+            let from = first.map(|point| point.x).fold(f64::INFINITY, f64::min);
+            let chart = LineChart {
+                title: title.into(),
+                x: Axis::log("encounters"),
+                y: Axis::linear("risk ratio"),
+                claims: thresholds
+                    .iter()
+                    .filter(|_| from.is_finite())
+                    .map(|threshold| Claim {
+                        label: format!("{} {:.2}", threshold.intruders, threshold.ratio),
+                        from,
+                        to: self.encounters as f64,
+                        y: threshold.ratio,
+                    })
+                    .collect(),
+                lines,
+            };
+            chart.to_svg()
+        };
+        let series = |name: &str, values: &[f64]| SampleSeries {
+            name: name.into(),
+            values: values.to_vec(),
+        };
+        let mut separations = vec![series("without avoidance", &self.nominal_horizontal_m)];
+        let acting = self
+            .policies
+            .iter()
+            .filter(|policy| policy.policy != "none");
+        separations.extend(acting.map(|policy| series(&policy.policy, &policy.horizontal_m)));
+        let separations = Cdf {
+            title: "Least horizontal separation".into(),
+            x: Axis::linear("least horizontal separation (m)"),
+            series: separations,
+            limits: vec![(152.4, "500 ft".into()), (609.6, "2,000 ft".into())],
+        };
+        Section {
+            title: "Curves".into(),
+            blocks: vec![
+                Block::Figure {
+                    svg: converging("NMAC risk ratio", &NMAC_THRESHOLDS, |policy| &policy.nmac),
+                    caption: self.width_words("NMAC", |policy| &policy.nmac),
+                },
+                Block::Figure {
+                    svg: converging("LoWC risk ratio", &LOWC_THRESHOLDS, |policy| &policy.lowc),
+                    caption: self.width_words("LoWC", |policy| &policy.lowc),
+                },
+                Block::Figure {
+                    svg: separations.to_svg(),
+                    caption: "Cumulative share of encounters, each counted once. Altitude is not in this picture: \
+                        a small horizontal separation is no loss where the vertical one is kept."
+                        .into(),
+                },
+            ],
+        }
+    }
+
+    /// Whether the intervals are narrow enough, in words.
+    fn width_words(&self, loss: &str, of: fn(&PolicyCase) -> &Lost) -> String {
+        let mut text =
+            format!("Ratio of {loss} after growing numbers of encounters, with its 95 % interval.");
+        for policy in self
+            .policies
+            .iter()
+            .filter(|policy| policy.policy != "none")
+        {
+            if let Some(ratio) = of(policy).ratio {
+                let half = 0.5 * (ratio.high - ratio.low);
+                let enough = if half <= 0.05 {
+                    "narrow enough (0.05)"
+                } else {
+                    "more encounters are needed for 0.05"
+                };
+                let _ = write!(text, " {}: half width {half:.3}, {enough}.", policy.policy);
+            }
+        }
+        text
+    }
+
+    pub(super) fn by_class(&self) -> Section {
+        let rows = self
+            .classes
+            .iter()
+            .map(|class| {
+                vec![
+                    Cell::Text(class.policy.clone()),
+                    Cell::Text(class.class.clone()),
+                    count(class.encounters),
+                    Cell::Text(format!("{} of {}", class.nmac.flown, class.nmac.nominal)),
+                    ratio(&class.nmac),
+                    Cell::Text(format!("{} of {}", class.lowc.flown, class.lowc.nominal)),
+                    ratio(&class.lowc),
+                ]
+            })
+            .collect();
+        Section {
+            title: "By class of encounter".into(),
+            blocks: vec![Block::Table(Table {
+                caption: "Head-on: directions at least 150° apart; overtaking: at most 30°. Speeds are those of the intruder over the ground \
+                    at the closest approach without avoidance."
+                    .into(),
+                columns: vec![
+                    Column::text("policy"),
+                    Column::text("class"),
+                    Column::number("encounters"),
+                    Column::number("NMAC with, of without"),
+                    Column::number("ratio"),
+                    Column::number("LoWC with, of without"),
+                    Column::number("ratio"),
+                ],
+                rows,
+            })],
+        }
+    }
+
+    pub(super) fn worst(&self) -> Section {
+        let separation = |pair: Option<(f64, f64)>| {
+            pair.map_or(Cell::Empty, |(horizontal_m, vertical_m)| {
+                Cell::Text(format!("{horizontal_m:.0}, {vertical_m:.0}"))
+            })
+        };
+        let rows = self
+            .worst
+            .iter()
+            .map(|worst| {
+                vec![
+                    Cell::Link {
+                        text: worst.encounter.clone(),
+                        href: worst.href.clone(),
+                    },
+                    Cell::Text(worst.policy.clone()),
+                    Cell::Text(worst.what.clone()),
+                    separation(worst.separation_m[0]),
+                    separation(worst.separation_m[1]),
+                ]
+            })
+            .collect();
+        Section {
+            title: "The worst encounters".into(),
+            blocks: vec![Block::Table(Table {
+                caption: "Each leads to its replay. Separations: least horizontal, and vertical at that time, m.".into(),
+                columns: vec![
+                    Column::text("encounter"),
+                    Column::text("policy"),
+                    Column::text("what"),
+                    Column::number("without"),
+                    Column::number("as flown"),
+                ],
+                rows,
+            })],
+        }
+    }
+}
