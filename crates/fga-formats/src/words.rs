@@ -136,6 +136,12 @@ pub fn decision_words(
     if let Some(other) = &record.alternative {
         parts.push(format!("to the other side: {}", candidate_words(other)));
     }
+    if record.straight_aircraft > 0 {
+        parts.push(format!(
+            "turns of {} aircraft not considered",
+            record.straight_aircraft
+        ));
+    }
     parts.join("; ")
 }
 
@@ -198,6 +204,26 @@ mod tests {
     use super::*;
     use fga::Vec3;
     use fga::avoider::{Record, State, Threat, Verdict};
+
+    #[test]
+    fn d4_aircraft_that_count_as_straight_are_named() {
+        let ownship = Ownship {
+            position_m: Vec3::ZERO,
+            course_rad: 0.0,
+            climb_rad: 0.0,
+            bank_rad: 0.0,
+            airspeed_mps: 15.0,
+        };
+        let mut decision = Decision::new(State::Cruise, &Maneuver::hold(), Reason::Clear);
+        let words = |decision: &Decision| decision_words(decision, &ownship, |_| String::new());
+        assert!(!words(&decision).contains("not considered"));
+        decision.record.straight_aircraft = 3;
+        let found = words(&decision);
+        assert!(
+            found.ends_with("; turns of 3 aircraft not considered"),
+            "{found}"
+        );
+    }
 
     #[test]
     fn a_decision_reads_as_a_sentence() {
