@@ -135,4 +135,19 @@ mod tests {
             );
         }
     }
+    /// Flights that once came back before the same mast for ever, or ended beside their last waypoint.
+    #[test]
+    fn d5_a_mast_in_strong_wind_is_passed_and_the_last_waypoint_flown_over() {
+        for (seed, number) in [
+            (102, 614),
+            (103, 2174),
+            (104, 374),
+            (101, 1031),
+            (101, 1414),
+        ] {
+            let count = Flight::drawn(seed, number).fly(number, false);
+            let is_flown = count.open.is_empty() && count.end_missed.is_empty();
+            assert!(is_flown, "seed {seed}, {}", count.row("flight"));
+        }
+    }
 }

@@ -5,6 +5,7 @@
 //! flight finds the moment of the second turn and of levelling off.
 
 use crate::aim::{Shot, Turns, with_turns};
+use crate::corner::LONG_RADII;
 use crate::leg::Leg;
 use crate::way::Way;
 use fga_proof::maneuver::Maneuver;
@@ -18,9 +19,9 @@ pub(super) const ON_LEG_M: f64 = 0.05;
 const ON_COURSE_RAD: f64 = 1e-3;
 
 /// An aircraft that flies along a leg, past its beginning, within this distance and angle, has entered it, whoever flew it
-/// there: turn radii and radians (11°, a turn of 0.2 radii onto the leg). Beside a turn round to the beginning, and without one: an obstacle may stand at the beginning,
-/// and from 1.5 radii aside two turns lead onto the leg in 2.6 radii of flight, where a circle takes 6.3.
-pub(super) const ENTERED_RADII: [f64; 2] = [0.3, 1.5];
+/// there: turn radii and radians (11°, a turn of 0.2 radii onto the leg). The larger distance holds near the beginning without a turn
+/// round in progress: an obstacle may stand there, and from 1.5 radii aside two turns lead onto the leg in 2.6 radii, where a circle takes 6.3.
+const ENTERED_RADII: [f64; 2] = [0.3, 1.5];
 const ENTERED_RAD: f64 = 0.2;
 
 /// A way onto a leg is corrected until no more than this is left, metres: without bank lag and with it.
@@ -69,10 +70,13 @@ pub struct JoinLimits {
 }
 
 /// Whether the aircraft flies along the leg, past its beginning and near it.
-pub(super) fn has_entered(leg: &Leg, state: &MotionState, within_m: f64) -> bool {
+pub(super) fn has_entered(leg: &Leg, state: &MotionState, radius_m: f64, turns: bool) -> bool {
     let position = leg.position(state.position_m, state.time_s);
+    let [beside, alone] = ENTERED_RADII;
+    let is_begun = position.along_m > LONG_RADII * radius_m;
+    let within = if turns || is_begun { beside } else { alone };
     position.along_m > 0.0
-        && position.cross_m.abs() < within_m
+        && position.cross_m.abs() < within * radius_m
         && leg.turn_onto_rad(state).abs() < ENTERED_RAD
 }
 

@@ -34,7 +34,7 @@ pub use plan::planned_line;
 pub use way::{Place, Way};
 
 use self::corner::{Air, Corner, INTERCEPT_RAD, Legs, arrival, corner};
-use self::join::{ENTERED_RADII, Join, JoinLimits, has_entered, is_on_leg, join};
+use self::join::{Join, JoinLimits, has_entered, is_on_leg, join};
 use self::leg::Leg;
 use self::restart::Restart;
 use self::way_onto::MOST_LEGS;
@@ -52,7 +52,7 @@ const ROOM_TO_AVOID: usize = 2;
 /// Work of laying a leg and looking whether it is over.
 const LEG: usize = 4;
 
-/// A turn round is planned again when the aircraft is off it by this, turn radii: less than [`ENTERED_RADII`], within which it arrives.
+/// A turn round is planned again when the aircraft is off it by this, turn radii: less than a leg is entered within.
 const OFF_TURN_RADII: f64 = 0.2;
 
 /// A moment from which a manoeuvre flies along a leg.
@@ -324,9 +324,7 @@ impl Progress {
         };
         let meter = self.meter();
         let radius_m = self.air(flyer, &meter).radius_m();
-        let [beside, alone] = ENTERED_RADII;
-        let within_m = radius_m * if self.turn.is_some() { beside } else { alone };
-        if is_on_leg(&leg, state) || has_entered(&leg, state, within_m) {
+        if is_on_leg(&leg, state) || has_entered(&leg, state, radius_m, self.turn.is_some()) {
             self.turn = None;
             self.from_start = false;
         } else if let Some(turn) = self.turn {
