@@ -8,7 +8,7 @@
 
 use crate::Vec3;
 use crate::angle::wrap_pi;
-use crate::certificate::{ALWAYS, Hazard, Hazards};
+use crate::certificate::{Hazard, Hazards};
 use crate::limit::Limit as _;
 use crate::prediction::whole;
 use crate::situation::{MovementBounds, Obstacle};
@@ -197,8 +197,7 @@ impl Motions {
             return 1;
         };
         let motions = turns(freedom, (obstacle, trend), &bounds).into_iter();
-        let legs = motions.flatten().map(|turn| chords(turn) + 2);
-        legs.sum()
+        motions.flatten().map(|turn| chords(turn) + 2).sum()
     }
 
     /// Adds the first motions of an obstacle, or with 0 one hazard: straight flight, stretched by the whole change of climb from the
@@ -217,67 +216,53 @@ impl Motions {
         let Some(bounds) = obstacle.movement.bounds() else {
             return self.put(hazard);
         };
-        let (climbs, speeds_m) = match freedom {
+        let (climbs, brief_s) = match freedom {
             Freedom::Expected => (1.0, 0.0),
             Freedom::Share(share) => (share, 0.0),
-            Freedom::Brief => (
-                1.0,
-                0.5 * bounds.acceleration_mps2 * SPEED_CHANGES_S * SPEED_CHANGES_S,
-            ),
+            Freedom::Brief => (1.0, SPEED_CHANGES_S),
         };
+        let speeds_m = 0.5 * bounds.acceleration_mps2 * brief_s * brief_s;
         hazard.volume = hazard.volume.grown(clearance.growth_m(climbs) + speeds_m);
-        let base = Base {
-            hazard,
-            stretch_mps: climbs
-                * trend
-                    .climb_change_mps(obstacle)
-                    .max(bounds.climb_change_mps),
-        };
+        let change_mps = trend.climb_change_mps(obstacle);
+        hazard.stretch_m.1 = climbs * change_mps.max(bounds.climb_change_mps);
         if motions == 0 {
-            let stretch_m = (base.stretch_mps * CLIMB_CHANGES_S, 0.0);
-            return self.put(Hazard {
-                stretch_m,
-                ..base.hazard
-            });
+            hazard.stretch_m = (hazard.stretch_m.1 * CLIMB_CHANGES_S, 0.0);
+            return self.put(hazard);
         }
         let all = turns(freedom, (obstacle, trend), &bounds).into_iter();
         for (rate_radps, for_s) in all.flatten().take(motions) {
-            self.add_motion(&base, rate_radps, for_s);
+            self.add_motion(&hazard, rate_radps, for_s);
         }
     }
 
-    /// A turn for a time, then straight on.
-    fn add_motion(&mut self, base: &Base, rate_radps: f64, for_s: f64) {
+    /// A turn for a time, then straight on, of a hazard that stretches.
+    fn add_motion(&mut self, hazard: &Hazard, rate_radps: f64, for_s: f64) {
         let mut at = Moment {
             at_s: 0.0,
-            position_m: base.hazard.position_m,
-            velocity_mps: base.hazard.velocity_mps,
+            position_m: hazard.position_m,
+            velocity_mps: hazard.velocity_mps,
         };
         let chords = chords((rate_radps, for_s));
         for _ in 0..chords {
             let next = at.turned(rate_radps, for_s / chords as f64);
-            self.add_leg(base, &at, &next, rate_radps);
+            self.add_leg(hazard, &at, &next, rate_radps);
             at = next;
         }
-        if at.at_s < CLIMB_CHANGES_S && base.stretch_mps > 0.0 {
+        if at.at_s < CLIMB_CHANGES_S && hazard.stretch_m.1 > 0.0 {
             let next = at.turned(0.0, CLIMB_CHANGES_S - at.at_s);
-            self.add_leg(base, &at, &next, 0.0);
+            self.add_leg(hazard, &at, &next, 0.0);
             at = next;
         }
         self.put(Hazard {
             position_m: at.position_m - at.velocity_mps * at.at_s,
             velocity_mps: at.velocity_mps,
-            stretch_m: (base.stretch_mps * CLIMB_CHANGES_S, 0.0),
-            window_s: if at.at_s > 0.0 {
-                (at.at_s, f64::INFINITY)
-            } else {
-                ALWAYS
-            },
-            ..base.hazard
+            stretch_m: (hazard.stretch_m.1 * CLIMB_CHANGES_S, 0.0),
+            window_s: (at.at_s, f64::INFINITY),
+            ..*hazard
         });
     }
 
-    fn add_leg(&mut self, base: &Base, from: &Moment, to: &Moment, rate_radps: f64) {
+    fn add_leg(&mut self, hazard: &Hazard, from: &Moment, to: &Moment, rate_radps: f64) {
         let duration_s = to.at_s - from.at_s;
         let velocity_mps = (to.position_m - from.position_m) / duration_s;
         let speed_mps = libm::sqrt(
@@ -287,10 +272,9 @@ impl Motions {
         self.put(Hazard {
             position_m: from.position_m - velocity_mps * from.at_s,
             velocity_mps,
-            volume: base.hazard.volume.grown(bow_m),
-            stretch_m: (0.0, base.stretch_mps),
+            volume: hazard.volume.grown(bow_m),
             window_s: (from.at_s, to.at_s),
-            ..base.hazard
+            ..*hazard
         });
     }
 
@@ -299,12 +283,6 @@ impl Motions {
         let index = u32::try_from(place).unwrap_or(u32::MAX);
         self.hazards.put(place, Hazard { index, ..hazard });
     }
-}
-
-/// The common parts of one aircraft's motions.
-struct Base {
-    hazard: Hazard,
-    stretch_mps: f64,
 }
 
 /// An aircraft at a moment, in the air mass.

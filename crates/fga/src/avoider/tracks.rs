@@ -181,9 +181,7 @@ impl Tracks {
         let mut left = MAX_HAZARDS - rows.len();
         let mut last = (f64::NEG_INFINITY, 0);
         for turning in 0..self.aircraft {
-            if !meter.take(rows.len() / 2) {
-                return None;
-            }
+            meter.take(rows.len() / 2).then_some(())?;
             let mut next = (f64::INFINITY, usize::MAX);
             let mut more = 0;
             let known = self.obstacles.iter().zip(&self.trend);
