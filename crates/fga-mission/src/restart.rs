@@ -81,7 +81,7 @@ impl Progress {
                 restart: Some(restart),
                 ..self.laid(mission)
             };
-            let leg = laid.leg(index)?;
+            let leg = laid.leg(index).filter(|leg| leg.length_m.is_finite())?;
             if !(low..=high).contains(&leg.climb_rad) {
                 // Too steep to fly: level, at the height of its end.
                 restart.from_m.z = mission.waypoints_m.get(index + 1)?.z;
@@ -126,6 +126,51 @@ mod tests {
     use fga_proof::vehicle::Vehicle;
     use proptest::prelude::*;
 
+    /// Whether the mission to 500 m ahead ends when it is flown from a state, and how near the aircraft came to its end, metres.
+    fn flown(lag_s: f64, mut state: MotionState) -> (bool, f64) {
+        let vehicle = Vehicle::lagged(lag_s);
+        let flyer = Flyer::new(&vehicle);
+        let waypoints_m = [Vec3::ZERO, Vec3::new(500.0, 0.0, 0.0)];
+        let passing = [Passing::FlyBy, Passing::FlyOver];
+        let mission = Mission {
+            passing: &passing,
+            ..Mission::new(&waypoints_m)
+        };
+        let climb_limits_rad = (vehicle.climb_min_rad, vehicle.climb_max_rad);
+        let (mut progress, mut least_m) = (Progress::new(), f64::INFINITY);
+        for step in 0..3000_u32 {
+            let time_s = 0.1 * f64::from(step);
+            progress.update(
+                &mission,
+                &state,
+                &flyer,
+                Vec3::ZERO,
+                (time_s, climb_limits_rad),
+            );
+            least_m = state.position_m.distance(waypoints_m[1]).min(least_m);
+            if progress.is_complete() {
+                break;
+            }
+            let (maneuver, _) = progress.guidance(&mission, &state, &flyer, 0.2);
+            state = for_each_piece(&flyer, &state, &maneuver, 0.1, |_, _, _| ());
+            state.time_s = 0.0;
+        }
+        (progress.is_complete(), least_m)
+    }
+
+    /// Restarted within a millimetre of the leg's end, the mission once went on for ever along a leg without end.
+    #[test]
+    fn d1_a_leg_that_restarts_at_its_end_has_an_end() {
+        for before_m in [0.0, 1e-9, 5e-4, 9e-4] {
+            let state = MotionState {
+                position_m: Vec3::new(500.0 - before_m, 0.0, 0.0),
+                course_rad: 0.5,
+                ..MotionState::ahead(0.0)
+            };
+            assert!(flown(0.0, state).0, "{before_m} m before its end");
+        }
+    }
+
     proptest! {
         /// From wherever it is near the end of its mission the aircraft flies over the last waypoint, and the mission ends then, not
         /// where it comes back to the line beyond.
@@ -135,25 +180,9 @@ mod tests {
             (x, y, z) in (300.0..560.0f64, -80.0..80.0f64, -20.0..20.0f64),
             course_rad in -3.1..3.1f64,
         ) {
-            let vehicle = Vehicle::lagged(lag_s);
-            let flyer = Flyer::new(&vehicle);
-            let waypoints_m = [Vec3::ZERO, Vec3::new(500.0, 0.0, 0.0)];
-            let passing = [Passing::FlyBy, Passing::FlyOver];
-            let mission = Mission { passing: &passing, ..Mission::new(&waypoints_m) };
-            let climb_limits_rad = (vehicle.climb_min_rad, vehicle.climb_max_rad);
-            let (mut progress, mut least_m, mut time_s) = (Progress::new(), f64::INFINITY, 0.0);
-            let mut state = MotionState { position_m: Vec3::new(x, y, z), course_rad, ..MotionState::ahead(0.0) };
-            while time_s < 300.0 {
-                progress.update(&mission, &state, &flyer, Vec3::ZERO, (time_s, climb_limits_rad));
-                least_m = state.position_m.distance(waypoints_m[1]).min(least_m);
-                if progress.is_complete() {
-                    break;
-                }
-                let (maneuver, _) = progress.guidance(&mission, &state, &flyer, 0.2);
-                state = for_each_piece(&flyer, &state, &maneuver, 0.1, |_, _, _| ());
-                (state.time_s, time_s) = (0.0, time_s + 0.1);
-            }
-            prop_assert!(progress.is_complete() && least_m < 10.0, "{least_m} m off after {time_s} s");
+            let state = MotionState { position_m: Vec3::new(x, y, z), course_rad, ..MotionState::ahead(0.0) };
+            let (is_complete, least_m) = flown(lag_s, state);
+            prop_assert!(is_complete && least_m < 10.0, "{least_m} m off");
         }
     }
 }
