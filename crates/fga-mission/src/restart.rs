@@ -82,9 +82,12 @@ impl Progress {
                 ..self.laid(mission)
             };
             let leg = laid.leg(index).filter(|leg| leg.length_m.is_finite())?;
-            if !(low..=high).contains(&leg.climb_rad) {
-                // Too steep to fly: level, at the height of its end.
-                restart.from_m.z = mission.waypoints_m.get(index + 1)?.z;
+            let climb_rad = leg.climb_rad.limited(low, high);
+            if climb_rad != leg.climb_rad {
+                // Too steep to fly: as steep as can be flown, to the same end.
+                let climb_mps = self.airspeed_mps * libm::sin(climb_rad) + self.wind_mps.z;
+                let rise_m = climb_mps * leg.length_m / leg.ground_speed_mps;
+                restart.from_m.z = mission.waypoints_m.get(index + 1)?.z - rise_m;
             }
             leg.can_be_flown(self.airspeed_mps).then_some(restart)
         });
