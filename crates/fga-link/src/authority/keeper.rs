@@ -268,7 +268,7 @@ impl Keeper {
     }
 
     /// The vehicle answered a request of ours for a mode.
-    pub const fn answered(&mut self, accepted: bool, now_s: f64) {
+    pub fn answered(&mut self, accepted: bool, now_s: f64) {
         self.requests.answered(accepted, now_s);
     }
 

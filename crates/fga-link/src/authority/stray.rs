@@ -23,84 +23,94 @@ pub(super) enum Origin {
     Others,
 }
 
-/// The requests for one mode, and the vehicle's answers.
+/// The requests of ours that may still be on their way, and the vehicle's answers.
+///
+/// Requests for two modes can be on their way at once, and a queue that ends delivers the newer one first: an
+/// answer does not say which of them the vehicle carried out.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Requests {
     /// The last requested mode.
     to: Option<Mode>,
+    /// The mode of earlier requests, while an answer may be to one of them.
+    earlier: Option<Mode>,
     asked_s: f64,
     unanswered: u8,
     accepted_s: f64,
-    /// That answer came later than a request may be on its way.
-    late: bool,
-    /// No request for another mode waits for its answer: an answer can only be to one of these.
-    only: bool,
+    /// The mode that the vehicle accepted; `None` if it may be either.
+    accepted: Option<Mode>,
 }
 
 impl Requests {
     pub(super) const NONE: Self = Self {
         to: None,
+        earlier: None,
         asked_s: f64::NEG_INFINITY,
         unanswered: 0,
         accepted_s: f64::NEG_INFINITY,
-        late: false,
-        only: true,
+        accepted: None,
     };
+
+    /// Whether the vehicle may still carry out a request.
+    fn is_on_its_way(&self, now_s: f64) -> bool {
+        self.unanswered > 0 && now_s - self.asked_s <= ON_ITS_WAY_S
+    }
 
     /// A request was sent.
     pub(super) fn asked(&mut self, change: ModeChange, now_s: f64) {
-        if self.to != Some(change.to) {
-            *self = Self {
-                to: Some(change.to),
-                only: self.unanswered == 0 || now_s - self.asked_s > ON_ITS_WAY_S,
-                ..Self::NONE
-            };
+        if !self.is_on_its_way(now_s) {
+            (self.earlier, self.unanswered) = (None, 0);
+        } else if self.to != Some(change.to) {
+            self.earlier = self.to;
         }
+        self.to = Some(change.to);
         self.asked_s = now_s;
         self.unanswered = self.unanswered.saturating_add(1);
     }
 
     /// The vehicle answered a request.
-    pub(super) const fn answered(&mut self, accepted: bool, now_s: f64) {
+    pub(super) fn answered(&mut self, accepted: bool, now_s: f64) {
         // One answer too many is a copy.
         if self.unanswered == 0 {
             return;
         }
+        // A later answer may be forged.
+        let is_sure = self.earlier.is_none() && self.is_on_its_way(now_s);
         self.unanswered -= 1;
-        if accepted && self.only {
+        if accepted {
             self.accepted_s = now_s;
-            self.late = now_s - self.asked_s > ON_ITS_WAY_S;
+            self.accepted = self.to.filter(|_| is_sure);
         }
     }
 
-    /// A heartbeat tells that the vehicle has left this mode, and nothing tells that it did so for a request
-    /// of ours: where it is heard in it again, the heartbeat may have been somebody else's.
-    pub(super) const fn doubt(&mut self, mode: Mode, now_s: f64) {
-        *self = Self {
-            to: Some(mode),
-            asked_s: now_s,
-            unanswered: 1,
-            accepted_s: f64::NEG_INFINITY,
-            late: false,
-            only: false,
+    /// The vehicle has left a mode, and no answer shows that it did so for a request of ours: if it reports the mode
+    /// again, the heartbeat in between may have been somebody else's.
+    pub(super) fn doubt(&mut self, mode: Mode, now_s: f64) {
+        let doubted = ModeChange {
+            from: mode,
+            to: mode,
         };
+        self.asked(doubted, now_s);
+        // No answer is due: one that comes is to another request.
+        self.earlier = self.earlier.or(self.to);
+        self.accepted_s = f64::NEG_INFINITY;
     }
 
     /// The vehicle has changed to a mode.
     pub(super) fn origin(&mut self, mode: Mode, now_s: f64) -> Origin {
-        if self.to != Some(mode) {
+        if self.to != Some(mode) && self.earlier != Some(mode) {
             return Origin::Others;
         }
-        let accepted_s = core::mem::replace(&mut self.accepted_s, f64::NEG_INFINITY);
-        if now_s - accepted_s <= ACCEPTED_FOR_S {
-            // An answer as late as that may be forged.
-            return if self.late {
-                Origin::Unknown
-            } else {
-                Origin::Ours
-            };
+        if now_s - self.accepted_s <= ACCEPTED_FOR_S {
+            match self.accepted {
+                Some(accepted) if accepted != mode => {}
+                Some(_) => {
+                    self.accepted_s = f64::NEG_INFINITY;
+                    return Origin::Ours;
+                }
+                None => return Origin::Unknown,
+            }
         }
-        if self.unanswered == 0 || now_s - self.asked_s > ON_ITS_WAY_S {
+        if !self.is_on_its_way(now_s) {
             return Origin::Others;
         }
         self.unanswered -= 1;
@@ -184,13 +194,13 @@ mod tests {
         let mut requests = asked(1);
         requests.asked(RETURN, 1.0);
         requests.answered(true, 1.1);
-        assert_eq!(requests.origin(Mode::AUTO, 1.2), Origin::Others);
+        assert_eq!(requests.origin(Mode::AUTO, 1.2), Origin::Unknown);
         // However long this program has run.
         let mut requests = Requests::NONE;
         requests.asked(TAKE, 20.0);
         requests.asked(RETURN, 30.0);
         requests.answered(true, 30.1);
-        assert_eq!(requests.origin(Mode::AUTO, 30.2), Origin::Others);
+        assert_eq!(requests.origin(Mode::AUTO, 30.2), Origin::Unknown);
         // Had the first one been answered, or been sent long ago, it would.
         let mut requests = asked(1);
         requests.answered(true, 0.1);
@@ -201,6 +211,27 @@ mod tests {
         requests.asked(RETURN, 30.1);
         requests.answered(true, 30.2);
         assert_eq!(requests.origin(Mode::AUTO, 30.3), Origin::Ours);
+    }
+
+    /// A queue that ends delivers the newer request first, and the older one follows.
+    #[test]
+    fn a_request_that_a_newer_one_overtook_is_remembered() {
+        for answers in 0..=2 {
+            let mut requests = asked(2);
+            requests.answered(true, 4.6);
+            assert_eq!(requests.origin(Mode::GUIDED, 4.7), Origin::Ours);
+            requests.asked(RETURN, 4.8);
+            for _ in 0..answers {
+                requests.answered(true, 5.0);
+            }
+            // The vehicle returns, and carries out the older request later.
+            assert_eq!(requests.origin(Mode::AUTO, 5.1), Origin::Unknown);
+            if answers == 1 {
+                requests.answered(true, 7.9);
+            }
+            let late = if answers == 2 { 6.0 } else { 8.0 };
+            assert_eq!(requests.origin(Mode::GUIDED, late), Origin::Unknown);
+        }
     }
 
     #[test]
