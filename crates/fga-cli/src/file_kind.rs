@@ -40,11 +40,12 @@ impl FileKind {
 
     /// The kind of a file, by the keys that only this kind has.
     pub(crate) fn of(keys: &BTreeSet<String>) -> Option<Self> {
-        const LINK: [&str; 10] = [
+        const LINK: [&str; 11] = [
             "vehicle",
             "protection",
             "volumes",
             "command",
+            "limits",
             "safety",
             "response",
             "traffic",

@@ -30,6 +30,8 @@ pub struct Config {
     pub volumes: VolumesConfig,
     /// The commands.
     pub command: CommandConfig,
+    /// The altitudes that bound a flight.
+    pub limits: LimitsConfig,
     /// The conditions for acting and stopping.
     pub safety: SafetyConfig,
     /// The vehicle's response.
@@ -146,14 +148,29 @@ impl Default for CommandConfig {
     }
 }
 
+/// The altitudes that bound a flight.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LimitsConfig {
+    /// Lowest altitude above home at which the companion acts and to which it descends, metres.
+    pub floor_m: f64,
+    /// Highest altitude above home to which it climbs, metres.
+    pub ceiling_m: Option<f64>,
+}
+
+impl Default for LimitsConfig {
+    fn default() -> Self {
+        Self {
+            floor_m: 30.0,
+            ceiling_m: None,
+        }
+    }
+}
+
 /// The conditions for acting and stopping.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SafetyConfig {
-    /// Lowest altitude above home at which it acts and to which it descends, metres.
-    pub floor_m: f64,
-    /// Highest altitude above home to which it climbs, metres.
-    pub ceiling_m: Option<f64>,
     /// Telemetry older than this is stale, seconds.
     pub telemetry_stale_s: f64,
     /// After this long without a heartbeat the link is lost, seconds.
@@ -171,8 +188,6 @@ pub struct SafetyConfig {
 impl Default for SafetyConfig {
     fn default() -> Self {
         Self {
-            floor_m: 30.0,
-            ceiling_m: None,
             telemetry_stale_s: 1.0,
             link_lost_s: 3.5,
             follow_tolerance_deg: 15.0,
@@ -344,7 +359,14 @@ pub struct VirtualObstacle {
 
 /// The fault of a file that is no configuration, with its line.
 fn in_one_sentence(error: &toml::de::Error, text: &str) -> ConfigError {
-    let message = toml_sentence(error.message());
+    let message = error.message();
+    let limit = ["floor_m", "ceiling_m"]
+        .into_iter()
+        .find(|key| message.starts_with(&format!("unknown field `{key}`")));
+    let message = match limit {
+        Some(key) => format!("{key} is out of place, expected limits.{key}"),
+        None => toml_sentence(message),
+    };
     ConfigError(match error.span() {
         Some(span) => {
             let before = text.get(..span.start).unwrap_or_default();
@@ -410,7 +432,7 @@ impl Config {
                 0.02,
                 1.0,
             )
-            .within("safety.floor_m", self.safety.floor_m, 0.0, 10_000.0)
+            .within("limits.floor_m", self.limits.floor_m, 0.0, 10_000.0)
             .within(
                 "safety.telemetry_stale_s",
                 self.safety.telemetry_stale_s,
@@ -490,11 +512,11 @@ impl Config {
         if let Some(value) = self.protection.safety_score {
             checked.within("protection.safety_score", value, 0.0, 1.0);
         }
-        if let Some(value) = self.safety.ceiling_m {
+        if let Some(value) = self.limits.ceiling_m {
             checked.within(
-                "safety.ceiling_m",
+                "limits.ceiling_m",
                 value,
-                self.safety.floor_m + 1.0,
+                self.limits.floor_m + 1.0,
                 20_000.0,
             );
         }
@@ -601,6 +623,10 @@ mod tests {
     fn wrong_keys_and_ranges_are_named() {
         let error = |text: &str| Config::parse(text).unwrap_err().0;
         assert!(error("[safety]\nflor_m = 3").contains("flor_m"));
+        assert_eq!(
+            error("[safety]\nceiling_m = 120"),
+            "line 2: ceiling_m is out of place, expected limits.ceiling_m"
+        );
         assert!(error("[vehicle]\nmax_bank_deg = 90.0").contains("vehicle.max_bank_deg is 90"));
         assert!(error("[vehicle]\ntake_over = [\"GUIDED\"]").contains("GUIDED"));
         assert!(error("[traffic]\nown_icao = \"xyz\"").contains("own_icao"));

@@ -203,8 +203,8 @@ fn a_value_of_a_link_file_out_of_range_is_named_with_its_line() {
             "fly.toml, line 5: protection.radius_m is -1, expected 1 to 5000",
         ),
         (
-            "# here\nsafety.floor_m = -3\n",
-            "fly.toml, line 2: safety.floor_m is -3, expected 0 to 10000",
+            "# here\nlimits.floor_m = -3\n",
+            "fly.toml, line 2: limits.floor_m is -3, expected 0 to 10000",
         ),
         (
             "[vehicle]\ntake_over = [\"LOITER\"]\n",

@@ -162,7 +162,7 @@ impl Companion {
             .is_some_and(|decider| decider.vehicle().can_climb());
         if climbs {
             let home_z = own_m.z - state.above_home_m;
-            let floor_z = home_z + self.config.safety.floor_m;
+            let floor_z = home_z + self.config.limits.floor_m;
             let clearance = 2.0 * self.config.protection.margin_m;
             if self
                 .way
@@ -173,7 +173,7 @@ impl Companion {
             {
                 self.obstacles.push(layer(FLOOR_ID, floor_z, true, own_m));
             }
-            if let Some(ceiling_m) = self.config.safety.ceiling_m {
+            if let Some(ceiling_m) = self.config.limits.ceiling_m {
                 let ceiling_z = home_z + ceiling_m;
                 if self
                     .way

@@ -99,7 +99,7 @@ impl Companion {
         }
         let Some(state) = state else { return };
         self.lay_fence(now_s);
-        if self.keeper.is_engaged() && state.above_home_m < self.config.safety.floor_m - 10.0 {
+        if self.keeper.is_engaged() && state.above_home_m < self.config.limits.floor_m - 10.0 {
             self.fault(Fault::BelowFloor, now_s);
         }
         if !self.keeper.commands() {

@@ -194,7 +194,7 @@ impl Companion {
         if !heard.armed {
             return Some(Lacking::Disarmed);
         }
-        let floor_m = self.config.safety.floor_m;
+        let floor_m = self.config.limits.floor_m;
         // A little above the floor at first, so that the manoeuvre does not cross it at once.
         let high_enough = state.above_home_m >= floor_m + 5.0
             || (engaged && state.above_home_m >= floor_m - 10.0);

@@ -24,6 +24,10 @@ const SENSOR_REACH_M: f64 = 20_000.0;
 /// An altitude farther below home than this, metres, or higher than this is none: a wrong sign or unit.
 const FARTHEST_BELOW_M: f64 = 500.0;
 const HIGHEST_M: f64 = 30_000.0;
+/// The same for an aircraft slower than this, metres per second, above this altitude, metres: no wing flies that slowly in
+/// air that thin. A balloon does.
+const SLOW_MPS: f64 = 40.0;
+const HIGHEST_SLOW_M: f64 = 7_500.0;
 /// An obstacle without a number of its own.
 const UNNUMBERED: u16 = u16::MAX;
 
@@ -129,7 +133,10 @@ impl Companion {
         };
         let mut report = report.clone();
         let home_m = self.ownship.home_altitude_m().unwrap_or(0.0);
-        let likely_m = home_m - FARTHEST_BELOW_M..HIGHEST_M;
+        let is_slow = report.class != Class::GliderBalloon
+            && report.velocity_mps.is_some_and(|v| v.length() < SLOW_MPS);
+        let highest_m = if is_slow { HIGHEST_SLOW_M } else { HIGHEST_M };
+        let likely_m = home_m - FARTHEST_BELOW_M..highest_m;
         if !likely_m.contains(&report.place.altitude_m) {
             report.quality.altitude = AltitudeReference::Unknown;
         }

@@ -87,6 +87,15 @@ pub struct TrackTable {
 /// Identifiers from here on are tracks; lower ones are virtual obstacles, the fence and the floor.
 const FIRST_ID: u32 = 100_000;
 
+/// What a height that its sender calls geometric may mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Claims {
+    /// Every datum, and an altimeter with any ordinary setting.
+    All,
+    /// Every datum.
+    Datums,
+}
+
 impl TrackTable {
     /// An empty table.
     pub fn new(config: &TrafficConfig, own_icao: Option<u32>) -> Self {
@@ -260,7 +269,7 @@ impl TrackTable {
     /// Opens a track, if there is room or a less urgent one of the same sender.
     fn open(&mut self, report: &Report, key: Key, seen: Seen, now_s: f64) -> bool {
         let mut track = Track::new(self.next_id, report, seen, now_s);
-        track.keep_s = self.urgency(&track, now_s).keep_s();
+        track.keep_s = self.urgency(&track, now_s, Claims::All).keep_s();
         let members = self.index.get(&key).map_or(&[][..], Vec::as_slice);
         let most = match key {
             Key::Unnamed(_) => MOST_UNNAMED,
@@ -334,22 +343,25 @@ impl TrackTable {
 
     /// The altitude of a track above its datum comes from the height in the frame: the
     /// vehicle's own differs by as much as the positions do.
-    fn shift(&self, track: &Track, height_m: f64, now_s: f64) -> Shift {
+    fn shift(&self, track: &Track, height_m: f64, now_s: f64, claims: Claims) -> Shift {
         let (own_m, own_altitude_m) = self.own_height_m.unwrap_or((height_m, height_m));
         let altitude_m = own_altitude_m + height_m - own_m;
-        let mut shift = self.levels.shift(
-            track.altitude_reference(),
-            altitude_m,
-            own_altitude_m,
-            now_s,
-        );
+        let mut shift = match (track.altitude_reference(), claims) {
+            (AltitudeReference::Geometric, Claims::Datums) => {
+                self.levels
+                    .geometric_by_datums(altitude_m, own_altitude_m, now_s)
+            }
+            (reference, _) => self
+                .levels
+                .shift(reference, altitude_m, own_altitude_m, now_s),
+        };
         shift.bound_m += track.height_bound_m(now_s);
         shift
     }
 
-    fn urgency(&self, track: &Track, now_s: f64) -> Urgency {
+    fn urgency(&self, track: &Track, now_s: f64, claims: Claims) -> Urgency {
         let mut position_m = track.position_m(now_s);
-        let shift = self.shift(track, position_m.z, now_s);
+        let shift = self.shift(track, position_m.z, now_s, claims);
         position_m.z -= shift.by_m;
         let volume = self.volumes.of(track.class);
         let reach = Reach {
@@ -378,7 +390,7 @@ impl TrackTable {
             let Some(track) = self.tracks.get(place) else {
                 break;
             };
-            let keep_s = self.urgency(track, now_s).keep_s();
+            let keep_s = self.urgency(track, now_s, Claims::All).keep_s();
             let height_m = track.last_seen().position_m.z;
             let named = self.is_named_own(track);
             let shift = match track.altitude_reference() {
@@ -388,7 +400,7 @@ impl TrackTable {
                     bound_m: track.height_bound_m(now_s),
                 }),
                 AltitudeReference::Unknown if named != Some(true) => None,
-                _ => Some(self.shift(track, height_m, now_s)),
+                _ => Some(self.shift(track, height_m, now_s, Claims::All)),
             };
             if let Some(track) = self.tracks.get_mut(place) {
                 track.keep_s = keep_s;
@@ -435,35 +447,43 @@ impl TrackTable {
     pub fn obstacles(&mut self, wanted: &Wanted, into: &mut Vec<Obstacle>) {
         self.volumes = wanted.volumes;
         self.own_height_m = Some((wanted.own_m.z, wanted.own_altitude_m));
-        let mut candidates: Vec<(Urgency, Obstacle)> = self
-            .tracks
-            .iter()
-            .filter(|track| !track.is_own())
-            .filter_map(|track| self.obstacle(track, wanted))
-            .collect();
-        if candidates.len() > wanted.most {
+        let candidates = |claims| -> Vec<(Urgency, Obstacle)> {
+            let others = self.tracks.iter().filter(|track| !track.is_own());
+            others
+                .filter_map(|track| self.obstacle(track, wanted, claims))
+                .collect()
+        };
+        let mut chosen = candidates(Claims::All);
+        if chosen.len() > wanted.most {
+            // Volumes as tall as every claim would leave no room between so many.
+            chosen = candidates(Claims::Datums);
             self.overload_s = Some(wanted.at_s);
-            candidates.sort_by(|a, b| a.0.conflict_s.total_cmp(&b.0.conflict_s));
-            let firm = candidates
+            chosen.sort_by(|a, b| a.0.conflict_s.total_cmp(&b.0.conflict_s));
+            let firm = chosen
                 .iter()
                 .take(wanted.most / 2)
                 .take_while(|(urgency, _)| urgency.conflict_s.is_finite())
                 .count();
-            if let Some(rest) = candidates.get_mut(firm..) {
+            if let Some(rest) = chosen.get_mut(firm..) {
                 rest.sort_by(|a, b| a.0.reach_s.total_cmp(&b.0.reach_s));
             }
-            candidates.truncate(wanted.most);
+            chosen.truncate(wanted.most);
         }
-        into.extend(candidates.into_iter().map(|(_, obstacle)| obstacle));
+        into.extend(chosen.into_iter().map(|(_, obstacle)| obstacle));
     }
 
-    fn obstacle(&self, track: &Track, wanted: &Wanted) -> Option<(Urgency, Obstacle)> {
+    fn obstacle(
+        &self,
+        track: &Track,
+        wanted: &Wanted,
+        claims: Claims,
+    ) -> Option<(Urgency, Obstacle)> {
         let mut position_m = track.position_m(wanted.at_s);
         let off = position_m - wanted.own_m;
         if libm::hypot(off.x, off.y) > wanted.within_m {
             return None;
         }
-        let shift = self.shift(track, position_m.z, wanted.at_s);
+        let shift = self.shift(track, position_m.z, wanted.at_s, claims);
         position_m.z -= shift.by_m;
         if (position_m.z - wanted.own_m.z).abs() > wanted.within_m + shift.bound_m {
             return None;
@@ -480,7 +500,7 @@ impl TrackTable {
                 velocity_mps: track.velocity_sigma_mps(),
             },
         };
-        Some((self.urgency(track, wanted.at_s), obstacle))
+        Some((self.urgency(track, wanted.at_s, claims), obstacle))
     }
 }
 

@@ -5,7 +5,8 @@
 //! pressures compare with pressures. Without it these two bound the level.
 //!
 //! "Geometric" is a label that senders give to heights above the sea, above the ellipsoid and, wrongly, to pressure
-//! altitudes. Nothing in a report shows which, so the bound contains all three.
+//! altitudes, also with an altimeter setting of their own. Nothing in a report shows which, so the bound contains all
+//! four. Where so many aircraft are near that not all can be considered, it contains the datums alone.
 
 use fga::situation::ProtectedVolume;
 
@@ -29,6 +30,9 @@ const LIFETIME_S: f64 = 600.0;
 const SMOOTHING: f64 = 0.2;
 /// Range of the geoid above the ellipsoid, metres.
 const GEOID_M: [f64; 2] = [-107.0, 86.0];
+/// A sender's altimeter setting may put its heights this far off, metres: 990 or 1036 hPa instead of the standard
+/// pressure, as in ordinary weather.
+const SETTING_M: f64 = 195.0;
 /// An aircraft of unknown altitude may be this far above or below the vehicle, metres: farther than any manoeuvre climbs.
 const UNKNOWN_M: f64 = 1_000.0;
 
@@ -103,10 +107,6 @@ impl Levels {
         own_m: f64,
         now_s: f64,
     ) -> Shift {
-        let middle = |[low, high]: [f64; 2]| Shift {
-            by_m: 0.5 * (low + high),
-            bound_m: 0.5 * (high - low),
-        };
         match reference {
             AltitudeReference::MeanSeaLevel => Shift {
                 by_m: 0.0,
@@ -114,7 +114,7 @@ impl Levels {
             },
             AltitudeReference::Ellipsoid => self
                 .geoid_m
-                .map_or(middle(GEOID_M), |by_m| Shift { by_m, bound_m: 5.0 }),
+                .map_or(between(GEOID_M), |by_m| Shift { by_m, bound_m: 5.0 }),
             AltitudeReference::Unknown => Shift {
                 by_m: altitude_m - own_m,
                 bound_m: UNKNOWN_M,
@@ -126,7 +126,7 @@ impl Levels {
                         by_m,
                         bound_m: ALTIMETERS_M + TEMPERATURE * (altitude_m - by_m - own_m).abs(),
                     },
-                    None => middle(pressure_range_m(altitude_m)),
+                    None => between(pressure_range_m(altitude_m)),
                 }
             }
         }
@@ -134,18 +134,40 @@ impl Levels {
 }
 
 impl Levels {
-    /// The shift that holds for the sea level, for any geoid, and for pressure where the vehicle's own shows it.
+    /// The shift of a height that its sender calls geometric: from the sea, from any geoid, from the pressure level here, or
+    /// from an altimeter with another setting. The vehicle's own pressure does not show that setting.
     fn geometric(&self, altitude_m: f64, own_m: f64, now_s: f64) -> Shift {
-        let [mut low_m, mut high_m] = GEOID_M;
-        if self.knows_pressure(now_s) {
-            let pressure = self.shift(AltitudeReference::Pressure, altitude_m, own_m, now_s);
-            low_m = low_m.min(pressure.by_m - pressure.bound_m);
-            high_m = high_m.max(pressure.by_m + pressure.bound_m);
+        let [datums_low_m, datums_high_m] = self.datums_m(altitude_m, own_m, now_s);
+        between([
+            datums_low_m.min(-SETTING_M),
+            datums_high_m.max(SETTING_M),
+        ])
+    }
+
+    /// The same without other settings.
+    pub(super) fn geometric_by_datums(&self, altitude_m: f64, own_m: f64, now_s: f64) -> Shift {
+        between(self.datums_m(altitude_m, own_m, now_s))
+    }
+
+    /// The shifts of the sea, of any geoid and, where the vehicle's own pressure shows it, of the pressure level, metres.
+    fn datums_m(&self, altitude_m: f64, own_m: f64, now_s: f64) -> [f64; 2] {
+        let [low_m, high_m] = GEOID_M;
+        if !self.knows_pressure(now_s) {
+            return GEOID_M;
         }
-        Shift {
-            by_m: 0.5 * (low_m + high_m),
-            bound_m: 0.5 * (high_m - low_m),
-        }
+        let pressure = self.shift(AltitudeReference::Pressure, altitude_m, own_m, now_s);
+        [
+            low_m.min(pressure.by_m - pressure.bound_m),
+            high_m.max(pressure.by_m + pressure.bound_m),
+        ]
+    }
+}
+
+/// The shift that is anywhere in a range, metres.
+fn between([low_m, high_m]: [f64; 2]) -> Shift {
+    Shift {
+        by_m: 0.5 * (low_m + high_m),
+        bound_m: 0.5 * (high_m - low_m),
     }
 }
 
@@ -217,19 +239,22 @@ mod tests {
         );
     }
 
-    /// 190 m at 990 hPa, and any geoid.
+    /// Any geoid, and other settings of an altimeter: 190 m at 990 hPa, whatever the vehicle's own pressure is.
     #[test]
     fn t3_a_geometric_label_holds_for_every_level_that_it_may_mean() {
         let mut levels = Levels::default();
-        let contains = |levels: &Levels, off_m: f64| {
+        for sea_level_hpa in [None, Some(990.0), Some(1013.25), Some(1040.0)] {
+            if let Some(hpa) = sea_level_hpa {
+                let pressure_hpa = hpa * libm::pow(1.0 - 104.0 / SCALE_M, 1.0 / EXPONENT);
+                levels = Levels::default();
+                levels.take_pressure(pressure_hpa, 104.0, 1.0);
+            }
             let shift = levels.shift(AltitudeReference::Geometric, 300.0, 104.0, 2.0);
-            (off_m - shift.by_m).abs() <= shift.bound_m
-        };
-        assert!(contains(&levels, 0.0) && contains(&levels, -100.0) && contains(&levels, 80.0));
-        assert!(!contains(&levels, 195.0) && !contains(&levels, -150.0));
-        let pressure_hpa = 990.0 * libm::pow(1.0 - 104.0 / SCALE_M, 1.0 / EXPONENT);
-        levels.take_pressure(pressure_hpa, 104.0, 1.0);
-        assert!(contains(&levels, 195.0) && contains(&levels, -100.0));
+            for off_m in [0.0, -100.0, 80.0, 195.0, -195.0] {
+                let contains = (off_m - shift.by_m).abs() <= shift.bound_m;
+                assert!(contains, "{sea_level_hpa:?} hPa, {off_m} m: {shift:?}");
+            }
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
+    unreachable_pub,
     reason = "a bench; casts of floats saturate, as the wrong senders do"
 )]
 
@@ -18,12 +19,12 @@ const PROTECTED_M: f64 = 60.0;
 const RECEIVER: (u8, u8) = (200, 156);
 const INTRUDER: u32 = 0x00AB_CDEF;
 /// The manoeuvre begins with at least this share of the time that true reports leave.
-const LEAD_SHARE: f64 = 0.8;
+pub const LEAD_SHARE: f64 = 0.8;
 
-type Wrong = fn(&mut ADSB_VEHICLE_DATA);
+pub type Wrong = fn(&mut ADSB_VEHICLE_DATA);
 
 /// The true report, and each way to be wrong.
-const MOTIONS: [(&str, Wrong); 16] = [
+pub const MOTIONS: [(&str, Wrong); 16] = [
     ("heading + 180 deg", |d| {
         d.heading = turned(d.heading, 18_000);
     }),
@@ -59,7 +60,12 @@ const MOTIONS: [(&str, Wrong); 16] = [
     }),
 ];
 
-const HEIGHTS: [(&str, Wrong); 7] = [
+pub const HEIGHTS: [(&str, Wrong); 10] = [
+    ("190 m above", |d| d.altitude += 190_000),
+    ("190 m below", |d| d.altitude -= 190_000),
+    ("in feet", |d| {
+        d.altitude = (f64::from(d.altitude) * 3.280_84) as i32;
+    }),
     ("times 1000", |d| {
         d.altitude = d.altitude.saturating_mul(1000);
     }),

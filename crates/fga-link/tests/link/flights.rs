@@ -87,7 +87,7 @@ fn the_floor_bounds_the_manoeuvre() {
     // The traffic comes higher than the aircraft: in the corridor the shorter way leads under it,
     // below the floor.
     let mut world = head_on(World::new(
-        &format!("{VERTICAL}[safety]\nfloor_m = 85.0\n"),
+        &format!("{VERTICAL}[limits]\nfloor_m = 85.0\n"),
         GOOD,
         6,
     ));
@@ -103,7 +103,7 @@ fn the_floor_bounds_the_manoeuvre() {
 #[test]
 fn between_floor_and_ceiling_it_climbs_and_levels_off() {
     // In the corridor the only way leads over or under, and the aircraft can hold no climb angle for long.
-    let limits = "[safety]\nfloor_m = 50.0\nceiling_m = 150.0\n";
+    let limits = "[limits]\nfloor_m = 50.0\nceiling_m = 150.0\n";
     let mut world = head_on(World::new(&format!("{VERTICAL}{limits}"), GOOD, 6));
     let fence = inclusion(&world, -45.0, 45.0);
     world.emulator.set_fence(fence);

@@ -305,7 +305,7 @@ fn a_disarmed_vehicle_is_left_alone() {
 #[test]
 fn below_the_floor_or_disarmed_or_in_another_mode_it_never_acts() {
     for (config, mode) in [
-        ("[safety]\nfloor_m = 120.0", Mode::Auto),
+        ("[limits]\nfloor_m = 120.0", Mode::Auto),
         ("", Mode::Loiter),
     ] {
         let mut world = head_on(config, GOOD, 3);
