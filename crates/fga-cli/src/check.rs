@@ -8,8 +8,9 @@ use fga_files::TomlText;
 use fga_formats::error::read_text;
 use fga_formats::flight::Flight;
 use fga_formats::flight_log::FlightLog;
+use fga_formats::tally::Tally;
 use fga_formats::words::counted;
-use fga_formats::{InputError, conf, daa, encounter_model, flight_log, missions};
+use fga_formats::{InputError, conf, daa, encounter_model, flight_log, missions, recordings};
 use fga_results::flight_file;
 use fga_sim::campaign::Campaign;
 use fga_sim::campaign::file::{self as campaign_file, Overrides};
@@ -19,6 +20,7 @@ use fga_sim::scenario;
 use fga_sim::vehicle_file::VehicleModel;
 use serde_json::json;
 
+use crate::batch_input::PARTS;
 use crate::common::AnswerArgs;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
@@ -44,6 +46,8 @@ struct Usable {
     holds: String,
     /// What it probably does not mean, or what of it is not flown; one sentence each.
     warnings: Vec<String>,
+    /// What a reader of traffic uses of it, and the name of its parts in the plural.
+    counts: Option<(Tally, &'static str)>,
 }
 
 impl Usable {
@@ -52,7 +56,14 @@ impl Usable {
             kind: kind.into(),
             holds: holds.into(),
             warnings: Vec::new(),
+            counts: None,
         }
+    }
+
+    /// With what a reader of traffic uses, if the file has any.
+    fn counting(self, tally: Tally, parts: &'static str) -> Self {
+        let counts = (tally.read() > 0).then_some((tally, parts));
+        Self { counts, ..self }
     }
 
     fn with(self, warnings: Vec<String>) -> Self {
@@ -66,17 +77,36 @@ pub(crate) fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         kind,
         holds,
         warnings,
+        counts,
     } = check(&args.file, args.kind)?;
     let shown = args.file.display();
     let file = shown.to_string();
     let told = warnings.iter().fold(String::new(), |told, warning| {
         told + &format!("{shown}: warning: {warning}\n")
     });
+    let read = counts.map_or_else(String::new, |(tally, parts)| {
+        format!("{shown}: {}\n", in_words(&tally, parts))
+    });
+    let mut answer =
+        json!({ "file": file, "kind": kind, "usable": true, "holds": holds, "warnings": warnings });
+    if let Some((tally, _)) = counts {
+        answer["read"] = tally.read().into();
+        answer["used"] = tally.used.into();
+        answer["left_out"] = tally.to_json().into();
+    }
     args.answer.print(
-        || format!("{shown}: a usable {kind}: {holds}\n{told}"),
-        &json!({ "file": file, "kind": kind, "usable": true, "holds": holds, "warnings": warnings }),
+        || format!("{shown}: a usable {kind}: {holds}\n{read}{told}"),
+        &answer,
     )?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The counts of a reader, as in "160 lines read, 144 used, 16 with an unreadable field".
+fn in_words(tally: &Tally, parts: &str) -> String {
+    let words = format!("{} {parts} read, {} used", tally.read(), tally.used);
+    tally.reasons().fold(words, |words, (reason, count)| {
+        format!("{words}, {count} {}", reason.words())
+    })
 }
 
 /// The ending of a file's name in small letters, without the one of gzip.
@@ -125,16 +155,16 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
         "daa" => {
             let recording = daa::read(path)?;
             let holds = format!("{} aircraft", recording.aircraft.len());
-            Ok(Usable::new("recording", holds))
+            Ok(Usable::new("recording", holds).counting(recording.tally, "rows"))
         }
         "conf" => {
             conf::read(path)?;
             Ok(Usable::new("configuration of DAIDALUS", "alerts and bands"))
         }
-        "tlog" | "bin" | "ulg" => match flight_log::read(path) {
-            Ok(log) => Ok(flight_log_of(&log)),
-            Err(error) => telemetry(path, &error).ok_or_else(|| error.into()),
-        },
+        "tlog" | "bin" | "ulg" => {
+            let log = flight_log::read(path).map(|log| flight_log_of(&log));
+            telemetry(path, log)
+        }
         "txt" if read_text(path)?.contains(MODEL) => {
             let model = encounter_model::read(path)?;
             let holds = counted(model.variables().len(), "variable");
@@ -181,23 +211,39 @@ fn flight(path: &Path) -> Result<Usable, Failure> {
     ))
 }
 
-/// A telemetry log that `fga fly --replay` reads, though `fga identify` cannot use it.
+/// A log as `fga identify` reads it, and what `fga fly --replay` reads in a telemetry log, though `fga identify` may not be
+/// able to use it.
 #[cfg(feature = "fly")]
-fn telemetry(path: &Path, error: &InputError) -> Option<Usable> {
-    let file = std::fs::File::open(path).ok()?;
-    let mut log = fga_link::tlog::TlogReader::new(std::io::BufReader::new(file));
-    let mut frames = 0_u64;
-    while log.next_frame().ok()?.is_some() {
-        frames += 1;
-    }
-    let holds = format!("{} for fga fly --replay", counted(frames, "frame"));
-    let warning = format!("not for fga identify: {}", error.message);
-    (frames > 0).then(|| Usable::new("telemetry log", holds).with(vec![warning]))
+fn telemetry(path: &Path, log: Result<Usable, InputError>) -> Result<Usable, Failure> {
+    let contents = || {
+        let bytes = std::fs::read(path).ok()?;
+        let bytes = fga_formats::gzip::unpacked(&bytes, path).ok()?;
+        let contents = fga_link::tlog::Contents::read(bytes.as_ref()).ok()?;
+        (contents.frames > 0).then_some(contents)
+    };
+    let Some(contents) = contents() else {
+        return Ok(log?);
+    };
+    let usable = log.unwrap_or_else(|error| {
+        let holds = format!("{} for fga fly --replay", counted(contents.frames, "frame"));
+        let warning = format!("not for fga identify: {}", error.message);
+        Usable::new("telemetry log", holds).with(vec![warning])
+    });
+    Ok(usable.counting(contents.traffic, "reports of traffic"))
 }
 
 #[cfg(not(feature = "fly"))]
-const fn telemetry(_path: &Path, _error: &InputError) -> Option<Usable> {
-    None
+fn telemetry(_path: &Path, log: Result<Usable, InputError>) -> Result<Usable, Failure> {
+    Ok(log?)
+}
+
+/// Traffic for `fga traffic`, of which no two aircraft come close enough for an encounter.
+fn feed(path: &Path, error: &InputError) -> Option<Usable> {
+    let received = recordings::read_feed(path).ok()?;
+    let holds = format!("{} aircraft for fga traffic", received.tracks.len());
+    let warning = format!("not for fga batch: {}", error.message);
+    let usable = Usable::new("feed of traffic", holds).with(vec![warning]);
+    Some(usable.counting(received.tally, "lines or state vectors"))
 }
 
 fn flight_log_of(log: &FlightLog) -> Usable {
@@ -222,6 +268,9 @@ fn encounters_in(path: &Path) -> Result<Usable, Failure> {
             let found = match recorded::find(&[path.to_owned()], &VehicleModel::recorded()?) {
                 Ok(found) => found,
                 Err(error) => {
+                    if let Some(usable) = feed(path, &error) {
+                        return Ok(usable);
+                    }
                     let log = flight_log::read(path).map_err(|_| error)?;
                     return Ok(flight_log_of(&log));
                 }
@@ -237,7 +286,9 @@ fn encounters_in(path: &Path) -> Result<Usable, Failure> {
                 .damaged
                 .iter()
                 .map(|damaged| format!("left out: {damaged}"));
-            Ok(Usable::new(kind, holds).with(left_out.collect()))
+            Ok(Usable::new(kind, holds)
+                .with(left_out.collect())
+                .counting(found.tally, PARTS))
         }
     }
 }

@@ -15,7 +15,7 @@ const MOST: u64 = 4 << 30;
 ///
 /// # Errors
 /// Damaged gzip data, or more than 4 GiB of it, as one sentence.
-pub(crate) fn unpacked<'a>(bytes: &'a [u8], path: &Path) -> Result<Cow<'a, [u8]>, InputError> {
+pub fn unpacked<'a>(bytes: &'a [u8], path: &Path) -> Result<Cow<'a, [u8]>, InputError> {
     unpacked_to(bytes, path, MOST)
 }
 

@@ -58,7 +58,7 @@ pub mod export;
 pub mod flight;
 pub mod flight_log;
 pub mod geodesy;
-mod gzip;
+pub mod gzip;
 pub mod missions;
 pub mod number;
 pub mod recordings;

@@ -117,6 +117,26 @@ pub fn read_content(path: &Path) -> Result<Content, InputError> {
     parse_content(&bytes_of(path)?, path)
 }
 
+/// Reads the aircraft of a feed, BaseStation lines or state vectors, whether or not two of them come close.
+///
+/// # Errors
+/// A file that is unreadable, is no feed, or has no aircraft in the air with a position and an altitude.
+pub fn read_feed(path: &Path) -> Result<Received, InputError> {
+    let received = match read_content(path)? {
+        Content::Lines(text) => received::from_sbs(text.as_bytes()),
+        Content::States(received) => received,
+        Content::Recording(_) => {
+            let message = "is a recording, expected lines of BaseStation or state vectors";
+            return Err(InputError::in_file(path, message));
+        }
+    };
+    if received.tracks.is_empty() {
+        let message = "has no aircraft in the air with a position and an altitude, expected one";
+        return Err(InputError::in_file(path, message));
+    }
+    Ok(received)
+}
+
 fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
     std::fs::read(path).map_err(|error| InputError::unreadable(path, &error))
 }

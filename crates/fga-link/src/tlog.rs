@@ -5,6 +5,11 @@
 
 use std::io::{self, Read, Write};
 
+use fga_formats::tally::{LeftOut, Tally};
+use mavlink::dialects::ardupilotmega::MavMessage;
+
+use crate::config::TrafficConfig;
+use crate::traffic::{Report, Sender, Source};
 use crate::wire::{Frame, Framer};
 
 /// Writes a telemetry log.
@@ -34,6 +39,41 @@ impl<W: Write> TlogWriter<W> {
     /// Errors of the writer.
     pub fn flush(&mut self) -> io::Result<()> {
         self.to.flush()
+    }
+}
+
+/// What a telemetry log holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Contents {
+    /// Intelligible frames.
+    pub frames: u64,
+    /// What the companion would use of the `ADSB_VEHICLE` reports, and why not of the others.
+    pub traffic: Tally,
+}
+
+impl Contents {
+    /// Reads a log to its end.
+    ///
+    /// # Errors
+    /// Errors of the reader, or data that is no telemetry log.
+    pub fn read(log: impl Read) -> io::Result<Self> {
+        let mut reader = TlogReader::new(log);
+        let mut contents = Self::default();
+        let config = TrafficConfig::default();
+        while let Some(Logged { frame, .. }) = reader.next_frame()? {
+            contents.frames += 1;
+            let MavMessage::ADSB_VEHICLE(data) = &frame.message else {
+                continue;
+            };
+            let sender = Sender::mavlink(Source::Mavlink, 0, frame.header.component_id);
+            let report = Report::from_adsb(data, sender, 0.0, config.position_sigma_m);
+            contents.traffic.take(&match report {
+                Ok(report) if -report.valid_s > config.drop_after_s => Err(LeftOut::TooOld),
+                Ok(_) => Ok(()),
+                Err(_) => Err(LeftOut::NoPosition),
+            });
+        }
+        Ok(contents)
     }
 }
 

@@ -322,3 +322,43 @@ fn l14_a_corrupt_table_in_a_drawn_folder_is_one_sentence() {
     }
     assert!(refused > 5, "{refused}");
 }
+
+#[test]
+fn check_counts_what_it_reads_of_every_kind_of_traffic() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let text = log(|line| line.replace(",1000,", ",FL033,"));
+    fs::write(at.join("feed.sbs"), &text).unwrap();
+    fs::write(at.join("pair.sbs"), log(|line| line)).unwrap();
+    let daa = format!(
+        "NAME, lat, lon, alt, trk, gs, vs, time\nnone, deg, deg, ft, deg, knot, fpm, s\n{}{}",
+        (0..3)
+            .map(|s| format!("A, 0, {}, 1000, 90, 100, 0, {s}\n", 0.001 * f64::from(s)))
+            .collect::<String>(),
+        (0..3)
+            .map(|s| format!(
+                "B, 0, {}, 1000, 270, 100, 0, {s}\n",
+                0.1 - 0.001 * f64::from(s)
+            ))
+            .collect::<String>(),
+    );
+    fs::write(at.join("pair.daa"), daa).unwrap();
+    for (file, read, used, unreadable) in [
+        ("feed.sbs", 320, 160, Some(160)),
+        ("pair.sbs", 320, 320, None),
+        ("pair.daa", 6, 6, None),
+    ] {
+        let output = fga_in(at, &["check", file, "--json"]);
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(answer["usable"], true, "{file}");
+        assert_eq!(answer["read"], read, "{file}: {answer}");
+        assert_eq!(answer["used"], used, "{file}: {answer}");
+        let left_out = answer["left_out"]["unreadable_field"].as_u64();
+        assert_eq!(left_out, unreadable, "{file}: {answer}");
+    }
+    let output = fga_in(at, &["check", "feed.sbs"]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    let words =
+        "feed.sbs: 320 lines or state vectors read, 160 used, 160 with an unreadable field\n";
+    assert!(said.contains(words), "{said}");
+}

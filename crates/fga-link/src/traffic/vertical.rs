@@ -138,10 +138,7 @@ impl Levels {
     /// from an altimeter with another setting. The vehicle's own pressure does not show that setting.
     fn geometric(&self, altitude_m: f64, own_m: f64, now_s: f64) -> Shift {
         let [datums_low_m, datums_high_m] = self.datums_m(altitude_m, own_m, now_s);
-        between([
-            datums_low_m.min(-SETTING_M),
-            datums_high_m.max(SETTING_M),
-        ])
+        between([datums_low_m.min(-SETTING_M), datums_high_m.max(SETTING_M)])
     }
 
     /// The same without other settings.

@@ -328,7 +328,10 @@ fn fails_in_queues(seed: u64) -> Option<String> {
     while world.time_s < 140.0 {
         // A later queue replaces an earlier one, so that what it delays is overtaken when it ends.
         let on = |(_, from_s, to_s): &&(f64, f64, f64)| (*from_s..*to_s).contains(&world.time_s);
-        let queue_s = queues.iter().rfind(on).map_or(0.0, |(queue_s, ..)| *queue_s);
+        let queue_s = queues
+            .iter()
+            .rfind(on)
+            .map_or(0.0, |(queue_s, ..)| *queue_s);
         world.uplink_queue_s = queue_s;
         world.step();
         if pilot.is_some_and(|at_s| at_s <= world.time_s) && !chose {
