@@ -36,7 +36,7 @@ impl Item {
         }
     }
 
-    /// The target of a navigation item, metres, local frame; `None` for one without a place.
+    /// The target of a navigation item, metres, local frame; `None` for an item without a place.
     pub fn position_m(&self, home: &Home) -> Option<[f64; 3]> {
         if self.latitude_e7 == 0 && self.longitude_e7 == 0 {
             return None;

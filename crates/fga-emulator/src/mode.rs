@@ -15,7 +15,7 @@ pub enum Mode {
     Loiter,
     AvoidAdsb,
     Guided,
-    /// A mode of a newer firmware, with a number that nobody knows yet.
+    /// A mode of a newer firmware, with a number that has no name here.
     Newer,
 }
 

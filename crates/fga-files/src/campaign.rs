@@ -110,7 +110,7 @@ pub struct Grid {
     /// Whether all stay at one altitude.
     #[serde(default)]
     pub planar: Option<Spanned<Vec<bool>>>,
-    /// Whether others fly by that threaten nobody.
+    /// Whether aircraft fly by that are no threat.
     #[serde(default)]
     pub bystanders: bool,
 }

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A source; what is not given is perfect.
+/// A source; a missing number means a perfect one.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorSource {
@@ -60,7 +60,7 @@ pub struct SensorSource {
 }
 
 impl SensorSource {
-    /// Checks the numbers; an infinite range becomes none.
+    /// Checks the numbers; an infinite range becomes `None`.
     ///
     /// # Errors
     /// One sentence that names the key.

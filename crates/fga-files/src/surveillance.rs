@@ -11,7 +11,7 @@ use fga::vehicle::Vehicle;
 /// heights of small unmanned ones.
 pub const CREWED_MPS: f64 = 90.0;
 
-/// The surveillance radius of a file that names none, metres: what closes at the speed of crewed traffic and could
+/// The surveillance radius of a file without one, metres: what closes at the speed of crewed traffic and could
 /// enter the volume within the horizon.
 pub fn derived_m(airspeed_mps: f64, horizon_s: f64, volume: ProtectedVolume, margin_m: f64) -> f64 {
     volume.bounding_radius_m() + margin_m + (airspeed_mps + CREWED_MPS) * horizon_s

@@ -28,7 +28,7 @@ pub struct VehicleFile {
     pub surveillance_radius_m: Option<Spanned<f64>>,
     /// Time between two decisions, seconds.
     pub decision_period_s: Option<Spanned<f64>>,
-    /// Volume about an obstacle that gives none.
+    /// Volume about an obstacle without a volume of its own.
     pub protection: Protection,
     /// Altitudes of every flight.
     #[serde(default)]
@@ -45,7 +45,7 @@ pub struct VehicleFile {
     /// Settings of decisions.
     #[serde(default)]
     pub avoidance: Avoidance,
-    /// Wind of a scenario that gives none.
+    /// Wind of a scenario without a wind of its own.
     #[serde(default)]
     pub wind: WindTable,
     /// Noise of the sensor.

@@ -344,7 +344,7 @@ mod tests {
             clock.stamp(50_200, 1.2),
             Stamp::Restarted { measured_s: 1.2 }
         );
-        // A round trip alone is none.
+        // A round trip alone is no restart.
         let mut clock = heard(60_000, 0.0, 1);
         clock.round_trip(0.9, 10.0, 1.0);
         assert_eq!(clock.stamp(10_100, 1.1), Stamp::Old);

@@ -14,8 +14,8 @@ const ANSWER_S: f64 = 0.4;
 const MOST_ATTEMPTS: u8 = 6;
 /// A command is refused when the vehicle refuses this many of its transmissions: a single answer may be somebody else's.
 const REFUSALS: u8 = 3;
-/// After the vehicle accepted a change of the mode, the time for its heartbeat to tell it, seconds; and the time after
-/// which the change has happened or nobody waits for it any more.
+/// After the vehicle accepted a change of the mode, the time until its heartbeat reports the mode, seconds; and the time
+/// after which the change has happened, or nobody waits for the change.
 const SHOWS_S: f64 = 0.6;
 const SHOWN_S: f64 = 3.0;
 /// Commands that wait; ArduPlane answers one of a kind at a time.
@@ -152,7 +152,7 @@ impl Commands {
     /// Takes an answer: the first one to each transmission counts.
     ///
     /// Anybody can forge one on a link without signing. So a refusal counts once the vehicle has refused the command again, and a
-    /// change of the mode goes on until the heartbeat tells it or the companion cancels it.
+    /// change of the mode is requested until the heartbeat reports the mode or the companion cancels the request.
     pub fn acknowledge(&mut self, data: &COMMAND_ACK_DATA, now_s: f64) -> Option<Outcome> {
         let index = self
             .0
@@ -277,7 +277,7 @@ mod tests {
         assert_eq!(commands.acknowledge(&accepted, 0.9), None, "a copy");
     }
 
-    /// An answer is no proof: a change of the mode is requested until the heartbeat tells it, at a slower pace, and is forgotten
+    /// An answer is no proof: a change of the mode is requested until the heartbeat reports the mode, at a slower pace, and is forgotten
     /// when nobody cancels it.
     #[test]
     fn an_accepted_change_of_the_mode_is_sent_until_it_shows() {

@@ -17,6 +17,7 @@ mod picture;
 mod rally;
 mod readiness;
 mod receive;
+mod requests;
 mod send;
 mod traffic;
 mod trips;

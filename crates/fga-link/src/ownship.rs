@@ -5,38 +5,29 @@
 //! Handedness: the autopilot counts headings clockwise and banks to the right, the core counts
 //! courses anticlockwise from east and banks to the left. Only this module and [`crate::hand`] convert.
 
+mod air;
+mod carry;
+
 use core::f64::consts::FRAC_PI_2;
 
 use fga::Vec3;
-use fga::angle::{course_of, wrap_pi};
+use fga::angle::wrap_pi;
 use fga::situation::Ownship;
-use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2};
 use fga_formats::geodesy::{Earth, Geodetic, LocalFrame};
-use mavlink::dialects::ardupilotmega::{
-    ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA, VFR_HUD_DATA, WIND_DATA,
-};
+use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA};
 
 use crate::clock::{BootClock, Stamp};
-use crate::commanded::Commanded;
 use crate::number::degrees_from_e7;
 
 /// Longest extrapolation, seconds: as long as a manoeuvre may fly on without telemetry.
 const LONGEST_CARRY_S: f64 = 11.0;
 /// An older altitude counts as unknown, seconds.
 const ALTITUDE_LIFETIME_S: f64 = 1.5;
-/// The measured rate of turn beyond the bank's holds for this long, then it fades, seconds.
-const RATE_HOLDS_S: f64 = 0.5;
-const RATE_FADES_S: f64 = 1.0;
 /// Older wind counts as unknown, seconds.
 const WIND_LIFETIME_S: f64 = 10.0;
-/// Wind is rounded to this, metres per second: each change makes new legs.
-const WIND_STEP_MPS: f64 = 0.25;
 /// Rolling means that the bank changes faster than this, radians per second.
 const ROLLS_RADPS: f64 = 0.15;
-/// Most pieces of the extrapolation's arc, and the longest one, seconds.
-const STEPS: u32 = 8;
-const LONGEST_STEP_S: f64 = 0.2;
-/// A position farther than this from the origin moves the local frame, m. Before its receiver
+/// A position beyond this distance from the origin moves the local frame, m. Before its receiver
 /// has a fix, ArduPlane sends a place near latitude and longitude 0; and that far out the plane of the
 /// frame lies 30 m above the sea.
 const FRAME_REACH_M: f64 = 20_000.0;
@@ -60,10 +51,6 @@ const FASTEST_NOSE_RADPS: f64 = 10.0;
 /// Home seldom moves up or down by more than this, metres: until it has done so for the time after which a position is believed
 /// again, the old height counts.
 const HOME_JUMP_M: f64 = 50.0;
-/// Wind and airspeed that together differ from the velocity over the ground by more than this are wrong, metres per second.
-const WIND_OFF_MPS: f64 = 15.0;
-/// Faster than this over the ground, after the wind is taken off, an aircraft has airspeed, metres per second.
-const COVERS_GROUND_MPS: f64 = 10.0;
 /// Slower than this over the ground or through the air it does not fly, metres per second.
 pub const FLYING_SPEED_MPS: f64 = 5.0;
 
@@ -140,7 +127,7 @@ impl OwnshipEstimate {
 
     /// Moves the local frame to the last position if that is far from the origin; the caller then forgets
     /// everything in the old frame.
-    pub fn lay_frame_anew(&mut self) -> bool {
+    pub fn move_frame(&mut self) -> bool {
         let Some(position) = &mut self.position else {
             return false;
         };
@@ -229,8 +216,8 @@ impl OwnshipEstimate {
                 return Update::Ignored;
             }
         }
-        let told_m = f64::from(data.relative_alt) * 1e-3;
-        let above_home_m = self.above_home_m(told_m, place_m, measured_s, update);
+        let reported_m = f64::from(data.relative_alt) * 1e-3;
+        let above_home_m = self.above_home_m(reported_m, place_m, measured_s, update);
         self.position = Some(Position {
             measured_s,
             place,
@@ -242,21 +229,21 @@ impl OwnshipEstimate {
     }
 
     /// The height above home: the reported one, unless home jumps with it.
-    fn above_home_m(&mut self, told_m: f64, place_m: Vec3, now_s: f64, update: Update) -> f64 {
+    fn above_home_m(&mut self, reported_m: f64, place_m: Vec3, now_s: f64, update: Update) -> f64 {
         let Some(last) = self.position.filter(|_| update == Update::Fresh) else {
             self.home_moved_s = None;
-            return told_m;
+            return reported_m;
         };
         let known_m = last.above_home_m + place_m.z - last.place_m.z;
-        if (told_m - known_m).abs() <= HOME_JUMP_M {
+        if (reported_m - known_m).abs() <= HOME_JUMP_M {
             self.home_moved_s = None;
-            return told_m;
+            return reported_m;
         }
         let since_s = *self.home_moved_s.get_or_insert(now_s);
         if now_s - since_s < BELIEVED_AGAIN_S {
             known_m
         } else {
-            told_m
+            reported_m
         }
     }
 
@@ -298,168 +285,9 @@ impl OwnshipEstimate {
         update
     }
 
-    /// Takes airspeed.
-    pub fn take_hud(&mut self, data: &VFR_HUD_DATA) {
-        let airspeed = f64::from(data.airspeed);
-        if (0.0..FASTEST_MPS).contains(&airspeed) {
-            self.airspeeds_mps.rotate_left(1);
-            self.airspeeds_mps[2] = Some(airspeed);
-        }
-    }
-
-    /// Takes wind.
-    pub fn take_wind(&mut self, data: &WIND_DATA, now_s: f64) {
-        let from_rad = f64::from(data.direction).to_radians();
-        let speed = f64::from(data.speed);
-        if !from_rad.is_finite() || !(0.0..100.0).contains(&speed) {
-            return;
-        }
-        let step = |value: f64| (value / WIND_STEP_MPS).round() * WIND_STEP_MPS;
-        let velocity = Vec3::new(
-            step(-speed * libm::sin(from_rad)),
-            step(-speed * libm::cos(from_rad)),
-            0.0,
-        );
-        if self.airspeed_fails() {
-            // The vehicle makes its wind of the same sensor: the last wind holds.
-            if let Some((heard_s, _)) = &mut self.wind {
-                *heard_s = now_s;
-                return;
-            }
-        }
-        if let (Some(position), Some(airspeed_mps)) = (self.position, self.airspeed_mps()) {
-            let through_air_mps = (position.velocity_mps - velocity).length();
-            if (through_air_mps - airspeed_mps).abs() > WIND_OFF_MPS {
-                return;
-            }
-        }
-        self.wind = Some((now_s, velocity));
-    }
-
-    /// Airspeed, metres per second: as measured, or from ground speed and wind where the sensor fails.
-    pub fn airspeed_mps(&self) -> Option<f64> {
-        if self.airspeed_fails() {
-            self.through_air_mps()
-        } else {
-            self.measured_airspeed_mps()
-        }
-    }
-
-    /// Whether the airspeed sensor contradicts the velocity over the ground: it reads next to nothing while the aircraft
-    /// covers ground, or the wind does not explain the difference.
-    pub fn airspeed_fails(&self) -> bool {
-        let Some((measured_mps, through_mps)) =
-            self.measured_airspeed_mps().zip(self.through_air_mps())
-        else {
-            return false;
-        };
-        let reads_nothing = measured_mps < FLYING_SPEED_MPS && through_mps > COVERS_GROUND_MPS;
-        let unexplained =
-            self.known_wind_mps().is_some() && (through_mps - measured_mps).abs() > WIND_OFF_MPS;
-        reads_nothing || unexplained
-    }
-
-    /// Speed through the air by ground speed and wind, metres per second.
-    fn through_air_mps(&self) -> Option<f64> {
-        let wind_mps = self.known_wind_mps().unwrap_or(Vec3::ZERO);
-        Some((self.position?.velocity_mps - wind_mps).length())
-    }
-
-    /// The wind at the last position, metres per second.
-    fn known_wind_mps(&self) -> Option<Vec3> {
-        let (heard_s, wind_mps) = self.wind?;
-        (self.position?.measured_s - heard_s < WIND_LIFETIME_S).then_some(wind_mps)
-    }
-
-    fn measured_airspeed_mps(&self) -> Option<f64> {
-        let mut known = self.airspeeds_mps;
-        known.sort_by(|a, b| a.unwrap_or(0.0).total_cmp(&b.unwrap_or(0.0)));
-        match known {
-            [Some(_), Some(middle), Some(_)] => Some(middle),
-            // Unknown ones sort first.
-            [_, _, newest] => newest,
-        }
-    }
-
     /// Last measured bank, radians, positive to the left.
     pub fn bank_rad(&self) -> Option<f64> {
         self.attitude.map(|attitude| attitude.bank_rad)
-    }
-
-    /// The state at `at_s` on the local clock, somewhat later than the last measurement.
-    ///
-    /// The recent bank commands bend the path between the measurement and `at_s`.
-    /// `None` before the first position and attitude, or when the aircraft does not fly.
-    pub fn state_at(
-        &mut self,
-        at_s: f64,
-        commanded: &Commanded,
-        response: &Response,
-    ) -> Option<State> {
-        let (position, attitude) = (self.position?, self.attitude?);
-        let wind_mps = self
-            .wind
-            .filter(|(heard_s, _)| at_s - heard_s < WIND_LIFETIME_S)
-            .map_or(Vec3::ZERO, |(_, wind)| wind);
-        let air_mps = position.velocity_mps - wind_mps;
-        let speed = air_mps.length();
-        if speed < FLYING_SPEED_MPS {
-            return None;
-        }
-        let bank_at = |at_s: f64| {
-            let latest_s = attitude.measured_s + LONGEST_CARRY_S;
-            let at_s = at_s.min(latest_s);
-            commanded.bank_at(attitude.bank_rad, attitude.measured_s, at_s, response)
-        };
-        let rate_of = |bank_rad: f64| {
-            response.turn_rate_factor * STANDARD_GRAVITY_MPS2 * libm::tan(bank_rad.clamp(-1.3, 1.3))
-                / speed
-        };
-        // In a steady turn the measured rate is more accurate than the bank. While it rolls, the nose swings
-        // later than the course, and may even swing to the other side.
-        let offset_radps = if attitude.rolls {
-            0.0
-        } else {
-            (attitude.yaw_rate_radps - rate_of(attitude.bank_rad)).clamp(-0.15, 0.15)
-        };
-        let carry_s = (at_s - position.measured_s).clamp(0.0, LONGEST_CARRY_S);
-        let (mut place_m, mut course_rad) = (position.place_m, course_of(air_mps));
-        let climb_rad = libm::asin((air_mps.z / speed).clamp(-1.0, 1.0));
-        let level = speed * libm::cos(climb_rad);
-        let steps = (carry_s / LONGEST_STEP_S).ceil().max(f64::from(STEPS));
-        let step_s = carry_s / steps;
-        for n in 0..crate::number::to_u16(steps) {
-            let step_at_s = at_s - carry_s + (f64::from(n) + 0.5) * step_s;
-            let beyond_s = (step_at_s - attitude.measured_s - RATE_HOLDS_S).max(0.0);
-            let offset_radps = offset_radps * libm::exp(-beyond_s / RATE_FADES_S);
-            let rate = rate_of(bank_at(step_at_s)) + offset_radps;
-            let middle_rad = course_rad + 0.5 * rate * step_s;
-            place_m += Vec3::new(
-                (level * libm::cos(middle_rad) + wind_mps.x) * step_s,
-                (level * libm::sin(middle_rad) + wind_mps.y) * step_s,
-                air_mps.z * step_s,
-            );
-            course_rad += rate * step_s;
-        }
-        // Unwrapped along the flight, so that stages can express turns beyond 180°.
-        let reference = self.last_course_rad.unwrap_or(course_rad);
-        let course_rad = reference + wrap_pi(course_rad - reference);
-        self.last_course_rad = Some(course_rad);
-        let ownship = Ownship {
-            position_m: place_m,
-            course_rad,
-            climb_rad,
-            bank_rad: bank_at(at_s),
-            airspeed_mps: speed,
-        };
-        Some(State {
-            ownship,
-            ground_velocity_mps: ownship.velocity_mps() + wind_mps,
-            wind_mps,
-            above_home_m: position.above_home_m + place_m.z - position.place_m.z,
-            pitch_rad: attitude.pitch_rad,
-            course_rate_radps: attitude.yaw_rate_radps,
-        })
     }
 
     /// Heading of the nose in the core's sense, radians.
@@ -470,9 +298,12 @@ impl OwnshipEstimate {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use fga::vehicle::Response;
 
-    fn position(boot_ms: u32, lat: i32, lon: i32) -> GLOBAL_POSITION_INT_DATA {
+    use super::*;
+    use crate::commanded::Commanded;
+
+    pub(super) fn position(boot_ms: u32, lat: i32, lon: i32) -> GLOBAL_POSITION_INT_DATA {
         GLOBAL_POSITION_INT_DATA {
             time_boot_ms: boot_ms,
             lat,
@@ -525,13 +356,13 @@ mod tests {
             Update::Ignored,
             "it cannot have flown there"
         );
-        assert!(!estimate.lay_frame_anew());
+        assert!(!estimate.move_frame());
         // After repeated reports it counts.
         for n in 81_u32..120 {
             estimate.take_position(&place(n * 100), f64::from(n) * 0.1);
         }
-        assert!(estimate.lay_frame_anew());
-        assert!(!estimate.lay_frame_anew());
+        assert!(estimate.move_frame());
+        assert!(!estimate.move_frame());
         let origin = estimate.frame().unwrap().origin();
         assert!((origin.latitude_deg + 35.363_262_1).abs() < 1e-9);
         assert!((estimate.home_altitude_m().unwrap() - 4.0).abs() < 1e-9);
@@ -565,84 +396,6 @@ mod tests {
         );
         assert!((state.ownship.course_rad - (FRAC_PI_2 - rate)).abs() < 1e-3);
         assert!(state.ownship.bank_rad < 0.0);
-    }
-
-    #[test]
-    fn wind_separates_course_from_track() {
-        let mut estimate = OwnshipEstimate::default();
-        estimate.take_position(&position(1000, 376_189_000, -1_223_750_000), 10.0);
-        estimate.take_attitude(
-            &ATTITUDE_DATA {
-                time_boot_ms: 1000,
-                ..ATTITUDE_DATA::DEFAULT
-            },
-            10.0,
-        );
-        // From the west with 5 m/s: it carries to the east, so the nose points west of north.
-        let wind = WIND_DATA {
-            direction: 270.0,
-            speed: 5.0,
-            speed_z: 0.0,
-        };
-        estimate.take_wind(&wind, 10.0);
-        let state = estimate
-            .state_at(10.0, &Commanded::default(), &Response::default())
-            .unwrap();
-        assert!(state.wind_mps.distance(Vec3::new(5.0, 0.0, 0.0)) < 1e-9);
-        assert!(state.ownship.course_rad > FRAC_PI_2);
-        assert!(
-            state
-                .ground_velocity_mps
-                .distance(Vec3::new(0.0, 25.0, 0.0))
-                < 1e-9
-        );
-    }
-
-    /// A blocked pitot tube, also with the wind that the vehicle then estimates; and a light aircraft that hovers.
-    #[test]
-    fn l9_ground_speed_and_wind_stand_in_for_a_blocked_pitot_tube() {
-        let hud = |airspeed| VFR_HUD_DATA {
-            airspeed,
-            ..VFR_HUD_DATA::DEFAULT
-        };
-        let wind = |speed| WIND_DATA {
-            direction: 180.0,
-            speed,
-            speed_z: 0.0,
-        };
-        let mut estimate = OwnshipEstimate::default();
-        estimate.take_position(&position(1000, 376_189_000, -1_223_750_000), 10.0);
-        (0..3).for_each(|_| estimate.take_hud(&hud(20.0)));
-        estimate.take_wind(&wind(5.0), 10.0);
-        assert_eq!(
-            (estimate.airspeed_mps(), estimate.airspeed_fails()),
-            (Some(20.0), false)
-        );
-        (0..3).for_each(|_| estimate.take_hud(&hud(0.0)));
-        assert!(estimate.airspeed_fails());
-        for n in 1..200_u32 {
-            estimate.take_wind(&wind(25.0), 10.0 + f64::from(n));
-            let boot_ms = 1000 + n * 1000;
-            estimate.take_position(
-                &position(boot_ms, 376_189_000, -1_223_750_000),
-                10.0 + f64::from(n),
-            );
-            let airspeed_mps = estimate.airspeed_mps().unwrap();
-            assert!((airspeed_mps - 20.0).abs() < 0.3, "{airspeed_mps}");
-        }
-        (0..3).for_each(|_| estimate.take_hud(&hud(21.0)));
-        assert_eq!(
-            (estimate.airspeed_mps(), estimate.airspeed_fails()),
-            (Some(21.0), false)
-        );
-        let mut hovers = OwnshipEstimate::default();
-        let still = GLOBAL_POSITION_INT_DATA {
-            vx: 300,
-            ..position(1000, 376_189_000, -1_223_750_000)
-        };
-        hovers.take_position(&still, 10.0);
-        hovers.take_hud(&hud(1.0));
-        assert_eq!(hovers.airspeed_mps(), Some(1.0));
     }
 
     #[test]

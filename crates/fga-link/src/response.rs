@@ -10,7 +10,7 @@ use fga::vehicle::{Response, STANDARD_GRAVITY_MPS2};
 
 use crate::config::ResponseConfig;
 
-/// Banks below this tell little about the turn rate, radians.
+/// Smallest bank that the estimate of the turn rate uses, radians.
 const LEAST_BANK_RAD: f64 = 0.15;
 /// The bank is steady when it changes slower than this, radians per second.
 const STEADY_RADPS: f64 = 0.08;
@@ -28,7 +28,7 @@ const FACTOR_RANGE: (f64, f64) = (0.4, 1.05);
 const LAG_RANGE_S: (f64, f64) = (0.1, 2.5);
 /// The candidate dead times, seconds.
 const DEAD_TIMES_S: [f64; 10] = [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6];
-/// Errors of the bank below this tell little about the lag, radians.
+/// Smallest error of the bank that the estimate of the lag uses, radians.
 const LEAST_ERROR_RAD: f64 = 0.08;
 /// Enough rolling for a dead time: error squared by time, rad² s.
 const DEAD_TIME_EVIDENCE: f64 = 0.5;
@@ -116,7 +116,7 @@ impl ResponseEstimate {
     ) {
         let mut errors = [0.0; DEAD_TIMES_S.len()];
         for (error, dead_s) in errors.iter_mut().zip(DEAD_TIMES_S) {
-            // All of them or none, because they are compared.
+            // Either all of them or nothing, because they are compared.
             let Some(commanded_rad) = commanded_before(dead_s) else {
                 return;
             };

@@ -1,7 +1,7 @@
 //! The note for a restarted program: the owed mode.
 //!
 //! The program writes the note before it takes a mode and removes it after the return. The vehicle's clock
-//! dates it, so that it does not depend on a computer without a clock.
+//! dates the note, so that it is valid on a computer without a clock.
 
 use serde::{Deserialize, Serialize};
 

@@ -4,8 +4,8 @@
 //! A frame that is not newer than the last of its stream is a replay. The disk keeps the last times
 //! ([`Timestamps`]), so that a restarted program refuses what it heard before.
 //!
-//! This computer's clock decides nothing that is heard: it may be years wrong, as on a computer without a battery before
-//! it hears of the time. Times sent follow the newest time heard, as the protocol asks, and no less than the clock.
+//! This computer's clock decides about no received frame: the clock may be years wrong, as on a computer without a battery before
+//! it receives the time. Times sent follow the newest time heard, as the protocol asks, and no less than the clock.
 
 use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
@@ -25,7 +25,7 @@ const NEW_STREAM_BEHIND: u64 = 60 * TICKS_PER_S;
 /// The saved timestamps are ahead of the heard ones by this: more than the time to the next saving,
 /// so that no frame from before a sudden end is new afterwards.
 const KEPT_AHEAD: u64 = TICKS_PER_S;
-/// Up to this many old frames are no reason to tell of.
+/// The operator reads nothing of up to this many old frames.
 const MOST_COPIES: u64 = 20;
 /// Most remembered streams; only a holder of the key can begin one.
 const MOST_STREAMS: usize = 256;
@@ -46,7 +46,7 @@ pub enum Refusal {
     Unsigned,
     /// Its signature is of another key.
     OtherKey,
-    /// Its time is none after what was heard before.
+    /// Its time is not later than the times heard before.
     Old,
 }
 
@@ -184,8 +184,8 @@ impl Signing {
         self.state().counts
     }
 
-    /// A reason of refusals for the operator, once each. A link with a detour delivers old copies of what was accepted:
-    /// these are a reason only where they are most of what comes.
+    /// A reason of refusals for the operator, once each. A link with a detour delivers old copies of accepted frames:
+    /// old copies are a reason only where most frames are old copies.
     pub fn refusal_to_tell(&self) -> Option<Refusal> {
         let mut state = self.state();
         let counts = state.counts;

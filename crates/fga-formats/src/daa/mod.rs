@@ -90,7 +90,7 @@ pub struct TrackSample {
     pub place: Option<Geodetic>,
     /// Horizontal velocity through the air, metres per second, local frame, if the file has it.
     pub air_mps: Option<DVec3>,
-    /// Standard deviations of position and velocity; zero where the file has none.
+    /// Standard deviations of position and velocity; zero where the file has no such column.
     pub deviation: Deviation,
 }
 

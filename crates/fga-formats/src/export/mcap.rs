@@ -104,7 +104,7 @@ struct Log<'a> {
 }
 
 impl Log<'_> {
-    /// Nanoseconds since 1970, none before.
+    /// Nanoseconds since 1970; 0 for times before.
     fn nanoseconds(&self, time_s: f64) -> u64 {
         let microseconds = libm::rint(self.flight.unix_s(time_s) * 1e6).clamp(0.0, 1e16);
         #[expect(

@@ -209,7 +209,7 @@ impl Choices {
     }
 }
 
-/// The message at the beginning of some bytes and its kind; `None` where there is no whole one of a known kind.
+/// The message at the beginning of some bytes and its kind; `None` without a whole message of a known kind.
 fn message_of<'a>(rest: &'a [u8], formats: &HashMap<u8, Format>) -> Option<(u8, &'a [u8])> {
     let kind = *rest.get(2).filter(|_| rest.starts_with(&HEAD))?;
     let length = if kind == FORMAT_KIND {

@@ -67,7 +67,7 @@ const fn known(message: u32) -> Option<(u8, usize)> {
 }
 
 impl<'a> Frame<'a> {
-    /// The frame of a record; `None` where there is none or its checksum is wrong.
+    /// The frame of a record; `None` without a frame, or with a wrong checksum.
     fn of(record: &'a [u8]) -> Option<Self> {
         let frame = record.get(STAMP..)?;
         let size = usize::from(*frame.get(1)?);

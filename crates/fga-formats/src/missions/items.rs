@@ -183,7 +183,7 @@ impl<'a> Reader<'a> {
         Ok(self.file)
     }
 
-    /// Notes what is not flown as the file has it, once.
+    /// Notes once a difference between the file and the flight.
     fn note(&mut self, sentence: &str) {
         if !self.file.notes.iter().any(|note| note == sentence) {
             self.file.notes.push(sentence.to_owned());
@@ -248,7 +248,7 @@ impl<'a> Reader<'a> {
         });
         if same {
             self.repeated += usize::from(self.file.waypoints.len() > 1);
-            // A climb on the spot is none of an aeroplane: the later height counts.
+            // An aeroplane does not climb on the spot: the later height counts.
             self.file.waypoints.pop();
         }
         self.file.waypoints.push(Waypoint { place, passing });

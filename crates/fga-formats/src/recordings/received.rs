@@ -157,7 +157,7 @@ impl Parts {
             .map(|(value, _)| value)
     }
 
-    /// The position in a report; `None` if it has none.
+    /// The position in a report; `None` without one.
     fn heard(&self, report: &TrafficReport, time_s: f64) -> Option<Result<Heard, LeftOut>> {
         let [latitude_deg, longitude_deg] = report.place_deg?;
         if Self::valid(self.on_ground, time_s) == Some(true) {

@@ -258,7 +258,7 @@ enum List<'a> {
 
 fn list_of(object: &Map<String, Value>) -> Option<List<'_>> {
     let list = |key: &str| object.get(key).and_then(Value::as_array);
-    // OpenSky writes null where it has none.
+    // OpenSky writes null for a missing value.
     let no_states = object.contains_key("time") && object.get("states") == Some(&Value::Null);
     list("aircraft")
         .or_else(|| list("ac"))
@@ -272,7 +272,7 @@ fn list_of(object: &Map<String, Value>) -> Option<List<'_>> {
         .or_else(|| no_states.then_some(List::States(&[])))
 }
 
-/// A 24-bit address in hexadecimal digits; a sign before them says that it is none of the ICAO.
+/// A 24-bit address in hexadecimal digits; a sign before them marks an address that ICAO has not assigned.
 fn address_of(text: &str) -> Option<u32> {
     let text = text.trim();
     let digits = text.trim_start_matches('~');

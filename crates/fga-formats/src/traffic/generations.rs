@@ -30,7 +30,7 @@ impl<T: Default> Generations<T> {
         self.young.len() + self.old.len()
     }
 
-    /// Whether none is held.
+    /// Whether it holds nothing.
     pub fn is_empty(&self) -> bool {
         self.young.is_empty() && self.old.is_empty()
     }

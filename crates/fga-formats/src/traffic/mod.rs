@@ -19,10 +19,10 @@ pub use generations::Generations;
 
 use core::fmt;
 
-/// The bit of an address that is none of the ICAO: of a ground station, or drawn by the aircraft.
+/// The bit of an address that ICAO has not assigned: of a ground station, or drawn by the aircraft.
 pub const NON_ICAO: u32 = 1 << 24;
 
-/// An address in hexadecimal digits; `~` before them says that it is none of the ICAO, as readsb writes it.
+/// An address in hexadecimal digits; `~` before them, as readsb writes it, marks an address that ICAO has not assigned.
 ///
 /// ```
 /// use fga_formats::traffic::{NON_ICAO, address_in_words};
@@ -55,16 +55,16 @@ pub struct TrafficReport {
     /// Whether the aircraft says that it is on the ground.
     pub on_ground: Option<bool>,
     /// Radius that contains the true position with near certainty, metres; infinite if the aircraft
-    /// reports that it knows none.
+    /// reports that it does not know one.
     pub containment_m: Option<f64>,
     /// Radius that contains the true position in 95 of 100 cases, metres; infinite if the aircraft
-    /// reports that it knows none.
+    /// reports that it does not know one.
     pub position_error_m: Option<f64>,
     /// Source integrity level: 0 if the failure rate of the containment is unknown, 3 if it fails
     /// once in 10⁷ hours.
     pub source_integrity: Option<u8>,
     /// Bound of the horizontal velocity error in 95 of 100 cases, metres per second; infinite if
-    /// the aircraft reports that it knows none.
+    /// the aircraft reports that it does not know one.
     pub velocity_error_mps: Option<f64>,
     /// Time from its reception to its sending on, seconds; 0 if the receiver does not say it.
     pub age_s: f64,

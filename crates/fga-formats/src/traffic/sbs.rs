@@ -51,7 +51,7 @@ const SIGMAS_IN_95: f64 = 2.4477;
 /// Before the first word the line may have a time in nanoseconds, as in Stratux recordings.
 ///
 /// # Errors
-/// Why the line holds none.
+/// Why the line holds no report.
 ///
 /// ```
 /// use fga_formats::traffic::sbs;
@@ -234,7 +234,7 @@ fn without_geometric(text: &str) -> &str {
     text.strip_suffix(['H', 'h']).unwrap_or(text)
 }
 
-/// A number within ±`largest`; none for an empty field.
+/// A number within ±`largest`; `None` for an empty field.
 fn number(text: &str, largest: f64) -> Result<Option<f64>, LeftOut> {
     if text.is_empty() {
         return Ok(None);

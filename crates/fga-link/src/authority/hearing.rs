@@ -44,7 +44,7 @@ pub struct Beat {
 }
 
 impl Beat {
-    const fn tells_the_same(self, other: Self) -> bool {
+    const fn reports_the_same(self, other: Self) -> bool {
         self.mode.0 == other.mode.0 && self.armed == other.armed
     }
 }
@@ -103,11 +103,11 @@ impl Hearing {
         };
         let behind = last.sequence.wrapping_sub(beat.sequence);
         if now_s - last_s < OVERTAKEN_S && behind < 128 {
-            if last.tells_the_same(beat) {
+            if last.reports_the_same(beat) {
                 return Verdict::Overtaken;
             }
             let again = self.suspect.is_some_and(|(suspect, since_s)| {
-                suspect.tells_the_same(beat)
+                suspect.reports_the_same(beat)
                     && suspect.sequence != beat.sequence
                     && now_s - since_s <= SUSPECT_S
             });

@@ -1,38 +1,22 @@
 //! The state machine.
 
-use super::stray::{Origin, Requests};
-use super::{Action, Authority, Fault, HandBack, Late, Rearm, Severity, reaction};
-use crate::mode::{Mode, ModeChange};
+mod reported;
+
+use super::stray::Requests;
+use super::{Action, Authority, Fault, HandBack, Rearm, Severity, reaction};
+use crate::mode::Mode;
 
 /// Time for the take-over to be confirmed, seconds.
 const TAKE_OVER_S: f64 = 3.0;
 /// Time for the return to be confirmed, seconds.
 const RETURN_S: f64 = 5.0;
-/// A request that was on its way when the pilot changed the mode arrives within this time, seconds. If it
-/// does, the keeper restores the pilot's mode.
-const LATE_S: f64 = 0.8;
 /// All must be well for this long before it is ready again by itself, seconds.
 const SETTLE_S: f64 = 3.0;
 /// A restarted program, or one that hears the vehicle again, restores the mode if it is not ready within
 /// this time, seconds.
 const RESUME_S: f64 = 5.0;
-/// The companion flies on a vehicle that it hears again in the owned mode within this time after losing the
-/// link, seconds; later the vehicle has circled for long, and the threat has passed.
-const LOST_FOR_S: f64 = 10.0;
-/// Most heartbeats answered with a request for the owed mode.
-const MOST_TRIES: u8 = 24;
-/// A vehicle that stays disarmed for this long has landed, and the debt of a mode ends, seconds.
-const LANDED_S: f64 = 5.0;
 
-/// The operator's text when nothing shows who chose the mode.
-const WHOSE_MODE: &str = "fga: mode is perhaps our late request: set one";
-/// The operator's text when the vehicle is in the mode for manoeuvres without a manoeuvre: after a short failsafe ArduPlane sets the
-/// mode from before by itself.
-const NOBODY_FLIES: &str = "fga: GUIDED, but nobody flies: set a mode";
-
-/// The operator reads that at most once in this time, seconds.
-const NOBODY_AGAIN_S: f64 = 5.0;
-/// The same after a gap in the telemetry, which ends as suddenly as it began, seconds.
+/// The same as [`SETTLE_S`] after a gap in the telemetry, which ends as suddenly as it began, seconds.
 const GAP_SETTLE_S: f64 = 0.4;
 
 /// How long all must be well after a fault, seconds.
@@ -238,253 +222,6 @@ impl Keeper {
             previous,
         };
         vec![self.restore(previous)]
-    }
-
-    /// A heartbeat reported the mode and whether the vehicle is armed. The keeper restores an owed mode only
-    /// on an armed vehicle: on the ground the mode is the pilot's business.
-    pub fn heartbeat(&mut self, mode: Mode, armed: bool, now_s: f64) -> Vec<Action> {
-        if armed {
-            self.disarmed_s = None;
-            return self.mode(mode, now_s);
-        }
-        let disarmed_s = *self.disarmed_s.get_or_insert(now_s);
-        match &mut self.state {
-            Authority::Released { owed, .. } if mode == self.target => {
-                if now_s - disarmed_s > LANDED_S {
-                    *owed = None;
-                }
-                vec![Action::CancelSetMode]
-            }
-            _ => self.mode(mode, now_s),
-        }
-    }
-
-    /// A request for a mode was sent.
-    pub fn asked(&mut self, change: ModeChange, now_s: f64) {
-        // What undoes a late request is not undone.
-        if change.to == self.target || change.from == self.target {
-            self.requests.asked(change, now_s);
-        }
-    }
-
-    /// The vehicle answered a request of ours for a mode.
-    pub fn answered(&mut self, accepted: bool, now_s: f64) {
-        self.requests.answered(accepted, now_s);
-    }
-
-    /// A heartbeat of an armed vehicle reported the mode.
-    pub fn mode(&mut self, mode: Mode, now_s: f64) -> Vec<Action> {
-        let before = self.told.replace(mode);
-        let changed = before.filter(|before| *before != mode);
-        if let Some(before) = changed {
-            let origin = self.requests.origin(mode, now_s);
-            // Back from the owned mode is where it was to go.
-            let unwanted = !self.is_engaged() && self.owed().is_none() && before != self.target;
-            if unwanted && let Some(actions) = self.stray(origin, mode, before, now_s) {
-                return actions;
-            }
-            if mode == self.target && self.was_displaced() && !self.undoes(mode, now_s) {
-                let mut actions = self.mode_told(mode, now_s);
-                if now_s - self.nobody_told_s >= NOBODY_AGAIN_S {
-                    self.nobody_told_s = now_s;
-                    actions.push(Action::Tell(Severity::Critical, NOBODY_FLIES));
-                }
-                return actions;
-            }
-            if before == self.target && origin != Origin::Ours && self.ends_what_is_owed(mode) {
-                self.requests.doubt(before, now_s);
-            }
-        }
-        self.mode_told(mode, now_s)
-    }
-
-    /// The vehicle changed the mode, and nothing is waited for.
-    fn stray(
-        &mut self,
-        origin: Origin,
-        mode: Mode,
-        before: Mode,
-        now_s: f64,
-    ) -> Option<Vec<Action>> {
-        match origin {
-            Origin::Others => None,
-            // The request crossed the pilot's choice: that is undone without another fault.
-            _ if self.undoes(mode, now_s) => None,
-            Origin::Ours if mode == self.target => {
-                self.state = Authority::InCommand {
-                    since_s: now_s,
-                    previous: before,
-                };
-                Some(self.fault(Fault::LateRequest, now_s))
-            }
-            Origin::Ours => {
-                let row = reaction(Fault::LateRequest);
-                self.state = Authority::Released {
-                    since_s: now_s,
-                    fault: Fault::LateRequest,
-                    owed: None,
-                    late: Some(Late {
-                        asked: mode,
-                        chosen: before,
-                    }),
-                };
-                Some(vec![
-                    Action::SetMode {
-                        to: before,
-                        from: mode,
-                    },
-                    Action::Tell(row.severity, row.text),
-                ])
-            }
-            Origin::Unknown => Some(vec![Action::Tell(Severity::Critical, WHOSE_MODE)]),
-        }
-    }
-
-    /// Whether others changed the mode in a manoeuvre, and the operator has not armed it again.
-    const fn was_displaced(&self) -> bool {
-        matches!(
-            self.state,
-            Authority::Released {
-                fault: Fault::ModeChanged,
-                owed: None,
-                ..
-            }
-        )
-    }
-
-    /// Whether the debt ends once the vehicle reports a mode.
-    fn ends_what_is_owed(&self, mode: Mode) -> bool {
-        match self.state {
-            Authority::Returning { previous, .. } => mode == previous,
-            Authority::Released { owed, .. } => owed.is_some(),
-            _ => false,
-        }
-    }
-
-    /// Whether a mode reported now counts as a request that crossed the pilot's choice.
-    fn undoes(&self, mode: Mode, now_s: f64) -> bool {
-        let Authority::Released {
-            since_s,
-            late: Some(late),
-            ..
-        } = self.state
-        else {
-            return false;
-        };
-        late.asked == mode && now_s - since_s <= LATE_S
-    }
-
-    fn mode_told(&mut self, mode: Mode, now_s: f64) -> Vec<Action> {
-        match self.state {
-            Authority::Taking { previous, .. } if mode == self.target => {
-                self.state = Authority::InCommand {
-                    since_s: now_s,
-                    previous,
-                };
-                vec![Action::CancelSetMode]
-            }
-            Authority::Taking { previous, .. } if mode == previous => Vec::new(),
-            Authority::InCommand { .. }
-            | Authority::Returning { .. }
-            | Authority::Resuming { .. }
-                if mode == self.target =>
-            {
-                Vec::new()
-            }
-            Authority::Returning { previous, .. } if mode == previous => {
-                self.state = if self.enabled {
-                    Authority::Ready
-                } else {
-                    Authority::Waiting
-                };
-                vec![Action::CancelSetMode, Action::Returned]
-            }
-            Authority::InCommand { .. } | Authority::Resuming { .. } => {
-                self.fault(Fault::ModeChanged, now_s)
-            }
-            Authority::Taking { .. } => self.pilot_chose(mode, self.target, now_s),
-            Authority::Returning { previous, .. } => self.pilot_chose(mode, previous, now_s),
-            Authority::Released {
-                since_s,
-                fault: Fault::LinkLost,
-                owed: Some(previous),
-                ..
-            } if mode == self.target && now_s - since_s <= LOST_FOR_S => {
-                self.state = Authority::Resuming {
-                    since_s: now_s,
-                    previous,
-                    after: Fault::LinkLost,
-                };
-                Vec::new()
-            }
-            Authority::Released {
-                since_s,
-                fault,
-                owed: Some(owed),
-                late,
-            } => {
-                if mode == self.target && self.tries < MOST_TRIES {
-                    self.tries += 1;
-                    return vec![self.restore(owed)];
-                }
-                if mode == self.target {
-                    return self.give_up(now_s);
-                }
-                self.state = Authority::Released {
-                    since_s,
-                    fault,
-                    owed: None,
-                    late,
-                };
-                vec![Action::CancelSetMode]
-            }
-            Authority::Released {
-                since_s,
-                fault,
-                owed: None,
-                late: Some(late),
-            } => {
-                let is_late = mode == late.asked && now_s - since_s <= LATE_S;
-                if is_late {
-                    return vec![Action::SetMode {
-                        to: late.chosen,
-                        from: late.asked,
-                    }];
-                }
-                if mode != late.chosen || now_s - since_s > LATE_S {
-                    self.state = Authority::Released {
-                        since_s,
-                        fault,
-                        owed: None,
-                        late: None,
-                    };
-                }
-                vec![Action::CancelSetMode]
-            }
-            _ => Vec::new(),
-        }
-    }
-
-    /// The vehicle stays in the owned mode despite the requests.
-    fn give_up(&mut self, now_s: f64) -> Vec<Action> {
-        let row = reaction(Fault::ReturnRefused);
-        self.enabled = false;
-        self.state = Authority::Released {
-            since_s: now_s,
-            fault: Fault::ReturnRefused,
-            owed: None,
-            late: None,
-        };
-        vec![Action::CancelSetMode, Action::Tell(row.severity, row.text)]
-    }
-
-    /// The pilot chose a mode while a request for another one was on its way.
-    fn pilot_chose(&mut self, chosen: Mode, asked: Mode, now_s: f64) -> Vec<Action> {
-        let actions = self.fault(Fault::ModeChanged, now_s);
-        if let Authority::Released { late, .. } = &mut self.state {
-            *late = Some(Late { asked, chosen });
-        }
-        actions
     }
 
     /// A request for a mode was refused or not answered.

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! The pilot always wins: a mode that nobody here asked for ends the authority with the message
-//! that tells it, in every state, and nothing is sent that would change it. [`Hearing`] decides
+//! that reports it, in every state, and nothing is sent that would change the pilot's mode. [`Hearing`] decides
 //! whether a mode may be commanded at all, for the companion and the watchdog alike.
 
 mod hearing;

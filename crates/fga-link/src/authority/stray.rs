@@ -1,9 +1,9 @@
 //! A request of our own that the vehicle carries out after the companion gave it up.
 //!
-//! On a slow link a request for a mode can reach the vehicle seconds after it was given up: a heartbeat
-//! from before it arrived looks like a return, or the pilot has chosen meanwhile. The vehicle's answer
-//! tells it from a choice of the pilot: the vehicle accepts a request, and then tells the mode. Where the
-//! answer was lost, the two look alike, and the companion asks the operator.
+//! On a slow link a request for a mode can reach the vehicle seconds after the companion gave it up: an older heartbeat
+//! looks like a return, or the pilot has chosen a mode meanwhile. The vehicle's answer
+//! distinguishes the request from a choice of the pilot: the vehicle accepts a request, and then reports the mode. Where the
+//! answer was lost, request and choice look alike, and the companion asks the operator.
 
 use crate::mode::{Mode, ModeChange};
 

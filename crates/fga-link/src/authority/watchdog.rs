@@ -1,7 +1,7 @@
 //! The reaction when the deciding thread stands still.
 //!
 //! The watchdog counts its own looks, not time: a program that is stopped as a whole (`SIGSTOP`, a
-//! debugger, a suspended computer) counts none, and its threads continue together.
+//! debugger, a suspended computer) counts no look, and its threads continue together.
 
 use super::Hearing;
 use crate::mode::Mode;

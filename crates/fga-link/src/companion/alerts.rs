@@ -25,7 +25,7 @@ pub(super) struct Watch {
     monitor: Monitor,
     /// The most levels that there are.
     most: usize,
-    /// The level from which on it acts; 0 for none.
+    /// The lowest level at which it acts; 0: it acts at no level.
     act_at: usize,
     told: usize,
     report_s: f64,

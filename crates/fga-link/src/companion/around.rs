@@ -18,7 +18,7 @@ use crate::traffic::{AltitudeReference, Class, Report, Source, Volumes};
 
 /// Identifier of the first virtual obstacle.
 pub(super) const FIRST_VIRTUAL_ID: usize = 1_000;
-/// The vehicle flies this near to its way by itself, metres: a fence closer to the way is no reason to leave it.
+/// The vehicle flies this near to its way by itself, metres: a fence that close is no reason to leave the way.
 const OFF_WAY_M: f64 = 25.0;
 /// Bit of `FENCE_TYPE`: circles and polygons.
 const FENCE_TYPE_PLACES: u16 = 4;
@@ -71,7 +71,7 @@ fn virtual_report(obstacle: &VirtualObstacle) -> Option<(Report, ProtectedVolume
         quality: Quality {
             position_m: 0.0,
             velocity_mps: 0.0,
-            velocity_is_told: true,
+            velocity_sigma_is_known: true,
             height_m: 0.0,
             altitude: AltitudeReference::MeanSeaLevel,
         },
@@ -94,7 +94,7 @@ impl Companion {
         is_enabled && bars_places
     }
 
-    /// The fence near the aircraft: nothing while it does not count.
+    /// The fence near the aircraft; empty while the fence does not count.
     pub(super) fn fence_obstacles(&mut self, own_m: Vec3, now_s: f64) -> Vec<Obstacle> {
         let mut posts = Vec::new();
         if !self.config.safety.use_fence || !self.fence_is_active() {

@@ -19,7 +19,7 @@ const ON_LEG_FOR_S: f64 = 0.4;
 const LISTENS_S: f64 = 6.0;
 /// A program that is to end gives the mode back when the vehicle's own course keeps this much more clear than the margin, m.
 const ENDS_CLEAR_M: f64 = 30.0;
-/// Without a threat it gets its mode back beside the leg after this long, seconds: it flies to its leg by itself.
+/// Without a threat the vehicle gets its mode back beside the leg after this long, seconds, and flies to the leg by itself.
 const BESIDE_LEG_S: f64 = 30.0;
 /// The companion takes over when a manoeuvre begins within this time, seconds.
 const PREPARE_S: f64 = 0.6;
@@ -29,7 +29,7 @@ const LIMITS_CHANGE: f64 = 0.02;
 const AHEAD_PACE: f64 = 0.5;
 /// Telemetry is stale after this many of its measured intervals, if these are long.
 const STALE_INTERVALS: f64 = 2.5;
-/// After this many refusals in a row the operator must arm it again.
+/// After this many refusals in a row the operator must arm the companion again.
 const MOST_REFUSALS: u32 = 3;
 
 impl Companion {
@@ -179,7 +179,7 @@ impl Companion {
         }
     }
 
-    /// The decision of a vehicle that flies by itself with nothing but the fence near: a fence bounds manoeuvres and begins none.
+    /// The decision of a vehicle that flies by itself with nothing but the fence near: a fence bounds manoeuvres and begins no manoeuvre.
     fn quiet_without_fence(&mut self, state: &State, now_s: f64) -> Option<Decision> {
         let mut decider = self.decider.clone()?;
         let decision = decider.step(&self.situation(state, now_s));
@@ -224,7 +224,7 @@ impl Companion {
     /// Makes the decider, or gives it the vehicle's present limits.
     fn renew_decider(&mut self, now_s: f64) -> Option<()> {
         let mut response = self.response.response();
-        // The decider's state is after the dead time, so its response has none; the rest stays in the plan.
+        // The decider's state is after the dead time, so its response has no dead time; the rest stays in the plan.
         response.dead_time_s = 0.0;
         response.bank_time_constant_s += self.hand.lag_s();
         let airspeed_mps = self.airspeed_mps()?;

@@ -28,7 +28,7 @@ impl Decider {
     pub(super) fn new(config: &Config, vehicle: Vehicle) -> Result<Self, SettingsError> {
         let protection = &config.protection;
         let decision_period_s = config.command.decision_period_s;
-        // What is too far away is left out before.
+        // The caller has left out distant obstacles.
         let surveillance_radius_m = f64::INFINITY;
         if config.command.mode == CommandMode::Paper {
             let settings = PaperSettings {
@@ -69,7 +69,7 @@ impl Decider {
         }
     }
 
-    /// The limits that are planned with in need; `None` where there are no others.
+    /// The limits of plans in need; `None` where they are the ordinary ones.
     pub(super) fn vehicle_in_need(&self) -> Option<&Vehicle> {
         match self {
             Self::Avoider(avoider) => avoider.vehicle_in_need(),

@@ -1,4 +1,4 @@
-//! What the receivers of traffic give, and what the operator reads of it.
+//! What the receivers of traffic deliver, and the operator's texts about them.
 
 use fga_formats::tally::LeftOut;
 use serde_json::{Value, json};
@@ -25,7 +25,7 @@ struct Feed {
 }
 
 impl Feeds {
-    /// The lack of a feed that gives what can be used or says that it has nothing to give.
+    /// The missing condition of feeds: a usable position, or the word that nothing is received.
     pub(super) fn lacking(&self) -> Option<Lacking> {
         let lacks = |is: fn(&FeedStatus) -> bool| self.0.iter().any(|feed| is(&feed.status));
         if lacks(is_not_understood) {
@@ -38,7 +38,7 @@ impl Feeds {
     }
 }
 
-/// Whether a feed speaks, but nothing of it says where an aircraft is.
+/// Whether a feed sends data, but no position of an aircraft.
 fn is_not_understood(feed: &FeedStatus) -> bool {
     let lost = feed.tally.lost();
     let needed = feed.tally.used + lost;

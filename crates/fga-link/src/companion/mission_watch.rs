@@ -34,7 +34,7 @@ const FENCE_ITEM_S: f64 = 0.1;
 const MODE_SETTLES_S: f64 = 0.7;
 /// An older target is unknown, seconds.
 const TARGET_LIFETIME_S: f64 = 2.5;
-/// A target this far from the position of the item is another one, metres.
+/// Least distance between the target and the item's position that shows another item, metres.
 const OTHER_TARGET_M: f64 = 15.0;
 /// Accuracy of a target from distance and bearing in whole metres and degrees, metres and as a share
 /// of the distance.
@@ -100,7 +100,7 @@ impl MissionWatch {
         self.brisk = 2 * PROBED_ITEMS;
     }
 
-    /// The mode has changed: the target is another one.
+    /// The mode has changed, and so the target.
     pub(super) fn mode_changed(&mut self, now_s: f64) {
         self.mode_since_s = now_s;
         self.target = None;

@@ -1,7 +1,7 @@
 //! Other vehicles on the link.
 //!
-//! The companion belongs to one aircraft. Without `vehicle.system_id` it takes the first plane that it hears; where it hears two before
-//! it has ever been ready, nothing shows which one carries it, and it takes neither.
+//! The companion belongs to one aircraft. Without `vehicle.system_id` it takes the first plane that it hears. If it hears two planes
+//! before it has ever been ready, nothing shows which plane carries it, and it takes neither.
 
 use fga::Vec3;
 use mavlink::MavHeader;

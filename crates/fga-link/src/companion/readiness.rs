@@ -1,4 +1,4 @@
-//! Whether it may act, and the words for a missing condition.
+//! Whether the companion may act, and the words for a missing condition.
 
 use super::Companion;
 use crate::authority::{Authority, Severity};
@@ -6,7 +6,7 @@ use crate::mission::is_take_off_or_landing;
 use crate::mode::Mode;
 use crate::ownship::State;
 
-/// After this long without a decision none is possible, seconds.
+/// After this long without a decision no decision is possible, seconds.
 const NO_DECISION_S: f64 = 0.5;
 /// The companion reports what is missing after this long, s …
 const LOST_S: f64 = 1.0;
@@ -91,7 +91,7 @@ impl Lacking {
 pub(super) struct Told {
     /// Missing now, and since when, seconds.
     lacking: Option<(Lacking, f64)>,
-    /// Whether the operator believes that it is ready.
+    /// Whether the operator has read that the companion is ready.
     ready: bool,
     /// The last report.
     last: Option<Lacking>,

@@ -83,7 +83,7 @@ impl Companion {
         }
     }
 
-    /// The state of the authority; without possible decisions it is neither ready nor in command.
+    /// The state of the authority; while no decision is possible, neither ready nor in command.
     fn send_state(&mut self, now_s: f64) {
         let state = match self.keeper.state() {
             Authority::Ready | Authority::Taking { .. } | Authority::InCommand { .. }

@@ -21,11 +21,11 @@ const SENSOR_SIGMA_M: f64 = 10.0;
 const SENSOR_SIGMA_SHARE: f64 = 0.02;
 /// Largest range of a sensor, m.
 const SENSOR_REACH_M: f64 = 20_000.0;
-/// An altitude farther below home than this, metres, or higher than this is none: a wrong sign or unit.
+/// An altitude farther below home than this, metres, or higher than this is wrong by its sign or unit.
 const FARTHEST_BELOW_M: f64 = 500.0;
 const HIGHEST_M: f64 = 30_000.0;
-/// The same for an aircraft slower than this, metres per second, above this altitude, metres: no wing flies that slowly in
-/// air that thin. A balloon does.
+/// So is an altitude above this, metres, of an aircraft slower than this, metres per second, that is no balloon: no wing
+/// flies that slowly in air that thin.
 const SLOW_MPS: f64 = 40.0;
 const HIGHEST_SLOW_M: f64 = 7_500.0;
 /// An obstacle without a number of its own.
@@ -157,7 +157,7 @@ impl Companion {
         }
     }
 
-    /// Counts a defect, and tells the operator of the first one of its kind within the surveillance radius; an aircraft
+    /// Counts a defect, and reports the first of its kind within the surveillance radius to the operator; an aircraft
     /// without any position may be near.
     fn count_defect(&mut self, defect: Defect, key: Key, place: Option<Geodetic>, now_s: f64) {
         let range_m = place.zip(self.ownship.frame()).and_then(|(place, frame)| {
@@ -241,7 +241,7 @@ impl Companion {
             quality: Quality {
                 position_m: libm::hypot(sigma_m, SENSOR_SIGMA_SHARE * distance_m),
                 velocity_mps: 0.0,
-                velocity_is_told: false,
+                velocity_sigma_is_known: false,
                 height_m: 0.0,
                 altitude: AltitudeReference::MeanSeaLevel,
             },

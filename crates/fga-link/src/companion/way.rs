@@ -67,16 +67,17 @@ impl Companion {
             }
             Mode::RTL => {
                 // Home, or a rally point: the vehicle's own target is better than the list.
-                let told_m = self.own_target_m(now_s).map(|at_m| at_m.with_z(own_m.z));
-                let moved = told_m.is_some_and(|told_m| {
+                let reported_m = self.own_target_m(now_s).map(|at_m| at_m.with_z(own_m.z));
+                let moved = reported_m.is_some_and(|reported_m| {
                     let laid_m = self.way.waypoints_m.last();
-                    laid_m
-                        .is_none_or(|laid_m| (told_m - laid_m).truncate().length() > SAME_TARGET_M)
+                    laid_m.is_none_or(|laid_m| {
+                        (reported_m - laid_m).truncate().length() > SAME_TARGET_M
+                    })
                 });
                 if self.way_mode == Some(Mode::RTL) && (busy || !moved) {
                     return;
                 }
-                self.lay_return(own_m, told_m.or_else(|| self.return_place_m(own_m)));
+                self.lay_return(own_m, reported_m.or_else(|| self.return_place_m(own_m)));
             }
             mode => {
                 let off = self.way.waypoints_m.first().is_none_or(|from| {
@@ -158,7 +159,7 @@ impl Companion {
         let same_item =
             self.way_item == self.mission_item || self.current_leg_item() == self.mission_item;
         let goes_on = same_item || engaged || (busy && self.item_is_ahead());
-        // The old way is no worse than none while reading the new one.
+        // While the companion reads the new way, it keeps the old one.
         if laid && ((same_mission && goes_on) || (engaged && in_doubt)) {
             return false;
         }
@@ -319,7 +320,7 @@ impl Companion {
         self.passing.next..leg + 1
     }
 
-    /// Reports what the vehicle will not do by itself of what the manoeuvre has passed: commands that do not run, and waypoints
+    /// Reports the items that the manoeuvre has passed and the vehicle will not make up for: commands that do not run, and waypoints
     /// that were passed far off.
     fn tell_passed(&mut self, passed: Range<usize>, now_s: f64) {
         let near_m = self.parameters.get("WP_RADIUS").unwrap_or(NEAR_WAYPOINT_M);

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::{Config, ConfigError};
 use crate::traffic::Class;
 
-/// Airspeed that warnings are judged at, before the vehicle has told its own, metres per second: ArduPlane's cruise.
+/// Airspeed that warnings assume before the vehicle reports its airspeed, metres per second: ArduPlane's cruise.
 const CRUISE_MPS: f64 = 22.0;
 /// Change of the climb angle that warnings are judged at, radians per second.
 const CLIMB_RATE_RADPS: f64 = 0.2;

@@ -84,7 +84,7 @@ mod tests {
         Arc::new(shared)
     }
 
-    /// The vehicle tells its mode, four times a second, until the flight is over.
+    /// The vehicle reports its mode four times a second until the flight is over.
     fn tell(shared: &Arc<Shared>, mode: &Arc<AtomicU32>) {
         let (shared, mode) = (Arc::clone(shared), Arc::clone(mode));
         thread::spawn(move || {

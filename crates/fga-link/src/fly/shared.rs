@@ -37,7 +37,7 @@ pub(super) struct Shared {
     pub(super) stop: Arc<AtomicU32>,
     /// Set to end all threads, after the flight.
     pub(super) over: AtomicBool,
-    /// System id of a sender of MAVLink 1; 0 for none.
+    /// System id of a sender of MAVLink 1; 0 without one.
     pub(super) version1: AtomicU8,
     /// Steps of the deciding thread.
     pub(super) ticks: AtomicU64,

@@ -23,7 +23,7 @@ pub(super) struct Status {
 }
 
 impl Status {
-    /// A status line on standard error, or none.
+    /// Whether a status line appears on standard error.
     pub(super) fn begin(shared: &Arc<Shared>, wanted: bool) -> io::Result<Self> {
         let to = if wanted {
             // One line waits: an older one is useless.

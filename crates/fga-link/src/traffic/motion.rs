@@ -172,7 +172,7 @@ pub(super) fn contradictions<P: Iterator<Item = Place> + Clone>(
 }
 
 impl Line {
-    /// Whether a slope is none of positions that scatter by `sigma_m`.
+    /// Whether positions that scatter by `sigma_m` cannot have a slope.
     fn exceeds(&self, slope_mps: f64, sigma_m: f64) -> bool {
         slope_mps > SIGMAS * sigma_m / libm::sqrt(self.squares_s2)
     }

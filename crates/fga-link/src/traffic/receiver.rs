@@ -171,7 +171,7 @@ impl Joiner {
             .velocity_mps
             .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S)
             .map(|([east, north], heard_s)| (Vec3::new(east, north, parts.climb_mps), heard_s));
-        let velocity_is_told = parts.velocity_error_mps.is_some();
+        let velocity_sigma_is_known = parts.velocity_error_mps.is_some();
         let altitude_m = altitude.map_or(0.0, |(altitude, altitude_s)| {
             altitude.metres() + parts.climb_mps * (now_s - altitude_s).max(0.0)
         });
@@ -193,7 +193,7 @@ impl Joiner {
                 velocity_mps: velocity.map_or(0.0, |(_, heard_s)| {
                     parts.velocity_sigma_mps(now_s - heard_s)
                 }),
-                velocity_is_told: velocity_is_told && velocity.is_some(),
+                velocity_sigma_is_known: velocity_sigma_is_known && velocity.is_some(),
                 height_m: 0.0,
                 altitude: match altitude {
                     Some((Altitude::Pressure(_), _)) => AltitudeReference::Pressure,

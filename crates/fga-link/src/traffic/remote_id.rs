@@ -207,7 +207,7 @@ impl RemoteId {
                     .map_or(UNKNOWN_SIGMA_M, |m| m / SIGMAS_IN_95),
                 velocity_mps: speed_mps(location.speed_accuracy)
                     .map_or(UNKNOWN_VELOCITY_MPS, |mps| mps / SIGMAS_IN_95),
-                velocity_is_told: speed_mps(location.speed_accuracy).is_some(),
+                velocity_sigma_is_known: speed_mps(location.speed_accuracy).is_some(),
                 height_m: vertical_m(accuracy).unwrap_or(UNKNOWN_HEIGHT_M),
                 altitude,
             },

@@ -107,9 +107,9 @@ pub struct Quality {
     pub position_m: f64,
     /// σ of the velocity along an axis, metres per second; with age the position gets worse by it.
     pub velocity_mps: f64,
-    /// Whether the aircraft or its receiver told that σ. Decisions look ahead with a σ that was told; one that
-    /// is assumed only ages the position.
-    pub velocity_is_told: bool,
+    /// Whether the aircraft or its receiver reported that σ. Decisions look ahead with a reported σ; an assumed σ
+    /// only ages the position.
+    pub velocity_sigma_is_known: bool,
     /// Bound of the altitude's error, metres, besides the error of its datum.
     pub height_m: f64,
     /// The altitude's datum.
@@ -225,7 +225,7 @@ impl Report {
             quality: Quality {
                 position_m: position_sigma_m,
                 velocity_mps: VELOCITY_SIGMA_MPS,
-                velocity_is_told: false,
+                velocity_sigma_is_known: false,
                 height_m: 0.0,
                 // Receivers fill in the transponder's pressure altitude, whatever the type's name
                 // says of QNH.

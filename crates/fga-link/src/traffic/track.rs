@@ -32,7 +32,7 @@ const REACHED_MISFIT: f64 = 0.5;
 const GATE_HEIGHT_M: f64 = 40.0;
 const GATE_CLIMB_MPS: f64 = 20.0;
 /// Of two tracks that a report continues, it continues the one with the nearer velocity: a difference up to this, metres
-/// per second and metres per second squared, is none of another aircraft.
+/// per second and metres per second squared, does not show another aircraft.
 const GATE_VELOCITY_MPS: f64 = 15.0;
 const GATE_TURN_MPS2: f64 = 10.0;
 /// Share of the difference between report and prediction that the track takes over.
@@ -216,15 +216,15 @@ impl Track {
         grown_m.min(MOST_SIGMA_M.max(self.quality.position_m))
     }
 
-    /// σ of the velocity along an axis for the time ahead, metres per second: what was told of it, or how well
-    /// the places tell it. Zero where nothing was told: how it may move bounds it then.
+    /// σ of the velocity along an axis for the time ahead, metres per second: the reported σ, or
+    /// the error of the velocity that the positions show. Zero without a report: then the movement bounds the velocity.
     pub fn velocity_sigma_mps(&self) -> f64 {
-        let told_mps = if self.quality.velocity_is_told && !self.contradicts {
+        let reported_mps = if self.quality.velocity_sigma_is_known && !self.contradicts {
             self.quality.velocity_mps
         } else {
             0.0
         };
-        told_mps + self.estimated_mps
+        reported_mps + self.estimated_mps
     }
 
     /// Name for the operator: call sign, else address, else number.
@@ -273,7 +273,7 @@ impl Track {
         let apart_s = (seen.valid_s - self.valid_s).abs();
         let speed_mps = velocity_mps.length();
         let moved_m = if self.has_velocity || self.hits > 1 {
-            // No turn takes it farther than it flies.
+            // The turn's effect is at most the distance flown.
             (0.5 * GATE_MPS2 * apart_s * apart_s).min(2.0 * (speed_mps + 10.0) * apart_s)
         } else {
             GATE_UNKNOWN_MPS * apart_s

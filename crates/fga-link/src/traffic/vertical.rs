@@ -6,7 +6,7 @@
 //!
 //! "Geometric" is a label that senders give to heights above the sea, above the ellipsoid and, wrongly, to pressure
 //! altitudes, also with an altimeter setting of their own. Nothing in a report shows which, so the bound contains all
-//! four. Where so many aircraft are near that not all can be considered, it contains the datums alone.
+//! four. Where more aircraft are near than a decision takes, the bound contains the datums alone.
 
 use fga::situation::ProtectedVolume;
 
@@ -33,7 +33,7 @@ const GEOID_M: [f64; 2] = [-107.0, 86.0];
 /// A sender's altimeter setting may put its heights this far off, metres: 990 or 1036 hPa instead of the standard
 /// pressure, as in ordinary weather.
 const SETTING_M: f64 = 195.0;
-/// An aircraft of unknown altitude may be this far above or below the vehicle, metres: farther than any manoeuvre climbs.
+/// An aircraft of unknown altitude may be this far above or below the vehicle, metres: more than any manoeuvre climbs.
 const UNKNOWN_M: f64 = 1_000.0;
 
 /// Altitude in the standard atmosphere, metres above 1013.25 hPa, where the pressure is

@@ -14,24 +14,22 @@
 
 mod judge;
 mod plan;
+mod wire;
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::common::random::Random;
 use fga_emulator::{Emulator, Item, STEP_S, Settings};
-use fga_link::authority::{Beat, Hearing, LOOK_EVERY_S, Order, Owed, Watchdog};
+use fga_link::authority::{Hearing, LOOK_EVERY_S, Order, Owed, Watchdog};
 use fga_link::commands::Command;
 use fga_link::mode::{Mode as LinkMode, ModeChange};
 use fga_link::restart::Note;
 use fga_link::{Companion, Config};
 use judge::Judge;
 use mavlink::MavHeader;
-use mavlink::dialects::ardupilotmega::{
-    ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, HEARTBEAT_DATA, MavAutopilot, MavCmd,
-    MavMessage, MavModeFlag, MavState, MavType,
-};
-use plan::{Fault, PILOTS, Planned, Trial, plan};
+use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
+use plan::{Fault, Planned, Trial, plan};
 
 /// Length of a sequence, seconds.
 const LENGTH_S: f64 = 75.0;
@@ -258,32 +256,6 @@ impl Rig {
         self.judge.telemetry_s = self.time_s;
     }
 
-    fn forge(&mut self, sequence: u8, mode: u32, armed: bool) {
-        let message = MavMessage::HEARTBEAT(HEARTBEAT_DATA {
-            custom_mode: mode,
-            mavtype: MavType::MAV_TYPE_FIXED_WING,
-            autopilot: MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
-            base_mode: if armed {
-                MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED
-            } else {
-                MavModeFlag::empty()
-            },
-            system_status: MavState::MAV_STATE_ACTIVE,
-            mavlink_version: 3,
-        });
-        self.to_companion.push_back(Packet {
-            due_s: self.time_s,
-            // Not the vehicle's: it tells nothing of the pilot.
-            sent_s: f64::NEG_INFINITY,
-            header: MavHeader {
-                system_id: 1,
-                component_id: 1,
-                sequence,
-            },
-            message,
-        });
-    }
-
     fn step(&mut self) {
         self.time_s += STEP_S;
         self.begin_faults();
@@ -322,103 +294,6 @@ impl Rig {
             self.watch();
         }
         self.judge();
-    }
-
-    /// Sends the messages of the vehicle and the receiver on their way.
-    fn telemetry(&mut self) {
-        let lost = [Fault::Deaf, Fault::Cut, Fault::Version1]
-            .into_iter()
-            .any(|fault| self.is_on(fault));
-        let delay_s = if self.is_on(Fault::Late) { 1.5 } else { 0.02 };
-        for message in self.emulator.drain() {
-            let sequence = self.sequences[0];
-            self.sequences[0] = sequence.wrapping_add(1);
-            let is_beat = matches!(message, MavMessage::HEARTBEAT(_));
-            if lost || (self.is_on(Fault::Telemetry) && !is_beat) {
-                continue;
-            }
-            self.to_companion.push_back(Packet {
-                due_s: self.time_s + delay_s,
-                sent_s: self.time_s,
-                header: MavHeader {
-                    system_id: 1,
-                    component_id: 1,
-                    sequence,
-                },
-                message,
-            });
-        }
-        let own_m = self.emulator.plant().position_m();
-        let range_m = (self.intruder_m[1] - own_m[1]).hypot(self.intruder_m[0] - own_m[0]);
-        if range_m < 900.0 && self.time_s >= self.report_s {
-            self.report_s = self.time_s + self.trial.report_every_s;
-            self.judge.reported_s = self.time_s;
-            let place = self.emulator.home().to_place(self.intruder_m);
-            let message = MavMessage::ADSB_VEHICLE(ADSB_VEHICLE_DATA {
-                ICAO_address: 0xAB_CDEF,
-                lat: place.latitude_e7,
-                lon: place.longitude_e7,
-                altitude: place.altitude_mm,
-                heading: 18_000,
-                hor_velocity: 2500,
-                flags: AdsbFlags::ADSB_FLAGS_VALID_COORDS
-                    | AdsbFlags::ADSB_FLAGS_VALID_ALTITUDE
-                    | AdsbFlags::ADSB_FLAGS_VALID_HEADING
-                    | AdsbFlags::ADSB_FLAGS_VALID_VELOCITY,
-                altitude_type: AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC,
-                callsign: "TEST".into(),
-                ..ADSB_VEHICLE_DATA::DEFAULT
-            });
-            self.to_companion.push_back(Packet {
-                due_s: self.time_s + 0.02,
-                sent_s: self.time_s,
-                header: MavHeader {
-                    system_id: 200,
-                    component_id: 156,
-                    sequence: 0,
-                },
-                message,
-            });
-        }
-    }
-
-    /// The reading thread.
-    fn read(&mut self) {
-        // Delays that shrink again deliver in order, as a stream does.
-        while self
-            .to_companion
-            .front()
-            .is_some_and(|p| p.due_s <= self.time_s)
-        {
-            let Some(packet) = self.to_companion.pop_front() else {
-                break;
-            };
-            let header = packet.header;
-            match &packet.message {
-                MavMessage::HEARTBEAT(data) if header.system_id == 1 => {
-                    let beat = Beat {
-                        sequence: header.sequence,
-                        mode: LinkMode(data.custom_mode),
-                        armed: data
-                            .base_mode
-                            .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED),
-                    };
-                    self.hearing.hear(beat, self.time_s);
-                    if let Some((mode, chosen_s)) = self.judge.pilot
-                        && packet.sent_s >= chosen_s
-                        && data.custom_mode == mode.number()
-                    {
-                        self.judge.known_s.get_or_insert(self.time_s);
-                    }
-                }
-                MavMessage::ATTITUDE(data) => {
-                    self.hearing.stamp(data.time_boot_ms, self.time_s);
-                    self.judge.telemetry_s = self.time_s;
-                }
-                _ => {}
-            }
-            self.inbox.push_back(packet);
-        }
     }
 
     /// The deciding thread.
@@ -461,32 +336,6 @@ impl Rig {
         }
     }
 
-    /// The writing thread: checks at the last moment what leaves a mode.
-    fn send(&mut self, change: Option<ModeChange>, message: MavMessage) {
-        if change.is_some_and(|change| !self.hearing.ask(change, self.time_s)) {
-            return;
-        }
-        if self.is_on(Fault::Mute) || self.is_on(Fault::Cut) {
-            return;
-        }
-        let delay_s = 0.01 + self.random.uniform(0.0, 0.02);
-        let due_s = self
-            .to_vehicle
-            .back()
-            .map_or(0.0, |packet| packet.due_s)
-            .max(self.time_s + delay_s);
-        self.to_vehicle.push_back(Packet {
-            due_s,
-            sent_s: self.time_s,
-            header: MavHeader {
-                system_id: 1,
-                component_id: 196,
-                sequence: 0,
-            },
-            message,
-        });
-    }
-
     /// The watching thread.
     fn watch(&mut self) {
         if self.time_s < self.look_s {
@@ -512,28 +361,6 @@ impl Rig {
                 self.start_again();
             }
         }
-    }
-
-    /// A packet reaches the vehicle.
-    fn arrive(&mut self, packet: &Packet) {
-        if let MavMessage::COMMAND_LONG(data) = &packet.message
-            && data.command == MavCmd::MAV_CMD_DO_SET_MODE
-        {
-            let mode = self.emulator.mode();
-            let by_pilot = self
-                .emulator
-                .mode_changes()
-                .last()
-                .is_some_and(|change| change.component_id == 0);
-            self.say(&format!("mode {} asked for in {mode:?}", data.param2));
-            let knew = self.judge.known_s.is_some_and(|s| packet.sent_s > s);
-            if by_pilot && knew && PILOTS.contains(&mode) {
-                self.fail(format!(
-                    "a mode was commanded in {mode:?}, which the pilot chose and it had heard"
-                ));
-            }
-        }
-        self.emulator.receive(&packet.header, &packet.message);
     }
 }
 

@@ -1,0 +1,295 @@
+//! Reading and checking a configuration.
+
+use fga_formats::error::toml_sentence;
+
+use super::{Config, ConfigError, VolumeConfig};
+use crate::number::Checked;
+
+/// The fault of a file that is no configuration, with its line.
+fn in_one_sentence(error: &toml::de::Error, text: &str) -> ConfigError {
+    let message = error.message();
+    let limit = ["floor_m", "ceiling_m"]
+        .into_iter()
+        .find(|key| message.starts_with(&format!("unknown field `{key}`")));
+    let message = match limit {
+        Some(key) => format!("{key} is out of place, expected limits.{key}"),
+        None => toml_sentence(message),
+    };
+    ConfigError(match error.span() {
+        Some(span) => {
+            let before = text.get(..span.start).unwrap_or_default();
+            format!("line {}: {message}", 1 + before.matches('\n').count())
+        }
+        None => message,
+    })
+}
+
+impl Config {
+    /// Reads and checks a configuration.
+    ///
+    /// # Errors
+    /// The fault, with the key and the expected value.
+    pub fn parse(text: &str) -> Result<Self, ConfigError> {
+        let config: Self = toml::from_str(text).map_err(|error| in_one_sentence(&error, text))?;
+        config.check()?;
+        Ok(config)
+    }
+
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// The first key out of range.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        let mut checked = Checked::default();
+        checked
+            .within(
+                "vehicle.max_bank_deg",
+                self.vehicle.max_bank_deg,
+                10.0,
+                70.0,
+            )
+            .within(
+                "vehicle.max_bank_in_need_deg",
+                self.vehicle.max_bank_in_need_deg,
+                10.0,
+                70.0,
+            )
+            .within(
+                "vehicle.max_climb_deg",
+                self.vehicle.max_climb_deg,
+                0.0,
+                45.0,
+            )
+            .within("protection.margin_m", self.protection.margin_m, 0.0, 1000.0)
+            .within(
+                "protection.confidence_sigmas",
+                self.protection.confidence_sigmas,
+                0.0,
+                10.0,
+            )
+            .within(
+                "protection.horizon_s",
+                self.protection.horizon_s,
+                5.0,
+                300.0,
+            )
+            .within("command.rate_hz", self.command.rate_hz, 2.0, 50.0)
+            .within(
+                "command.decision_period_s",
+                self.command.decision_period_s,
+                0.02,
+                1.0,
+            )
+            .within("limits.floor_m", self.limits.floor_m, 0.0, 10_000.0)
+            .within(
+                "safety.telemetry_stale_s",
+                self.safety.telemetry_stale_s,
+                0.3,
+                5.0,
+            )
+            .within("safety.link_lost_s", self.safety.link_lost_s, 1.5, 30.0)
+            .within(
+                "safety.follow_tolerance_deg",
+                self.safety.follow_tolerance_deg,
+                5.0,
+                60.0,
+            )
+            .within("safety.follow_time_s", self.safety.follow_time_s, 1.0, 30.0)
+            .within(
+                "response.turn_rate_factor",
+                self.response.turn_rate_factor,
+                0.2,
+                1.2,
+            )
+            .within(
+                "response.bank_time_constant_s",
+                self.response.bank_time_constant_s,
+                0.0,
+                5.0,
+            )
+            .within("response.dead_time_s", self.response.dead_time_s, 0.0, 3.0)
+            .within(
+                "traffic.drop_after_s",
+                self.traffic.drop_after_s,
+                2.0,
+                120.0,
+            )
+            .within(
+                "traffic.position_sigma_m",
+                self.traffic.position_sigma_m,
+                0.0,
+                1000.0,
+            );
+        let most = f64::from(self.alerts.levels.most());
+        let act_at = f64::from(self.alerts.act_at_level);
+        checked.within("alerts.act_at_level", act_at, 0.0, most);
+        self.check_optional(&mut checked);
+        checked.finish().map_err(ConfigError)?;
+        self.check_across()?;
+        self.own_icao()?;
+        self.signing_key()?;
+        self.take_over()?;
+        Ok(())
+    }
+
+    /// The keys that may be absent, and the obstacles.
+    fn check_optional(&self, checked: &mut Checked) {
+        if let Some(value) = self.protection.radius_m {
+            checked.within("protection.radius_m", value, 1.0, 5000.0);
+        }
+        if let Some(value) = self.protection.surveillance_m {
+            checked.within("protection.surveillance_m", value, 50.0, 50_000.0);
+        }
+        for (name, volume) in self.volumes.each() {
+            let VolumeConfig {
+                radius_m,
+                half_height_m,
+            } = volume;
+            checked
+                .within(&format!("volumes.{name}.radius_m"), radius_m, 1.0, 5000.0)
+                .within(
+                    &format!("volumes.{name}.half_height_m"),
+                    half_height_m,
+                    1.0,
+                    5000.0,
+                );
+        }
+        if let Some(value) = self.protection.half_height_m {
+            checked.within("protection.half_height_m", value, 1.0, 5000.0);
+        }
+        if let Some(value) = self.protection.safety_score {
+            checked.within("protection.safety_score", value, 0.0, 1.0);
+        }
+        if let Some(value) = self.limits.ceiling_m {
+            checked.within(
+                "limits.ceiling_m",
+                value,
+                self.limits.floor_m + 1.0,
+                20_000.0,
+            );
+        }
+        for sensor in &self.traffic.sensor {
+            let sigma_m = sensor.position_sigma_m;
+            checked.within("traffic.sensor.position_sigma_m", sigma_m, 0.0, 1000.0);
+        }
+        for obstacle in &self.obstacle {
+            checked
+                .within("obstacle.latitude_deg", obstacle.latitude_deg, -90.0, 90.0)
+                .within(
+                    "obstacle.longitude_deg",
+                    obstacle.longitude_deg,
+                    -360.0,
+                    360.0,
+                )
+                .within(
+                    "obstacle.altitude_m",
+                    obstacle.altitude_m,
+                    -1000.0,
+                    100_000.0,
+                )
+                .within("obstacle.radius_m", obstacle.radius_m, 0.1, 50_000.0)
+                .within("obstacle.track_deg", obstacle.track_deg, -360.0, 360.0)
+                .within("obstacle.speed_mps", obstacle.speed_mps, 0.0, 1000.0)
+                .within("obstacle.climb_mps", obstacle.climb_mps, -200.0, 200.0);
+            if let Some(value) = obstacle.half_height_m {
+                checked.within("obstacle.half_height_m", value, 0.1, 50_000.0);
+            }
+        }
+    }
+
+    /// The vehicle's ICAO address.
+    ///
+    /// # Errors
+    /// A text that is not up to six hexadecimal digits.
+    pub fn own_icao(&self) -> Result<Option<u32>, ConfigError> {
+        let Some(text) = &self.traffic.own_icao else {
+            return Ok(None);
+        };
+        u32::from_str_radix(text, 16)
+            .ok()
+            .filter(|address| *address <= 0x00FF_FFFF)
+            .map(Some)
+            .ok_or_else(|| {
+                ConfigError(format!(
+                    "traffic.own_icao is '{text}', expected up to six hexadecimal digits"
+                ))
+            })
+    }
+
+    /// The key of signing.
+    ///
+    /// # Errors
+    /// A text that is not 64 hexadecimal digits.
+    pub fn signing_key(&self) -> Result<Option<[u8; 32]>, ConfigError> {
+        let Some(text) = &self.link.signing_key else {
+            return Ok(None);
+        };
+        let error = || ConfigError("link.signing_key: expected 64 hexadecimal digits".to_owned());
+        let digits: Option<Vec<u8>> = text
+            .chars()
+            .map(|c| c.to_digit(16).and_then(|d| u8::try_from(d).ok()))
+            .collect();
+        let digits = digits
+            .filter(|digits| digits.len() == 64)
+            .ok_or_else(error)?;
+        let mut key = [0; 32];
+        for (byte, pair) in key.iter_mut().zip(digits.chunks_exact(2)) {
+            *byte = pair.iter().fold(0, |value, digit| value * 16 + digit);
+        }
+        Ok(Some(key))
+    }
+
+    /// The modes that may be taken over.
+    ///
+    /// # Errors
+    /// A name that is no mode, or a mode that the companion cannot take over.
+    pub fn take_over(&self) -> Result<Vec<crate::mode::Mode>, ConfigError> {
+        self.vehicle
+            .take_over
+            .iter()
+            .map(|name| {
+                crate::mode::Mode::from_name(name).filter(|mode| mode.can_be_taken_over()).ok_or_else(|| {
+                    ConfigError(format!(
+                        "vehicle.take_over: '{name}' cannot be taken over, expected AUTO, CRUISE, FBWB or RTL"
+                    ))
+                })
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::*;
+
+    #[test]
+    fn an_empty_file_is_valid() {
+        assert_eq!(Config::parse("").unwrap(), Config::default());
+    }
+
+    #[test]
+    fn wrong_keys_and_ranges_are_named() {
+        let error = |text: &str| Config::parse(text).unwrap_err().0;
+        assert!(error("[safety]\nflor_m = 3").contains("flor_m"));
+        assert_eq!(
+            error("[safety]\nceiling_m = 120"),
+            "line 2: ceiling_m is out of place, expected limits.ceiling_m"
+        );
+        assert!(error("[vehicle]\nmax_bank_deg = 90.0").contains("vehicle.max_bank_deg is 90"));
+        assert!(error("[vehicle]\ntake_over = [\"GUIDED\"]").contains("GUIDED"));
+        assert!(error("[traffic]\nown_icao = \"xyz\"").contains("own_icao"));
+        assert!(error("[link]\nsigning_key = \"00\"").contains("64"));
+        assert!(error("[response]\ndead_time_s = nan").contains("dead_time_s"));
+    }
+
+    #[test]
+    fn obstacles_and_keys_are_read() {
+        let key = "0f".repeat(32);
+        let text = format!(
+            "[link]\nsigning_key = \"{key}\"\n[[obstacle]]\nlatitude_deg = 37.6\nlongitude_deg = -122.4\naltitude_m = 100.0\nradius_m = 150.0\n"
+        );
+        let config = Config::parse(&text).unwrap();
+        assert_eq!(config.obstacle.len(), 1);
+        assert_eq!(config.signing_key().unwrap(), Some([0x0F; 32]));
+    }
+}
