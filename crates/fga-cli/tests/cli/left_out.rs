@@ -330,18 +330,19 @@ fn check_counts_what_it_reads_of_every_kind_of_traffic() {
     let text = log(|line| line.replace(",1000,", ",FL033,"));
     fs::write(at.join("feed.sbs"), &text).unwrap();
     fs::write(at.join("pair.sbs"), log(|line| line)).unwrap();
-    let daa = format!(
-        "NAME, lat, lon, alt, trk, gs, vs, time\nnone, deg, deg, ft, deg, knot, fpm, s\n{}{}",
-        (0..3)
-            .map(|s| format!("A, 0, {}, 1000, 90, 100, 0, {s}\n", 0.001 * f64::from(s)))
-            .collect::<String>(),
-        (0..3)
-            .map(|s| format!(
-                "B, 0, {}, 1000, 270, 100, 0, {s}\n",
-                0.1 - 0.001 * f64::from(s)
-            ))
-            .collect::<String>(),
+    let mut daa = String::from(
+        "NAME, lat, lon, alt, trk, gs, vs, time\nnone, deg, deg, ft, deg, knot, fpm, s\n",
     );
+    for (name, lon_deg, course_deg, by_deg) in [("A", 0.0, 90, 0.001), ("B", 0.1, 270, -0.001)] {
+        for second in 0..3 {
+            let at_deg = lon_deg + by_deg * f64::from(second);
+            writeln!(
+                daa,
+                "{name}, 0, {at_deg}, 1000, {course_deg}, 100, 0, {second}"
+            )
+            .unwrap();
+        }
+    }
     fs::write(at.join("pair.daa"), daa).unwrap();
     for (file, read, used, unreadable) in [
         ("feed.sbs", 320, 160, Some(160)),

@@ -5,7 +5,9 @@
     reason = "a bench with small numbers"
 )]
 
-use crate::common::{GOOD, Intruder, Network, Random, World};
+use core::ops::Range;
+
+use crate::common::{GOOD, Intruder, Network, Random, World, seeds};
 use fga_emulator::Mode;
 use fga_link::authority::Authority;
 use fga_link::signing::Signing;
@@ -347,22 +349,14 @@ fn fails_in_queues(seed: u64) -> Option<String> {
     None
 }
 
-/// The count of sequences that `FGA_SEQUENCES` sets, or this one.
-fn sequences(count: u64) -> u64 {
-    std::env::var("FGA_SEQUENCES")
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(count)
-}
-
 #[test]
 fn l10_guided_is_never_nobodys_under_queues_of_every_order() {
-    assert_none(sequences(100), fails_in_queues);
+    assert_none(seeds(100), fails_in_queues);
 }
 
 #[test]
 fn in_no_sequence_of_degradations_an_ability_is_lost_in_silence() {
-    assert_none(sequences(100), fails);
+    assert_none(seeds(100), fails);
 }
 
 /// Two queues overlap: requests for GUIDED arrive after the return that overtook them.
@@ -371,12 +365,13 @@ fn l10_requests_that_the_return_overtook_are_reported() {
     assert_eq!(fails(199), None);
 }
 
-fn assert_none(count: u64, fails: fn(u64) -> Option<String>) {
+/// Flies every seed; no failure is left.
+fn assert_none(seeds: Range<u64>, fails: fn(u64) -> Option<String>) {
     let threads = std::thread::available_parallelism().map_or(2, usize::from);
     let failures: Vec<String> = std::thread::scope(|scope| {
-        let fliers: Vec<_> = (0..threads as u64)
+        let fliers: Vec<_> = (0..threads)
             .map(|first| {
-                let seeds = (first..count).step_by(threads);
+                let seeds = seeds.clone().skip(first).step_by(threads);
                 scope.spawn(move || seeds.filter_map(fails).collect::<Vec<_>>())
             })
             .collect();
@@ -387,7 +382,7 @@ fn assert_none(count: u64, fails: fn(u64) -> Option<String>) {
     });
     assert!(
         failures.is_empty(),
-        "{} of {count}: {failures:#?}",
+        "{} of {seeds:?}: {failures:#?}",
         failures.len()
     );
 }

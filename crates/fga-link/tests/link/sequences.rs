@@ -2,7 +2,7 @@
 //! time. The companion, the watchdog and the check at the moment of sending fly against the emulator;
 //! code outside of all three watches for what must never happen.
 //!
-//! `FGA_SEQUENCES` sets their number, `FGA_SEQUENCE` flies one seed with a trace.
+//! `FGA_SEQUENCES` sets their seeds, `FGA_SEQUENCE` flies one seed with a trace.
 #![allow(
     unreachable_pub,
     clippy::std_instead_of_alloc,
@@ -20,6 +20,7 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::common::random::Random;
+use crate::common::seeds;
 use fga_emulator::{Emulator, Item, STEP_S, Settings};
 use fga_link::authority::{Hearing, LOOK_EVERY_S, Order, Owed, Watchdog};
 use fga_link::commands::Command;
@@ -414,11 +415,8 @@ fn in_no_sequence_of_faults_the_pilot_loses_or_an_ability_is_lost_in_silence() {
         assert_eq!(fly(seed, true), None);
         return;
     }
-    let count = std::env::var("FGA_SEQUENCES")
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(300);
-    let next = AtomicU64::new(0);
+    let seeds = seeds(300);
+    let next = AtomicU64::new(seeds.start);
     let failures: Vec<String> = std::thread::scope(|scope| {
         let threads = std::thread::available_parallelism().map_or(2, usize::from);
         let fliers: Vec<_> = (0..threads)
@@ -427,7 +425,7 @@ fn in_no_sequence_of_faults_the_pilot_loses_or_an_ability_is_lost_in_silence() {
                     let mut failures = Vec::new();
                     loop {
                         let seed = next.fetch_add(1, Ordering::Relaxed);
-                        if seed >= count {
+                        if seed >= seeds.end {
                             return failures;
                         }
                         failures.extend(fly(seed, false));
@@ -442,7 +440,7 @@ fn in_no_sequence_of_faults_the_pilot_loses_or_an_ability_is_lost_in_silence() {
     });
     assert!(
         failures.is_empty(),
-        "{} of {count} sequences, the first: {}",
+        "{} of {seeds:?}, the first: {}",
         failures.len(),
         failures
             .iter()

@@ -48,6 +48,18 @@ pub fn sbs_log() -> Option<Vec<LoggedLine>> {
     Some(read_log(flate2::read::GzDecoder::new(file)).0)
 }
 
+/// The seeds that `FGA_SEQUENCES` sets, as `COUNT` or `FIRST..END`; else the first `count`.
+pub fn seeds(count: u64) -> core::ops::Range<u64> {
+    let Ok(text) = std::env::var("FGA_SEQUENCES") else {
+        return 0..count;
+    };
+    let number = |text: &str| text.parse().expect("FGA_SEQUENCES is COUNT or FIRST..END");
+    match text.split_once("..") {
+        Some((first, end)) => number(first)..number(end),
+        None => 0..number(&text),
+    }
+}
+
 /// The network's effect on packets.
 #[derive(Debug, Clone, Copy)]
 pub struct Network {
