@@ -169,6 +169,10 @@ impl Default for LimitsConfig {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SafetyConfig {
+    /// The former place of [`LimitsConfig::floor_m`].
+    pub floor_m: Option<f64>,
+    /// The former place of [`LimitsConfig::ceiling_m`].
+    pub ceiling_m: Option<f64>,
     /// Telemetry older than this is stale, seconds.
     pub telemetry_stale_s: f64,
     /// After this long without a heartbeat the link is lost, seconds.
@@ -186,6 +190,8 @@ pub struct SafetyConfig {
 impl Default for SafetyConfig {
     fn default() -> Self {
         Self {
+            floor_m: None,
+            ceiling_m: None,
             telemetry_stale_s: 1.0,
             link_lost_s: 3.5,
             follow_tolerance_deg: 15.0,

@@ -2,7 +2,7 @@
 
 use fga_formats::error::toml_sentence;
 
-use super::{Config, ConfigError, VolumeConfig};
+use super::{Config, ConfigError, LimitsConfig, VolumeConfig};
 use crate::number::Checked;
 
 /// The fault of a file that is no configuration, with its line.
@@ -30,9 +30,29 @@ impl Config {
     /// # Errors
     /// The fault, with the key and the expected value.
     pub fn parse(text: &str) -> Result<Self, ConfigError> {
-        let config: Self = toml::from_str(text).map_err(|error| in_one_sentence(&error, text))?;
+        let mut config: Self =
+            toml::from_str(text).map_err(|error| in_one_sentence(&error, text))?;
+        config.move_limits()?;
         config.check()?;
         Ok(config)
+    }
+
+    /// Takes limits of altitude from their former place.
+    fn move_limits(&mut self) -> Result<(), ConfigError> {
+        let former = (self.safety.floor_m, self.safety.ceiling_m);
+        if former == (None, None) {
+            return Ok(());
+        }
+        if self.limits != LimitsConfig::default() {
+            let message =
+                "safety.floor_m and safety.ceiling_m stand beside limits, expected limits alone";
+            return Err(ConfigError(message.to_owned()));
+        }
+        self.limits = LimitsConfig {
+            floor_m: former.0.unwrap_or(self.limits.floor_m),
+            ceiling_m: former.1,
+        };
+        Ok(())
     }
 
     /// Checks ranges.
@@ -272,14 +292,40 @@ mod tests {
         let error = |text: &str| Config::parse(text).unwrap_err().0;
         assert!(error("[safety]\nflor_m = 3").contains("flor_m"));
         assert_eq!(
-            error("[safety]\nceiling_m = 120"),
+            error("[vehicle]\nceiling_m = 120"),
             "line 2: ceiling_m is out of place, expected limits.ceiling_m"
         );
+        assert!(error("[safety]\nfloor_m = 9.0\n[limits]\nfloor_m = 8.0").contains("limits alone"));
         assert!(error("[vehicle]\nmax_bank_deg = 90.0").contains("vehicle.max_bank_deg is 90"));
         assert!(error("[vehicle]\ntake_over = [\"GUIDED\"]").contains("GUIDED"));
         assert!(error("[traffic]\nown_icao = \"xyz\"").contains("own_icao"));
         assert!(error("[link]\nsigning_key = \"00\"").contains("64"));
         assert!(error("[response]\ndead_time_s = nan").contains("dead_time_s"));
+    }
+
+    /// Files of earlier versions have them in `[safety]`.
+    #[test]
+    fn limits_of_altitude_count_in_their_former_place_with_a_warning() {
+        let config = Config::parse("[safety]\nfloor_m = 45.0\nceiling_m = 120.0").unwrap();
+        let limits = LimitsConfig {
+            floor_m: 45.0,
+            ceiling_m: Some(120.0),
+        };
+        assert_eq!(config.limits, limits);
+        assert!(
+            config
+                .warnings()
+                .iter()
+                .any(|words| words.contains("limits.floor_m"))
+        );
+        let config = Config::parse("[limits]\nfloor_m = 45.0\nceiling_m = 120.0").unwrap();
+        assert_eq!(config.limits, limits);
+        assert!(
+            !config
+                .warnings()
+                .iter()
+                .any(|words| words.contains("limits"))
+        );
     }
 
     #[test]

@@ -142,6 +142,10 @@ impl Config {
     /// Warnings about a usable configuration, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
+        if self.safety.floor_m.or(self.safety.ceiling_m).is_some() {
+            let words = "floor_m and ceiling_m of [safety] count as limits.floor_m and limits.ceiling_m, their new place";
+            warnings.push(words.to_owned());
+        }
         let crewed = self.volume(Class::Crewed);
         if crewed.radius_m() < NMAC.radius_m || crewed.half_height_m() < NMAC.half_height_m {
             warnings.push(format!(

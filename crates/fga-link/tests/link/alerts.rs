@@ -15,7 +15,7 @@ fn head_on(config: &str) -> World {
     world
 }
 
-/// The alerts that were told, with their levels.
+/// The reported alerts with their levels.
 fn told(world: &World) -> Vec<(f64, usize)> {
     let texts = world.sent.iter().filter_map(|(time_s, message)| {
         let MavMessage::STATUSTEXT(data) = message else {

@@ -1,5 +1,5 @@
 //! Each field of a report wrong by sign, angle, unit or datum: the manoeuvre begins about as early as with true
-//! reports, and what cannot be used is told once.
+//! reports, and the operator reads once what cannot be used.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -1,4 +1,4 @@
-//! What a receiver's wire gives, told and counted: a feed that is not understood never looks like an empty sky.
+//! The content of a receiver's wire is reported and counted: a feed that is not understood never looks like an empty sky.
 
 use core::cell::Cell;
 use core::sync::atomic::{AtomicBool, Ordering};

@@ -82,7 +82,7 @@ struct Flown {
     changes: Vec<ModeChange>,
     /// Least distance to the disc, metres.
     least_m: f64,
-    /// What it was told for the operator; it passes that on to its other links.
+    /// The texts that it got for the operator; it passes them on to its other links.
     texts: Vec<String>,
 }
 

@@ -53,7 +53,7 @@ fn the_pilot_takes_over_in_every_state() {
             world.run_while(120.0, state, |w| w.companion.authority().name() != state);
             world.emulator.pilot_mode(mode);
             let changes = own_changes(&world);
-            // The heartbeat that tells it takes one delay of the network.
+            // The heartbeat that reports the mode takes one delay of the network.
             world.run_until(world.time_s + 0.1);
             assert!(world.companion.owed_mode().is_none(), "{state} {mode:?}");
             assert!(is_released(&world, Fault::ModeChanged), "{state} {mode:?}");

@@ -20,7 +20,7 @@ use mavlink::dialects::ardupilotmega::{
 /// Protected by default, metres.
 const PROTECTED_M: f64 = 60.0;
 const INTRUDER: u32 = 0x00AB_CDEF;
-/// The receiver that tells of the true intruder.
+/// The receiver that reports the true intruder.
 const RECEIVER: (u8, u8) = (200, 156);
 
 /// A head-on intruder that meets the aircraft after a minute.

@@ -64,7 +64,7 @@ pub struct Ground {
     fence: Vec<MISSION_ITEM_INT_DATA>,
     /// Whether the vehicle accepted the last upload.
     pub uploaded: bool,
-    /// Positions told so far.
+    /// Positions received so far.
     pub positions: u64,
     /// Texts since the list was cleared.
     pub texts: Vec<String>,

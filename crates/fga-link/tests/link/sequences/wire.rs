@@ -27,7 +27,7 @@ impl Rig {
         });
         self.to_companion.push_back(Packet {
             due_s: self.time_s,
-            // Not the vehicle's: it tells nothing of the pilot.
+            // Not the vehicle's: it shows nothing of the pilot.
             sent_s: f64::NEG_INFINITY,
             header: MavHeader {
                 system_id: 1,
