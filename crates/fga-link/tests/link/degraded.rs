@@ -303,7 +303,7 @@ fn fails(seed: u64) -> Option<String> {
 /// copies and reorders; in some sequences the pilot chooses LOITER. Returns the failure in words.
 fn fails_in_queues(seed: u64) -> Option<String> {
     let mut random = Random::new(seed ^ 0x0EE5);
-    let queues: Vec<(f64, f64, f64)> = (0..1 + random.next() % 4)
+    let queues: Vec<(f64, f64, f64)> = (0..=random.next() % 4)
         .map(|_| {
             let begins_s = random.uniform(35.0, 70.0);
             let ends_s = begins_s + random.uniform(0.5, 25.0);
