@@ -383,10 +383,11 @@ impl Companion {
             // A note of another vehicle is another program's.
             return Some(*note).filter(|_| self.heard.is_some() && !self.dry_run);
         }
-        Some(Note::new(
-            self.owed()?,
-            self.noted_boot_ms.unwrap_or(self.boot_ms),
-        ))
+        let boot_ms = self.noted_boot_ms.unwrap_or(self.boot_ms);
+        Some(Note {
+            item: self.item_asked_for(),
+            ..Note::new(self.owed()?, boot_ms)
+        })
     }
 
     /// The operator's switch.

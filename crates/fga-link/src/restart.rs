@@ -25,6 +25,9 @@ pub struct Note {
     pub previous_mode: u32,
     /// The vehicle's time since boot when the mode was taken, milliseconds.
     pub boot_ms: u32,
+    /// The mission item that the vehicle was asked to go on with: the commands from there to the next waypoint wait for AUTO.
+    #[serde(default)]
+    pub item: Option<u16>,
     /// This computer's clock when the note was written, seconds since 1970; 0 if unknown.
     #[serde(default)]
     pub written_unix_s: u64,
@@ -41,6 +44,7 @@ impl Note {
             owned_mode: owed.owned.0,
             previous_mode: owed.previous.0,
             boot_ms,
+            item: None,
             written_unix_s: 0,
             age_s: 0,
         }

@@ -137,7 +137,13 @@ impl Companion {
             heartbeat_s: now_s,
         };
         let is_armed = heard.armed;
+        let noted = self.notes.len();
         self.notes.retain(|note| note.fits(system, mode));
+        if self.notes.len() < noted {
+            // Not even a forged heartbeat ends a debt in silence.
+            let row = reaction(Fault::ModeChanged);
+            self.tell(row.severity, row.text, now_s);
+        }
         if mode != mode_was {
             self.watch.mode_changed(now_s);
             self.note(now_s, "mode", json!({ "mode": mode.to_string() }));
@@ -183,6 +189,7 @@ impl Companion {
             self.neighbors.choose();
             self.keeper.resume(note.previous(), now_s);
             self.noted_boot_ms = Some(note.boot_ms);
+            self.resume_passing(note.item);
             self.note(
                 now_s,
                 "resumes",

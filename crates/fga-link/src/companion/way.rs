@@ -172,6 +172,15 @@ impl Companion {
             return false;
         };
         self.way = way_ahead(items, item, own_m, frame, home_m);
+        if self.passing.pending.is_empty()
+            && let Some(asked) = self.passing.asked
+        {
+            // A program that was restarted finds what waits for AUTO.
+            let asked = way_ahead(items, asked, own_m, frame, home_m);
+            if asked.items.get(1) == Some(&Some(item)) {
+                self.passing.pending = asked.commands.get(1).cloned().unwrap_or_default();
+            }
+        }
         self.way_mission = Some(self.mission_laid);
         true
     }
@@ -276,17 +285,19 @@ impl Companion {
 
     /// A manoeuvre begins, or another way in one: from here on waypoints are passed without the vehicle.
     pub(super) fn begin_passing(&mut self) {
-        // The decider and the vehicle pass a waypoint at slightly different moments.
+        // The decider and the vehicle pass a waypoint at different moments: after a manoeuvre that a fault ended, the vehicle flies to
+        // one that the decider has long passed.
         let leg = self.decider.as_ref().map_or(0, Decider::leg_index);
-        let around = [leg + 1, leg]
-            .into_iter()
-            .chain(leg + 2..self.way.items.len());
-        let next = self.flown_to(around).unwrap_or(leg + 1);
+        let flown_to = (0..self.way.items.len())
+            .filter(|index| self.flown_to(*index..index + 1).is_some())
+            .min_by_key(|index| index.abs_diff(leg + 1));
+        let next = flown_to.unwrap_or(leg + 1);
         self.passing = Passing {
             next,
             known: self.mission_item,
             nearest_m: vec![f64::INFINITY; self.way.waypoints_m.len()],
             pending: core::mem::take(&mut self.passing.pending),
+            asked: self.passing.asked,
             ..Passing::default()
         };
     }
@@ -401,6 +412,17 @@ impl Companion {
     /// The vehicle flies its mission: it runs what waited for that.
     pub(super) fn mission_goes_on(&mut self) {
         self.passing.pending.clear();
+        self.passing.asked = None;
+    }
+
+    /// The item that the vehicle was asked to go on with, and has not gone on with yet.
+    pub(super) const fn item_asked_for(&self) -> Option<u16> {
+        self.passing.asked
+    }
+
+    /// An earlier run asked the vehicle to go on with an item.
+    pub(super) const fn resume_passing(&mut self, asked: Option<u16>) {
+        self.passing.asked = asked;
     }
 
     /// Where the vehicle begins its mission again with each change to AUTO: the commands before its first waypoint run again.

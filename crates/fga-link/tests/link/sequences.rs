@@ -54,7 +54,9 @@ struct Rig {
     look_s: f64,
     alive: bool,
     owed: Option<Owed>,
+    /// The note on the disk, and whether this run has written one.
     note: Option<Note>,
+    noted: bool,
     time_s: f64,
     sequences: [u8; 3],
     forge_s: f64,
@@ -127,6 +129,7 @@ impl Rig {
             alive: true,
             owed: None,
             note: None,
+            noted: false,
             time_s: 0.0,
             sequences: [0; 3],
             forge_s: 0.0,
@@ -245,6 +248,7 @@ impl Rig {
         let mut notes = foreign_notes(self.trial);
         notes.extend(self.note);
         self.companion.set_notes(notes);
+        self.noted = false;
         self.ends_s = None;
         self.hearing = Hearing::default();
         self.watchdog = Watchdog::default();
@@ -309,7 +313,12 @@ impl Rig {
         self.companion.tick(self.time_s);
         self.ticks += 1;
         self.owed = self.companion.owed();
-        self.note = self.companion.restart_note();
+        // As the notebook: a run removes a note only after one of its own.
+        let note = self.companion.restart_note();
+        self.noted |= note.is_some();
+        if self.noted {
+            self.note = note;
+        }
         for outgoing in self.companion.outbox() {
             if let MavMessage::STATUSTEXT(data) = &outgoing.message {
                 self.judge.told_s = self.time_s;
@@ -403,6 +412,23 @@ fn fly_with(seed: u64, trace: bool, with_trial: bool) -> Option<String> {
 fn guided_is_never_nobodys_on_a_late_link_or_after_forged_heartbeats() {
     for seed in [5150, 8945, 3380] {
         assert_eq!(fly_with(seed, false, false), None);
+    }
+}
+
+/// A fault ends a manoeuvre, and the next one begins while the vehicle flies to a waypoint that the decider has long passed; two
+/// programs are killed after they asked for an item and before the vehicle went on with it (4535, 6543).
+#[test]
+fn l2_no_command_vanishes_between_two_manoeuvres_or_two_runs() {
+    for seed in [2023, 6003, 6643, 7041, 8839, 2275, 4535, 6543, 8313] {
+        assert_eq!(fly(seed, false), None);
+    }
+}
+
+/// The first heartbeats of a restarted program are forged (1763); a program stands still before it hears the vehicle (20111).
+#[test]
+fn l2_guided_is_never_nobodys_after_two_restarts() {
+    for seed in [1763, 20111] {
+        assert_eq!(fly(seed, false), None);
     }
 }
 

@@ -262,6 +262,7 @@ fn note(system_id: u8, world: &World) -> Note {
         owned_mode: Mode::Guided.number(),
         previous_mode: Mode::Auto.number(),
         boot_ms: (world.emulator.time_s() * 1e3) as u32,
+        item: None,
         written_unix_s: 0,
         age_s: 0,
     }
