@@ -137,13 +137,7 @@ impl Companion {
             heartbeat_s: now_s,
         };
         let is_armed = heard.armed;
-        let noted = self.notes.len();
-        self.notes.retain(|note| note.fits(system, mode));
-        if self.notes.len() < noted {
-            // Not even a forged heartbeat ends a debt in silence.
-            let row = reaction(Fault::ModeChanged);
-            self.tell(row.severity, row.text, now_s);
-        }
+        self.leave_notes(system, mode, now_s);
         if mode != mode_was {
             self.watch.mode_changed(now_s);
             self.note(now_s, "mode", json!({ "mode": mode.to_string() }));
@@ -174,6 +168,16 @@ impl Companion {
         }
         if was_armed && !is_armed {
             self.fault(Fault::Disarmed, now_s);
+        }
+    }
+
+    /// The vehicle reports a mode: the notes of other modes end. Not even a forged heartbeat ends a debt in silence.
+    fn leave_notes(&mut self, system: u8, mode: Mode, now_s: f64) {
+        let noted = self.notes.len();
+        self.notes.retain(|note| note.fits(system, mode));
+        if self.notes.len() < noted {
+            let row = reaction(Fault::ModeChanged);
+            self.tell(row.severity, row.text, now_s);
         }
     }
 

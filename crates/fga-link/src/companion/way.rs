@@ -289,7 +289,7 @@ impl Companion {
         // one that the decider has long passed.
         let leg = self.decider.as_ref().map_or(0, Decider::leg_index);
         let flown_to = (0..self.way.items.len())
-            .filter(|index| self.flown_to(*index..index + 1).is_some())
+            .filter(|index| self.flown_to(*index..=*index).is_some())
             .min_by_key(|index| index.abs_diff(leg + 1));
         let next = flown_to.unwrap_or(leg + 1);
         self.passing = Passing {
