@@ -146,6 +146,9 @@ mod tests {
             (101, 1414),
             (106, 1753),
             (107, 804),
+            (105, 3924),
+            (108, 4624),
+            (108, 4902),
         ] {
             let count = Flight::drawn(seed, number).fly(number, false);
             let is_flown = count.open.is_empty() && count.end_missed.is_empty();

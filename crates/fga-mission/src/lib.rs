@@ -130,6 +130,8 @@ pub struct Progress {
     looked_to: usize,
     /// The leg that begins at a place of the aircraft, not at its waypoint.
     restart: Option<Restart>,
+    /// How often the aircraft has passed the end of the present leg, to fly over, aside of it.
+    passes: u32,
 }
 
 impl Default for Progress {
@@ -156,6 +158,7 @@ impl Progress {
             is_cut: false,
             looked_to: 0,
             restart: None,
+            passes: 0,
         }
     }
 
@@ -288,8 +291,13 @@ impl Progress {
         while let (Some(leg), false, false) = (self.leg, self.complete, self.from_start) {
             let position = leg.position(state.position_m, state.time_s);
             let is_on = position.along_m < leg.length_m - self.lead_m();
-            let is_missed = self.is_missed(mission, (&leg, &position), flyer, passed_s);
+            let since_m = (leg.ground_speed_mps * passed_s).limited(0.0, flyer.turn_radius_m());
+            let is_missed = self.is_missed(mission, (&leg, &position), since_m);
             if is_on || is_missed || self.is_cut || self.meter().is_met() {
+                let moved_m = (flyer.velocity_mps(state) + self.wind_mps) * passed_s;
+                let before = leg.position(state.position_m - moved_m, state.time_s);
+                let is_now = !is_on && before.along_m < leg.length_m;
+                self.passes += u32::from(is_missed && is_now);
                 break;
             }
             let (next, turns_round) = self
@@ -310,6 +318,7 @@ impl Progress {
         state: &MotionState,
         flyer: &Flyer,
     ) {
+        self.passes *= u32::from(index == self.index);
         self.index = index;
         self.leg = None;
         self.from_start = from_start;
@@ -410,15 +419,6 @@ impl Progress {
         })
     }
 
-    /// How far the aircraft can surely fly from a place before it leaves the leg for the next one, metres.
-    pub fn leaves_after_m(&self, position_m: Vec3) -> f64 {
-        self.leg
-            .filter(|_| !self.from_start && !self.complete)
-            .map_or(0.0, |leg| {
-                leg.length_m - self.lead_m() - leg.position(position_m, 0.0).along_m
-            })
-    }
-
     /// The least time in which an aircraft can be on the line of the leg, on its course, seconds.
     pub fn least_s_onto_leg(&self, state: &MotionState, flyer: &Flyer) -> f64 {
         self.leg.map_or(0.0, |leg| {
@@ -459,13 +459,13 @@ impl Progress {
                 climb_limits_rad: self.climb_limits_rad,
             };
             let found = (self.way_back(mission, state, flyer, &limits, MOST_LEGS))
-                .or_else(|| self.way_from_here(mission, state, flyer, &limits));
+                .or_else(|| self.way_from_here(mission, state, flyer));
             let joined = if let Some((joined, index)) = found {
                 self.advance_to(index, mission, state, flyer);
                 joined
             } else {
                 let meter = self.meter();
-                let joined = join(flyer, &leg, state, &limits, &meter);
+                let joined = join(flyer, &self.away(&leg, state), state, &limits, &meter);
                 self.note(&meter);
                 joined
             };

@@ -21,8 +21,6 @@ pub(super) struct Restart {
     /// Index of the waypoint before its end.
     pub(super) index: usize,
     pub(super) from_m: Vec3,
-    /// How often the aircraft had passed the leg's end aside of it.
-    passes: u32,
 }
 
 impl Progress {
@@ -32,27 +30,19 @@ impl Progress {
     }
 
     /// Whether the aircraft passed the end of a leg to fly over so far off that it flies back: aside of it, above it, or farther on than
-    /// it flew in the `passed_s` seconds since the last step. Back on the line beyond the end it is not back at the waypoint.
+    /// the `since_m` metres that it flew since the last step. Back on the line beyond the end it is not back at the waypoint.
     pub(super) fn is_missed(
         &self,
         mission: &Mission<'_>,
         (leg, position): (&Leg, &LegPosition),
-        flyer: &Flyer,
-        passed_s: f64,
+        since_m: f64,
     ) -> bool {
-        let since_m = (leg.ground_speed_mps * passed_s).limited(0.0, flyer.turn_radius_m());
         let beyond_m = position.along_m - leg.length_m - since_m;
         let aside_m = position.cross_m.abs().max(position.above_m.abs());
         Self::ends_over(mission, self.index)
             && aside_m.max(beyond_m) > FLY_OVER_WITHIN_M
             && self.corner.is_none()
-            && self.passes() < MOST_PASSES
-    }
-
-    /// Number of passes beside the end of the present leg after each of which the leg began again.
-    fn passes(&self) -> u32 {
-        let restart = self.restart.filter(|restart| restart.index == self.index);
-        restart.map_or(0, |restart| restart.passes)
+            && self.passes <= MOST_PASSES
     }
 
     /// Whether the wind is too strong to fly along the present leg.
@@ -64,19 +54,11 @@ impl Progress {
     /// Restarts the mission where the aircraft is: the present leg leads straight from there to its end, or to the first
     /// waypoint after it that the wind does not keep the aircraft from.
     pub(super) fn begin_here(&mut self, mission: &Mission<'_>, state: &MotionState, flyer: &Flyer) {
-        let is_passed = self.leg.is_some_and(|leg| {
-            leg.position(state.position_m, state.time_s).along_m >= leg.length_m
-        });
-        let passes = self.passes() + u32::from(is_passed);
         let from_m = state.position_m + self.wind_mps * state.time_s;
         let last = mission.waypoints_m.len().saturating_sub(1);
         let (low, high) = self.climb_limits_rad;
         let found = (self.index..last).take(MOST_LEGS).find_map(|index| {
-            let mut restart = Restart {
-                index,
-                from_m,
-                passes,
-            };
+            let mut restart = Restart { index, from_m };
             let laid = Laid {
                 restart: Some(restart),
                 ..self.laid(mission)
@@ -97,18 +79,32 @@ impl Progress {
         }
     }
 
+    /// The line that the aircraft flies along while it has no way onto a leg: the leg, and from its end on a level one with the wind.
+    /// Against the wind it would gain the room for the turn back late.
+    pub(super) fn away(&self, leg: &Leg, state: &MotionState) -> Leg {
+        if leg.position(state.position_m, state.time_s).along_m <= leg.length_m {
+            return *leg;
+        }
+        let (end_m, wind_mps) = (leg.point_m(leg.length_m), self.wind_mps);
+        let course_rad = if wind_mps == Vec3::ZERO {
+            leg.course_rad
+        } else {
+            libm::atan2(wind_mps.y, wind_mps.x)
+        };
+        Leg::endless(end_m, course_rad, self.airspeed_mps, wind_mps)
+    }
+
     /// A way straight to the next waypoint, as if the mission began where the aircraft is. Without a way nothing changes.
     pub fn way_from_here(
         &mut self,
         mission: &Mission<'_>,
         state: &MotionState,
         flyer: &Flyer,
-        limits: &JoinLimits,
     ) -> Option<(Join, usize)> {
         // The steepest way joins soonest, before a near waypoint too. It need not end on the leg: guidance goes on from there.
         let limits = JoinLimits {
             intercept_rad: FRAC_PI_2,
-            ..*limits
+            climb_limits_rad: self.climb_limits_rad,
         };
         let before = *self;
         self.begin_here(mission, state, flyer);
@@ -125,12 +121,18 @@ impl Progress {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fga_proof::prediction::for_each_piece;
+    use core::f64::consts::PI;
+    use fga_proof::maneuver::Maneuver;
+    use fga_proof::meter::Meter;
+    use fga_proof::prediction::{flown, for_each_piece};
     use fga_proof::vehicle::Vehicle;
     use proptest::prelude::*;
 
+    /// Two turns back at most, and the drift in them.
+    const STRAYS_RADII: f64 = 8.0;
+
     /// Whether the mission to 500 m ahead ends when it is flown from a state, and how near the aircraft came to its end, metres.
-    fn flown(lag_s: f64, mut state: MotionState) -> (bool, f64) {
+    fn ends(lag_s: f64, mut state: MotionState) -> (bool, f64) {
         let vehicle = Vehicle::lagged(lag_s);
         let flyer = Flyer::new(&vehicle);
         let waypoints_m = [Vec3::ZERO, Vec3::new(500.0, 0.0, 0.0)];
@@ -170,11 +172,80 @@ mod tests {
                 course_rad: 0.5,
                 ..MotionState::ahead(0.0)
             };
-            assert!(flown(0.0, state).0, "{before_m} m before its end");
+            assert!(ends(0.0, state).0, "{before_m} m before its end");
         }
     }
 
+    /// How far from the end of its mission an aircraft comes, farther than at first, turn radii, after a way from a place `away_radii`
+    /// ahead of it, or behind it, was dropped; infinite where the mission does not end.
+    fn strays(
+        lag_s: f64,
+        mut state: MotionState,
+        wind_mps: Vec3,
+        (turn_rad, away_radii): (f64, f64),
+    ) -> f64 {
+        let vehicle = Vehicle::lagged(lag_s);
+        let flyer = Flyer::new(&vehicle);
+        let waypoints_m = [Vec3::ZERO, Vec3::new(500.0, 0.0, 0.0)];
+        let passing = [Passing::FlyBy, Passing::FlyOver];
+        let mission = Mission {
+            passing: &passing,
+            ..Mission::new(&waypoints_m)
+        };
+        let climb_limits_rad = (vehicle.climb_min_rad, vehicle.climb_max_rad);
+        let away = Maneuver::turn(0.0, state.course_rad + turn_rad, 0.0);
+        let away_s = away_radii / flyer.course_rate_radps();
+        let there = flown(&flyer, &state, &away, away_s, &Meter::unlimited());
+        let (mut progress, mut farthest_m) = (Progress::new(), 0.0_f64);
+        let off_m = |state: &MotionState| state.position_m.distance(waypoints_m[1]);
+        let first_m = off_m(&state);
+        for step in 0..6000_u32 {
+            let time = (0.1 * f64::from(step), climb_limits_rad);
+            progress.update(&mission, &state, &flyer, wind_mps, time);
+            if progress.is_complete() {
+                return (farthest_m - first_m) / flyer.turn_radius_m();
+            }
+            if step == 0 {
+                progress.way_from_here(&mission, &there, &flyer);
+            }
+            farthest_m = off_m(&state).max(farthest_m);
+            let (maneuver, _) = progress.guidance(&mission, &state, &flyer, 0.2);
+            state = for_each_piece(&flyer, &state, &maneuver, 0.1, |_, _, _| ());
+            state.position_m += wind_mps * 0.1;
+            state.time_s = 0.0;
+        }
+        f64::INFINITY
+    }
+
+    /// Past the end of a leg that began elsewhere, the aircraft once flew on against the wind, 430 m away.
+    #[test]
+    fn d1_past_the_end_of_a_dropped_way_no_aircraft_flies_away() {
+        let state = MotionState {
+            position_m: Vec3::new(551.0, -39.0, 0.0),
+            course_rad: -1.45,
+            ..MotionState::ahead(0.0)
+        };
+        let radii = strays(0.7, state, Vec3::new(3.2, 11.5, 0.0), (PI, 18.0));
+        assert!(radii < STRAYS_RADII, "{radii} turn radii");
+    }
+
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(128))]
+        /// Wherever a way to the last waypoint was dropped, the aircraft flies to it in any wind from about there.
+        #[test]
+        fn d1_near_the_end_no_aircraft_flies_away(
+            lag_s in prop_oneof![Just(0.0), 0.2..1.0f64],
+            (x, y, z) in (300.0..600.0f64, -100.0..100.0f64, -20.0..20.0f64),
+            course_rad in -3.1..3.1f64,
+            (wind_share, wind_rad) in (0.0..0.85f64, -3.1..3.1f64),
+            away in prop_oneof![Just((0.0, 4.0)), Just((0.0, 12.0)), Just((PI, 6.0)), Just((PI, 18.0))],
+        ) {
+            let state = MotionState { position_m: Vec3::new(x, y, z), course_rad, ..MotionState::ahead(0.0) };
+            let wind_mps = Vec3::new(wind_rad.cos(), wind_rad.sin(), 0.0) * (15.0 * wind_share);
+            let radii = strays(lag_s, state, wind_mps, away);
+            prop_assert!(radii < STRAYS_RADII, "{radii} turn radii");
+        }
+
         /// From wherever it is near the end of its mission the aircraft flies over the last waypoint, and the mission ends then, not
         /// where it comes back to the line beyond.
         #[test]
@@ -184,7 +255,7 @@ mod tests {
             course_rad in -3.1..3.1f64,
         ) {
             let state = MotionState { position_m: Vec3::new(x, y, z), course_rad, ..MotionState::ahead(0.0) };
-            let (is_complete, least_m) = flown(lag_s, state);
+            let (is_complete, least_m) = ends(lag_s, state);
             prop_assert!(is_complete && least_m < 10.0, "{least_m} m off");
         }
     }

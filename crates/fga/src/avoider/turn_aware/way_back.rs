@@ -194,9 +194,7 @@ impl Avoider {
             }
             first = Maneuver::turn(0.0, now.course_rad + turn_rad, 0.0);
             let from = self.after(now, &first, radii / self.flyer.course_rate_radps());
-            way = self.on_mission(|progress, flyer| {
-                progress.way_from_here(mission, &from, flyer, &limits)
-            });
+            way = self.on_mission(|progress, flyer| progress.way_from_here(mission, &from, flyer));
         }
         let (joined, index) = way?;
         let back = self.fly_back(&first, (&joined, index), plan, (situation, now), demand);
