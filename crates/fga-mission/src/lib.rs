@@ -419,6 +419,15 @@ impl Progress {
         })
     }
 
+    /// How far the aircraft can surely fly from a place before it leaves the leg for the next one, metres.
+    pub fn leaves_after_m(&self, position_m: Vec3) -> f64 {
+        self.leg
+            .filter(|_| !self.from_start && !self.complete)
+            .map_or(0.0, |leg| {
+                leg.length_m - self.lead_m() - leg.position(position_m, 0.0).along_m
+            })
+    }
+
     /// The least time in which an aircraft can be on the line of the leg, on its course, seconds.
     pub fn least_s_onto_leg(&self, state: &MotionState, flyer: &Flyer) -> f64 {
         self.leg.map_or(0.0, |leg| {
