@@ -205,15 +205,20 @@ mod tests {
     use fga::Vec3;
     use fga::avoider::{Record, State, Threat, Verdict};
 
-    #[test]
-    fn d4_aircraft_that_count_as_straight_are_named() {
-        let ownship = Ownship {
+    /// In level flight on a course.
+    fn level(course_rad: f64) -> Ownship {
+        Ownship {
             position_m: Vec3::ZERO,
-            course_rad: 0.0,
+            course_rad,
             climb_rad: 0.0,
             bank_rad: 0.0,
             airspeed_mps: 15.0,
-        };
+        }
+    }
+
+    #[test]
+    fn d4_aircraft_that_count_as_straight_are_named() {
+        let ownship = level(0.0);
         let mut decision = Decision::new(State::Cruise, &Maneuver::hold(), Reason::Clear);
         let words = |decision: &Decision| decision_words(decision, &ownship, |_| String::new());
         assert!(!words(&decision).contains("not considered"));
@@ -227,13 +232,7 @@ mod tests {
 
     #[test]
     fn a_decision_reads_as_a_sentence() {
-        let ownship = Ownship {
-            position_m: Vec3::ZERO,
-            course_rad: 1.0,
-            climb_rad: 0.0,
-            bank_rad: 0.0,
-            airspeed_mps: 15.0,
-        };
+        let ownship = level(1.0);
         let maneuver = Maneuver::turn(0.0, 1.0 + 38.0_f64.to_radians(), 0.1);
         let decision = Decision {
             state: State::Avoiding,

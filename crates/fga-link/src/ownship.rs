@@ -317,14 +317,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn north_flight_is_carried_north() {
-        let mut estimate = OwnshipEstimate::default();
-        assert!(
-            estimate
-                .state_at(0.0, &Commanded::default(), &Response::default())
-                .is_none()
-        );
+    /// A place and a level attitude at the same moment, flying north.
+    pub(super) fn take_level_north(estimate: &mut OwnshipEstimate) {
         estimate.take_position(&position(1000, 376_189_000, -1_223_750_000), 10.0);
         estimate.take_attitude(
             &ATTITUDE_DATA {
@@ -333,6 +327,17 @@ mod tests {
             },
             10.0,
         );
+    }
+
+    #[test]
+    fn north_flight_is_carried_north() {
+        let mut estimate = OwnshipEstimate::default();
+        assert!(
+            estimate
+                .state_at(0.0, &Commanded::default(), &Response::default())
+                .is_none()
+        );
+        take_level_north(&mut estimate);
         let state = estimate
             .state_at(10.4, &Commanded::default(), &Response::default())
             .unwrap();

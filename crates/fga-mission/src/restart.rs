@@ -131,8 +131,23 @@ mod tests {
     /// Two turns back at most, and the drift in them.
     const STRAYS_RADII: f64 = 8.0;
 
-    /// Whether the mission to 500 m ahead ends when it is flown from a state, and how near the aircraft came to its end, metres.
-    fn ends(lag_s: f64, mut state: MotionState) -> (bool, f64) {
+    /// How a mission to 500 m ahead went.
+    struct Flown {
+        is_complete: bool,
+        /// The least distance from its end, metres.
+        least_m: f64,
+        /// How far from its end the aircraft came, farther than at first, turn radii.
+        strays_radii: f64,
+    }
+
+    /// Flies the mission for some steps from a state. With a turn and turn radii, the aircraft first finds a way from as far away, and
+    /// drops it.
+    fn fly(
+        lag_s: f64,
+        mut state: MotionState,
+        wind_mps: Vec3,
+        (steps, away): (u32, Option<(f64, f64)>),
+    ) -> Flown {
         let vehicle = Vehicle::lagged(lag_s);
         let flyer = Flyer::new(&vehicle);
         let waypoints_m = [Vec3::ZERO, Vec3::new(500.0, 0.0, 0.0)];
@@ -142,25 +157,54 @@ mod tests {
             ..Mission::new(&waypoints_m)
         };
         let climb_limits_rad = (vehicle.climb_min_rad, vehicle.climb_max_rad);
-        let (mut progress, mut least_m) = (Progress::new(), f64::INFINITY);
-        for step in 0..3000_u32 {
-            let time_s = 0.1 * f64::from(step);
-            progress.update(
-                &mission,
-                &state,
-                &flyer,
-                Vec3::ZERO,
-                (time_s, climb_limits_rad),
-            );
-            least_m = state.position_m.distance(waypoints_m[1]).min(least_m);
+        let there = away.map(|(turn_rad, radii)| {
+            let away = Maneuver::turn(0.0, state.course_rad + turn_rad, 0.0);
+            let away_s = radii / flyer.course_rate_radps();
+            flown(&flyer, &state, &away, away_s, &Meter::unlimited())
+        });
+        let off_m = |state: &MotionState| state.position_m.distance(waypoints_m[1]);
+        let first_m = off_m(&state);
+        let (mut least_m, mut farthest_m) = (f64::INFINITY, 0.0_f64);
+        let mut progress = Progress::new();
+        for step in 0..steps {
+            let time = (0.1 * f64::from(step), climb_limits_rad);
+            progress.update(&mission, &state, &flyer, wind_mps, time);
+            least_m = off_m(&state).min(least_m);
             if progress.is_complete() {
                 break;
             }
+            if step == 0
+                && let Some(there) = &there
+            {
+                progress.way_from_here(&mission, there, &flyer);
+            }
+            farthest_m = off_m(&state).max(farthest_m);
             let (maneuver, _) = progress.guidance(&mission, &state, &flyer, 0.2);
             state = for_each_piece(&flyer, &state, &maneuver, 0.1, |_, _, _| ());
+            state.position_m += wind_mps * 0.1;
             state.time_s = 0.0;
         }
-        (progress.is_complete(), least_m)
+        Flown {
+            is_complete: progress.is_complete(),
+            least_m,
+            strays_radii: (farthest_m - first_m) / flyer.turn_radius_m(),
+        }
+    }
+
+    /// The mission in still air: whether it ends, and how near the aircraft came to its end, metres.
+    fn ends(lag_s: f64, state: MotionState) -> (bool, f64) {
+        let flown = fly(lag_s, state, Vec3::ZERO, (3000, None));
+        (flown.is_complete, flown.least_m)
+    }
+
+    /// How far the aircraft strays, turn radii, after a way from elsewhere was dropped; infinite where the mission does not end.
+    fn strays(lag_s: f64, state: MotionState, wind_mps: Vec3, away: (f64, f64)) -> f64 {
+        let flown = fly(lag_s, state, wind_mps, (6000, Some(away)));
+        if flown.is_complete {
+            flown.strays_radii
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// Restarted within a millimetre of the leg's end, the mission once went on for ever along a leg without end.
@@ -174,47 +218,6 @@ mod tests {
             };
             assert!(ends(0.0, state).0, "{before_m} m before its end");
         }
-    }
-
-    /// How far from the end of its mission an aircraft comes, farther than at first, turn radii, after a way from a place `away_radii`
-    /// ahead of it, or behind it, was dropped; infinite where the mission does not end.
-    fn strays(
-        lag_s: f64,
-        mut state: MotionState,
-        wind_mps: Vec3,
-        (turn_rad, away_radii): (f64, f64),
-    ) -> f64 {
-        let vehicle = Vehicle::lagged(lag_s);
-        let flyer = Flyer::new(&vehicle);
-        let waypoints_m = [Vec3::ZERO, Vec3::new(500.0, 0.0, 0.0)];
-        let passing = [Passing::FlyBy, Passing::FlyOver];
-        let mission = Mission {
-            passing: &passing,
-            ..Mission::new(&waypoints_m)
-        };
-        let climb_limits_rad = (vehicle.climb_min_rad, vehicle.climb_max_rad);
-        let away = Maneuver::turn(0.0, state.course_rad + turn_rad, 0.0);
-        let away_s = away_radii / flyer.course_rate_radps();
-        let there = flown(&flyer, &state, &away, away_s, &Meter::unlimited());
-        let (mut progress, mut farthest_m) = (Progress::new(), 0.0_f64);
-        let off_m = |state: &MotionState| state.position_m.distance(waypoints_m[1]);
-        let first_m = off_m(&state);
-        for step in 0..6000_u32 {
-            let time = (0.1 * f64::from(step), climb_limits_rad);
-            progress.update(&mission, &state, &flyer, wind_mps, time);
-            if progress.is_complete() {
-                return (farthest_m - first_m) / flyer.turn_radius_m();
-            }
-            if step == 0 {
-                progress.way_from_here(&mission, &there, &flyer);
-            }
-            farthest_m = off_m(&state).max(farthest_m);
-            let (maneuver, _) = progress.guidance(&mission, &state, &flyer, 0.2);
-            state = for_each_piece(&flyer, &state, &maneuver, 0.1, |_, _, _| ());
-            state.position_m += wind_mps * 0.1;
-            state.time_s = 0.0;
-        }
-        f64::INFINITY
     }
 
     /// Past the end of a leg that began elsewhere, the aircraft once flew on against the wind, 430 m away.

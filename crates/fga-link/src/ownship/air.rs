@@ -102,23 +102,16 @@ mod tests {
     use core::f64::consts::FRAC_PI_2;
 
     use fga::vehicle::Response;
-    use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, GLOBAL_POSITION_INT_DATA};
+    use mavlink::dialects::ardupilotmega::GLOBAL_POSITION_INT_DATA;
 
-    use super::super::tests::position;
+    use super::super::tests::{position, take_level_north};
     use super::*;
     use crate::commanded::Commanded;
 
     #[test]
     fn wind_separates_course_from_track() {
         let mut estimate = OwnshipEstimate::default();
-        estimate.take_position(&position(1000, 376_189_000, -1_223_750_000), 10.0);
-        estimate.take_attitude(
-            &ATTITUDE_DATA {
-                time_boot_ms: 1000,
-                ..ATTITUDE_DATA::DEFAULT
-            },
-            10.0,
-        );
+        take_level_north(&mut estimate);
         // From the west with 5 m/s: it carries to the east, so the nose points west of north.
         let wind = WIND_DATA {
             direction: 270.0,

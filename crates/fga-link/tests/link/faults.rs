@@ -2,6 +2,7 @@
 //! test is named after the observation. Tests with threads, files and signals are in `program.rs` and in the
 //! tests of the command line.
 
+use crate::common::beat::heartbeat;
 use crate::common::{GOOD, Intruder, World};
 use fga_emulator::Mode;
 use fga_link::authority::{Authority, Fault, reaction};
@@ -9,8 +10,7 @@ use fga_link::restart::Note;
 use fga_link::{Companion, Config};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
-    COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavMessage, MavModeFlag, MavParamType,
-    MavState, MavType, PARAM_SET_DATA,
+    COMMAND_LONG_DATA, MavCmd, MavMessage, MavParamType, PARAM_SET_DATA,
 };
 
 /// A head-on intruder that meets the aircraft after a minute.
@@ -54,21 +54,6 @@ fn states_since(world: &World, since_s: f64) -> Vec<f32> {
             _ => None,
         })
         .collect()
-}
-
-fn heartbeat(mode: u32, armed: bool) -> MavMessage {
-    MavMessage::HEARTBEAT(HEARTBEAT_DATA {
-        custom_mode: mode,
-        mavtype: MavType::MAV_TYPE_FIXED_WING,
-        autopilot: MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
-        base_mode: if armed {
-            MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED
-        } else {
-            MavModeFlag::empty()
-        },
-        system_status: MavState::MAV_STATE_ACTIVE,
-        mavlink_version: 3,
-    })
 }
 
 /// A frame under the vehicle's ids, with a number this far ahead of the vehicle's own.

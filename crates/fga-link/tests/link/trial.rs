@@ -1,14 +1,13 @@
 //! What a trial of the program found, each test named after its row. The judge is what the vehicle heard and flew, and the
 //! separation; not what the companion says of itself.
 
+use crate::common::beat::heartbeat;
 use crate::common::{BAD, GOOD, Intruder, Network, World, distance, mission};
 use fga_emulator::{Item, Mode, Settings};
 use fga_link::authority::Authority;
 use fga_link::restart::Note;
 use fga_link::{Companion, Config};
-use mavlink::dialects::ardupilotmega::{
-    HEARTBEAT_DATA, MavAutopilot, MavCmd, MavMessage, MavModeFlag, MavState, MavType,
-};
+use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
 
 const RADIUS_M: f64 = 60.0;
 
@@ -306,14 +305,7 @@ fn l4_the_vehicle_of_the_note_is_waited_for() {
     let notes = vec![note(1, &world)];
     fly_with(&mut world, "", false, notes);
     world.emulator.pilot_mode(Mode::Guided);
-    let beat = MavMessage::HEARTBEAT(HEARTBEAT_DATA {
-        custom_mode: Mode::Auto.number(),
-        mavtype: MavType::MAV_TYPE_FIXED_WING,
-        autopilot: MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
-        base_mode: MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED,
-        system_status: MavState::MAV_STATE_ACTIVE,
-        mavlink_version: 3,
-    });
+    let beat = heartbeat(Mode::Auto.number(), true);
     let header = mavlink::MavHeader {
         system_id: 9,
         component_id: 1,

@@ -8,6 +8,7 @@
     reason = "a bench; its numbers are small"
 )]
 
+pub mod beat;
 pub mod ground;
 pub mod live;
 pub mod random;

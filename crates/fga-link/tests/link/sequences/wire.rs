@@ -1,11 +1,11 @@
 //! The network of a sequence, both ways.
 
+use crate::common::beat::heartbeat;
 use fga_link::authority::Beat;
 use fga_link::mode::{Mode as LinkMode, ModeChange};
 use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{
-    ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, HEARTBEAT_DATA, MavAutopilot, MavCmd,
-    MavMessage, MavModeFlag, MavState, MavType,
+    ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, MavCmd, MavMessage, MavModeFlag,
 };
 
 use super::plan::{Fault, PILOTS};
@@ -13,18 +13,6 @@ use super::{Packet, Rig};
 
 impl Rig {
     pub(super) fn forge(&mut self, sequence: u8, mode: u32, armed: bool) {
-        let message = MavMessage::HEARTBEAT(HEARTBEAT_DATA {
-            custom_mode: mode,
-            mavtype: MavType::MAV_TYPE_FIXED_WING,
-            autopilot: MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
-            base_mode: if armed {
-                MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED
-            } else {
-                MavModeFlag::empty()
-            },
-            system_status: MavState::MAV_STATE_ACTIVE,
-            mavlink_version: 3,
-        });
         self.to_companion.push_back(Packet {
             due_s: self.time_s,
             // Not the vehicle's: it shows nothing of the pilot.
@@ -34,7 +22,7 @@ impl Rig {
                 component_id: 1,
                 sequence,
             },
-            message,
+            message: heartbeat(mode, armed),
         });
     }
 
