@@ -26,7 +26,7 @@ fn run_git(at: &Path, arguments: &[&str]) {
     assert!(output.unwrap().status.success(), "{arguments:?}");
 }
 
-/// A commit with changes is another build: each change of what is compiled is seen until it is committed or taken back.
+/// Sources that differ from their commit are another build, until the change is committed or taken back.
 #[test]
 fn n6_sources_that_are_changed_are_dirty() {
     if Command::new("git").arg("--version").output().is_err() {

@@ -132,7 +132,7 @@ impl Input {
     }
 }
 
-/// What recordings left out, by reason, with the number of those left out as a whole.
+/// The number of reports that recordings left out, by reason, and of the recordings left out whole.
 pub(crate) fn left_out(tracks: &Tracks) -> Map<String, Value> {
     let mut left_out = tracks.tally().to_json();
     left_out.insert("recordings".into(), tracks.damaged().len().into());

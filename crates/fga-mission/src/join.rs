@@ -28,7 +28,7 @@ const ENTERED_RAD: f64 = 0.2;
 const EXACT_M: f64 = 1e-6;
 const LAGGED_M: f64 = 1e-3;
 
-/// A way that ends farther aside is none, metres: in wind, half circles ended up to 60 m aside where the corrections failed.
+/// A way ends at most this far beside the leg, metres: in wind, half circles ended up to 60 m beside it where the corrections failed.
 const JOINED_WITHIN_M: f64 = 1.0;
 
 /// Corrections of the two moments with the predicted flight.
