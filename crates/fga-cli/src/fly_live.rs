@@ -26,8 +26,6 @@ use fga_view::{Live, Server};
 
 use fga_results::replay_page::{Drawer, due};
 
-/// Least time between pictures, seconds.
-const PICTURE_EVERY_S: f64 = 0.1;
 /// Most pictures in the queue.
 const WAITING: usize = 32;
 /// Time for browsers to take the last messages.
@@ -50,7 +48,7 @@ pub(crate) struct FlyLive {
     live: Live,
     pictures: SyncSender<Picture>,
     painter: JoinHandle<()>,
-    shown_s: f64,
+    shown_s: Option<f64>,
 }
 
 impl FlyLive {
@@ -68,7 +66,7 @@ impl FlyLive {
             live,
             pictures,
             painter,
-            shown_s: f64::NEG_INFINITY,
+            shown_s: None,
         })
     }
 
@@ -77,15 +75,13 @@ impl FlyLive {
         self.server.address()
     }
 
-    /// Shows the last decision, unless the page has it or the painter is behind.
+    /// Shows the last decision, unless the page has it or the painter is behind. None is left out for
+    /// coming early: a manoeuvre begins in one decision only.
     pub(crate) fn show(&mut self, companion: &Companion) {
-        let due_s = self.shown_s + PICTURE_EVERY_S - 1e-6;
-        if companion
-            .decided_for_s()
-            .is_some_and(|for_s| for_s >= due_s)
+        if companion.decided_for_s() != self.shown_s
             && let Some(picture) = companion.picture()
         {
-            self.shown_s = picture.time_s;
+            self.shown_s = Some(picture.time_s);
             let _ = self.pictures.try_send(picture);
         }
     }
