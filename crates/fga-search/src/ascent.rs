@@ -9,14 +9,13 @@ mod moves;
 
 use fga_proof::Vec3;
 use fga_proof::certificate::{Hazard, Line};
-use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{Flyer, MotionState};
 
 use super::{ENOUGH_M, Found, MAX_TURN_RAD, Search, SecondTurn, Turns};
 
-use linear::{Lifted, farthest_up, lifts_both};
+use linear::{Margin, lifted};
 use moves::moves;
 
 /// Parameters of a manoeuvre: wait s, turn rad, climb rad, after s, turn rad, climb rad.
@@ -34,17 +33,8 @@ const NEAR: f64 = 1.3;
 /// Step of the differences, in units of the natural steps.
 const DIFFERENCE: f64 = 1e-4;
 
-/// Rounds of the linear program.
-const ROUNDS: u32 = 60;
-
-/// Their work for each obstacle.
-const ROUNDS_WORK: usize = 40;
-
-/// Two obstacles decide a step if no other one is lower by more than this after it, metres.
-const DECIDED_M: f64 = 1e-6;
-
-/// The work of the closed form, beyond one unit for each obstacle.
-const CLOSED_WORK: usize = 4;
+/// The work of the linear program, for each obstacle.
+const PROGRAM_WORK: usize = 8;
 
 /// The work of the slopes, beyond one unit for each obstacle.
 const SLOPES_WORK: usize = 30;
@@ -156,11 +146,6 @@ impl Ascent {
     /// The least margin so far, metres, not yet certified.
     pub(super) fn least_m(&self) -> f64 {
         self.approaches.least_m()
-    }
-
-    /// Whether it no longer rises.
-    pub(super) const fn is_done(&self) -> bool {
-        self.done
     }
 
     /// Whether another climb has come to the same manoeuvre.
@@ -354,9 +339,7 @@ impl Ascent {
         slopes
     }
 
-    /// The step within the box and the bounds that lifts the least margin most, to first order, and
-    /// its value: the linear program max t, mᵢ + sᵢ·d ≥ t. One or two obstacles mostly decide it, which is in closed
-    /// form; otherwise by subgradients.
+    /// The step within the box and the bounds that lifts the least margin most, to first order, and that margin.
     fn best_step(
         &self,
         slopes: &[Vector; CLOSEST],
@@ -364,84 +347,23 @@ impl Ascent {
         meter: &Meter,
     ) -> (Vector, f64) {
         let mut room = [(0.0, 0.0); PARAMETERS];
-        for ((room, (low, high)), (x, scale)) in room
-            .iter_mut()
-            .zip(bounds)
-            .zip(self.at.iter().zip(self.scales))
-        {
+        let places = bounds.iter().zip(self.at.iter().zip(self.scales));
+        for (room, ((low, high), (x, scale))) in room.iter_mut().zip(places) {
             let down = ((low - x) / scale).max(-self.size).min(0.0);
             let up = ((high - x) / scale).min(self.size).max(0.0);
             *room = (down, up);
         }
-        if !meter.take(CLOSED_WORK + self.approaches.len) {
+        if !meter.take(PROGRAM_WORK * self.approaches.len) {
             return ([0.0; PARAMETERS], self.least_m());
         }
-        self.decided_by_two(slopes, &room)
-            .unwrap_or_else(|| self.by_subgradients(slopes, &room, meter))
-    }
-
-    /// The obstacle with the least margin after a step, to first order.
-    fn least_after(&self, slopes: &[Vector; CLOSEST], step: &Vector) -> Option<Lifted> {
-        let mut least: Option<Lifted> = None;
-        for (known, slope) in self.approaches.iter().zip(slopes) {
-            let lifted_m = known.margin_m + dot(slope, step);
-            if least.is_none_or(|least| lifted_m < least.after_m) {
-                least = Some(Lifted {
-                    after_m: lifted_m,
-                    margin_m: known.margin_m,
-                    slope: *slope,
-                });
-            }
-        }
-        least
-    }
-
-    /// The best step if one or two obstacles decide it.
-    fn decided_by_two(
-        &self,
-        slopes: &[Vector; CLOSEST],
-        room: &[(f64, f64); PARAMETERS],
-    ) -> Option<(Vector, f64)> {
-        let one = self.least_after(slopes, &[0.0; PARAMETERS])?;
-        let step = farthest_up(&one.slope, room);
-        let other = self.least_after(slopes, &step)?;
-        if other.slope == one.slope {
-            return Some((step, other.after_m));
-        }
-        let step = lifts_both(&one, &other, room);
-        let promised_m = one.after(&step).min(other.after(&step));
-        let least_m = self.least_after(slopes, &step)?.after_m;
-        (least_m >= promised_m - DECIDED_M).then_some((step, least_m))
-    }
-
-    fn by_subgradients(
-        &self,
-        slopes: &[Vector; CLOSEST],
-        room: &[(f64, f64); PARAMETERS],
-        meter: &Meter,
-    ) -> (Vector, f64) {
-        let mut step = [0.0; PARAMETERS];
-        let mut best = (step, self.least_m());
-        if !meter.take(self.approaches.len * ROUNDS_WORK) {
-            return best;
-        }
-        for round in 1..=ROUNDS {
-            let Some(least) = self.least_after(slopes, &step) else {
-                break;
+        let mut margins = [Margin::NONE; CLOSEST];
+        for ((margin, known), slope) in margins.iter_mut().zip(self.approaches.iter()).zip(slopes) {
+            *margin = Margin {
+                now_m: known.margin_m,
+                slope: *slope,
             };
-            if least.after_m > best.1 {
-                best = (step, least.after_m);
-            }
-            let norm = libm::sqrt(dot(&least.slope, &least.slope));
-            if norm <= 0.0 {
-                break;
-            }
-            let pace = 1.5 * self.size / (norm * libm::sqrt(f64::from(round)));
-            for ((x, slope), (down, up)) in step.iter_mut().zip(least.slope).zip(room) {
-                *x = (*x + pace * slope).limited(*down, *up);
-            }
         }
-        best
+        lifted(margins.get(..self.approaches.len).unwrap_or(&[]), &room)
     }
 }
 
@@ -497,10 +419,6 @@ fn nearest(search: &Search<'_>, place: usize, hazard: &Hazard) -> Option<Approac
         margin_m: hazard.margin_m(state.position_m, at_s),
         at_s,
     })
-}
-
-fn dot(a: &Vector, b: &Vector) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The least and largest value of each parameter.

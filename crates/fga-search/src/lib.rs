@@ -1,10 +1,10 @@
-//! The turn-aware search: the cheapest of the manoeuvres that the aircraft will really fly and that are
-//! worth proving.
+//! The search: which of the manoeuvres that the aircraft can fly is worth proving.
 //!
-//! A manoeuvre is a wait on the mission, a turn to either side with a change of climb angle, and
-//! if that does not suffice, a second turn with its own climb target ([`Turns`]). Turns to one
-//! side at one climb target share their arc, so one sweep along it, leaving it
-//! at every node on the tangent, gives the margins of them all.
+//! All manoeuvres are members of one family ([`Turns`]): a wait on the mission, a turn with a climb, a gap, a second turn with
+//! a climb. A *row* ([`rows`]) is all members that differ only in the last turn. The line on which a turn ends shows cheaply
+//! whether it may stay clear and rules out its neighbours ([`line`]); best first, the rows yield the cheapest certified member
+//! ([`cheapest`]). Where none is certified, the rows yield seeds, and small linear programs lift the least margin
+//! ([`largest`], [`ascent`]). All that the search returns is certified as flown.
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(clippy::unwrap_used, clippy::expect_used)]
@@ -18,36 +18,33 @@ extern crate std;
 mod ascent;
 mod cheapest;
 mod departure;
-mod front;
-mod lane_change;
+mod largest;
 mod line;
 mod reach;
-mod start;
-mod sweep;
-mod two_stage;
+mod rows;
+mod tuned;
 
 pub use departure::Departure;
-pub use two_stage::{Effort, GRIDS_A_SEARCH};
+pub use largest::Effort;
+pub use tuned::PARTS as GRIDS_A_SEARCH;
 
 use departure::Conflicts;
-use front::Climbs;
 
 use fga_proof::Vec3;
-use fga_proof::angle::{Side, direction};
+use fga_proof::angle::direction;
 use fga_proof::certificate::{Asked, Certificate, Certified, Hazards, certify_set, prove};
 use fga_proof::limit::Limit as _;
 use fga_proof::maneuver::{Maneuver, Stage};
 use fga_proof::meter::Meter;
-use fga_proof::prediction::{Bend, FlightPath, Flyer, MotionState, flown, whole};
+use fga_proof::prediction::{Bend, FlightPath, Flyer, MotionState, flown};
+
+use tuned::{CLIMBS, CLIMBS_A_SIDE};
 
 /// Largest single turn of a search, radians: short of a full circle.
 pub const MAX_TURN_RAD: f64 = 6.0;
 
 /// A search for the largest margin caps margins at this value, m.
 const ENOUGH_M: f64 = 1e3;
-
-/// Step of the climb targets of a search, radians, as in Table 7.
-const CLIMB_STEP_RAD: f64 = 0.03;
 
 /// A search keeps one part in this many of its work for the certificate of its answer.
 const ANSWER_SHARE: u32 = 16;
@@ -168,28 +165,23 @@ impl Scene<'_> {
         self.flyer.turn_radius_m()
     }
 
-    /// Whether the vehicle is held at its altitude.
-    fn is_planar(&self) -> bool {
-        self.climb_limits_rad.0 == self.climb_limits_rad.1
-    }
-
-    /// Climb targets, the steepest climb first, and whether each is the original: the limits are among them.
-    fn climb_targets(&self) -> impl Iterator<Item = (f64, bool)> + use<> {
+    /// Climb targets: the original, then in equal steps up and down to the steepest ones; as many as differ.
+    fn climbs(&self) -> ([f64; CLIMBS], usize) {
         let (low, high) = self.climb_limits_rad;
         let original = self.original.1.limited(low, high);
-        let steps = |room: f64| {
-            if room > 0.0 {
-                whole(room / CLIMB_STEP_RAD, 64)
-            } else {
-                0
+        let (mut climbs, mut count) = ([original; CLIMBS], 1);
+        for step in 1..=CLIMBS_A_SIDE {
+            let share = step as f64 / CLIMBS_A_SIDE as f64;
+            for limit in [high, low] {
+                if limit != original
+                    && let Some(slot) = climbs.get_mut(count)
+                {
+                    *slot = original + share * (limit - original);
+                    count += 1;
+                }
             }
-        };
-        let step = |k: usize| k as f64 * CLIMB_STEP_RAD;
-        let ups = (1..=steps(high - original)).rev();
-        let ups = ups.map(move |k| ((original + step(k)).min(high), false));
-        let downs = 1..=steps(original - low);
-        let downs = downs.map(move |k| ((original - step(k)).max(low), false));
-        ups.chain(core::iter::once((original, true))).chain(downs)
+        }
+        (climbs, count)
     }
 
     /// The few climb targets that matter for the largest margin: original, steepest up and down.
@@ -200,12 +192,6 @@ impl Scene<'_> {
             .chain((high > original).then_some(high))
             .chain((low < original).then_some(low))
     }
-
-    /// Those climb targets with a turn to either side.
-    fn extreme_turns(&self) -> impl Iterator<Item = (f64, Side)> + use<> {
-        self.extreme_climbs()
-            .flat_map(|climb_rad| Side::BOTH.map(|side| (climb_rad, side)))
-    }
 }
 
 /// A search in progress: the scene, scratch space and a count of the work.
@@ -215,25 +201,17 @@ pub struct Search<'a> {
     path: &'a mut FlightPath,
     /// Manoeuvres evaluated so far.
     pub evaluated: u32,
-    /// Grids of two turns that it has begun, at least one once they were asked for.
+    /// Parts of the two-turn rows that it has begun, at least one once they were asked for.
     pub grids: u32,
     meter: Meter,
     /// Whether the reserve of work for the answer is in use.
     answering: bool,
-    /// Improving a certified manoeuvre ends once this much work is done, in units.
-    improves_until: u32,
     /// The hazard that decided last: checked first, because it decides most often again.
     culprit: usize,
-    /// Whether sweeps look roll-outs up instead of flying them.
-    is_rough: bool,
-    /// Turns of a rough sweep are at least this far apart, radians.
-    coarse_rad: f64,
     /// Turns to the left and to the right from the banks that were looked at last.
     bends: [Option<Bend>; 2],
     /// What comes too close on the mission, once that was asked.
     conflicts: Conflicts,
-    /// The climb targets.
-    climbs: Climbs,
     /// The mission's direction.
     along: Vec3,
 }
@@ -254,13 +232,9 @@ impl<'a> Search<'a> {
             grids: 0,
             meter,
             answering: false,
-            improves_until: u32::MAX,
             culprit: 0,
-            is_rough: false,
-            coarse_rad: 0.0,
             bends: [None; 2],
             conflicts: Conflicts::UNKNOWN,
-            climbs: Climbs::new(),
             along: direction(scene.original.0, scene.original.1),
         }
     }
@@ -291,11 +265,6 @@ impl<'a> Search<'a> {
             self.answering = true;
             self.meter.extend(ANSWER_SHARE);
         }
-    }
-
-    /// Whether sweeps have used up their share of the work.
-    const fn sweeps_done(&self) -> bool {
-        self.meter.left() <= self.meter.done() / 4
     }
 
     /// Predicts a manoeuvre into the path.
@@ -354,24 +323,6 @@ impl<'a> Search<'a> {
         flown(flyer, &start, nominal, wait_s, &self.meter)
     }
 
-    /// Margin along the mission up to a wait's end, metres; minus infinity once the limit of work
-    /// is met.
-    fn margin_before(&mut self, wait_s: f64) -> f64 {
-        let scene = self.scene;
-        if self.limit_met() {
-            return f64::MIN;
-        }
-        if wait_s <= 0.0 {
-            return ENOUGH_M;
-        }
-        self.predict(scene.nominal);
-        let before = self.certify_path(scene.hazards, wait_s, (f64::MIN, ENOUGH_M));
-        if self.limit_met() {
-            return f64::MIN;
-        }
-        before.margin_m
-    }
-
     /// Certifies one manoeuvre; stops early below `floor_m`.
     pub fn certify(&mut self, turns: &Turns, departure: &MotionState, floor_m: f64) -> Certificate {
         self.evaluated += 1;
@@ -424,14 +375,6 @@ impl<'a> Search<'a> {
         turns.second.map_or(first, |second| {
             first.max(self.scene.cost(course + second.turn_rad, second.climb_rad))
         })
-    }
-
-    /// The cheapest certified single turn that begins after `wait_s`.
-    ///
-    /// Rules out turns and climb targets by the lines on which turns end, and closes in on what could be cheapest by flights,
-    /// or by a sweep where these do not tell.
-    pub fn cheapest(&mut self, wait_s: f64) -> Option<Found> {
-        self.cheapest_to(&Side::BOTH, wait_s)
     }
 }
 

@@ -1,13 +1,16 @@
-//! The straight line on which a turn ends, and how close to obstacles it comes.
+//! The straight line on which a turn ends: how close to obstacles it comes, and which other turns that rules out.
+//!
+//! The line is a necessary condition: a turn whose line comes too close does so itself. A turn that fails comes too close at a
+//! moment τ after the turns part; a turn longer by Δψ has moved the aircraft by V (Δψ τ − Δψ² / 2ω) at most by then.
 
 use fga_proof::Vec3;
 use fga_proof::angle::Side;
-use fga_proof::certificate::Certificate;
+use fga_proof::certificate::{HazardSet as _, Line};
 use fga_proof::limit::Limit as _;
 use fga_proof::meter::BEND;
-use fga_proof::prediction::{Bend, Exit, MotionState};
+use fga_proof::prediction::{Bend, MotionState};
 
-use super::{Search, Turns};
+use super::Search;
 
 /// What a line takes to be set up, in units of work.
 const LINE: usize = 4;
@@ -16,65 +19,22 @@ const LINE: usize = 4;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entry {
     pub from: MotionState,
-    /// Margin up to there, metres.
-    pub before_m: f64,
     /// Cosine and sine of the course and of the climb angle.
     course: (f64, f64),
     climb: (f64, f64),
 }
 
 impl Entry {
-    /// At the origin along +x.
-    pub(super) const NONE: Self = Self {
-        from: MotionState::ahead(0.0),
-        before_m: 0.0,
-        course: (1.0, 0.0),
-        climb: (1.0, 0.0),
-    };
-
-    /// When it is, seconds.
-    pub(super) const fn wait_s(&self) -> f64 {
-        self.from.time_s
-    }
-
-    /// Where a turn's roll-out begins, metres.
-    pub(super) fn place_m(&self, exit: &Exit, way: &Way) -> Vec3 {
-        let Way { side, climbing } = *way;
-        let Climbing {
-            climbs_s,
-            level,
-            along_m,
-            ..
-        } = climbing;
-        let share = if exit.begins_s < climbs_s {
-            exit.begins_s / climbs_s
-        } else {
-            1.0
+    /// The state at which turns begin.
+    pub(super) fn at(from: &MotionState) -> Self {
+        let unit = |angle_rad| {
+            let (sin, cos) = libm::sincos(angle_rad);
+            (cos, sin)
         };
-        let ahead_m = level * exit.at_m.0 + share * along_m;
-        let left_m = level * side.sign() * exit.at_m.1;
-        let (cos, sin) = self.course;
-        // While it climbs, by the angle halfway.
-        let path_m = exit.path_m;
-        let up_m = if share < 1.0 {
-            path_m * (self.climb.1 + 0.5 * share * (climbing.up - self.climb.1))
-        } else {
-            path_m * climbing.up + climbing.up_m
-        };
-        self.from.position_m
-            + Vec3::new(
-                ahead_m * cos - left_m * sin,
-                ahead_m * sin + left_m * cos,
-                up_m,
-            )
-    }
-
-    pub(super) const fn turns(&self, turn_rad: f64, climb_rad: f64) -> Turns {
-        Turns {
-            wait_s: self.from.time_s,
-            turn_rad,
-            climb_rad,
-            second: None,
+        Self {
+            from: *from,
+            course: unit(from.course_rad),
+            climb: unit(from.climb_rad),
         }
     }
 }
@@ -94,18 +54,6 @@ pub(super) struct Climbing {
     up_m: f64,
 }
 
-impl Climbing {
-    /// To the horizontal, from there.
-    pub(super) const NONE: Self = Self {
-        climb_rad: 0.0,
-        up: 0.0,
-        level: 1.0,
-        climbs_s: 0.0,
-        along_m: 0.0,
-        up_m: 0.0,
-    };
-}
-
 /// The side of turns and the climb target taken up during them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Way {
@@ -116,102 +64,81 @@ pub(super) struct Way {
 /// The straight line on which a turn ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tangent {
-    /// The turn, radians.
-    pub turn_rad: f64,
     /// The aircraft on it, all of its turn and climb over.
     pub state: MotionState,
     pub velocity_mps: Vec3,
-    /// When turns that go on leave this one, seconds.
+    /// When longer turns part from this one, seconds.
     pub parts_s: f64,
     /// How far the line may be from the true one, metres.
     pub inexact_m: f64,
 }
 
-/// What the line on which a turn ends tells.
+/// The closest approach on the line on which a turn ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Look {
+    /// Upper bound of the margin of the turn, metres.
     pub margin_m: f64,
-    /// How far turning on by a radian moves the aircraft at most by the closest approach, metres.
-    pub lever_m: f64,
-    /// From when turns that go on leave this one to the closest approach, seconds.
+    /// From when longer turns part from this one to the closest approach, seconds.
     pub left_s: f64,
-    pub inexact_m: f64,
 }
 
 impl Search<'_> {
-    /// Where turns begin after a wait; `None` where that comes too close before.
-    pub(super) fn entry(&mut self, wait_s: f64) -> Option<Entry> {
-        let before_m = self.margin_before(wait_s);
-        if before_m < self.scene.target_m {
-            return None;
-        }
-        let from = self.departure(wait_s);
-        let any = Turns {
-            wait_s,
-            turn_rad: 0.0,
-            climb_rad: 0.0,
-            second: None,
-        };
-        // The corners before it may leave no room for the turn.
-        let is_whole = self.maneuver(&any, &from).is_whole();
-        is_whole.then(|| Self::entry_at(&from, before_m))
-    }
-
-    pub(super) fn entry_at(from: &MotionState, before_m: f64) -> Entry {
-        let unit = |angle_rad| {
-            let (sin, cos) = libm::sincos(angle_rad);
-            (cos, sin)
-        };
-        Entry {
-            from: *from,
-            before_m,
-            course: unit(from.course_rad),
-            climb: unit(from.climb_rad),
-        }
-    }
-
-    /// Whether a turn may do as far as the line tells on which it ends.
-    pub(super) fn may_do(
-        &mut self,
-        from: &MotionState,
-        (climb_rad, side): (f64, Side),
-        turn_rad: f64,
-    ) -> bool {
-        let entry = Self::entry_at(from, f64::INFINITY);
-        let way = self.way(&entry, climb_rad, side);
-        let target_m = self.scene.target_m;
-        self.look(&entry, &way, turn_rad, target_m)
-            .is_none_or(|look| look.margin_m + look.inexact_m >= target_m)
-    }
-
-    /// The margin on the line on which a turn ends, up to `enough_m`; once it is below the target it may be that of any
+    /// The margin on the line on which a turn ends, at most `enough_m`; once it is below `floor_m` it may be that of any
     /// hazard. `None` where the turn is not over before the horizon.
     pub(super) fn look(
         &mut self,
-        entry: &Entry,
-        way: &Way,
-        turn_rad: f64,
-        enough_m: f64,
+        tangent: &Tangent,
+        (floor_m, enough_m): (f64, f64),
     ) -> Option<Look> {
-        let tangent = self.tangent(entry, way, turn_rad)?;
-        self.look_along(&tangent, enough_m)
-    }
-
-    /// The same on a line that is known.
-    pub(super) fn look_along(&mut self, tangent: &Tangent, enough_m: f64) -> Option<Look> {
-        if tangent.state.time_s >= self.scene.horizon_s {
+        let horizon_s = self.scene.horizon_s;
+        let state = &tangent.state;
+        if state.time_s >= horizon_s {
             return None;
         }
-        let clear = Certificate::clear(enough_m);
-        let (state, velocity_mps) = (&tangent.state, tangent.velocity_mps);
-        let line = self.straight_on(state, velocity_mps, &clear, self.scene.target_m);
-        let left_s = line.at_s - tangent.parts_s;
+        self.evaluated += 1;
+        let line = Line {
+            from_m: state.position_m,
+            velocity_mps: tangent.velocity_mps,
+            at_s: state.time_s,
+            duration_s: horizon_s - state.time_s,
+        };
+        let (margin_m, at_s) = self.least_on(&line, floor_m, enough_m);
         Some(Look {
-            margin_m: line.margin_m,
-            lever_m: self.scene.flyer.airspeed_mps() * left_s,
-            left_s,
-            inexact_m: tangent.inexact_m,
+            margin_m: margin_m + tangent.inexact_m,
+            left_s: at_s - tangent.parts_s,
         })
+    }
+
+    /// The least margin on a line and its time, the hazard that decided last first, until it falls below `floor_m`.
+    fn least_on(&mut self, line: &Line, floor_m: f64, enough_m: f64) -> (f64, f64) {
+        let Self {
+            scene,
+            meter,
+            culprit,
+            ..
+        } = self;
+        let mut least = (enough_m, line.at_s);
+        let first = scene.hazards.rows().get(*culprit);
+        if let Some(hazard) = first {
+            if !meter.take(1) {
+                return least;
+            }
+            least = hazard.least_on_line(line, least.0, meter).unwrap_or(least);
+            if least.0 < floor_m {
+                return least;
+            }
+        }
+        scene.hazards.each_close(line, least.0, meter, |hazard| {
+            if first.is_some_and(|first| first.index == hazard.index) {
+                return true;
+            }
+            if let Some(found) = hazard.least_on_line(line, least.0, meter) {
+                least = found;
+                *culprit = hazard.index as usize;
+            }
+            least.0 >= floor_m
+        });
+        least
     }
 
     /// How much farther a turn has to go on at least to move the aircraft by some metres until `left_s` after it leaves the
@@ -232,6 +159,15 @@ impl Search<'_> {
         }
         // As τ − √(τ² − s) without the loss of digits.
         rate_radps * short_s2 / (left_s + libm::sqrt(left_s2))
+    }
+
+    /// How much less of a turn moves the aircraft by some metres until `left_s` after the longer one ends, at least, radians:
+    /// the same bound, for turns that part by the difference sooner.
+    pub(super) fn least_less_rad(&self, short_m: f64, left_s: f64) -> f64 {
+        let flyer = self.scene.flyer;
+        let rate_radps = flyer.course_rate_radps();
+        let short_s2 = 2.0 * short_m.max(0.0) / (flyer.airspeed_mps() * rate_radps);
+        rate_radps * (libm::sqrt(left_s * left_s + short_s2) - left_s)
     }
 
     /// The line on which a turn to a side at a climb target ends.
@@ -261,7 +197,7 @@ impl Search<'_> {
         );
         let after_s = exit.over_s.max(climbs_s);
         let straight_m = level * speed_mps * (after_s - exit.begins_s);
-        // On which course it climbs is not told: half on either.
+        // The course of the climb is unknown: half of it on either.
         let half_m = 0.5 * along_m;
         let (ahead_m, left_m) = (level * exit.from_m.0 + half_m, level * sign * exit.from_m.1);
         let end_m = straight_m + half_m;
@@ -271,7 +207,6 @@ impl Search<'_> {
             up * speed_mps * after_s + up_m,
         );
         Some(Tangent {
-            turn_rad,
             state: MotionState {
                 time_s: from.time_s + after_s,
                 position_m: from.position_m + moved_m,
@@ -283,14 +218,6 @@ impl Search<'_> {
             parts_s: from.time_s + exit.begins_s,
             inexact_m: inexact_m + along_m.abs(),
         })
-    }
-
-    /// The side of turns and a climb target.
-    pub(super) fn way(&self, entry: &Entry, climb_rad: f64, side: Side) -> Way {
-        Way {
-            side,
-            climbing: self.climbing(entry, climb_rad),
-        }
     }
 
     /// What changing the climb angle moves the aircraft by, by the means of cos θ and sin θ while θ changes.
@@ -341,5 +268,40 @@ impl Search<'_> {
         let slot = self.bends.get_mut(usize::from(side == Side::Right))?;
         *slot = Bend::new(flyer, bank_rad);
         slot.as_ref()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::scene;
+    use fga_proof::certificate::Hazards;
+    use fga_proof::maneuver::Maneuver;
+    use fga_proof::prediction::{FlightPath, Flyer};
+    use fga_proof::vehicle::Vehicle;
+
+    #[test]
+    fn a_turn_moves_the_aircraft_by_the_bound_exactly_where_it_is_least() {
+        let vehicle = Vehicle::lagged(0.0);
+        let flyer = Flyer::new(&vehicle);
+        let (hazards, nominal) = (Hazards::new(), Maneuver::hold());
+        let scene = scene(
+            &flyer,
+            &vehicle,
+            (MotionState::ahead(0.0), &nominal),
+            &hazards,
+        );
+        let mut path = FlightPath::new();
+        let search = Search::new(scene, &mut path, 1000);
+        // By hand: V (Δψ τ − Δψ² / 2ω) at Δψ = 0.2 after τ = 4 s, and back.
+        let (speed_mps, rate_radps) = (flyer.airspeed_mps(), flyer.course_rate_radps());
+        let moved_m = speed_mps * (0.2 * 4.0 - 0.04 / (2.0 * rate_radps));
+        assert!((search.least_more_rad(moved_m, 4.0) - 0.2).abs() < 1e-12);
+        // A shorter turn parts sooner by the difference.
+        let left_s = 4.0 - 0.2 / rate_radps;
+        assert!((search.least_less_rad(moved_m, left_s) - 0.2).abs() < 1e-12);
+        // However far it turns, V ω τ² / 2 is the most.
+        let most_m = 0.5 * speed_mps * rate_radps * 16.0;
+        assert_eq!(search.least_more_rad(1.001 * most_m, 4.0), f64::INFINITY);
     }
 }

@@ -85,7 +85,7 @@ fn s1_what_the_search_finds_the_certificate_proves() {
     let decisions: u32 = asked.map_or(1500, |text| text.parse().unwrap());
     let mut draw = Draw(36);
     let mut path = FlightPath::new();
-    let mut counts = [(); 6].map(|()| Count::default());
+    let mut counts = [(); 5].map(|()| Count::default());
     let mut made = 0;
     for number in 0_u64.. {
         draw.0 ^= number;
@@ -127,7 +127,7 @@ fn s1_what_the_search_finds_the_certificate_proves() {
             costs: (0.2, 0.5),
             objective: Objective::PaperCost,
         };
-        let mut search = |look: &mut dyn FnMut(&mut Search<'_>, &mut [Count; 6])| {
+        let mut search = |look: &mut dyn FnMut(&mut Search<'_>, &mut [Count; 5])| {
             let mut search = Search::new(scene, &mut path, 1_000_000);
             look(&mut search, &mut counts);
             made += 1;
@@ -141,16 +141,14 @@ fn s1_what_the_search_finds_the_certificate_proves() {
             counts[1].ask(search, found.as_ref());
         });
         search(&mut |search, counts| {
-            let [found, other] = search.least_departure(entry_s, 0);
-            let lanes = found.and_then(|found| search.lane_change(&found));
+            let [found, other] = search.least_departure(entry_s);
             counts[2].ask(search, found.as_ref());
             counts[3].ask(search, other.as_ref());
-            counts[4].ask(search, lanes.as_ref());
         });
         if number % 10 == 0 {
             search(&mut |search, counts| {
                 let found = search.best(None, fga_search::Effort::WHOLE, 0);
-                counts[5].ask(search, found.map(|(found, _)| found).as_ref());
+                counts[4].ask(search, found.map(|(found, _)| found).as_ref());
             });
         }
     }
@@ -159,7 +157,6 @@ fn s1_what_the_search_finds_the_certificate_proves() {
         "cheapest later",
         "least departure",
         "other side",
-        "lane change",
         "best",
     ];
     for (name, count) in names.iter().zip(&counts) {

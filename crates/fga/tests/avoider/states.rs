@@ -406,9 +406,11 @@ fn what_cannot_succeed_is_soon_given_up() {
     for lag_s in [0.0, 0.6] {
         for aside_m in [20.0, 24.0, 27.0] {
             let (work, searches) = spent_on_the_hopeless(aside_m, lag_s);
-            // The first cycle and each tenth one of 22. Searches in each cycle are 16 and take up to 1.2 million units.
-            assert!(searches <= 3, "{lag_s} s, {aside_m} m: {searches} searches");
-            assert!(work <= 120_000, "{lag_s} s, {aside_m} m: {work} of work");
+            // Where little is missing, each of the four parts of the two-turn rows may take a cycle; then each tenth cycle looks
+            // again.
+            // Searches in each cycle are 16 and take up to 1.2 million units.
+            assert!(searches <= 5, "{lag_s} s, {aside_m} m: {searches} searches");
+            assert!(work <= 420_000, "{lag_s} s, {aside_m} m: {work} of work");
         }
     }
 }

@@ -40,9 +40,9 @@ pub(super) fn choose(
     let found = match start {
         Start::AtDetection => search.cheapest(0.0),
         Start::Free => {
-            let [found, other_side] = search.least_departure(entry_s, cut);
+            let [found, other_side] = search.least_departure(entry_s);
             other = other_side;
-            found.map(|single| search.lane_change(&single).unwrap_or(single))
+            found
         }
         Start::Latest | Start::Score(_) => {
             let score = if let Start::Score(score) = start {

@@ -1,0 +1,465 @@
+//! The manoeuvre with the largest margin: where none is certified yet.
+//!
+//! Rows yield seeds: single turns as flown, last turns of two by the lines on which they end. The best seeds climb by small
+//! linear programs ([`super::ascent`]), a little from many and on from the best.
+
+use fga_proof::angle::Side;
+use fga_proof::certificate::Hazard;
+use fga_proof::maneuver::Maneuver;
+use fga_proof::meter::COMPARED;
+
+use super::ascent::Ascent;
+use super::rows::{Prefix, Row};
+use super::tuned::{FAR, FLOWN, GAPS, LEVEL_AFTER, PARTS, ROUNDS, STEP_RAD, WORTH_A_CLIMB};
+use super::{ENOUGH_M, Found, MAX_TURN_RAD, Proof, Search, SecondTurn, Turns};
+
+/// Most seeds.
+const SEEDS: usize = 64;
+
+/// Most seeds that climb.
+const CLIMBERS: usize = ROUNDS[0].0;
+
+/// The largest first turn of two, in steps: a little more than half a turn.
+const FIRST_STEPS: u32 = 17;
+
+/// The same, radians.
+const MOST_FIRST_RAD: f64 = FIRST_STEPS as f64 * STEP_RAD;
+
+/// The effort for the largest margin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effort {
+    /// Single turns, and the surroundings of the present manoeuvre.
+    Quick,
+    /// Also two turns, in some parts of their rows, at least one.
+    Grids(u32),
+}
+
+impl Effort {
+    /// A whole search.
+    pub const WHOLE: Self = Self::Grids(PARTS);
+}
+
+/// A manoeuvre to climb from, and about its margin, metres.
+#[derive(Clone, Copy)]
+struct Seed {
+    turns: Turns,
+    margin_m: f64,
+}
+
+/// The best seeds, one of each row.
+struct Seeds {
+    all: [Option<Seed>; SEEDS],
+}
+
+impl Seeds {
+    /// Replaces the least one if it is less.
+    fn take(&mut self, seed: Seed) {
+        let margin_m = |slot: &Option<Seed>| slot.map_or(f64::MIN, |seed| seed.margin_m);
+        let least = self
+            .all
+            .iter_mut()
+            .min_by(|a, b| margin_m(a).total_cmp(&margin_m(b)));
+        if let Some(slot) = least
+            && margin_m(slot) < seed.margin_m
+        {
+            *slot = Some(seed);
+        }
+    }
+
+    /// The margin of the least one, which others have to exceed, metres.
+    fn floor_m(&self) -> f64 {
+        let margins = self
+            .all
+            .iter()
+            .map(|slot| slot.map_or(f64::MIN, |seed| seed.margin_m));
+        margins.fold(f64::INFINITY, f64::min)
+    }
+
+    fn pop(&mut self) -> Option<Seed> {
+        let margin_m = |slot: &Option<Seed>| slot.map_or(f64::MIN, |seed| seed.margin_m);
+        self.all
+            .iter_mut()
+            .max_by(|a, b| margin_m(a).total_cmp(&margin_m(b)))?
+            .take()
+    }
+}
+
+impl Search<'_> {
+    /// The manoeuvre with the largest margin, single or two-stage; ends as soon as one is certified. `flown` is the present
+    /// one, from which it also climbs. Searches with another `variety` begin with another part of the two-turn rows.
+    pub fn best(
+        &mut self,
+        flown: Option<&Maneuver>,
+        effort: Effort,
+        variety: u32,
+    ) -> Option<(Found, Proof)> {
+        if !self.meter.take_table::<Seeds>() {
+            return None;
+        }
+        let most = match effort {
+            Effort::Quick => 0,
+            Effort::Grids(most) => most.max(1),
+        };
+        self.grids = most.min(1);
+        let mut seeds = Seeds { all: [None; SEEDS] };
+        let mut best = None;
+        if let Some(turns) = flown.and_then(|flown| self.as_turns(flown)) {
+            let margin_m = self.flown_m(&turns, f64::MIN);
+            seeds.take(Seed { turns, margin_m });
+        }
+        self.single_turns(&mut seeds);
+        if most > 0 && self.scene.hazards.rows().iter().any(Hazard::is_cylinder) {
+            self.levelled(&mut seeds);
+        }
+        self.fly_best(&mut seeds);
+        self.climb(&mut seeds, &mut best);
+        let found = best?;
+        let target_m = self.scene.target_m;
+        if found.margin_m >= target_m {
+            return Some((found, self.prove(&found).into()));
+        }
+        if most == 0 || self.answering {
+            return Some((found, Proof::Open));
+        }
+        // A volume that grows with uncertainty may be too large today and not tomorrow.
+        let is_certain = self
+            .scene
+            .hazards
+            .rows()
+            .iter()
+            .all(|hazard| hazard.growth_mps == 0.0);
+        if is_certain && self.is_enclosed() {
+            return Some((found, Proof::Hopeless));
+        }
+        for more in 0..most {
+            self.grids = more + 1;
+            let mut seeds = Seeds { all: [None; SEEDS] };
+            self.two_turns((variety + more) % PARTS, &mut seeds);
+            self.fly_best(&mut seeds);
+            self.climb(&mut seeds, &mut best);
+            let found = best?;
+            if found.margin_m >= target_m {
+                return Some((found, self.prove(&found).into()));
+            }
+            if is_certain && found.margin_m < target_m - FAR * self.scene.turn_radius_m() {
+                return Some((found, Proof::Hopeless));
+            }
+            if self.limit_met() || self.answering {
+                break;
+            }
+        }
+        best.map(|found| (found, Proof::Open))
+    }
+
+    /// The margin of a manoeuvre as it is flown, metres.
+    fn flown_m(&mut self, turns: &Turns, floor_m: f64) -> f64 {
+        let departure = self.scene.start;
+        self.certify(turns, &departure, floor_m).proven_m()
+    }
+
+    /// The present manoeuvre as a member of the family.
+    fn as_turns(&self, flown: &Maneuver) -> Option<Turns> {
+        let (first, second) = match flown.stages() {
+            [first] => (first, None),
+            [first, second] => (first, Some(second)),
+            _ => return None,
+        };
+        Some(Turns {
+            wait_s: first.start_s,
+            turn_rad: first.course_rad - self.scene.start.course_rad,
+            climb_rad: first.climb_rad,
+            second: second.map(|second| SecondTurn {
+                after_s: second.start_s - first.start_s,
+                turn_rad: second.course_rad - first.course_rad,
+                climb_rad: second.climb_rad,
+            }),
+        })
+    }
+
+    /// The best single turn of each row.
+    fn single_turns(&mut self, seeds: &mut Seeds) {
+        let prefix = self.after_wait(0.0);
+        for climb_rad in self.scene.extreme_climbs() {
+            let climbing = self.climbing(&prefix.entry, climb_rad);
+            for side in Side::BOTH {
+                let Some(row) = self.row(&prefix, &climbing, side) else {
+                    continue;
+                };
+                let mut best: Option<Seed> = None;
+                self.scan(&prefix, row, MAX_TURN_RAD, |search, turn_rad, line_m| {
+                    let least_m = best.map_or(f64::MIN, |best| best.margin_m);
+                    if line_m > least_m {
+                        let turns = prefix.turns(&row.way, turn_rad);
+                        let margin_m = search.flown_m(&turns, least_m);
+                        if margin_m > least_m {
+                            best = Some(Seed { turns, margin_m });
+                        }
+                    }
+                    best.map_or(f64::MIN, |best| best.margin_m)
+                });
+                if let Some(best) = best {
+                    seeds.take(best);
+                }
+            }
+        }
+    }
+
+    /// Climbs and descents straight ahead that level off again: between layers of airspace the aircraft can hold no climb angle.
+    fn levelled(&mut self, seeds: &mut Seeds) {
+        let level_rad = self.scene.original.1;
+        for climb_rad in self.scene.extreme_climbs().skip(1) {
+            let mut best: Option<Seed> = None;
+            for radii in LEVEL_AFTER {
+                if self.limit_met() {
+                    return;
+                }
+                let turns = Turns {
+                    wait_s: 0.0,
+                    turn_rad: 0.0,
+                    climb_rad,
+                    second: Some(SecondTurn {
+                        after_s: radii / self.scene.flyer.course_rate_radps(),
+                        turn_rad: 0.0,
+                        climb_rad: level_rad,
+                    }),
+                };
+                let least_m = best.map_or(f64::MIN, |best| best.margin_m);
+                let margin_m = self.flown_m(&turns, least_m);
+                if margin_m > least_m {
+                    best = Some(Seed { turns, margin_m });
+                }
+            }
+            if let Some(best) = best {
+                seeds.take(best);
+            }
+        }
+    }
+
+    /// Second turns after a part of the first ones and some gaps.
+    fn two_turns(&mut self, part: u32, seeds: &mut Seeds) {
+        for place in (part..=FIRST_STEPS).step_by(PARTS as usize) {
+            for climb_rad in self.scene.extreme_climbs() {
+                for side in Side::BOTH {
+                    let turn_rad = side.sign() * STEP_RAD * f64::from(place);
+                    // Without a turn both sides are the same.
+                    if (place > 0 || side == Side::Left) && !self.limit_met() {
+                        self.second_turns((turn_rad, climb_rad), side, seeds);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The best second turn to each side after a first one, over the gaps between them.
+    fn second_turns(&mut self, first: (f64, f64), side: Side, seeds: &mut Seeds) {
+        let scene = self.scene;
+        let (turn_rad, climb_rad) = first;
+        let bank_rad = side.sign() * scene.start.bank_rad;
+        let exit = self
+            .bend(bank_rad, side)
+            .and_then(|bend| bend.exit(turn_rad.abs().max(bend.least_rad())));
+        let Some(exit) = exit else { return };
+        let rate_radps = scene.flyer.course_rate_radps();
+        let mut best: [Option<Seed>; 2] = [None; 2];
+        let floor_m = seeds.floor_m();
+        let longest_s = exit.begins_s + GAPS.last().unwrap_or(&0.0) / rate_radps;
+        let maneuver = Maneuver::turn(0.0, scene.start.course_rad + turn_rad, climb_rad);
+        self.path.predict_within(
+            scene.flyer,
+            &scene.start,
+            &maneuver,
+            longest_s + 1.0,
+            &self.meter,
+        );
+        for gap in GAPS {
+            let after_s = exit.begins_s + gap / rate_radps;
+            let prefix = self.after_first(first, after_s);
+            let before = self.certify_path(scene.hazards, after_s, (floor_m, ENOUGH_M));
+            let before_m = before.proven_m();
+            if before_m <= floor_m {
+                break;
+            }
+            let climbing = self.climbing(&prefix.entry, climb_rad);
+            for (other, best) in Side::BOTH.into_iter().zip(&mut best) {
+                // To the same side without a gap it is a single turn.
+                if gap == 0.0 && other == side {
+                    continue;
+                }
+                let Some(row) = self.row(&prefix, &climbing, other) else {
+                    continue;
+                };
+                self.scan(&prefix, row, MOST_FIRST_RAD, |_, last_rad, line_m| {
+                    let margin_m = line_m.min(before_m);
+                    let least_m = best.map_or(floor_m, |best| best.margin_m);
+                    if margin_m > least_m && last_rad != 0.0 {
+                        let turns = prefix.turns(&row.way, last_rad);
+                        *best = Some(Seed { turns, margin_m });
+                    }
+                    best.map_or(floor_m, |best| best.margin_m)
+                });
+            }
+        }
+        for best in best.into_iter().flatten() {
+            seeds.take(best);
+        }
+    }
+
+    /// Visits turns of a row with the margins of their lines, at moderate steps, until a margin reaches the target. `visit` returns
+    /// the margin that others have to exceed.
+    fn scan(
+        &mut self,
+        prefix: &Prefix,
+        row: Row,
+        most_rad: f64,
+        mut visit: impl FnMut(&mut Self, f64, f64) -> f64,
+    ) {
+        let mut row = row;
+        let mut floor_m = f64::MIN;
+        while row.at_rad <= most_rad && !self.limit_met() {
+            let Some(tangent) = self.line(prefix, &row) else {
+                return;
+            };
+            let Some(look) = self.look(&tangent, (floor_m, ENOUGH_M)) else {
+                return;
+            };
+            floor_m = visit(self, row.at_rad, look.margin_m);
+            let short_m = floor_m - look.margin_m;
+            row.at_rad += STEP_RAD.max(self.least_more_rad(short_m, look.left_s));
+            if floor_m >= self.scene.target_m {
+                return;
+            }
+        }
+    }
+
+    /// Flies the best seeds and keeps those near the best, with the margins of their flights.
+    fn fly_best(&mut self, seeds: &mut Seeds) {
+        let far_m = WORTH_A_CLIMB * self.scene.turn_radius_m();
+        let mut flown = Seeds { all: [None; SEEDS] };
+        let mut best_m = f64::MIN;
+        for _ in 0..FLOWN {
+            let is_given = !self.limit_met() && self.meter.take(SEEDS / COMPARED);
+            let Some(Seed { turns, .. }) = is_given.then(|| seeds.pop()).flatten() else {
+                break;
+            };
+            let margin_m = self.flown_m(&turns, best_m - far_m);
+            best_m = best_m.max(margin_m);
+            flown.take(Seed { turns, margin_m });
+        }
+        *seeds = flown;
+    }
+
+    /// Climbs from the best seeds: a few steps from all, more from the best. The first round with certified ones ends the climb, with
+    /// the cheapest of them.
+    fn climb(&mut self, seeds: &mut Seeds, best: &mut Option<Found>) {
+        let mut climbers: [Option<Ascent>; CLIMBERS] = [None; CLIMBERS];
+        for slot in &mut climbers {
+            if !self.meter.take(SEEDS / COMPARED) {
+                break;
+            }
+            *slot = seeds.pop().map(|seed| {
+                let Seed { turns, margin_m } = seed;
+                Ascent::new(
+                    &Found {
+                        turns,
+                        margin_m,
+                        cost: 0.0,
+                    },
+                    self.scene.flyer,
+                )
+            });
+        }
+        let height =
+            |climber: &Option<Ascent>| climber.map_or(f64::MIN, |climber| climber.least_m());
+        for (most, steps) in ROUNDS {
+            let mut cheapest: Option<Found> = None;
+            for climber in climbers.iter_mut().take(most).flatten() {
+                if self.limit_met() {
+                    break;
+                }
+                climber.climb(self, steps);
+                if climber.least_m() >= self.scene.target_m {
+                    let found = climber.certified(self);
+                    if found.margin_m >= self.scene.target_m
+                        && cheapest.is_none_or(|cheapest| found.cost < cheapest.cost)
+                    {
+                        cheapest = Some(found);
+                    }
+                }
+            }
+            if cheapest.is_some() {
+                *best = cheapest;
+                return;
+            }
+            climbers.sort_unstable_by(|a, b| height(b).total_cmp(&height(a)));
+            if self.meter.take(CLIMBERS * CLIMBERS / COMPARED) {
+                leave_one_of_each(&mut climbers);
+            }
+        }
+        if self.limit_met() {
+            if best.is_some() {
+                return;
+            }
+            self.answer();
+        }
+        if let Some(highest) = climbers.iter().flatten().next() {
+            let found = highest.certified(self);
+            if best.is_none_or(|best| found.margin_m > best.margin_m) {
+                *best = Some(found);
+            }
+        }
+    }
+}
+
+/// Removes climbers that have come to where a higher one is.
+fn leave_one_of_each(climbers: &mut [Option<Ascent>; CLIMBERS]) {
+    for place in 1..CLIMBERS {
+        let (higher, rest) = climbers.split_at_mut(place);
+        let Some(slot) = rest.first_mut() else { return };
+        let meets = |lower: &Ascent| higher.iter().flatten().any(|one| one.meets(lower));
+        if slot.as_ref().is_some_and(meets) {
+            *slot = None;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::scene;
+    use fga_proof::Vec3;
+    use fga_proof::certificate::Hazards;
+    use fga_proof::prediction::{FlightPath, Flyer, MotionState};
+    use fga_proof::situation::ProtectedVolume;
+    use fga_proof::vehicle::Vehicle;
+
+    #[test]
+    fn where_nothing_keeps_clear_no_single_turn_keeps_clearly_more() {
+        for lag_s in [0.0, 0.6] {
+            let vehicle = Vehicle::lagged(lag_s);
+            let flyer = Flyer::new(&vehicle);
+            let mut hazards = Hazards::new();
+            let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+            let place_m = Vec3::new(vehicle.airspeed_mps, 6.0, 2.0);
+            hazards.put(0, Hazard::exact(0, place_m, Vec3::ZERO, volume));
+            let nominal = Maneuver::hold();
+            let start = MotionState::ahead(0.0);
+            let scene = scene(&flyer, &vehicle, (start, &nominal), &hazards);
+            let mut path = FlightPath::new();
+            let mut search = Search::new(scene, &mut path, 100_000);
+            let (found, proof) = search.best(None, Effort::WHOLE, 0).unwrap();
+            assert_eq!(proof, Proof::Hopeless);
+            for climb_rad in scene.extreme_climbs() {
+                for k in -30..=30 {
+                    let turns = Turns {
+                        wait_s: 0.0,
+                        turn_rad: 0.1 * f64::from(k),
+                        climb_rad,
+                        second: None,
+                    };
+                    let margin_m = search.certify(&turns, &start, f64::MIN).margin_m;
+                    assert!(margin_m < found.margin_m + 0.3, "{margin_m} {found:?}");
+                }
+            }
+        }
+    }
+}
