@@ -7,7 +7,7 @@
 use crate::Vec3;
 use crate::prediction::motion::{Flyer, MotionState, Target};
 
-/// Most ends of the pieces of a roll-in.
+/// Most ends of the pieces of a roll-in: what is left of a longer one is negligible.
 const NODES: usize = 48;
 
 /// Most turn between two of them, radians.
@@ -169,7 +169,7 @@ impl Bend {
             *slot = End::now(flyer, &state)?;
             bend.len += 1;
             let piece = flyer.next_piece(&state, &Target::TURNING_LEFT);
-            if piece.bank_command_rad == state.bank_rad {
+            if piece.bank_command_rad == state.bank_rad || bend.len == NODES {
                 let (sin, cos) = libm::sincos(state.course_rad);
                 bend.rolled_in = (cos, sin);
                 let (sin, cos) = libm::sincos(slot.turn_rad);
@@ -296,6 +296,26 @@ mod tests {
     use crate::maneuver::Maneuver;
     use crate::prediction::FlightPath;
     use crate::vehicle::Vehicle;
+
+    #[test]
+    fn a_roll_in_with_more_ends_than_there_is_room_for_is_nearly_over() {
+        for (turn_radius_m, airspeed_mps, lag_s) in
+            [(22.0, 15.2, 1.0), (22.0, 15.0, 1.5), (40.0, 20.0, 2.0)]
+        {
+            let vehicle = Vehicle {
+                airspeed_mps,
+                turn_radius_m,
+                ..Vehicle::lagged(lag_s)
+            };
+            let flyer = Flyer::new(&vehicle);
+            let bend = Bend::rolled(&flyer, 0.0).unwrap();
+            assert_eq!(bend.len, NODES);
+            let last = bend.nodes[NODES - 1];
+            let exit = bend.exit(last.turn_rad + 1.0).unwrap();
+            assert!(flyer.full_bank_rad() - last.bank_rad < 1e-5, "{last:?}");
+            assert!(exit.begins_s > last.time_s);
+        }
+    }
 
     #[test]
     fn a_turn_shorter_than_the_least_one_ends_where_that_does() {
