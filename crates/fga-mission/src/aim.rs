@@ -163,7 +163,7 @@ impl Turns<'_> {
         kept.or_else(|| {
             let (made, bank_rad) = (self.made.get(side)?, self.banks_rad.get(side)?);
             if made.get().is_none() {
-                let _ = made.set(Bend::new(self.flyer, *bank_rad));
+                let _ = made.set(Some(Bend::new(self.flyer, *bank_rad)));
             }
             made.get()?.as_ref()
         })

@@ -11,9 +11,6 @@ pub(crate) const PIECE: usize = 3;
 /// A piece of a predicted flight with bank lag.
 pub(crate) const LAGGED_PIECE: usize = 12;
 
-/// A step along an arc with bank lag.
-pub const LAGGED_STEP: usize = 8;
-
 /// A node of a path with a constant course rate.
 pub(crate) const NODE: usize = 1;
 

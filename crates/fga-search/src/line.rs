@@ -266,7 +266,7 @@ impl Search<'_> {
             return None;
         }
         let slot = self.bends.get_mut(usize::from(side == Side::Right))?;
-        *slot = Bend::new(flyer, bank_rad);
+        *slot = Some(Bend::new(flyer, bank_rad));
         slot.as_ref()
     }
 }

@@ -39,11 +39,11 @@ struct End {
 }
 
 impl End {
-    /// Of a turn that begins to roll out now; `None` for a bank beyond the vehicle's largest.
-    fn now(flyer: &Flyer, state: &MotionState) -> Option<Self> {
-        let (forward, left) = flyer.roll_out_m(state.bank_rad)?;
+    /// Of a turn that begins to roll out now.
+    fn now(flyer: &Flyer, state: &MotionState) -> Self {
+        let (forward, left) = flyer.roll_out_m(state.bank_rad);
         let (sin, cos) = libm::sincos(state.course_rad);
-        Some(Self {
+        Self {
             turn_rad: state.course_rad + flyer.rollout_rad(state.bank_rad),
             time_s: state.time_s,
             at_m: (state.position_m.x, state.position_m.y),
@@ -52,7 +52,7 @@ impl End {
                 state.position_m.y + sin * forward + cos * left,
             ),
             bank_rad: state.bank_rad,
-        })
+        }
     }
 }
 
@@ -97,11 +97,11 @@ pub struct Bend {
 }
 
 impl Bend {
-    /// Turns from a bank towards their side; `None` where that is larger than the vehicle's largest.
-    pub fn new(flyer: &Flyer, bank_rad: f64) -> Option<Self> {
+    /// Turns from a bank towards their side.
+    pub fn new(flyer: &Flyer, bank_rad: f64) -> Self {
         let widest = flyer.widest_bend();
         let rest = widest.and_then(|widest| widest.rest_from(flyer, bank_rad));
-        rest.or_else(|| Self::rolled(flyer, bank_rad))
+        rest.unwrap_or_else(|| Self::rolled(flyer, bank_rad))
     }
 
     /// The rest of these turns from a larger bank on: rolling in does not depend on where it began.
@@ -124,7 +124,7 @@ impl Bend {
         let back = |vector| turned_back((cos, sin), vector);
         let place =
             |at_m: (f64, f64)| back((at_m.0 - here.position_m.x, at_m.1 - here.position_m.y));
-        let first = End::now(flyer, &MotionState::ahead(bank_rad))?;
+        let first = End::now(flyer, &MotionState::ahead(bank_rad));
         let ends = rest.iter().map(|node| End {
             turn_rad: node.turn_rad - here.course_rad,
             time_s: (node.time_s - here.time_s).max(0.0),
@@ -147,7 +147,7 @@ impl Bend {
     }
 
     /// The same, piece by piece.
-    fn rolled(flyer: &Flyer, bank_rad: f64) -> Option<Self> {
+    fn rolled(flyer: &Flyer, bank_rad: f64) -> Self {
         let mut bend = Self {
             bank_rad,
             rate_radps: flyer.course_rate_radps(),
@@ -160,27 +160,29 @@ impl Bend {
             roll_out_m: (0.0, 0.0),
         };
         if flyer.is_ideal() {
-            return Some(bend);
+            return bend;
         }
         bend.settles_s = ROLLS_OUT * flyer.bank_time_constant_s();
         let mut state = MotionState::ahead(bank_rad);
         bend.len = 0;
         for slot in &mut bend.nodes {
-            *slot = End::now(flyer, &state)?;
+            *slot = End::now(flyer, &state);
             bend.len += 1;
             let piece = flyer.next_piece(&state, &Target::TURNING_LEFT);
             if piece.bank_command_rad == state.bank_rad || bend.len == NODES {
-                let (sin, cos) = libm::sincos(state.course_rad);
-                bend.rolled_in = (cos, sin);
-                let (sin, cos) = libm::sincos(slot.turn_rad);
-                bend.least_full = (cos, sin);
-                bend.roll_out_m = flyer.roll_out_m(state.bank_rad)?;
-                return Some(bend);
+                break;
             }
             let for_s = piece.duration_s.min(NODE_RAD / bend.rate_radps);
             state = flyer.advance(&state, &piece, for_s);
         }
-        None
+        let unit = |angle_rad| {
+            let (sin, cos) = libm::sincos(angle_rad);
+            (cos, sin)
+        };
+        bend.rolled_in = unit(state.course_rad);
+        bend.least_full = unit(state.course_rad + flyer.rollout_rad(state.bank_rad));
+        bend.roll_out_m = flyer.roll_out_m(state.bank_rad);
+        bend
     }
 
     /// Whether it holds for a bank.
@@ -308,7 +310,7 @@ mod tests {
                 ..Vehicle::lagged(lag_s)
             };
             let flyer = Flyer::new(&vehicle);
-            let bend = Bend::rolled(&flyer, 0.0).unwrap();
+            let bend = Bend::rolled(&flyer, 0.0);
             assert_eq!(bend.len, NODES);
             let last = bend.nodes[NODES - 1];
             let exit = bend.exit(last.turn_rad + 1.0).unwrap();
@@ -321,7 +323,7 @@ mod tests {
     fn a_turn_shorter_than_the_least_one_ends_where_that_does() {
         for bank in [0.0, 0.3, 0.99, 1.0] {
             let flyer = Flyer::new(&Vehicle::lagged(0.6));
-            let bend = Bend::new(&flyer, bank * flyer.full_bank_rad()).unwrap();
+            let bend = Bend::new(&flyer, bank * flyer.full_bank_rad());
             let (least, less) = (bend.least_rad(), bend.least_rad() - 0.1);
             let at = |turn_rad: f64| bend.exit(turn_rad).unwrap().from_m;
             assert_eq!(at(less), at(least), "{bank}");
@@ -348,9 +350,9 @@ mod tests {
             } else {
                 0.0
             };
-            for share in [0.0, 0.4, -0.6, 1.0] {
+            for share in [0.0, 0.4, -0.6, 1.0, 1.4, -1.4] {
                 let bank_rad = share * full_rad;
-                let bend = Bend::new(&flyer, bank_rad).unwrap();
+                let bend = Bend::new(&flyer, bank_rad);
                 for k in 0..40 {
                     let turn_rad = bend.least_rad() + 0.1 * f64::from(k);
                     let exit = bend.exit(turn_rad).unwrap();

@@ -22,7 +22,7 @@ mod lagged;
 
 pub use arc::ArcSteps;
 
-use self::lagged::{Rolls, SETTLES, SETTLING, Settling};
+use self::lagged::{ROLL_OUTS, Rolls};
 
 /// An angle closer to its target than this has reached it, radians.
 const REACHED_RAD: f64 = 1e-11;
@@ -172,8 +172,8 @@ pub struct Flyer {
     rolling_out: Rolls,
     /// First pieces of the rolls from level flight to either side, and from the bank of now to these and to level.
     begun: [Roll; 5],
-    /// Displacement of a roll-out from a bank up to each of its moments: forward and left of the course at its start, metres.
-    settles_m: [Settling; SETTLES],
+    /// Displacements of roll-outs from banks: forward and left of the course at their start, metres.
+    roll_outs_m: [(f64, f64); ROLL_OUTS],
     /// Turns from the largest bank to the other side, in which those from any bank are contained.
     widest_bend: Option<Bend>,
     /// Turns from level flight, and from the bank of now to the left and to the right.
@@ -199,16 +199,16 @@ impl Flyer {
             rolling_over: Rolls::default(),
             rolling_out: Rolls::default(),
             begun: [Roll::default(); 5],
-            settles_m: [[(0.0, 0.0); SETTLING.len()]; SETTLES],
+            roll_outs_m: [(0.0, 0.0); ROLL_OUTS],
             widest_bend: None,
             bends: [None; 3],
         };
         if !flyer.is_ideal() {
             flyer.prepare_rolls();
-            flyer.widest_bend = Bend::new(&flyer, -flyer.full_bank_rad);
+            flyer.widest_bend = Some(Bend::new(&flyer, -flyer.full_bank_rad));
         }
         let level = Bend::new(&flyer, 0.0);
-        flyer.bends = [level, None, None];
+        flyer.bends = [Some(level), None, None];
         flyer
     }
 

@@ -532,42 +532,4 @@ mod tests {
             assert!(beyond < 0.02, "{target} overshoots by {beyond}");
         }
     }
-
-    #[test]
-    fn where_it_settles_is_where_its_pieces_lead() {
-        let flyer = Flyer::new(&Vehicle {
-            response: crate::vehicle::Response {
-                bank_time_constant_s: 0.6,
-                turn_rate_factor: 0.74,
-                ..Vehicle::table_4().response
-            },
-            ..Vehicle::table_4()
-        });
-        for bank_rad in [-0.6, -0.33, 0.0, 0.01, 0.2, 0.61] {
-            for climb_rad in [-0.2, 0.0, 0.25] {
-                let state = MotionState {
-                    time_s: 1.0,
-                    position_m: Vec3::new(3.0, -2.0, 7.0),
-                    course_rad: 2.0,
-                    climb_rad: 0.1,
-                    bank_rad,
-                };
-                let settled = flyer.settled(&state, climb_rad).unwrap();
-                let target = Target {
-                    course_rad: state.course_rad + flyer.rollout_rad(bank_rad),
-                    climb_rad,
-                    rate_share: 1.0,
-                };
-                let mut there = state;
-                while there.time_s < settled.time_s {
-                    let left_s = settled.time_s - there.time_s;
-                    let piece = flyer.next_piece_within(&there, &target, left_s);
-                    there = flyer.advance(&there, &piece, piece.duration_s.min(left_s));
-                }
-                let off_m = there.position_m.distance(settled.position_m);
-                assert!(off_m < 0.15, "{bank_rad} {climb_rad}: {off_m} m");
-                assert!((there.course_rad - settled.course_rad).abs() < 1e-3);
-            }
-        }
-    }
 }

@@ -2,8 +2,6 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use crate::Vec3;
-use crate::angle::direction;
 use crate::limit::Limit as _;
 use crate::prediction::motion::{Flyer, MotionState, Piece, REACHED_RAD, Target};
 use crate::prediction::roll::{Roll, roll_out, tan_share};
@@ -27,18 +25,15 @@ const USUAL_SCALE_M: f64 = 1.5;
 /// Most pieces of a roll that a [`Flyer`] keeps.
 const KEPT_ROLLS: usize = 24;
 
-/// Banks with a tabulated roll-out, from level to the largest.
-pub(super) const SETTLES: usize = 33;
+/// Banks with a tabulated roll-out, from level to the widest.
+pub(super) const ROLL_OUTS: usize = 65;
 
-/// Moments of a roll-out, time constants after it begins; after the last one it is over: thousandths of the bank are left.
-pub(super) const SETTLING: [f64; 5] = [0.5, 1.0, 1.75, 3.0, SETTLED_AFTER];
+/// The widest bank with a tabulated roll-out, radians: a gust or another pilot may bank beyond the vehicle's largest. The roll-out
+/// of a wider one is taken for that of this one.
+const WIDEST_RAD: f64 = 1.25;
+
+/// A roll-out is over after this many time constants: thousandths of the bank are left.
 const SETTLED_AFTER: f64 = 6.0;
-
-/// Displacement up to each of them: forward and left of the course at the beginning, metres.
-pub(super) type Settling = [(f64, f64); SETTLING.len()];
-
-/// What is left of the bank at those moments, e to the minus them.
-const BANK_LEFT: [f64; 5] = [0.606_531, 0.367_880, 0.173_775, 0.049_788, 0.002_479];
 
 /// Most pieces of a roll-out.
 const MOST_PIECES: usize = 64;
@@ -128,174 +123,59 @@ impl Flyer {
         self.rolling_over = Rolls::new(-full_rad, full_rad, self.pace);
         self.rolling_out = Rolls::new(full_rad, 0.0, self.pace);
         self.begin_rolls_from(0.0);
-        let step_rad = full_rad / (SETTLES - 1) as f64;
-        let mut settles_m = [[(0.0, 0.0); SETTLING.len()]; SETTLES];
-        for (place, settles) in settles_m.iter_mut().enumerate() {
-            *settles = self.settles_m(place as f64 * step_rad);
+        let step_rad = WIDEST_RAD / (ROLL_OUTS - 1) as f64;
+        let mut roll_outs_m = [(0.0, 0.0); ROLL_OUTS];
+        for (place, roll_out_m) in roll_outs_m.iter_mut().enumerate() {
+            *roll_out_m = self.rolled_out_m(place as f64 * step_rad);
         }
-        self.settles_m = settles_m;
+        self.roll_outs_m = roll_outs_m;
     }
 
-    /// Displacement of a roll-out from a bank up to each of its moments, as in the table, from its pieces.
-    fn settles_m(&self, bank_rad: f64) -> Settling {
-        let tau = self.bank_time_constant_s;
+    /// Displacement of a roll-out from a bank, as in the table, from its pieces.
+    fn rolled_out_m(&self, bank_rad: f64) -> (f64, f64) {
+        let settled_s = SETTLED_AFTER * self.bank_time_constant_s;
         let mut state = MotionState::ahead(bank_rad);
         let target = Target {
             course_rad: self.rollout_rad(bank_rad),
             climb_rad: 0.0,
             rate_share: 1.0,
         };
-        SETTLING.map(|moment| {
-            for _ in 0..MOST_PIECES {
-                let left_s = moment * tau - state.time_s;
-                if left_s <= 0.0 {
-                    break;
-                }
-                let piece = self.next_piece_within(&state, &target, left_s);
-                let for_s = piece.duration_s.min(left_s);
-                state = self.advance(&state, &piece, for_s);
-                if for_s == left_s {
-                    state.time_s = moment * tau;
-                }
+        for _ in 0..MOST_PIECES {
+            let left_s = settled_s - state.time_s;
+            if left_s <= 0.0 {
+                break;
             }
-            (state.position_m.x, state.position_m.y)
-        })
-    }
-
-    /// Where the aircraft is at the moments of a roll-out from a state at a constant climb angle, metres, to decimetres, and
-    /// when, seconds; and for how far the flight bows from the line between a moment and the one before it, metres. `None` for
-    /// banks beyond its largest.
-    pub fn settling(&self, state: &MotionState) -> Option<[(Vec3, f64, f64); SETTLING.len()]> {
-        let settles_m = self.settling_m(state.bank_rad)?;
-        let tau = self.bank_time_constant_s;
-        let (sin, cos) = libm::sincos(state.course_rad);
-        let (up, level) = libm::sincos(state.climb_rad);
-        let acceleration_mps2 = self.airspeed_mps * self.rate_radps(state.bank_rad).abs();
-        let mut places = [(Vec3::ZERO, 0.0, 0.0); SETTLING.len()];
-        let mut before = (0.0, 1.0);
-        for (((slot, moment), left), (forward, aside)) in
-            (places.iter_mut().zip(SETTLING).zip(BANK_LEFT)).zip(settles_m)
-        {
-            let after_s = moment * tau;
-            let moved_m = Vec3::new(
-                level * (forward * cos - aside * sin),
-                level * (forward * sin + aside * cos),
-                up * self.airspeed_mps * after_s,
-            );
-            let lasts_s = after_s - before.0;
-            let bow_m = before.1 * acceleration_mps2 * lasts_s * lasts_s / 8.0;
-            *slot = (state.position_m + moved_m, state.time_s + after_s, bow_m);
-            before = (after_s, left);
+            let piece = self.next_piece_within(&state, &target, left_s);
+            let for_s = piece.duration_s.min(left_s);
+            state = self.advance(&state, &piece, for_s);
+            if for_s == left_s {
+                break;
+            }
         }
-        Some(places)
+        (state.position_m.x, state.position_m.y)
     }
 
     /// Displacement of a roll-out from a bank, beyond straight flight on its final course: forward and left of the
-    /// course at its start, metres, to decimetres. `None` for banks beyond its largest.
-    pub(crate) fn roll_out_m(&self, bank_rad: f64) -> Option<(f64, f64)> {
-        let (low, high, share) = self.around(bank_rad)?;
-        let ([.., low], [.., high]) = (low, high);
+    /// course at its start, metres, to decimetres.
+    pub(crate) fn roll_out_m(&self, bank_rad: f64) -> (f64, f64) {
+        let most = (ROLL_OUTS - 1) as f64;
+        let place = (bank_rad.abs() / WIDEST_RAD * most).min(most);
+        let above = whole(place, ROLL_OUTS - 1);
+        let share = place - (above - 1) as f64;
+        let at = |place: usize| self.roll_outs_m.get(place).copied().unwrap_or_default();
+        let (low, high) = (at(above - 1), at(above));
         let left = low.1 + share * (high.1 - low.1);
         let (sin, cos) = libm::sincos(self.rollout_rad(bank_rad));
         let straight_m = self.airspeed_mps * SETTLED_AFTER * self.bank_time_constant_s;
-        Some((
+        (
             low.0 + share * (high.0 - low.0) - straight_m * cos,
             libm::copysign(1.0, bank_rad) * left - straight_m * sin,
-        ))
+        )
     }
 
     /// How much later a turn without bank lag would begin to lead to about the same places, seconds.
     pub fn turns_later_s(&self) -> f64 {
         self.full_roll_out_rad / self.course_rate_radps
-    }
-
-    /// The same motion without bank lag, and a state from which it leads to about the same places, to metres: a turn with
-    /// lag is one that begins later. `None` without lag.
-    pub fn without_lag(&self, state: &MotionState) -> Option<(Self, MotionState)> {
-        let (forward, left) = self.roll_out_m(state.bank_rad)?;
-        let later_s = self.turns_later_s();
-        let (sin, cos) = libm::sincos(state.course_rad);
-        let course_rad = state.course_rad + self.rollout_rad(state.bank_rad);
-        let moved_m = Vec3::new(forward * cos - left * sin, forward * sin + left * cos, 0.0);
-        let straight_m = direction(course_rad, state.climb_rad) * (self.airspeed_mps * later_s);
-        let begins = MotionState {
-            time_s: state.time_s + later_s,
-            position_m: state.position_m + moved_m + straight_m,
-            course_rad,
-            climb_rad: state.climb_rad,
-            bank_rad: 0.0,
-        };
-        let ideal = Self {
-            bank_time_constant_s: 0.0,
-            ..*self
-        };
-        Some((ideal, begins))
-    }
-
-    /// The tabulated roll-outs from a smaller and a larger bank than one, and how far it is from the smaller to the larger.
-    fn around(&self, bank_rad: f64) -> Option<(&Settling, &Settling, f64)> {
-        let place = bank_rad.abs() / self.full_bank_rad * (SETTLES - 1) as f64;
-        if self.is_ideal() || place.is_nan() || place > (SETTLES - 1) as f64 {
-            return None;
-        }
-        let above = whole(place, SETTLES - 1);
-        let below = above - 1;
-        let (low, high) = (self.settles_m.get(below)?, self.settles_m.get(above)?);
-        Some((low, high, place - below as f64))
-    }
-
-    /// Displacement of a roll-out from a bank up to each of its moments: forward and left of the course at its start,
-    /// metres, to decimetres. `None` for banks beyond its largest.
-    fn settling_m(&self, bank_rad: f64) -> Option<Settling> {
-        let (low, high, share) = self.around(bank_rad)?;
-        let sign = libm::copysign(1.0, bank_rad);
-        let mut settles_m = [(0.0, 0.0); SETTLING.len()];
-        for (slot, (low, high)) in settles_m.iter_mut().zip(low.iter().zip(high)) {
-            *slot = (
-                low.0 + share * (high.0 - low.0),
-                sign * (low.1 + share * (high.1 - low.1)),
-            );
-        }
-        Some(settles_m)
-    }
-
-    /// The approximate state after rolling out from a state and taking up a climb angle: to decimetres, only
-    /// for skipping. `None` for banks beyond its largest.
-    pub fn settled(&self, state: &MotionState, climb_rad: f64) -> Option<MotionState> {
-        let (forward, left) = self.roll_out_m(state.bank_rad)?;
-        let change_rad = climb_rad - state.climb_rad;
-        let climbs_s = if change_rad.abs() < REACHED_RAD {
-            0.0
-        } else {
-            change_rad.abs() / self.climb_rate_radps
-        };
-        let after_s = climbs_s.max(SETTLED_AFTER * self.bank_time_constant_s);
-        // The means of cos θ and sin θ while θ changes.
-        let (sin, cos) = libm::sincos(climb_rad);
-        let (mean_cos, mean_sin) = if climbs_s > 0.0 {
-            let (sin_now, cos_now) = libm::sincos(state.climb_rad);
-            ((sin - sin_now) / change_rad, (cos_now - cos) / change_rad)
-        } else {
-            (cos, sin)
-        };
-        let level_s = mean_cos * climbs_s + cos * (after_s - climbs_s);
-        let up_s = mean_sin * climbs_s + sin * (after_s - climbs_s);
-        let course_rad = state.course_rad + self.rollout_rad(state.bank_rad);
-        let (across, along) = libm::sincos(course_rad);
-        let (side, ahead) = libm::sincos(state.course_rad);
-        let aside = Vec3::new(
-            ahead * forward - side * left,
-            side * forward + ahead * left,
-            0.0,
-        );
-        let straight = Vec3::new(along * level_s, across * level_s, up_s);
-        Some(MotionState {
-            time_s: state.time_s + after_s,
-            position_m: state.position_m + aside * mean_cos + straight * self.airspeed_mps,
-            course_rad,
-            climb_rad,
-            bank_rad: 0.0,
-        })
     }
 
     pub(super) fn lagged_piece(
@@ -367,8 +247,8 @@ impl Flyer {
             let left = Bend::new(self, bank_rad);
             let right = Bend::new(self, -bank_rad);
             let [_, kept_left, kept_right] = &mut self.bends;
-            *kept_left = left;
-            *kept_right = right;
+            *kept_left = Some(left);
+            *kept_right = Some(right);
         }
     }
 
