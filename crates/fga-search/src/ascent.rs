@@ -145,7 +145,11 @@ impl Ascent {
 
     /// The least margin so far, metres, not yet certified.
     pub(super) fn least_m(&self) -> f64 {
-        self.approaches.least_m()
+        if self.approaches.len == 0 {
+            self.seed.margin_m
+        } else {
+            self.approaches.least_m()
+        }
     }
 
     /// Whether another climb has come to the same manoeuvre.

@@ -266,22 +266,49 @@ impl Search<'_> {
         }
         for climb_rad in scene.extreme_climbs().skip(1) {
             let rises_mps = scene.flyer.airspeed_mps() * libm::sin(climb_rad - level_rad).abs();
+            let mut fails_s = None;
             for radii in LEVEL_AFTER {
-                let after_s = radii / rate_radps;
-                let prefix = self.after_first((0.0, climb_rad), after_s);
-                let climbing = self.climbing(&prefix.entry, level_rad);
-                if let Some(row) = self.row(&prefix, &climbing, Side::Left) {
-                    lattice.begin(&prefix);
-                    let cost = least(rises_mps * after_s, 0.0);
-                    lattice.put(&Row {
-                        at_rad: 0.0,
-                        to_rad: 0.0,
-                        cost,
-                        ..row
-                    });
+                let mut after_s = radii / rate_radps;
+                let Some(mut levels) = self.levels(climb_rad, after_s) else {
+                    fails_s = Some(after_s);
+                    continue;
+                };
+                if let Some(mut fails_s) = fails_s.take() {
+                    for _ in 0..HALVINGS {
+                        let sooner_s = 0.5 * (fails_s + after_s);
+                        match self.levels(climb_rad, sooner_s) {
+                            Some(sooner) => (levels, after_s) = (sooner, sooner_s),
+                            None => fails_s = sooner_s,
+                        }
+                    }
                 }
+                let (prefix, row) = levels;
+                lattice.begin(&prefix);
+                let cost = least(rises_mps * after_s, 0.0);
+                lattice.put(&Row { cost, ..row });
             }
         }
+    }
+
+    /// The row of one member, a climb or descent straight ahead that levels off, if its line stays clear.
+    fn levels(&mut self, climb_rad: f64, after_s: f64) -> Option<(Prefix, Row)> {
+        let prefix = self.after_first((0.0, climb_rad), after_s);
+        let climbing = self.climbing(&prefix.entry, self.scene.original.1);
+        let row = self.row(&prefix, &climbing, Side::Left)?;
+        let tangent = self.tangent(&prefix.entry, &row.way, 0.0)?;
+        let clear_m = self.scene.target_m + tangent.inexact_m;
+        let look = self.look(&tangent, (clear_m, clear_m))?;
+        if look.margin_m < clear_m {
+            return None;
+        }
+        Some((
+            prefix,
+            Row {
+                at_rad: 0.0,
+                to_rad: 0.0,
+                ..row
+            },
+        ))
     }
 
     /// The cheapest of the members of some rows, best first.
@@ -412,8 +439,8 @@ impl Search<'_> {
         None
     }
 
-    /// The certified member of a row that is nearest to the last one that failed. A climb without a turn becomes less steep; one
-    /// that levels off does so sooner.
+    /// The certified member of a row that is nearest to the last one that failed. A climb without a turn becomes less
+    /// steep.
     fn nearer(&mut self, prefix: &Prefix, row: &mut Row, found: Found) -> Found {
         let Row {
             way,
@@ -433,24 +460,8 @@ impl Search<'_> {
             return found;
         }
         let level_rad = self.scene.original.1;
-        if let Some((turn_rad, climb_rad)) = prefix.first {
-            if turn_rad != 0.0 {
-                return found;
-            }
-            let after_s = prefix.entry.from.time_s;
-            let before = LEVEL_AFTER
-                .iter()
-                .rev()
-                .map(|radii| radii / self.scene.flyer.course_rate_radps());
-            let before_s = before
-                .into_iter()
-                .find(|s| *s < after_s - FINEST)
-                .unwrap_or(0.0);
-            let sooner = |search: &mut Self, after_s: f64| {
-                let prefix = search.after_first((turn_rad, climb_rad), after_s);
-                Some((prefix.turns(&way, 0.0), leaves))
-            };
-            return self.closed_in(found, (after_s, before_s), sooner).0;
+        if prefix.first.is_some() {
+            return found;
         }
         let climb_rad = way.climbing.climb_rad;
         if climb_rad == level_rad {

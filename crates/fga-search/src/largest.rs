@@ -111,7 +111,6 @@ impl Search<'_> {
         if most > 0 && self.scene.hazards.rows().iter().any(Hazard::is_cylinder) {
             self.levelled(&mut seeds);
         }
-        self.fly_best(&mut seeds);
         self.climb(&mut seeds, &mut best);
         let found = best?;
         let target_m = self.scene.target_m;
@@ -131,12 +130,20 @@ impl Search<'_> {
         if is_certain && self.is_enclosed() {
             return Some((found, Proof::Hopeless));
         }
+        let mut work = 0;
         for more in 0..most {
+            // One that may not be finished is left to the next search.
+            if self.meter.left() < work {
+                break;
+            }
+            let begin = self.meter.done();
             self.grids = more + 1;
             let mut seeds = Seeds { all: [None; SEEDS] };
-            self.two_turns((variety + more) % PARTS, &mut seeds);
+            let least_m = best.map_or(f64::MIN, |best| best.margin_m - self.far_m());
+            self.two_turns((variety + more) % PARTS, least_m, &mut seeds);
             self.fly_best(&mut seeds);
             self.climb(&mut seeds, &mut best);
+            work = self.meter.done() - begin;
             let found = best?;
             if found.margin_m >= target_m {
                 return Some((found, self.prove(&found).into()));
@@ -186,17 +193,22 @@ impl Search<'_> {
                     continue;
                 };
                 let mut best: Option<Seed> = None;
-                self.scan(&prefix, row, MAX_TURN_RAD, |search, turn_rad, line_m| {
-                    let least_m = best.map_or(f64::MIN, |best| best.margin_m);
-                    if line_m > least_m {
-                        let turns = prefix.turns(&row.way, turn_rad);
-                        let margin_m = search.flown_m(&turns, least_m);
-                        if margin_m > least_m {
-                            best = Some(Seed { turns, margin_m });
+                self.scan(
+                    &prefix,
+                    row,
+                    (MAX_TURN_RAD, f64::MIN),
+                    |search, turn_rad, line_m| {
+                        let least_m = best.map_or(f64::MIN, |best| best.margin_m);
+                        if line_m > least_m {
+                            let turns = prefix.turns(&row.way, turn_rad);
+                            let margin_m = search.flown_m(&turns, least_m);
+                            if margin_m > least_m {
+                                best = Some(Seed { turns, margin_m });
+                            }
                         }
-                    }
-                    best.map_or(f64::MIN, |best| best.margin_m)
-                });
+                        best.map_or(f64::MIN, |best| best.margin_m)
+                    },
+                );
                 if let Some(best) = best {
                     seeds.take(best);
                 }
@@ -235,15 +247,22 @@ impl Search<'_> {
         }
     }
 
-    /// Second turns after a part of the first ones and some gaps.
-    fn two_turns(&mut self, part: u32, seeds: &mut Seeds) {
+    /// Seeds this far below the best one are not worth a climb, metres.
+    fn far_m(&self) -> f64 {
+        WORTH_A_CLIMB * self.scene.turn_radius_m()
+    }
+
+    /// Second turns after a part of the first ones and some gaps, with a larger margin than `least_m`.
+    fn two_turns(&mut self, part: u32, least_m: f64, seeds: &mut Seeds) {
+        // A third is for flights and climbs.
+        let until = self.meter.done() + self.meter.left() / 3 * 2;
         for place in (part..=FIRST_STEPS).step_by(PARTS as usize) {
             for climb_rad in self.scene.extreme_climbs() {
                 for side in Side::BOTH {
                     let turn_rad = side.sign() * STEP_RAD * f64::from(place);
                     // Without a turn both sides are the same.
-                    if (place > 0 || side == Side::Left) && !self.limit_met() {
-                        self.second_turns((turn_rad, climb_rad), side, seeds);
+                    if (place > 0 || side == Side::Left) && self.meter.done() < until {
+                        self.second_turns((turn_rad, climb_rad), side, least_m, seeds);
                     }
                 }
             }
@@ -251,7 +270,7 @@ impl Search<'_> {
     }
 
     /// The best second turn to each side after a first one, over the gaps between them.
-    fn second_turns(&mut self, first: (f64, f64), side: Side, seeds: &mut Seeds) {
+    fn second_turns(&mut self, first: (f64, f64), side: Side, least_m: f64, seeds: &mut Seeds) {
         let scene = self.scene;
         let (turn_rad, climb_rad) = first;
         let bank_rad = side.sign() * scene.start.bank_rad;
@@ -261,7 +280,7 @@ impl Search<'_> {
         let Some(exit) = exit else { return };
         let rate_radps = scene.flyer.course_rate_radps();
         let mut best: [Option<Seed>; 2] = [None; 2];
-        let floor_m = seeds.floor_m();
+        let floor_m = seeds.floor_m().max(least_m);
         let longest_s = exit.begins_s + GAPS.last().unwrap_or(&0.0) / rate_radps;
         let maneuver = Maneuver::turn(0.0, scene.start.course_rad + turn_rad, climb_rad);
         self.path.predict_within(
@@ -288,15 +307,20 @@ impl Search<'_> {
                 let Some(row) = self.row(&prefix, &climbing, other) else {
                     continue;
                 };
-                self.scan(&prefix, row, MOST_FIRST_RAD, |_, last_rad, line_m| {
-                    let margin_m = line_m.min(before_m);
-                    let least_m = best.map_or(floor_m, |best| best.margin_m);
-                    if margin_m > least_m && last_rad != 0.0 {
-                        let turns = prefix.turns(&row.way, last_rad);
-                        *best = Some(Seed { turns, margin_m });
-                    }
-                    best.map_or(floor_m, |best| best.margin_m)
-                });
+                self.scan(
+                    &prefix,
+                    row,
+                    (MOST_FIRST_RAD, floor_m),
+                    |_, last_rad, line_m| {
+                        let margin_m = line_m.min(before_m);
+                        let least_m = best.map_or(floor_m, |best| best.margin_m);
+                        if margin_m > least_m && last_rad != 0.0 {
+                            let turns = prefix.turns(&row.way, last_rad);
+                            *best = Some(Seed { turns, margin_m });
+                        }
+                        best.map_or(floor_m, |best| best.margin_m)
+                    },
+                );
             }
         }
         for best in best.into_iter().flatten() {
@@ -304,17 +328,16 @@ impl Search<'_> {
         }
     }
 
-    /// Visits turns of a row with the margins of their lines, at moderate steps, until a margin reaches the target. `visit` returns
+    /// Visits turns of a row with the margins of their lines beyond a floor, at moderate steps, until a margin reaches the target. `visit` returns
     /// the margin that others have to exceed.
     fn scan(
         &mut self,
         prefix: &Prefix,
         row: Row,
-        most_rad: f64,
+        (most_rad, mut floor_m): (f64, f64),
         mut visit: impl FnMut(&mut Self, f64, f64) -> f64,
     ) {
         let mut row = row;
-        let mut floor_m = f64::MIN;
         while row.at_rad <= most_rad && !self.limit_met() {
             let Some(tangent) = self.line(prefix, &row) else {
                 return;
@@ -324,7 +347,7 @@ impl Search<'_> {
             };
             floor_m = visit(self, row.at_rad, look.margin_m);
             let short_m = floor_m - look.margin_m;
-            row.at_rad += STEP_RAD.max(self.least_more_rad(short_m, look.left_s));
+            row.at_rad += (2.0 * STEP_RAD).max(self.least_more_rad(short_m, look.left_s));
             if floor_m >= self.scene.target_m {
                 return;
             }
@@ -333,7 +356,7 @@ impl Search<'_> {
 
     /// Flies the best seeds and keeps those near the best, with the margins of their flights.
     fn fly_best(&mut self, seeds: &mut Seeds) {
-        let far_m = WORTH_A_CLIMB * self.scene.turn_radius_m();
+        let far_m = self.far_m();
         let mut flown = Seeds { all: [None; SEEDS] };
         let mut best_m = f64::MIN;
         for _ in 0..FLOWN {

@@ -36,7 +36,7 @@ pub(super) const USUAL: f64 = 0.7;
 /// Straight flight between two turns, in turn radii (`lost`).
 pub(super) const GAPS: [f64; 6] = [0.0, 0.35, 0.75, 1.25, 2.0, 3.25];
 
-/// First turns of two are multiples of this, and last turns at most this far apart, radians (`lost`).
+/// First turns of two are multiples of this, and last turns at most twice this apart, radians (`lost`).
 pub(super) const STEP_RAD: f64 = 0.2;
 
 /// Parts of the two-turn rows: each has every n-th first turn (`lost`).
