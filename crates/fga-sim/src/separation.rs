@@ -12,7 +12,7 @@ use crate::plant::Arc;
 use crate::track::Track;
 
 /// Below this departure from the chord a piece counts as straight, metres.
-const STRAIGHT_M: f64 = 1e-4;
+pub(crate) const STRAIGHT_M: f64 = 1e-4;
 
 /// The measured quantity.
 #[derive(Debug, Clone, Copy)]

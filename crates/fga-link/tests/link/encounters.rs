@@ -2,6 +2,7 @@
 //! 200 ms late and out of order, some twice.
 
 use crate::common::{BAD, GROUND, Intruder, Random, World, mission, upload};
+use crate::new_leg::latest_back_s;
 use fga::Vec3;
 use fga::situation::ProtectedVolume;
 use fga_emulator::{Mode, PlantSettings};
@@ -274,6 +275,7 @@ struct OnNewMission {
     seed: u32,
     kind: Kind,
     least_m: f64,
+    largest_m: f64,
     /// Last off the new leg, after the last intruder has passed, seconds.
     back_s: f64,
     changes: usize,
@@ -320,7 +322,7 @@ fn fly_new_mission(seed: u32) -> OnNewMission {
         let second = [Kind::HeadOn, Kind::Crossing, Kind::Static][(seed % 3) as usize];
         add(&mut world, second, 0x0020_0000 + seed, shown_m);
     }
-    let mut last_off_s = 0.0;
+    let (mut last_off_s, mut largest_m) = (0.0, 0.0_f64);
     while world.time_s < 125.0 || (world.mode() != Mode::Auto && world.time_s < 250.0) {
         world.step();
         let plant = world.emulator.plant();
@@ -329,6 +331,7 @@ fn fly_new_mission(seed: u32) -> OnNewMission {
             plant.position_m()[1] - from_m[1],
         ];
         let across_m = offset[0] * cos - offset[1] * sin;
+        largest_m = largest_m.max(across_m.abs());
         let velocity = plant.velocity_mps();
         let ahead = velocity[0] * sin + velocity[1] * cos;
         let aside = velocity[0] * cos - velocity[1] * sin;
@@ -342,6 +345,7 @@ fn fly_new_mission(seed: u32) -> OnNewMission {
         seed,
         kind,
         least_m: least.map(|least| least.0).fold(f64::INFINITY, f64::min),
+        largest_m,
         back_s: (last_off_s - passed_s).max(0.0),
         changes: world.emulator.mode_changes().len(),
     }
@@ -363,7 +367,10 @@ fn with_a_new_mission_on_another_link_before_each_it_comes_back_to_the_new_leg()
             result.changes
         );
         let kept = result.least_m >= PROTECTED_M;
-        if !kept || result.back_s > BACK_S || (result.changes != 2 && result.changes != 0) {
+        if !kept
+            || result.back_s > latest_back_s(result.largest_m)
+            || (result.changes != 2 && result.changes != 0)
+        {
             wrong.push(result);
         }
     }

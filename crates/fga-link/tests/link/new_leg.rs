@@ -324,8 +324,8 @@ fn sum_up(outcomes: &[Outcome]) {
 }
 
 /// Longest time back for a departure: half a circle, and straight back onto the leg at an intercept of 53°, a second per 20 m.
-fn latest_back_s(outcome: &Outcome) -> f64 {
-    BACK_S.max(18.0 + outcome.largest_m / 20.0)
+pub(crate) fn latest_back_s(largest_m: f64) -> f64 {
+    BACK_S.max(18.0 + largest_m / 20.0)
 }
 
 fn check(outcomes: &[Outcome], median_m: f64) {
@@ -333,7 +333,10 @@ fn check(outcomes: &[Outcome], median_m: f64) {
     for outcome in outcomes {
         assert!(outcome.least_m >= PROTECTED_M, "{outcome:?}");
         assert!(outcome.changes == 2 || outcome.changes == 0, "{outcome:?}");
-        assert!(outcome.back_s <= latest_back_s(outcome), "{outcome:?}");
+        assert!(
+            outcome.back_s <= latest_back_s(outcome.largest_m),
+            "{outcome:?}"
+        );
         // An earlier version kept the mode for up to 6 s on the leg, until the planned end of the way back.
         assert!(outcome.kept_s <= KEPT_S, "{outcome:?}");
     }

@@ -139,6 +139,7 @@ mod tests {
     use crate::engine::Sample;
     use crate::policy::PolicyChoice;
     use crate::run::{Plan, fly};
+    use crate::separation::STRAIGHT_M;
     use std::path::Path;
 
     struct Samples(Vec<Sample>);
@@ -175,7 +176,7 @@ mod tests {
                 for (obstacle, separation) in obstacles.zip(flight.separations()) {
                     assert!(separation.distance().value_m >= least_m);
                     if let Some((at_m, _)) = obstacle.track.at(time_s) {
-                        assert!(separation.distance().value_m <= at_m.distance(own_m) + 1e-6);
+                        assert!(separation.distance().value_m <= at_m.distance(own_m) + STRAIGHT_M);
                     }
                 }
             }
