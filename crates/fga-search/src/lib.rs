@@ -1,10 +1,10 @@
 //! The search: which of the manoeuvres that the aircraft can fly is worth proving.
 //!
 //! All manoeuvres are members of one family ([`Turns`]): a wait on the mission, a turn with a climb, a gap, a second turn with
-//! a climb. A *row* ([`rows`]) is all members that differ only in the last turn. The line on which a turn ends shows cheaply
-//! whether it may stay clear and rules out its neighbours ([`line`]); best first, the rows yield the cheapest certified member
-//! ([`cheapest`]). Where none is certified, the rows yield seeds, and small linear programs lift the least margin
-//! ([`largest`], [`ascent`]). All that the search returns is certified as flown.
+//! a climb. A *row* (`rows`) is all members that differ only in the last turn. The line on which a turn ends shows cheaply
+//! whether it may stay clear and rules out its neighbours (`line`); best first, the rows yield the cheapest certified member
+//! (`cheapest`). Where none is certified, the rows yield seeds, and small linear programs lift the least margin
+//! (`largest`, `ascent`). All that the search returns is certified as flown.
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(clippy::unwrap_used, clippy::expect_used)]
