@@ -105,6 +105,7 @@ impl Settings {
             ),
             ("horizon_s", self.horizon_s, (1.0, 600.0, "1 to 600")),
             ("margin_m", self.margin_m, (0.0, 1e4, "0 to 10,000")),
+            ("drift_mps", self.drift_mps, (0.0, 100.0, "0 to 100")),
             (
                 "confidence_sigmas",
                 self.confidence_sigmas,
@@ -121,8 +122,7 @@ impl Settings {
         for (name, value, (low, high, expected)) in rows {
             SettingsError::unless((low..=high).contains(&value), name, value, expected)?;
         }
-        let radius_m = self.surveillance_radius_m;
-        let positive = "a positive number";
+        let (radius_m, positive) = (self.surveillance_radius_m, "a positive number");
         SettingsError::unless(radius_m > 0.0, "surveillance_radius_m", radius_m, positive)?;
         self.start.check()
     }

@@ -1,0 +1,519 @@
+//! The avoider in storage that the caller lends.
+
+use fga::Vec3;
+use fga::avoider::{Avoider, Settings};
+use fga::pilot::Pilot as _;
+use fga::situation::{Mission, Obstacle, Obstacles, Ownship, Passing, Situation};
+use fga::vehicle::Vehicle;
+
+use crate::decision::fga_decision;
+use crate::input::{
+    fga_mission, fga_obstacle, fga_settings, fga_situation, fga_vehicle, fga_waypoint,
+};
+use crate::memory::{
+    AtWork, Growable, Kind, Object, Span, Why, apart, fill, given, list, size_word, sized,
+};
+use crate::status::{Refused, fga_refusal, fga_status};
+use crate::{FGA_ABI_VERSION, FGA_ALIGN};
+
+/// Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
+pub const FGA_AVOIDER_FIXED_BYTES: usize = 194_560;
+
+/// Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
+pub const FGA_AVOIDER_OBSTACLE_BYTES: usize = 144;
+
+/// Bytes of an avoider for each waypoint; see `FGA_AVOIDER_BYTES`.
+pub const FGA_AVOIDER_WAYPOINT_BYTES: usize = 32;
+
+/// Most obstacles and most waypoints for which an avoider can have room.
+pub const FGA_CAPACITY_MOST: u32 = 65_536;
+
+const _: () = {
+    assert!(Object::<Flying>::BYTES <= FGA_AVOIDER_FIXED_BYTES);
+    assert!(size_of::<Obstacle>() <= FGA_AVOIDER_OBSTACLE_BYTES);
+    assert!(size_of::<Vec3>() + size_of::<Passing>() <= FGA_AVOIDER_WAYPOINT_BYTES);
+    assert!(align_of::<Object<Flying>>() <= FGA_ALIGN && align_of::<Obstacle>() <= FGA_ALIGN);
+    assert!(align_of::<Vec3>() <= FGA_ALIGN && align_of::<Passing>() == 1);
+    assert!(FGA_AVOIDER_FIXED_BYTES.is_multiple_of(FGA_ALIGN));
+    assert!(FGA_AVOIDER_OBSTACLE_BYTES.is_multiple_of(align_of::<Obstacle>()));
+};
+
+/// Collision avoidance for one aircraft, in storage of the caller. It holds no address of anything else.
+pub struct fga_avoider {
+    _opaque: [u8; 0],
+}
+
+/// What an avoider has done and refused since it was initialized. The counts stay at their largest value.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct fga_counts {
+    /// `sizeof(fga_counts)`.
+    pub size: u32,
+    /// Steps with a decision.
+    pub steps: u32,
+    /// Calls on this avoider that refused what they were given.
+    pub refused_calls: u32,
+    /// Steps without some of their obstacles.
+    pub incomplete_steps: u32,
+    /// Obstacles without effect, because a number of theirs was unusable, all steps together.
+    pub obstacles_ignored: u32,
+    /// Obstacles without effect, because there was no room for them, all steps together.
+    pub obstacles_left_out: u32,
+}
+
+// SAFETY: `repr(C)`, the size first, then numbers.
+unsafe impl Growable for fga_counts {}
+
+/// The avoider and what it keeps for the caller.
+struct Flying {
+    avoider: Avoider,
+    counts: fga_counts,
+    /// Room for obstacles and waypoints, which lie behind the object: first all places of obstacles, then those of waypoints,
+    /// then how these are passed.
+    obstacles_most: u32,
+    waypoints_most: u32,
+    /// Waypoints of the mission.
+    waypoints: u32,
+    limits_m: (f64, f64),
+}
+
+impl Kind for Flying {
+    const MARK: usize = 0x6667_6161;
+}
+
+/// Bytes of an avoider with room for some obstacles and waypoints.
+const fn bytes(obstacles_most: u32, waypoints_most: u32) -> usize {
+    FGA_AVOIDER_FIXED_BYTES
+        + obstacles_most as usize * FGA_AVOIDER_OBSTACLE_BYTES
+        + waypoints_most as usize * FGA_AVOIDER_WAYPOINT_BYTES
+}
+
+impl AtWork<'_, Flying> {
+    const fn obstacle_places(&self) -> *mut Obstacle {
+        self.list(FGA_AVOIDER_FIXED_BYTES)
+    }
+
+    fn waypoint_places(&mut self) -> (*mut Vec3, *mut Passing) {
+        let (obstacles, waypoints) = (self.value().obstacles_most, self.value().waypoints_most);
+        let places: *mut Vec3 = self.list(bytes(obstacles, 0));
+        (places, places.wrapping_add(waypoints as usize).cast())
+    }
+
+    /// Ends a call: counts a refusal.
+    fn refuse<T>(&mut self, done: Result<T, Refused>) -> Result<T, Refused> {
+        if done.is_err() {
+            let counts = &mut self.value().counts;
+            counts.refused_calls = counts.refused_calls.saturating_add(1);
+        }
+        done
+    }
+
+    /// Copies the waypoints of a mission, after all of them are checked.
+    fn take_mission(
+        &mut self,
+        mission: &fga_mission,
+        waypoints: &[fga_waypoint],
+    ) -> Result<(), Refused> {
+        let most = self.value().waypoints_most;
+        if mission.waypoint_count > most {
+            let expected = "at most the waypoints_most of the avoider";
+            return Err(Refused::too_many(
+                "waypoint_count",
+                mission.waypoint_count,
+                expected,
+            ));
+        }
+        let limits_m = mission.limits_m()?;
+        for (index, waypoint) in waypoints.iter().enumerate() {
+            waypoint.waypoint().map_err(|refused| refused.at(index))?;
+        }
+        let (places, passing) = self.waypoint_places();
+        for (index, waypoint) in waypoints.iter().enumerate() {
+            let (place_m, passes) = waypoint.waypoint()?;
+            // SAFETY: there is room for `waypoints_most` of both behind the obstacles, and there are no more waypoints.
+            unsafe {
+                places.add(index).write(place_m);
+                passing.add(index).write(passes);
+            }
+        }
+        let flying = self.value();
+        (flying.waypoints, flying.limits_m) = (mission.waypoint_count, limits_m);
+        Ok(())
+    }
+
+    /// Copies the usable obstacles into their places. Where there are more than places, those stay that the aircraft could meet
+    /// first. Returns the number of obstacles in place, of unusable ones, and of those without a place.
+    fn take_obstacles(&mut self, obstacles: &[fga_obstacle], own: &Ownship) -> [u32; 3] {
+        let (places, most) = (self.obstacle_places(), self.value().obstacles_most);
+        let [mut placed, mut ignored, mut left_out] = [0_u32; 3];
+        for obstacle in obstacles {
+            let Some(obstacle) = obstacle.obstacle() else {
+                ignored += 1;
+                continue;
+            };
+            let mut place = placed;
+            if placed < most {
+                placed += 1;
+            } else {
+                left_out += 1;
+                // SAFETY: the first `placed` places were written in this call.
+                let kept =
+                    unsafe { core::slice::from_raw_parts(places.cast_const(), placed as usize) };
+                let last = (0..)
+                    .zip(kept)
+                    .map(|(index, known)| (soonest_s(known, own), index));
+                let last = last.max_by(|a, b| a.0.total_cmp(&b.0));
+                match last {
+                    Some((last_s, index)) if soonest_s(&obstacle, own) < last_s => place = index,
+                    _ => continue,
+                }
+            }
+            // SAFETY: below `most`, so there is such a place.
+            unsafe { places.add(place as usize).write(obstacle) };
+        }
+        [placed, ignored, left_out]
+    }
+}
+
+/// A time before which an obstacle cannot be met, seconds, whatever both fly.
+fn soonest_s(obstacle: &Obstacle, own: &Ownship) -> f64 {
+    let gap_m = obstacle
+        .volume
+        .margin_m(own.position_m - obstacle.position_m);
+    gap_m / (own.airspeed_mps + obstacle.velocity_mps.length())
+}
+
+/// Bytes of storage for an avoider with room for so many obstacles a step and waypoints; 0 where these are more than
+/// `FGA_CAPACITY_MOST`. For static storage the macro `FGA_AVOIDER_BYTES` gives the same.
+#[unsafe(no_mangle)]
+pub const extern "C" fn fga_avoider_size(obstacles_most: u32, waypoints_most: u32) -> usize {
+    if obstacles_most > FGA_CAPACITY_MOST || waypoints_most > FGA_CAPACITY_MOST {
+        return 0;
+    }
+    bytes(obstacles_most, waypoints_most)
+}
+
+/// Alignment of the storage of an avoider, bytes: `FGA_ALIGN`.
+#[unsafe(no_mangle)]
+pub const extern "C" fn fga_avoider_align() -> usize {
+    FGA_ALIGN
+}
+
+/// Fills settings, but for their size, with the defaults.
+///
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_settings_default(settings: *mut fga_settings) -> fga_status {
+    // SAFETY: the caller's word, in the header.
+    let done = unsafe { sized(settings) };
+    if let Err(status) = done {
+        return status;
+    }
+    // SAFETY: checked above.
+    unsafe { fill(settings, |settings| settings.set(&Settings::default())) };
+    fga_status::Ok
+}
+
+/// Fills the limits of a vehicle, but for their size: it turns as tightly as its largest bank angle allows, without delay, and
+/// stays at its altitude. Adapt them to what the aircraft flies.
+///
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `OUT_OF_RANGE`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_vehicle_from_bank(
+    airspeed_mps: f64,
+    bank_max_rad: f64,
+    vehicle: *mut fga_vehicle,
+    why: *mut fga_refusal,
+) -> fga_status {
+    let make = |why: &Why| {
+        // SAFETY: the caller's word, in the header.
+        apart(&[unsafe { sized(vehicle) }?, why.span])?;
+        let limits = Vehicle::from_bank(airspeed_mps, bank_max_rad)?;
+        limits.check()?;
+        // SAFETY: checked above.
+        unsafe { fill(vehicle, |vehicle| vehicle.set(&limits)) };
+        Ok(fga_status::Ok)
+    };
+    // SAFETY: the caller's word, in the header.
+    match unsafe { Why::new(why) } {
+        Ok(why) => why.answer(make(&why)),
+        Err(status) => status,
+    }
+}
+
+/// Constructs an avoider in storage of the caller, in cruise, without a mission.
+///
+/// The storage stays the caller's: it must live as long as the avoider is used, and it is given up by using it no more. It must
+/// not be moved or copied. `abi_version` is `FGA_ABI_VERSION`. An avoider that lay in this storage is gone, whatever the answer.
+///
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `WRONG_VERSION`, `STORAGE_TOO_SMALL`, `ALIASED`, `OUT_OF_RANGE`,
+/// `UNKNOWN_VALUE`, `TOO_MANY`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_avoider_init(
+    storage: *mut core::ffi::c_void,
+    storage_size: usize,
+    abi_version: u32,
+    obstacles_most: u32,
+    waypoints_most: u32,
+    settings: *const fga_settings,
+    vehicle: *const fga_vehicle,
+    avoider: *mut *mut fga_avoider,
+    why: *mut fga_refusal,
+) -> fga_status {
+    if abi_version != FGA_ABI_VERSION {
+        return fga_status::WrongVersion;
+    }
+    let make = |why: &Why| {
+        for (field, most) in [
+            ("obstacles_most", obstacles_most),
+            ("waypoints_most", waypoints_most),
+        ] {
+            if most > FGA_CAPACITY_MOST {
+                return Err(Refused::too_many(field, most, "at most FGA_CAPACITY_MOST"));
+            }
+        }
+        let bytes = bytes(obstacles_most, waypoints_most);
+        let (object, storage) = Object::storage(storage.cast(), storage_size, bytes)?;
+        // SAFETY: the caller's word, in the header.
+        let ((settings, from), (vehicle, of)) = unsafe { (given(settings)?, given(vehicle)?) };
+        let answer = Span::of(avoider.cast_const(), 1)?;
+        apart(&[storage, from, of, answer, why.span])?;
+        let (settings, vehicle) = (settings.settings()?, vehicle.vehicle()?);
+        let construct = |flying: *mut Flying| -> Result<(), Refused> {
+            // SAFETY: there is room for a `Flying`; all of its fields are written.
+            unsafe {
+                (&raw mut (*flying).avoider).write(Avoider::new(settings, vehicle)?);
+                (&raw mut (*flying).counts).write_bytes(0, 1);
+                (&raw mut (*flying).obstacles_most).write(obstacles_most);
+                (&raw mut (*flying).waypoints_most).write(waypoints_most);
+                (&raw mut (*flying).waypoints).write(0);
+                (&raw mut (*flying).limits_m).write((f64::NEG_INFINITY, f64::INFINITY));
+            }
+            Ok(())
+        };
+        // SAFETY: `storage` has accepted it, it overlaps nothing else, and the caller lends it.
+        unsafe {
+            Object::init(object, storage, construct)?;
+            avoider.write(object.cast());
+        }
+        Ok(fga_status::Ok)
+    };
+    // SAFETY: the caller's word, in the header.
+    match unsafe { Why::new(why) } {
+        Ok(why) => why.answer(make(&why)),
+        Err(status) => status,
+    }
+}
+
+/// Works on an avoider.
+///
+/// # Safety
+/// As [`Object::enter`], and [`Why::new`].
+unsafe fn work(
+    avoider: *mut fga_avoider,
+    why: *mut fga_refusal,
+    work: impl FnOnce(&mut AtWork<'_, Flying>, Span) -> Result<fga_status, Refused>,
+) -> fga_status {
+    // SAFETY: as this function.
+    let entered = unsafe { (Why::new(why), Object::<Flying>::enter(avoider.cast())) };
+    match entered {
+        (Ok(why), Ok(mut object)) => {
+            let done = work(&mut object, why.span);
+            why.answer(object.refuse(done))
+        }
+        (Err(status), _) | (_, Err(status)) => status,
+    }
+}
+
+/// Sets the mission, whose waypoints are copied. It may be replaced while a manoeuvre is flown.
+///
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `UNKNOWN_VALUE`, `TOO_MANY`;
+/// then the mission stays as it was.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_avoider_set_mission(
+    avoider: *mut fga_avoider,
+    mission: *const fga_mission,
+    why: *mut fga_refusal,
+) -> fga_status {
+    // SAFETY: the caller's word, in the header.
+    unsafe {
+        work(avoider, why, |at_work, why| {
+            let (mission, span) = given(mission)?;
+            let (waypoints, of) = list(mission.waypoints, mission.waypoint_count)?;
+            apart(&[at_work.span, span, of, why])?;
+            at_work.take_mission(&mission, waypoints)?;
+            Ok(fga_status::Ok)
+        })
+    }
+}
+
+/// Replaces the limits of the vehicle, for instance by a turn-rate factor estimated in flight.
+///
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`; then the limits stay as they
+/// were.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_avoider_set_vehicle(
+    avoider: *mut fga_avoider,
+    vehicle: *const fga_vehicle,
+    why: *mut fga_refusal,
+) -> fga_status {
+    // SAFETY: the caller's word, in the header.
+    unsafe {
+        work(avoider, why, |at_work, why| {
+            let (vehicle, span) = given(vehicle)?;
+            apart(&[at_work.span, span, why])?;
+            at_work.value().avoider.set_vehicle(vehicle.vehicle()?)?;
+            Ok(fga_status::Ok)
+        })
+    }
+}
+
+/// Sets limits for cases without a certified manoeuvre under the normal ones, for instance a steeper bank; null for none.
+///
+/// Refuses `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`; then the limits stay as they were.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_avoider_set_vehicle_in_need(
+    avoider: *mut fga_avoider,
+    vehicle: *const fga_vehicle,
+    why: *mut fga_refusal,
+) -> fga_status {
+    // SAFETY: the caller's word, in the header.
+    unsafe {
+        work(avoider, why, |at_work, why| {
+            let mut limits = None;
+            if !vehicle.is_null() {
+                let (vehicle, span) = given(vehicle)?;
+                apart(&[at_work.span, span, why])?;
+                limits = Some(vehicle.vehicle()?);
+            }
+            at_work.value().avoider.set_vehicle_in_need(limits)?;
+            Ok(fga_status::Ok)
+        })
+    }
+}
+
+/// Forgets the flight, but not settings, limits of the vehicle, mission and counts: the next step is the first of another one.
+///
+/// Refuses `NULL`, `MISALIGNED`, `NOT_INITIALIZED`, `BUSY`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_avoider_restart(avoider: *mut fga_avoider) -> fga_status {
+    // SAFETY: the caller's word, in the header.
+    unsafe {
+        work(avoider, core::ptr::null_mut(), |at_work, _| {
+            at_work.value().avoider.restart();
+            Ok(fga_status::Ok)
+        })
+    }
+}
+
+/// Decides what to fly until the next step. Call it once each decision period, with the state of that moment.
+///
+/// `FGA_STATUS_INCOMPLETE`: the decision is made without some obstacles, which it counts. Obstacles with an unusable number have
+/// no effect; of more obstacles than there is room for, those count that the aircraft could meet first.
+///
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE` (of time, ownship and wind),
+/// `TOO_MANY` (more than `FGA_CAPACITY_MOST` obstacles); then the avoider has not decided, and `decision` stays as it was.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_avoider_step(
+    avoider: *mut fga_avoider,
+    situation: *const fga_situation,
+    decision: *mut fga_decision,
+    why: *mut fga_refusal,
+) -> fga_status {
+    // SAFETY: the caller's word, in the header.
+    unsafe {
+        work(avoider, why, |at_work, why| {
+            let ((situation, span), answer) = (given(situation)?, sized(decision)?);
+            let count = situation.obstacle_count;
+            if count > FGA_CAPACITY_MOST {
+                let expected = "at most FGA_CAPACITY_MOST";
+                return Err(Refused::too_many("obstacle_count", count, expected));
+            }
+            let (obstacles, of) = list(situation.obstacles, count)?;
+            apart(&[at_work.span, span, of, answer, why])?;
+            if obstacles
+                .iter()
+                .any(|obstacle| obstacle.size as usize != size_of::<fga_obstacle>())
+            {
+                return Err(fga_status::WrongSize.into());
+            }
+            let (time_s, ownship, wind_mps) = situation.moment()?;
+            let [placed, ignored, left_out] = at_work.take_obstacles(obstacles, &ownship);
+            let places = at_work.obstacle_places().cast_const();
+            let (waypoints_m, passing) = at_work.waypoint_places();
+            let flying = at_work.value();
+            let count = flying.waypoints as usize;
+            let mission = Mission {
+                // The first `count` of both are written by `take_mission`.
+                waypoints_m: core::slice::from_raw_parts(waypoints_m, count),
+                passing: core::slice::from_raw_parts(passing, count),
+                limits_m: flying.limits_m,
+            };
+            let decided = flying.avoider.step(&Situation {
+                time_s,
+                ownship,
+                // The first `placed` are written just now.
+                obstacles: Obstacles::Rows(core::slice::from_raw_parts(places, placed as usize)),
+                mission,
+                wind_mps,
+            });
+            let is_incomplete = ignored > 0 || left_out > 0;
+            let counts = &mut flying.counts;
+            counts.steps = counts.steps.saturating_add(1);
+            counts.incomplete_steps = counts.incomplete_steps.saturating_add(is_incomplete.into());
+            counts.obstacles_ignored = counts.obstacles_ignored.saturating_add(ignored);
+            counts.obstacles_left_out = counts.obstacles_left_out.saturating_add(left_out);
+            let leg = u32::try_from(flying.avoider.leg_index()).unwrap_or(u32::MAX);
+            fill(decision, |out| {
+                out.set(&decided);
+                out.obstacles_ignored = ignored;
+                out.obstacles_left_out = left_out;
+                out.leg_index = leg;
+            });
+            Ok(if is_incomplete {
+                fga_status::Incomplete
+            } else {
+                fga_status::Ok
+            })
+        })
+    }
+}
+
+/// What the avoider has done and refused since it was initialized.
+///
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_avoider_counts(
+    avoider: *mut fga_avoider,
+    counts: *mut fga_counts,
+) -> fga_status {
+    // SAFETY: the caller's word, in the header.
+    unsafe {
+        work(avoider, core::ptr::null_mut(), |at_work, _| {
+            apart(&[at_work.span, sized(counts)?])?;
+            let size = size_word::<fga_counts>();
+            counts.write(fga_counts {
+                size,
+                ..at_work.value().counts
+            });
+            Ok(fga_status::Ok)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An avoider takes the bytes that the header says, to the next 512.
+    #[cfg(target_pointer_width = "64")]
+    #[test]
+    fn the_header_says_what_an_avoider_takes() {
+        assert_eq!(
+            FGA_AVOIDER_FIXED_BYTES,
+            Object::<Flying>::BYTES.next_multiple_of(512),
+            "write the second number there, then HEADER=write cargo test -p fga-c --test header"
+        );
+        assert_eq!(FGA_AVOIDER_OBSTACLE_BYTES, size_of::<Obstacle>());
+    }
+}

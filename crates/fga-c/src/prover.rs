@@ -1,0 +1,426 @@
+//! The certificate alone: somebody else's manoeuvre, our proof. And where a manoeuvre leads to.
+
+use fga::Vec3;
+use fga::certificate::{Asked, Hazard, Hazards, MAX_HAZARDS, Status, certify_set, prove};
+use fga::maneuver::MAX_STAGES;
+use fga::prediction::{FlightPath, Flyer, MotionState, flown};
+use fga::situation::Movement;
+
+use crate::input::{
+    fga_enu, fga_obstacle, fga_ownship, fga_situation, fga_stage, fga_vehicle, maneuver, usable,
+};
+use crate::memory::{AtWork, Growable, Kind, Object, Span, Why, apart, fill, given, list, sized};
+use crate::status::{Refused, fga_refusal, fga_status};
+use crate::{FGA_ABI_VERSION, FGA_ALIGN, meter};
+
+/// Bytes of storage for a prover.
+pub const FGA_PROVER_BYTES: usize = 76_288;
+
+/// Most obstacles of a proof.
+pub const FGA_PROVER_OBSTACLES_MOST: usize = 128;
+
+const _: () = {
+    assert!(Object::<Proving>::BYTES <= FGA_PROVER_BYTES);
+    assert!(align_of::<Object<Proving>>() <= FGA_ALIGN);
+    assert!(FGA_PROVER_OBSTACLES_MOST <= MAX_HAZARDS);
+};
+
+/// Proves manoeuvres of one vehicle, in storage of the caller. It holds no address of anything else.
+pub struct fga_prover {
+    _opaque: [u8; 0],
+}
+
+/// What a proof came to.
+#[repr(u32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum fga_verdict {
+    /// Nothing is proven: the work ended before the whole flight was examined.
+    LimitMet = 0,
+    /// The manoeuvre comes closer to an obstacle than was asked for, or the proof cannot exclude it.
+    BelowTarget = 1,
+    /// The manoeuvre keeps the separation asked for from every obstacle, up to the horizon, in continuous time.
+    Proven = 2,
+}
+
+/// What is asked of a manoeuvre.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct fga_question {
+    /// `sizeof(fga_question)`.
+    pub size: u32,
+    /// Most work of the proof, in tests of a line against four obstacles.
+    pub work_limit: u32,
+    /// How far ahead, seconds: above 0, to 600.
+    pub horizon_s: f64,
+    /// Separation to be proven beyond every volume, metres, 0 to 10,000.
+    pub target_m: f64,
+    /// Standard deviations of an obstacle's uncertainty by which its volume grows: 0 to 10.
+    pub confidence_sigmas: f64,
+}
+
+// SAFETY: `repr(C)`, the size first, then numbers.
+unsafe impl Growable for fga_question {}
+
+impl fga_question {
+    fn check(&self) -> Result<(), Refused> {
+        let rows = [
+            (
+                "horizon_s",
+                self.horizon_s,
+                f64::MIN_POSITIVE,
+                600.0,
+                "above 0, to 600",
+            ),
+            ("target_m", self.target_m, 0.0, 1e4, "0 to 10,000"),
+            (
+                "confidence_sigmas",
+                self.confidence_sigmas,
+                0.0,
+                10.0,
+                "0 to 10",
+            ),
+        ];
+        for (field, value, low, high, expected) in rows {
+            if !(low..=high).contains(&value) {
+                return Err(Refused::out_of_range(field, value, expected));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What is proven about a manoeuvre.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct fga_certificate {
+    /// `sizeof(fga_certificate)`.
+    pub size: u32,
+    /// What the proof came to.
+    pub verdict: fga_verdict,
+    /// Lower bound of the separation beyond every volume, metres, as far as it was examined: negative inside a volume, and no more
+    /// than `target_m` where that is proven.
+    pub margin_m: f64,
+    /// Where the target is not proven: time of the least separation, seconds from the decision.
+    pub at_s: f64,
+    /// Where the target is not proven: identifier of the obstacle that comes closest. Else 0.
+    pub obstacle_id: u32,
+    /// Number of obstacles that the proof covers.
+    pub obstacle_count: u32,
+    /// Of these, the aircraft: the proof takes them to keep their velocity, and does not cover their turns and climbs.
+    pub straight_aircraft: u32,
+    /// Work done, in the unit of `work_limit`.
+    pub work: u32,
+}
+
+// SAFETY: `repr(C)`, the size first, then numbers and an enumeration with a value 0.
+unsafe impl Growable for fga_certificate {}
+
+/// The vehicle, and the scratch space of a proof.
+struct Proving {
+    flyer: Flyer,
+    path: FlightPath,
+    hazards: Hazards,
+}
+
+impl Kind for Proving {
+    const MARK: usize = 0x6667_6170;
+}
+
+/// What came of a proof.
+struct Found {
+    verdict: fga_verdict,
+    margin_m: f64,
+    at_s: f64,
+    obstacle_id: u32,
+    straight_aircraft: u32,
+    work: u32,
+}
+
+impl Proving {
+    /// Takes the obstacles as hazards; returns the number of aircraft among them.
+    fn take_obstacles(
+        &mut self,
+        obstacles: &[fga_obstacle],
+        wind_mps: Vec3,
+        sigmas: f64,
+    ) -> Result<u32, Refused> {
+        self.hazards.clear();
+        let mut aircraft = 0;
+        for (place, (index, given)) in (0..).zip(obstacles).enumerate() {
+            let Some(obstacle) = given.obstacle() else {
+                let expected = "finite numbers, none negative, an fga_volume and an fga_movement";
+                let refused = Refused::out_of_range("obstacles", f64::from(given.id), expected);
+                return Err(refused.at(place));
+            };
+            let mut hazard = Hazard::new(index, &obstacle, wind_mps, sigmas);
+            match obstacle.movement {
+                Movement::AtRest => hazard.velocity_mps = -wind_mps,
+                Movement::Straight => {}
+                Movement::Aircraft(_) => aircraft += 1,
+            }
+            self.hazards.put(place, hazard);
+        }
+        Ok(aircraft)
+    }
+
+    fn prove(
+        &mut self,
+        situation: &fga_situation,
+        stages: &[fga_stage],
+        obstacles: &[fga_obstacle],
+        question: &fga_question,
+    ) -> Result<Found, Refused> {
+        question.check()?;
+        let (_, ownship, wind_mps) = situation.moment()?;
+        let maneuver = maneuver(stages)?;
+        let straight_aircraft =
+            self.take_obstacles(obstacles, wind_mps, question.confidence_sigmas)?;
+        let meter = meter(question.work_limit);
+        let (horizon_s, target_m) = (question.horizon_s, question.target_m);
+        let now = MotionState::of(&ownship);
+        self.path
+            .predict_within(&self.flyer, &now, &maneuver, horizon_s, &meter);
+        let asked = (horizon_s, target_m, target_m);
+        let proven = prove(&self.flyer, &self.path, &self.hazards, asked, &meter);
+        if let Some(certified) = proven {
+            return Ok(Found {
+                verdict: fga_verdict::Proven,
+                margin_m: certified.margin_m(),
+                at_s: 0.0,
+                obstacle_id: 0,
+                straight_aircraft,
+                work: meter.done(),
+            });
+        }
+        let asked = Asked {
+            horizon_s,
+            floor_m: f64::MIN,
+            enough_m: target_m,
+        };
+        let closest = certify_set(&self.flyer, &self.path, &self.hazards, &asked, &meter);
+        let is_examined = closest.status != Status::LimitMet && !meter.is_spent();
+        let place = closest.hazard.map_or(usize::MAX, |index| index as usize);
+        Ok(Found {
+            verdict: if is_examined {
+                fga_verdict::BelowTarget
+            } else {
+                fga_verdict::LimitMet
+            },
+            margin_m: closest.margin_m,
+            at_s: closest.at_s,
+            obstacle_id: self.hazards.rows().get(place).map_or(0, |hazard| hazard.id),
+            straight_aircraft,
+            work: meter.done(),
+        })
+    }
+}
+
+/// Bytes of storage for a prover: `FGA_PROVER_BYTES`.
+#[unsafe(no_mangle)]
+pub const extern "C" fn fga_prover_size() -> usize {
+    FGA_PROVER_BYTES
+}
+
+/// Alignment of the storage of a prover, bytes: `FGA_ALIGN`.
+#[unsafe(no_mangle)]
+pub const extern "C" fn fga_prover_align() -> usize {
+    FGA_ALIGN
+}
+
+/// Constructs a prover of manoeuvres of a vehicle in storage of the caller, as `fga_avoider_init` does an avoider. To change the
+/// vehicle, construct it again.
+///
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `WRONG_VERSION`, `STORAGE_TOO_SMALL`, `ALIASED`, `OUT_OF_RANGE`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_prover_init(
+    storage: *mut core::ffi::c_void,
+    storage_size: usize,
+    abi_version: u32,
+    vehicle: *const fga_vehicle,
+    prover: *mut *mut fga_prover,
+    why: *mut fga_refusal,
+) -> fga_status {
+    if abi_version != FGA_ABI_VERSION {
+        return fga_status::WrongVersion;
+    }
+    let make = |why: &Why| {
+        let (object, storage) = Object::storage(storage.cast(), storage_size, FGA_PROVER_BYTES)?;
+        // SAFETY: the caller's word, in the header.
+        let (vehicle, of) = unsafe { given(vehicle) }?;
+        apart(&[storage, of, Span::of(prover.cast_const(), 1)?, why.span])?;
+        let vehicle = vehicle.vehicle()?;
+        let construct = |proving: *mut Proving| -> Result<(), Refused> {
+            // SAFETY: there is room for a `Proving`; all of its fields are written.
+            unsafe {
+                (&raw mut (*proving).flyer).write(Flyer::new(&vehicle));
+                (&raw mut (*proving).path).write(FlightPath::new());
+                (&raw mut (*proving).hazards).write(Hazards::new());
+            }
+            Ok(())
+        };
+        // SAFETY: `storage` has accepted it, it overlaps nothing else, and the caller lends it.
+        unsafe {
+            Object::init(object, storage, construct)?;
+            prover.write(object.cast());
+        }
+        Ok(fga_status::Ok)
+    };
+    // SAFETY: the caller's word, in the header.
+    match unsafe { Why::new(why) } {
+        Ok(why) => why.answer(make(&why)),
+        Err(status) => status,
+    }
+}
+
+/// Works on a prover.
+///
+/// # Safety
+/// As [`Object::enter`], and [`Why::new`].
+unsafe fn work(
+    prover: *mut fga_prover,
+    why: *mut fga_refusal,
+    work: impl FnOnce(&mut AtWork<'_, Proving>, Span) -> Result<fga_status, Refused>,
+) -> fga_status {
+    // SAFETY: as this function.
+    let entered = unsafe { (Why::new(why), Object::<Proving>::enter(prover.cast())) };
+    match entered {
+        (Ok(why), Ok(mut object)) => why.answer(work(&mut object, why.span)),
+        (Err(status), _) | (_, Err(status)) => status,
+    }
+}
+
+/// The stages of a manoeuvre of the caller.
+///
+/// # Safety
+/// As [`list`].
+unsafe fn stages<'a>(
+    stages: *const fga_stage,
+    stage_count: u32,
+) -> Result<(&'a [fga_stage], Span), Refused> {
+    if stage_count as usize > MAX_STAGES {
+        let expected = "at most FGA_STAGES_MOST, and 40";
+        return Err(Refused::too_many("stage_count", stage_count, expected));
+    }
+    // SAFETY: as this function.
+    Ok(unsafe { list(stages, stage_count) }?)
+}
+
+/// Proves that a manoeuvre, of whatever origin, keeps a separation from every obstacle of a situation, in continuous time: the
+/// aircraft flies the stages, with the response of the prover's vehicle, and each obstacle keeps its velocity or its place.
+///
+/// The proof covers neither turns of aircraft, which `straight_aircraft` counts, nor limits of altitude. With no stages the
+/// manoeuvre holds course and climb angle.
+///
+/// Refuses `NULL`, `MISALIGNED`, `WRONG_SIZE`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE`, `TOO_MANY`: no obstacle is
+/// left out.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_certify(
+    prover: *mut fga_prover,
+    situation: *const fga_situation,
+    stages: *const fga_stage,
+    stage_count: u32,
+    question: *const fga_question,
+    certificate: *mut fga_certificate,
+    why: *mut fga_refusal,
+) -> fga_status {
+    // SAFETY: the caller's word, in the header.
+    unsafe {
+        work(prover, why, |at_work, why| {
+            let ((situation, span), (question, asked)) = (given(situation)?, given(question)?);
+            let answer = sized(certificate)?;
+            let (stages, of_stages) = self::stages(stages, stage_count)?;
+            let count = situation.obstacle_count;
+            if count as usize > FGA_PROVER_OBSTACLES_MOST {
+                let expected = "at most FGA_PROVER_OBSTACLES_MOST";
+                return Err(Refused::too_many("obstacle_count", count, expected));
+            }
+            let (obstacles, of) = list(situation.obstacles, count)?;
+            apart(&[at_work.span, span, asked, answer, of_stages, of, why])?;
+            if obstacles
+                .iter()
+                .any(|obstacle| obstacle.size as usize != size_of::<fga_obstacle>())
+            {
+                return Err(fga_status::WrongSize.into());
+            }
+            let found = at_work
+                .value()
+                .prove(&situation, stages, obstacles, &question)?;
+            fill(certificate, |out| {
+                out.verdict = found.verdict;
+                out.margin_m = found.margin_m;
+                out.at_s = found.at_s;
+                out.obstacle_id = found.obstacle_id;
+                out.obstacle_count = count;
+                out.straight_aircraft = found.straight_aircraft;
+                out.work = found.work;
+            });
+            Ok(fga_status::Ok)
+        })
+    }
+}
+
+/// Where the aircraft is after some time on a manoeuvre, over the ground, with the response of the prover's vehicle. A vehicle
+/// with a dead time needs it: a step is asked about the moment at which its command begins to have an effect.
+///
+/// `then` may not be `ownship`. Refuses `NULL`, `MISALIGNED`, `ALIASED`, `NOT_INITIALIZED`, `BUSY`, `OUT_OF_RANGE` (`after_s`: 0
+/// to 600), `TOO_MANY`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fga_predict(
+    prover: *mut fga_prover,
+    ownship: *const fga_ownship,
+    stages: *const fga_stage,
+    stage_count: u32,
+    wind_mps: fga_enu,
+    after_s: f64,
+    then: *mut fga_ownship,
+    why: *mut fga_refusal,
+) -> fga_status {
+    // SAFETY: the caller's word, in the header.
+    unsafe {
+        work(prover, why, |at_work, why| {
+            let (from, to) = (Span::of(ownship, 1)?, Span::of(then.cast_const(), 1)?);
+            let (stages, of) = self::stages(stages, stage_count)?;
+            apart(&[at_work.span, from, to, of, why])?;
+            usable("wind_mps.east", wind_mps.east)?;
+            usable("wind_mps.north", wind_mps.north)?;
+            usable("wind_mps.up", wind_mps.up)?;
+            if !(0.0..=600.0).contains(&after_s) {
+                return Err(Refused::out_of_range("after_s", after_s, "0 to 600"));
+            }
+            let own = (*ownship).ownship()?;
+            let flyer = &at_work.value().flyer;
+            let maneuver = maneuver(stages)?;
+            let state = flown(
+                flyer,
+                &MotionState::of(&own),
+                &maneuver,
+                after_s,
+                &meter(u32::MAX),
+            );
+            then.write(fga_ownship {
+                position_m: fga_enu::of(state.position_m + wind_mps.vector() * after_s),
+                course_from_east_rad: state.course_rad,
+                climb_rad: state.climb_rad,
+                bank_left_rad: state.bank_rad,
+                airspeed_mps: own.airspeed_mps,
+            });
+            Ok(fga_status::Ok)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A prover takes the bytes that the header says, to the next 512.
+    #[cfg(target_pointer_width = "64")]
+    #[test]
+    fn the_header_says_what_a_prover_takes() {
+        assert_eq!(
+            FGA_PROVER_BYTES,
+            Object::<Proving>::BYTES.next_multiple_of(512),
+            "write the second number there, then HEADER=write cargo test -p fga-c --test header"
+        );
+    }
+}

@@ -1,0 +1,327 @@
+//! The examples in C and C++ build with a plain compiler against the static library, and decide as `fga run` does.
+//!
+//! A test whose tool is missing says so and is skipped; with `CI=true` it fails.
+
+use core::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+use fga::avoider::Decision;
+use fga_sim::policy::PolicyChoice;
+use fga_sim::run::{Plan, fly};
+
+const WARNINGS: [&str; 5] = ["-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wpedantic"];
+const SANITIZED: [&str; 3] = [
+    "-g",
+    "-fsanitize=address,undefined",
+    "-fno-sanitize-recover=all",
+];
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn root() -> PathBuf {
+    folder().join("../..")
+}
+
+/// Whether the tools are here.
+fn have(tools: &[(&str, &str)]) -> bool {
+    let missing = |tool: &str| Command::new(tool).arg("--version").output().is_err();
+    for (tool, package) in tools {
+        if missing(tool) {
+            let sentence = format!("{tool} is not installed (Debian: {package}); skipped");
+            assert!(std::env::var_os("CI").is_none(), "{sentence}");
+            println!("{sentence}");
+            return false;
+        }
+    }
+    true
+}
+
+/// What a command printed; it must succeed.
+fn ran(command: &mut Command) -> String {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = command
+        .output()
+        .unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let printed = String::from_utf8_lossy(&stdout).into_owned();
+    let said = String::from_utf8_lossy(&stderr);
+    assert!(status.success(), "{command:?}: {status}\n{printed}{said}");
+    printed
+}
+
+/// The static library as it is shipped, built once.
+fn library() -> &'static Path {
+    static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
+    LIBRARY.get_or_init(|| {
+        let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
+        ran(Command::new(env!("CARGO"))
+            .args([
+                "rustc",
+                "--quiet",
+                "--package",
+                "fga-c",
+                "--lib",
+                "--profile",
+                "firmware",
+            ])
+            .args([
+                "--crate-type",
+                "staticlib",
+                "--features",
+                "staticlib",
+                "--target-dir",
+            ])
+            .arg(&target)
+            .env_remove("RUSTFLAGS")
+            .current_dir(root()));
+        target.join("firmware")
+    })
+}
+
+/// Builds an example.
+fn build(name: &str, compiler: &str, options: &[&str], into: &Path) -> PathBuf {
+    let program = into.join("program");
+    ran(Command::new(compiler)
+        .args(options)
+        .args(WARNINGS)
+        .arg(root().join("examples/c").join(name))
+        .arg("-I")
+        .arg(folder().join("include"))
+        .arg("-L")
+        .arg(library())
+        .args(["-lfga_c", "-lm", "-o"])
+        .arg(&program));
+    program
+}
+
+#[test]
+fn the_static_library_holds_no_panic_and_no_allocation() {
+    if !have(&[("nm", "binutils")]) {
+        return;
+    }
+    // Warnings are about objects without symbols.
+    let output = Command::new("nm")
+        .arg(library().join("libfga_c.a"))
+        .output()
+        .unwrap();
+    let symbols = String::from_utf8_lossy(&output.stdout);
+    assert!(symbols.contains("T fga_avoider_step") && symbols.contains("T fga_certify"));
+    let unwanted = [
+        "panicking",
+        "rust_begin_unwind",
+        "__rust_alloc",
+        "__rg_alloc",
+        "__rdl_alloc",
+    ];
+    let found: Vec<&str> = symbols
+        .lines()
+        .filter(|line| unwanted.iter().any(|name| line.contains(name)))
+        .collect();
+    assert!(found.is_empty(), "{found:?}");
+}
+
+#[test]
+fn the_head_on_flies_under_the_sanitizers() {
+    if !have(&[("cc", "build-essential")]) {
+        return;
+    }
+    let into = tempfile::tempdir().unwrap();
+    let options = [&["-std=c11", "-O1"], SANITIZED.as_slice()].concat();
+    let printed = ran(&mut Command::new(build(
+        "head_on.c",
+        "cc",
+        &options,
+        into.path(),
+    )));
+    assert!(
+        printed.contains("a certified manoeuvre begins"),
+        "{printed}"
+    );
+    assert!(printed.contains("back on the leg"), "{printed}");
+}
+
+#[test]
+fn the_head_on_flies_under_valgrind() {
+    if !have(&[("cc", "build-essential"), ("valgrind", "valgrind")]) {
+        return;
+    }
+    let into = tempfile::tempdir().unwrap();
+    let program = build("head_on.c", "cc", &["-std=c11", "-O1", "-g"], into.path());
+    let suppressions = folder().join("tests/valgrind.supp");
+    let printed = ran(Command::new("valgrind")
+        .args(["--quiet", "--error-exitcode=9"])
+        .arg(format!("--suppressions={}", suppressions.display()))
+        .arg(program));
+    assert!(printed.contains("back on the leg"), "{printed}");
+}
+
+/// What the example prints of a decision: names as numbers, and doubles with seventeen digits.
+fn numbers(decision: &Decision) -> Vec<f64> {
+    let record = &decision.record;
+    let position = |place: Option<usize>| place.map_or(f64::NAN, |place| place as f64);
+    let state = fga::avoider::State::ALL
+        .iter()
+        .position(|&state| state == decision.state);
+    let reason = fga::avoider::Reason::ALL
+        .iter()
+        .position(|&reason| reason == record.reason);
+    let has = [
+        record.threat.is_some(),
+        record.chosen.is_some(),
+        record.certified.is_some(),
+        record.start_s.is_some(),
+        record.latest_start_s.is_some(),
+        record.resilience.is_some(),
+    ];
+    let bits: u32 = (0..).zip(has).map(|(bit, has)| u32::from(has) << bit).sum();
+    let mut numbers = vec![position(state), position(reason), f64::from(bits)];
+    for stage in decision.command.stages() {
+        numbers.extend([
+            stage.start_s,
+            stage.course_rad,
+            stage.climb_rad,
+            stage.rate_share,
+        ]);
+    }
+    numbers.extend([
+        record.chosen.map_or(0.0, |chosen| chosen.margin_m),
+        record
+            .certified
+            .map_or(0.0, |certified| certified.margin_m()),
+        record.start_s.unwrap_or(0.0),
+    ]);
+    numbers
+}
+
+#[test]
+fn the_head_on_decides_as_fga_run_to_the_last_bit() {
+    if !have(&[("cc", "build-essential")]) {
+        return;
+    }
+    let plan = Plan::read(&root().join("examples/c/head_on.toml"), None).unwrap();
+    let intruder = plan.world.obstacles[0].track.clone();
+    let log = fly(plan, &PolicyChoice::default(), &mut |_| ()).unwrap();
+    let mut states = String::new();
+    for moment in &log.decisions {
+        let own = &moment.ownship;
+        let (place_m, _) = intruder.at(moment.time_s).unwrap();
+        let (at, to) = (own.position_m, place_m);
+        writeln!(
+            states,
+            "{:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e}",
+            moment.time_s,
+            at.x,
+            at.y,
+            at.z,
+            own.course_rad,
+            own.climb_rad,
+            own.bank_rad,
+            own.airspeed_mps,
+            to.x,
+            to.y,
+            to.z
+        )
+        .unwrap();
+    }
+    let into = tempfile::tempdir().unwrap();
+    let path = into.path().join("states.txt");
+    fs::write(&path, states).unwrap();
+    let program = build("head_on.c", "cc", &["-std=c11", "-O2"], into.path());
+    let printed = ran(Command::new(program).arg(&path));
+    assert_eq!(printed.lines().count(), log.decisions.len());
+    assert!(log.decisions.len() > 500);
+    for (line, moment) in printed.lines().zip(&log.decisions) {
+        let found: Vec<u64> = line
+            .split(' ')
+            .map(|number| number.parse::<f64>().unwrap().to_bits())
+            .collect();
+        let expected: Vec<u64> = numbers(&moment.decision)
+            .into_iter()
+            .map(f64::to_bits)
+            .collect();
+        assert_eq!(found, expected, "at {} s: {line}", moment.time_s);
+    }
+}
+
+#[test]
+fn the_second_opinion_in_cpp_refutes_and_proves() {
+    if !have(&[("c++", "build-essential")]) {
+        return;
+    }
+    let into = tempfile::tempdir().unwrap();
+    let options = [
+        &["-std=c++17", "-fno-exceptions", "-O1"],
+        SANITIZED.as_slice(),
+    ]
+    .concat();
+    let program = build("second_opinion.cpp", "c++", &options, into.path());
+    let printed = ran(&mut Command::new(program));
+    assert!(printed.contains("40 degrees right proven"), "{printed}");
+}
+
+#[test]
+fn an_installed_library_is_found_by_cmake_and_pkg_config() {
+    let tools = [
+        ("cmake", "cmake"),
+        ("pkg-config", "pkg-config"),
+        ("make", "build-essential"),
+        ("c++", "build-essential"),
+    ];
+    if !have(&tools) {
+        return;
+    }
+    let into = tempfile::tempdir().unwrap();
+    let (made, prefix) = (into.path().join("made"), into.path().join("prefix"));
+    ran(Command::new("cmake")
+        .arg("-S")
+        .arg(folder())
+        .arg("-B")
+        .arg(&made)
+        .args([
+            format!("-DCMAKE_INSTALL_PREFIX={}", prefix.display()),
+            "-DCMAKE_INSTALL_LIBDIR=lib".to_owned(),
+            // The library is there already; a build would give the same.
+            format!("-DFGA_LIBRARY={}", library().join("libfga_c.a").display()),
+        ]));
+    ran(Command::new("cmake").arg("--build").arg(&made));
+    ran(Command::new("cmake").arg("--install").arg(&made));
+
+    let flags = ran(Command::new("pkg-config")
+        .args(["--cflags", "--libs", "fga"])
+        .env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig")));
+    let program = into.path().join("by-pkg-config");
+    ran(Command::new("cc")
+        .arg("-std=c11")
+        .arg(root().join("examples/c/head_on.c"))
+        .args(flags.split_whitespace())
+        .args(["-lm", "-o"])
+        .arg(&program));
+    assert!(ran(&mut Command::new(program)).contains("back on the leg"));
+
+    let user = into.path().join("user");
+    fs::create_dir(&user).unwrap();
+    let example = root().join("examples/c/second_opinion.cpp");
+    let text = format!(
+        "cmake_minimum_required(VERSION 3.16)\nproject(user CXX)\nfind_package(fga {} REQUIRED)\n\
+         add_executable(user \"{}\")\ntarget_link_libraries(user fga::fga)\n",
+        env!("CARGO_PKG_VERSION"),
+        example.display()
+    );
+    fs::write(user.join("CMakeLists.txt"), text).unwrap();
+    let built = into.path().join("user-build");
+    ran(Command::new("cmake")
+        .arg("-S")
+        .arg(&user)
+        .arg("-B")
+        .arg(&built)
+        .arg(format!("-DCMAKE_PREFIX_PATH={}", prefix.display())));
+    ran(Command::new("cmake").arg("--build").arg(&built));
+    ran(&mut Command::new(built.join("user")));
+}
