@@ -267,6 +267,22 @@ fn the_second_opinion_in_cpp_refutes_and_proves() {
 }
 
 #[test]
+fn the_reference_loop_hands_back_whatever_stops() {
+    if !have(&[("cc", "build-essential")]) {
+        return;
+    }
+    let into = tempfile::tempdir().unwrap();
+    let options = [&["-std=c11", "-O1"], SANITIZED.as_slice()].concat();
+    let printed = ran(&mut Command::new(build(
+        "reference_loop.c",
+        "cc",
+        &options,
+        into.path(),
+    )));
+    assert_eq!(printed.lines().count(), 4, "{printed}");
+}
+
+#[test]
 fn an_installed_library_is_found_by_cmake_and_pkg_config() {
     let tools = [
         ("cmake", "cmake"),
