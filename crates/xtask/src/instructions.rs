@@ -1,19 +1,19 @@
 //! Counts the instructions of a step with valgrind and compares them with a committed table.
 //!
-//! Counts do not depend on the load of a machine: a change shows when it costs more than [`TOLERANCE`].
+//! Counts do not depend on the load of a machine: a change shows when it costs some hundredths more.
 
 use alloc::collections::BTreeMap;
-use core::fmt::Write as _;
 use std::env;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The table, from the root of the repository.
-const TABLE: &str = "docs/benchmarks/instructions.csv";
+use crate::table::Table;
 
-/// Largest difference from the table, as a share.
-const TOLERANCE: f64 = 0.03;
+const TABLE: Table = Table {
+    path: "docs/benchmarks/instructions.csv",
+    header: "aircraft,obstacles,kind,instructions",
+    chore: "instructions",
+};
 
 /// Repetitions of each step; a run without any is subtracted.
 const TIMES: u32 = 5;
@@ -52,15 +52,7 @@ pub(crate) fn check(options: &[&str]) -> Result<(), String> {
         println!("{aircraft}, {obstacles} obstacles, {kind}: {counted} instructions a step");
         counts.insert(format!("{aircraft},{obstacles},{kind}"), counted);
     }
-    let path = root.join(TABLE);
-    if write {
-        let mut text = "aircraft,obstacles,kind,instructions\n".to_owned();
-        for (name, count) in &counts {
-            let _ = writeln!(text, "{name},{count}");
-        }
-        return fs::write(&path, text).map_err(|error| format!("{TABLE}: {error}"));
-    }
-    compare(&path, &counts)
+    TABLE.check(&root, &counts, write)
 }
 
 /// Builds the program that makes the steps.
@@ -114,32 +106,4 @@ fn run(
     counted
         .zip(steps)
         .ok_or_else(|| format!("valgrind counted nothing: {told}"))
-}
-
-/// Names the counts that differ from the table.
-fn compare(path: &Path, counts: &BTreeMap<String, u64>) -> Result<(), String> {
-    let text = fs::read_to_string(path).map_err(|error| format!("{TABLE}: {error}"))?;
-    let table: BTreeMap<&str, u64> = text
-        .lines()
-        .skip(1)
-        .filter_map(|line| line.rsplit_once(','))
-        .filter_map(|(name, count)| Some((name, count.parse().ok()?)))
-        .collect();
-    let mut off = String::new();
-    for (name, count) in counts {
-        let known = table.get(name.as_str()).copied();
-        let share = known.map_or(f64::INFINITY, |known| *count as f64 / known as f64 - 1.0);
-        if share.abs() > TOLERANCE {
-            let known = known.map_or("nothing".to_owned(), |known| known.to_string());
-            let _ = write!(off, "\n  {name}: {count}, the table has {known}");
-        }
-    }
-    if off.is_empty() {
-        return Ok(());
-    }
-    Err(format!(
-        "instructions differ from {TABLE} by more than {} %:{off}\n\
-         where that is meant: cargo xtask instructions --write",
-        100.0 * TOLERANCE
-    ))
 }

@@ -3,6 +3,7 @@
 //! | chore | what it does |
 //! |---|---|
 //! | `bytes` | prints the hash of every result that a refactoring must not change, or compares two builds |
+//! | `cortex-m` | flies ten encounters on an emulated Cortex-M7, and compares memory and instructions with a committed table |
 //! | `evidence` | makes the counts of the pages again, whole or a small part |
 //! | `instructions` | counts the instructions of a step and compares them with a committed table |
 //! | `mutants` | changes the code that decides about the mode, piece by piece, and names changes that no test notices |
@@ -11,10 +12,12 @@
 extern crate alloc;
 
 mod bytes;
+mod cortex_m;
 mod evidence;
 mod instructions;
 mod mutants;
 mod pictures;
+mod table;
 
 use std::process::ExitCode;
 
@@ -22,12 +25,14 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let done = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["bytes", ref options @ ..] => bytes::print(options),
+        ["cortex-m", ref options @ ..] => cortex_m::check(options),
         ["evidence", ref options @ ..] => evidence::make(options),
         ["instructions", ref options @ ..] => instructions::check(options),
         ["mutants"] => mutants::check(),
         ["pictures"] => pictures::make(),
         _ => Err(
-            "expected cargo xtask bytes, evidence, instructions, mutants or pictures".to_owned(),
+            "expected cargo xtask bytes, cortex-m, evidence, instructions, mutants or pictures"
+                .to_owned(),
         ),
     };
     match done {

@@ -1,0 +1,152 @@
+//! Flies ten encounters on an emulated Cortex-M7, and compares what they take with a committed table.
+//!
+//! The emulator counts instructions; a painted stack shows its depth. Drawn situations are decided there and here, and the
+//! hash over all decisions must be one.
+
+use alloc::collections::BTreeMap;
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::table::Table;
+
+const TABLE: Table = Table {
+    path: "docs/benchmarks/cortex-m7.csv",
+    header: "what,number",
+    chore: "cortex-m",
+};
+
+/// The emulated machine.
+const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// Drawn situations of each of the three aircraft, without another number.
+const DRAWN: &str = "334";
+
+/// Measures, and compares with the table, or writes it with `--write`. A number is that of the drawn situations of each aircraft.
+pub(crate) fn check(options: &[&str]) -> Result<(), String> {
+    let (write, drawn) = match options {
+        [] => (false, DRAWN),
+        ["--write"] => (true, DRAWN),
+        [drawn] if drawn.parse::<u32>().is_ok() => (false, *drawn),
+        _ => return Err("expected cargo xtask cortex-m, with --write, a number or neither".into()),
+    };
+    if let Some(sentence) = missing() {
+        if env::var_os("CI").is_some() {
+            return Err(sentence);
+        }
+        println!("{sentence}; skipped");
+        return Ok(());
+    }
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut numbers = BTreeMap::new();
+    for (profile, name) in [("release", "for speed"), ("small", "for size")] {
+        let flash = build(&root, TARGET, profile, "flash", drawn)?;
+        numbers.insert(format!("bytes of flash, compiled {name}"), loaded(&flash)?);
+    }
+    let target = build(&root, TARGET, "release", "target", drawn)?;
+    let printed = ran(Command::new("qemu-system-arm")
+        .args(["-M", "mps2-an500", "-icount", "shift=0", "-nographic"])
+        .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
+        .arg(target))?;
+    print!("{printed}");
+    if printed.contains("inside a volume") {
+        return Err("an encounter is lost".into());
+    }
+    for line in printed.lines().filter(|line| !line.starts_with('#')) {
+        if let Some((name, number)) = line.rsplit_once(',') {
+            let number = number.parse().map_err(|_| format!("no number: {line}"))?;
+            numbers.insert(name.to_owned(), number);
+        }
+    }
+    let here = build(&root, &host()?, "release", "host", drawn)?;
+    let hash = ran(Command::new(here).arg(drawn))?;
+    if !printed.ends_with(&hash) {
+        return Err(format!("the decisions on this machine are others: {hash}"));
+    }
+    TABLE.check(&root, &numbers, write)
+}
+
+/// What is not installed.
+fn missing() -> Option<String> {
+    let is_missing = |tool: &str| Command::new(tool).arg("--version").output().is_err();
+    if is_missing("qemu-system-arm") {
+        return Some("qemu-system-arm is not installed (Debian: qemu-system-arm)".into());
+    }
+    if is_missing("readelf") {
+        return Some("readelf is not installed (Debian: binutils)".into());
+    }
+    let folder = ran(Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]));
+    let is_there = folder.is_ok_and(|folder| Path::new(folder.trim()).is_dir());
+    (!is_there).then(|| format!("the core library is missing (rustup target add {TARGET})"))
+}
+
+/// The target of this machine.
+fn host() -> Result<String, String> {
+    let version = ran(Command::new("rustc").arg("-vV"))?;
+    let host = version.lines().find_map(|line| line.strip_prefix("host: "));
+    host.map(str::to_owned)
+        .ok_or_else(|| "rustc does not name its host".into())
+}
+
+/// Builds one of the programs.
+fn build(
+    root: &Path,
+    target: &str,
+    profile: &str,
+    name: &str,
+    drawn: &str,
+) -> Result<PathBuf, String> {
+    let folder = root.join("target/cortex-m7");
+    ran(
+        Command::new(env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()))
+            .args([
+                "build",
+                "--quiet",
+                "--locked",
+                "--target",
+                target,
+                "--profile",
+                profile,
+            ])
+            .args(["--bin", name, "--target-dir"])
+            .arg(&folder)
+            .env("DRAWN", drawn)
+            // The flags of the example's own configuration.
+            .env_remove("RUSTFLAGS")
+            .current_dir(root.join("examples/cortex-m7")),
+    )?;
+    Ok(folder.join(target).join(profile).join(name))
+}
+
+/// Bytes that a program takes of flash: its loaded segments, without the vectors of interrupts.
+fn loaded(program: &Path) -> Result<u64, String> {
+    let printed = ran(Command::new("readelf")
+        .args(["--sections", "--wide"])
+        .arg(program))?;
+    let size = |name: &str| {
+        let line = printed.lines().find(|line| line.contains(name))?;
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let at = words.iter().position(|word| *word == "PROGBITS")?;
+        u64::from_str_radix(words.get(at + 3)?, 16).ok()
+    };
+    let sizes = [".text", ".rodata", ".data"].map(|name| size(&format!(" {name} ")));
+    sizes
+        .into_iter()
+        .sum::<Option<u64>>()
+        .ok_or_else(|| format!("no sections: {printed}"))
+}
+
+/// What a command printed; it must succeed.
+fn ran(command: &mut Command) -> Result<String, String> {
+    let output = command
+        .output()
+        .map_err(|error| format!("{command:?}: {error}"))?;
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    if output.status.success() {
+        return Ok(printed);
+    }
+    Err(format!(
+        "{command:?}: {printed}{}",
+        String::from_utf8_lossy(&output.stderr)
+    ))
+}
