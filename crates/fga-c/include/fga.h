@@ -35,6 +35,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+// Bytes of storage for an avoider with room for these numbers of obstacles a step and waypoints: for static storage.
+#define FGA_AVOIDER_BYTES(obstacles, waypoints) \
+  (FGA_AVOIDER_FIXED_BYTES + (obstacles) * FGA_AVOIDER_OBSTACLE_BYTES + (waypoints) * FGA_AVOIDER_WAYPOINT_BYTES)
+
 // Version of this interface. It grows when a program compiled with an older header can no longer be linked.
 #define FGA_ABI_VERSION 1
 
@@ -634,7 +638,7 @@ extern "C" {
 // The version of the interface of the linked library: the program's header has it as `FGA_ABI_VERSION`.
 uint32_t fga_abi_version(void);
 
-// Bytes of storage for an avoider with room for so many obstacles a step and waypoints; 0 where these are more than
+// Bytes of storage for an avoider with room for these numbers of obstacles a step and waypoints; 0 where one is above
 // `FGA_CAPACITY_MOST`. For static storage the macro `FGA_AVOIDER_BYTES` gives the same.
 size_t fga_avoider_size(uint32_t obstacles_most,
                         uint32_t waypoints_most);
@@ -696,7 +700,8 @@ fga_status fga_avoider_set_vehicle_in_need(struct fga_avoider *avoider,
                                            const struct fga_vehicle *vehicle,
                                            struct fga_refusal *why);
 
-// Forgets the flight, but not settings, limits of the vehicle, mission and counts: the next step is the first of another one.
+// Forgets the flight: the next step is the first of another one. Settings, mission and counts stay; the limits of the vehicle
+// are those of the construction again, without limits in need.
 //
 // Refuses `NULL`, `MISALIGNED`, `NOT_INITIALIZED`, `BUSY`.
 fga_status fga_avoider_restart(struct fga_avoider *avoider);
@@ -779,7 +784,3 @@ const char *fga_status_text(uint32_t status);
 #endif  // __cplusplus
 
 #endif  /* FGA_H */
-
-/// Bytes of storage for an avoider with room for so many obstacles a step and waypoints: for static storage.
-#define FGA_AVOIDER_BYTES(obstacles, waypoints) \
-  (FGA_AVOIDER_FIXED_BYTES + (obstacles) * FGA_AVOIDER_OBSTACLE_BYTES + (waypoints) * FGA_AVOIDER_WAYPOINT_BYTES)

@@ -47,7 +47,7 @@ template <typename Structure>
   return begun;
 }
 
-// An avoider with room for so many obstacles a step and waypoints.
+// An avoider with room for these numbers of obstacles a step and waypoints.
 template <std::uint32_t Obstacles, std::uint32_t Waypoints>
 class Avoider {
  public:

@@ -183,7 +183,7 @@ fn soonest_s(obstacle: &Obstacle, own: &Ownship) -> f64 {
     gap_m / (own.airspeed_mps + obstacle.velocity_mps.length())
 }
 
-/// Bytes of storage for an avoider with room for so many obstacles a step and waypoints; 0 where these are more than
+/// Bytes of storage for an avoider with room for these numbers of obstacles a step and waypoints; 0 where one is above
 /// `FGA_CAPACITY_MOST`. For static storage the macro `FGA_AVOIDER_BYTES` gives the same.
 #[unsafe(no_mangle)]
 pub const extern "C" fn fga_avoider_size(obstacles_most: u32, waypoints_most: u32) -> usize {
@@ -392,7 +392,8 @@ pub unsafe extern "C" fn fga_avoider_set_vehicle_in_need(
     }
 }
 
-/// Forgets the flight, but not settings, limits of the vehicle, mission and counts: the next step is the first of another one.
+/// Forgets the flight: the next step is the first of another one. Settings, mission and counts stay; the limits of the vehicle
+/// are those of the construction again, without limits in need.
 ///
 /// Refuses `NULL`, `MISALIGNED`, `NOT_INITIALIZED`, `BUSY`.
 #[unsafe(no_mangle)]
