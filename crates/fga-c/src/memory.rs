@@ -238,7 +238,8 @@ impl<T: Kind> Object<T> {
     /// Behind a pointer that is not null and aligned lie as many bytes as an object has.
     pub(crate) unsafe fn enter<'a>(object: *mut Self) -> Result<AtWork<'a, T>, fga_status> {
         let span = Span::of(object, 1)?;
-        // SAFETY: not null, aligned and readable by the caller's word; a number is a number whatever lies there.
+        // SAFETY: not null, aligned and readable by the caller's word. For a wrong caller this reads what happens to lie there:
+        // a number, whatever it is.
         if unsafe { (&raw const (*object).mark).read() } != Self::mark_at(object) {
             return Err(fga_status::NotInitialized);
         }

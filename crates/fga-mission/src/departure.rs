@@ -41,7 +41,7 @@ impl Progress {
         let legs = mission.waypoints_m.windows(2).skip(self.index);
         let legs = legs.take(last.min(MOST_LEGS) + 1);
         let meter = self.meter();
-        if meter.is_met() || !meter.take(legs.len() / 2) {
+        if meter.is_met() || !meter.take(legs.size_hint().0 / 2) {
             return f64::INFINITY;
         }
         self.note(&meter);

@@ -42,6 +42,7 @@ pub(crate) fn check(options: &[&str]) -> Result<(), String> {
     for (profile, name) in [("release", "for speed"), ("small", "for size")] {
         let flash = build(&root, TARGET, profile, "flash", drawn)?;
         numbers.insert(format!("bytes of flash, compiled {name}"), loaded(&flash)?);
+        holds_no_panic(&flash)?;
     }
     let target = build(&root, TARGET, "release", "target", drawn)?;
     let printed = ran(Command::new("qemu-system-arm")
@@ -134,6 +135,21 @@ fn loaded(program: &Path) -> Result<u64, String> {
         .into_iter()
         .sum::<Option<u64>>()
         .ok_or_else(|| format!("no sections: {printed}"))
+}
+
+/// Refuses a program that can panic: the linker drops what nothing can reach.
+fn holds_no_panic(program: &Path) -> Result<(), String> {
+    let symbols = ran(Command::new("nm").arg(program))?;
+    let found: Vec<&str> = (symbols.lines())
+        .filter(|line| line.contains("panicking") || line.contains("rust_begin_unwind"))
+        .collect();
+    if found.is_empty() {
+        return Ok(());
+    }
+    Err(format!(
+        "{}: the core can panic: {found:?}",
+        program.display()
+    ))
 }
 
 /// What a command printed; it must succeed.
