@@ -92,12 +92,16 @@ pub struct Flight {
 }
 
 impl Flight {
-    /// Constructs both; `before` and `after` are called about the construction of the avoider.
-    pub fn new(aircraft: Aircraft, before: impl FnOnce(), after: impl FnOnce()) -> Option<Self> {
+    /// Constructs both.
+    pub fn new(aircraft: Aircraft) -> Option<Self> {
         let (mut settings, vehicle) = (sized(), aircraft.vehicle());
         let (mut avoider, mut prover) = (null_mut(), null_mut());
         let waypoints = [0.0, 2000.0].map(|east| fga_waypoint {
-            position_m: fga_enu { east, north: 0.0, up: 100.0 },
+            position_m: fga_enu {
+                east,
+                north: 0.0,
+                up: 100.0,
+            },
             passing: fga_passing::FlyBy as u32,
         });
         let mission = fga_mission {
@@ -110,7 +114,6 @@ impl Flight {
         // SAFETY: right pointers, and this is the only flight.
         let done = unsafe {
             let defaults = fga_settings_default(&raw mut settings);
-            before();
             let made = fga_avoider_init(
                 (&raw mut AVOIDER).cast(),
                 STORAGE_BYTES,
@@ -122,7 +125,6 @@ impl Flight {
                 &raw mut avoider,
                 null_mut(),
             );
-            after();
             [
                 defaults,
                 made,
@@ -137,11 +139,13 @@ impl Flight {
                 ),
             ]
         };
-        done.iter().all(|&status| status == fga_status::Ok).then_some(Self {
-            aircraft,
-            avoider,
-            prover,
-        })
+        done.iter()
+            .all(|&status| status == fga_status::Ok)
+            .then_some(Self {
+                aircraft,
+                avoider,
+                prover,
+            })
     }
 
     /// Forgets the last flight.
@@ -163,7 +167,11 @@ impl Flight {
             obstacles: obstacles.as_ptr(),
             time_s,
             ownship: *own,
-            wind_mps: fga_enu { east: 0.0, north: 0.0, up: 0.0 },
+            wind_mps: fga_enu {
+                east: 0.0,
+                north: 0.0,
+                up: 0.0,
+            },
         };
         // SAFETY: right pointers.
         unsafe { fga_avoider_step(self.avoider, &raw const situation, decision, null_mut()) }
@@ -180,14 +188,23 @@ impl Flight {
         self.restart();
         let mut drawn = Drawn::new(seed);
         let mut obstacles = drawn.obstacles(self.aircraft, obstacle_count);
-        let obstacles = obstacles.get_mut(..obstacle_count as usize).unwrap_or_default();
+        let obstacles = obstacles
+            .get_mut(..obstacle_count as usize)
+            .unwrap_or_default();
         let (mut own, mut least_m2) = (start(), f64::INFINITY);
         for cycle in 0..STEPS {
             let mut decision = sized();
             let time_s = f64::from(cycle) * PERIOD_S;
             let mut step = |out: &mut fga_decision| self.step((time_s, &own), obstacles, out);
             decide(&mut step, &mut decision);
-            let (mut then, still_air) = (own, fga_enu { east: 0.0, north: 0.0, up: 0.0 });
+            let (mut then, still_air) = (
+                own,
+                fga_enu {
+                    east: 0.0,
+                    north: 0.0,
+                    up: 0.0,
+                },
+            );
             // SAFETY: right pointers.
             unsafe {
                 fga_predict(
@@ -224,7 +241,9 @@ impl Flight {
             self.restart();
             let obstacle_count = 1 + drawn.below(4);
             let mut obstacles = drawn.obstacles(self.aircraft, obstacle_count);
-            let obstacles = obstacles.get_mut(..obstacle_count as usize).unwrap_or_default();
+            let obstacles = obstacles
+                .get_mut(..obstacle_count as usize)
+                .unwrap_or_default();
             let mut own = start();
             for cycle in 0..2 {
                 let mut decision = sized();
@@ -257,7 +276,11 @@ fn mission() -> fga_mission {
 /// The aircraft at the start of the leg.
 fn start() -> fga_ownship {
     fga_ownship {
-        position_m: fga_enu { east: 0.0, north: 0.0, up: 100.0 },
+        position_m: fga_enu {
+            east: 0.0,
+            north: 0.0,
+            up: 100.0,
+        },
         course_from_east_rad: 0.0,
         climb_rad: 0.0,
         bank_left_rad: 0.0,
@@ -270,18 +293,38 @@ pub const HASH_SEED: u64 = 0xcbf2_9ce4_8422_2325;
 
 /// FNV-1a over words.
 fn add(hash: u64, words: &[u64]) -> u64 {
-    words.iter().fold(hash, |hash, word| (hash ^ word).wrapping_mul(0x100_0000_01b3))
+    words.iter().fold(hash, |hash, word| {
+        (hash ^ word).wrapping_mul(0x100_0000_01b3)
+    })
 }
 
 fn add_decision(hash: u64, decision: &fga_decision) -> u64 {
-    let words = [decision.state as u32, decision.reason as u32, decision.has, decision.stage_count];
+    let words = [
+        decision.state as u32,
+        decision.reason as u32,
+        decision.has,
+        decision.stage_count,
+    ];
     let mut hash = add(hash, &words.map(u64::from));
     for stage in decision.stages.iter().take(decision.stage_count as usize) {
-        let reals = [stage.start_s, stage.course_from_east_rad, stage.climb_rad, stage.rate_share];
+        let reals = [
+            stage.start_s,
+            stage.course_from_east_rad,
+            stage.climb_rad,
+            stage.rate_share,
+        ];
         hash = add(hash, &reals.map(f64::to_bits));
     }
-    let reals = [decision.margin_m, decision.cost, decision.certified_margin_m, decision.threat.entry_s];
-    add(add(hash, &reals.map(f64::to_bits)), &[u64::from(decision.work)])
+    let reals = [
+        decision.margin_m,
+        decision.cost,
+        decision.certified_margin_m,
+        decision.threat.entry_s,
+    ];
+    add(
+        add(hash, &reals.map(f64::to_bits)),
+        &[u64::from(decision.work)],
+    )
 }
 
 /// Draws obstacles about the leg.
@@ -301,15 +344,27 @@ impl Drawn {
     }
 
     /// Some obstacles that come near the leg within the next half minute.
-    fn obstacles(&mut self, aircraft: Aircraft, count: u32) -> [fga_obstacle; OBSTACLES_MOST as usize] {
+    fn obstacles(
+        &mut self,
+        aircraft: Aircraft,
+        count: u32,
+    ) -> [fga_obstacle; OBSTACLES_MOST as usize] {
         let mut obstacles = [(); OBSTACLES_MOST as usize].map(|()| obstacle());
         for (id, slot) in (1..=count).zip(&mut obstacles) {
             let meets_s = self.real(8.0, 30.0);
             let is_still = self.below(3) == 0;
             let velocity_mps = if is_still {
-                fga_enu { east: 0.0, north: 0.0, up: 0.0 }
+                fga_enu {
+                    east: 0.0,
+                    north: 0.0,
+                    up: 0.0,
+                }
             } else {
-                fga_enu { east: self.real(-25.0, 10.0), north: self.real(-20.0, 20.0), up: 0.0 }
+                fga_enu {
+                    east: self.real(-25.0, 10.0),
+                    north: self.real(-20.0, 20.0),
+                    up: 0.0,
+                }
             };
             let place_m = fga_enu {
                 east: 15.0 * meets_s - velocity_mps.east * meets_s,
@@ -322,7 +377,11 @@ impl Drawn {
                 position_m: place_m,
                 velocity_mps,
                 volume: fga_volume::Sphere as u32,
-                movement: if is_still { fga_movement::AtRest } else { fga_movement::Straight } as u32,
+                movement: if is_still {
+                    fga_movement::AtRest
+                } else {
+                    fga_movement::Straight
+                } as u32,
                 radius_m: 30.0,
                 position_sigma_m: if is_noisy { 5.0 } else { 0.0 },
                 velocity_sigma_mps: if is_noisy && !is_still { 0.5 } else { 0.0 },

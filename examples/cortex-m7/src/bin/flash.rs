@@ -20,11 +20,23 @@ fn main() -> ! {
         // SAFETY: never run.
         unsafe {
             fga_avoider_init(
-                storage, black_box(0), 1, 16, 32, black_box(null_mut()), black_box(null_mut()), &raw mut avoider,
+                storage,
+                black_box(0),
+                1,
+                16,
+                32,
+                black_box(null_mut()),
+                black_box(null_mut()),
+                &raw mut avoider,
                 null_mut(),
             );
             fga_avoider_set_mission(avoider, black_box(null_mut()), null_mut());
-            fga_avoider_step(avoider, black_box(null_mut()), black_box(null_mut()), null_mut());
+            fga_avoider_step(
+                avoider,
+                black_box(null_mut()),
+                black_box(null_mut()),
+                null_mut(),
+            );
         }
     }
 }

@@ -7,7 +7,7 @@ fn main() {
     let count: u32 = text.parse().expect("a number of situations");
     let mut hash = HASH_SEED;
     for aircraft in Aircraft::ALL {
-        let mut flight = Flight::new(aircraft, || (), || ()).expect("a flight");
+        let mut flight = Flight::new(aircraft).expect("a flight");
         hash = flight.hash_of_drawn(count, hash);
     }
     println!("hash {hash:016x}");

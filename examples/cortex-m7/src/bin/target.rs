@@ -1,7 +1,7 @@
 //! Flies ten encounters on the emulated board, and prints what the decisions take: one `name,number` a line.
 //!
-//! `qemu-system-arm -M mps2-an500 -icount shift=0 -nographic -semihosting-config enable=on,arg=target,arg=COUNT -kernel target`:
-//! an instruction takes a nanosecond, and the system timer counts every fortieth.
+//! `qemu-system-arm -M mps2-an500 -icount shift=0 -nographic -semihosting-config enable=on,target=native -kernel target`: an
+//! instruction takes a nanosecond, and the system timer counts every fortieth.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -19,7 +19,7 @@ mod board {
     /// Instructions of a tick of the system timer: 25 MHz, and a nanosecond each.
     const TICK: u64 = 40;
 
-    /// Drawn situations of each aircraft.
+    /// Drawn situations of each aircraft, by an environment variable of the build.
     const DRAWN: u32 = match option_env!("DRAWN") {
         Some(text) => number(text),
         None => 100,
@@ -127,28 +127,32 @@ mod board {
         let mut hash = HASH_SEED;
         for (row, aircraft) in Aircraft::ALL.into_iter().enumerate() {
             stack.paint();
-            let mut flight = Flight::new(aircraft, || (), || ())?;
+            let mut flight = Flight::new(aircraft)?;
             init_stack = init_stack.max(stack.used());
             for encounter in (0..ENCOUNTERS).filter(|encounter| *encounter as usize % 3 == row) {
                 let mut flown = [0_u32; 3];
-                let square = flight.fly(u64::from(encounter) + 10, 1 + encounter / 3 % 3, |step, decision| {
-                    stack.paint();
-                    let before = SYST::get_current();
-                    let status = step(decision);
-                    let passed = before.wrapping_sub(SYST::get_current()) & 0x00ff_ffff;
-                    let used = stack.used();
-                    if !matches!(status, fga_status::Ok) {
-                        debug::exit(debug::EXIT_FAILURE);
-                    }
-                    let kind = kind(decision);
-                    flown[kind] += 1;
-                    let of = &mut taken[row][kind];
-                    let instructions = u64::from(passed) * TICK;
-                    of.steps += 1;
-                    of.instructions += instructions;
-                    of.most = of.most.max(instructions);
-                    of.stack = of.stack.max(used);
-                });
+                let square = flight.fly(
+                    u64::from(encounter) + 10,
+                    1 + encounter / 3 % 3,
+                    |step, decision| {
+                        stack.paint();
+                        let before = SYST::get_current();
+                        let status = step(decision);
+                        let passed = before.wrapping_sub(SYST::get_current()) & 0x00ff_ffff;
+                        let used = stack.used();
+                        if !matches!(status, fga_status::Ok) {
+                            debug::exit(debug::EXIT_FAILURE);
+                        }
+                        let kind = kind(decision);
+                        flown[kind] += 1;
+                        let of = &mut taken[row][kind];
+                        let instructions = u64::from(passed) * TICK;
+                        of.steps += 1;
+                        of.instructions += instructions;
+                        of.most = of.most.max(instructions);
+                        of.stack = of.stack.max(used);
+                    },
+                );
                 let [quiet, kept, chosen] = flown;
                 // Whole numbers: the formatting of reals is no part of what is measured.
                 let clear = square >= 30.0 * 30.0;
@@ -162,7 +166,11 @@ mod board {
             }
             hash = flight.hash_of_drawn(DRAWN, hash);
         }
-        writeln!(out, "bytes of stack to construct an avoider,{init_stack}").ok()?;
+        writeln!(
+            out,
+            "bytes of stack to construct an avoider and a prover,{init_stack}"
+        )
+        .ok()?;
         for (row, aircraft) in Aircraft::ALL.into_iter().enumerate() {
             for (kind, name) in KINDS.into_iter().enumerate() {
                 let of = taken[row][kind];
@@ -171,7 +179,12 @@ mod board {
                 }
                 let aircraft = aircraft.name();
                 writeln!(out, "{aircraft} {name} steps,{}", of.steps).ok()?;
-                writeln!(out, "{aircraft} {name} instructions mean,{}", of.instructions / of.steps).ok()?;
+                writeln!(
+                    out,
+                    "{aircraft} {name} instructions mean,{}",
+                    of.instructions / of.steps
+                )
+                .ok()?;
                 writeln!(out, "{aircraft} {name} instructions most,{}", of.most).ok()?;
                 writeln!(out, "{aircraft} {name} bytes of stack,{}", of.stack).ok()?;
             }
@@ -184,7 +197,11 @@ mod board {
     fn main() -> ! {
         let done = run();
         loop {
-            debug::exit(if done.is_some() { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
+            debug::exit(if done.is_some() {
+                debug::EXIT_SUCCESS
+            } else {
+                debug::EXIT_FAILURE
+            });
         }
     }
 }
