@@ -100,7 +100,7 @@ int main(int argc, char **argv) {
       .size = sizeof(fga_mission),
       .waypoint_count = 2,
       .waypoints = LEG,
-      .floor_m = -INFINITY,
+      .floor_m = 70.0,  // 30 m below the waypoints, as in a scenario without a floor of its own
       .ceiling_m = INFINITY,
   };
   if (refused("fga_avoider_init", fga_avoider_init(avoider_storage, sizeof avoider_storage, FGA_ABI_VERSION, 4, 2,

@@ -321,10 +321,8 @@ fn add_decision(hash: u64, decision: &fga_decision) -> u64 {
         decision.certified_margin_m,
         decision.threat.entry_s,
     ];
-    add(
-        add(hash, &reals.map(f64::to_bits)),
-        &[u64::from(decision.work)],
-    )
+    // The work is left out: it counts tables by their bytes, of which 32-bit machines need fewer.
+    add(hash, &reals.map(f64::to_bits))
 }
 
 /// Draws obstacles about the leg.
