@@ -70,7 +70,7 @@ static inline loop_set_point loop_command(const reference_loop *loop, double now
 // One period. `fresh` is the situation of this moment, or null without one; `own` is the last known state, for the set-point.
 static inline loop_action loop_tick(reference_loop *loop, double now_s, host_mode mode, const fga_situation *fresh,
                                     const fga_ownship *own, loop_set_point *out) {
-  // The pilot always wins. When the mission flies again, fga begins anew.
+  // The pilot always wins. When the mission flies again, fga forgets the last flight.
   if (mode == HOST_OTHER) {
     if (loop->owns || loop->decided_s > -INFINITY) {
       (void)fga_avoider_restart(loop->avoider);

@@ -265,7 +265,7 @@ impl<T> AtWork<'_, T> {
         unsafe { &mut (*self.object).value }
     }
 
-    /// The address of a list in the storage, so many bytes after its beginning.
+    /// The address of a list in the storage, this number of bytes after its beginning.
     pub(crate) const fn list<P>(&self, after_bytes: usize) -> *mut P {
         self.object.wrapping_byte_add(after_bytes).cast()
     }
