@@ -20,7 +20,6 @@ mod cheapest;
 mod departure;
 mod largest;
 mod line;
-mod reach;
 mod rows;
 mod tuned;
 
@@ -91,7 +90,7 @@ pub enum Proof {
     Certified(Certified),
     /// It does not, and another search may find one that does.
     Open,
-    /// It does not, and no other one will.
+    /// It does not, and hardly another one will.
     Hopeless,
 }
 
