@@ -127,6 +127,9 @@ impl Search<'_> {
             .rows()
             .iter()
             .all(|hazard| hazard.growth_mps == 0.0);
+        if is_certain && self.is_enclosed() {
+            return Some((found, Proof::Hopeless));
+        }
         let mut work = 0;
         for more in 0..most {
             // One that may not be finished is left to the next search.

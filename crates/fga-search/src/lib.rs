@@ -20,6 +20,7 @@ mod cheapest;
 mod departure;
 mod largest;
 mod line;
+mod reach;
 mod rows;
 mod tuned;
 
@@ -90,7 +91,7 @@ pub enum Proof {
     Certified(Certified),
     /// It does not, and another search may find one that does.
     Open,
-    /// It does not, and hardly another one will.
+    /// It does not, and no other one will.
     Hopeless,
 }
 
