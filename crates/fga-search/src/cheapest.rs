@@ -9,17 +9,11 @@ use fga_proof::meter::COMPARED;
 use fga_proof::prediction::{CHORD_BOW_M, MotionState};
 
 use super::departure::Departure;
+use super::lattice::{Lattice, ROWS};
 use super::line::{Tangent, Way};
 use super::rows::{Prefix, Row};
-use super::tuned::{ASIDE_RAD, BEYOND_RAD, CLIMBS, LEVEL_AFTER, NEAR, STARTS, STEP_RAD, WORTH};
+use super::tuned::{ASIDE_RAD, BEYOND_RAD, LEVEL_AFTER, NEAR, STARTS, STEP_RAD, WORTH};
 use super::{Found, MAX_TURN_RAD, Objective, Search, Turns};
-
-/// Most prefixes: starts, first turns to either side, and climbs and descents that level off.
-const PREFIXES: usize = STARTS.len() + 2 * ASIDE_RAD.len() + 2 * LEVEL_AFTER.len();
-
-/// Most rows: a start has one for each side and climb target, twice where turns may also lead less far than back to the
-/// mission's direction.
-const ROWS: usize = STARTS.len() * 3 * CLIMBS + PREFIXES;
 
 /// Improving a certified manoeuvre may take one part in this many of the work that is left.
 const IMPROVES: u32 = 32;
@@ -42,71 +36,6 @@ enum Aim {
     Cheapest,
     /// The one that departs least, to each side.
     LeastDeparture,
-}
-
-/// Rows and their prefixes.
-struct Lattice {
-    prefixes: [Option<Prefix>; PREFIXES],
-    prefix_count: usize,
-    rows: [Option<Row>; ROWS],
-    row_count: usize,
-    /// The least cost of each row.
-    costs: [f64; ROWS],
-}
-
-impl Lattice {
-    const fn new() -> Self {
-        Self {
-            prefixes: [None; PREFIXES],
-            prefix_count: 0,
-            rows: [None; ROWS],
-            row_count: 0,
-            costs: [f64::INFINITY; ROWS],
-        }
-    }
-
-    /// Adds a prefix; its rows follow.
-    fn begin(&mut self, prefix: &Prefix) {
-        if let Some(slot) = self.prefixes.get_mut(self.prefix_count) {
-            *slot = Some(*prefix);
-            self.prefix_count += 1;
-        }
-    }
-
-    /// Adds a row of the last prefix.
-    fn put(&mut self, row: &Row) {
-        let places = self
-            .rows
-            .get_mut(self.row_count)
-            .zip(self.costs.get_mut(self.row_count));
-        if let Some((slot, cost)) = places {
-            let prefix = self.prefix_count.saturating_sub(1);
-            *slot = Some(Row { prefix, ..*row });
-            *cost = row.cost;
-            self.row_count += 1;
-        }
-    }
-
-    /// The row that may cost least, and that cost.
-    fn next(&self) -> Option<(usize, f64)> {
-        let mut least = (0, f64::INFINITY);
-        for (place, cost) in self.costs.iter().take(self.row_count).enumerate() {
-            if *cost < least.1 {
-                least = (place, *cost);
-            }
-        }
-        (least.1 < f64::INFINITY).then_some(least)
-    }
-
-    /// Removes all rows of a prefix.
-    fn close(&mut self, prefix: usize) {
-        let rows = self.rows.iter().zip(&mut self.costs);
-        for (row, cost) in rows.take(self.row_count) {
-            if row.is_some_and(|row| row.prefix == prefix) {
-                *cost = f64::INFINITY;
-            }
-        }
-    }
 }
 
 impl Search<'_> {
@@ -294,26 +223,21 @@ impl Search<'_> {
     fn levels(&mut self, climb_rad: f64, after_s: f64) -> Option<(Prefix, Row)> {
         let prefix = self.after_first((0.0, climb_rad), after_s);
         let climbing = self.climbing(&prefix.entry, self.scene.original.1);
-        let row = self.row(&prefix, &climbing, Side::Left)?;
-        let tangent = self.tangent(&prefix.entry, &row.way, 0.0)?;
+        let mut row = self.row(&prefix, &climbing, Side::Left)?;
+        (row.at_rad, row.to_rad) = (0.0, 0.0);
+        let tangent = self.line(&prefix, &row)?;
         let clear_m = self.scene.target_m + tangent.inexact_m;
         let look = self.look(&tangent, (clear_m, clear_m))?;
         if look.margin_m < clear_m {
             return None;
         }
-        Some((
-            prefix,
-            Row {
-                at_rad: 0.0,
-                to_rad: 0.0,
-                ..row
-            },
-        ))
+        Some((prefix, row))
     }
 
     /// The cheapest of the members of some rows, best first.
     fn best_first(&mut self, lattice: &mut Lattice, aim: Aim) -> [Option<Found>; 2] {
         let mut best: [Option<(f64, Found)>; 2] = [None; 2];
+        let least = |best: &Option<(f64, Found)>| best.map_or(f64::INFINITY, |(cost, _)| cost);
         let mut until = u32::MAX;
         if aim == Aim::LeastDeparture {
             // The cost of a single turn is known by its line alone.
@@ -350,8 +274,6 @@ impl Search<'_> {
             let Some(Some(prefix)) = prefixes.get(row.prefix) else {
                 break;
             };
-            let least =
-                |best: &Option<(f64, Found)>| best.map_or(f64::INFINITY, |(least, _)| least);
             let [left, right] = best.each_ref().map(least);
             let below = match (aim, row.first) {
                 (Aim::LeastDeparture, Side::Left) => left - self.near_m(),
@@ -392,8 +314,7 @@ impl Search<'_> {
                 lattice.close(prefix);
             }
         }
-        let cost = |best: &Option<(f64, Found)>| best.map_or(f64::INFINITY, |(cost, _)| cost);
-        best.sort_unstable_by(|one, other| cost(one).total_cmp(&cost(other)));
+        best.sort_unstable_by(|one, other| least(one).total_cmp(&least(other)));
         best.map(|best| {
             best.map(|(_, found)| Found {
                 cost: self.cost(&found.turns, &self.departure(found.turns.wait_s)),
@@ -432,7 +353,7 @@ impl Search<'_> {
             row.close();
         } else {
             row.least_step_rad = (2.0 * row.least_step_rad).min(0.5 * STEP_RAD);
-            // The margin is that of chords.
+            // The certificate measures chords, whose bow is not part of what the turn lacks.
             self.rule_out(row, target_m - margin_m - 2.0 * CHORD_BOW_M, left_s);
             row.cost = row.cost.max(self.least_cost(prefix, row));
         }

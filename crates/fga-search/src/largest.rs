@@ -46,6 +46,11 @@ struct Seed {
     margin_m: f64,
 }
 
+/// The margin of a seed, metres; the least number where there is none.
+fn margin_m(slot: Option<&Seed>) -> f64 {
+    slot.map_or(f64::MIN, |seed| seed.margin_m)
+}
+
 /// The best seeds, one of each row.
 struct Seeds {
     all: [Option<Seed>; SEEDS],
@@ -54,13 +59,12 @@ struct Seeds {
 impl Seeds {
     /// Replaces the least one if it is less.
     fn take(&mut self, seed: Seed) {
-        let margin_m = |slot: &Option<Seed>| slot.map_or(f64::MIN, |seed| seed.margin_m);
         let least = self
             .all
             .iter_mut()
-            .min_by(|a, b| margin_m(a).total_cmp(&margin_m(b)));
+            .min_by(|a, b| margin_m(a.as_ref()).total_cmp(&margin_m(b.as_ref())));
         if let Some(slot) = least
-            && margin_m(slot) < seed.margin_m
+            && margin_m(slot.as_ref()) < seed.margin_m
         {
             *slot = Some(seed);
         }
@@ -68,18 +72,14 @@ impl Seeds {
 
     /// The margin of the least one, which others have to exceed, metres.
     fn floor_m(&self) -> f64 {
-        let margins = self
-            .all
-            .iter()
-            .map(|slot| slot.map_or(f64::MIN, |seed| seed.margin_m));
+        let margins = self.all.iter().map(|slot| margin_m(slot.as_ref()));
         margins.fold(f64::INFINITY, f64::min)
     }
 
     fn pop(&mut self) -> Option<Seed> {
-        let margin_m = |slot: &Option<Seed>| slot.map_or(f64::MIN, |seed| seed.margin_m);
         self.all
             .iter_mut()
-            .max_by(|a, b| margin_m(a).total_cmp(&margin_m(b)))?
+            .max_by(|a, b| margin_m(a.as_ref()).total_cmp(&margin_m(b.as_ref())))?
             .take()
     }
 }
@@ -164,6 +164,15 @@ impl Search<'_> {
         self.certify(turns, &departure, floor_m).proven_m()
     }
 
+    /// Flies a manoeuvre, which replaces the best one of its row if its margin is larger.
+    fn fly_seed(&mut self, turns: Turns, best: &mut Option<Seed>) {
+        let least_m = margin_m(best.as_ref());
+        let margin_m = self.flown_m(&turns, least_m);
+        if margin_m > least_m {
+            *best = Some(Seed { turns, margin_m });
+        }
+    }
+
     /// The present manoeuvre as a member of the family.
     fn as_turns(&self, flown: &Maneuver) -> Option<Turns> {
         let (first, second) = match flown.stages() {
@@ -198,15 +207,10 @@ impl Search<'_> {
                     row,
                     (MAX_TURN_RAD, f64::MIN),
                     |search, turn_rad, line_m| {
-                        let least_m = best.map_or(f64::MIN, |best| best.margin_m);
-                        if line_m > least_m {
-                            let turns = prefix.turns(&row.way, turn_rad);
-                            let margin_m = search.flown_m(&turns, least_m);
-                            if margin_m > least_m {
-                                best = Some(Seed { turns, margin_m });
-                            }
+                        if line_m > margin_m(best.as_ref()) {
+                            search.fly_seed(prefix.turns(&row.way, turn_rad), &mut best);
                         }
-                        best.map_or(f64::MIN, |best| best.margin_m)
+                        margin_m(best.as_ref())
                     },
                 );
                 if let Some(best) = best {
@@ -235,11 +239,7 @@ impl Search<'_> {
                         climb_rad: level_rad,
                     }),
                 };
-                let least_m = best.map_or(f64::MIN, |best| best.margin_m);
-                let margin_m = self.flown_m(&turns, least_m);
-                if margin_m > least_m {
-                    best = Some(Seed { turns, margin_m });
-                }
+                self.fly_seed(turns, &mut best);
             }
             if let Some(best) = best {
                 seeds.take(best);

@@ -19,6 +19,7 @@ mod ascent;
 mod cheapest;
 mod departure;
 mod largest;
+mod lattice;
 mod line;
 mod reach;
 mod rows;

@@ -5,9 +5,9 @@
 //! however far it turns in between. Only turns that end while the aircraft still rolls in are looked up in a table.
 
 use crate::Vec3;
-use crate::prediction::motion::{Flyer, MotionState, Target};
+use crate::prediction::motion::{Flyer, MotionState, Target, unit};
 
-/// Most ends of the pieces of a roll-in: what is left of a longer one is negligible.
+/// Most pieces of a roll-in that are tabulated. A longer roll-in counts as over after them: less than 1e-5 rad of bank is left.
 const NODES: usize = 48;
 
 /// Most turn between two of them, radians.
@@ -175,10 +175,6 @@ impl Bend {
             let for_s = piece.duration_s.min(NODE_RAD / bend.rate_radps);
             state = flyer.advance(&state, &piece, for_s);
         }
-        let unit = |angle_rad| {
-            let (sin, cos) = libm::sincos(angle_rad);
-            (cos, sin)
-        };
         bend.rolled_in = unit(state.course_rad);
         bend.least_full = unit(state.course_rad + flyer.rollout_rad(state.bank_rad));
         bend.roll_out_m = flyer.roll_out_m(state.bank_rad);

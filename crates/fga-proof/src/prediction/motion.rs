@@ -21,6 +21,7 @@ mod arc;
 mod lagged;
 
 pub use arc::ArcSteps;
+pub(super) use arc::unit;
 
 use self::lagged::{ROLL_OUTS, Rolls};
 

@@ -142,9 +142,6 @@ impl Flyer {
         };
         for _ in 0..MOST_PIECES {
             let left_s = settled_s - state.time_s;
-            if left_s <= 0.0 {
-                break;
-            }
             let piece = self.next_piece_within(&state, &target, left_s);
             let for_s = piece.duration_s.min(left_s);
             state = self.advance(&state, &piece, for_s);
