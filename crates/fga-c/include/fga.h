@@ -376,7 +376,8 @@ typedef struct fga_vehicle {
   double climb_max_rad;
   // Largest rate of the climb angle, radians per second: 0 to 10.
   double climb_rate_radps;
-  // Time before a command has any effect, seconds: 0 to 10. The situation of a step is that of the moment after it.
+  // Delay from a command to its first effect, 0 to 10 seconds. With a delay, pass to a step the state predicted for its end
+  // (`fga_predict`).
   double dead_time_s;
   // Time constant of the first-order response of the bank, seconds: 0, or 0.01 to 10.
   double bank_time_constant_s;

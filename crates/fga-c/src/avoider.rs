@@ -11,10 +11,10 @@ use crate::input::{
     fga_mission, fga_obstacle, fga_settings, fga_situation, fga_vehicle, fga_waypoint,
 };
 use crate::memory::{
-    AtWork, Growable, Kind, Object, Span, Why, apart, fill, given, list, size_word, sized,
+    AtWork, Growable, Kind, Object, Span, answered, apart, fill, given, list, size_word, sized,
 };
 use crate::status::{Refused, fga_refusal, fga_status};
-use crate::{FGA_ABI_VERSION, FGA_ALIGN};
+use crate::{FGA_ABI_VERSION, FGA_ALIGN, memory};
 
 /// Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
 pub const FGA_AVOIDER_FIXED_BYTES: usize = 190_976;
@@ -99,15 +99,6 @@ impl AtWork<'_, Flying> {
         (places, places.wrapping_add(waypoints as usize).cast())
     }
 
-    /// Ends a call: counts a refusal.
-    fn refuse<T>(&mut self, done: Result<T, Refused>) -> Result<T, Refused> {
-        if done.is_err() {
-            let counts = &mut self.value().counts;
-            counts.refused_calls = counts.refused_calls.saturating_add(1);
-        }
-        done
-    }
-
     /// Copies the waypoints of a mission, after all of them are checked.
     fn take_mission(
         &mut self,
@@ -141,8 +132,8 @@ impl AtWork<'_, Flying> {
         Ok(())
     }
 
-    /// Copies the usable obstacles into their places. Where there are more than places, those stay that the aircraft could meet
-    /// first. Returns the number of obstacles in place, of unusable ones, and of those without a place.
+    /// Copies the usable obstacles into their places. Where there are more obstacles than places, those stay that the aircraft could
+    /// meet first. Returns how many obstacles have a place, how many are unusable, and how many have no place.
     fn take_obstacles(&mut self, obstacles: &[fga_obstacle], own: &Ownship) -> [u32; 3] {
         let (places, most) = (self.obstacle_places(), self.value().obstacles_most);
         let [mut placed, mut ignored, mut left_out] = [0_u32; 3];
@@ -225,9 +216,9 @@ pub unsafe extern "C" fn fga_vehicle_from_bank(
     vehicle: *mut fga_vehicle,
     why: *mut fga_refusal,
 ) -> fga_status {
-    let make = |why: &Why| {
+    let make = |why: Span| {
         // SAFETY: the caller's word, in the header.
-        apart(&[unsafe { sized(vehicle) }?, why.span])?;
+        apart(&[unsafe { sized(vehicle) }?, why])?;
         let limits = Vehicle::from_bank(airspeed_mps, bank_max_rad)?;
         limits.check()?;
         // SAFETY: checked above.
@@ -235,10 +226,7 @@ pub unsafe extern "C" fn fga_vehicle_from_bank(
         Ok(fga_status::Ok)
     };
     // SAFETY: the caller's word, in the header.
-    match unsafe { Why::new(why) } {
-        Ok(why) => why.answer(make(&why)),
-        Err(status) => status,
-    }
+    unsafe { answered(why, make) }
 }
 
 /// Constructs an avoider in storage of the caller, in cruise, without a mission.
@@ -263,7 +251,7 @@ pub unsafe extern "C" fn fga_avoider_init(
     if abi_version != FGA_ABI_VERSION {
         return fga_status::WrongVersion;
     }
-    let make = |why: &Why| {
+    let make = |why: Span| {
         for (field, most) in [
             ("obstacles_most", obstacles_most),
             ("waypoints_most", waypoints_most),
@@ -277,7 +265,7 @@ pub unsafe extern "C" fn fga_avoider_init(
         // SAFETY: the caller's word, in the header.
         let ((settings, from), (vehicle, of)) = unsafe { (given(settings)?, given(vehicle)?) };
         let answer = Span::of(avoider.cast_const(), 1)?;
-        apart(&[storage, from, of, answer, why.span])?;
+        apart(&[storage, from, of, answer, why])?;
         let (settings, vehicle) = (settings.settings()?, vehicle.vehicle()?);
         let construct = |flying: *mut Flying| -> Result<(), Refused> {
             // SAFETY: there is room for a `Flying`; all of its fields are written.
@@ -299,30 +287,28 @@ pub unsafe extern "C" fn fga_avoider_init(
         Ok(fga_status::Ok)
     };
     // SAFETY: the caller's word, in the header.
-    match unsafe { Why::new(why) } {
-        Ok(why) => why.answer(make(&why)),
-        Err(status) => status,
-    }
+    unsafe { answered(why, make) }
 }
 
-/// Works on an avoider.
+/// Works on an avoider, and counts a refusal.
 ///
 /// # Safety
-/// As [`Object::enter`], and [`Why::new`].
+/// As [`memory::work`].
 unsafe fn work(
     avoider: *mut fga_avoider,
     why: *mut fga_refusal,
     work: impl FnOnce(&mut AtWork<'_, Flying>, Span) -> Result<fga_status, Refused>,
 ) -> fga_status {
-    // SAFETY: as this function.
-    let entered = unsafe { (Why::new(why), Object::<Flying>::enter(avoider.cast())) };
-    match entered {
-        (Ok(why), Ok(mut object)) => {
-            let done = work(&mut object, why.span);
-            why.answer(object.refuse(done))
+    let counted = |object: &mut AtWork<'_, Flying>, why| {
+        let done = work(object, why);
+        if done.is_err() {
+            let counts = &mut object.value().counts;
+            counts.refused_calls = counts.refused_calls.saturating_add(1);
         }
-        (Err(status), _) | (_, Err(status)) => status,
-    }
+        done
+    };
+    // SAFETY: as this function.
+    unsafe { memory::work(avoider.cast(), why, counted) }
 }
 
 /// Sets the mission, whose waypoints are copied. It may be replaced while a manoeuvre is flown.
@@ -432,12 +418,7 @@ pub unsafe extern "C" fn fga_avoider_step(
             }
             let (obstacles, of) = list(situation.obstacles, count)?;
             apart(&[at_work.span, span, of, answer, why])?;
-            if obstacles
-                .iter()
-                .any(|obstacle| obstacle.size as usize != size_of::<fga_obstacle>())
-            {
-                return Err(fga_status::WrongSize.into());
-            }
+            fga_obstacle::sized(obstacles)?;
             let (time_s, ownship, wind_mps) = situation.moment()?;
             let [placed, ignored, left_out] = at_work.take_obstacles(obstacles, &ownship);
             let places = at_work.obstacle_places().cast_const();

@@ -11,8 +11,12 @@ use fga::situation::{
 };
 use fga::vehicle::{Response, Vehicle};
 
-use crate::memory::Growable;
-use crate::status::Refused;
+use crate::memory::{Growable, size_word};
+use crate::status::{Refused, fga_status};
+
+/// The parts of a position and of the wind, for a refusal.
+const POSITION: [&str; 3] = ["position_m.east", "position_m.north", "position_m.up"];
+pub(crate) const WIND: [&str; 3] = ["wind_mps.east", "wind_mps.north", "wind_mps.up"];
 
 const FINITE: &str = "a finite number up to 1e15";
 
@@ -29,7 +33,16 @@ pub struct fga_enu {
 }
 
 impl fga_enu {
-    pub(crate) const fn vector(self) -> Vec3 {
+    /// The vector, if all of it can be calculated with; the names are those of its parts.
+    pub(crate) fn usable(self, names: [&'static str; 3]) -> Result<Vec3, Refused> {
+        let vector = self.vector();
+        for (name, value) in names.into_iter().zip(vector.to_array()) {
+            usable(name, value)?;
+        }
+        Ok(vector)
+    }
+
+    const fn vector(self) -> Vec3 {
         Vec3::new(self.east, self.north, self.up)
     }
 
@@ -58,7 +71,8 @@ pub struct fga_vehicle {
     pub climb_max_rad: f64,
     /// Largest rate of the climb angle, radians per second: 0 to 10.
     pub climb_rate_radps: f64,
-    /// Time before a command has any effect, seconds: 0 to 10. The situation of a step is that of the moment after it.
+    /// Delay from a command to its first effect, 0 to 10 seconds. With a delay, pass to a step the state predicted for its end
+    /// (`fga_predict`).
     pub dead_time_s: f64,
     /// Time constant of the first-order response of the bank, seconds: 0, or 0.01 to 10.
     pub bank_time_constant_s: f64,
@@ -248,11 +262,7 @@ impl fga_waypoint {
             passing if passing == fga_passing::FlyOver as u32 => Passing::FlyOver,
             other => return Err(Refused::unknown("passing", other, "an fga_passing")),
         };
-        let fga_enu { east, north, up } = self.position_m;
-        usable("position_m.east", east)?;
-        usable("position_m.north", north)?;
-        usable("position_m.up", up)?;
-        Ok((self.position_m.vector(), passing))
+        Ok((self.position_m.usable(POSITION)?, passing))
     }
 }
 
@@ -305,10 +315,7 @@ pub struct fga_ownship {
 
 impl fga_ownship {
     pub(crate) fn ownship(&self) -> Result<Ownship, Refused> {
-        let fga_enu { east, north, up } = self.position_m;
-        usable("position_m.east", east)?;
-        usable("position_m.north", north)?;
-        usable("position_m.up", up)?;
+        let position_m = self.position_m.usable(POSITION)?;
         usable("course_from_east_rad", self.course_from_east_rad)?;
         usable("climb_rad", self.climb_rad)?;
         usable("bank_left_rad", self.bank_left_rad)?;
@@ -322,7 +329,7 @@ impl fga_ownship {
             ));
         }
         Ok(Ownship {
-            position_m: self.position_m.vector(),
+            position_m,
             course_rad: self.course_from_east_rad,
             climb_rad: self.climb_rad,
             bank_rad: self.bank_left_rad,
@@ -402,6 +409,15 @@ pub struct fga_obstacle {
 }
 
 impl fga_obstacle {
+    /// Checks the size that each of some obstacles says.
+    pub(crate) fn sized(obstacles: &[Self]) -> Result<(), fga_status> {
+        if (obstacles.iter()).all(|obstacle| obstacle.size == size_word::<Self>()) {
+            Ok(())
+        } else {
+            Err(fga_status::WrongSize)
+        }
+    }
+
     /// `None` where a number is unusable, or stands for no volume or movement.
     pub(crate) fn obstacle(&self) -> Option<Obstacle> {
         let radius_m = self.radius_m;
@@ -470,10 +486,8 @@ impl fga_situation {
     /// Time, aircraft and wind.
     pub(crate) fn moment(&self) -> Result<(f64, Ownship, Vec3), Refused> {
         usable("time_s", self.time_s)?;
-        usable("wind_mps.east", self.wind_mps.east)?;
-        usable("wind_mps.north", self.wind_mps.north)?;
-        usable("wind_mps.up", self.wind_mps.up)?;
-        Ok((self.time_s, self.ownship.ownship()?, self.wind_mps.vector()))
+        let wind_mps = self.wind_mps.usable(WIND)?;
+        Ok((self.time_s, self.ownship.ownship()?, wind_mps))
     }
 }
 

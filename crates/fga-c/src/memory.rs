@@ -128,15 +128,15 @@ pub(crate) unsafe fn fill<T: Growable>(pointer: *mut T, fill: impl FnOnce(&mut T
 
 /// Where a call writes why it refuses: nowhere, or a structure of the caller.
 #[derive(Debug)]
-pub(crate) struct Why {
+struct Why {
     pointer: *mut fga_refusal,
-    pub(crate) span: Span,
+    span: Span,
 }
 
 impl Why {
     /// # Safety
     /// As [`given`], with null for a caller that does not ask.
-    pub(crate) unsafe fn new(pointer: *mut fga_refusal) -> Result<Self, fga_status> {
+    unsafe fn new(pointer: *mut fga_refusal) -> Result<Self, fga_status> {
         let span = if pointer.is_null() {
             Span::NONE
         } else {
@@ -147,7 +147,7 @@ impl Why {
     }
 
     /// The status of what a call came to; a refusal of a value is written down.
-    pub(crate) fn answer(&self, done: Result<fga_status, Refused>) -> fga_status {
+    fn answer(&self, done: Result<fga_status, Refused>) -> fga_status {
         match done {
             Ok(status) => status,
             Err(refused) => {
@@ -159,6 +159,39 @@ impl Why {
             }
         }
     }
+}
+
+/// Answers a call. `call` gets the memory in which a refusal is written.
+///
+/// # Safety
+/// As [`Why::new`].
+pub(crate) unsafe fn answered(
+    why: *mut fga_refusal,
+    call: impl FnOnce(Span) -> Result<fga_status, Refused>,
+) -> fga_status {
+    // SAFETY: as this function.
+    match unsafe { Why::new(why) } {
+        Ok(why) => why.answer(call(why.span)),
+        Err(status) => status,
+    }
+}
+
+/// Answers a call that works on an object.
+///
+/// # Safety
+/// As [`Object::enter`] and [`Why::new`].
+pub(crate) unsafe fn work<T: Kind>(
+    object: *mut Object<T>,
+    why: *mut fga_refusal,
+    work: impl FnOnce(&mut AtWork<'_, T>, Span) -> Result<fga_status, Refused>,
+) -> fga_status {
+    let enter = |why| {
+        // SAFETY: as this function.
+        let mut object = unsafe { Object::enter(object) }?;
+        work(&mut object, why)
+    };
+    // SAFETY: as this function.
+    unsafe { answered(why, enter) }
 }
 
 /// An object in storage that the caller lends.

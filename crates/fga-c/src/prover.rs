@@ -7,9 +7,11 @@ use fga::prediction::{FlightPath, Flyer, MotionState, flown};
 use fga::situation::Movement;
 
 use crate::input::{
-    fga_enu, fga_obstacle, fga_ownship, fga_situation, fga_stage, fga_vehicle, maneuver, usable,
+    WIND, fga_enu, fga_obstacle, fga_ownship, fga_situation, fga_stage, fga_vehicle, maneuver,
 };
-use crate::memory::{AtWork, Growable, Kind, Object, Span, Why, apart, fill, given, list, sized};
+use crate::memory::{
+    Growable, Kind, Object, Span, answered, apart, fill, given, list, sized, work,
+};
 use crate::status::{Refused, fga_refusal, fga_status};
 use crate::{FGA_ABI_VERSION, FGA_ALIGN, meter};
 
@@ -243,11 +245,11 @@ pub unsafe extern "C" fn fga_prover_init(
     if abi_version != FGA_ABI_VERSION {
         return fga_status::WrongVersion;
     }
-    let make = |why: &Why| {
+    let make = |why: Span| {
         let (object, storage) = Object::storage(storage.cast(), storage_size, FGA_PROVER_BYTES)?;
         // SAFETY: the caller's word, in the header.
         let (vehicle, of) = unsafe { given(vehicle) }?;
-        apart(&[storage, of, Span::of(prover.cast_const(), 1)?, why.span])?;
+        apart(&[storage, of, Span::of(prover.cast_const(), 1)?, why])?;
         let vehicle = vehicle.vehicle()?;
         let construct = |proving: *mut Proving| -> Result<(), Refused> {
             // SAFETY: there is room for a `Proving`; all of its fields are written.
@@ -266,27 +268,7 @@ pub unsafe extern "C" fn fga_prover_init(
         Ok(fga_status::Ok)
     };
     // SAFETY: the caller's word, in the header.
-    match unsafe { Why::new(why) } {
-        Ok(why) => why.answer(make(&why)),
-        Err(status) => status,
-    }
-}
-
-/// Works on a prover.
-///
-/// # Safety
-/// As [`Object::enter`], and [`Why::new`].
-unsafe fn work(
-    prover: *mut fga_prover,
-    why: *mut fga_refusal,
-    work: impl FnOnce(&mut AtWork<'_, Proving>, Span) -> Result<fga_status, Refused>,
-) -> fga_status {
-    // SAFETY: as this function.
-    let entered = unsafe { (Why::new(why), Object::<Proving>::enter(prover.cast())) };
-    match entered {
-        (Ok(why), Ok(mut object)) => why.answer(work(&mut object, why.span)),
-        (Err(status), _) | (_, Err(status)) => status,
-    }
+    unsafe { answered(why, make) }
 }
 
 /// The stages of a manoeuvre of the caller.
@@ -325,7 +307,7 @@ pub unsafe extern "C" fn fga_certify(
 ) -> fga_status {
     // SAFETY: the caller's word, in the header.
     unsafe {
-        work(prover, why, |at_work, why| {
+        work::<Proving>(prover.cast(), why, |at_work, why| {
             let ((situation, span), (question, asked)) = (given(situation)?, given(question)?);
             let answer = sized(certificate)?;
             let (stages, of_stages) = self::stages(stages, stage_count)?;
@@ -336,12 +318,7 @@ pub unsafe extern "C" fn fga_certify(
             }
             let (obstacles, of) = list(situation.obstacles, count)?;
             apart(&[at_work.span, span, asked, answer, of_stages, of, why])?;
-            if obstacles
-                .iter()
-                .any(|obstacle| obstacle.size as usize != size_of::<fga_obstacle>())
-            {
-                return Err(fga_status::WrongSize.into());
-            }
+            fga_obstacle::sized(obstacles)?;
             let found = at_work
                 .value()
                 .prove(&situation, stages, obstacles, &question)?;
@@ -377,13 +354,11 @@ pub unsafe extern "C" fn fga_predict(
 ) -> fga_status {
     // SAFETY: the caller's word, in the header.
     unsafe {
-        work(prover, why, |at_work, why| {
+        work::<Proving>(prover.cast(), why, |at_work, why| {
             let (from, to) = (Span::of(ownship, 1)?, Span::of(then.cast_const(), 1)?);
             let (stages, of) = self::stages(stages, stage_count)?;
             apart(&[at_work.span, from, to, of, why])?;
-            usable("wind_mps.east", wind_mps.east)?;
-            usable("wind_mps.north", wind_mps.north)?;
-            usable("wind_mps.up", wind_mps.up)?;
+            let wind_mps = wind_mps.usable(WIND)?;
             if !(0.0..=600.0).contains(&after_s) {
                 return Err(Refused::out_of_range("after_s", after_s, "0 to 600"));
             }
@@ -398,7 +373,7 @@ pub unsafe extern "C" fn fga_predict(
                 &meter(u32::MAX),
             );
             then.write(fga_ownship {
-                position_m: fga_enu::of(state.position_m + wind_mps.vector() * after_s),
+                position_m: fga_enu::of(state.position_m + wind_mps * after_s),
                 course_from_east_rad: state.course_rad,
                 climb_rad: state.climb_rad,
                 bank_left_rad: state.bank_rad,

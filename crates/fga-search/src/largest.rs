@@ -328,8 +328,8 @@ impl Search<'_> {
         }
     }
 
-    /// Visits turns of a row with the margins of their lines beyond a floor, at moderate steps, until a margin reaches the target. `visit` returns
-    /// the margin that others have to exceed.
+    /// Visits turns of a row at moderate steps, until a margin reaches the target. `visit` gets the turn and the margin of its line, and
+    /// returns the margin that the next ones must exceed.
     fn scan(
         &mut self,
         prefix: &Prefix,

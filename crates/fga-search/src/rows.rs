@@ -197,7 +197,7 @@ impl Search<'_> {
                 break;
             }
             tries -= 1;
-            // Where the margins of both would meet the target.
+            // Where the line between both margins meets the target.
             let share = (0.5 * self.near_m() - fails_m) / (does_m - fails_m);
             row.at_rad = fails_rad + share.limited(0.1, 0.9) * (does_rad - fails_rad);
         }

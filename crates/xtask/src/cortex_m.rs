@@ -22,7 +22,8 @@ const TARGET: &str = "thumbv7em-none-eabihf";
 /// Drawn situations of each of the three aircraft, without another number.
 const DRAWN: &str = "334";
 
-/// Measures, and compares with the table, or writes it with `--write`. A number is that of the drawn situations of each aircraft.
+/// Measures and compares with the table; `--write` writes the table instead. A number as option sets how many situations are drawn
+/// for each aircraft.
 pub(crate) fn check(options: &[&str]) -> Result<(), String> {
     let (write, drawn) = match options {
         [] => (false, DRAWN),

@@ -212,7 +212,7 @@ fn wrong_pointers_are_refused() {
         );
     }
     assert!(flight.counts().refused_calls >= 7 && flight.counts().steps == 0);
-    // An avoider that was copied is none.
+    // A copied avoider counts as not initialized.
     let mut moved = flight.storage.clone();
     // SAFETY: right pointers.
     let status = unsafe { fga_avoider_restart(moved.as_mut_ptr().cast()) };

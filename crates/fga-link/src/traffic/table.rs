@@ -455,7 +455,7 @@ impl TrackTable {
         };
         let mut chosen = candidates(Claims::All);
         if chosen.len() > wanted.most {
-            // With volumes that cover every claim, so many aircraft leave no room.
+            // The volumes that cover every claim of this many aircraft leave no room.
             chosen = candidates(Claims::Datums);
             self.overload_s = Some(wanted.at_s);
             chosen.sort_by(|a, b| a.0.conflict_s.total_cmp(&b.0.conflict_s));
