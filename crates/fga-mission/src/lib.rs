@@ -130,8 +130,9 @@ pub struct Progress {
     looked_to: usize,
     /// The leg that begins at a place of the aircraft, not at its waypoint.
     restart: Option<Restart>,
-    /// How often the aircraft has passed the end of the present leg, to fly over, aside of it.
-    passes: u32,
+    /// How often the aircraft has passed the last waypoint aside, hardly nearer than in its nearest pass, metres.
+    passes: u8,
+    nearest_m: f64,
 }
 
 impl Default for Progress {
@@ -159,6 +160,7 @@ impl Progress {
             looked_to: 0,
             restart: None,
             passes: 0,
+            nearest_m: f64::INFINITY,
         }
     }
 
@@ -291,13 +293,8 @@ impl Progress {
         while let (Some(leg), false, false) = (self.leg, self.complete, self.from_start) {
             let position = leg.position(state.position_m, state.time_s);
             let is_on = position.along_m < leg.length_m - self.lead_m();
-            let since_m = (leg.ground_speed_mps * passed_s).limited(0.0, flyer.turn_radius_m());
-            let is_missed = self.is_missed(mission, (&leg, &position), since_m);
-            if is_on || is_missed || self.is_cut || self.meter().is_met() {
-                let moved_m = (flyer.velocity_mps(state) + self.wind_mps) * passed_s;
-                let before = leg.position(state.position_m - moved_m, state.time_s);
-                let is_now = !is_on && before.along_m < leg.length_m;
-                self.passes += u32::from(is_missed && is_now);
+            let flies_back = !is_on && self.flies_back(mission, (&leg, state, flyer), passed_s);
+            if is_on || flies_back || self.is_cut || self.meter().is_met() {
                 break;
             }
             let (next, turns_round) = self
@@ -318,7 +315,6 @@ impl Progress {
         state: &MotionState,
         flyer: &Flyer,
     ) {
-        self.passes *= u32::from(index == self.index);
         self.index = index;
         self.leg = None;
         self.from_start = from_start;
@@ -474,7 +470,7 @@ impl Progress {
                 joined
             } else {
                 let meter = self.meter();
-                let joined = join(flyer, &self.away(&leg, state), state, &limits, &meter);
+                let joined = join(flyer, &leg, state, &limits, &meter);
                 self.note(&meter);
                 joined
             };

@@ -25,7 +25,7 @@ pub(super) const STUCK_S: f64 = 30.0;
 const STRAYS_S: f64 = 120.0;
 
 /// The last waypoint is flown when the aircraft passes it this near, metres.
-pub(super) const FLOWN_M: f64 = 10.0;
+const FLOWN_M: f64 = 10.0;
 
 /// An aircraft flies on for so long after its mission, seconds.
 const LANDS_S: f64 = 3.0;
@@ -47,6 +47,8 @@ pub(super) struct Flier {
     pub(super) after_s: f64,
     /// How long it has avoided with nothing near, and at most, seconds.
     pub(super) alone_s: (f64, f64),
+    /// How long it has flown since it last avoided an obstacle near it or flew back from it, seconds.
+    pub(super) calm_s: f64,
     /// Distances to the mission with nothing near, one a second, metres.
     pub(super) away_m: Vec<f64>,
     pub(super) has_strayed: bool,
@@ -99,6 +101,7 @@ impl Flier {
             is_complete: false,
             after_s: 0.0,
             alone_s: (0.0, 0.0),
+            calm_s: f64::INFINITY,
             away_m: Vec::new(),
             has_strayed: false,
             end_m: f64::INFINITY,
@@ -166,6 +169,11 @@ impl Flier {
         } else if step.is_multiple_of(10) {
             self.away_m.push(distance_m(&self.mission_m, position_m));
         }
+        if is_near && matches!(self.state, State::Avoiding | State::Recovering) {
+            self.calm_s = 0.0;
+        } else if !self.is_complete {
+            self.calm_s += PERIOD_S;
+        }
         let is_alone = !is_near && self.state == State::Avoiding;
         self.alone_s.0 = if is_alone {
             self.alone_s.0 + PERIOD_S
@@ -189,6 +197,13 @@ impl Flier {
     /// Whether its mission is over, and its flight.
     pub(super) fn has_landed(&self) -> bool {
         self.after_s > LANDS_S
+    }
+
+    /// Whether it passed its last waypoint too far off, and whether an obstacle near it kept it from there.
+    pub(super) fn misses(&self) -> [bool; 2] {
+        let is_missed = self.is_complete && self.end_m > FLOWN_M;
+        let is_kept_off = self.calm_s < STUCK_S;
+        [is_missed && !is_kept_off, is_missed && is_kept_off]
     }
 
     /// The default floor: 30 m below the lowest waypoint, metres.

@@ -5,7 +5,7 @@ use fga::situation::{Obstacle, ProtectedVolume};
 
 use super::Count;
 use super::draw::{Flight, Straight};
-use super::flier::{FLOWN_M, Flier, STUCK_S, distance_m};
+use super::flier::{Flier, STUCK_S, distance_m};
 use crate::common::PERIOD_S;
 
 impl Flight {
@@ -90,14 +90,13 @@ impl Flight {
             count.aircraft += 1;
             count.longest_s = count.longest_s.max(flier.alone_s.1);
             count.entered += usize::from(flier.has_entered);
+            let [end_missed, kept_off] = flier.misses();
             let faults = [
                 (flier.alone_s.1 > STUCK_S, &mut count.stuck),
                 (flier.has_strayed, &mut count.strayed),
                 (!flier.is_complete && !flier.is_adrift, &mut count.open),
-                (
-                    flier.is_complete && flier.end_m > FLOWN_M,
-                    &mut count.end_missed,
-                ),
+                (end_missed, &mut count.end_missed),
+                (kept_off, &mut count.kept_off),
                 (flier.lowest_m < flier.floor_m() - 0.1, &mut count.low),
             ];
             for (is_fault, numbers) in faults {

@@ -378,7 +378,7 @@ impl Avoider {
     /// Flying the manoeuvre: keeps it, replaces it, or returns.
     fn avoid(&mut self, situation: &Situation<'_>, now: &MotionState, start: Start) -> Decision {
         let time_s = situation.time_s;
-        let Some(mut plan) = self.plan else {
+        let Some(mut plan) = self.plan.filter(|_| self.tracks.obstacle_count() > 0) else {
             self.state = State::Cruise;
             return self.watch(situation, now, start);
         };

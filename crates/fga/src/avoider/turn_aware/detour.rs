@@ -67,14 +67,14 @@ impl Avoider {
         Some((maneuver, self.after(now, &maneuver, until_s)))
     }
 
-    /// Whether an obstacle flies alongside, so that it does not pass.
+    /// Whether an obstacle flies alongside, so that it does not pass; one at rest does not fly.
     fn is_accompanied(&self, situation: &Situation<'_>) -> bool {
         let own = situation.ownship;
         let velocity_mps = own.velocity_mps();
         let near_m = ALONGSIDE * own.airspeed_mps / self.flyer.course_rate_radps();
         self.tracks.hazards().rows().iter().any(|hazard| {
-            let slow_mps = ALONGSIDE_SPEED * own.airspeed_mps;
-            (velocity_mps - hazard.velocity_mps).length_squared() < slow_mps * slow_mps
+            (velocity_mps - hazard.velocity_mps).length() < ALONGSIDE_SPEED * own.airspeed_mps
+                && hazard.velocity_mps != -situation.wind_mps
                 && hazard.margin_m(own.position_m, 0.0) < near_m
         })
     }
