@@ -3,14 +3,15 @@
 use alloc::sync::Arc;
 use core::net::SocketAddr;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::fs::File;
-use std::io::{self, BufReader, Write as _};
+use std::fs;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 use fga_formats::InputError;
 use fga_formats::error::read_text;
+use fga_formats::gzip::unpacked;
 use fga_link::endpoint::Endpoint;
 use fga_link::fly::{FlyOptions, fly};
 use fga_link::replay::replay;
@@ -175,13 +176,13 @@ fn line_of(text: &str, sentence: &str) -> Option<usize> {
 
 fn run_replay(config: Config, path: &PathBuf) -> Result<ExitCode, Failure> {
     let named = |error: io::Error| Failure::Input(format!("{}: {error}", path.display()));
-    let log = File::open(path).map_err(|error| InputError::unreadable(path, &error))?;
-    let log = BufReader::new(log);
+    let bytes = fs::read(path).map_err(|error| InputError::unreadable(path, &error))?;
+    let log = unpacked(&bytes, path)?;
     let mut companion =
         Companion::new(config, false).map_err(|error| Failure::Input(error.to_string()))?;
     let mut failed = None;
     let mut out = io::stdout().lock();
-    let done = replay(log, &mut companion, |line| {
+    let done = replay(log.as_ref(), &mut companion, |line| {
         writeln!(out, "{line}").inspect_err(|error| failed = Some(error.kind()))
     });
     match (done, failed) {

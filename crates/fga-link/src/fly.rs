@@ -128,6 +128,12 @@ pub fn fly(
     }
     let (notes, troubles) = notebook::read_notes(&options.out);
     let mut companion = Companion::new(options.config.clone(), options.dry_run).map_err(invalid)?;
+    // A dry run gives no mode back, so it leaves the notes to a later run.
+    let left = if options.dry_run {
+        Vec::new()
+    } else {
+        notes.clone()
+    };
     companion.set_notes(notes);
     let shared = Arc::new(Shared::new(
         Arc::clone(stop),
@@ -152,7 +158,7 @@ pub fn fly(
         parcels: &parcels,
         signing: signing.as_ref(),
         recorder: Recorder::begin(&shared, &options.out)?,
-        notebook: Notebook::begin(&shared, &options.out, signing.clone())?,
+        notebook: Notebook::begin(&shared, &options.out, signing.clone(), left)?,
         status: Status::begin(&shared, options.status)?,
         sequences: Sequences::default(),
         held: Vec::new(),
@@ -338,7 +344,11 @@ impl Pilot<'_> {
         }
         self.companion.tick(now_s);
         *locked(&self.shared.owed) = self.companion.owed();
-        self.notebook.set(self.companion.restart_note());
+        let (note, system_id) = (
+            self.companion.restart_note(),
+            self.companion.vehicle_system(),
+        );
+        self.notebook.set(note, system_id);
         self.send(now_s);
         self.shared.ticks.fetch_add(1, Ordering::Relaxed);
         true

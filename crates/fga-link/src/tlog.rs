@@ -90,7 +90,7 @@ pub struct Logged {
 #[derive(Debug)]
 pub struct TlogReader<R: Read> {
     from: R,
-    /// Number of unintelligible frames.
+    /// Number of unintelligible frames, among them one that is cut off at the end.
     pub skipped: u64,
 }
 
@@ -111,12 +111,12 @@ impl<R: Read> TlogReader<R> {
     pub fn next_frame(&mut self) -> io::Result<Option<Logged>> {
         loop {
             let mut stamp = [0; 8];
-            if !self.fill(&mut stamp)? {
+            if !self.fill(&mut stamp, false)? {
                 return Ok(None);
             }
             let unix_us = u64::from_be_bytes(stamp);
             let mut begin = [0; 3];
-            if !self.fill(&mut begin)? {
+            if !self.fill(&mut begin, true)? {
                 return Ok(None);
             }
             let [start, payload, flags] = begin;
@@ -137,7 +137,7 @@ impl<R: Read> TlogReader<R> {
                 slot.copy_from_slice(&begin);
             }
             let rest = bytes.get_mut(3..).unwrap_or_default();
-            if !self.fill(rest)? {
+            if !self.fill(rest, true)? {
                 return Ok(None);
             }
             let mut found = None;
@@ -149,13 +149,21 @@ impl<R: Read> TlogReader<R> {
         }
     }
 
-    /// Fills a buffer; `false` at the end of the file.
-    fn fill(&mut self, buffer: &mut [u8]) -> io::Result<bool> {
-        match self.from.read_exact(buffer) {
-            Ok(()) => Ok(true),
-            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
-            Err(error) => Err(error),
+    /// Fills a buffer; `false` at the end of the file, which cuts a frame off where one is begun.
+    fn fill(&mut self, mut buffer: &mut [u8], is_begun: bool) -> io::Result<bool> {
+        let wanted = buffer.len();
+        while !buffer.is_empty() {
+            match self.from.read(buffer) {
+                Ok(0) => {
+                    self.skipped += u64::from(is_begun || buffer.len() < wanted);
+                    return Ok(false);
+                }
+                Ok(read) => buffer = buffer.get_mut(read..).unwrap_or_default(),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
         }
+        Ok(true)
     }
 }
 
@@ -186,6 +194,7 @@ mod tests {
         assert_eq!(first.unix_us, 1_700_000_000_000_000);
         assert!(reader.next_frame().unwrap().is_some());
         assert!(reader.next_frame().unwrap().is_none());
+        assert_eq!(reader.skipped, 1, "the cut frame is counted");
         assert!(
             TlogReader::new(&b"12345678not a log"[..])
                 .next_frame()

@@ -316,3 +316,43 @@ fn l3_a_thousand_idle_and_a_thousand_greedy_browsers() {
     program.signal("TERM");
     assert!(program.ended().success());
 }
+
+/// `fga fly --replay` refused a log that `fga check` and `fga identify` read.
+#[test]
+fn l14_a_compressed_log_is_replayed_and_a_damaged_one_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut log = Vec::new();
+    let mut writer = fga_link::tlog::TlogWriter::new(&mut log);
+    for second in 0..3 {
+        let beat = mavlink::dialects::ardupilotmega::MavMessage::HEARTBEAT(Default::default());
+        let raw = fga_link::wire::encode(mavlink::MavHeader::default(), &beat, None);
+        let at_us = 1_700_000_000_000_000 + second * 1_000_000;
+        writer.write(at_us, raw.raw_bytes()).unwrap();
+    }
+    log.truncate(log.len() - 2);
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    packed.write_all(&log).unwrap();
+    let packed = packed.finish().unwrap();
+    let replay = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_fga"))
+            .args(["fly", "--replay"])
+            .arg(path)
+            .output()
+            .unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        (output.status.code(), said)
+    };
+    for (name, bytes) in [("a.tlog", &log), ("a.tlog.gz", &packed)] {
+        let (code, said) = replay(name, bytes);
+        assert_eq!(code, Some(0), "{said}");
+        assert_eq!(said.trim(), "2 frames, 1 not understood");
+    }
+    let (code, said) = replay("cut.tlog.gz", &packed[..packed.len() - 9]);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(
+        said.contains("damaged gzip data") && said.lines().count() == 1,
+        "{said}"
+    );
+}

@@ -111,12 +111,11 @@ impl Companion {
         };
         self.counts.decisions += 1;
         self.undecided_s = None;
-        if self.keeper.commands() {
-            self.watch_passing(state.ownship.position_m);
-            if self.listens(now_s) && decision.state == AvoiderState::Cruise {
-                // The course of the manoeuvre: the way back may lead to what was not heard yet.
-                decision.command = Maneuver::hold();
-            }
+        self.watch_passing(state.ownship.position_m);
+        let is_back = decision.state == AvoiderState::Cruise;
+        if self.keeper.commands() && self.listens(now_s) && is_back {
+            // The course of the manoeuvre: the way back may lead to what was not heard yet.
+            decision.command = Maneuver::hold();
         }
         self.decided = Some(Decided {
             decision,

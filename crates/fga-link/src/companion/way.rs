@@ -40,9 +40,12 @@ impl Companion {
     pub(super) fn renew_way(&mut self, state: &State, now_s: f64) {
         let Some(heard) = self.heard else { return };
         let engaged = self.keeper.is_engaged() && self.decider.is_some();
-        // In a manoeuvre the way belongs to the mode from before.
-        let left = self.keeper.owed().filter(|_| self.keeper.is_engaged());
+        // In a manoeuvre, and after one while its debt is left, the way belongs to the mode from before.
+        let left = self.keeper.owed();
         let mode = left.unwrap_or(heard.mode);
+        if left.is_some() && left == self.way_mode && !self.keeper.is_engaged() {
+            return;
+        }
         let own_m = state.ownship.position_m;
         if engaged && mode == Mode::RTL && self.way_mode == Some(Mode::RTL) {
             if let Some(to_m) = self.other_return_place_m(own_m) {
@@ -118,6 +121,7 @@ impl Companion {
         self.way_mode = Some(mode);
         self.way_item = self.mission_item;
         self.decider = None;
+        self.passing.nearest_m.clear();
         self.begin_passing();
         self.note(
             now_s,
@@ -292,10 +296,16 @@ impl Companion {
             .filter(|index| self.flown_to(*index..=*index).is_some())
             .min_by_key(|index| index.abs_diff(leg + 1));
         let next = flown_to.unwrap_or(leg + 1);
+        // What an earlier manoeuvre has passed on the way to the same item counts too.
+        if self.passing.known != self.mission_item {
+            self.passing.nearest_m.clear();
+        }
+        let mut nearest_m = core::mem::take(&mut self.passing.nearest_m);
+        nearest_m.resize(self.way.waypoints_m.len(), f64::INFINITY);
         self.passing = Passing {
             next,
             known: self.mission_item,
-            nearest_m: vec![f64::INFINITY; self.way.waypoints_m.len()],
+            nearest_m,
             pending: core::mem::take(&mut self.passing.pending),
             asked: self.passing.asked,
             ..Passing::default()

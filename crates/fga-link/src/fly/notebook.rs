@@ -94,11 +94,21 @@ pub(super) fn read_timestamps(folder: &Path) -> Option<Timestamps> {
     serde_json::from_str(&text).ok()
 }
 
+/// What the disk must hold of a vehicle: a note, or none.
+struct Wish {
+    number: u64,
+    system_id: u8,
+    note: Option<Note>,
+}
+
 /// The flight's side of the notebook.
 pub(super) struct Notebook {
-    to: SyncSender<(u64, Option<Note>)>,
+    to: SyncSender<Wish>,
     thread: JoinHandle<()>,
     kept: Arc<AtomicU64>,
+    /// The notes of an earlier run that are still on the disk.
+    left: Vec<Note>,
+    system_id: u8,
     wanted: Option<Note>,
     number: u64,
     /// A change that the thread had no room for yet.
@@ -107,11 +117,12 @@ pub(super) struct Notebook {
 }
 
 impl Notebook {
-    /// Starts with an empty page.
+    /// Starts with the notes of an earlier run.
     pub(super) fn begin(
         shared: &Arc<Shared>,
         folder: &Path,
         signing: Option<Signing>,
+        left: Vec<Note>,
     ) -> io::Result<Self> {
         let (to, wishes) = sync_channel(16);
         let kept = Arc::new(AtomicU64::new(0));
@@ -123,6 +134,8 @@ impl Notebook {
             to,
             thread,
             kept,
+            left,
+            system_id: 0,
             wanted: None,
             number: 0,
             unsent: false,
@@ -130,15 +143,25 @@ impl Notebook {
         })
     }
 
-    /// Sets the note that the disk must hold from now on.
-    pub(super) fn set(&mut self, note: Option<Note>) {
+    /// Sets the note that the disk must hold from now on of a vehicle, once that is heard.
+    pub(super) fn set(&mut self, note: Option<Note>, system_id: Option<u8>) {
+        self.system_id = system_id.unwrap_or(self.system_id);
+        let is_of = |left: &Note| left.system_id == self.system_id;
+        if let Some(place) = self.left.iter().position(is_of) {
+            self.wanted = Some(self.left.swap_remove(place));
+        }
         if note != self.wanted {
             self.wanted = note;
             self.number += 1;
             self.changed = Instant::now();
             self.unsent = true;
         }
-        if self.unsent && self.to.try_send((self.number, self.wanted)).is_ok() {
+        let wish = Wish {
+            number: self.number,
+            system_id: self.system_id,
+            note: self.wanted,
+        };
+        if self.unsent && self.to.try_send(wish).is_ok() {
             self.unsent = false;
         }
     }
@@ -163,7 +186,7 @@ fn keep(
     shared: &Shared,
     folder: &Path,
     signing: Option<&Signing>,
-    wishes: &Receiver<(u64, Option<Note>)>,
+    wishes: &Receiver<Wish>,
     done: &AtomicU64,
 ) {
     let mut told = false;
@@ -173,22 +196,20 @@ fn keep(
             shared.trouble(format!("fga: {what} not kept: {}", reason(error)));
         }
     };
-    let mut written: Option<Note> = None;
     loop {
         let wish = wishes.recv_timeout(KEEP_TIMESTAMPS);
-        if let Ok((number, note)) = wish {
-            let result = match (note, written) {
-                (Some(note), _) => serde_json::to_string(&dated(note))
+        if let Ok(wish) = &wish {
+            let path = note_path(folder, wish.system_id);
+            let result = match wish.note {
+                Some(note) => serde_json::to_string(&dated(note))
                     .map_err(io::Error::other)
-                    .and_then(|text| write_whole(&note_path(folder, note.system_id), &text)),
-                (None, Some(before)) => fs::remove_file(note_path(folder, before.system_id)),
-                (None, None) => Ok(()),
+                    .and_then(|text| write_whole(&path, &text)),
+                None => fs::remove_file(&path),
             };
-            written = note;
-            done.store(number, Ordering::Release);
+            done.store(wish.number, Ordering::Release);
             // From here on the note covers a sudden end of the program; the disk may take its time.
-            let result = match note {
-                Some(note) => result.and_then(|()| settle(&note_path(folder, note.system_id))),
+            let result = match wish.note {
+                Some(_) => result.and_then(|()| settle(&path)),
                 None => result,
             };
             if let Err(error) = result

@@ -204,6 +204,26 @@ fn the_mode_that_is_owed_is_noted_before_it_is_taken_and_until_it_is_given_back(
     assert!(live.was_told("fga: program ends"));
 }
 
+/// A note of an earlier run whose vehicle has long flown on is gone from the disk before a later run could take the pilot's own GUIDED for it.
+#[test]
+fn l4_a_note_that_is_history_is_removed_once_its_vehicle_is_heard() {
+    let live = Live::udp(None, None);
+    let out = live::folder("history");
+    let note = |system_id: u8| {
+        let text = format!(
+            r#"{{"system_id":{system_id},"owned_mode":15,"previous_mode":10,"boot_ms":0}}"#
+        );
+        std::fs::write(out.join(format!("owed-{system_id}.json")), text).expect("a note");
+    };
+    note(1);
+    note(3);
+    let mut program = Program::start(&udpout(&live), &live::config(), &out, never, |_| {});
+    live.wait_until("no note", |_| !has_note(&out));
+    assert!(live.commands().is_empty(), "before any manoeuvre");
+    assert!(out.join("owed-3.json").exists(), "another vehicle's");
+    program.end().expect("an orderly end");
+}
+
 /// An unwritable folder, also for root: its parent is a file.
 fn impossible(name: &str) -> PathBuf {
     let file = live::folder(name).join("file");

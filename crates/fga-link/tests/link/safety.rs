@@ -520,3 +520,31 @@ fn a_vehicle_that_hovers_is_not_taken_over() {
         "{texts:?}"
     );
 }
+
+/// Heard again after a lost link, the vehicle is in GUIDED with AUTO owed to it: the way is the mission's, not a line ahead in GUIDED, along
+/// which it once counted as back on its leg.
+#[test]
+fn l1_after_a_lost_link_the_way_is_that_of_the_mode_from_before() {
+    // The first heartbeat comes up to a second after the first telemetry.
+    for tenth in 0..10 {
+        let mut world = head_on("", GOOD, 3);
+        until_in_command(&mut world);
+        world.cut = true;
+        world.run_until(world.time_s + 8.0 + 0.1 * f64::from(tenth));
+        world.cut = false;
+        let mut off_m = f64::INFINITY;
+        world.run_while(90.0, "AUTO", |w| {
+            off_m = w.off_leg().0;
+            w.mode() != Mode::Auto
+        });
+        assert!(off_m < 20.0, "given back {off_m} m beside the leg");
+        let ways: Vec<String> = (world.companion.take_log().iter())
+            .filter(|entry| entry["kind"] == "way")
+            .map(|entry| entry["mode"].to_string())
+            .collect();
+        assert!(
+            !ways.is_empty() && ways.iter().all(|mode| mode == "\"AUTO\""),
+            "{ways:?}"
+        );
+    }
+}

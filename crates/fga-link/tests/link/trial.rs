@@ -250,6 +250,41 @@ fn l2_no_waypoint_is_skipped_in_silence() {
     }
 }
 
+/// A waypoint that an earlier manoeuvre passed near is not named with the distance of a later one.
+#[test]
+fn l2_a_waypoint_counts_as_passed_where_it_was_nearest_in_all_manoeuvres() {
+    let wide = disc(1500.0).replace(&format!("radius_m = {RADIUS_M}"), "radius_m = 200.0");
+    let mut world = World::new(&wide, GOOD, 4);
+    let points = [
+        [0.0, 0.0, 100.0],
+        [0.0, 1350.0, 100.0],
+        [0.0, 6000.0, 100.0],
+    ];
+    let items = mission(&world.emulator, &points);
+    world.emulator.set_mission(items, 2);
+    let (mut nearest_m, mut off_s) = (f64::INFINITY, None);
+    while world.emulator.plant().position_m()[1] < 4000.0 && world.time_s < 300.0 {
+        world.step();
+        let own_m = world.emulator.plant().position_m();
+        nearest_m = f64::min(nearest_m, distance(own_m, points[1]));
+        // The operator switches it off for a moment when it has passed the waypoint.
+        if own_m[1] > 1420.0 && off_s.is_none() {
+            off_s = Some(world.time_s);
+            world.companion.set_enabled(false, world.time_s);
+        }
+        if off_s.is_some_and(|off_s| world.time_s > off_s + 1.0) {
+            world.companion.set_enabled(true, world.time_s);
+            off_s = Some(f64::INFINITY);
+        }
+    }
+    let words = format!("fga: waypoint 2 passed {nearest_m:.0} m off");
+    assert!(
+        was_told(&world, &words),
+        "{words}: {:?}",
+        world.emulator.texts()
+    );
+}
+
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
