@@ -236,8 +236,7 @@ impl Avoider {
         start: Start,
     ) -> Decision {
         let period_s = self.settings.decision_period_s;
-        let entry_s = threat.entry_s;
-        let cut = self.cut;
+        let (entry_s, cut) = (threat.entry_s, self.cut);
         self.grids = 0;
         let (mut candidates, mut limit_met) = (0, false);
         let mut choice = Choice::NONE;
@@ -278,7 +277,7 @@ impl Avoider {
             let (found, maneuver) = self.least_deep(&(found, maneuver), None, now, &demand)?;
             Some((found, maneuver, proof))
         });
-        let decision = match chosen {
+        let mut decision = match chosen {
             Some((found, maneuver, proof)) => {
                 let plan = Plan {
                     maneuver,
@@ -319,7 +318,6 @@ impl Avoider {
             }
             None => self.decision(nominal, Reason::BestAvailable),
         };
-        let mut decision = decision;
         decision.record.alternative = choice.alternative;
         decision.record.work.candidates = candidates;
         decision.record.work.limit_met = limit_met || self.tracks.overflow;
@@ -378,7 +376,9 @@ impl Avoider {
     /// Flying the manoeuvre: keeps it, replaces it, or returns.
     fn avoid(&mut self, situation: &Situation<'_>, now: &MotionState, start: Start) -> Decision {
         let time_s = situation.time_s;
-        let Some(mut plan) = self.plan.filter(|_| self.tracks.obstacle_count() > 0) else {
+        let waits =
+            |plan: &Plan| self.tracks.obstacle_count() > 0 || way_back::given_up(plan, time_s) == 0;
+        let Some(mut plan) = self.plan.filter(waits) else {
             self.state = State::Cruise;
             return self.watch(situation, now, start);
         };

@@ -96,7 +96,7 @@ fn passes_s(hazard: &Hazard, situation: &Situation<'_>) -> f64 {
 }
 
 /// How often the time of a search for a way back from a plan has passed.
-fn given_up(plan: &Plan, time_s: f64) -> usize {
+pub(super) fn given_up(plan: &Plan, time_s: f64) -> usize {
     whole((time_s - plan.start_s) / MORE_ROOM_S, 3) - 1
 }
 
