@@ -128,7 +128,14 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
         return folder(path);
     }
     if missions::is_mission_file(path) {
-        let mission = missions::read(path)?;
+        let mut mission = missions::read(path)?;
+        if mission.waypoints.is_empty() {
+            let holds = format!("holds {}, expected a mission", mission.holds());
+            if mission.fences.is_empty() && mission.rally.is_empty() {
+                return Err(InputError::in_file(path, holds).into());
+            }
+            mission.notes.push(format!("not for fga run: {holds}"));
+        }
         return Ok(Usable::new("mission", mission.holds()).with(mission.notes));
     }
     match ending_of(path).as_str() {

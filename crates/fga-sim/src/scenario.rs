@@ -202,6 +202,9 @@ struct Places<'a> {
     frame: Option<LocalFrame>,
 }
 
+/// A place is at most this far from the origin, kilometres: a quarter of the earth away a plane folds back.
+const MOST_AWAY_KM: f64 = 9_000.0;
+
 impl Places<'_> {
     fn local(&self, key: &str, at: &Spanned<[f64; 3]>) -> Result<Vec3, InputError> {
         let place = Vec3::from_array(*at.get_ref());
@@ -225,14 +228,20 @@ impl Places<'_> {
             ));
         };
         let [latitude_deg, longitude_deg, altitude_m] = *at.get_ref();
-        Geodetic::new(latitude_deg, longitude_deg, altitude_m)
-            .map(|place| frame.to_local_m(place))
-            .ok_or_else(|| {
-                self.text.error_at(
-                    at,
-                    format!("{key} is out of range, expected [latitude, longitude, altitude_m]"),
-                )
-            })
+        let place = Geodetic::new(latitude_deg, longitude_deg, altitude_m).ok_or_else(|| {
+            self.text.error_at(
+                at,
+                format!("{key} is out of range, expected [latitude, longitude, altitude_m]"),
+            )
+        })?;
+        let away_km = 1e-3 * frame.origin().distance_m(place);
+        if away_km > MOST_AWAY_KM {
+            let message = format!(
+                "{key} is {away_km:.0} km from the origin, expected at most {MOST_AWAY_KM} km"
+            );
+            return Err(self.text.error_at(at, message));
+        }
+        Ok(frame.to_local_m(place))
     }
 
     /// The given one of two keys.

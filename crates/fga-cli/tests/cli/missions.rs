@@ -269,3 +269,42 @@ fn n6_results_name_the_commit_and_merging_refuses_another_build() {
     let table = fs::read(at.join("ab/results.parquet")).unwrap();
     assert!(table.windows(10).any(|bytes| bytes == b"fga.commit"));
 }
+
+/// A mission to the other side of the earth was flown to its end in half an hour, on the plane of its beginning; a plan without items
+/// was usable; a height was reported as a latitude.
+#[test]
+fn n8_a_mission_that_no_plane_holds_is_refused_with_its_item() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let refused = |list: &str, expected: &str| {
+        fs::write(at.join("m.waypoints"), list).unwrap();
+        for command in [&["check", "m.waypoints"][..], &["run", "m.waypoints"]] {
+            let text = said(at, command, 1);
+            assert!(
+                text.contains(expected) && text.lines().count() == 1,
+                "{text}"
+            );
+        }
+    };
+    refused(
+        &LIST.replace("45.02\t5.01", "-45.0\t-175.0"),
+        "item 2 is 20002 km from where the mission begins",
+    );
+    refused(
+        &LIST.replace("5.01\t100", "5.01\t1e8"),
+        "item 2 is at latitude 45.02, longitude 5.01, altitude 100000100.0 m",
+    );
+    refused(
+        "QGC WPL 110\n",
+        "holds 0 waypoints, 0 fences, 0 rally points, expected a mission",
+    );
+    let scenario = "[origin]\nlatitude_deg = 45.0\nlongitude_deg = 5.0\naltitude_m = 0.0\n\
+                    [mission]\nwaypoints_deg = [[45.0, 5.0, 100.0], [-45.0, -175.0, 100.0]]\n";
+    fs::write(
+        at.join("s.toml"),
+        format!("name = \"far\"\nduration_s = 60\n{scenario}"),
+    )
+    .unwrap();
+    let text = said(at, &["check", "s.toml"], 1);
+    assert!(text.contains("20002 km from the origin"), "{text}");
+}

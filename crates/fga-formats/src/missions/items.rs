@@ -19,6 +19,9 @@ const RUN_UP_M: f64 = 1000.0;
 /// Metres of a degree of latitude.
 const DEGREE_M: f64 = 111_320.0;
 
+/// A mission leads at most this far from its beginning, kilometres: there a plane shows distances 0.3 % too short.
+const MOST_AWAY_KM: f64 = 500.0;
+
 /// An item as a file gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Item {
@@ -284,12 +287,23 @@ impl<'a> Reader<'a> {
                 return Err(self.error(item, &message));
             }
         };
-        Geodetic::new(latitude_deg, longitude_deg, altitude_m).ok_or_else(|| {
+        let place = Geodetic::new(latitude_deg, longitude_deg, altitude_m).ok_or_else(|| {
             let message = format!(
-                "is at latitude {latitude_deg}, longitude {longitude_deg}, expected -90 to 90 and -180 to 180 degrees"
+                "is at latitude {latitude_deg:?}, longitude {longitude_deg:?}, altitude {altitude_m:?} m, expected -90 to 90 degrees, \
+                 -180 to 180 degrees, -20 to 1000 km"
             );
             self.error(item, &message)
-        })
+        })?;
+        let first = self.file.waypoints.first().map(|first| first.place);
+        let origin = self.file.home.or(first);
+        let away_km = origin.map_or(0.0, |origin| 1e-3 * origin.distance_m(place));
+        if away_km > MOST_AWAY_KM {
+            let message = format!(
+                "is {away_km:.0} km from where the mission begins, expected at most {MOST_AWAY_KM} km"
+            );
+            return Err(self.error(item, &message));
+        }
+        Ok(place)
     }
 
     fn take_fence_or_rally(&mut self, item: &Item) -> Result<(), InputError> {
