@@ -100,7 +100,7 @@ def test_empty_blocks_take_little_of_the_driver(cluster):
 
 def test_a_block_that_cannot_be_written_is_a_clear_error_and_loses_nothing(cluster, file, tmp_path, monkeypatch):
     whole = fga.campaign(file, tmp_path / "whole", encounters=ENCOUNTERS)
-    fly = fga_ray._fly
+    fly = fga_ray.fly_block
 
     def full(configuration, place, block):
         if block >= 5:
@@ -109,7 +109,7 @@ def test_a_block_that_cannot_be_written_is_a_clear_error_and_loses_nothing(clust
 
     out = tmp_path / "spread"
     with monkeypatch.context() as patched:
-        patched.setattr(fga_ray, "_fly", full)
+        patched.setattr(fga_ray, "fly_block", full)
         with pytest.raises(OSError, match="No space left"):
             fga_ray.run(file, out, encounters=ENCOUNTERS, address=cluster.address, in_flight=2)
     kept = [name for name in os.listdir(out / "blocks") if name.endswith(".parquet")]
@@ -211,7 +211,7 @@ def test_an_object_store_holds_the_same_bytes(file, tmp_path):
         store = store_of(url)
         store.open(campaign)
         for block in range(campaign.blocks):
-            fga_ray._fly(campaign.to_json(), url, block)
+            fga_ray.fly_block(fga_ray.pickled(campaign), url, block)
         assert len(store.names()) == campaign.blocks
         told = fga_ray.run(file, url, encounters=600, address="nowhere")
         assert told.sha256 == whole.sha256

@@ -9,15 +9,14 @@ use clap::Args;
 use fga_formats::OutputError;
 use fga_formats::atomic::{self, AtomicFile};
 use fga_formats::words::{counted, per_second};
-use fga_sim::batch::{
-    BatchRow, BatchSettings, NAME_COLUMN, RESULT_COLUMNS, TIMING_COLUMNS, TRACK_COLUMNS,
-};
+use fga_sim::batch::{BatchRow, BatchSettings, TIMING_COLUMNS, TRACK_COLUMNS, result_columns};
 use serde_json::json;
 
 use crate::batch_input::Input;
 use crate::batch_replays;
 use crate::common::{
-    AnswerArgs, OutArgs, PolicyArgs, ThreadArgs, VehicleArgs, interrupted, watch_for_interrupt,
+    AnswerArgs, OutArgs, PolicyArgs, ThreadArgs, VehicleArgs, interrupted, tell_failures,
+    watch_for_interrupt,
 };
 use crate::failure::Failure;
 use crate::worst::Worst;
@@ -72,15 +71,17 @@ struct Files {
     tracks: Option<AtomicFile>,
     folder: PathBuf,
     line: Vec<u8>,
+    /// Whether the policy is one of one's own.
+    is_own: bool,
 }
 
 impl Files {
-    fn create(folder: PathBuf, tracks: bool, named: bool) -> Result<Self, OutputError> {
-        let columns = if named {
-            format!("{RESULT_COLUMNS},{NAME_COLUMN}")
-        } else {
-            RESULT_COLUMNS.to_owned()
-        };
+    fn create(
+        folder: PathBuf,
+        tracks: bool,
+        (is_own, is_named): (bool, bool),
+    ) -> Result<Self, OutputError> {
+        let columns = result_columns(is_own, is_named);
         let begin = |name: &str, columns: &str| {
             let path = folder.join(name);
             let mut file = AtomicFile::create(&path)?;
@@ -94,6 +95,7 @@ impl Files {
                 .then(|| begin("tracks.csv", TRACK_COLUMNS))
                 .transpose()?,
             line: Vec::new(),
+            is_own,
             folder,
         })
     }
@@ -102,10 +104,7 @@ impl Files {
         let folder = &self.folder;
         let failed = |name: &'static str| move |error| OutputError::new(folder.join(name), error);
         self.line.clear();
-        match name {
-            Some(name) => row.push_named_result(&mut self.line, name),
-            None => row.push_result(&mut self.line),
-        }
+        row.push_result(&mut self.line, self.is_own, name);
         self.results
             .write_all(&self.line)
             .map_err(failed("results.csv"))?;
@@ -138,6 +137,7 @@ struct Totals {
     encounters: usize,
     separated: usize,
     manoeuvred: usize,
+    failed: usize,
     least_margin_m: Option<(f64, u64)>,
     cross_track_m: Vec<f64>,
     extra_path_m: Vec<f64>,
@@ -151,6 +151,7 @@ impl Totals {
         self.encounters += 1;
         self.decisions += row.decisions;
         self.separated += usize::from(row.separated());
+        self.failed += usize::from(row.failure.is_some());
         let margin_m = row.outcome.min_margin_m;
         if self
             .least_margin_m
@@ -227,7 +228,8 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
     let settings = &input.settings;
     let folder = args.out.prepare(&args.encounters)?;
     watch_for_interrupt();
-    let mut files = Files::create(folder, args.tracks, input.names().is_some())?;
+    let more = (settings.policy.own().is_some(), input.names().is_some());
+    let mut files = Files::create(folder, args.tracks, more)?;
     let mut totals = Totals::default();
     let mut worst = Worst::new(args.replay);
     let mut place = 0_usize;
@@ -250,6 +252,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
         })
     })??;
     let flown_s = begun.elapsed().as_secs_f64();
+    tell_failures([&settings.policy]);
     let shown: Vec<(u64, usize)> = worst.into_items().collect();
     args.threads
         .install(|| batch_replays::write(&files.folder, &shown, &input))??;
@@ -272,6 +275,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<ExitCode, Failure> {
             "left_out": input.left_out(),
             "separated": totals.separated,
             "manoeuvred": totals.manoeuvred,
+            "policy_failures": totals.failed,
             "decisions": totals.decisions,
             "decision_median_us": median_us,
             "decision_max_us": max_us,

@@ -25,7 +25,7 @@ use crate::campaign_draw::{self, DrawArgs};
 use crate::campaign_progress::Display;
 use crate::campaign_report::{self, ReportArgs};
 use crate::common::{
-    self, AnswerArgs, OutArgs, OverlayArgs, ThreadArgs, interrupted, tell_left_out,
+    self, AnswerArgs, OutArgs, OverlayArgs, ThreadArgs, interrupted, tell_failures, tell_left_out,
     watch_for_interrupt,
 };
 use crate::failure::Failure;
@@ -191,6 +191,7 @@ fn run_campaign(args: &RunArgs) -> Result<ExitCode, Failure> {
         })
     })?;
     display.end();
+    tell_failures(&campaign.policies);
     let times = match flown {
         Err(error @ CampaignError::Stopped { .. }) => {
             eprintln!("fga: {error}");
@@ -386,7 +387,7 @@ fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
             None => fga_sim::campaign::parse_policy(name),
         }
         .map_err(Failure::Input)?,
-        (None, Some(first)) => *first,
+        (None, Some(first)) => first.clone(),
         (None, None) => PolicyChoice::default(),
     };
     let overlaid = args
@@ -396,6 +397,7 @@ fn show(args: &ShowArgs) -> Result<ExitCode, Failure> {
         .map(|policy| campaign.show(args.encounter, policy))
         .collect::<Result<Vec<_>, _>>()?;
     let log = campaign.show(args.encounter, &policy)?;
+    tell_failures([&policy]);
     let folder = args.out.clone().unwrap_or_else(|| {
         let name = args.folder.file_name().unwrap_or("campaign".as_ref());
         Path::new("out").join(format!("{}-{}", name.to_string_lossy(), args.encounter))

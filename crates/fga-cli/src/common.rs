@@ -20,7 +20,7 @@ use crate::failure::Failure;
 pub(crate) struct PolicyArgs {
     /// The policy: turn-aware, published, published-literal, circle, none, or a baseline:
     /// potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles,
-    /// operator-f3442, operator-do365. It may include a start, as in "published --start t0".
+    /// operator-f3442, operator-do365; or pipe:PROGRAM, a program of your own. It may include a start, as in "published --start t0".
     #[arg(long, value_name = "POLICY", default_value = "turn-aware")]
     pub(crate) policy: String,
     /// When a manoeuvre begins: t0, tc, latest, free or Cs=0.5.
@@ -73,6 +73,15 @@ pub(crate) fn tell_left_out(damaged: &[String], tally: &Tally, parts: &str) {
     }
     if let Some(words) = tally.words(parts) {
         eprintln!("fga: left out: {words}");
+    }
+}
+
+/// Says on standard error how often policies of one's own failed.
+pub(crate) fn tell_failures<'a>(policies: impl IntoIterator<Item = &'a PolicyChoice>) {
+    for own in policies.into_iter().filter_map(PolicyChoice::own) {
+        if let Some(sentence) = own.failures_in_words() {
+            eprintln!("fga: {sentence}");
+        }
     }
 }
 

@@ -16,7 +16,7 @@ use fga_sim::policy::PolicyChoice;
 use fga_sim::run::{Plan, RunLog, fly};
 use fga_sim::way_round;
 
-use crate::common::{AnswerArgs, OutArgs, OverlayArgs, PolicyArgs, VehicleArgs};
+use crate::common::{AnswerArgs, OutArgs, OverlayArgs, PolicyArgs, VehicleArgs, tell_failures};
 use crate::failure::Failure;
 use crate::live::LiveView;
 
@@ -85,6 +85,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     } else {
         fly(plan, &policy, &mut |_| ())?
     };
+    tell_failures(core::iter::once(&policy).chain(&overlay));
     let document = document(&provenance, (&args.file, &input_hash), &log, &overlaid);
     let guidance = guidance.as_ref().map(|read| &read.settings);
     flight_files::write_guided(&folder, &log, &overlaid, &document, guidance)?;
@@ -210,9 +211,14 @@ fn describe_conflicts(text: &mut String, log: &RunLog) -> core::fmt::Result {
             .collect();
         writeln!(
             text,
-            "threat seen {:.1} s ({}); {}",
+            "threat seen {:.1} s{}; {}",
             conflict.threat_s,
-            names.join(", "),
+            // A policy of one's own need not say what it avoids.
+            if names.is_empty() {
+                String::new()
+            } else {
+                format!(" ({})", names.join(", "))
+            },
             match conflict.start_s {
                 None => "no manoeuvre".to_owned(),
                 Some(start_s) => format!(

@@ -118,12 +118,13 @@ fn all() -> Result<Vec<(String, Factory)>, String> {
         .chain(["turn-aware"])
         .map(|name| {
             let choice = PolicyChoice::parse(name, None)?;
+            let shown = choice.name();
             let factory: Factory = Box::new(move |settings, vehicle| {
                 choice
                     .pilot(settings, vehicle)
                     .expect("settings of Table 4")
             });
-            Ok((choice.name(), factory))
+            Ok((shown, factory))
         })
         .collect()
 }

@@ -93,6 +93,7 @@ pub(crate) fn pilot(
     settings
         .policy
         .pilot(&world.settings, &world.vehicle)
+        .map(|pilot| -> Box<dyn Pilot + Send> { pilot })
         .map_err(|e| e.to_string())
 }
 

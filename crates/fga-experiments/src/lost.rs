@@ -173,7 +173,7 @@ pub(crate) fn run(args: &LostArgs) -> Result<(), String> {
     let (mut all_avoidable, mut all_lost) = (0, 0);
     println!("cell,saved,lost,not avoidable,not back,median cross m,median extra m");
     for (cell, source) in args.draw.sources()? {
-        let settings = settings(source.planar, policy, HORIZON_S)?;
+        let settings = settings(source.planar, policy.clone(), HORIZON_S)?;
         let flown: Vec<Flown> = (0..args.draw.count)
             .into_par_iter()
             .map(|number| fly(&settings, &source.encounter(number), args.turning))

@@ -11,8 +11,9 @@ use fga::Vec3;
 use fga::situation::{Obstacle, ProtectedVolume};
 use fga_formats::encounters::{self, COLUMNS, Encounter, KIND_COLUMN, movement_of};
 use fga_formats::number::push_fixed;
-use fga_sim::batch::{BatchError, BatchSettings, RESULT_COLUMNS, fly_all};
-use fga_sim::campaign::parse_policy;
+use fga_sim::batch::{
+    BatchError, BatchRow, BatchSettings, FAILURE_COLUMN, fly_all, result_columns,
+};
 use fga_sim::oracle::{AVOIDABLE_MARGIN_M, Judge};
 use fga_sim::vehicle_file::VehicleModel;
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -20,8 +21,10 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::failure::input;
+use crate::own::{LIMIT_S, Policy, is_for_all, warn_of_failures};
 use crate::pilot::model_of;
 use crate::table::{Column, Table, batches_of};
+use crate::together;
 use crate::work::interruptible;
 
 /// Encounters searched between two checks of Ctrl-C.
@@ -189,12 +192,13 @@ fn written(value: f64) -> f64 {
 
 /// Flies many encounters: `fga batch`.
 ///
-/// `encounters` is the path of a CSV file or a table with its columns. The table has the numbers of
-/// results.csv, whose bytes `to_csv` gives. `progress(done, total)` is called during the work.
+/// `encounters` is the path of a CSV file or a table with its columns. `policy` is a name, or one of your own: a class or an
+/// object with `step(situation)`, with `step_all(flights, obstacles)` for many flights at once, or a function of the
+/// situation; `time_limit_s` is its time for a step. The table has the numbers of results.csv, whose bytes `to_csv` gives. `progress(done, total)` is called during the work.
 #[pyfunction]
 #[pyo3(signature = (
-    encounters, policy = "turn-aware", vehicle = None, horizon_s = 60.0, seed = 0, threads = None,
-    progress = None,
+    encounters, policy = Policy::Default, vehicle = None, horizon_s = 60.0, seed = 0, threads = None,
+    progress = None, time_limit_s = LIMIT_S,
 ))]
 #[expect(
     clippy::too_many_arguments,
@@ -203,36 +207,46 @@ fn written(value: f64) -> f64 {
 pub(crate) fn batch(
     py: Python<'_>,
     encounters: &Bound<'_, PyAny>,
-    policy: &str,
+    policy: Policy<'_>,
     vehicle: Option<&Bound<'_, PyAny>>,
     horizon_s: f64,
     seed: u64,
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
+    time_limit_s: f64,
 ) -> PyResult<Table> {
     let settings = BatchSettings {
         model: model_or_built_in(vehicle)?,
-        policy: parse_policy(policy).map_err(PyValueError::new_err)?,
+        policy: policy.choice(time_limit_s)?,
         horizon_s: checked_horizon(horizon_s)?,
         seed,
         tracks: false,
     };
     let encounters = encounters_of(encounters)?;
+    let is_own = settings.policy.own().is_some();
+    let for_all = match &policy {
+        Policy::Given(policy) if is_for_all(policy)? => Some(policy.clone().unbind()),
+        _ => None,
+    };
     let flown = interruptible(py, threads, progress, |shared| {
         shared
             .total
             .store(encounters.len() as u64, Ordering::Relaxed);
-        let mut csv = format!("{RESULT_COLUMNS}\n").into_bytes();
+        let mut csv = (result_columns(is_own, false) + "\n").into_bytes();
         let mut rows = Vec::with_capacity(encounters.len());
-        fly_all(&encounters, &settings, |row| {
+        let take = |row: &BatchRow| {
             if !shared.goes_on() {
                 return Err("interrupted");
             }
-            row.push_result(&mut csv);
-            rows.push((row.encounter, row.separated(), row.outcome));
+            row.push_result(&mut csv, is_own, None);
+            rows.push((row.encounter, row.separated(), row.outcome, row.failure));
             shared.done.fetch_add(1, Ordering::Relaxed);
             Ok(())
-        })
+        };
+        match for_all {
+            Some(policy) => together::fly(policy, time_limit_s, (&encounters, &settings), shared, take),
+            None => fly_all(&encounters, &settings, take),
+        }
         .map(|()| (csv, rows))
     })?;
     let (csv, rows) = flown.map_err(|error| match error {
@@ -251,7 +265,8 @@ pub(crate) fn batch(
             Column::MaybeReal(rows.iter().map(|row| get(&row.2).map(written)).collect()),
         )
     };
-    let table = Table::of(vec![
+    warn_of_failures(py, [&settings.policy])?;
+    let mut columns = vec![
         (
             "encounter",
             Column::Whole(rows.iter().map(|row| row.0).collect()),
@@ -274,8 +289,12 @@ pub(crate) fn batch(
                     .collect(),
             ),
         ),
-    ])?;
-    Ok(table.with_csv(csv))
+    ];
+    if is_own {
+        let words = rows.iter().map(|row| Some(row.3?.name().to_owned()));
+        columns.push((FAILURE_COLUMN, Column::MaybeText(words.collect())));
+    }
+    Ok(Table::of(columns)?.with_csv(csv))
 }
 
 /// Finds for each encounter whether any manoeuvre could save it: `fga oracle`.

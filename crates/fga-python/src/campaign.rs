@@ -13,6 +13,7 @@ use fga_sim::campaign::{
     Campaign as CoreCampaign, CampaignError, Configuration, Flyer, Folder, Manifest, RESULTS, Row,
     Shard, Stamp, Task, assemble, run as fly, table,
 };
+use fga_sim::own::OwnPolicy;
 use fga_sim::run::RunLog;
 use parquet::errors::ParquetError;
 use pyo3::exceptions::PyValueError;
@@ -21,6 +22,7 @@ use pyo3::types::{PyBytes, PyDict, PyType};
 use rayon::prelude::*;
 
 use crate::failure::{campaign as failed, input, output};
+use crate::own::{LIMIT_S, choice, own, warn_of_failures};
 use crate::table::{Column, Table};
 use crate::work::interruptible;
 
@@ -29,7 +31,21 @@ use crate::work::interruptible;
 /// `Campaign(file)` reads a campaign file as the program does. It pickles as its configuration, so workers
 /// need neither the file nor its folder; files of encounters in it must keep their paths.
 #[pyclass(frozen, module = "fga")]
-pub(crate) struct Campaign(CoreCampaign);
+pub(crate) struct Campaign {
+    core: CoreCampaign,
+    /// The policies of one's own.
+    own: Vec<Py<PyAny>>,
+    limit_s: f64,
+}
+
+/// A pickled campaign: what makes it again, of what.
+type Remade<'py> = (Bound<'py, PyAny>, (String, Vec<Py<PyAny>>, f64));
+
+/// Policies of one's own.
+fn owns(py: Python<'_>, objects: &[Py<PyAny>], limit_s: f64) -> PyResult<Vec<OwnPolicy>> {
+    let each = objects.iter().map(|object| own(object.bind(py), limit_s));
+    each.collect()
+}
 
 impl Campaign {
     fn stamp() -> Stamp {
@@ -38,22 +54,22 @@ impl Campaign {
 
     fn manifest(&self) -> Manifest {
         Manifest {
-            configuration_hash: self.0.hash.clone(),
+            configuration_hash: self.core.hash.clone(),
             stamp: Self::stamp(),
             shard: Shard::WHOLE,
-            configuration: self.0.configuration.clone(),
+            configuration: self.core.configuration.clone(),
         }
     }
 
     /// Merges the blocks of a folder.
     fn finish(&self, folder: &Folder, csv: bool) -> Result<String, CampaignError> {
         let blocks = folder.blocks()?;
-        let assembled = assemble(&blocks, &self.0, &Self::stamp(), folder, csv)?;
+        let assembled = assemble(&blocks, &self.core, &Self::stamp(), folder, csv)?;
         let sha256 = assembled.sha256.clone();
         let provenance = Provenance::begin();
         finish(
             folder,
-            &self.0,
+            &self.core,
             &self.manifest(),
             assembled,
             &provenance,
@@ -66,23 +82,47 @@ impl Campaign {
 #[pymethods]
 impl Campaign {
     #[new]
-    #[pyo3(signature = (file, encounters = None, policies = Vec::new(), vehicle = None, oracle = false))]
+    #[pyo3(signature = (
+        file, encounters = None, policies = Vec::new(), vehicle = None, oracle = false, recordings = Vec::new(),
+        model = None, time_limit_s = LIMIT_S,
+    ))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the options of the program, by name in Python"
+    )]
     fn new(
         py: Python<'_>,
         file: PathBuf,
         encounters: Option<u64>,
-        policies: Vec<String>,
+        policies: Vec<Bound<'_, PyAny>>,
         vehicle: Option<PathBuf>,
         oracle: bool,
+        recordings: Vec<PathBuf>,
+        model: Option<PathBuf>,
+        time_limit_s: f64,
     ) -> PyResult<Self> {
         if encounters == Some(0) {
             return Err(PyValueError::new_err(
                 "encounters is 0, expected at least 1",
             ));
         }
+        let mut objects = Vec::new();
+        let mut names = Vec::new();
+        for policy in &policies {
+            if let Ok(name) = policy.extract::<String>() {
+                names.push(name);
+            } else {
+                objects.push(policy.clone().unbind());
+                names.push(own(policy, time_limit_s)?.name().to_owned());
+            }
+        }
+        let owns = owns(py, &objects, time_limit_s)?;
         let overrides = Overrides {
             encounters,
-            policies,
+            policies: names,
+            own: owns.clone(),
+            recordings,
+            model,
             vehicle: vehicle
                 .as_deref()
                 .map(read_text)
@@ -93,26 +133,41 @@ impl Campaign {
         };
         py.detach(|| {
             let configuration = file::read(&file, &overrides)?;
-            CoreCampaign::new(configuration, &file)
+            CoreCampaign::with_own(configuration, &file, &owns)
         })
-        .map(Self)
+        .map(|core| Self {
+            core,
+            own: objects,
+            limit_s: time_limit_s,
+        })
         .map_err(failed)
     }
 
-    /// The campaign of a configuration from `to_json`.
+    /// The campaign of a configuration from `to_json`; `own` are its policies that are no names, in their order.
     #[staticmethod]
-    fn from_json(text: &str) -> PyResult<Self> {
+    #[pyo3(signature = (text, own = Vec::new(), time_limit_s = LIMIT_S))]
+    fn from_json(
+        py: Python<'_>,
+        text: &str,
+        own: Vec<Py<PyAny>>,
+        time_limit_s: f64,
+    ) -> PyResult<Self> {
         let wrong =
             |error| PyValueError::new_err(format!("is no configuration of a campaign: {error}"));
         let configuration: Configuration = serde_json::from_str(text).map_err(wrong)?;
-        CoreCampaign::new(configuration, Path::new("the configuration"))
-            .map(Self)
+        let owns = owns(py, &own, time_limit_s)?;
+        CoreCampaign::with_own(configuration, Path::new("the configuration"), &owns)
+            .map(|core| Self {
+                core,
+                own,
+                limit_s: time_limit_s,
+            })
             .map_err(failed)
     }
 
     /// The configuration with all defaults written out, as one line of JSON.
     fn to_json(&self) -> String {
-        self.0.configuration.to_json()
+        self.core.configuration.to_json()
     }
 
     /// The text of campaign.json for a folder of this campaign.
@@ -125,37 +180,37 @@ impl Campaign {
     /// Its name.
     #[getter]
     fn name(&self) -> &str {
-        &self.0.configuration.name
+        &self.core.configuration.name
     }
 
     /// Fingerprint of everything that determines the results.
     #[getter]
     fn hash(&self) -> &str {
-        &self.0.hash
+        &self.core.hash
     }
 
     /// Number of encounters.
     #[getter]
     fn encounters(&self) -> u64 {
-        self.0.configuration.encounters
+        self.core.configuration.encounters
     }
 
     /// Number of blocks.
     #[getter]
     fn blocks(&self) -> u64 {
-        self.0.configuration.blocks()
+        self.core.configuration.blocks()
     }
 
     /// The policies.
     #[getter]
     fn policies(&self) -> Vec<String> {
-        self.0.configuration.policies.clone()
+        self.core.configuration.policies.clone()
     }
 
     /// Encounters of a block: its first number and the one after its last.
     fn range_of(&self, block: u64) -> PyResult<(u64, u64)> {
         self.check_block(block)?;
-        let range = self.0.configuration.range_of(block);
+        let range = self.core.configuration.range_of(block);
         Ok((range.start, range.end))
     }
 
@@ -170,7 +225,7 @@ impl Campaign {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<(String, usize, Bound<'py, PyBytes>)> {
         self.check_block(block)?;
-        let range = self.0.configuration.range_of(block);
+        let range = self.core.configuration.range_of(block);
         let (name, rows, bytes) = interruptible(py, threads, progress, |shared| {
             shared
                 .total
@@ -178,7 +233,7 @@ impl Campaign {
             let flown: Result<Vec<Vec<Row>>, CampaignError> = range
                 .into_par_iter()
                 .map_init(
-                    || Flyer::new(&self.0),
+                    || Flyer::new(&self.core),
                     |flyer, number| {
                         let Ok(flyer) = flyer else {
                             return Err(CampaignError::Other(
@@ -195,7 +250,7 @@ impl Campaign {
                 )
                 .collect();
             let rows: Vec<Row> = flown?.into_iter().flatten().collect();
-            let (name, bytes) = encode_block(block, &rows, &self.0, &Self::stamp())?;
+            let (name, bytes) = encode_block(block, &rows, &self.core, &Self::stamp())?;
             Ok::<_, CampaignError>((name, rows.len(), bytes))
         })?
         .map_err(failed)?;
@@ -240,11 +295,11 @@ impl Campaign {
         fga_formats::atomic::prepare_folder(&out).map_err(output)?;
         if resume && folder.file(RESULTS).exists() {
             folder.open(&self.manifest(), true).map_err(failed)?;
-            let told = fga_sim::campaign::reread(&folder, &self.0, None).map_err(failed)?;
+            let told = fga_sim::campaign::reread(&folder, &self.core, None).map_err(failed)?;
             return Ok(told.sha256);
         }
         let task = Task {
-            campaign: &self.0,
+            campaign: &self.core,
             shard: Shard::WHOLE,
             stamp: Self::stamp(),
             folder,
@@ -254,13 +309,14 @@ impl Campaign {
         interruptible(py, threads, progress, |shared| {
             shared
                 .total
-                .store(self.0.configuration.encounters, Ordering::Relaxed);
+                .store(self.core.configuration.encounters, Ordering::Relaxed);
             fly(&task, &|| shared.goes_on(), &mut |progress| {
                 shared.done.store(progress.done, Ordering::Relaxed);
             })?;
             self.finish(&task.folder, csv)
         })?
         .map_err(failed)
+        .and_then(|sha256| warn_of_failures(py, &self.core.policies).map(|()| sha256))
     }
 
     /// Flies one encounter again with everything logged, under the named policy or the first one.
@@ -269,17 +325,15 @@ impl Campaign {
         &self,
         py: Python<'_>,
         encounter: u64,
-        policy: Option<&str>,
+        policy: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Vec<crate::decision::Decision>> {
-        let choice = match (policy, self.0.policies.first()) {
-            (Some(name), _) => {
-                fga_sim::campaign::parse_policy(name).map_err(PyValueError::new_err)?
-            }
-            (None, Some(first)) => *first,
+        let choice = match (policy, self.core.policies.first()) {
+            (Some(policy), _) => choice(policy, self.limit_s)?,
+            (None, Some(first)) => first.clone(),
             (None, None) => fga_sim::policy::PolicyChoice::default(),
         };
         let log: RunLog = py
-            .detach(|| self.0.show(encounter, &choice))
+            .detach(|| self.core.show(encounter, &choice))
             .map_err(failed)?;
         let decisions = log.decisions.iter();
         Ok(decisions
@@ -294,7 +348,7 @@ impl Campaign {
                 let unreadable = |error| fga_formats::InputError::unreadable(&path, &error);
                 let file = std::fs::File::open(&path).map_err(unreadable)?;
                 let mut rows = Vec::new();
-                table::read(file, &self.0, |mut group| {
+                table::read(file, &self.core, |mut group| {
                     rows.append(&mut group);
                     Ok::<_, ParquetError>(())
                 })
@@ -308,7 +362,7 @@ impl Campaign {
     }
 
     fn __repr__(&self) -> String {
-        let configuration = &self.0.configuration;
+        let configuration = &self.core.configuration;
         format!(
             "Campaign({:?}, {} encounters in {} blocks, policies {})",
             configuration.name,
@@ -318,15 +372,20 @@ impl Campaign {
         )
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remade<'py>> {
         let class: Bound<'py, PyType> = slf.get_type();
-        Ok((class.getattr("from_json")?, (slf.get().to_json(),)))
+        let this = slf.get();
+        let own = this.own.iter().map(|own| own.clone_ref(slf.py())).collect();
+        Ok((
+            class.getattr("from_json")?,
+            (this.to_json(), own, this.limit_s),
+        ))
     }
 }
 
 impl Campaign {
     fn check_block(&self, block: u64) -> PyResult<()> {
-        let blocks = self.0.configuration.blocks();
+        let blocks = self.core.configuration.blocks();
         if block < blocks {
             return Ok(());
         }
@@ -351,14 +410,14 @@ impl Campaign {
             let named = |row| names.get(get(row) as usize).cloned().unwrap_or_default();
             (name, Column::Text(rows.iter().map(named).collect()))
         };
-        let names = self.0.encounter_names();
+        let names = self.core.encounter_names();
         let name_of = |row: &Row| names.get(row.name? as usize).cloned();
         let mut columns = vec![
             whole("encounter", |row| row.encounter),
             whole("source_encounter", |row| row.source_encounter),
             whole("seed", |row| row.seed),
-            text("source", self.0.source_names(), |row| row.source),
-            text("policy", &self.0.configuration.policies, |row| row.policy),
+            text("source", self.core.source_names(), |row| row.source),
+            text("policy", &self.core.configuration.policies, |row| row.policy),
             whole("obstacles", |row| row.obstacles.into()),
             flag("threatened", Row::threatened),
             real("held_margin_m", |row| row.held_margin_m),
@@ -390,6 +449,10 @@ impl Campaign {
             let column = match field.access {
                 Access::Real(get, _) => Column::MaybeReal(values.map(get).collect()),
                 Access::Flag(get, _) => Column::MaybeFlag(values.map(get).collect()),
+                Access::Failure(get, _) => {
+                    let word = |metrics| Some(get(metrics)?.name().to_owned());
+                    Column::MaybeText(values.map(word).collect())
+                }
             };
             (field.name, column)
         }));

@@ -5,6 +5,8 @@
 //! | [`mod@value`], [`situation`] | what is the input of a decision? |
 //! | [`decision`] | what is a decision? |
 //! | [`pilot`] | who decides? |
+//! | [`own`] | how does a policy of one's own decide? |
+//! | [`together`] | how does one decide for many flights at once? |
 //! | [`simulation`] | what is the result of one flight? |
 //! | [`batch`], [`campaign`] | what is the result of many? |
 //! | [`worlds`] | what do policies that learn see, and what keeps them safe? |
@@ -22,11 +24,13 @@ mod campaign;
 mod decision;
 mod failure;
 mod identified;
+mod own;
 mod pilot;
 mod settings;
 mod simulation;
 mod situation;
 mod table;
+mod together;
 mod value;
 mod work;
 mod worlds;

@@ -6,16 +6,16 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use fga::situation::Situation as CoreSituation;
 use fga_formats::InputError;
 use fga_results::{flight, flight_files, replay_page};
-use fga_sim::campaign::parse_policy;
 use fga_sim::engine::{Outcome, SteppedFlight};
 use fga_sim::run::{Plan, RunLog};
-use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use sha2::{Digest as _, Sha256};
 
 use crate::decision::Decision;
 use crate::failure::{input, output};
+use crate::own::{LIMIT_S, Policy, choice, warn_of_failures};
 use crate::pilot::{VehicleModel, model_of, with_pilot};
 use crate::situation::{Around, Mission, Situation};
 use crate::table::{Column, Table};
@@ -307,20 +307,23 @@ impl Run {
 ///
 /// `overlay` names further policies whose flights the replay page shows too.
 #[pyfunction]
-#[pyo3(signature = (file, policy = "turn-aware", vehicle = None, ownship = None, overlay = Vec::new()))]
+#[pyo3(signature = (
+    file, policy = Policy::Default, vehicle = None, ownship = None, overlay = Vec::new(), time_limit_s = LIMIT_S,
+))]
 pub(crate) fn run(
     py: Python<'_>,
     file: PathBuf,
-    policy: &str,
+    policy: Policy<'_>,
     vehicle: Option<&Bound<'_, PyAny>>,
     ownship: Option<&str>,
-    overlay: Vec<String>,
+    overlay: Vec<Bound<'_, PyAny>>,
+    time_limit_s: f64,
 ) -> PyResult<Run> {
     let plan = read_plan(&file, vehicle, ownship)?;
-    let policy = parse_policy(policy).map_err(PyValueError::new_err)?;
+    let policy = policy.choice(time_limit_s)?;
     let others = overlay
         .iter()
-        .map(|name| parse_policy(name).map_err(PyValueError::new_err))
+        .map(|policy| choice(policy, time_limit_s))
         .collect::<PyResult<Vec<_>>>()?;
     let bytes =
         std::fs::read(&file).map_err(|error| input(InputError::unreadable(&file, &error)))?;
@@ -335,6 +338,7 @@ pub(crate) fn run(
             Ok((fly(&policy)?, overlaid))
         })
         .map_err(refused)?;
+    warn_of_failures(py, core::iter::once(&policy).chain(&others))?;
     Ok(Run {
         log,
         overlaid,

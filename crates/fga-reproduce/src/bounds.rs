@@ -494,7 +494,7 @@ fn least_distances(
         |model: &VehicleModel, policy: PolicyChoice| -> Result<Option<f64>, ReproduceError> {
             let settings = BatchSettings {
                 model: model.clone(),
-                policy,
+                policy: policy.clone(),
                 horizon_s: 60.0,
                 seed: 0,
                 tracks: false,

@@ -80,7 +80,7 @@ pub fn summary(log: &RunLog) -> Value {
         })
         .collect();
     let [floor_broken, ceiling_broken] = log.limits_broken();
-    json!({
+    let mut summary = json!({
         "name": log.plan.name,
         "policy": log.policy,
         "separated": outcome.separated(),
@@ -103,7 +103,11 @@ pub fn summary(log: &RunLog) -> Value {
         "decision_p99_us": times.p99_us,
         "decision_max_us": times.max_us,
         "obstacles": obstacles,
-    })
+    });
+    if let Some(failure) = log.failure {
+        summary["policy_failure"] = failure.name().into();
+    }
+    summary
 }
 
 /// Writes the files of `fga run` for a flight of `input`, whose fingerprint is `input_sha256`, with further

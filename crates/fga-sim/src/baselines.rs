@@ -29,6 +29,7 @@ mod waypoints;
 
 pub use operator::{Display, Operator};
 pub use orca::Orca;
+pub(crate) use pilot::returning;
 pub use pilot::{BaselinePilot, Steering};
 pub use potential::PotentialField;
 pub use velocity::VelocityObstacles;
@@ -39,7 +40,7 @@ pub use waypoints::{Cube, WaypointGreedy, WaypointOptimal};
 use fga::avoider::{Settings, SettingsError};
 use fga::vehicle::Vehicle;
 
-use fga::pilot::Pilot;
+use crate::policy::PolicyPilot;
 
 /// Offset by which the velocity methods see an obstacle at their own height lower, in protected radii.
 /// Any value from 0.01 to 0.1 gives the same shares within the error of the search; without it they
@@ -112,7 +113,7 @@ impl Baseline {
         self,
         settings: &Settings,
         vehicle: &Vehicle,
-    ) -> Result<Box<dyn Pilot + Send>, SettingsError> {
+    ) -> Result<Box<dyn PolicyPilot + Send>, SettingsError> {
         match self {
             Self::PotentialField => boxed(PotentialField::default(), settings, vehicle),
             Self::WaypointGreedy => boxed(WaypointGreedy::default(), settings, vehicle),
@@ -129,7 +130,7 @@ fn boxed(
     method: impl Steering + Send + 'static,
     settings: &Settings,
     vehicle: &Vehicle,
-) -> Result<Box<dyn Pilot + Send>, SettingsError> {
+) -> Result<Box<dyn PolicyPilot + Send>, SettingsError> {
     Ok(Box::new(BaselinePilot::new(method, settings, *vehicle)?))
 }
 

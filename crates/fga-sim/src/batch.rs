@@ -9,8 +9,10 @@
 //! Results do not depend on the number of threads: each encounter flies alone, with its own stream of
 //! noise, and rows come out in the order of the file.
 
+mod together;
 mod tracks;
 
+pub use together::{Questions, fly_together};
 pub use tracks::{Tracks, fly_tracks};
 
 use fga::Vec3;
@@ -18,12 +20,14 @@ use fga::avoider::SettingsError;
 use fga_formats::InputError;
 use fga_formats::encounters::Encounter;
 use fga_formats::number::push_fixed;
+use fga_formats::words::push_csv_field;
 use rayon::prelude::*;
 
 use fga::situation::{Obstacle, ProtectedVolume};
 
 use crate::engine::{Engine, Observer, Outcome, Sample};
-use crate::policy::{Pilot, PolicyChoice, PolicySettings};
+use crate::own::FailureKind;
+use crate::policy::{PolicyChoice, PolicyPilot, PolicySettings};
 use crate::run::{Plan, RunLog, fly};
 use crate::track::Track;
 use crate::vehicle_file::VehicleModel;
@@ -39,8 +43,22 @@ const MISSION_LENGTH_M: f64 = 1e6;
 /// Columns of `results.csv`.
 pub const RESULT_COLUMNS: &str = "encounter,separated,min_separation_m,min_margin_m,start_s,clear_s,max_cross_track_m,extra_path_m,waypoints_missed";
 
-/// The column after them for encounters with names.
+/// The column after them for a policy of one's own.
+pub const FAILURE_COLUMN: &str = "policy_failure";
+
+/// The column after all others for encounters with names.
 pub const NAME_COLUMN: &str = "name";
+
+/// The first line of `results.csv`.
+pub fn result_columns(is_own: bool, is_named: bool) -> String {
+    let mut columns = RESULT_COLUMNS.to_owned();
+    let more = [(is_own, FAILURE_COLUMN), (is_named, NAME_COLUMN)];
+    for (_, name) in more.into_iter().filter(|(is_there, _)| *is_there) {
+        columns.push(',');
+        columns.push_str(name);
+    }
+    columns
+}
 
 /// Columns of `timing.csv`.
 pub const TIMING_COLUMNS: &str = "encounter,decision_median_us,decision_max_us";
@@ -76,6 +94,8 @@ pub struct BatchRow {
     pub decision_max_ns: u64,
     /// Number of decisions.
     pub decisions: usize,
+    /// How the policy failed.
+    pub failure: Option<FailureKind>,
     /// Its rows of `tracks.csv`; empty without `tracks`.
     pub track_rows: Vec<u8>,
 }
@@ -210,7 +230,7 @@ pub fn fly_all<E>(
 pub fn fly_one(
     engine: &mut Engine,
     world: &mut World,
-    pilot: &mut dyn Pilot,
+    pilot: &mut dyn PolicyPilot,
     encounter: &Encounter,
     settings: &BatchSettings,
 ) -> BatchRow {
@@ -227,6 +247,7 @@ pub fn fly_one(
     };
     BatchRow {
         track_rows: rows.rows,
+        failure: pilot.failure(),
         ..timed(encounter.id, outcome, engine.elapsed_ns())
     }
 }
@@ -245,6 +266,7 @@ pub(crate) fn timed(encounter: u64, outcome: Outcome, elapsed_ns: &mut [u64]) ->
         decision_median_ns,
         decision_max_ns,
         decisions,
+        failure: None,
         track_rows: Vec::new(),
     }
 }
@@ -326,8 +348,9 @@ impl BatchRow {
         written(self.outcome.min_margin_m) >= 0.0
     }
 
-    /// Appends its row of `results.csv`.
-    pub fn push_result(&self, row: &mut Vec<u8>) {
+    /// Appends its row of `results.csv`, with the failure of the policy if it is one of one's own, and with the name of the
+    /// encounter if it has one.
+    pub fn push_result(&self, row: &mut Vec<u8>, is_own: bool, name: Option<&str>) {
         let outcome = &self.outcome;
         row.extend_from_slice(self.encounter.to_string().as_bytes());
         row.extend_from_slice(if self.separated() {
@@ -350,6 +373,14 @@ impl BatchRow {
         }
         row.push(b',');
         row.extend_from_slice(outcome.waypoints_missed.to_string().as_bytes());
+        if is_own {
+            row.push(b',');
+            row.extend_from_slice(self.failure.map_or("", FailureKind::name).as_bytes());
+        }
+        if let Some(name) = name {
+            row.push(b',');
+            push_csv_field(row, name.as_bytes());
+        }
         row.push(b'\n');
     }
 

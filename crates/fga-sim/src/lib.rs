@@ -27,6 +27,7 @@
 //! | [`run`] | what happened in one flight, with everything logged? |
 //! | [`batch`] | what is the result of many encounters? |
 //! | [`baselines`] | what would others fly? |
+//! | [`own`] | what would a policy outside of this crate fly? |
 //! | [`campaign`] | what is the result of millions of drawn encounters, policy by policy? |
 //! | [`drawn`], [`recorded`] | which encounters do files hold? |
 //! | [`encounters`] | which encounters does a generator make? |
@@ -48,6 +49,7 @@ mod fingerprint;
 pub mod identification;
 pub mod obstacle;
 pub mod oracle;
+pub mod own;
 pub mod plan;
 pub mod plant;
 pub mod policy;

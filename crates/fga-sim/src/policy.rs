@@ -8,10 +8,24 @@ use fga_paper::pilot::{PaperPilot, Rule};
 
 use crate::ahead::Ahead;
 use crate::baselines::Baseline;
+use crate::own::{FailureKind, OwnPolicy, piped};
 pub use crate::settings::PolicySettings;
 
+/// A pilot of a policy.
+pub trait PolicyPilot: Pilot {
+    /// How the policy has failed in this flight; only policies outside of this crate do.
+    fn failure(&self) -> Option<FailureKind> {
+        None
+    }
+}
+
+impl PolicyPilot for Avoider {}
+impl PolicyPilot for MissionPilot {}
+impl PolicyPilot for PaperPilot {}
+impl<P: Pilot> PolicyPilot for Ahead<P> {}
+
 /// A policy by its name on the command line.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum PolicyChoice {
     /// The core's avoider.
     Avoider(Start),
@@ -21,11 +35,16 @@ pub enum PolicyChoice {
     Paper(Rule),
     /// A baseline or a peer.
     Baseline(Baseline),
+    /// One outside of this crate.
+    Own(OwnPolicy),
 }
 
 /// Names of the policies, for messages and help.
 pub const POLICY_NAMES: &str = "turn-aware, published, published-literal, circle, none, \
-     potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles, operator-f3442, operator-do365";
+     potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles, operator-f3442, operator-do365, pipe:PROGRAM";
+
+/// The beginning of the name of a policy that is an object in Python.
+pub const PYTHON: &str = "python:";
 
 impl Default for PolicyChoice {
     fn default() -> Self {
@@ -39,6 +58,12 @@ impl PolicyChoice {
     /// # Errors
     /// An unknown name or start, or a start that the policy does not have; one sentence.
     pub fn parse(name: &str, start: Option<&str>) -> Result<Self, String> {
+        if let Some(own) = piped(name) {
+            return match start {
+                None => own.map(Self::Own),
+                Some(start) => Err(no_start(name, start)),
+            };
+        }
         let chosen = start.map(parse_start).transpose()?;
         let without_start = |policy| match start {
             None => Ok(policy),
@@ -59,6 +84,10 @@ impl PolicyChoice {
             other => match (Baseline::parse(other), start) {
                 (Some(baseline), None) => Ok(Self::Baseline(baseline)),
                 (Some(_), Some(start)) => Err(no_start(other, start)),
+                (None, _) if other.starts_with(PYTHON) => Err(format!(
+                    "policy {} is an object of a Python program, expected it to be given there",
+                    fga_formats::error::shown(other)
+                )),
                 (None, _) => Err(format!(
                     "unknown policy {}, expected one of {POLICY_NAMES}",
                     fga_formats::error::shown(other)
@@ -83,6 +112,15 @@ impl PolicyChoice {
             Self::Paper(Rule::AsPrinted) => "published-literal".into(),
             Self::Paper(Rule::Circle) => "circle".into(),
             Self::Baseline(baseline) => baseline.name().into(),
+            Self::Own(own) => own.name().into(),
+        }
+    }
+
+    /// The policy, if it is one outside of this crate.
+    pub const fn own(&self) -> Option<&OwnPolicy> {
+        match self {
+            Self::Own(own) => Some(own),
+            _ => None,
         }
     }
 
@@ -94,11 +132,14 @@ impl PolicyChoice {
         &self,
         settings: &PolicySettings,
         vehicle: &Vehicle,
-    ) -> Result<Box<dyn Pilot + Send>, SettingsError> {
+    ) -> Result<Box<dyn PolicyPilot + Send>, SettingsError> {
         let avoider = &settings.avoider;
-        match *self {
+        match self {
             Self::Avoider(start) => {
-                let settings = Settings { start, ..*avoider };
+                let settings = Settings {
+                    start: *start,
+                    ..*avoider
+                };
                 let avoider = Avoider::new(settings, *vehicle)?;
                 Ok(if vehicle.response.dead_time_s > 0.0 {
                     Box::new(Ahead::new(avoider, vehicle))
@@ -111,10 +152,10 @@ impl PolicyChoice {
                 Ok(Box::new(MissionPilot::new(avoider.horizon_s, *vehicle)?))
             }
             Self::Paper(rule) => {
-                let paper = PaperPilot::new(settings.of_paper(rule), *vehicle)?;
+                let paper = PaperPilot::new(settings.of_paper(*rule), *vehicle)?;
                 // The other rules begin their turns earlier by the dead time.
                 Ok(
-                    if rule == Rule::Circle && vehicle.response.dead_time_s > 0.0 {
+                    if *rule == Rule::Circle && vehicle.response.dead_time_s > 0.0 {
                         Box::new(Ahead::new(paper, vehicle))
                     } else {
                         Box::new(paper)
@@ -122,6 +163,7 @@ impl PolicyChoice {
                 )
             }
             Self::Baseline(baseline) => baseline.pilot(avoider, vehicle),
+            Self::Own(own) => Ok(Box::new(own.pilot(settings, vehicle)?)),
         }
     }
 }

@@ -14,6 +14,7 @@ use fga_files::from_mission::scenario_text;
 use fga_formats::{InputError, missions};
 
 use crate::engine::{DecisionMoment, Engine, Observer, Outcome, Sample};
+use crate::own::FailureKind;
 use crate::policy::PolicyChoice;
 use crate::progress::{MissedWaypoint, mission_line_m};
 use crate::separation::Least;
@@ -132,6 +133,8 @@ pub struct RunLog {
     pub outcome: Outcome,
     /// Missed waypoints.
     pub missed: Vec<MissedWaypoint>,
+    /// How the policy failed.
+    pub failure: Option<FailureKind>,
 }
 
 /// Durations of the decisions of a run, microseconds.
@@ -243,6 +246,7 @@ pub fn fly(
         obstacles,
         outcome,
         missed: engine.missed().to_vec(),
+        failure: pilot.failure(),
         plan,
     })
 }

@@ -7,12 +7,28 @@ import os
 import posixpath
 import tempfile
 import uuid
+from typing import Sequence
 
 from ._fga import Campaign
 
 _BLOCKS = "blocks"
 _MANIFEST = "campaign.json"
 RESULTS = "results.parquet"
+
+
+def finished_blocks(campaign: Campaign, names: Sequence[str], place: str) -> dict[int, str]:
+    """The finished blocks by their numbers."""
+    finished: dict[int, str] = {}
+    for name in names:
+        block = campaign.block_of(name)
+        if block is None:
+            continue
+        other = finished.setdefault(block, name)
+        if other != name or block >= campaign.blocks:
+            raise ValueError(
+                f"{place}: holds {name}, which is no block of this campaign beside {other}; take it away"
+            )
+    return finished
 
 
 def store_of(out: str | os.PathLike[str]) -> "FolderStore | UrlStore":

@@ -17,11 +17,8 @@ from typing import Any, Callable, Sequence
 
 from ._fga import Campaign
 from ._progress import progress_bar
-from ._store import RESULTS, store_of
-from .campaign import Flown
-
-_known: dict[str, Campaign] = {}
-
+from ._store import RESULTS, finished_blocks, store_of
+from .campaign import Flown, fly_block, pickled
 
 def _ray() -> Any:
     try:
@@ -31,40 +28,14 @@ def _ray() -> Any:
     return ray
 
 
-def _fly(configuration: str, place: str, block: int) -> tuple[int, int, str]:
-    """A task: flies one block and writes it."""
-    campaign = _known.get(configuration)
-    if campaign is None:
-        _known.clear()
-        campaign = _known[configuration] = Campaign.from_json(configuration)
-    name, rows, data = campaign.fly_block(block, threads=1)
-    store_of(place).put(name, data)
-    return block, rows, name
-
-
-def _empty(_configuration: str, _place: str, block: int) -> tuple[int, int, str]:
+def _empty(_campaign: bytes, _place: str, block: int) -> tuple[int, int, str]:
     return block, 0, ""
-
-
-def _finished(campaign: Campaign, names: Sequence[str], place: str) -> dict[int, str]:
-    """The finished blocks by their numbers."""
-    finished: dict[int, str] = {}
-    for name in names:
-        block = campaign.block_of(name)
-        if block is None:
-            continue
-        other = finished.setdefault(block, name)
-        if other != name or block >= campaign.blocks:
-            raise ValueError(
-                f"{place}: holds {name}, which is no block of this campaign beside {other}; take it away"
-            )
-    return finished
 
 
 def _schedule(
     ray: Any,
-    task: Callable[[str, str, int], tuple[int, int, str]],
-    arguments: tuple[str, str],
+    task: Callable[[bytes, str, int], tuple[int, int, str]],
+    arguments: tuple[bytes, str],
     blocks: Sequence[int],
     in_flight: int,
     done: Callable[[int, int, str], None],
@@ -124,9 +95,10 @@ def run(
     out: str | os.PathLike[str],
     *,
     encounters: int | None = None,
-    policies: Sequence[str] = (),
+    policies: Sequence[Any] = (),
     vehicle: str | os.PathLike[str] | None = None,
     oracle: bool = False,
+    time_limit_s: float = 1.0,
     csv: bool = False,
     address: str = "auto",
     in_flight: int | None = None,
@@ -144,12 +116,17 @@ def run(
     """
     _checked(in_flight)
     campaign = Campaign(
-        file, encounters=encounters, policies=list(policies), vehicle=vehicle, oracle=oracle
+        file,
+        encounters=encounters,
+        policies=list(policies),
+        vehicle=vehicle,
+        oracle=oracle,
+        time_limit_s=time_limit_s,
     )
     store = store_of(out)
     store.open(campaign)
     if not store.results():
-        finished = _finished(campaign, store.names(), store.place)
+        finished = finished_blocks(campaign, store.names(), store.place)
         missing = [block for block in range(campaign.blocks) if block not in finished]
         flown = 0
         for block in finished:
@@ -167,7 +144,7 @@ def run(
             ray = _ray()
             _connected(ray, address)
             limit = _in_flight(ray, in_flight)
-            _schedule(ray, _fly, (campaign.to_json(), store.place), missing, limit, done)
+            _schedule(ray, fly_block, (pickled(campaign), store.place), missing, limit, done)
         sha256 = store.merge(campaign, csv)
     else:
         sha256 = _sha256(store)
@@ -204,7 +181,7 @@ def dry_run(shards: int, *, address: str = "auto", in_flight: int | None = None)
 
     before_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     begun = time.monotonic()
-    _schedule(ray, _empty, ("", ""), range(shards), _in_flight(ray, in_flight), done)
+    _schedule(ray, _empty, (b"", ""), range(shards), _in_flight(ray, in_flight), done)
     took_s = time.monotonic() - begun
     after_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return {

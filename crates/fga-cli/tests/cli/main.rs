@@ -21,6 +21,7 @@ mod identify;
 mod left_out;
 mod messages;
 mod missions;
+mod own_policy;
 mod recomputed;
 mod reference;
 mod replay;

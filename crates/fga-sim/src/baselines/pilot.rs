@@ -10,6 +10,7 @@ use fga::situation::Situation;
 use fga::vehicle::Vehicle;
 
 use super::view::{Route, Sphere, View, flattened};
+use crate::policy::PolicyPilot;
 use crate::wind::crab;
 use crate::world::{BACK_WITHIN_M, BACK_WITHIN_RAD};
 
@@ -96,28 +97,6 @@ impl<S: Steering> BaselinePilot<S> {
         }
     }
 
-    /// The present leg, relative to the aircraft.
-    fn route(&self, situation: &Situation<'_>) -> Route {
-        let own_m = situation.ownship.position_m;
-        let waypoints = situation.mission.waypoints_m;
-        let index = self.guide.leg_index();
-        let leg = waypoints
-            .get(index)
-            .zip(waypoints.get(index + 1))
-            .filter(|(from, to)| from.distance(**to) > 1e-3);
-        let Some((from, to)) = leg else {
-            return Route {
-                foot_m: Vec3::ZERO,
-                along: direction(situation.ownship.course_rad, 0.0),
-            };
-        };
-        let along = (*to - *from).normalize_or_zero();
-        Route {
-            foot_m: *from + along * (own_m - *from).dot(along) - own_m,
-            along,
-        }
-    }
-
     /// The velocity through the air towards the route ahead; `None` where the wind is too strong.
     fn wish(&self, route: &Route, wind_mps: Vec3) -> Option<Vec3> {
         let airspeed_mps = self.vehicle.airspeed_mps;
@@ -171,29 +150,36 @@ impl<S: Steering> BaselinePilot<S> {
             })
             .min_by(|a, b| a.entry_s.total_cmp(&b.entry_s))
     }
-
-    /// The state after a step in which the method left the mission alone, and why.
-    fn returning(&mut self, situation: &Situation<'_>, route: &Route, reason: Reason) -> Reason {
-        let before = self.state;
-        if before == State::Cruise {
-            return reason;
-        }
-        let ground_mps = situation.ownship.velocity_mps() + situation.wind_mps;
-        let on_route = route.foot_m.length() <= BACK_WITHIN_M
-            && ground_mps.angle_between(route.along) <= BACK_WITHIN_RAD;
-        self.state = if on_route || reason == Reason::MissionComplete {
-            State::Cruise
-        } else {
-            State::Recovering
-        };
-        match (reason, before, self.state) {
-            (Reason::Clear, _, State::Cruise) => Reason::Rejoined,
-            (Reason::Clear, State::Avoiding, _) => Reason::RejoinChosen,
-            (Reason::Clear, _, _) => Reason::RejoinKept,
-            (reason, _, _) => reason,
-        }
-    }
 }
+
+/// The state after a step in which a policy left the mission alone, and why.
+pub(crate) fn returning(
+    before: State,
+    situation: &Situation<'_>,
+    route: &Route,
+    reason: Reason,
+) -> (State, Reason) {
+    if before == State::Cruise {
+        return (before, reason);
+    }
+    let ground_mps = situation.ownship.velocity_mps() + situation.wind_mps;
+    let on_route = route.foot_m.length() <= BACK_WITHIN_M
+        && ground_mps.angle_between(route.along) <= BACK_WITHIN_RAD;
+    let state = if on_route || reason == Reason::MissionComplete {
+        State::Cruise
+    } else {
+        State::Recovering
+    };
+    let reason = match (reason, before, state) {
+        (Reason::Clear, _, State::Cruise) => Reason::Rejoined,
+        (Reason::Clear, State::Avoiding, _) => Reason::RejoinChosen,
+        (Reason::Clear, _, _) => Reason::RejoinKept,
+        (reason, _, _) => reason,
+    };
+    (state, reason)
+}
+
+impl<S: Steering> PolicyPilot for BaselinePilot<S> {}
 
 impl<S: Steering> Pilot for BaselinePilot<S> {
     fn restart(&mut self) {
@@ -216,7 +202,7 @@ impl<S: Steering> Pilot for BaselinePilot<S> {
             .map_or(own.velocity_mps(), |stage| {
                 direction(stage.course_rad, stage.climb_rad) * self.vehicle.airspeed_mps
             });
-        let route = self.route(situation);
+        let route = Route::of(situation, self.guide.leg_index());
         let preferred_mps = self.wish(&route, situation.wind_mps).unwrap_or(guided_mps);
         let view = View {
             velocity_mps: own.velocity_mps(),
@@ -240,7 +226,8 @@ impl<S: Steering> Pilot for BaselinePilot<S> {
             };
             self.state = State::Avoiding;
         } else {
-            decision.record.reason = self.returning(situation, &route, decision.record.reason);
+            let reason = decision.record.reason;
+            (self.state, decision.record.reason) = returning(self.state, situation, &route, reason);
             if self.state == State::Recovering && self.is_blocked(&route, guided_mps) {
                 decision.command = self.turn_to(preferred_mps, own.course_rad);
             }

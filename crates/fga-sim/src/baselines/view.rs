@@ -1,6 +1,8 @@
 //! The view of a method: the aircraft, its wish, and spheres that move straight.
 
 use fga::Vec3;
+use fga::angle::direction;
+use fga::situation::Situation;
 use fga::vehicle::Vehicle;
 
 /// An obstacle for the methods: a sphere on a straight line, relative to the aircraft.
@@ -78,6 +80,29 @@ pub struct Route {
     pub foot_m: Vec3,
     /// Unit vector along the leg.
     pub along: Vec3,
+}
+
+impl Route {
+    /// The leg that begins at this waypoint; without one the aircraft's own course, level.
+    pub fn of(situation: &Situation<'_>, leg_index: usize) -> Self {
+        let own_m = situation.ownship.position_m;
+        let waypoints = situation.mission.waypoints_m;
+        let leg = waypoints
+            .get(leg_index)
+            .zip(waypoints.get(leg_index + 1))
+            .filter(|(from, to)| from.distance(**to) > 1e-3);
+        let Some((from, to)) = leg else {
+            return Self {
+                foot_m: Vec3::ZERO,
+                along: direction(situation.ownship.course_rad, 0.0),
+            };
+        };
+        let along = (*to - *from).normalize_or_zero();
+        Self {
+            foot_m: *from + along * (own_m - *from).dot(along) - own_m,
+            along,
+        }
+    }
 }
 
 /// The input of a method. Velocities are through the air.

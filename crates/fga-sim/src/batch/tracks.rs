@@ -8,7 +8,6 @@ use std::path::Path;
 
 use fga_formats::InputError;
 use fga_formats::tally::Tally;
-use fga_formats::words::push_csv_field;
 use rayon::prelude::*;
 
 use super::{BLOCK, BatchError, BatchRow, BatchSettings, TrackRows, timed};
@@ -139,17 +138,7 @@ fn fly_one<E: Send>(
     };
     Ok(BatchRow {
         track_rows: rows.rows,
+        failure: pilot.failure(),
         ..timed(encounter, outcome, engine.elapsed_ns())
     })
-}
-
-impl BatchRow {
-    /// Appends its row of `results.csv` with the name of its encounter.
-    pub fn push_named_result(&self, row: &mut Vec<u8>, name: &str) {
-        self.push_result(row);
-        row.pop();
-        row.push(b',');
-        push_csv_field(row, name.as_bytes());
-        row.push(b'\n');
-    }
 }

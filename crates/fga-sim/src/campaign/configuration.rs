@@ -21,6 +21,7 @@ use crate::encounters::EncounterSource;
 use crate::encounters::modeled::ModelSource;
 use crate::fingerprint::fingerprint;
 use crate::oracle::{OracleSettings, OracleStart, OracleVehicle};
+use crate::own::{OwnPolicy, piped};
 use crate::policy::PolicyChoice;
 use crate::recorded::{RecordingSource, Recordings};
 use crate::sensor::SensorSettings;
@@ -59,6 +60,9 @@ pub struct Configuration {
     pub seeds: Vec<u64>,
     /// Policies by their names on the command line.
     pub policies: Vec<String>,
+    /// Fingerprints of the policies outside of this crate, in their order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub own_sha256: Vec<String>,
     /// Longest time flown, seconds.
     pub horizon_s: f64,
     /// Whether the oracle searches each encounter.
@@ -208,9 +212,28 @@ pub(super) fn number_of_encounters(number: u64) -> Result<u64, String> {
 /// One sentence about an unknown name or start.
 pub fn parse_policy(text: &str) -> Result<PolicyChoice, String> {
     match text.split_once(" --start ") {
-        Some((name, start)) => PolicyChoice::parse(name.trim(), Some(start.trim())),
-        None => PolicyChoice::parse(text.trim(), None),
+        Some((name, start)) if piped(text).is_none() => {
+            PolicyChoice::parse(name.trim(), Some(start.trim()))
+        }
+        _ => PolicyChoice::parse(text.trim(), None),
     }
+}
+
+/// One of these policies by its name, or the one that [`parse_policy`] finds.
+///
+/// # Errors
+/// As [`parse_policy`].
+pub fn policy_called(text: &str, own: &[OwnPolicy]) -> Result<PolicyChoice, String> {
+    match own.iter().find(|own| own.name() == text) {
+        Some(own) => Ok(PolicyChoice::Own(own.clone())),
+        None => parse_policy(text),
+    }
+}
+
+/// Fingerprints of the policies outside of this crate, in their order.
+pub fn own_sha256(policies: &[PolicyChoice]) -> Vec<String> {
+    let own = policies.iter().filter_map(PolicyChoice::own);
+    own.map(|own| own.sha256().to_owned()).collect()
 }
 
 /// A campaign ready to fly.
@@ -270,6 +293,18 @@ impl Campaign {
     /// # Errors
     /// An unusable policy, cell, vehicle or file, or an empty campaign.
     pub fn new(configuration: Configuration, campaign_file: &Path) -> Result<Self, CampaignError> {
+        Self::with_own(configuration, campaign_file, &[])
+    }
+
+    /// The same, with policies outside of this crate by their names in the configuration.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_own(
+        configuration: Configuration,
+        campaign_file: &Path,
+        own: &[OwnPolicy],
+    ) -> Result<Self, CampaignError> {
         let wrong = |message: String| InputError::in_file(campaign_file, message);
         let mut model = match &configuration.vehicle {
             None => VehicleModel::built_in()?,
@@ -282,8 +317,19 @@ impl Campaign {
         let policies = configuration
             .policies
             .iter()
-            .map(|name| parse_policy(name).map_err(wrong))
+            .map(|name| policy_called(name, own).map_err(wrong))
             .collect::<Result<Vec<_>, _>>()?;
+        if own_sha256(&policies) != configuration.own_sha256 {
+            let names: Vec<&str> = policies
+                .iter()
+                .filter_map(|p| Some(p.own()?.name()))
+                .collect();
+            return Err(wrong(format!(
+                "was begun with another program for {}, expected the same one; another folder begins again",
+                names.join(", ")
+            ))
+            .into());
+        }
         let mut cells = Vec::new();
         for &seed in &configuration.seeds {
             for cell in &configuration.cells {

@@ -37,13 +37,17 @@ use fga_formats::error::{read_text, shown};
 use toml::Spanned;
 
 use super::Configuration;
-use super::configuration::{FileSource, block_size, number_of_encounters, parse_policy};
+use super::configuration::{
+    FileSource, block_size, number_of_encounters, own_sha256, policy_called,
+};
 use super::sources::{self, ModelFile};
 use crate::drawn;
 use crate::encounters::EncounterSource;
 use crate::encounters::modeled::Pairing;
 use crate::encounters::parse;
 use crate::fingerprint::fingerprint;
+use crate::own::OwnPolicy;
+use crate::policy::PolicyChoice;
 use crate::recorded;
 use crate::vehicle_file::VehicleModel;
 
@@ -58,8 +62,10 @@ const ENCOUNTERS: u64 = 10_000;
 pub struct Overrides {
     /// Number of encounters.
     pub encounters: Option<u64>,
-    /// Policies by their names on the command line.
+    /// Policies by their names on the command line, or of `own`.
     pub policies: Vec<String>,
+    /// Policies outside of this crate.
+    pub own: Vec<OwnPolicy>,
     /// Text of a vehicle file.
     pub vehicle: Option<String>,
     /// Whether to ask the oracle.
@@ -153,7 +159,8 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         encounters,
         block: block_size(encounters),
         seeds,
-        policies,
+        own_sha256: own_sha256(&policies),
+        policies: policies.iter().map(PolicyChoice::name).collect(),
         horizon_s,
         oracle: overrides.oracle,
         cells: cells.into_iter().map(|(cell, _)| cell).collect(),
@@ -303,30 +310,30 @@ fn events(
     Ok(named.iter().map(|number| *number.get_ref()).collect())
 }
 
-/// Policies by their full names, each once.
+/// The policies, each once.
 fn policies(
     text: &TomlText<'_>,
     file: &CampaignFile,
     overrides: &Overrides,
-) -> Result<Vec<String>, InputError> {
+) -> Result<Vec<PolicyChoice>, InputError> {
+    let called = |name: &str| policy_called(name, &overrides.own);
     if !overrides.policies.is_empty() {
-        return overrides
-            .policies
-            .iter()
-            .map(|name| parse_policy(name).map(|policy| policy.name()))
+        let policies = overrides.policies.iter().map(|name| called(name));
+        return policies
             .collect::<Result<_, _>>()
             .map_err(|message| text.error(message));
     }
     if file.policies.get_ref().is_empty() {
         return Err(text.error_at(&file.policies, "policies is empty, expected at least one"));
     }
-    let mut policies: Vec<String> = Vec::new();
+    let mut policies: Vec<PolicyChoice> = Vec::new();
     for name in file.policies.get_ref() {
-        let policy = parse_policy(name.get_ref())
-            .map_err(|message| text.error_at(name, message))?
-            .name();
+        let policy = called(name.get_ref()).map_err(|message| text.error_at(name, message))?;
         if policies.contains(&policy) {
-            let message = format!("policy {} is named twice, expected once", shown(&policy));
+            let message = format!(
+                "policy {} is named twice, expected once",
+                shown(&policy.name())
+            );
             return Err(text.error_at(name, message));
         }
         policies.push(policy);

@@ -17,7 +17,7 @@ use crate::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
     best_margin_of_tracks,
 };
-use crate::policy::{Pilot, PolicyChoice};
+use crate::policy::{PolicyChoice, PolicyPilot};
 use crate::recorded::plan_of;
 use crate::separation::Separation;
 use crate::world::World;
@@ -111,7 +111,7 @@ pub struct Flyer<'a> {
     campaign: &'a Campaign,
     engine: Engine,
     world: World,
-    policies: Vec<(BatchSettings, Box<dyn Pilot + Send>)>,
+    policies: Vec<(BatchSettings, Box<dyn PolicyPilot + Send>)>,
     line_velocity_mps: Vec3,
     oracle: Option<(OracleVehicle, OracleStart, OracleSettings)>,
     judge: Judge,
@@ -136,7 +136,7 @@ impl<'a> Flyer<'a> {
                 .iter()
                 .map(|policy| {
                     let pilot = policy.pilot(&world.settings, &world.vehicle)?;
-                    Ok((campaign.settings(*policy), pilot))
+                    Ok((campaign.settings(policy.clone()), pilot))
                 })
                 .collect::<Result<_, SettingsError>>()?,
             engine: Engine::new(),
@@ -199,6 +199,7 @@ impl<'a> Flyer<'a> {
             let flight_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
             let mut metrics = nominal;
             self.judge.flown(&world, &self.flown, &mut metrics);
+            metrics.policy_failure = pilot.failure();
             let made = Made {
                 number,
                 drawn,
@@ -268,7 +269,10 @@ impl<'a> Flyer<'a> {
                 drawn,
                 policy,
                 oracle_margin_m,
-                metrics: Metrics::default(),
+                metrics: Metrics {
+                    policy_failure: flown.failure,
+                    ..Metrics::default()
+                },
                 flight_ns,
             };
             take.push(made.flown(&flown, &held, self.engine.separations()));

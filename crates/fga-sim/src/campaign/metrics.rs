@@ -5,6 +5,7 @@
 //! [`Metrics`], and the description inside a results file.
 
 use super::flight::kept;
+use crate::own::FailureKind;
 
 /// The type of a metric.
 #[derive(Debug, Clone, Copy)]
@@ -13,6 +14,11 @@ pub enum Access {
     Real(fn(&Metrics) -> Option<f64>, fn(&mut Metrics, Option<f64>)),
     /// Yes or no.
     Flag(fn(&Metrics) -> Option<bool>, fn(&mut Metrics, Option<bool>)),
+    /// A failure by its word.
+    Failure(
+        fn(&Metrics) -> Option<FailureKind>,
+        fn(&mut Metrics, Option<FailureKind>),
+    ),
 }
 
 /// A metric as a column.
@@ -29,8 +35,9 @@ pub struct Field {
 macro_rules! metrics {
     (@type Real) => { Option<f64> };
     (@type Flag) => { Option<bool> };
+    (@type Failure) => { Option<FailureKind> };
     ($($name:ident: $kind:ident, $meaning:literal;)*) => {
-        /// Metrics of one encounter under one policy; all are `None` for obstacles of families
+        /// Metrics of one encounter under one policy; all but the last are `None` for obstacles of families
         /// and encounter files, which are no recorded or modeled aircraft.
         #[derive(Debug, Clone, Copy, PartialEq, Default)]
         pub struct Metrics {
@@ -75,6 +82,7 @@ metrics! {
     nominal_nmac_scale: Real, "least over time of the larger of horizontal separation / 500 ft and vertical separation / 100 ft, without avoidance; below 1 is a near mid-air collision";
     nmac_scale: Real, "the same as flown";
     altitude_m: Real, "height of the ownship there in the frame of the recording or model, m";
+    policy_failure: Failure, "how a policy of one's own failed, after which it flew the mission: raised, timed-out, not-finite, wrong-shape or ended; empty without a failure";
 }
 
 /// A class of geometry.

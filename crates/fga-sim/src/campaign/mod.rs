@@ -38,7 +38,9 @@ pub mod table;
 mod tail;
 pub mod totals;
 
-pub use configuration::{Campaign, Configuration, Drawn, MOST_ENCOUNTERS, Scene, parse_policy};
+pub use configuration::{
+    Campaign, Configuration, Drawn, MOST_ENCOUNTERS, Scene, own_sha256, parse_policy, policy_called,
+};
 pub use expected::Expected;
 pub use flight::{Flown, Flyer, Row};
 pub use folder::{Folder, Manifest, RESULTS, Shard, Stamp};

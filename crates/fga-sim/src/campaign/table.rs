@@ -32,6 +32,7 @@ use serde_json::Value;
 use super::metrics::{Access, FIELDS, Metrics};
 use super::{Campaign, Row, Stamp};
 use crate::corrupt::guarded;
+use crate::own::FailureKind;
 
 const BASE: &str = "
     required int64 encounter (INTEGER(64,false));
@@ -157,8 +158,12 @@ fn schema_in_words() -> String {
         let kind = match field.access {
             Access::Real(..) => "double",
             Access::Flag(..) => "boolean",
+            Access::Failure(..) => {
+                // Writing to a text does not fail.
+                let _ = writeln!(schema, "    optional binary {} (STRING);", field.name);
+                continue;
+            }
         };
-        // Writing to a text does not fail.
         let _ = writeln!(schema, "    optional {kind} {};", field.name);
     }
     schema.push('}');
@@ -228,6 +233,10 @@ fn columns_of(rows: &[Row], campaign: &Campaign) -> Vec<Column> {
             }
             Access::Flag(get, _) => {
                 Column::MaybeFlag(rows.iter().map(|row| get(&row.metrics)).collect())
+            }
+            Access::Failure(get, _) => {
+                let word = |row: &Row| Some(get(&row.metrics)?.name().into());
+                Column::MaybeText(rows.iter().map(word).collect())
             }
         });
     }
@@ -438,6 +447,14 @@ fn read_group(group: &dyn RowGroupReader, campaign: &Campaign) -> Result<Vec<Row
                 let values = maybe::<BoolType>(group, column, count)?;
                 metrics.iter_mut().zip(values).for_each(|(m, v)| set(m, v));
             }
+            Access::Failure(_, set) => {
+                for (m, word) in metrics
+                    .iter_mut()
+                    .zip(maybe::<ByteArrayType>(group, column, count)?)
+                {
+                    set(m, word.map(|word| failure_of(&word)).transpose()?);
+                }
+            }
         }
     }
     Ok((0..count)
@@ -533,6 +550,17 @@ fn indices(
         .iter()
         .map(|name| index_of(name, names))
         .collect()
+}
+
+/// The failure of a word.
+fn failure_of(word: &ByteArray) -> Result<FailureKind, ParquetError> {
+    let word = String::from_utf8_lossy(word.data());
+    FailureKind::parse(&word).ok_or_else(|| {
+        ParquetError::General(format!(
+            "holds {}, expected a failure of a policy",
+            shown(&word)
+        ))
+    })
 }
 
 /// The index of a name.

@@ -45,7 +45,7 @@ fn numbers(engine: &Engine, outcome: &Outcome) -> Vec<f64> {
 }
 
 /// Flies a world with all decisions and with those that are needed; the numbers of both.
-fn fly_both(engine: &mut Engine, world: &World, policy: PolicyChoice) -> [usize; 2] {
+fn fly_both(engine: &mut Engine, world: &World, policy: &PolicyChoice) -> [usize; 2] {
     let mut pilot = policy.pilot(&world.settings, &world.vehicle).unwrap();
     let all = engine.fly(world, pilot.as_mut(), &mut Watch);
     let expected = numbers(engine, &all);
@@ -74,10 +74,10 @@ fn fly_both(engine: &mut Engine, world: &World, policy: PolicyChoice) -> [usize;
 }
 
 /// Flies encounters of some families with a model; all decisions, and those that were made.
-fn fly(model: VehicleModel, policy: PolicyChoice) -> [usize; 2] {
+fn fly(model: VehicleModel, policy: &PolicyChoice) -> [usize; 2] {
     let settings = BatchSettings {
         model,
-        policy,
+        policy: policy.clone(),
         horizon_s: 60.0,
         seed: 3,
         tracks: false,
@@ -104,7 +104,7 @@ fn fly(model: VehicleModel, policy: PolicyChoice) -> [usize; 2] {
 
 #[test]
 fn known_decisions_are_left_out_and_change_nothing() {
-    let [all, made] = fly(VehicleModel::built_in().unwrap(), PolicyChoice::Mission);
+    let [all, made] = fly(VehicleModel::built_in().unwrap(), &PolicyChoice::Mission);
     assert!(all > 10 * made, "{made} of {all}");
 }
 
@@ -116,7 +116,7 @@ fn neither_do_they_beside_cylinders_and_with_bank_lag() {
         half_height_m: 12.0,
     };
     model.vehicle.response.bank_time_constant_s = 0.6;
-    let [all, made] = fly(model, PolicyChoice::Mission);
+    let [all, made] = fly(model, &PolicyChoice::Mission);
     assert!(all > 10 * made, "{made} of {all}");
 }
 
@@ -124,7 +124,7 @@ fn neither_do_they_beside_cylinders_and_with_bank_lag() {
 fn neither_do_they_in_wind() {
     let mut model = VehicleModel::built_in().unwrap();
     model.wind_mps = Vec3::new(3.0, -4.0, 0.5);
-    fly(model, PolicyChoice::Mission);
+    fly(model, &PolicyChoice::Mission);
 }
 
 #[test]
@@ -132,7 +132,7 @@ fn with_a_dead_time_every_decision_is_made() {
     let mut model = VehicleModel::built_in().unwrap();
     model.wind_mps = Vec3::new(3.0, -4.0, 0.5);
     model.vehicle.response.dead_time_s = 0.35;
-    let [all, made] = fly(model, PolicyChoice::Mission);
+    let [all, made] = fly(model, &PolicyChoice::Mission);
     assert_eq!(all, made);
 }
 
@@ -154,7 +154,7 @@ fn the_end_of_a_mission_and_the_horizon_are_not_flown_over() {
         world.ending = ending;
         for length_m in [333.3, 1e6] {
             world.mission_m = vec![Vec3::ZERO, Vec3::X * length_m];
-            let [all, made] = fly_both(&mut engine, &world, settings.policy);
+            let [all, made] = fly_both(&mut engine, &world, &settings.policy);
             assert!(all > 5 * made, "{made} of {all}");
         }
     }
@@ -165,7 +165,7 @@ fn the_avoider_leaves_out_what_it_knows_and_flies_the_same() {
     for lag_s in [0.0, 0.6] {
         let mut model = VehicleModel::built_in().unwrap();
         model.vehicle.response.bank_time_constant_s = lag_s;
-        let [all, made] = fly(model, PolicyChoice::default());
+        let [all, made] = fly(model, &PolicyChoice::default());
         assert!(
             2 * all > 5 * made,
             "{made} of {all} with a lag of {lag_s} s"
@@ -182,7 +182,7 @@ fn the_avoider_leaves_out_nothing_among_what_it_cannot_foresee() {
     let mut late = VehicleModel::built_in().unwrap();
     late.vehicle.response.dead_time_s = 0.35;
     for model in [noisy, slow, late] {
-        let [all, made] = fly(model, PolicyChoice::default());
+        let [all, made] = fly(model, &PolicyChoice::default());
         assert_eq!(all, made);
     }
 }
@@ -209,7 +209,7 @@ fn fly_campaign(
     for number in 0..count {
         let mut world = campaign.plan(number).unwrap().world;
         change(&mut world);
-        let [all, made] = fly_both(&mut engine, &world, policy);
+        let [all, made] = fly_both(&mut engine, &world, &policy);
         sum = [sum[0] + all, sum[1] + made];
     }
     sum

@@ -1,0 +1,390 @@
+//! Policies of one's own in Python: each flight asks an object on a thread of its own, with a time limit.
+
+use core::sync::atomic::{AtomicU64, Ordering};
+use core::time::Duration;
+use std::sync::Arc;
+
+use fga::Vec3;
+use fga::avoider::Decision as CoreDecision;
+use fga::avoider::{Reason, State};
+use fga::maneuver::Maneuver;
+use fga::situation::{Obstacle as CoreObstacle, Passing, Situation as CoreSituation};
+use fga::vehicle::Vehicle as CoreVehicle;
+use fga_sim::campaign::parse_policy;
+use fga_sim::own::{Answer, Failure, FailureKind, Outside, OwnPolicy, Silence, Worker};
+use fga_sim::policy::{PYTHON, PolicyChoice, PolicySettings};
+use pyo3::exceptions::{PyRuntimeWarning, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::decision::{Decision, Stage};
+use crate::settings::Settings;
+use crate::situation::{Around, Mission, Situation};
+use crate::value::Vehicle;
+
+/// Time limit of a step without another one, seconds.
+pub(crate) const LIMIT_S: f64 = 1.0;
+
+/// The first step of a flight may import modules and read files.
+const START_LIMIT_S: f64 = 10.0;
+
+/// What a policy is called with at every step.
+const STEP: &str = "step";
+
+/// What a policy for many flights at once is called with.
+pub(crate) const STEP_ALL: &str = "step_all";
+
+fn helper<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("fga._own")?.getattr(name)
+}
+
+/// A time limit of a step.
+pub(crate) fn checked_limit(limit_s: f64) -> PyResult<f64> {
+    if limit_s > 0.0 && limit_s <= 3600.0 {
+        return Ok(limit_s);
+    }
+    Err(PyValueError::new_err(format!(
+        "time_limit_s is {limit_s}, expected seconds above 0, at most 3600"
+    )))
+}
+
+/// A policy by its name, or one of one's own.
+pub(crate) fn choice(policy: &Bound<'_, PyAny>, limit_s: f64) -> PyResult<PolicyChoice> {
+    if let Ok(name) = policy.extract::<String>() {
+        return parse_policy(&name).map_err(PyValueError::new_err);
+    }
+    own(policy, limit_s).map(PolicyChoice::Own)
+}
+
+/// The argument `policy`.
+pub(crate) enum Policy<'py> {
+    /// The default policy.
+    Default,
+    /// A name, or one of one's own.
+    Given(Bound<'py, PyAny>),
+}
+
+impl<'py> FromPyObject<'_, 'py> for Policy<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self::Given(object.to_owned()))
+    }
+}
+
+impl Policy<'_> {
+    /// The policy.
+    pub(crate) fn choice(&self, limit_s: f64) -> PyResult<PolicyChoice> {
+        match self {
+            Self::Default => Ok(PolicyChoice::default()),
+            Self::Given(policy) => choice(policy, limit_s),
+        }
+    }
+}
+
+/// Whether a policy answers for many flights at once.
+pub(crate) fn is_for_all(policy: &Bound<'_, PyAny>) -> PyResult<bool> {
+    policy.hasattr(STEP_ALL)
+}
+
+/// A policy of one's own: a class that is made of settings and vehicle, an object, or a function.
+pub(crate) fn own(policy: &Bound<'_, PyAny>, limit_s: f64) -> PyResult<OwnPolicy> {
+    let py = policy.py();
+    let limit_s = checked_limit(limit_s)?;
+    if !(policy.hasattr(STEP)? || is_for_all(policy)? || policy.is_callable()) {
+        return Err(PyTypeError::new_err(format!(
+            "policy is {}, expected a name, a class or an object with step(situation), or a function of the situation",
+            policy.get_type()
+        )));
+    }
+    let name: String = helper(py, "name")?.call1((policy,))?.extract()?;
+    let sha256: String = helper(py, "fingerprint")?.call1((policy,))?.extract()?;
+    let name = if limit_s == LIMIT_S {
+        format!("{PYTHON}{name}")
+    } else {
+        format!("{}@{limit_s}:{name}", PYTHON.trim_end_matches(':'))
+    };
+    let policy = Arc::new(policy.clone().unbind());
+    Ok(OwnPolicy::new(
+        name,
+        sha256,
+        Box::new(move |settings, vehicle| {
+            Box::new(Asked {
+                policy: Arc::clone(&policy),
+                limit_s,
+                settings: *settings,
+                made_for: *vehicle,
+                retuned: None,
+                begins: true,
+                asked: None,
+            })
+        }),
+    ))
+}
+
+/// Warns of the flights in which policies of one's own failed.
+pub(crate) fn warn_of_failures<'a>(
+    py: Python<'_>,
+    policies: impl IntoIterator<Item = &'a PolicyChoice>,
+) -> PyResult<()> {
+    for sentence in policies
+        .into_iter()
+        .filter_map(|policy| policy.own()?.failures_in_words())
+    {
+        let message = std::ffi::CString::new(sentence.replace('\0', " "))?;
+        PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &message, 2)?;
+    }
+    Ok(())
+}
+
+/// A situation for another thread.
+struct Question {
+    /// What the first step of a flight needs.
+    begins: Option<Begins>,
+    retuned: Option<CoreVehicle>,
+    time_s: f64,
+    ownship: fga::situation::Ownship,
+    obstacles: Vec<CoreObstacle>,
+    wind_mps: Vec3,
+}
+
+struct Begins {
+    settings: PolicySettings,
+    vehicle: CoreVehicle,
+    waypoints_m: Vec<Vec3>,
+    passing: Vec<Passing>,
+    limits_m: (f64, f64),
+}
+
+/// Asks an object in one flight after the other.
+struct Asked {
+    policy: Arc<Py<PyAny>>,
+    limit_s: f64,
+    settings: PolicySettings,
+    made_for: CoreVehicle,
+    retuned: Option<CoreVehicle>,
+    begins: bool,
+    asked: Option<Thread<Question, Answer>>,
+}
+
+impl Outside for Asked {
+    fn answer(&mut self, situation: &CoreSituation<'_>) -> Result<Answer, Failure> {
+        let mission = &situation.mission;
+        let question = Question {
+            begins: self.begins.then(|| Begins {
+                settings: self.settings,
+                vehicle: self.made_for,
+                waypoints_m: mission.waypoints_m.to_vec(),
+                passing: mission.passing.to_vec(),
+                limits_m: mission.limits_m,
+            }),
+            retuned: self.retuned.take(),
+            time_s: situation.time_s,
+            ownship: situation.ownship,
+            obstacles: situation.obstacles.iter().collect(),
+            wind_mps: situation.wind_mps,
+        };
+        let limit_s = if self.begins {
+            self.limit_s.max(START_LIMIT_S)
+        } else {
+            self.limit_s
+        };
+        self.begins = false;
+        let thread = match self.asked.take() {
+            Some(thread) => thread,
+            None => {
+                let mut flown = Flown::of(Arc::clone(&self.policy));
+                Thread::start(move |py, question| flown.answer(py, question))?
+            }
+        };
+        let answer = thread.ask(question, limit_s)?;
+        self.asked = Some(thread);
+        answer
+    }
+
+    fn retune(&mut self, vehicle: &CoreVehicle) {
+        self.retuned = Some(*vehicle);
+    }
+
+    fn restart(&mut self) {
+        self.retuned = None;
+        self.begins = true;
+    }
+}
+
+/// A thread that runs Python code for each question.
+pub(crate) struct Thread<Q, A> {
+    worker: Worker<Q, Result<A, Failure>>,
+    ident: Arc<AtomicU64>,
+}
+
+impl<Q: Send + 'static, A: Send + 'static> Thread<Q, A> {
+    /// A thread that answers with `answer`.
+    pub(crate) fn start(
+        mut answer: impl FnMut(Python<'_>, Q) -> Result<A, Failure> + Send + 'static,
+    ) -> Result<Self, Failure> {
+        let ident = Arc::new(AtomicU64::new(0));
+        let noted = Arc::clone(&ident);
+        let worker = Worker::start(move |question| {
+            Python::attach(|py| {
+                if noted.load(Ordering::Relaxed) == 0 {
+                    let ident = py.import("threading").and_then(|threading| {
+                        threading.call_method0("get_ident")?.extract::<u64>()
+                    });
+                    noted.store(ident.unwrap_or_default(), Ordering::Relaxed);
+                }
+                answer(py, question)
+            })
+        })
+        .map_err(|error| {
+            Failure::new(
+                FailureKind::Ended,
+                format!("no thread can be started for it: {error}"),
+            )
+        })?;
+        Ok(Self { worker, ident })
+    }
+
+    /// The answer within the limit; without one the thread is given up, and its Python code interrupted.
+    pub(crate) fn ask(&self, question: Q, limit_s: f64) -> Result<Result<A, Failure>, Failure> {
+        let silence = match self.worker.ask(question, Duration::from_secs_f64(limit_s)) {
+            Ok(answer) => return Ok(answer),
+            Err(silence) => silence,
+        };
+        if silence == Silence::Ended {
+            return Err(Failure::new(FailureKind::Ended, "its thread ended"));
+        }
+        let ident = self.ident.load(Ordering::Relaxed);
+        Python::attach(|py| {
+            // What cannot be interrupted goes on, and nobody waits for it.
+            let _ = helper(py, "interrupt").and_then(|interrupt| interrupt.call1((ident,)));
+        });
+        Err(Failure::new(
+            FailureKind::TimedOut,
+            format!("no answer within {limit_s} s"),
+        ))
+    }
+}
+
+/// An exception of a policy.
+pub(crate) fn raised(py: Python<'_>, error: &PyErr) -> Failure {
+    let said = helper(py, "said")
+        .and_then(|said| said.call1((error.value(py),))?.extract::<String>())
+        .unwrap_or_else(|_| format!("raised {error}"));
+    Failure::new(FailureKind::Raised, said)
+}
+
+/// The calls of a policy made for a flight: a step, and changed limits.
+pub(crate) fn made(
+    py: Python<'_>,
+    policy: &Py<PyAny>,
+    method: &str,
+    settings: &PolicySettings,
+    vehicle: &CoreVehicle,
+) -> PyResult<(Py<PyAny>, Option<Py<PyAny>>)> {
+    let arguments = (
+        policy,
+        method,
+        Settings(settings.avoider),
+        Vehicle(*vehicle),
+    );
+    helper(py, "made")?.call1(arguments)?.extract()
+}
+
+/// The object of a flight.
+struct Flown {
+    policy: Arc<Py<PyAny>>,
+    step: Option<Py<PyAny>>,
+    retune: Option<Py<PyAny>>,
+    mission: Option<Py<Mission>>,
+}
+
+impl Flown {
+    const fn of(policy: Arc<Py<PyAny>>) -> Self {
+        Self {
+            policy,
+            step: None,
+            retune: None,
+            mission: None,
+        }
+    }
+
+    fn answer(&mut self, py: Python<'_>, question: Question) -> Result<Answer, Failure> {
+        let answer = self.ask(py, question).map_err(|error| raised(py, &error))?;
+        answer_of(answer.bind(py))
+    }
+
+    fn ask(&mut self, py: Python<'_>, question: Question) -> PyResult<Py<PyAny>> {
+        if let Some(begins) = question.begins {
+            let mission = Mission::of(begins.waypoints_m, begins.passing, begins.limits_m);
+            self.mission = Some(Py::new(py, mission)?);
+            let (step, retune) = made(py, &self.policy, STEP, &begins.settings, &begins.vehicle)?;
+            (self.step, self.retune) = (Some(step), retune);
+        }
+        if let (Some(vehicle), Some(retune)) = (question.retuned, &self.retune) {
+            retune.call1(py, (Vehicle(vehicle),))?;
+        }
+        let (Some(step), Some(mission)) = (&self.step, &self.mission) else {
+            return Err(PyValueError::new_err("the policy was not made"));
+        };
+        let situation = Situation {
+            time_s: question.time_s,
+            ownship: question.ownship,
+            around: Around::Rows(question.obstacles),
+            mission: mission.clone_ref(py),
+            wind_mps: question.wind_mps,
+        };
+        step.call1(py, (situation,))
+    }
+}
+
+/// What an object that a policy returned says.
+fn answer_of(answer: &Bound<'_, PyAny>) -> Result<Answer, Failure> {
+    let wrong = || {
+        let kind = answer.get_type();
+        Failure::new(
+            FailureKind::WrongShape,
+            format!(
+                "returned {kind}, expected None, a pair (course_rad, climb_rad), a Stage, a list of them, or a Decision"
+            ),
+        )
+    };
+    let flies = |maneuver: &Maneuver| {
+        let decision = CoreDecision::new(State::Avoiding, maneuver, Reason::ManeuverKept);
+        Answer::Decided(Box::new(decision))
+    };
+    if answer.is_none() {
+        return Ok(Answer::Mission);
+    }
+    if let Ok(decision) = answer.cast::<Decision>() {
+        return Ok(Answer::Decided(Box::new(decision.get().decision)));
+    }
+    if let Ok(stage) = answer.cast::<Stage>() {
+        let mut maneuver = Maneuver::hold();
+        maneuver.push(stage.get().0);
+        return Ok(flies(&maneuver));
+    }
+    let items = answer.try_iter().and_then(Iterator::collect::<PyResult<Vec<_>>>);
+    let items = items.map_err(|_| wrong())?;
+    let numbers = items.iter().map(|item| item.extract::<f64>());
+    if let Ok([course_rad, climb_rad]) = numbers.collect::<PyResult<Vec<f64>>>().as_deref() {
+        return Ok(Answer::Heading {
+            course_rad: *course_rad,
+            climb_rad: *climb_rad,
+        });
+    }
+    let mut maneuver = Maneuver::hold();
+    for item in &items {
+        let stage = item.cast::<Stage>().map_err(|_| wrong())?;
+        if !maneuver.push(stage.get().0) {
+            return Err(Failure::new(
+                FailureKind::WrongShape,
+                format!(
+                    "returned {} stages, expected at most {} in the order of their start_s",
+                    items.len(),
+                    fga::maneuver::MAX_STAGES
+                ),
+            ));
+        }
+    }
+    if items.is_empty() { Err(wrong()) } else { Ok(flies(&maneuver)) }
+}
