@@ -19,8 +19,8 @@ use crate::common::{
     watch_for_interrupt,
 };
 use crate::failure::Failure;
-use crate::worst::Worst;
 use fga_results::provenance::Provenance;
+use fga_results::worst::Worst;
 
 /// Options of `fga batch`.
 #[derive(Args, Debug)]

@@ -9,8 +9,8 @@ use fga_sim::campaign::{Campaign, CampaignError, Folder, Manifest, Row, RowFiles
 use fga_sim::policy::PolicyChoice;
 use fga_view::Catalogue;
 
-use crate::worst::Worst;
 use fga_results::replay_page;
+use fga_results::worst::Worst;
 
 /// Most rows listed, over all policies.
 const MOST_ROWS: usize = 5_000;

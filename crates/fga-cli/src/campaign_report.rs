@@ -1,23 +1,16 @@
 //! `fga campaign report`: the safety case of a campaign as one page.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use fga::situation::ProtectedVolume;
-use fga::vehicle::Vehicle;
 use fga_formats::atomic;
-use fga_report::interval::Estimate;
-use fga_report::safety_case::{ClassCase, Lost, PolicyCase, SafetyCase, WorstCase};
-use fga_sim::campaign::risk::{Class, LossCount, PolicyRisk, RiskRatio, Risks};
-use fga_sim::campaign::{Campaign, Folder, Manifest, Row, RowFiles};
-use fga_sim::sensor::SensorSettings;
+use fga_results::campaign::safety::safety_case;
+use fga_sim::campaign::{Campaign, Folder, RESULTS};
 use serde_json::json;
 
 use crate::common::AnswerArgs;
 use crate::failure::Failure;
-use crate::worst::Worst;
-use fga_results::replay_page;
 
 /// Options of `fga campaign report`.
 #[derive(Args, Debug)]
@@ -31,12 +24,6 @@ pub(crate) struct ReportArgs {
     answer: AnswerArgs,
 }
 
-/// Folder of the replays beside the page.
-const REPLAYS: &str = "worst";
-
-/// Most turns from away to back, or the reverse, in a calm flight.
-const RESTLESS: f64 = 3.0;
-
 /// Writes `report.html` and the replays of the worst encounters.
 pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Failure> {
     let folder = Folder::at(&args.folder);
@@ -47,22 +34,20 @@ pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Failure> {
         )));
     };
     let campaign = Campaign::new(manifest.configuration.clone(), &args.folder)?;
-    let files = RowFiles::of(&folder)?;
-    if matches!(&files, RowFiles::Blocks(_)) {
+    if !folder.file(RESULTS).exists() {
         return Err(Failure::Input(format!(
             "{}: is not complete, expected a campaign that was flown to its end (--resume goes on)",
             args.folder.display()
         )));
     }
-    let mut gathered = Gathered::new(&campaign, args.worst);
-    files.read(&campaign, |row| gathered.take(row))?;
-    if gathered.risks.is_empty() {
+    let configuration = &campaign.configuration;
+    if configuration.recordings.is_empty() && configuration.models.is_empty() {
         return Err(Failure::Input(format!(
             "{}: has no encounters of aircraft, expected a campaign with recordings or a [[model]]",
             args.folder.display()
         )));
     }
-    let case = gathered.case(&campaign, &manifest, &args.folder)?;
+    let case = safety_case(&campaign, &manifest, &folder, args.worst, None)?;
     let page = args.folder.join("report.html");
     atomic::write(&page, case.to_html())?;
     args.answer.print(
@@ -70,411 +55,4 @@ pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Failure> {
         &json!({ "file": page.display().to_string(), "worst": case.worst.len() }),
     )?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// The content of the rows.
-struct Gathered {
-    risks: Risks,
-    policies: Vec<PolicyCase>,
-    worst: Vec<Worst<Row>>,
-    nominal_horizontal_m: Vec<f64>,
-    corrective_leads_s: Vec<f64>,
-    warning_leads_s: Vec<f64>,
-}
-
-impl Gathered {
-    fn new(campaign: &Campaign, worst: usize) -> Self {
-        let policies = &campaign.configuration.policies;
-        Self {
-            risks: Risks::default(),
-            policies: policies
-                .iter()
-                .map(|policy| PolicyCase {
-                    policy: policy.clone(),
-                    ..PolicyCase::default()
-                })
-                .collect(),
-            worst: policies.iter().map(|_| Worst::new(worst)).collect(),
-            nominal_horizontal_m: Vec::new(),
-            corrective_leads_s: Vec::new(),
-            warning_leads_s: Vec::new(),
-        }
-    }
-
-    fn take(&mut self, row: &Row) {
-        self.risks.take(row);
-        let metrics = &row.metrics;
-        let is_lost = metrics.nominal_lowc == Some(true);
-        if row.policy == 0 {
-            self.nominal_horizontal_m
-                .extend(metrics.nominal_horizontal_m);
-            if is_lost {
-                self.corrective_leads_s.extend(metrics.corrective_s);
-                self.warning_leads_s.extend(metrics.warning_s);
-            }
-        }
-        let index = row.policy as usize;
-        if let Some(worst) = self.worst.get_mut(index)
-            && let Some(badness) = badness(row)
-        {
-            worst.take([badness, row.min_separation_m], *row);
-        }
-        let Some(policy) = self.policies.get_mut(index) else {
-            return;
-        };
-        policy.horizontal_m.extend(metrics.horizontal_m);
-        policy.severities.extend(metrics.severity);
-        policy.restless += u64::from(metrics.changes.is_some_and(|changes| changes > RESTLESS));
-        if row.start_s.is_some() {
-            policy.not_back += u64::from(row.rejoined_s.is_none());
-            policy.departures_m.push(row.max_cross_track_m);
-            policy.away_s.extend(row.time_away_s());
-            if is_lost {
-                policy.action_leads_s.extend(metrics.action_s);
-            }
-        }
-    }
-
-    fn case(
-        mut self,
-        campaign: &Campaign,
-        manifest: &Manifest,
-        folder: &Path,
-    ) -> Result<SafetyCase, Failure> {
-        let worst = self.fly_worst(campaign, folder)?;
-        let configuration = &campaign.configuration;
-        for (index, case) in (0..).zip(&mut self.policies) {
-            let Some(risk) = self.risks.of(index) else {
-                continue;
-            };
-            let [nmac, lowc, do365] = &risk.losses;
-            case.nmac = lost(nmac, risk, true);
-            case.nmac.tail = risk.tail().map(|tail| {
-                let estimate = Estimate {
-                    value: tail.ratio,
-                    low: tail.interval.low,
-                    high: tail.interval.high,
-                };
-                (tail.above, estimate)
-            });
-            case.lowc = lost(lowc, risk, true);
-            case.do365 = lost(do365, risk, false);
-            case.acted = risk.acted;
-            case.needless = lowc.needless;
-            case.clear = lowc.clear;
-        }
-        let first = self.risks.of(0);
-        Ok(SafetyCase {
-            name: configuration.name.clone(),
-            facts: vec![
-                ("version".into(), configuration.version.clone()),
-                ("commit".into(), manifest.stamp.commit.clone()),
-                ("target".into(), manifest.stamp.target.clone()),
-                (
-                    "configuration".into(),
-                    campaign.hash.chars().take(16).collect(),
-                ),
-                ("vehicle".into(), campaign.model.name.clone()),
-            ],
-            encounters: first.map_or(0, |risk| risk.encounters),
-            effective: first.map_or(0.0, PolicyRisk::effective),
-            classes: self.classes(campaign),
-            policies: self.policies,
-            nominal_horizontal_m: self.nominal_horizontal_m,
-            corrective_leads_s: self.corrective_leads_s,
-            warning_leads_s: self.warning_leads_s,
-            worst,
-            assumed: assumed(campaign),
-            stands_for: stands_for(campaign),
-        })
-    }
-
-    fn classes(&self, campaign: &Campaign) -> Vec<ClassCase> {
-        let policies = &campaign.configuration.policies;
-        let is_one_source = campaign.source_names().len() == 1;
-        self.risks
-            .iter()
-            .filter(|(_, class, _)| {
-                **class != Class::All && !(is_one_source && matches!(class, Class::Source(_)))
-            })
-            .filter_map(|(policy, class, risk)| {
-                let policy = policies.get(policy as usize)?;
-                let [nmac, lowc, _] = &risk.losses;
-                (policy != "none").then(|| ClassCase {
-                    policy: policy.clone(),
-                    class: class.name(campaign.source_names()),
-                    encounters: risk.encounters,
-                    nmac: lost(nmac, risk, false),
-                    lowc: lost(lowc, risk, false),
-                })
-            })
-            .collect()
-    }
-
-    /// Flies the worst encounters again and writes their replay pages.
-    fn fly_worst(&mut self, campaign: &Campaign, folder: &Path) -> Result<Vec<WorstCase>, Failure> {
-        let replays = folder.join(REPLAYS);
-        let mut cases = Vec::new();
-        let policies = campaign
-            .configuration
-            .policies
-            .iter()
-            .zip(&campaign.policies);
-        for ((name, policy), worst) in policies.zip(core::mem::take(&mut self.worst)) {
-            if name == "none" {
-                continue;
-            }
-            for row in worst.into_items() {
-                atomic::prepare_folder(&replays)?;
-                let log = campaign.show(row.encounter, policy)?;
-                let file = format!("{}-{}.html", row.encounter, name.replace([' ', '='], "-"));
-                atomic::write(&replays.join(&file), replay_page::page([&log]))?;
-                let called = row
-                    .name
-                    .and_then(|name| campaign.encounter_names().get(name as usize));
-                let metrics = &row.metrics;
-                cases.push(WorstCase {
-                    policy: name.clone(),
-                    encounter: called
-                        .map_or_else(|| format!("encounter {}", row.encounter), Clone::clone),
-                    what: in_words(&row),
-                    separation_m: [
-                        metrics.nominal_horizontal_m.zip(metrics.nominal_vertical_m),
-                        metrics.horizontal_m.zip(metrics.vertical_m),
-                    ],
-                    href: format!("{REPLAYS}/{file}"),
-                });
-            }
-        }
-        Ok(cases)
-    }
-}
-
-/// How bad an encounter is, the worst least: a near mid-air collision, induced first, then a loss of
-/// well clear, by the remaining separations; `None` without a manoeuvre and without a loss.
-fn badness(row: &Row) -> Option<f64> {
-    let metrics = &row.metrics;
-    let (horizontal_m, vertical_m) = (metrics.horizontal_m?, metrics.vertical_m?);
-    // At most 2, of separations that count.
-    let left = (horizontal_m / 609.6).min(1.0) + (vertical_m / 76.2).min(1.0);
-    let class = match (metrics.nmac?, metrics.nominal_nmac?, metrics.lowc?) {
-        (true, false, _) => 0.0,
-        (true, true, _) => 10.0,
-        (false, _, true) => 20.0,
-        _ if row.start_s.is_some() => 30.0,
-        _ => return None,
-    };
-    Some(class + left)
-}
-
-fn in_words(row: &Row) -> String {
-    let metrics = &row.metrics;
-    let is = |flag: Option<bool>| flag == Some(true);
-    let induced = |nominal: Option<bool>| if is(nominal) { "" } else { ", induced" };
-    if is(metrics.nmac) {
-        format!("NMAC{}", induced(metrics.nominal_nmac))
-    } else if is(metrics.lowc) {
-        format!("LoWC{}", induced(metrics.nominal_lowc))
-    } else {
-        "stays well clear".into()
-    }
-}
-
-fn estimate(ratio: &RiskRatio) -> Estimate {
-    let interval = ratio.interval();
-    Estimate {
-        value: ratio.ratio,
-        low: interval.low,
-        high: interval.high,
-    }
-}
-
-fn lost(count: &LossCount, risk: &PolicyRisk, with_curve: bool) -> Lost {
-    let (nominal_rate, rate) = count.rates(risk.weight);
-    Lost {
-        nominal: count.nominal,
-        flown: count.flown,
-        induced: count.induced,
-        nominal_rate,
-        rate,
-        ratio: count.ratio().as_ref().map(estimate),
-        tail: None,
-        convergence: if with_curve {
-            let curve = count.convergence(risk.encounters);
-            curve
-                .iter()
-                .map(|(encounters, ratio)| (*encounters, estimate(ratio)))
-                .collect()
-        } else {
-            Vec::new()
-        },
-    }
-}
-
-/// What the encounters represent.
-fn stands_for(campaign: &Campaign) -> Vec<String> {
-    let configuration = &campaign.configuration;
-    let mut lines = Vec::new();
-    if !configuration.recordings.is_empty() {
-        lines.push(
-            "Recorded encounters: what pilots flew. Encounters that were flown on purpose, such as intercepts, are a stress set: they say \
-             how a system does in them, not how often they happen in an airspace."
-                .into(),
-        );
-    }
-    if !configuration.models.is_empty() {
-        lines.push(
-            "Encounters drawn from encounter models: intruders turn, climb and accelerate as the radar data from which the models were made. \
-             Weighted counts stand for the encounters of the model with miss distances in its cylinder; they are no rate per flight hour."
-                .into(),
-        );
-    }
-    lines
-}
-
-/// The assumptions.
-fn assumed(campaign: &Campaign) -> Vec<(String, String)> {
-    let configuration = &campaign.configuration;
-    let model = &campaign.model;
-    let mut assumed: Vec<(String, String)> = Vec::new();
-    let mut add = |name: &str, value: String| assumed.push((name.into(), value));
-    if !configuration.recordings.is_empty() {
-        let folders: Vec<&str> = campaign
-            .source_names()
-            .iter()
-            .filter(|name| configuration.recordings.iter().any(|r| r.source == **name))
-            .map(String::as_str)
-            .collect();
-        add(
-            "recordings",
-            format!(
-                "{} files of {}",
-                configuration.recordings.len(),
-                folders.join(", ")
-            ),
-        );
-        add(
-            "left out as damaged",
-            configuration.damaged.len().to_string(),
-        );
-    }
-    for file in &configuration.models {
-        let name = file.path.file_name().unwrap_or_default().to_string_lossy();
-        add(
-            "encounter model",
-            format!(
-                "{name}, SHA-256 {}…; {}",
-                file.sha256.chars().take(12).collect::<String>(),
-                serde_json::to_string(&file.pairing).unwrap_or_default()
-            ),
-        );
-    }
-    add(
-        "ownship",
-        "flies as recorded or drawn until it acts, then at the airspeed of that moment with the vehicle’s limits".into(),
-    );
-    add("vehicle", vehicle_words(&model.vehicle));
-    add(
-        "protected volume that it avoids",
-        match model.protection {
-            ProtectedVolume::Sphere { radius_m } => format!("sphere of {radius_m} m"),
-            ProtectedVolume::Cylinder {
-                radius_m,
-                half_height_m,
-            } => format!("cylinder of {radius_m} m and ±{half_height_m} m"),
-        },
-    );
-    let wind = model.wind_mps;
-    add(
-        "wind",
-        format!("{} m/s east, {} north, {} up", wind.x, wind.y, wind.z),
-    );
-    if configuration.sensors.is_empty() {
-        add("sensor", sensor_words(&model.sensor));
-    }
-    for (number, source) in (1..).zip(&configuration.sensors) {
-        let name = source.name.as_ref().map_or_else(
-            || format!("sensor {number}"),
-            |name| format!("sensor {name}"),
-        );
-        add(&name, sensor_words(&source.into()));
-    }
-    add(
-        "intruders",
-        "do not react; the ownship hears their rows and carries them on for two seconds".into(),
-    );
-    add("seeds", format!("{:?}", configuration.seeds));
-    add("judged", "while both aircraft are recorded, along straight lines between rows, by code apart from the one that decides".into());
-    assumed
-}
-
-/// A vehicle's limits in words.
-fn vehicle_words(vehicle: &Vehicle) -> String {
-    let response = &vehicle.response;
-    format!(
-        "airspeed {} m/s (recorded flights: as recorded), turn radius {:.0} m at that speed, climb angle {:.1}° to {:.1}° at {} rad/s, \
-         dead time {} s, bank lag {} s, turn-rate factor {}",
-        vehicle.airspeed_mps,
-        vehicle.turn_radius_m,
-        vehicle.climb_min_rad.to_degrees(),
-        vehicle.climb_max_rad.to_degrees(),
-        vehicle.climb_rate_radps,
-        response.dead_time_s,
-        response.bank_time_constant_s,
-        response.turn_rate_factor,
-    )
-}
-
-/// A sensor in words.
-fn sensor_words(sensor: &SensorSettings) -> String {
-    let range = if sensor.range_m.is_finite() {
-        format!("range {} m", sensor.range_m)
-    } else {
-        "unlimited range".into()
-    };
-    let rate = if sensor.update_period_s > 0.0 {
-        format!("a look each {} s", sensor.update_period_s)
-    } else {
-        "a look at each decision".into()
-    };
-    let mut words = format!(
-        "{range}, {rate}, field of regard {:.0}°, detection probability {}, delay {} s, noise {} m and {} m/s",
-        sensor.field_of_regard_rad.to_degrees(),
-        sensor.detection_probability,
-        sensor.delay_s,
-        sensor.position_sigma_m,
-        sensor.velocity_sigma_mps,
-    );
-    let mut also = |given: bool, more: String| {
-        if given {
-            words.push_str(", ");
-            words.push_str(&more);
-        }
-    };
-    if let Some(sigma_m) = sensor.altitude_sigma_m {
-        also(true, format!("altitude noise {sigma_m} m"));
-    }
-    also(
-        sensor.position_bias_m > 0.0 || sensor.altitude_bias_m > 0.0,
-        format!(
-            "lasting errors {} m and {} m in altitude",
-            sensor.position_bias_m, sensor.altitude_bias_m
-        ),
-    );
-    also(
-        sensor.equipped_share < 1.0,
-        format!("sees {} of the intruders", sensor.equipped_share),
-    );
-    also(
-        sensor.dropouts_per_min > 0.0,
-        format!(
-            "{} interruptions a minute of {} s",
-            sensor.dropouts_per_min, sensor.dropout_s
-        ),
-    );
-    also(
-        sensor.coast_s > 0.0,
-        format!("extrapolates for {} s", sensor.coast_s),
-    );
-    words
 }

@@ -23,6 +23,7 @@ mod fly;
 mod fly_live;
 mod identify;
 mod init;
+mod league;
 mod live;
 mod oracle;
 #[cfg(feature = "fly")]
@@ -33,7 +34,6 @@ mod shell;
 #[cfg(feature = "fly")]
 mod traffic;
 mod view;
-mod worst;
 
 extern crate alloc;
 
@@ -71,6 +71,8 @@ enum Command {
     Bands(bands::BandsArgs),
     /// Fly drawn encounters by the million under each policy, with results that can be resumed.
     Campaign(campaign::CampaignArgs),
+    /// Fly every policy over sets of encounters and write one page: who keeps how many apart, at which cost.
+    League(league::LeagueArgs),
     /// Fly the paper's evaluation again and write one report.
     Reproduce(reproduce::ReproduceArgs),
     /// Write a run as a file for Google Earth, Cesium, maps or Foxglove, or play it to FlightGear.
@@ -131,6 +133,7 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
         Command::Alerts(args) => alerts::run(&args),
         Command::Bands(args) => bands::run(&args),
         Command::Campaign(args) => campaign::run(&args),
+        Command::League(args) => league::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Export(args) => export::run(&args),
         Command::View(args) => view::run(&args),

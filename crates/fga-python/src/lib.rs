@@ -9,6 +9,7 @@
 //! | [`together`] | how does one decide for many flights at once? |
 //! | [`simulation`] | what is the result of one flight? |
 //! | [`batch`], [`campaign`] | what is the result of many? |
+//! | [`league`] | how do policies compare? |
 //! | [`worlds`] | what do policies that learn see, and what keeps them safe? |
 //! | [`alerts`] | what do the standards say of it? |
 //! | [`identified`] | which aircraft does a flight log show? |
@@ -24,6 +25,7 @@ mod campaign;
 mod decision;
 mod failure;
 mod identified;
+mod league;
 mod own;
 mod pilot;
 mod settings;
@@ -64,6 +66,7 @@ fn _fga(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(simulation::run, module)?)?;
     module.add_function(wrap_pyfunction!(batch::batch, module)?)?;
     module.add_function(wrap_pyfunction!(batch::oracle, module)?)?;
+    module.add_function(wrap_pyfunction!(league::league, module)?)?;
     module.add_class::<alerts::Monitor>()?;
     module.add_class::<identified::Estimate>()?;
     module.add_class::<identified::Identified>()?;

@@ -12,6 +12,7 @@
 //! | [`interval`] | how certain is a share? |
 //! | [`report`] | how do figures, tables and their interpretation become one page? |
 //! | [`safety_case`] | what does a campaign of aircraft show a regulator? |
+//! | [`league`] | which policy keeps how many apart, at which cost? |
 //! | [`listing`] | which of many runs deserve a look? |
 //! | [`replay`] | why did it turn there? |
 //!
@@ -19,6 +20,7 @@
 //! common colour vision can distinguish.
 
 pub mod interval;
+pub mod league;
 pub mod listing;
 pub mod overview;
 pub mod plot;

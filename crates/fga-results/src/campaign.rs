@@ -1,6 +1,7 @@
 //! The files of a complete campaign.
 
 pub mod risk;
+pub mod safety;
 pub mod summary;
 
 use fga_formats::atomic;

@@ -8,6 +8,8 @@
 //! | `replay_guidance` | which alerts and bands does that page show? |
 //! | [`replay_page`] | what does the page show that replays a flight? |
 //! | [`campaign`] | which files tell of a campaign? |
+//! | [`league`] | how do policies compare over sets of encounters? |
+//! | [`worst`] | which results deserve a look? |
 //! | [`provenance`] | where do results come from? |
 //!
 //! The command line, the Python package and the reproduction of the paper write with it: the same bytes.
@@ -19,7 +21,10 @@ pub mod campaign;
 pub mod flight;
 pub mod flight_file;
 pub mod flight_files;
+pub mod league;
 mod named_rows;
+mod parquet_rows;
 pub mod provenance;
 mod replay_guidance;
 pub mod replay_page;
+pub mod worst;

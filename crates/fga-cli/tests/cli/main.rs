@@ -18,6 +18,7 @@ mod files;
 #[cfg(all(feature = "fly", target_os = "linux"))]
 mod fly;
 mod identify;
+mod league;
 mod left_out;
 mod messages;
 mod missions;

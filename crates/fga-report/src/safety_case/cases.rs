@@ -77,6 +77,8 @@ pub struct PolicyCase {
     pub restless: u64,
     /// Acted, and not back on its mission at the end.
     pub not_back: u64,
+    /// Encounters in which a policy of one's own failed.
+    pub failed: u64,
     /// Largest distances from the mission in encounters with a manoeuvre, metres.
     pub departures_m: Vec<f64>,
     /// Times off the mission in encounters with a manoeuvre, seconds.

@@ -516,10 +516,10 @@ mod tests {
             ("pipe:", "names no program"),
             (
                 "pipe:./no-such-program",
-                "there is no program ./no-such-program",
+                "there is no program \"./no-such-program\"",
             ),
-            ("pipe@x:cat", "time limit of x"),
-            ("pipe@0:cat", "time limit of 0"),
+            ("pipe@x:cat", "time limit of \"x\""),
+            ("pipe@0:cat", "time limit of"),
         ] {
             let error = piped(name).unwrap().unwrap_err();
             assert!(error.contains(what), "{error}");

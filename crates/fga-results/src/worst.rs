@@ -3,7 +3,7 @@
 
 /// Keeps the few with the least margin, in memory only for these few.
 #[derive(Debug)]
-pub(crate) struct Worst<T> {
+pub struct Worst<T> {
     most: usize,
     kept: Vec<([f64; 2], u64, T)>,
     seen: u64,
@@ -11,7 +11,7 @@ pub(crate) struct Worst<T> {
 
 impl<T> Worst<T> {
     /// Keeps at most `most`.
-    pub(crate) const fn new(most: usize) -> Self {
+    pub const fn new(most: usize) -> Self {
         Self {
             most,
             kept: Vec::new(),
@@ -20,7 +20,7 @@ impl<T> Worst<T> {
     }
 
     /// Adds one with its margin and its distance.
-    pub(crate) fn take(&mut self, rank: [f64; 2], item: T) {
+    pub fn take(&mut self, rank: [f64; 2], item: T) {
         self.kept.push((rank, self.seen, item));
         self.seen += 1;
         if self.kept.len() >= 2 * self.most.max(512) {
@@ -29,7 +29,7 @@ impl<T> Worst<T> {
     }
 
     /// The kept ones, the worst one first.
-    pub(crate) fn into_items(mut self) -> impl Iterator<Item = T> {
+    pub fn into_items(mut self) -> impl Iterator<Item = T> {
         self.cut();
         self.kept.into_iter().map(|(_, _, item)| item)
     }

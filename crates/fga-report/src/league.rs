@@ -1,0 +1,261 @@
+//! The league: every policy over sets of encounters, as one page.
+
+use crate::interval::Estimate;
+use crate::report::{Block, Cell, Column, Report, Section, Table};
+use crate::safety_case::{Lost, PolicyCase, WorstCase};
+
+/// Everything on the page.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct League {
+    /// Origin of the results.
+    pub facts: Vec<(String, String)>,
+    /// Sets that were not flown and policies that do not take part, and why.
+    pub left_out: Vec<String>,
+    /// The sets.
+    pub sets: Vec<LeagueSet>,
+}
+
+/// A set of encounters.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LeagueSet {
+    /// Its name.
+    pub name: String,
+    /// What it is, a paragraph each.
+    pub about: Vec<String>,
+    /// Whether its encounters are of aircraft, with losses as the standards count them.
+    pub has_aircraft: bool,
+    /// The policies, in the order of the table.
+    pub standings: Vec<Standing>,
+    /// The worst encounters.
+    pub worst: Vec<WorstCase>,
+    /// The assumptions: name, value.
+    pub assumed: Vec<(String, String)>,
+}
+
+/// The results of a policy in a set.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Standing {
+    /// What the standards count.
+    pub case: PolicyCase,
+    /// Encounters flown.
+    pub encounters: u64,
+    /// Would have entered a protected volume with course and altitude held, or as recorded.
+    pub threatened: u64,
+    /// Entered one.
+    pub entered: u64,
+    /// Entered one that holding would not have entered.
+    pub caused: u64,
+    /// Manoeuvred although holding would have entered none.
+    pub needless: u64,
+    /// Manoeuvred.
+    pub manoeuvred: u64,
+    /// Back on the mission at the end, of those.
+    pub rejoined: u64,
+    /// Largest distances from the mission of flights with a manoeuvre: median and 90 %, metres.
+    pub cross_track_m: [Option<f64>; 2],
+    /// Extra paths of flights with a manoeuvre: median, metres.
+    pub extra_path_m: Option<f64>,
+    /// Times away of flights with a manoeuvre: median, seconds.
+    pub away_s: Option<f64>,
+    /// SHA-256 of its `results.parquet`.
+    pub sha256: String,
+}
+
+fn count(count: u64) -> Cell {
+    Cell::Number(count as f64, 0)
+}
+
+fn number(value: Option<f64>) -> Cell {
+    value.map_or(Cell::Empty, |value| Cell::Number(value, 0))
+}
+
+fn ratio(lost: &Lost) -> Cell {
+    lost.ratio
+        .map_or(Cell::Empty, |ratio| Cell::Estimate(ratio, 3))
+}
+
+impl League {
+    /// The page as one HTML file.
+    pub fn to_html(&self) -> String {
+        let mut report = Report::new("League of policies");
+        report.summary = "Every policy over the same encounters, in the same plant, under the same limits and with the same sight, \
+             judged by code apart from all of them."
+            .into();
+        report.facts.clone_from(&self.facts);
+        report.sections = self.sets.iter().map(LeagueSet::section).collect();
+        report
+            .sections
+            .extend(self.sets.iter().map(LeagueSet::evidence));
+        report.sections.push(self.limitations());
+        report.to_html()
+    }
+
+    fn limitations(&self) -> Section {
+        let mut blocks: Vec<Block> = self
+            .left_out
+            .iter()
+            .cloned()
+            .map(Block::Paragraph)
+            .collect();
+        blocks.push(Block::Paragraph(
+            "Intruders do not react. A loss of well clear or a near mid-air collision counts whoever makes it. Recorded encounters were flown on \
+             purpose: they are a stress set, no airspace. Settings of the baselines were searched on other encounters than these (docs/baselines.md); \
+             the default policy was developed with the recorded ones at hand. Decision times are in timing.csv, because they differ from run to run."
+                .into(),
+        ));
+        Section {
+            title: "What is left out, and what this is no evidence of".into(),
+            blocks,
+        }
+    }
+}
+
+impl LeagueSet {
+    fn section(&self) -> Section {
+        let mut blocks: Vec<Block> = self.about.iter().cloned().map(Block::Paragraph).collect();
+        if self.has_aircraft {
+            blocks.push(Block::Table(self.losses()));
+        }
+        blocks.push(Block::Table(self.volume()));
+        if !self.worst.is_empty() {
+            blocks.push(Block::Table(self.worst()));
+        }
+        Section {
+            title: self.name.clone(),
+            blocks,
+        }
+    }
+
+    fn losses(&self) -> Table {
+        let rows = self.standings.iter().map(|standing| {
+            let case = &standing.case;
+            let left = |lost: &Lost| Cell::Text(format!("{} of {}", lost.flown, lost.nominal));
+            vec![
+                Cell::Text(case.policy.clone()),
+                left(&case.nmac),
+                ratio(&case.nmac),
+                left(&case.lowc),
+                ratio(&case.lowc),
+                ratio(&case.do365),
+                count(case.nmac.induced + case.lowc.induced),
+                Cell::Text(format!("{} of {}", case.needless, case.clear)),
+                count(case.restless),
+            ]
+        });
+        Table {
+            caption: "Losses left with the policy, of those without any; risk ratios of weighted counts with their 95 % interval. NMAC: closer than 500 ft and \
+                 100 ft. LoWC: closer than 2,000 ft and 250 ft (ASTM F3442). Induced: lost with the policy only. Needless: acted though well clear \
+                 without it. Restless: more than three changes between away and back."
+                .into(),
+            columns: vec![
+                Column::text("policy"),
+                Column::number("NMAC"),
+                Column::number("NMAC risk ratio"),
+                Column::number("LoWC"),
+                Column::number("LoWC risk ratio"),
+                Column::number("DO-365B risk ratio"),
+                Column::number("induced"),
+                Column::number("needless"),
+                Column::number("restless"),
+            ],
+            rows: rows.collect(),
+        }
+    }
+
+    fn volume(&self) -> Table {
+        let rows = self.standings.iter().map(|standing| {
+            let entered = Estimate::wilson(standing.entered, standing.encounters);
+            let [median_m, most_m] = standing.cross_track_m;
+            vec![
+                Cell::Text(standing.case.policy.clone()),
+                Cell::Text(format!("{} of {}", standing.entered, standing.threatened)),
+                entered.map_or(Cell::Empty, Cell::Share),
+                count(standing.caused),
+                Cell::Text(format!(
+                    "{} of {}",
+                    standing.needless,
+                    standing.encounters - standing.threatened
+                )),
+                number(median_m),
+                number(most_m),
+                number(standing.extra_path_m),
+                number(standing.away_s),
+                count(standing.manoeuvred - standing.rejoined),
+                count(standing.case.failed),
+            ]
+        });
+        Table {
+            caption: "The protected volume of the vehicle file, and what it costs to keep it. Entered: with the policy, of those that holding course and \
+                 altitude (or the recorded flight) enters; share of all encounters with its 95 % interval. Cross-track distance, extra path and time \
+                 away: of flights with a manoeuvre. Failed: encounters in which a policy of one’s own raised, hung or answered wrongly."
+                .into(),
+            columns: vec![
+                Column::text("policy"),
+                Column::number("entered"),
+                Column::number("of all (%)"),
+                Column::number("caused"),
+                Column::number("needless"),
+                Column::number("cross-track median (m)"),
+                Column::number("90 % (m)"),
+                Column::number("extra path median (m)"),
+                Column::number("away median (s)"),
+                Column::number("not back"),
+                Column::number("failed"),
+            ],
+            rows: rows.collect(),
+        }
+    }
+
+    fn worst(&self) -> Table {
+        let separation = |pair: Option<(f64, f64)>| {
+            pair.map_or(Cell::Empty, |(horizontal_m, vertical_m)| {
+                Cell::Text(format!("{horizontal_m:.0}, {vertical_m:.0}"))
+            })
+        };
+        let rows = self.worst.iter().map(|worst| {
+            vec![
+                Cell::Link {
+                    text: worst.encounter.clone(),
+                    href: worst.href.clone(),
+                },
+                Cell::Text(worst.policy.clone()),
+                Cell::Text(worst.what.clone()),
+                separation(worst.separation_m[0]),
+                separation(worst.separation_m[1]),
+            ]
+        });
+        Table {
+            caption: "The worst encounters of each policy. Each leads to its replay, with the default policy beside it. Separations of aircraft: least \
+                 horizontal, and vertical at that time, m."
+                .into(),
+            columns: vec![
+                Column::text("encounter"),
+                Column::text("policy"),
+                Column::text("what"),
+                Column::number("without"),
+                Column::number("as flown"),
+            ],
+            rows: rows.collect(),
+        }
+    }
+
+    fn evidence(&self) -> Section {
+        let assumed = self.assumed.iter();
+        let results = self.standings.iter().map(|standing| {
+            vec![
+                Cell::Text(format!("results of {}", standing.case.policy)),
+                Cell::Text(format!("SHA-256 {}", standing.sha256)),
+            ]
+        });
+        let rows =
+            assumed.map(|(name, value)| vec![Cell::Text(name.clone()), Cell::Text(value.clone())]);
+        Section {
+            title: format!("{}: conditions and results", self.name),
+            blocks: vec![Block::Table(Table {
+                caption: String::new(),
+                columns: vec![Column::text("what"), Column::text("value")],
+                rows: rows.chain(results).collect(),
+            })],
+        }
+    }
+}
