@@ -304,3 +304,35 @@ def test_a_campaign_does_not_go_on_with_another_policy(file, tmp_path):
 def test_wrong_arguments_are_one_sentence(file, tmp_path, arguments, error, words):
     with pytest.raises(error, match=words):
         fga.campaign(file, tmp_path / "out", encounters=4, **arguments)
+
+
+class LooksLeftOnly:
+    """The default policy with a planted fault: it does not see what is to its right."""
+
+    def __init__(self, settings, vehicle):
+        self.avoider = fga.Avoider(settings, vehicle)
+
+    def step(self, situation):
+        own = situation.ownship
+        x, y, _ = own.position_m
+
+        def is_left(obstacle):
+            u, v, _ = obstacle.position_m
+            return (v - y) * math.cos(own.course_rad) - (u - x) * math.sin(own.course_rad) >= 0.0
+
+        seen = [obstacle for obstacle in situation.obstacles if is_left(obstacle)]
+        return self.avoider.step(
+            fga.Situation(situation.time_s, own, situation.mission, seen, situation.wind_mps)
+        )
+
+
+def test_stress_finds_a_planted_fault_and_the_same_again(tmp_path):
+    found = fga.stress(tmp_path / "one", policy=LooksLeftOnly, flights=300, seed=39)
+    assert found["first"] <= 2000 and found["failures"][0]["avoidable"]
+    assert fga.stress(tmp_path / "two", policy=LooksLeftOnly, flights=300, seed=39) == found
+    page = (tmp_path / "one" / "stress.html").read_text()
+    assert "LooksLeftOnly" in page and (tmp_path / "one" / "replay" / "1.html").exists()
+    with pytest.raises(ValueError, match="expected uas or aircraft"):
+        fga.stress(tmp_path / "no", kind="still")
+    with pytest.raises(ValueError, match="flights is 0"):
+        fga.stress(tmp_path / "no", flights=0)

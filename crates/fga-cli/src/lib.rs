@@ -31,6 +31,7 @@ mod rc;
 mod reproduce;
 mod run;
 mod shell;
+mod stress;
 #[cfg(feature = "fly")]
 mod traffic;
 mod view;
@@ -73,6 +74,8 @@ enum Command {
     Campaign(campaign::CampaignArgs),
     /// Fly every policy over sets of encounters and write one page: who keeps how many apart, at which cost.
     League(league::LeagueArgs),
+    /// Search the likeliest motions of an intruder in which a policy fails.
+    Stress(stress::StressArgs),
     /// Fly the paper's evaluation again and write one report.
     Reproduce(reproduce::ReproduceArgs),
     /// Write a run as a file for Google Earth, Cesium, maps or Foxglove, or play it to FlightGear.
@@ -134,6 +137,7 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
         Command::Bands(args) => bands::run(&args),
         Command::Campaign(args) => campaign::run(&args),
         Command::League(args) => league::run(&args),
+        Command::Stress(args) => stress::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Export(args) => export::run(&args),
         Command::View(args) => view::run(&args),

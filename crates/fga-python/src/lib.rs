@@ -10,6 +10,7 @@
 //! | [`simulation`] | what is the result of one flight? |
 //! | [`batch`], [`campaign`] | what is the result of many? |
 //! | [`league`] | how do policies compare? |
+//! | [`stress`] | in which motions does a policy fail? |
 //! | [`worlds`] | what do policies that learn see, and what keeps them safe? |
 //! | [`alerts`] | what do the standards say of it? |
 //! | [`identified`] | which aircraft does a flight log show? |
@@ -31,6 +32,7 @@ mod pilot;
 mod settings;
 mod simulation;
 mod situation;
+mod stress;
 mod table;
 mod together;
 mod value;
@@ -67,6 +69,7 @@ fn _fga(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(batch::batch, module)?)?;
     module.add_function(wrap_pyfunction!(batch::oracle, module)?)?;
     module.add_function(wrap_pyfunction!(league::league, module)?)?;
+    module.add_function(wrap_pyfunction!(stress::stress, module)?)?;
     module.add_class::<alerts::Monitor>()?;
     module.add_class::<identified::Estimate>()?;
     module.add_class::<identified::Identified>()?;

@@ -9,6 +9,7 @@
 //! | [`replay_page`] | what does the page show that replays a flight? |
 //! | [`campaign`] | which files tell of a campaign? |
 //! | [`league`] | how do policies compare over sets of encounters? |
+//! | [`stress`] | in which motions does a policy fail? |
 //! | [`worst`] | which results deserve a look? |
 //! | [`provenance`] | where do results come from? |
 //!
@@ -27,4 +28,5 @@ mod parquet_rows;
 pub mod provenance;
 mod replay_guidance;
 pub mod replay_page;
+pub mod stress;
 pub mod worst;

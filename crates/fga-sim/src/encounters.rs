@@ -9,7 +9,7 @@
 mod family;
 pub mod modeled;
 pub(crate) mod parse;
-mod random;
+pub(crate) mod random;
 
 pub use family::{Family, Range};
 pub use random::Random;

@@ -32,6 +32,7 @@
 //! | [`drawn`], [`recorded`] | which encounters do files hold? |
 //! | [`encounters`] | which encounters does a generator make? |
 //! | [`fine`] | what is the real result of a manoeuvre? |
+//! | [`stress`] | in which likely motions of an intruder does a policy fail? |
 //! | [`oracle`] | can any manoeuvre save an encounter? |
 
 extern crate alloc;
@@ -62,6 +63,7 @@ pub mod sensor;
 pub mod separation;
 pub mod settings;
 pub mod shield;
+pub mod stress;
 pub mod track;
 pub mod tracker;
 pub mod vehicle_file;

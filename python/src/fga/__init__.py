@@ -51,6 +51,7 @@ from ._fga import (
     league,
     oracle,
     run,
+    stress,
     versions,
 )
 from ._progress import progress_bar
@@ -100,5 +101,6 @@ __all__ = [
     "progress_bar",
     "replay",
     "run",
+    "stress",
     "versions",
 ]

@@ -28,4 +28,5 @@ mod reference;
 mod replay;
 mod reproduce;
 mod run;
+mod stress;
 mod tracks;

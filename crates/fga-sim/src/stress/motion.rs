@@ -1,0 +1,301 @@
+//! The motions of an intruder that are searched, and their usual distributions.
+
+use core::f64::consts::{FRAC_1_SQRT_2, PI};
+use core::fmt::Write as _;
+
+use fga::Vec3;
+use fga::angle::direction;
+use fga::situation::{Movement, MovementBounds, ProtectedVolume, Uncertainty};
+use fga::vehicle::Vehicle;
+
+use crate::obstacle::{TrackReport, WorldObstacle};
+use crate::track::{Track, TrackPoint};
+
+/// A parameter of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Parameter {
+    /// Its name, with the unit.
+    pub name: &'static str,
+    /// Its usual distribution.
+    pub usually: &'static str,
+}
+
+/// The parameters in their order.
+pub const PARAMETERS: [Parameter; 15] = [
+    Parameter {
+        name: "meeting_s",
+        usually: "uniform, 30 to 90: when both meet if neither turns",
+    },
+    Parameter {
+        name: "course_rad",
+        usually: "uniform, any direction; 0 the ownship's",
+    },
+    Parameter {
+        name: "speed_mps",
+        usually: "uniform, 0.5 to 2 times the ownship's airspeed",
+    },
+    Parameter {
+        name: "miss_across_m",
+        usually: "uniform, within two radii of the volume to either side",
+    },
+    Parameter {
+        name: "miss_up_m",
+        usually: "uniform, within two half heights of the volume",
+    },
+    Parameter {
+        name: "turn_start_s",
+        usually: "uniform, up to the meeting",
+    },
+    Parameter {
+        name: "turn_rate_radps",
+        usually: "normal, the bound at two standard deviations; left positive",
+    },
+    Parameter {
+        name: "turn_rad",
+        usually: "uniform, up to the bound",
+    },
+    Parameter {
+        name: "second_turn_after_s",
+        usually: "uniform, up to 30 after the first turn",
+    },
+    Parameter {
+        name: "second_turn_rate_radps",
+        usually: "as the first",
+    },
+    Parameter {
+        name: "second_turn_rad",
+        usually: "as the first",
+    },
+    Parameter {
+        name: "climb_start_s",
+        usually: "uniform, up to the meeting",
+    },
+    Parameter {
+        name: "climb_mps",
+        usually: "normal, the bound at two standard deviations",
+    },
+    Parameter {
+        name: "loss_start_s",
+        usually: "uniform, up to the meeting",
+    },
+    Parameter {
+        name: "loss_s",
+        usually: "exponential, 1 on average, at most 10: no report for as long",
+    },
+];
+
+/// Time between two reports of the intruder, seconds.
+const REPORT_S: f64 = 1.0;
+
+/// Time between two points of its track, seconds.
+const POINT_S: f64 = 0.25;
+
+/// Longest loss of reports, seconds.
+const LONGEST_LOSS_S: f64 = 10.0;
+
+/// A motion of an intruder and the loss of its reports.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// The values of [`PARAMETERS`].
+    pub values: [f64; PARAMETERS.len()],
+    /// The ownship's airspeed, metres per second.
+    own_mps: f64,
+}
+
+/// Cumulative distribution of the standard normal distribution.
+fn share_below(z: f64) -> f64 {
+    0.5 * libm::erfc(-z * FRAC_1_SQRT_2)
+}
+
+impl Motion {
+    /// The motion at a point of the standard normal distribution.
+    pub(super) fn of(
+        point: &[f64; PARAMETERS.len()],
+        bounds: &MovementBounds,
+        vehicle: &Vehicle,
+        protection: &ProtectedVolume,
+    ) -> Self {
+        let within = |place: usize, least: f64, most: f64| {
+            least + (most - least) * share_below(point[place])
+        };
+        let bounded = |place: usize, bound: f64| (0.5 * bound * point[place]).clamp(-bound, bound);
+        let own_mps = vehicle.airspeed_mps;
+        let (across_m, up_m) = (
+            2.0 * protection.radius_m(),
+            2.0 * protection.half_height_m(),
+        );
+        let meeting_s = within(0, 30.0, 90.0);
+        // The quantile function of the exponential distribution.
+        let loss_s = -libm::log(share_below(-point[14]).max(f64::MIN_POSITIVE));
+        Self {
+            values: [
+                meeting_s,
+                within(1, -PI, PI),
+                within(2, 0.5 * own_mps, 2.0 * own_mps),
+                within(3, -across_m, across_m),
+                within(4, -up_m, up_m),
+                within(5, 0.0, meeting_s),
+                bounded(6, bounds.turn_rate_radps),
+                within(7, 0.0, bounds.turn_rad),
+                within(8, 0.0, 30.0),
+                bounded(9, bounds.turn_rate_radps),
+                within(10, 0.0, bounds.turn_rad),
+                within(11, 0.0, meeting_s),
+                bounded(12, bounds.climb_change_mps),
+                within(13, 0.0, meeting_s),
+                loss_s.min(LONGEST_LOSS_S),
+            ],
+            own_mps,
+        }
+    }
+
+    /// Its velocity before any turn, and its place at the start, from the ownship's.
+    fn start(&self) -> (Vec3, Vec3) {
+        let [meeting_s, course_rad, speed_mps, across_m, up_m, ..] = self.values;
+        let velocity_mps = direction(course_rad, 0.0) * speed_mps;
+        let relative = (velocity_mps - Vec3::X * self.own_mps).normalize_or_zero();
+        let across = Vec3::new(-relative.y, relative.x, 0.0) * across_m;
+        let meeting_m = Vec3::X * (self.own_mps * meeting_s) + across + Vec3::Z * up_m;
+        (meeting_m - velocity_mps * meeting_s, velocity_mps)
+    }
+
+    /// Whether it begins within three times the volume.
+    pub(super) fn begins_too_near(&self, protection: &ProtectedVolume) -> bool {
+        let (start_m, _) = self.start();
+        start_m.length() < 3.0 * protection.bounding_radius_m()
+    }
+
+    /// Course and climb at a time.
+    fn heading(&self, time_s: f64) -> (f64, f64) {
+        let [
+            _,
+            course_rad,
+            _,
+            _,
+            _,
+            turn_s,
+            rate_radps,
+            turn_rad,
+            after_s,
+            again_radps,
+            again_rad,
+            climb_s,
+            climb_mps,
+            ..,
+        ] = self.values;
+        let turned = |start_s: f64, rate_radps: f64, most_rad: f64| {
+            let so_far = rate_radps * (time_s - start_s).max(0.0);
+            so_far.clamp(-most_rad, most_rad)
+        };
+        let lasts_s = if rate_radps == 0.0 {
+            0.0
+        } else {
+            turn_rad / rate_radps.abs()
+        };
+        let again_s = turn_s + lasts_s + after_s;
+        let course = course_rad
+            + turned(turn_s, rate_radps, turn_rad)
+            + turned(again_s, again_radps, again_rad);
+        (course, if time_s < climb_s { 0.0 } else { climb_mps })
+    }
+
+    /// The intruder: its track, and its reports once a second but for the loss.
+    pub(super) fn intruder(
+        &self,
+        bounds: MovementBounds,
+        volume: ProtectedVolume,
+        until_s: f64,
+    ) -> WorldObstacle {
+        let [_, _, speed_mps, .., loss_start_s, loss_s] = self.values;
+        let (mut position_m, _) = self.start();
+        let (mut points, mut reports) = (Vec::new(), Vec::new());
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some hundreds of points"
+        )]
+        let count = (until_s / POINT_S) as u32 + 8;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a few points"
+        )]
+        let each = (REPORT_S / POINT_S) as u32;
+        for number in 0..=count {
+            let time_s = f64::from(number) * POINT_S;
+            let velocity_at = |time_s: f64| {
+                let (course_rad, climb_mps) = self.heading(time_s);
+                direction(course_rad, 0.0) * speed_mps + Vec3::Z * climb_mps
+            };
+            points.push(TrackPoint { time_s, position_m });
+            let is_lost = (loss_start_s..loss_start_s + loss_s).contains(&time_s);
+            if number % each == 0 && !(is_lost && number > 0) {
+                reports.push(TrackReport {
+                    time_s,
+                    position_m,
+                    velocity_mps: velocity_at(time_s),
+                    uncertainty: Uncertainty::default(),
+                });
+            }
+            // The middle of the step.
+            position_m += velocity_at(time_s + 0.5 * POINT_S) * POINT_S;
+        }
+        let track =
+            Track::through(points).unwrap_or_else(|| Track::straight(Vec3::ZERO, Vec3::ZERO));
+        WorldObstacle {
+            movement: Movement::Aircraft(bounds),
+            reports,
+            ..WorldObstacle::new(0, track, volume)
+        }
+    }
+
+    /// The motion in one sentence.
+    pub fn in_words(&self) -> String {
+        let [
+            meeting_s,
+            course_rad,
+            speed_mps,
+            across_m,
+            up_m,
+            turn_s,
+            rate_radps,
+            turn_rad,
+            after_s,
+            again_radps,
+            again_rad,
+            climb_s,
+            climb_mps,
+            loss_start_s,
+            loss_s,
+        ] = self.values;
+        let mut words = format!(
+            "comes at {speed_mps:.1} m/s on a course of {:.0}° to the ownship's and would miss it by {:.0} m to the {} and {up_m:.0} m in \
+             altitude at {meeting_s:.0} s",
+            course_rad.to_degrees(),
+            across_m.abs(),
+            if across_m < 0.0 { "right" } else { "left" },
+        );
+        let mut turn = |when: &str, rate_radps: f64, turn_rad: f64| {
+            if rate_radps != 0.0 {
+                // Writing to a text does not fail.
+                let _ = write!(
+                    words,
+                    "; turns {:.0}° {} at {:.1} °/s {when}",
+                    turn_rad.to_degrees(),
+                    if rate_radps > 0.0 { "left" } else { "right" },
+                    rate_radps.to_degrees().abs()
+                );
+            }
+        };
+        turn(&format!("from {turn_s:.0} s"), rate_radps, turn_rad);
+        turn(&format!("{after_s:.0} s later"), again_radps, again_rad);
+        if climb_mps != 0.0 {
+            let _ = write!(words, "; climbs at {climb_mps:.1} m/s from {climb_s:.0} s");
+        }
+        let _ = write!(
+            words,
+            "; no report for {loss_s:.1} s from {loss_start_s:.0} s"
+        );
+        words
+    }
+}
