@@ -7,6 +7,7 @@ use fga_formats::atomic;
 use fga_formats::words::counted;
 use fga_report::report::{Block, Cell, Column, Report, Section, Table};
 use fga_sim::campaign::{CampaignError, Stamp};
+use fga_sim::own::FailureKind;
 use fga_sim::stress::{Found, PARAMETERS, Stress, StressFailure, show};
 use serde_json::{Value, json};
 
@@ -63,7 +64,7 @@ fn row<'a>(number: usize, failure: &StressFailure) -> Row<&'a str> {
         ("avoidable", json!(failure.avoidable)),
         (
             "policy_failure",
-            json!(failure.policy_failure.map(|kind| kind.name())),
+            json!(failure.policy_failure.map(FailureKind::name)),
         ),
     ];
     let values = PARAMETERS.iter().zip(failure.motion.values);
@@ -163,7 +164,7 @@ fn page(stress: &Stress, found: &Found) -> String {
             Cell::Number(failure.distance, 2),
             Cell::Number(failure.margin_m, 1),
             Cell::Text(if failure.avoidable { "yes" } else { "no" }.into()),
-            Cell::Text(failure.policy_failure.map_or("", |kind| kind.name()).into()),
+            Cell::Text(failure.policy_failure.map_or("", FailureKind::name).into()),
             Cell::Text(failure.motion.in_words()),
             Cell::Text(
                 needed
