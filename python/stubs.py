@@ -105,6 +105,7 @@ TYPES = {
     "run.policy": "object",
     "batch.policy": "object",
     "policies": "Sequence[object]",
+    "intruders": "Sequence[object]",
     "own": "Sequence[object]",
     "recordings": "Sequence[_Path]",
     "Campaign.__new__.model": "_Path | None",

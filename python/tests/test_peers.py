@@ -101,7 +101,7 @@ def test_the_relative_state_counts_as_the_networks_do():
     assert near.horizontal_entry_s(500.0) == pytest.approx((6000.0 - 152.4) / 112.0)
 
 
-@pytest.mark.parametrize("name", ["Cas", "CasAsPycasx", "ControlBarrier", "SeeAndAvoid"])
+@pytest.mark.parametrize("name", ["Cas", "CasAsPycasx", "ControlBarrier"])
 def test_a_peer_acts_on_a_collision_course_and_not_without_one(name, request):
     if name.startswith("Cas"):
         request.getfixturevalue("installed")
@@ -152,3 +152,30 @@ def test_a_league_takes_names_and_policies_of_ones_own(tmp_path):
     assert again == told and (tmp_path / "out" / "league.html").read_bytes() == page
     with pytest.raises(ValueError, match="there is no set"):
         fga.league(tmp_path / "out", sets=["lunar"])
+
+
+def test_a_policy_of_ones_own_flies_on_the_other_side(tmp_path):
+    """The intruder that does nothing changes nothing; one that gives way leaves no loss to an ownship that does nothing."""
+    folder = tmp_path / "data" / "flown"
+    folder.mkdir(parents=True)
+    text = ["NAME, sx, sy, sz, vx, vy, vz, time", "[none], [m], [m], [m], [m/s], [m/s], [m/s], [s]"]
+    for second in range(141):
+        text.append(f"own, {56.0 * second}, 0, 600, 56, 0, 0, {second}")
+        text.append(f"other, {7840.0 - 56.0 * second}, 50, 600, -56, 0, 0, {second}")
+    (folder / "near.daa").write_text("\n".join(text) + "\n")
+
+    def idle(situation):
+        return None
+
+    told = fga.league(
+        tmp_path / "out",
+        policies=["none"],
+        intruders=[idle, "turn-aware"],
+        sets=["flown"],
+        data=tmp_path / "data",
+        worst=0,
+    )
+    assert [row["intruders"].split(".")[-1] for row in told] == ["none", "idle", "turn-aware"]
+    first, same, turned = told
+    assert first["nmac"] == same["nmac"] == 1 and turned["nmac"] == 0
+    assert first["entered"] == same["entered"]

@@ -10,6 +10,8 @@ use fga_sim::campaign::{Expected, Progress};
 /// Progress on standard error: on a terminal a line that overwrites itself, else a line now and then.
 pub(crate) struct Display {
     terminal: bool,
+    /// What is flown.
+    what: &'static str,
     /// When flying began, with the sample.
     begun: Instant,
     /// Whether the expected duration has been told.
@@ -20,7 +22,13 @@ pub(crate) struct Display {
 impl Display {
     /// Nothing shown yet; flying begins now.
     pub(crate) fn new() -> Self {
+        Self::of("encounters")
+    }
+
+    /// The same for another word.
+    pub(crate) fn of(what: &'static str) -> Self {
         Self {
+            what,
             terminal: std::io::stderr().is_terminal(),
             begun: Instant::now(),
             is_told: false,
@@ -45,9 +53,10 @@ impl Display {
         let rate = (progress.done - progress.before) as f64 / progress.elapsed_s.max(1e-9);
         let left_s = (progress.total - progress.done) as f64 / rate.max(1e-9);
         let line = format!(
-            "{} of {} encounters ({:.1} %), {} a second, {} left",
+            "{} of {} {} ({:.1} %), {} a second, {} left",
             progress.done,
             progress.total,
+            self.what,
             100.0 * progress.done as f64 / progress.total.max(1) as f64,
             per_second(rate),
             duration(left_s)

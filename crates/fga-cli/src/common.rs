@@ -20,7 +20,8 @@ use crate::failure::Failure;
 pub(crate) struct PolicyArgs {
     /// The policy: turn-aware, published, published-literal, circle, none, or a baseline:
     /// potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles,
-    /// operator-f3442, operator-do365; or pipe:PROGRAM, a program of your own. It may include a start, as in "published --start t0".
+    /// operator-f3442, operator-do365, right-of-way, see-and-avoid, tcas-like, arduplane-rules;
+    /// or pipe:PROGRAM, a program of your own. It may include a start, as in "published --start t0".
     #[arg(long, value_name = "POLICY", default_value = "turn-aware")]
     pub(crate) policy: String,
     /// When a manoeuvre begins: t0, tc, latest, free or Cs=0.5.

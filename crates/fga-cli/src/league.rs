@@ -23,6 +23,9 @@ pub(crate) struct LeagueArgs {
     /// A policy, as in "published --start t0" or "pipe:./my-policy"; may be given several times; without any all built-in ones.
     #[arg(long, value_name = "POLICY")]
     policy: Vec<String>,
+    /// A policy by which intruders with tracks react, as in "see-and-avoid"; may be given several times. Each set also flies without.
+    #[arg(long, value_name = "POLICY")]
+    intruders: Vec<String>,
     /// Folder of third-party data; without it `FGA_DATA`.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
@@ -47,6 +50,7 @@ pub(crate) fn run(args: &LeagueArgs) -> Result<ExitCode, Failure> {
     let terms = Terms {
         sets: args.sets.clone(),
         policies: args.policy.clone(),
+        intruders: args.intruders.clone(),
         own: Vec::new(),
         data: data.map(checked_data).transpose()?,
         encounters: args.encounters,

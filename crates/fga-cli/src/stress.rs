@@ -6,8 +6,10 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use fga::situation::MovementBounds;
 use fga_results::stress::write;
+use fga_sim::campaign::Progress;
 use fga_sim::stress::{Stress, search};
 
+use crate::campaign_progress::Display;
 use crate::common::{
     AnswerArgs, PolicyArgs, ThreadArgs, VehicleArgs, interrupted, tell_failures,
     watch_for_interrupt,
@@ -62,10 +64,22 @@ pub(crate) fn run(args: &StressArgs) -> Result<ExitCode, Failure> {
     };
     fga_formats::atomic::prepare_folder(&args.out)?;
     watch_for_interrupt();
+    let mut display = Display::of("flights");
+    let begun = std::time::Instant::now();
+    let mut show = |done: usize| {
+        display.show(&Progress {
+            done: done as u64,
+            before: 0,
+            total: stress.flights as u64,
+            elapsed_s: begun.elapsed().as_secs_f64(),
+            expected: None,
+        });
+    };
     let found = args
         .threads
-        .install(|| search(&stress, &|| !interrupted()))?
+        .install(|| search(&stress, &|| !interrupted(), &mut show))?
         .map_err(Failure::Input)?;
+    display.end();
     tell_failures([&stress.policy]);
     if interrupted() {
         return Err(Failure::Interrupted);

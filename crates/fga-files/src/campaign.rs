@@ -21,6 +21,8 @@ pub struct CampaignFile {
     pub seeds: Option<Spanned<Vec<u64>>>,
     /// Policies by their names on the command line.
     pub policies: Spanned<Vec<Spanned<String>>>,
+    /// The policy by which intruders with tracks react; without it they fly their tracks.
+    pub intruders: Option<Spanned<String>>,
     /// Longest time flown in an encounter, seconds.
     pub horizon_s: Option<Spanned<f64>>,
     /// Vehicle file, beside this file.

@@ -244,7 +244,9 @@ pub(crate) fn batch(
             Ok(())
         };
         match for_all {
-            Some(policy) => together::fly(policy, time_limit_s, (&encounters, &settings), shared, take),
+            Some(policy) => {
+                together::fly(policy, time_limit_s, (&encounters, &settings), shared, take)
+            }
             None => fly_all(&encounters, &settings, take),
         }
         .map(|()| (csv, rows))

@@ -417,7 +417,9 @@ impl Campaign {
             whole("source_encounter", |row| row.source_encounter),
             whole("seed", |row| row.seed),
             text("source", self.core.source_names(), |row| row.source),
-            text("policy", &self.core.configuration.policies, |row| row.policy),
+            text("policy", &self.core.configuration.policies, |row| {
+                row.policy
+            }),
             whole("obstacles", |row| row.obstacles.into()),
             flag("threatened", Row::threatened),
             real("held_margin_m", |row| row.held_margin_m),

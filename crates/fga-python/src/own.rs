@@ -363,7 +363,9 @@ fn answer_of(answer: &Bound<'_, PyAny>) -> Result<Answer, Failure> {
         maneuver.push(stage.get().0);
         return Ok(flies(&maneuver));
     }
-    let items = answer.try_iter().and_then(Iterator::collect::<PyResult<Vec<_>>>);
+    let items = answer
+        .try_iter()
+        .and_then(Iterator::collect::<PyResult<Vec<_>>>);
     let items = items.map_err(|_| wrong())?;
     let numbers = items.iter().map(|item| item.extract::<f64>());
     if let Ok([course_rad, climb_rad]) = numbers.collect::<PyResult<Vec<f64>>>().as_deref() {
@@ -386,5 +388,9 @@ fn answer_of(answer: &Bound<'_, PyAny>) -> Result<Answer, Failure> {
             ));
         }
     }
-    if items.is_empty() { Err(wrong()) } else { Ok(flies(&maneuver)) }
+    if items.is_empty() {
+        Err(wrong())
+    } else {
+        Ok(flies(&maneuver))
+    }
 }

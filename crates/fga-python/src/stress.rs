@@ -59,7 +59,8 @@ pub(crate) fn stress<'py>(
         seed,
     };
     let document = interruptible(py, threads, None, |shared| {
-        let found = search(&stress, &|| shared.goes_on()).map_err(PyValueError::new_err)?;
+        let found =
+            search(&stress, &|| shared.goes_on(), &mut |_| ()).map_err(PyValueError::new_err)?;
         if !shared.goes_on() {
             return Err(PyKeyboardInterrupt::new_err("stopped"));
         }

@@ -41,10 +41,8 @@ pub(crate) fn fly(
     };
     let vehicle = settings.model.vehicle;
     let policy = std::sync::Arc::new(policy);
-    let mut thread: Result<Thread<Question, Vec<Answer>>, Failure> = Err(Failure::new(
-        FailureKind::Ended,
-        "the policy has not begun",
-    ));
+    let mut thread: Result<Thread<Question, Vec<Answer>>, Failure> =
+        Err(Failure::new(FailureKind::Ended, "the policy has not begun"));
     let thread = std::cell::RefCell::new(&mut thread);
     let begin = || {
         let policy = std::sync::Arc::clone(&policy);
@@ -92,8 +90,14 @@ fn tables(questions: &Questions<'_>) -> Tables {
     let encounters = questions.iter().map(|(encounter, _, _)| *encounter);
     let flights = vec![
         ("encounter", Column::Whole(encounters.collect())),
-        ("begins", Column::Flag(questions.iter().map(|(_, begins, _)| *begins).collect())),
-        ("time_s", Column::Real(questions.iter().map(|(_, _, s)| s.time_s).collect())),
+        (
+            "begins",
+            Column::Flag(questions.iter().map(|(_, begins, _)| *begins).collect()),
+        ),
+        (
+            "time_s",
+            Column::Real(questions.iter().map(|(_, _, s)| s.time_s).collect()),
+        ),
         ("x_m", real(|own| own.position_m.x)),
         ("y_m", real(|own| own.position_m.y)),
         ("z_m", real(|own| own.position_m.z)),
@@ -115,8 +119,14 @@ fn tables(questions: &Questions<'_>) -> Tables {
         ProtectedVolume::Cylinder { half_height_m, .. } => Some(half_height_m),
     };
     let obstacles = vec![
-        ("flight", Column::Whole(rows.iter().map(|(flight, _)| *flight).collect())),
-        ("obstacle", Column::Whole(rows.iter().map(|(_, o)| o.id.into()).collect())),
+        (
+            "flight",
+            Column::Whole(rows.iter().map(|(flight, _)| *flight).collect()),
+        ),
+        (
+            "obstacle",
+            Column::Whole(rows.iter().map(|(_, o)| o.id.into()).collect()),
+        ),
         ("x_m", real(|o| o.position_m.x)),
         ("y_m", real(|o| o.position_m.y)),
         ("z_m", real(|o| o.position_m.z)),
@@ -130,7 +140,11 @@ fn tables(questions: &Questions<'_>) -> Tables {
         ),
         (
             "kind",
-            Column::Text(rows.iter().map(|(_, o)| movement_word(o.movement).into()).collect()),
+            Column::Text(
+                rows.iter()
+                    .map(|(_, o)| movement_word(o.movement).into())
+                    .collect(),
+            ),
         ),
     ];
     [flights, obstacles]
@@ -151,15 +165,18 @@ fn answers(py: Python<'_>, step: &Py<PyAny>, tables: Tables) -> Result<Vec<Answe
     let mut answers = Vec::new();
     for batch in &batches {
         let (course_rad, climb_rad) = (reals(batch, "course_rad")?, reals(batch, "climb_rad")?);
-        answers.extend(course_rad.into_iter().zip(climb_rad).map(
-            |(course_rad, climb_rad)| match course_rad {
-                None => Answer::Mission,
-                Some(course_rad) => Answer::Heading {
-                    course_rad,
-                    climb_rad: climb_rad.unwrap_or(0.0),
-                },
-            },
-        ));
+        answers.extend(
+            course_rad
+                .into_iter()
+                .zip(climb_rad)
+                .map(|(course_rad, climb_rad)| match course_rad {
+                    None => Answer::Mission,
+                    Some(course_rad) => Answer::Heading {
+                        course_rad,
+                        climb_rad: climb_rad.unwrap_or(0.0),
+                    },
+                }),
+        );
     }
     Ok(answers)
 }

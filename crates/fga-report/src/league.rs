@@ -20,6 +20,8 @@ pub struct League {
 pub struct LeagueSet {
     /// Its name.
     pub name: String,
+    /// The policy by which its intruders react; none fly their tracks.
+    pub intruders: Option<String>,
     /// What it is, a paragraph each.
     pub about: Vec<String>,
     /// Whether its encounters are of aircraft, with losses as the standards count them.
@@ -82,12 +84,36 @@ impl League {
              judged by code apart from all of them."
             .into();
         report.facts.clone_from(&self.facts);
-        report.sections = self.sets.iter().map(LeagueSet::section).collect();
+        report.sections = self.reactions().into_iter().collect();
+        report
+            .sections
+            .extend(self.sets.iter().map(LeagueSet::section));
         report
             .sections
             .extend(self.sets.iter().map(LeagueSet::evidence));
         report.sections.push(self.limitations());
         report.to_html()
+    }
+
+    /// Each policy against each reaction, for the sets that were flown with several; `None` without one.
+    fn reactions(&self) -> Option<Section> {
+        let tables: Vec<Block> = self
+            .sets
+            .iter()
+            .filter(|set| set.intruders.is_none())
+            .filter_map(|set| {
+                let columns: Vec<&LeagueSet> = self
+                    .sets
+                    .iter()
+                    .filter(|other| other.name == set.name)
+                    .collect();
+                (columns.len() > 1).then(|| Block::Table(matrix(set, &columns)))
+            })
+            .collect();
+        (!tables.is_empty()).then(|| Section {
+            title: "Policies against reactions of the intruders".into(),
+            blocks: tables,
+        })
     }
 
     fn limitations(&self) -> Section {
@@ -98,7 +124,7 @@ impl League {
             .map(Block::Paragraph)
             .collect();
         blocks.push(Block::Paragraph(
-            "Intruders do not react. A loss of well clear or a near mid-air collision counts whoever makes it. Recorded encounters were flown on \
+            "Where a set does not say how, intruders do not react. A loss of well clear or a near mid-air collision counts whoever makes it. Recorded encounters were flown on \
              purpose: they are a stress set, no airspace. Settings of the baselines were searched on other encounters than these (docs/baselines.md); \
              the default policy was developed with the recorded ones at hand. Decision times are in timing.csv, because they differ from run to run."
                 .into(),
@@ -110,7 +136,52 @@ impl League {
     }
 }
 
+/// Losses left: a row for each policy, a column for each reaction.
+fn matrix(set: &LeagueSet, columns: &[&LeagueSet]) -> Table {
+    let rows = set.standings.iter().map(|standing| {
+        let policy = &standing.case.policy;
+        let cells = columns.iter().map(|column| {
+            let there = column.standings.iter().find(|s| s.case.policy == *policy);
+            there.map_or(Cell::Empty, |standing| {
+                let case = &standing.case;
+                Cell::Text(format!("{}, {}", case.nmac.flown, case.lowc.flown))
+            })
+        });
+        core::iter::once(Cell::Text(policy.clone()))
+            .chain(cells)
+            .collect()
+    });
+    let of = |lost: fn(&PolicyCase) -> &Lost| {
+        let first = set.standings.first();
+        first.map_or(0, |standing| lost(&standing.case).nominal)
+    };
+    let names = columns.iter().map(|column| match &column.intruders {
+        None => Column::text("intruders do not react"),
+        Some(intruders) => Column::text(intruders),
+    });
+    Table {
+        caption: format!(
+            "{}: NMAC and LoWC left, of {} and {} if neither aircraft does anything.",
+            set.name,
+            of(|case| &case.nmac),
+            of(|case| &case.lowc),
+        ),
+        rows: rows.collect(),
+        columns: core::iter::once(Column::text("policy"))
+            .chain(names)
+            .collect(),
+    }
+}
+
 impl LeagueSet {
+    /// The name with the reaction.
+    pub fn title(&self) -> String {
+        match &self.intruders {
+            None => self.name.clone(),
+            Some(intruders) => format!("{}, intruders {intruders}", self.name),
+        }
+    }
+
     fn section(&self) -> Section {
         let mut blocks: Vec<Block> = self.about.iter().cloned().map(Block::Paragraph).collect();
         if self.has_aircraft {
@@ -121,7 +192,7 @@ impl LeagueSet {
             blocks.push(Block::Table(self.worst()));
         }
         Section {
-            title: self.name.clone(),
+            title: self.title(),
             blocks,
         }
     }
@@ -250,7 +321,7 @@ impl LeagueSet {
         let rows =
             assumed.map(|(name, value)| vec![Cell::Text(name.clone()), Cell::Text(value.clone())]);
         Section {
-            title: format!("{}: conditions and results", self.name),
+            title: format!("{}: conditions and results", self.title()),
             blocks: vec![Block::Table(Table {
                 caption: String::new(),
                 columns: vec![Column::text("what"), Column::text("value")],

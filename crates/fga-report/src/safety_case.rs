@@ -10,7 +10,7 @@ mod verdict;
 
 use crate::report::{Block, Cell, Column, Report, Section, Table};
 
-use verdict::{result, verdict, verdicts};
+use verdict::{judged, result, verdict, verdicts};
 
 pub use cases::{
     ClassCase, LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, Threshold, WorstCase,
@@ -46,6 +46,10 @@ pub struct SafetyCase {
     pub assumed: Vec<(String, String)>,
     /// Whether encounters come from models, from recordings, or both; the page says what they represent.
     pub stands_for: Vec<String>,
+    /// Whether some of them stand for no airspace, so that no threshold can be judged: encounters that were flown on purpose.
+    pub is_stress: bool,
+    /// How the intruders react, a sentence.
+    pub reactions: String,
 }
 
 fn ratio(lost: &Lost) -> Cell {
@@ -100,18 +104,20 @@ impl SafetyCase {
     fn evidence(&self) -> Section {
         let mut policies = self.policies.iter();
         let system = policies.find(|policy| policy.policy != WITHOUT);
-        let mut blocks: Vec<Block> = system.map(result).into_iter().collect();
+        let is_stress = self.is_stress;
+        let first = system.map(|system| result(system, is_stress));
+        let mut blocks: Vec<Block> = first.into_iter().collect();
         blocks.push(Block::Paragraph(format!(
             "{} encounters (effective number {:.0}), each flown in closed loop by every policy in simulation.",
             self.encounters, self.effective
         )));
         blocks.extend(self.met_by_all().map(Block::Paragraph));
         blocks.extend(self.stands_for.iter().cloned().map(Block::Paragraph));
-        blocks.push(Block::Paragraph(
-            "This is no certification and no flight test. Intruders do not react. What the numbers hold for are \
-             the encounters, the vehicle and the sensor that are listed under “What was assumed”."
-                .into(),
-        ));
+        blocks.push(Block::Paragraph(format!(
+            "This is no certification and no flight test. {} What the numbers hold for are \
+             the encounters, the vehicle and the sensor that are listed under “What was assumed”.",
+            self.reactions
+        )));
         Section {
             title: "Result, and what it is evidence of".into(),
             blocks,
@@ -142,7 +148,7 @@ impl SafetyCase {
                 }
             }
         }
-        (policies.len() > 1 && !met.is_empty()).then(|| {
+        (policies.len() > 1 && !met.is_empty() && !self.is_stress).then(|| {
             format!(
                 "All {} policies meet {}: these encounters are too easy to rank policies by it.",
                 policies.len(),
@@ -169,7 +175,7 @@ impl SafetyCase {
                     Cell::Text(format!("{} of {}", lost.flown, lost.nominal)),
                     ratio(lost),
                 ];
-                row.extend(verdicts(lost, thresholds));
+                row.extend(verdicts(lost, thresholds, self.is_stress));
                 row.push(count(lost.induced));
                 row
             });
@@ -182,7 +188,8 @@ impl SafetyCase {
             blocks: vec![
                 Block::Paragraph(
                     "Ratio of weighted counts with and without avoidance, 95 % interval. “Met”: the whole interval is \
-                     below the threshold; “not shown”: the interval contains it. Induced: lost with the system only."
+                     below the threshold; “not shown”: the interval contains it; “stress set”: the encounters stand for no airspace, and \
+                     no threshold is judged on them. Induced: lost with the system only."
                         .into(),
                 ),
                 Block::Table(Table {
@@ -221,7 +228,7 @@ impl SafetyCase {
                 row.extend(
                     NMAC_THRESHOLDS
                         .iter()
-                        .map(|threshold| Cell::Text(verdict(&estimate, threshold).into())),
+                        .map(|threshold| judged(&estimate, threshold, self.is_stress)),
                 );
                 Some(row)
             })
@@ -338,13 +345,20 @@ mod tests {
             policies: cases,
             ..SafetyCase::default()
         };
-        let both = of(vec![case(WITHOUT, 1.0), case("a", 0.1), case("b", 0.1)]);
+        let mut both = of(vec![case(WITHOUT, 1.0), case("a", 0.1), case("b", 0.1)]);
         let said = both.met_by_all().unwrap();
         assert!(
             said.starts_with("All 2 policies meet NMAC ≤ 0.18"),
             "{said}"
         );
         assert!(both.to_html().contains("too easy to rank policies"));
+        // What was flown on purpose meets nothing, and says so instead.
+        assert!(both.to_html().contains(">met<") && !both.to_html().contains(">stress set<"));
+        both.is_stress = true;
+        assert!(!both.to_html().contains(">met<") && both.to_html().contains(">stress set<"));
+        assert!(
+            !both.to_html().contains("too easy") && !both.to_html().contains("met for the quoted")
+        );
         assert_eq!(of(vec![case("a", 0.1), case("b", 0.9)]).met_by_all(), None);
         assert_eq!(of(vec![case("a", 0.1)]).met_by_all(), None);
     }

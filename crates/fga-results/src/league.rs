@@ -82,7 +82,7 @@ pub fn shipped_names() -> String {
 }
 
 /// The policies of a league that names none.
-pub const POLICIES: [&str; 11] = [
+pub const POLICIES: [&str; 15] = [
     "none",
     "turn-aware",
     "published --start t0",
@@ -94,6 +94,10 @@ pub const POLICIES: [&str; 11] = [
     "potential-field",
     "operator-f3442",
     "operator-do365",
+    "right-of-way",
+    "see-and-avoid",
+    "tcas-like",
+    "arduplane-rules",
 ];
 
 /// What a league flies.
@@ -103,6 +107,8 @@ pub struct Terms {
     pub sets: Vec<String>,
     /// Policies by their names on the command line, or of `own`; without any, [`POLICIES`].
     pub policies: Vec<String>,
+    /// Policies by which intruders with tracks react, besides `none`, which is always flown: they fly their tracks.
+    pub intruders: Vec<String>,
     /// Policies outside of this program.
     pub own: Vec<OwnPolicy>,
     /// Folder of third-party data, with `flown` and `encounter-models`.
@@ -114,8 +120,11 @@ pub struct Terms {
 }
 
 /// A set to fly.
+#[derive(Clone)]
 struct Set {
     name: String,
+    /// How its intruders react.
+    intruders: Option<PolicyChoice>,
     path: PathBuf,
     overrides: Overrides,
 }
@@ -147,8 +156,10 @@ pub fn run(
     show: &mut (dyn FnMut(&str, &str, &Progress) + Send),
 ) -> Result<Flown, CampaignError> {
     let policies = policies(terms)?;
+    let reactions = reactions(terms)?;
     atomic::prepare_folder(out)?;
-    let (sets, left_out) = sets(terms, out)?;
+    let (sets, mut left_out) = sets(terms, out)?;
+    let sets = with_reactions(sets, &reactions, &mut left_out)?;
     let beside = PolicyChoice::default();
     let stamp = Stamp::of_this_build(TARGET);
     let mut league = League {
@@ -165,8 +176,12 @@ pub fn run(
         let mut about = None;
         let mut shown = LeagueSet {
             name: set.name.clone(),
+            intruders: set.intruders.as_ref().map(PolicyChoice::name),
             ..LeagueSet::default()
         };
+        let title = shown.title();
+        let reaction = set.intruders.as_ref();
+        let reaction = reaction.map_or_else(String::new, |policy| format!("+{}", part(policy)));
         for policy in &policies {
             let overrides = Overrides {
                 policies: vec![policy.name()],
@@ -175,21 +190,18 @@ pub fn run(
             };
             let configuration = file::read(&set.path, &overrides)?;
             let campaign = Campaign::with_own(configuration, &set.path, &terms.own)?;
-            // Another program under the same name is another policy.
-            let version = policy.own().map(|own| format!("-{}", &own.sha256()[..12]));
-            let part = file_name(&policy.name()) + &version.unwrap_or_default();
-            let place = format!("{}/{part}", set.name);
+            let place = format!("{}{reaction}/{}", set.name, part(policy));
             let one = fly_one(
                 &campaign,
                 &stamp,
                 &out.join(&place),
                 go_on,
                 &mut |progress| {
-                    show(&set.name, &policy.name(), progress);
+                    show(&title, &policy.name(), progress);
                 },
             )?;
             let times = one.times.as_ref();
-            timing.extend(times.map(|times| timing_row(&set.name, &policy.name(), times)));
+            timing.extend(times.map(|times| timing_row(&title, &policy.name(), times)));
             let folder = Folder::at(&out.join(&place));
             let mut case = safety_case(
                 &campaign,
@@ -214,11 +226,7 @@ pub fn run(
     let rows: Vec<Row<&str>> = league
         .sets
         .iter()
-        .flat_map(|set| {
-            set.standings
-                .iter()
-                .map(|standing| row(&set.name, standing))
-        })
+        .flat_map(|set| set.standings.iter().map(|standing| row(set, standing)))
         .collect();
     let table = parquet(&rows, env!("CARGO_PKG_VERSION"))
         .map_err(|error| CampaignError::Other(error.to_string()))?;
@@ -257,6 +265,59 @@ fn policies(terms: &Terms) -> Result<Vec<PolicyChoice>, CampaignError> {
         policies.push(policy);
     }
     Ok(policies)
+}
+
+/// The name of a policy's folder; another program under the same name is another policy.
+fn part(policy: &PolicyChoice) -> String {
+    let version = policy.own().map(|own| format!("-{}", &own.sha256()[..12]));
+    file_name(&policy.name()) + &version.unwrap_or_default()
+}
+
+/// The reactions besides none, each once.
+fn reactions(terms: &Terms) -> Result<Vec<PolicyChoice>, CampaignError> {
+    let mut reactions: Vec<PolicyChoice> = Vec::new();
+    for name in &terms.intruders {
+        let reaction = policy_called(name, &terms.own)
+            .map_err(|message| CampaignError::Other(format!("intruders: {message}")))?;
+        if reactions.contains(&reaction) {
+            return Err(CampaignError::Other(format!(
+                "intruders {} are named twice, expected once",
+                reaction.name()
+            )));
+        }
+        reactions.push(reaction);
+    }
+    reactions.retain(|reaction| *reaction != PolicyChoice::Mission);
+    Ok(reactions)
+}
+
+/// Each set without reactions and with each of them, where its intruders have tracks.
+fn with_reactions(
+    sets: Vec<Set>,
+    reactions: &[PolicyChoice],
+    left_out: &mut Vec<String>,
+) -> Result<Vec<Set>, CampaignError> {
+    let mut all = Vec::new();
+    for set in sets {
+        let configuration = file::read(&set.path, &set.overrides)?;
+        let has_tracks = configuration.cells.len() + configuration.files.len() == 0;
+        if !reactions.is_empty() && !has_tracks {
+            left_out.push(format!(
+                "set {} with reactions: its obstacles fly straight and cannot react",
+                set.name
+            ));
+        }
+        all.push(set.clone());
+        all.extend(reactions.iter().filter(|_| has_tracks).map(|reaction| Set {
+            intruders: Some(reaction.clone()),
+            overrides: Overrides {
+                intruders: Some(reaction.name()),
+                ..set.overrides.clone()
+            },
+            ..set.clone()
+        }));
+    }
+    Ok(all)
 }
 
 /// The sets to fly, and why others are not.
@@ -307,9 +368,11 @@ fn of_file(path: &Path, terms: &Terms) -> Set {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned(),
+        intruders: None,
         path: path.to_owned(),
         overrides: Overrides {
             encounters: terms.encounters,
+            own: terms.own.clone(),
             ..Overrides::default()
         },
     }
@@ -355,6 +418,7 @@ fn of_shipped(
     atomic::write(&path, set.campaign)?;
     Ok(Ok(Set {
         name: set.name.to_owned(),
+        intruders: None,
         path,
         overrides,
     }))
@@ -424,8 +488,14 @@ fn described(campaign: &Campaign, case: &SafetyCase) -> (Vec<String>, Vec<(Strin
     } else {
         String::new()
     };
+    let reacts = campaign.intruders.as_ref().map_or_else(String::new, |policy| {
+        format!(
+            " Intruders fly their tracks until they react by the policy {}, as light aircraft with the same sight.",
+            policy.name()
+        )
+    });
     let mut about = vec![format!(
-        "{} encounters{effective} of {}; vehicle {}.",
+        "{} encounters{effective} of {}; vehicle {}.{reacts}",
         configuration.encounters,
         campaign.source_names().join(", "),
         campaign.model.name
@@ -456,11 +526,15 @@ fn standing(case: SafetyCase, one: &One) -> Option<Standing> {
 }
 
 /// A row of `league.parquet`.
-fn row<'a>(set: &str, standing: &Standing) -> Row<&'a str> {
+fn row<'a>(set: &LeagueSet, standing: &Standing) -> Row<&'a str> {
     let case = &standing.case;
     let real = |value: Option<f64>| json!(value.map(rounded));
     let mut row: Row<&str> = vec![
-        ("set", json!(set)),
+        ("set", json!(set.name)),
+        (
+            "intruders",
+            json!(set.intruders.as_deref().unwrap_or("none")),
+        ),
         ("policy", json!(case.policy)),
         ("encounters", json!(standing.encounters)),
         ("threatened", json!(standing.threatened)),
@@ -548,7 +622,14 @@ fn in_words(league: &League) -> String {
         let _ = writeln!(
             text,
             "{:<28} {:>10} {:>10} {:>10} {:>10} {:>12} {:>12} {:>8}",
-            set.name, "NMAC", "LoWC", "entered", "needless", "aside (m)", "90 % (m)", "failed"
+            set.title(),
+            "NMAC",
+            "LoWC",
+            "entered",
+            "needless",
+            "aside (m)",
+            "90 % (m)",
+            "failed"
         );
         for standing in &set.standings {
             let case = &standing.case;

@@ -14,24 +14,32 @@
 //! | [`VoltagePotential`] | the predicted closest approach pushed out of the protected volume |
 //! | [`VelocityObstacles`] | the flyable direction nearest to the wanted one outside every cone |
 //! | [`Operator`] | the direction bands of a display, followed after a delay |
-//!
+//! | [`RightOfWay`] | the rules of the air, with perfect knowledge or by a pilot's sight |
+//! | [`VerticalAdvisories`] | climbs and descents in the manner of TCAS II |
+//! | [`ArduPlaneRules`] | the documented rules of ArduPlane's avoidance |
 //!
 //! All of them know spheres; a sphere that contains it replaces a cylinder.
 
+mod advisories;
+mod arduplane;
 mod operator;
 mod orca;
 mod pilot;
 mod potential;
+mod rules;
 mod velocity;
 mod view;
 mod voltage;
 mod waypoints;
 
+pub use advisories::VerticalAdvisories;
+pub use arduplane::ArduPlaneRules;
 pub use operator::{Display, Operator};
 pub use orca::Orca;
 pub(crate) use pilot::returning;
 pub use pilot::{BaselinePilot, Steering};
 pub use potential::PotentialField;
+pub use rules::{Eyes, RightOfWay};
 pub use velocity::VelocityObstacles;
 pub use view::{Route, Sphere, View};
 pub use voltage::VoltagePotential;
@@ -64,6 +72,14 @@ pub enum Baseline {
     VelocityObstacles,
     /// An operator who follows direction bands.
     Operator(Display),
+    /// The rules of the air.
+    RightOfWay,
+    /// A pilot who looks out of the window and follows the rules of the air.
+    SeeAndAvoid,
+    /// Vertical advisories in the manner of TCAS II.
+    VerticalAdvisories,
+    /// The documented rules of ArduPlane's avoidance.
+    ArduPlaneRules,
 }
 
 impl Baseline {
@@ -83,6 +99,14 @@ impl Baseline {
         Self::Operator(Display::Do365),
     ];
 
+    /// Those that others fly by: pilots, traffic advisories, an autopilot.
+    pub const RULES: [Self; 4] = [
+        Self::RightOfWay,
+        Self::SeeAndAvoid,
+        Self::VerticalAdvisories,
+        Self::ArduPlaneRules,
+    ];
+
     /// The name on the command line and in tables.
     pub const fn name(self) -> &'static str {
         match self {
@@ -94,6 +118,10 @@ impl Baseline {
             Self::VelocityObstacles => "velocity-obstacles",
             Self::Operator(Display::F3442) => "operator-f3442",
             Self::Operator(Display::Do365) => "operator-do365",
+            Self::RightOfWay => "right-of-way",
+            Self::SeeAndAvoid => "see-and-avoid",
+            Self::VerticalAdvisories => "tcas-like",
+            Self::ArduPlaneRules => "arduplane-rules",
         }
     }
 
@@ -102,6 +130,7 @@ impl Baseline {
         Self::ALL
             .into_iter()
             .chain(Self::OPERATORS)
+            .chain(Self::RULES)
             .find(|method| method.name() == name)
     }
 
@@ -122,6 +151,10 @@ impl Baseline {
             Self::VoltagePotential => boxed(VoltagePotential::default(), settings, vehicle),
             Self::VelocityObstacles => boxed(VelocityObstacles::default(), settings, vehicle),
             Self::Operator(display) => boxed(Operator::new(display), settings, vehicle),
+            Self::RightOfWay => boxed(RightOfWay::default(), settings, vehicle),
+            Self::SeeAndAvoid => boxed(RightOfWay::by_sight(Eyes::OF_A_PILOT), settings, vehicle),
+            Self::VerticalAdvisories => boxed(VerticalAdvisories::default(), settings, vehicle),
+            Self::ArduPlaneRules => boxed(ArduPlaneRules::default(), settings, vehicle),
         }
     }
 }

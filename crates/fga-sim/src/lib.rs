@@ -24,6 +24,7 @@
 //! | [`shield`] | may any policy fly, as long as a way out remains? |
 //! | [`worlds`] | what do many worlds show to policies that learn? |
 //! | [`engine`] | what is the result of a flight? |
+//! | [`reaction`] | where does an intruder fly that has a policy of its own? |
 //! | [`run`] | what happened in one flight, with everything logged? |
 //! | [`batch`] | what is the result of many encounters? |
 //! | [`baselines`] | what would others fly? |
@@ -55,6 +56,7 @@ pub mod plan;
 pub mod plant;
 pub mod policy;
 pub mod progress;
+pub mod reaction;
 pub mod recorded;
 pub mod recording;
 pub mod run;

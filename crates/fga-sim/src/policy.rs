@@ -41,7 +41,7 @@ pub enum PolicyChoice {
 
 /// Names of the policies, for messages and help.
 pub const POLICY_NAMES: &str = "turn-aware, published, published-literal, circle, none, \
-     potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles, operator-f3442, operator-do365, pipe:PROGRAM";
+     potential-field, waypoint-greedy, waypoint-optimal, orca, mvp, velocity-obstacles, operator-f3442, operator-do365, right-of-way, see-and-avoid, tcas-like, arduplane-rules, pipe:PROGRAM";
 
 /// The beginning of the name of a policy that is an object in Python.
 pub const PYTHON: &str = "python:";

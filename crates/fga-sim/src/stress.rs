@@ -175,11 +175,16 @@ struct FlownPoint {
     rank: f64,
 }
 
-/// Searches on the threads of the current pool; `go_on` is asked now and then, and ends the search early.
+/// Searches on the threads of the current pool; `go_on` is asked now and then, and ends the search early; `show` gets the number of flights
+/// flown.
 ///
 /// # Errors
 /// Settings or limits that the core refuses, or a wind that is too strong for the line, as one sentence.
-pub fn search(stress: &Stress, go_on: &(impl Fn() -> bool + Sync)) -> Result<Found, String> {
+pub fn search(
+    stress: &Stress,
+    go_on: &(impl Fn() -> bool + Sync),
+    show: &mut (dyn FnMut(usize) + Send),
+) -> Result<Found, String> {
     let test = Test::new(stress)?;
     let mut proposal = Proposal {
         mean: [0.0; PARAMETERS.len()],
@@ -188,6 +193,7 @@ pub fn search(stress: &Stress, go_on: &(impl Fn() -> bool + Sync)) -> Result<Fou
     let mut flown: Vec<FlownPoint> = Vec::with_capacity(stress.flights);
     while flown.len() < stress.flights && go_on() {
         let first = flown.len();
+        show(first);
         let count = BATCH.min(stress.flights - first);
         let batch: Vec<FlownPoint> = (first..first + count)
             .into_par_iter()

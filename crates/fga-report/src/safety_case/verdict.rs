@@ -17,23 +17,30 @@ pub(super) fn verdict(ratio: &Estimate, threshold: &Threshold) -> &'static str {
     }
 }
 
+/// The verdict as a cell; encounters that stand for no airspace give none.
+pub(super) fn judged(ratio: &Estimate, threshold: &Threshold, is_stress: bool) -> Cell {
+    let verdict = if is_stress {
+        "stress set"
+    } else {
+        verdict(ratio, threshold)
+    };
+    Cell::Text(verdict.into())
+}
+
 /// The verdicts on a loss, one cell for each threshold.
-pub(super) fn verdicts(lost: &Lost, thresholds: &[Threshold]) -> Vec<Cell> {
-    thresholds
-        .iter()
-        .map(|threshold| {
-            lost.ratio.map_or(Cell::Empty, |ratio| {
-                Cell::Text(verdict(&ratio, threshold).into())
-            })
-        })
-        .collect()
+pub(super) fn verdicts(lost: &Lost, thresholds: &[Threshold], is_stress: bool) -> Vec<Cell> {
+    let judge = |threshold: &Threshold| {
+        (lost.ratio).map_or(Cell::Empty, |ratio| judged(&ratio, threshold, is_stress))
+    };
+    thresholds.iter().map(judge).collect()
 }
 
 /// The result of a policy in one paragraph.
-pub(super) fn result(policy: &PolicyCase) -> Block {
+pub(super) fn result(policy: &PolicyCase, is_stress: bool) -> Block {
     let losses = [
-        ("NMAC", &policy.nmac, &NMAC_THRESHOLDS),
-        ("LoWC", &policy.lowc, &LOWC_THRESHOLDS),
+        ("NMAC", &policy.nmac, &NMAC_THRESHOLDS[..]),
+        ("LoWC (ASTM F3442)", &policy.lowc, &LOWC_THRESHOLDS),
+        ("LoWC of DO-365B en route", &policy.do365, &[]),
     ];
     let sentences = losses.map(|(loss, lost, thresholds)| {
         let mut text = format!(
@@ -46,7 +53,7 @@ pub(super) fn result(policy: &PolicyCase) -> Block {
                 ": a risk ratio of {:.3} (95 % interval {:.3} to {:.3})",
                 ratio.value, ratio.low, ratio.high
             );
-            for threshold in thresholds {
+            for threshold in thresholds.iter().filter(|_| !is_stress) {
                 let _ = write!(
                     text,
                     ", {} for the quoted {:.2} of {} intruders",

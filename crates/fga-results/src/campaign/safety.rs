@@ -154,6 +154,8 @@ impl Gathered {
             worst,
             assumed: assumed(campaign),
             stands_for: stands_for(campaign),
+            is_stress: !campaign.configuration.recordings.is_empty(),
+            reactions: reactions(campaign),
         })
     }
 
@@ -330,6 +332,14 @@ fn stands_for(campaign: &Campaign) -> Vec<String> {
     lines
 }
 
+/// How the intruders react.
+fn reactions(campaign: &Campaign) -> String {
+    match &campaign.configuration.intruders {
+        None => "Intruders do not react.".into(),
+        Some(intruders) => format!("Intruders react by the policy {intruders}."),
+    }
+}
+
 /// The assumptions.
 fn assumed(campaign: &Campaign) -> Vec<(String, String)> {
     let configuration = &campaign.configuration;
@@ -397,9 +407,15 @@ fn assumed(campaign: &Campaign) -> Vec<(String, String)> {
         );
         add(&name, sensor_words(&source.into()));
     }
+    let heard = "the ownship hears their rows and carries them on for two seconds";
     add(
         "intruders",
-        "do not react; the ownship hears their rows and carries them on for two seconds".into(),
+        match &configuration.intruders {
+            None => format!("do not react; {heard}"),
+            Some(intruders) => format!(
+                "fly their tracks until they react by the policy {intruders}, as light aircraft at their airspeed with the ownship’s sensor; {heard}"
+            ),
+        },
     );
     add("seeds", format!("{:?}", configuration.seeds));
     add("judged", "while both aircraft are recorded, along straight lines between rows, by code apart from the one that decides".into());

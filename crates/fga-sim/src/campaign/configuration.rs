@@ -60,7 +60,10 @@ pub struct Configuration {
     pub seeds: Vec<u64>,
     /// Policies by their names on the command line.
     pub policies: Vec<String>,
-    /// Fingerprints of the policies outside of this crate, in their order.
+    /// The policy of the intruders, which react by it; without it they fly their tracks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub intruders: Option<String>,
+    /// Fingerprints of the policies outside of this crate, in their order, the intruders' last.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub own_sha256: Vec<String>,
     /// Longest time flown, seconds.
@@ -230,9 +233,10 @@ pub fn policy_called(text: &str, own: &[OwnPolicy]) -> Result<PolicyChoice, Stri
     }
 }
 
-/// Fingerprints of the policies outside of this crate, in their order.
-pub fn own_sha256(policies: &[PolicyChoice]) -> Vec<String> {
-    let own = policies.iter().filter_map(PolicyChoice::own);
+/// Fingerprints of the policies outside of this crate, in their order, the intruders' last.
+pub fn own_sha256(policies: &[PolicyChoice], intruders: Option<&PolicyChoice>) -> Vec<String> {
+    let all = policies.iter().chain(intruders);
+    let own = all.filter_map(PolicyChoice::own);
     own.map(|own| own.sha256().to_owned()).collect()
 }
 
@@ -247,6 +251,8 @@ pub struct Campaign {
     pub model: VehicleModel,
     /// The policies in their order.
     pub policies: Vec<PolicyChoice>,
+    /// The policy by which intruders react.
+    pub intruders: Option<PolicyChoice>,
     cells: Vec<EncounterSource>,
     models: Vec<ModelSource>,
     files: Vec<Vec<Encounter>>,
@@ -319,9 +325,15 @@ impl Campaign {
             .iter()
             .map(|name| policy_called(name, own).map_err(wrong))
             .collect::<Result<Vec<_>, _>>()?;
-        if own_sha256(&policies) != configuration.own_sha256 {
+        let intruders = configuration
+            .intruders
+            .as_ref()
+            .map(|name| policy_called(name, own).map_err(wrong))
+            .transpose()?;
+        if own_sha256(&policies, intruders.as_ref()) != configuration.own_sha256 {
             let names: Vec<&str> = policies
                 .iter()
+                .chain(&intruders)
                 .filter_map(|p| Some(p.own()?.name()))
                 .collect();
             return Err(wrong(format!(
@@ -380,6 +392,7 @@ impl Campaign {
             configuration,
             model,
             policies,
+            intruders,
             cells,
             models,
             files,
@@ -433,8 +446,20 @@ impl Campaign {
                 )));
             }
         }
+        if self.intruders.is_some() {
+            if configuration.cells.len() + configuration.files.len() > 0 {
+                return other(
+                    "intruders is set for obstacles that fly straight (cells, grid or files), expected recordings or a model alone: aircraft with tracks",
+                );
+            }
+            if configuration.oracle {
+                return other(
+                    "intruders is set and the oracle is asked, expected one of them: the oracle knows no reactions",
+                );
+            }
+        }
         let world = self.world()?;
-        for policy in &self.policies {
+        for policy in self.policies.iter().chain(&self.intruders) {
             policy.pilot(&world.settings, &world.vehicle)?;
         }
         Ok(())

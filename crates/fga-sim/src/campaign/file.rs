@@ -5,6 +5,7 @@
 //! encounters = 2000            # in all, over all cells
 //! seeds = [1]
 //! policies = ["turn-aware", "published --start t0"]
+//! intruders = "see-and-avoid"  # how intruders with tracks react; not at all without it
 //! horizon_s = 60.0             # 60 without it
 //! vehicle = "paper.toml"       # beside this file; Table 4's without it
 //! files = ["mine.csv"]         # encounters as for `fga batch`, beside this file
@@ -64,6 +65,8 @@ pub struct Overrides {
     pub encounters: Option<u64>,
     /// Policies by their names on the command line, or of `own`.
     pub policies: Vec<String>,
+    /// The policy of the intruders.
+    pub intruders: Option<String>,
     /// Policies outside of this crate.
     pub own: Vec<OwnPolicy>,
     /// Text of a vehicle file.
@@ -119,6 +122,15 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         }
     };
     let policies = policies(&text, &file, overrides)?;
+    let called = |name: &str| policy_called(name, &overrides.own);
+    let intruders = match (&overrides.intruders, &file.intruders) {
+        (Some(name), _) => Some(called(name).map_err(|message| text.error(message))?),
+        (None, Some(name)) => Some(
+            called(name.get_ref())
+                .map_err(|message| text.error_at(name, format!("intruders: {message}")))?,
+        ),
+        (None, None) => None,
+    };
     let vehicle = match (&overrides.vehicle, &file.vehicle) {
         (Some(text), _) => Some(text.clone()),
         (None, Some(name)) => Some(read_text(&beside(name.get_ref()))?),
@@ -159,7 +171,8 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Configuration, InputEr
         encounters,
         block: block_size(encounters),
         seeds,
-        own_sha256: own_sha256(&policies),
+        own_sha256: own_sha256(&policies, intruders.as_ref()),
+        intruders: intruders.as_ref().map(PolicyChoice::name),
         policies: policies.iter().map(PolicyChoice::name).collect(),
         horizon_s,
         oracle: overrides.oracle,

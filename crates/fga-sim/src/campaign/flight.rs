@@ -190,16 +190,21 @@ impl<'a> Flyer<'a> {
             .iter()
             .map(|separation| kept(separation.margin().value_m))
             .collect();
+        let recorded = world;
         for (index, policy) in (0..).zip(&campaign.policies) {
+            let reacted = campaign.reacted(&recorded, recording, policy)?;
+            let world = reacted.as_ref().map_or(&recorded, |reacted| &reacted.world);
             let begun = std::time::Instant::now();
             let mut pilot = policy.pilot(&world.settings, &world.vehicle)?;
             self.flown.clear();
-            let outcome = self.engine.fly(&world, pilot.as_mut(), &mut self.flown);
+            let outcome = self.engine.fly(world, pilot.as_mut(), &mut self.flown);
             let flown = batch::timed(number, outcome, self.engine.elapsed_ns());
             let flight_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
             let mut metrics = nominal;
-            self.judge.flown(&world, &self.flown, &mut metrics);
-            metrics.policy_failure = pilot.failure();
+            let is_other = world.obstacles != recorded.obstacles;
+            (self.judge).flown((world, is_other), &self.flown, &mut metrics);
+            let failure = reacted.as_ref().and_then(|reacted| reacted.failure);
+            metrics.policy_failure = pilot.failure().or(failure);
             let made = Made {
                 number,
                 drawn,

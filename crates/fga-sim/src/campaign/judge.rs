@@ -145,14 +145,19 @@ impl Judge {
         metrics
     }
 
-    /// Adds the flown path.
-    pub(super) fn flown(&mut self, world: &World, flown: &Flown, metrics: &mut Metrics) {
+    /// Adds the flown path in a world whose intruders may have flown otherwise than recorded.
+    pub(super) fn flown(
+        &mut self,
+        (world, is_other): (&World, bool),
+        flown: &Flown,
+        metrics: &mut Metrics,
+    ) {
         let Some(own) = &world.recorded else {
             return;
         };
         metrics.changes = Some(f64::from(changes(world, flown)));
         // While the aircraft follows the recording, the rows give its position.
-        let Some(left_s) = flown.left_s else {
+        let Some(left_s) = flown.left_s.or(is_other.then_some(f64::INFINITY)) else {
             metrics.nmac = metrics.nominal_nmac;
             metrics.lowc = metrics.nominal_lowc;
             metrics.do365 = metrics.nominal_do365;
@@ -175,7 +180,8 @@ impl Judge {
             metrics.horizontal_m = losses.f3442.horizontal.map(|least| least.value_m);
             metrics.vertical_m = losses.f3442.vertical_then_m;
         }
-        metrics.action_s = metrics.cpa_s.map(|cpa_s| cpa_s - left_s);
+        let begun = metrics.cpa_s.zip(flown.left_s);
+        metrics.action_s = begun.map(|(cpa_s, left_s)| cpa_s - left_s);
         self.recorded = path;
     }
 

@@ -1,11 +1,15 @@
 //! Flies one encounter of a campaign alone and logs everything.
 
+use fga_formats::daa::Recording;
+
 use super::configuration::Scene;
 use super::{Campaign, CampaignError};
 use crate::batch;
 use crate::policy::PolicyChoice;
+use crate::reaction::{Reacted, react};
 use crate::recorded::plan_of;
 use crate::run::{Plan, RunLog, fly};
+use crate::world::World;
 
 impl Campaign {
     /// The encounter with this number as a plan.
@@ -44,12 +48,33 @@ impl Campaign {
         })
     }
 
+    /// A recorded world with the intruders' answers to a policy, if they react.
+    pub(super) fn reacted(
+        &self,
+        world: &World,
+        recording: &Recording,
+        policy: &PolicyChoice,
+    ) -> Result<Option<Reacted>, CampaignError> {
+        let Some(intruders) = &self.intruders else {
+            return Ok(None);
+        };
+        react(world.clone(), recording, &self.model, policy, intruders)
+            .map(Some)
+            .map_err(CampaignError::Other)
+    }
+
     /// Flies one encounter exactly as the campaign does and logs everything.
     ///
     /// # Errors
     /// A number past the last, or settings that the core refuses.
     pub fn show(&self, number: u64, policy: &PolicyChoice) -> Result<RunLog, CampaignError> {
-        let plan = self.plan(number)?;
+        let mut plan = self.plan(number)?;
+        if self.intruders.is_some()
+            && let Scene::Tracks(recording) = self.draw(number)?.scene
+            && let Some(reacted) = self.reacted(&plan.world, &recording, policy)?
+        {
+            plan.world = reacted.world;
+        }
         Ok(if plan.world.recorded.is_some() {
             fly(plan, policy, &mut |_| ())?
         } else {

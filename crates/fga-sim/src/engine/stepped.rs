@@ -6,7 +6,7 @@ use fga::vehicle::Vehicle;
 
 use super::{Engine, FlightState, Observer, Outcome, situation};
 use crate::separation::Separation;
-use crate::world::World;
+use crate::world::{World, WorldObstacle};
 
 /// A flight that waits for each decision.
 ///
@@ -51,7 +51,8 @@ impl SteppedFlight {
         self.look();
     }
 
-    fn look(&mut self) {
+    /// Looks at the obstacles where they are now.
+    pub(crate) fn look(&mut self) {
         let retuned = &mut self.retuned;
         let mut flight = self.engine.flight(&self.world, &mut self.state);
         let time_s = flight.time_s();
@@ -62,6 +63,16 @@ impl SteppedFlight {
     /// The world.
     pub const fn world(&self) -> &World {
         &self.world
+    }
+
+    /// The obstacles, whose motion after this time may still change.
+    pub(crate) fn obstacles_mut(&mut self) -> &mut [WorldObstacle] {
+        &mut self.world.obstacles
+    }
+
+    /// The world at the end.
+    pub(crate) fn into_world(self) -> World {
+        self.world
     }
 
     /// Time of the next decision, seconds; the time of the end once it is reached.
@@ -93,6 +104,15 @@ impl SteppedFlight {
     /// Flies a decision until the next one is due, and looks. Returns whether the flight goes on; after
     /// the end it flies no further.
     pub fn advance(&mut self, decision: &Decision, observer: &mut impl Observer) -> bool {
+        let goes_on = self.fly(decision, observer);
+        if goes_on {
+            self.look();
+        }
+        goes_on
+    }
+
+    /// The same without the look: [`Self::look`] comes before the next decision.
+    pub(crate) fn fly(&mut self, decision: &Decision, observer: &mut impl Observer) -> bool {
         if self.ended_s.is_some() {
             return false;
         }
@@ -103,9 +123,6 @@ impl SteppedFlight {
         flight.follow_mission(time_s);
         self.ended_s = flight.fly_on((&decision.command, 0.0), decision.state, 1, observer);
         self.ownship = flight.plant.ownship();
-        if self.ended_s.is_none() {
-            self.look();
-        }
         self.ended_s.is_none()
     }
 

@@ -60,7 +60,7 @@ fn left_only() -> PolicyChoice {
 #[test]
 fn a_policy_that_looks_left_only_is_found_out_and_the_same_way_again() {
     let stress = stress(left_only(), 400);
-    let found = search(&stress, &|| true).unwrap();
+    let found = search(&stress, &|| true, &mut |_| ()).unwrap();
     let first = found.first.unwrap();
     assert!(first <= 2000, "{first}");
     let likeliest = &found.failures[0];
@@ -80,7 +80,7 @@ fn a_policy_that_looks_left_only_is_found_out_and_the_same_way_again() {
             .outcome
             .separated()
     );
-    assert_eq!(search(&stress, &|| true).unwrap(), found);
+    assert_eq!(search(&stress, &|| true, &mut |_| ()).unwrap(), found);
     // The likelier ones come first, and are likelier than the farther ones.
     for pair in found.failures.windows(2) {
         assert!(pair[0].relative_density() >= pair[1].relative_density());
@@ -90,7 +90,7 @@ fn a_policy_that_looks_left_only_is_found_out_and_the_same_way_again() {
 #[test]
 fn the_estimate_agrees_with_drawing_from_the_usual_distribution_alone() {
     // A policy that does nothing fails often enough to count.
-    let found = search(&stress(PolicyChoice::Mission, 1000), &|| true).unwrap();
+    let found = search(&stress(PolicyChoice::Mission, 1000), &|| true, &mut |_| ()).unwrap();
     let plain = stress(PolicyChoice::Mission, 0);
     let test = Test::new(&plain).unwrap();
     let usual = Proposal {
