@@ -57,6 +57,7 @@ pub(crate) fn fly(
         block: 256,
         seeds: vec![setting.seed],
         policies: policies.iter().map(|&policy| policy.to_owned()).collect(),
+        intruders: None,
         own_sha256: Vec::new(),
         horizon_s: 60.0,
         oracle: true,
