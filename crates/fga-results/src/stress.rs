@@ -74,6 +74,8 @@ fn row<'a>(number: usize, failure: &StressFailure) -> Row<&'a str> {
 
 fn document(stress: &Stress, found: &Found, rows: Vec<Row<&str>>) -> Value {
     let stamp = Stamp::of_this_build(TARGET);
+    // Flights that all keep out give no estimate.
+    let estimate = (found.entered > 0).then_some(found.probability);
     json!({
         "version": env!("CARGO_PKG_VERSION"),
         "commit": stamp.commit,
@@ -85,8 +87,8 @@ fn document(stress: &Stress, found: &Found, rows: Vec<Row<&str>>) -> Value {
         "too_near": found.too_near,
         "entered": found.entered,
         "first": found.first,
-        "probability": found.probability.0,
-        "probability_standard_error": found.probability.1,
+        "probability": estimate.map(|(probability, _)| probability),
+        "probability_standard_error": estimate.map(|(_, error)| error),
         "simplifying_flights": found.simplifying,
         "failures": objects(rows),
     })
@@ -105,17 +107,17 @@ fn result(stress: &Stress, found: &Found) -> String {
             ", the first of them flight {first}"
         ))
     );
-    let (probability, error) = found.probability;
-    let _ = writeln!(
-        text,
-        "probability of entering it under the usual motions: {probability:.2e}, standard error {error:.1e}"
-    );
     if found.failures.is_empty() {
         let _ = writeln!(
             text,
-            "no failure was found; that is no proof that there is none"
+            "no failure was found; that is no proof that there is none, and no estimate of a probability"
         );
     } else {
+        let (probability, error) = found.probability;
+        let _ = writeln!(
+            text,
+            "probability of entering it under the usual motions: {probability:.2e}, standard error {error:.1e}"
+        );
         let _ = writeln!(
             text,
             "the likeliest failures, simplified with {}:",

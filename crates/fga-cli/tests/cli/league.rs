@@ -273,13 +273,13 @@ fn a_campaign_with_reactions_says_what_it_cannot_fly() {
     for (text, what) in [
         (
             "intruders = \"nobody\"\nrecordings = [\"flights\"]",
-            "mine.toml:2: intruders: unknown policy",
+            "mine.toml, line 2: intruders: unknown policy",
         ),
         (
             "intruders = \"orca\"\ncells = [\"wall-gap\"]",
             "obstacles that fly straight",
         ),
-        ("intruders = 3\nrecordings = [\"flights\"]", "mine.toml:2"),
+        ("intruders = 3\nrecordings = [\"flights\"]", "mine.toml, line 2"),
     ] {
         let done = campaign(text);
         assert_eq!(done.status.code(), Some(1), "{}", errors(&done));
