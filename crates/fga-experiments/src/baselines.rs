@@ -225,9 +225,15 @@ fn candidates(method: &str) -> Result<Vec<(String, Factory)>, String> {
                 }
             }
         }
-        Some(Baseline::Operator(_)) => {
+        Some(
+            Baseline::Operator(_)
+            | Baseline::RightOfWay
+            | Baseline::SeeAndAvoid
+            | Baseline::VerticalAdvisories
+            | Baseline::ArduPlaneRules,
+        ) => {
             return Err(format!(
-                "{method} keeps the volumes of a standard: nothing is searched"
+                "{method} keeps to the numbers of its source: nothing is searched"
             ));
         }
         None => return Err(format!("unknown method {method}")),

@@ -1,5 +1,6 @@
 //! `fga league`: one page about every policy, the same bytes again, resumable, open to a program of one's own.
 
+use core::fmt::Write as _;
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
@@ -176,9 +177,11 @@ fn meetings(folder: &Path) {
                 .to_owned();
         for time_s in 0..=140 {
             let flown_m = 56.0 * f64::from(time_s);
-            text += &format!(
-                "own, {flown_m}, 0, 600, 56, 0, 0, {time_s}\nother, {}, {aside_m}, 600, -56, 0, 0, {time_s}\n",
-                7840.0 - flown_m
+            let _ = writeln!(text, "own, {flown_m}, 0, 600, 56, 0, 0, {time_s}");
+            let other_m = 7840.0 - flown_m;
+            let _ = writeln!(
+                text,
+                "other, {other_m}, {aside_m}, 600, -56, 0, 0, {time_s}"
             );
         }
         fs::write(folder.join(name), text).unwrap();
@@ -279,7 +282,10 @@ fn a_campaign_with_reactions_says_what_it_cannot_fly() {
             "intruders = \"orca\"\ncells = [\"wall-gap\"]",
             "obstacles that fly straight",
         ),
-        ("intruders = 3\nrecordings = [\"flights\"]", "mine.toml, line 2"),
+        (
+            "intruders = 3\nrecordings = [\"flights\"]",
+            "mine.toml, line 2",
+        ),
     ] {
         let done = campaign(text);
         assert_eq!(done.status.code(), Some(1), "{}", errors(&done));
