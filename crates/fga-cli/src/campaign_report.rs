@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use fga_formats::atomic;
-use fga_results::campaign::safety::safety_case;
+use fga_results::campaign::safety::with_traffic;
 use fga_sim::campaign::{Campaign, Folder, RESULTS};
 use serde_json::json;
 
@@ -20,8 +20,24 @@ pub(crate) struct ReportArgs {
     /// Number of worst encounters of each policy with a replay.
     #[arg(long, value_name = "N", default_value_t = 5)]
     worst: usize,
+    /// Density of the traffic, aircraft in a cubic kilometre, for losses in a flight hour; encounters of uncorrelated models only.
+    #[arg(long, value_name = "DENSITY", value_parser = density)]
+    traffic_per_km3: Option<f64>,
     #[command(flatten)]
     answer: AnswerArgs,
+}
+
+fn density(text: &str) -> Result<f64, String> {
+    let density: f64 = text
+        .parse()
+        .map_err(|_| format!("found {text:?}, expected a number"))?;
+    if density > 0.0 && density <= 1000.0 {
+        Ok(density)
+    } else {
+        Err(format!(
+            "found {density}, expected above 0 and up to 1000 aircraft in a cubic kilometre"
+        ))
+    }
 }
 
 /// Writes `report.html` and the replays of the worst encounters.
@@ -47,7 +63,13 @@ pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Failure> {
             args.folder.display()
         )));
     }
-    let case = safety_case(&campaign, &manifest, &folder, args.worst, None)?;
+    let case = with_traffic(
+        &campaign,
+        &manifest,
+        &folder,
+        (args.worst, None),
+        args.traffic_per_km3,
+    )?;
     let page = args.folder.join("report.html");
     atomic::write(&page, case.to_html())?;
     args.answer.print(

@@ -48,6 +48,8 @@ pub struct SafetyCase {
     pub stands_for: Vec<String>,
     /// Whether some of them stand for no airspace, so that no threshold can be judged: encounters that were flown on purpose.
     pub is_stress: bool,
+    /// Traffic, aircraft in a cubic kilometre, and the encounters in a flight hour that follow from it.
+    pub per_hour: Option<(f64, f64)>,
     /// How the intruders react, a sentence.
     pub reactions: String,
 }
@@ -209,7 +211,10 @@ impl SafetyCase {
                         .into(),
                 ),
                 Block::Table(self.rates()),
-            ],
+            ]
+            .into_iter()
+            .chain(self.hourly().map(Block::Table))
+            .collect(),
         }
     }
 
@@ -265,6 +270,32 @@ impl SafetyCase {
             title: "Rare near mid-air collisions".into(),
             blocks,
         }
+    }
+
+    /// Losses in a flight hour.
+    fn hourly(&self) -> Option<Table> {
+        let (per_km3, encounters_per_h) = self.per_hour?;
+        let rows = self.policies.iter().map(|policy| {
+            let rates = [&policy.nmac, &policy.lowc].map(|lost| [lost.nominal_rate, lost.rate]);
+            let cells = rates.into_iter().flatten();
+            let cells = cells.map(|rate| Cell::Text(format!("{:.2e}", rate * encounters_per_h)));
+            core::iter::once(Cell::Text(policy.policy.clone()))
+                .chain(cells)
+                .collect()
+        });
+        Some(Table {
+            caption: format!(
+                "Losses in a flight hour among {per_km3} aircraft in a cubic kilometre, as given: {encounters_per_h:.3} encounters in an hour, uniform traffic of any heading."
+            ),
+            rows: rows.collect(),
+            columns: vec![
+                Column::text("policy"),
+                Column::number("NMAC without"),
+                Column::number("NMAC with"),
+                Column::number("LoWC without"),
+                Column::number("LoWC with"),
+            ],
+        })
     }
 
     fn rates(&self) -> Table {

@@ -395,6 +395,42 @@ fn the_safety_case_is_one_page_with_its_replays() {
     );
 }
 
+/// The rates follow from the shares, and scale with the density; recordings stand for no volume of traffic.
+#[test]
+fn losses_in_a_flight_hour_need_a_density_and_an_uncorrelated_model() {
+    let folder = written();
+    let at = folder.path();
+    run(at, &["campaign", "run", "modeled.toml"], &["--out", "out"]);
+    let encounters_per_h = |density: &str| -> f64 {
+        let more = ["--worst", "0", "--traffic-per-km3", density];
+        run(at, &["campaign", "report", "out"], &more);
+        let page = fs::read_to_string(at.join("out/report.html")).unwrap();
+        assert!(page.contains("Losses in a flight hour"));
+        let rest = page.split("as given: ").nth(1).unwrap();
+        rest.split(' ').next().unwrap().parse().unwrap()
+    };
+    let (one, ten) = (encounters_per_h("1"), encounters_per_h("10"));
+    assert!(one > 0.0 && (ten / one - 10.0).abs() < 1e-3, "{one} {ten}");
+    run(at, &["campaign", "report", "out"], &["--worst", "0"]);
+    let page = fs::read_to_string(at.join("out/report.html")).unwrap();
+    assert!(!page.contains("Losses in a flight hour"));
+    run(at, &RECORDED, &["--out", "flown"]);
+    for (folder, density, what) in [
+        (
+            "flown",
+            "1",
+            "needs encounters of uncorrelated models alone",
+        ),
+        ("out", "-1", "expected above 0"),
+        ("out", "many", "expected a number"),
+    ] {
+        let option = format!("--traffic-per-km3={density}");
+        let output = fga_in(at, &["campaign", "report", folder, &option]);
+        assert_eq!(output.status.code(), Some(1), "{density}");
+        assert!(errors(&output).contains(what), "{}", errors(&output));
+    }
+}
+
 /// Killed in the middle (no handler runs), resumed, and in parts of which one was killed too: the same bytes.
 #[test]
 fn a_campaign_of_models_that_was_killed_goes_on_to_the_same_bytes() {

@@ -33,9 +33,45 @@ pub fn safety_case(
     worst: usize,
     beside: Option<&PolicyChoice>,
 ) -> Result<SafetyCase, CampaignError> {
+    with_traffic(campaign, manifest, folder, (worst, beside), None)
+}
+
+/// The same with losses in a flight hour, for traffic of a density, aircraft in a cubic kilometre.
+///
+/// # Errors
+/// As [`safety_case`]; encounters that stand for no cylinder of an uncorrelated model.
+pub fn with_traffic(
+    campaign: &Campaign,
+    manifest: &Manifest,
+    folder: &Folder,
+    (worst, beside): (usize, Option<&PolicyChoice>),
+    per_km3: Option<f64>,
+) -> Result<SafetyCase, CampaignError> {
+    let cylinder_m = campaign.cylinder_m();
+    if per_km3.is_some() && cylinder_m.is_none() {
+        return Err(CampaignError::Other(
+            "--traffic-per-km3 needs encounters of uncorrelated models alone, with one cylinder_m: others stand for no volume of traffic"
+                .into(),
+        ));
+    }
     let mut gathered = Gathered::new(campaign, worst);
     RowFiles::of(folder)?.read(campaign, |row| gathered.take(row))?;
-    gathered.case(campaign, manifest, folder.path(), beside)
+    let (weight, slowness) = gathered.weights;
+    let mut case = gathered.case(campaign, manifest, folder.path(), beside)?;
+    case.per_hour = per_km3.zip(cylinder_m).map(|(per_km3, cylinder_m)| {
+        // The model draws intruders in proportion to the relative speed: the mean over the traffic is harmonic.
+        let mean_mps = weight / slowness.max(1e-12);
+        (per_km3, encounters_per_h(per_km3, cylinder_m, mean_mps))
+    });
+    Ok(case)
+}
+
+/// Closest approaches within a cylinder in a flight hour: density times the cross section, 2 radii wide and 2 half heights high, times the mean relative
+/// speed.
+fn encounters_per_h(per_km3: f64, [radius_m, half_height_m]: [f64; 2], mean_mps: f64) -> f64 {
+    const SECONDS: f64 = 3600.0;
+    const KM3_PER_M3: f64 = 1e-9;
+    per_km3 * KM3_PER_M3 * 4.0 * radius_m * half_height_m * mean_mps * SECONDS
 }
 
 /// The content of the rows.
@@ -46,6 +82,8 @@ struct Gathered {
     nominal_horizontal_m: Vec<f64>,
     corrective_leads_s: Vec<f64>,
     warning_leads_s: Vec<f64>,
+    /// Weights of the encounters of the first policy, and weights over the horizontal relative speeds.
+    weights: (f64, f64),
 }
 
 impl Gathered {
@@ -64,6 +102,7 @@ impl Gathered {
             nominal_horizontal_m: Vec::new(),
             corrective_leads_s: Vec::new(),
             warning_leads_s: Vec::new(),
+            weights: (0.0, 0.0),
         }
     }
 
@@ -74,6 +113,12 @@ impl Gathered {
         if row.policy == 0 {
             self.nominal_horizontal_m
                 .extend(metrics.nominal_horizontal_m);
+            let level_mps = metrics.closing_mps.zip(metrics.intruder_climb_mps);
+            if let Some((closing_mps, climb_mps)) = level_mps {
+                let square = closing_mps * closing_mps - climb_mps * climb_mps;
+                self.weights.0 += row.weight;
+                self.weights.1 += row.weight / libm::sqrt(square.max(1.0));
+            }
             if is_lost {
                 self.corrective_leads_s.extend(metrics.corrective_s);
                 self.warning_leads_s.extend(metrics.warning_s);
@@ -154,6 +199,7 @@ impl Gathered {
             worst,
             assumed: assumed(campaign),
             stands_for: stands_for(campaign),
+            per_hour: None,
             is_stress: !campaign.configuration.recordings.is_empty(),
             reactions: reactions(campaign),
         })
@@ -491,4 +537,14 @@ fn sensor_words(sensor: &SensorSettings) -> String {
         format!("extrapolates for {} s", sensor.coast_s),
     );
     words
+}
+
+#[cfg(test)]
+mod tests {
+    /// Ten aircraft in 1,000 km³, a cross section of 4 km by 0.8 km, 50 m/s: 180 km flown relative to them sweep 576 km³, which hold 5.76.
+    #[test]
+    fn encounters_of_an_hour_fill_the_swept_volume() {
+        let per_h = super::encounters_per_h(0.01, [2000.0, 400.0], 50.0);
+        assert!((per_h - 5.76).abs() < 1e-12, "{per_h}");
+    }
 }

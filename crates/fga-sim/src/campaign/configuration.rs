@@ -508,6 +508,18 @@ impl Campaign {
             + self.model.wind_mps
     }
 
+    /// Radius and half height of the cylinder around the ownship for which the encounters stand, metres, if all of them come from uncorrelated
+    /// models with the same cylinder.
+    pub fn cylinder_m(&self) -> Option<[f64; 2]> {
+        let configuration = &self.configuration;
+        let others =
+            configuration.cells.len() + configuration.files.len() + configuration.recordings.len();
+        let mut cylinders = self.models.iter().map(ModelSource::cylinder_m);
+        let first = cylinders.next()??;
+        let is_one = others == 0 && cylinders.all(|other| other == Some(first));
+        is_one.then_some(first)
+    }
+
     /// Names of the sources: files, cells, folders of recordings, models.
     pub fn source_names(&self) -> &[String] {
         &self.names

@@ -211,6 +211,11 @@ impl ModelSource {
         })
     }
 
+    /// Radius and half height of the cylinder of its miss distances, metres; a correlated model draws its own.
+    pub fn cylinder_m(&self) -> Option<[f64; 2]> {
+        (!self.model.is_correlated()).then_some(self.pairing.cylinder_m)
+    }
+
     /// Its master seed.
     pub const fn seed(&self) -> u64 {
         self.seed
