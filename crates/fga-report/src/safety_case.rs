@@ -278,7 +278,14 @@ impl SafetyCase {
         let rows = self.policies.iter().map(|policy| {
             let rates = [&policy.nmac, &policy.lowc].map(|lost| [lost.nominal_rate, lost.rate]);
             let cells = rates.into_iter().flatten();
-            let cells = cells.map(|rate| Cell::Text(format!("{:.2e}", rate * encounters_per_h)));
+            let cells = cells.map(|rate| {
+                let text = if rate > 0.0 {
+                    format!("{:.2e}", rate * encounters_per_h)
+                } else {
+                    "none counted".into()
+                };
+                Cell::Text(text)
+            });
             core::iter::once(Cell::Text(policy.policy.clone()))
                 .chain(cells)
                 .collect()

@@ -371,7 +371,7 @@ fn stands_for(campaign: &Campaign) -> Vec<String> {
     if !configuration.models.is_empty() {
         lines.push(
             "Encounters drawn from encounter models: intruders turn, climb and accelerate as the radar data from which the models were made. \
-             Weighted counts stand for the encounters of the model with miss distances in its cylinder; they are no rate per flight hour."
+             Weighted counts stand for the encounters of the model with miss distances in its cylinder; alone they are no rate per flight hour."
                 .into(),
         );
     }
