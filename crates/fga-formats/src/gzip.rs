@@ -19,7 +19,12 @@ pub fn unpacked<'a>(bytes: &'a [u8], path: &Path) -> Result<Cow<'a, [u8]>, Input
     unpacked_to(bytes, path, MOST)
 }
 
-fn unpacked_to<'a>(bytes: &'a [u8], path: &Path, most: u64) -> Result<Cow<'a, [u8]>, InputError> {
+/// As [`unpacked`], with at most this many bytes.
+pub(crate) fn unpacked_to<'a>(
+    bytes: &'a [u8],
+    path: &Path,
+    most: u64,
+) -> Result<Cow<'a, [u8]>, InputError> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(Cow::Borrowed(bytes));
     }

@@ -10,6 +10,7 @@
 //! | [`daa`] | what did the aircraft of a DAIDALUS recording do? |
 //! | [`recordings`] | which encounters does a recording of any kind hold? |
 //! | [`missions`] | which mission, fences and rally points did a ground station write? |
+//! | [`terrain`] | how high is the ground, and where is that not known? |
 //! | [`conf`] | how are alerts and bands configured? |
 //! | [`encounters`] | which encounters does a batch file hold? |
 //! | [`traffic`] | what do receivers of ADS-B say, as BaseStation lines or Beast frames? |
@@ -63,6 +64,7 @@ pub mod missions;
 pub mod number;
 pub mod recordings;
 pub mod tally;
+pub mod terrain;
 pub mod traffic;
 pub mod units;
 pub mod words;

@@ -1,0 +1,113 @@
+//! What the GeoKeys of a TIFF say: coordinates, datum and whether a height is that of a point or of an area (OGC GeoTIFF 1.1).
+
+use super::{Datum, Stated};
+
+/// Model: 1 projected, 2 geographic, 3 earth-centred.
+pub(super) const MODEL: u16 = 1024;
+/// Raster: 1 areas, 2 points.
+pub(super) const RASTER: u16 = 1025;
+/// Geographic coordinates, by their number of EPSG.
+pub(super) const GEOGRAPHIC: u16 = 2048;
+pub(super) const ANGULAR_UNITS: u16 = 2054;
+/// Vertical datum, by its number of EPSG.
+pub(super) const VERTICAL: u16 = 4096;
+pub(super) const VERTICAL_UNITS: u16 = 4099;
+
+const DEGREE: u16 = 9102;
+const METRE: u16 = 9001;
+/// A key that says nothing.
+const UNDEFINED: u16 = 0;
+const USER_DEFINED: u16 = 32767;
+
+/// What the keys say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct GeoKeys {
+    /// Whether a height is that of a point, not of an area whose corner is given.
+    pub is_point: bool,
+    pub datum: Stated<Datum>,
+}
+
+/// The number of EPSG of the vertical part of a datum, and of its geographic part.
+pub(super) const fn codes(datum: Datum) -> (u16, Option<u16>) {
+    match datum {
+        Datum::Egm96 => (4326, Some(5773)),
+        Datum::Egm2008 => (4326, Some(3855)),
+        Datum::Navd88 => (4326, Some(5703)),
+        Datum::Ellipsoid => (4979, None),
+    }
+}
+
+/// Reads the directory of keys.
+pub(super) fn read(directory: &[u16]) -> Result<GeoKeys, String> {
+    let Some(([1, _, _, count], entries)) = directory.split_first_chunk::<4>() else {
+        return Err("has no usable GeoKeys, expected a GeoTIFF with geographic coordinates".into());
+    };
+    let (entries, _) = entries.as_chunks::<4>();
+    // Only keys that hold their value themselves count here.
+    let key = |wanted: u16| {
+        entries
+            .iter()
+            .take(usize::from(*count))
+            .find(|[key, location, _, _]| *key == wanted && *location == 0)
+            .map(|[.., value]| *value)
+            .filter(|value| *value != UNDEFINED && *value != USER_DEFINED)
+    };
+    if let Some(model) = key(MODEL)
+        && model != 2
+    {
+        let found = match model {
+            1 => "projected",
+            3 => "earth-centred",
+            _ => "unknown",
+        };
+        return Err(format!(
+            "has {found} coordinates (GeoKey {MODEL} is {model}), expected geographic ones: latitude and longitude on WGS84"
+        ));
+    }
+    let geographic = key(GEOGRAPHIC).unwrap_or(4326);
+    // NAD83 and ETRS89 are within two metres of WGS84, far below any spacing of heights.
+    if ![4326, 4979, 4269, 4258].contains(&geographic) {
+        return Err(format!(
+            "has the coordinates EPSG:{geographic} (GeoKey {GEOGRAPHIC}), expected WGS84 (4326, 4979), NAD83 (4269) or ETRS89 (4258)"
+        ));
+    }
+    for (wanted, expected, what) in [
+        (ANGULAR_UNITS, DEGREE, "degrees"),
+        (VERTICAL_UNITS, METRE, "metres"),
+    ] {
+        if let Some(found) = key(wanted)
+            && found != expected
+        {
+            return Err(format!(
+                "has the unit EPSG:{found} (GeoKey {wanted}), expected {what} ({expected})"
+            ));
+        }
+    }
+    Ok(GeoKeys {
+        is_point: key(RASTER) == Some(2),
+        datum: datum(geographic, key(VERTICAL))?,
+    })
+}
+
+fn datum(geographic: u16, vertical: Option<u16>) -> Result<Stated<Datum>, String> {
+    let source = "the file's GeoKeys";
+    let value = match (vertical, geographic) {
+        (Some(5773), _) => Datum::Egm96,
+        (Some(3855), _) => Datum::Egm2008,
+        (Some(5703), _) => Datum::Navd88,
+        // Old files have the number of the ellipsoid here.
+        (Some(4979 | 5030), _) | (None, 4979) => Datum::Ellipsoid,
+        (None, _) => {
+            return Ok(Stated {
+                value: Datum::Egm96,
+                source: "assumed: the file does not say",
+            });
+        }
+        (Some(other), _) => {
+            return Err(format!(
+                "has the vertical datum EPSG:{other} (GeoKey {VERTICAL}), expected EGM96 (5773), EGM2008 (3855), NAVD88 (5703) or the ellipsoid (4979)"
+            ));
+        }
+    };
+    Ok(Stated { value, source })
+}

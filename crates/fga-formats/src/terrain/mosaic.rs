@@ -1,0 +1,289 @@
+//! Several files as one ground.
+
+use std::path::PathBuf;
+
+use super::field::{Cell, Grid, HeightField, Heights};
+use super::{Area, Datum, Given, TerrainFile, read};
+use crate::error::InputError;
+
+/// Grids whose posts agree within this are one lattice, share of the spacing.
+const ALIGNED: f64 = 1e-3;
+
+/// Ground from files. Where several know a height, the first one counts.
+///
+/// Between the outermost posts of two neighbours that are one spacing apart, as tiles of Copernicus are, the ground is
+/// bilinear too.
+///
+/// ```
+/// use fga_formats::terrain::{Given, Terrain};
+///
+/// let error = Terrain::read(&["no/such.hgt".into()], &Given::default()).unwrap_err();
+/// assert_eq!(error.to_string(), "no/such.hgt: cannot be read: there is no such file or folder");
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Terrain {
+    files: Vec<TerrainFile>,
+    seams: Vec<HeightField>,
+}
+
+impl Terrain {
+    /// Reads files of heights above one datum.
+    ///
+    /// # Errors
+    /// As [`read`]; no file; files above different datums.
+    pub fn read(paths: &[PathBuf], given: &Given) -> Result<Self, InputError> {
+        let files = paths.iter().map(|path| read(path, given));
+        Self::new(files.collect::<Result<_, _>>()?)
+    }
+
+    /// Ground from files that are read.
+    ///
+    /// # Errors
+    /// No file; files above different datums.
+    pub fn new(files: Vec<TerrainFile>) -> Result<Self, InputError> {
+        let Some(first) = files.first() else {
+            return Err(InputError::in_file(
+                "terrain",
+                "no file is given, expected at least one",
+            ));
+        };
+        if let Some(other) = files
+            .iter()
+            .find(|file| file.datum.value != first.datum.value)
+        {
+            let message = format!(
+                "has heights above {}, expected {} as in {}",
+                other.datum.value.words(),
+                first.datum.value.words(),
+                first.path.display()
+            );
+            return Err(InputError::in_file(&other.path, message));
+        }
+        let fields: Vec<&HeightField> = files.iter().flat_map(|file| &file.fields).collect();
+        let east = seams(&fields, true);
+        let all: Vec<&HeightField> = fields.into_iter().chain(&east).collect();
+        let north = seams(&all, false);
+        let seams = [east, north].concat();
+        Ok(Self { files, seams })
+    }
+
+    /// The files, in their order.
+    pub fn files(&self) -> &[TerrainFile] {
+        &self.files
+    }
+
+    /// The grids of the files, then those between neighbours.
+    pub fn fields(&self) -> impl Iterator<Item = &HeightField> {
+        let fields = self.files.iter().flat_map(|file| &file.fields);
+        fields.chain(&self.seams)
+    }
+
+    /// What the heights are above.
+    pub fn datum(&self) -> Datum {
+        self.files
+            .first()
+            .map_or(Datum::Egm96, |file| file.datum.value)
+    }
+
+    /// The largest vertical error of the files, metres.
+    pub fn vertical_error_m(&self) -> f64 {
+        let errors = self.files.iter().map(|file| file.vertical_error_m.value);
+        errors.fold(0.0, f64::max)
+    }
+
+    /// The smallest area around all files.
+    pub fn area(&self) -> Option<Area> {
+        let areas = self.files.iter().filter_map(TerrainFile::area);
+        areas.reduce(|all, area| all.with(&area))
+    }
+
+    /// The height of the ground at a place, metres above the datum; `None` where it is not known.
+    pub fn height_m(&self, latitude_deg: f64, longitude_deg: f64) -> Option<f64> {
+        self.fields()
+            .find_map(|field| field.height_m(latitude_deg, longitude_deg))
+    }
+
+    /// The largest height of the ground in an area, metres; at most one spacing outside of it. `None` where a part of the area is not known.
+    pub fn largest_m(&self, area: &Area) -> Option<f64> {
+        let mut missing = vec![*area];
+        let mut largest_m = f64::NEG_INFINITY;
+        for field in self.fields() {
+            let held = field.grid().area();
+            let mut left = Vec::new();
+            for part in missing {
+                let Some(common) = common(&part, &held) else {
+                    left.push(part);
+                    continue;
+                };
+                largest_m = largest_m.max(field.largest_m(&common)?);
+                left.extend(around(&part, &common));
+            }
+            missing = left;
+            if missing.is_empty() {
+                return Some(largest_m);
+            }
+        }
+        None
+    }
+
+    /// The first field whose four posts around a place are all known, the place in its steps, and these posts.
+    pub(super) fn cell(
+        &self,
+        latitude_deg: f64,
+        longitude_deg: f64,
+    ) -> Option<(&HeightField, [f64; 2], Cell)> {
+        self.fields().find_map(|field| {
+            let steps = field.grid().steps(latitude_deg, longitude_deg)?;
+            let cell = field.cell(steps);
+            cell.is_known().then_some((field, steps, cell))
+        })
+    }
+}
+
+/// Slivers below this are rounding, degrees.
+const SLIVER_DEG: f64 = 1e-9;
+
+/// The area that two areas have in common.
+fn common(a: &Area, b: &Area) -> Option<Area> {
+    let common = Area {
+        south_deg: a.south_deg.max(b.south_deg),
+        west_deg: a.west_deg.max(b.west_deg),
+        north_deg: a.north_deg.min(b.north_deg),
+        east_deg: a.east_deg.min(b.east_deg),
+    };
+    (common.south_deg <= common.north_deg && common.west_deg <= common.east_deg).then_some(common)
+}
+
+/// What is left of an area without a part of it.
+fn around(area: &Area, part: &Area) -> impl Iterator<Item = Area> {
+    let (north_deg, south_deg) = (part.north_deg, part.south_deg);
+    let pieces = [
+        Area {
+            south_deg: north_deg,
+            ..*area
+        },
+        Area {
+            north_deg: south_deg,
+            ..*area
+        },
+        Area {
+            south_deg,
+            north_deg,
+            east_deg: part.west_deg,
+            ..*area
+        },
+        Area {
+            south_deg,
+            north_deg,
+            west_deg: part.east_deg,
+            ..*area
+        },
+    ];
+    pieces.into_iter().filter(|piece| {
+        piece.north_deg - piece.south_deg > SLIVER_DEG
+            && piece.east_deg - piece.west_deg > SLIVER_DEG
+    })
+}
+
+/// How many steps one number is from another, if a whole number.
+pub(super) fn whole_steps(from: f64, to: f64, step: f64) -> Option<i64> {
+    let steps = (to - from) / step;
+    let nearest = libm::rint(steps);
+    #[expect(clippy::cast_possible_truncation, reason = "far below 2^53")]
+    let whole = nearest as i64;
+    ((steps - nearest).abs() < ALIGNED && nearest.abs() < 1e9).then_some(whole)
+}
+
+/// Whether two grids have the same spacing.
+pub(super) fn same_spacing(a: &Grid, b: &Grid) -> bool {
+    let same = |a: f64, b: f64| (a - b).abs() < 1e-6 * a;
+    same(a.step_north_deg, b.step_north_deg) && same(a.step_east_deg, b.step_east_deg)
+}
+
+/// The strips between neighbours one spacing apart: each to the east of another, or to the north.
+fn seams(fields: &[&HeightField], east: bool) -> Vec<HeightField> {
+    let mut seams = Vec::new();
+    for first in fields {
+        for second in fields {
+            let (a, b) = (first.grid(), second.grid());
+            let next = if east {
+                whole_steps(a.area().east_deg, b.west_deg, a.step_east_deg)
+            } else {
+                whole_steps(a.area().north_deg, b.south_deg, a.step_north_deg)
+            };
+            if next == Some(1) && same_spacing(a, b) {
+                seams.extend(seam(first, second, east));
+            }
+        }
+    }
+    seams
+}
+
+fn seam(first: &HeightField, second: &HeightField, east: bool) -> Option<HeightField> {
+    let (a, b) = (first.grid(), second.grid());
+    // Along the seam, from the first post that both have, counted in the first.
+    let (offset, posts_a, posts_b) = if east {
+        let offset = whole_steps(a.south_deg, b.south_deg, a.step_north_deg)?;
+        (offset, a.rows, b.rows)
+    } else {
+        let offset = whole_steps(a.west_deg, b.west_deg, a.step_east_deg)?;
+        (offset, a.columns, b.columns)
+    };
+    let offset = isize::try_from(offset).ok()?;
+    let begin = usize::try_from(offset.max(0)).ok()?;
+    let end = usize::try_from(offset.checked_add_unsigned(posts_b)?)
+        .ok()?
+        .min(posts_a);
+    let count = end.checked_sub(begin)?;
+    let in_b = usize::try_from(offset.min(0).checked_neg()?).ok()?;
+    let post = |field: &HeightField, from_south: usize, column: usize| {
+        let row = field.grid().rows.checked_sub(from_south + 1)?;
+        field.post_m(row, column)
+    };
+    let pairs: Vec<[Option<f64>; 2]> = (0..count)
+        .map(|index| {
+            if east {
+                [
+                    post(first, begin + index, a.columns - 1),
+                    post(second, in_b + index, 0),
+                ]
+            } else {
+                [
+                    post(first, a.rows - 1, begin + index),
+                    post(second, 0, in_b + index),
+                ]
+            }
+        })
+        .collect();
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "heights are whole numbers of 16 bits or of this type"
+    )]
+    let height = |height: Option<f64>| height.map_or(f32::NAN, |height| height as f32);
+    let (heights, grid) = if east {
+        let heights = pairs.iter().rev().flatten().map(|post| height(*post));
+        let south_deg = a.south_deg + begin as f64 * a.step_north_deg;
+        let grid = Grid {
+            south_deg,
+            west_deg: a.area().east_deg,
+            rows: count,
+            columns: 2,
+            ..*a
+        };
+        (heights.collect(), grid)
+    } else {
+        let [north, south] = [1, 0].map(|side: usize| {
+            let side = move |pair: &[Option<f64>; 2]| if side == 1 { pair[1] } else { pair[0] };
+            pairs.iter().map(side).map(height).collect::<Vec<f32>>()
+        });
+        let grid = Grid {
+            south_deg: a.area().north_deg,
+            west_deg: a.west_deg + begin as f64 * a.step_east_deg,
+            rows: 2,
+            columns: count,
+            ..*a
+        };
+        ([north, south].concat(), grid)
+    };
+    HeightField::new(grid, Heights::Fraction(heights)).ok()
+}
