@@ -7,6 +7,8 @@
 //! | DTED 0, 1, 2 | a first word `UHL1` |
 //! | ArduPilot's terrain, also compressed with gzip | the ending `.DAT`, `.DAT.gz` |
 //!
+//! A [`RequestedBlock`] is ground that a ground station sends over MAVLink.
+//!
 //! A file becomes one or several [`HeightField`]s, and files together a [`Terrain`]. A hole and what lies outside are
 //! unknown ground: never a height, always `None`. Heights count above a [`Datum`]; datum and vertical error have a source.
 
@@ -19,14 +21,16 @@ mod geotiff;
 mod hgt;
 mod mosaic;
 mod name;
+mod requested;
 mod write;
 
-use std::io::{BufReader, Cursor};
+use std::io::{BufReader, Cursor, Read, Seek as _};
 use std::path::{Path, PathBuf};
 
 pub use along::{Clearance, Lowest, Piece};
 pub use field::{Grid, HeightField};
 pub use mosaic::Terrain;
+pub use requested::RequestedBlock;
 pub use write::Cut;
 
 use crate::error::InputError;
@@ -201,12 +205,23 @@ pub fn read(path: &Path, given: &Given) -> Result<TerrainFile, InputError> {
     let size = std::fs::metadata(path).map_err(unreadable)?.len();
     let mut file = std::fs::File::open(path).map_err(unreadable)?;
     let mut begin = Vec::new();
-    std::io::Read::read_to_end(&mut std::io::Read::take(&mut file, 4), &mut begin)
+    file.by_ref()
+        .take(4)
+        .read_to_end(&mut begin)
         .map_err(unreadable)?;
-    if geotiff::is_tiff(&begin) {
-        std::io::Seek::rewind(&mut file).map_err(unreadable)?;
-        let read = geotiff::parse(BufReader::new(file), size, &name_of(path));
-        return read
+    file.rewind().map_err(unreadable)?;
+    let name = name_of(path);
+    let is_packed = begin.starts_with(&[0x1f, 0x8b]);
+    // The large formats are never in memory twice.
+    let streamed = if geotiff::is_tiff(&begin) {
+        Some(geotiff::parse(BufReader::new(file), size, &name))
+    } else if name.to_ascii_lowercase().ends_with(".hgt") && !is_packed {
+        Some(srtm(file, size, &name))
+    } else {
+        None
+    };
+    if let Some(parsed) = streamed {
+        return parsed
             .map(|parsed| finished(parsed, path, given))
             .map_err(|message| InputError::in_file(path, message));
     }
@@ -254,6 +269,14 @@ impl Parsed {
     }
 }
 
+fn srtm(input: impl Read, size: u64, file_name: &str) -> Result<Parsed, String> {
+    let field = hgt::parse(input, size, file_name)?;
+    Ok(Parsed {
+        error: Some(hgt::ERROR),
+        ..Parsed::one("SRTM", field, hgt::DATUM)
+    })
+}
+
 fn parsed(bytes: &[u8], file_name: &str) -> Result<Parsed, String> {
     if geotiff::is_tiff(bytes) {
         return geotiff::parse(Cursor::new(bytes), bytes.len() as u64, file_name);
@@ -276,11 +299,7 @@ fn parsed(bytes: &[u8], file_name: &str) -> Result<Parsed, String> {
     let name = lower.strip_suffix(".gz").unwrap_or(&lower);
     match name.rsplit_once('.').map_or("", |(_, ending)| ending) {
         "hgt" => {
-            let field = hgt::parse(bytes, file_name)?;
-            Ok(Parsed {
-                error: Some(hgt::ERROR),
-                ..Parsed::one("SRTM", field, hgt::DATUM)
-            })
+            srtm(bytes, bytes.len() as u64, file_name)
         }
         "dat" => {
             let (fields, empty_blocks) = ardupilot::parse(bytes, file_name)?;

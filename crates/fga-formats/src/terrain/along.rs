@@ -32,7 +32,7 @@ pub struct Lowest {
 pub struct Clearance {
     /// Its least one over known ground; `None` where none is known.
     pub lowest: Option<Lowest>,
-    /// Length over unknown ground, metres, to five.
+    /// Length over unknown ground, metres; known ground of less than 5 m between unknown may count as unknown.
     pub unknown_m: f64,
     /// The first place over unknown ground.
     pub unknown_at: Option<Geodetic>,
@@ -140,14 +140,28 @@ impl Terrain {
         let north_deg = end.latitude_deg - begin.latitude_deg;
         let east_deg = libm::remainder(end.longitude_deg - begin.longitude_deg, 360.0);
         let mut share = 0.0;
+        let cell_at = |share: f64| {
+            self.cell(
+                begin.latitude_deg + share * north_deg,
+                begin.longitude_deg + share * east_deg,
+            )
+        };
         while share < 1.0 {
             let ahead = (share + AHEAD).min(1.0);
-            let cell = self.cell(
-                begin.latitude_deg + ahead * north_deg,
-                begin.longitude_deg + ahead * east_deg,
-            );
-            let Some((field, steps, cell)) = cell else {
-                let to = (share + UNKNOWN_STEP_M / length_m.max(UNKNOWN_STEP_M)).min(1.0);
+            let Some((field, steps, cell)) = cell_at(ahead) else {
+                let mut to = (share + UNKNOWN_STEP_M / length_m.max(UNKNOWN_STEP_M)).min(1.0);
+                if cell_at(to).is_some() {
+                    // Where the known ground begins, to a millimetre.
+                    let mut unknown = share;
+                    for _ in 0..13 {
+                        let middle = 0.5 * (unknown + to);
+                        if cell_at(middle).is_some() {
+                            to = middle;
+                        } else {
+                            unknown = middle;
+                        }
+                    }
+                }
                 visit(Stretch {
                     from: share,
                     to,

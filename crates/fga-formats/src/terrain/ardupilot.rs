@@ -10,16 +10,16 @@ use crate::units::DEGREE_RAD;
 
 const BLOCK: usize = 2048;
 const CHECKED: usize = 1821;
-const ROWS: usize = 28;
-const COLUMNS: usize = 32;
+pub(super) const ROWS: usize = 28;
+pub(super) const COLUMNS: usize = 32;
 /// Posts from one block to the next, north and east.
-const TO_NEXT: [f64; 2] = [24.0, 28.0];
+pub(super) const TO_NEXT: [f64; 2] = [24.0, 28.0];
 /// Posts of a piece that a ground station sends.
-const PIECE: usize = 4;
+pub(super) const PIECE: usize = 4;
 /// Metres of a degree of latitude.
-const DEGREE_M: f64 = 111_318.845_021_450_34;
-/// A corner may differ from that of its number by this: files are made in single precision, degrees.
-const CORNER_DEG: f64 = 1e-4;
+pub(super) const DEGREE_M: f64 = 111_318.845_021_450_34;
+/// A corner may differ from that of its number by a metre: ArduPilot computes in single precision. Degrees.
+const CORNER_DEG: f64 = 1e-5;
 
 pub(super) const DATUM: Stated<Datum> = Stated {
     value: Datum::Egm96,
@@ -137,8 +137,13 @@ fn block(block: &[u8], file_name: &str) -> Result<Option<HeightField>, String> {
     HeightField::new(grid, Heights::Whole(heights)).map(Some)
 }
 
+/// Degrees of latitude in a degree of longitude, as ArduPilot has them.
+pub(super) fn scale(latitude_deg: f64) -> f64 {
+    libm::cos(latitude_deg * DEGREE_RAD).max(0.01)
+}
+
 /// The posts of a block of this number in this degree, whose south-west corner the file gives too.
-fn grid(
+pub(super) fn grid(
     spacing_m: f64,
     index: [f64; 2],
     degree: [f64; 2],
@@ -146,13 +151,11 @@ fn grid(
 ) -> Result<Grid, String> {
     let first = [index[0] * TO_NEXT[0], index[1] * TO_NEXT[1]];
     let south_deg = degree[0] + first[0] * spacing_m / DEGREE_M;
-    let scale = |latitude_deg: f64| libm::cos(latitude_deg * DEGREE_RAD).max(0.01);
     let east_deg = |scale: f64| first[1] * spacing_m / (DEGREE_M * scale);
     let middle = |row: f64| scale(0.5 * (degree[0] + south_deg + row * spacing_m / DEGREE_M));
-    let near = |found: f64, expected: f64| (found - expected).abs() < CORNER_DEG;
-    let at_degree = near(corner[1], degree[1] + east_deg(scale(degree[0])));
-    let at_middle = near(corner[1], degree[1] + east_deg(middle(0.0)));
-    if !near(corner[0], south_deg) || !(at_degree || at_middle) {
+    let off_deg = |scale: f64| (corner[1] - degree[1] - east_deg(scale)).abs();
+    let [old, new] = [scale(degree[0]), middle(0.0)].map(off_deg);
+    if (corner[0] - south_deg).abs() > CORNER_DEG || old.min(new) > CORNER_DEG {
         return Err(format!(
             "has the corner {:.6}, {:.6}, expected {south_deg:.6}, {:.6} by its number",
             corner[0],
@@ -160,7 +163,7 @@ fn grid(
             degree[1] + east_deg(middle(0.0))
         ));
     }
-    let scale = if at_middle {
+    let scale = if new <= old {
         middle(0.5 * (ROWS - 1) as f64)
     } else {
         scale(degree[0])

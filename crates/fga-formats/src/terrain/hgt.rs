@@ -1,5 +1,7 @@
 //! SRTM's `.hgt`: a square of a degree, whole metres, big endian, from the north-west; the name is its south-west corner.
 
+use std::io::Read;
+
 use super::field::{Grid, HeightField, Heights};
 use super::{Datum, Stated, name};
 
@@ -17,21 +19,29 @@ pub(super) const DATUM: Stated<Datum> = Stated {
     source: "the format",
 };
 
-pub(super) fn parse(bytes: &[u8], file_name: &str) -> Result<HeightField, String> {
-    let Some((side, _)) = SIDES.iter().find(|(_, size)| *size == bytes.len()) else {
+/// Reads a file of this many bytes piece by piece, so that it is in memory once.
+pub(super) fn parse(
+    mut input: impl Read,
+    size: u64,
+    file_name: &str,
+) -> Result<HeightField, String> {
+    let Some((side, _)) = SIDES.iter().find(|(_, bytes)| *bytes as u64 == size) else {
         return Err(format!(
-            "has {} bytes, expected {} or {} of a .hgt file ({} or {} heights a side)",
-            bytes.len(),
-            SIDES[0].1,
-            SIDES[1].1,
-            SIDES[0].0,
-            SIDES[1].0
+            "has {size} bytes, expected {} or {} of a .hgt file ({} or {} heights a side)",
+            SIDES[0].1, SIDES[1].1, SIDES[0].0, SIDES[1].0
         ));
     };
     let [south_deg, west_deg] = name::corner(file_name)?
         .ok_or("has no place in its name, expected a .hgt file to be named after its south-west corner, as in N47E008.hgt")?;
-    let (pairs, _) = bytes.as_chunks::<2>();
-    let heights = pairs.iter().map(|pair| i16::from_be_bytes(*pair)).collect();
+    let mut heights = Vec::with_capacity(side * side);
+    let mut row = vec![0; 2 * side];
+    for number in 0..*side {
+        input.read_exact(&mut row).map_err(|error| {
+            format!("cannot be read at row {number} ({error}), expected {side}")
+        })?;
+        let (pairs, _) = row.as_chunks::<2>();
+        heights.extend(pairs.iter().map(|pair| i16::from_be_bytes(*pair)));
+    }
     let step_deg = 1.0 / (side - 1) as f64;
     let grid = Grid {
         south_deg,

@@ -17,3 +17,4 @@ mod flight_log;
 mod missions;
 mod recordings;
 mod sbs;
+mod terrain;

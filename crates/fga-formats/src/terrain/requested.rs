@@ -1,0 +1,120 @@
+//! Ground asked for over MAVLink: a block of ArduPilot's grid, filled piece by piece by `TERRAIN_DATA`.
+
+use super::ardupilot::{COLUMNS, DEGREE_M, PIECE, ROWS, TO_NEXT, grid, scale};
+use super::field::{Grid, HOLE, HeightField, Heights};
+
+/// All 56 pieces of a block.
+const ALL: u64 = (1 << (ROWS * COLUMNS / (PIECE * PIECE))) - 1;
+
+/// A block of 28 × 32 heights that is asked for with `TERRAIN_REQUEST` and comes in pieces of 4 × 4 heights.
+///
+/// ```
+/// use fga_formats::terrain::RequestedBlock;
+///
+/// let mut block = RequestedBlock::around([46.05, 9.1], 100).expect("a place");
+/// assert_eq!(block.mask().count_ones(), 56);
+/// assert!(block.take(block.corner_e7(), 100, 0, &[500; 16]));
+/// assert_eq!(block.mask().count_ones(), 55);
+/// let field = block.field().expect("heights of ground");
+/// assert_eq!(field.summary(), (Some([500.0, 500.0]), 880));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct RequestedBlock {
+    grid: Grid,
+    corner_e7: [i32; 2],
+    spacing_m: u16,
+    filled: u64,
+    /// From the north-west.
+    heights: Vec<i16>,
+}
+
+impl RequestedBlock {
+    /// The block that holds a place, latitude and longitude in degrees, where ArduPilot puts it; `None` for a place that is not
+    /// on the earth, a pole, or a spacing beyond 1 to 2000 m.
+    pub fn around([latitude_deg, longitude_deg]: [f64; 2], spacing_m: u16) -> Option<Self> {
+        let is_place = latitude_deg.abs() < 89.0 && (-180.0..180.0).contains(&longitude_deg);
+        if !is_place || !(1..=2000).contains(&spacing_m) {
+            return None;
+        }
+        let spacing = f64::from(spacing_m);
+        let degree = [libm::floor(latitude_deg), libm::floor(longitude_deg)];
+        let north_m = (latitude_deg - degree[0]) * DEGREE_M;
+        let east_m =
+            (longitude_deg - degree[1]) * DEGREE_M * scale(0.5 * (degree[0] + latitude_deg));
+        let index = [
+            libm::floor(libm::floor(north_m / spacing) / TO_NEXT[0]),
+            libm::floor(libm::floor(east_m / spacing) / TO_NEXT[1]),
+        ];
+        let south_deg = degree[0] + index[0] * TO_NEXT[0] * spacing / DEGREE_M;
+        let west_deg = degree[1]
+            + index[1] * TO_NEXT[1] * spacing / DEGREE_M / scale(0.5 * (degree[0] + south_deg));
+        #[expect(clippy::cast_possible_truncation, reason = "degrees of the earth")]
+        let corner_e7 = [south_deg, west_deg].map(|degrees| libm::rint(degrees * 1e7) as i32);
+        Some(Self {
+            grid: grid(spacing, index, degree, [south_deg, west_deg]).ok()?,
+            corner_e7,
+            spacing_m,
+            filled: 0,
+            heights: vec![HOLE; ROWS * COLUMNS],
+        })
+    }
+
+    /// South-west corner for `TERRAIN_REQUEST`: latitude and longitude, 10⁻⁷ degrees.
+    pub const fn corner_e7(&self) -> [i32; 2] {
+        self.corner_e7
+    }
+
+    /// Pieces that are missing, for `TERRAIN_REQUEST`: bit by bit, to the east first.
+    pub const fn mask(&self) -> u64 {
+        ALL & !self.filled
+    }
+
+    /// Takes the content of a `TERRAIN_DATA`: corner of the request, spacing, number of the piece, heights from its
+    /// south-west corner, to the east first. `false` if it is not of this block, or no ground.
+    pub fn take(
+        &mut self,
+        corner_e7: [i32; 2],
+        spacing_m: u16,
+        piece: u8,
+        heights_m: &[i16; PIECE * PIECE],
+    ) -> bool {
+        // A sender may have rounded the corner otherwise: two centimetres.
+        let is_corner = self
+            .corner_e7
+            .iter()
+            .zip(corner_e7)
+            .all(|(own, other)| own.abs_diff(other) <= 2);
+        let is_ground = heights_m
+            .iter()
+            .all(|height| height.unsigned_abs() <= 9_000);
+        let piece = usize::from(piece);
+        let per_row = COLUMNS / PIECE;
+        if !is_corner
+            || !is_ground
+            || spacing_m != self.spacing_m
+            || piece >= ROWS / PIECE * per_row
+        {
+            return false;
+        }
+        for (index, height) in heights_m.iter().enumerate() {
+            let from_south = piece / per_row * PIECE + index / PIECE;
+            let column = piece % per_row * PIECE + index % PIECE;
+            if let Some(post) = self
+                .heights
+                .get_mut((ROWS - 1 - from_south) * COLUMNS + column)
+            {
+                *post = *height;
+            }
+        }
+        self.filled |= 1 << piece;
+        true
+    }
+
+    /// What is known so far; missing pieces are holes. `None` before the first piece, or if the heights cannot be ground.
+    pub fn field(&self) -> Option<HeightField> {
+        let heights = Heights::Whole(self.heights.clone());
+        (self.filled != 0)
+            .then(|| HeightField::new(self.grid, heights).ok())
+            .flatten()
+    }
+}
