@@ -9,6 +9,7 @@ use fga_formats::error::read_text;
 use fga_formats::flight::Flight;
 use fga_formats::flight_log::FlightLog;
 use fga_formats::tally::Tally;
+use fga_formats::terrain::{self, Given};
 use fga_formats::words::counted;
 use fga_formats::{InputError, conf, daa, encounter_model, flight_log, missions, recordings};
 use fga_results::flight_file;
@@ -24,6 +25,7 @@ use crate::batch_input::PARTS;
 use crate::common::AnswerArgs;
 use crate::failure::Failure;
 use crate::file_kind::FileKind;
+use crate::terrain::Facts;
 
 /// Options of `fga check`.
 #[derive(Args, Debug)]
@@ -184,13 +186,21 @@ fn check(path: &Path, kind: Option<FileKind>) -> Result<Usable, Failure> {
         {
             flight(path)
         }
+        "hgt" | "tif" | "tiff" | "dt0" | "dt1" | "dt2" | "dat" => {
+            let file = terrain::read(path, &Given::default())?;
+            let holds = Facts::new(&file).counts();
+            Ok(Usable::new(
+                format!("file of heights ({})", file.format),
+                holds,
+            ))
+        }
         "csv" | "parquet" | "txt" | "json" | "sbs" | "log" => encounters_in(path),
         _ => {
             // A missing file is said first.
             let _ = read_text(path)?;
             Err(Failure::Input(format!(
                 "{}: a file of this kind cannot be checked, expected .toml, .daa, .csv, .parquet, .json, .sbs, .conf, \
-                 .tlog, .bin, a mission (.plan, .waypoints), an encounter model (.txt) or a folder",
+                 .tlog, .bin, heights (.hgt, .tif, .dt2, .DAT), a mission (.plan, .waypoints), an encounter model (.txt) or a folder",
                 path.display()
             )))
         }

@@ -32,6 +32,8 @@ mod reproduce;
 mod run;
 mod shell;
 mod stress;
+mod terrain;
+mod terrain_check;
 #[cfg(feature = "fly")]
 mod traffic;
 mod view;
@@ -80,6 +82,8 @@ enum Command {
     Reproduce(reproduce::ReproduceArgs),
     /// Write a run as a file for Google Earth, Cesium, maps or Foxglove, or play it to FlightGear.
     Export(export::ExportArgs),
+    /// Show files of heights, cut them, and check a mission against their ground.
+    Terrain(terrain::TerrainArgs),
     /// Show a folder of runs, or a campaign, in the browser.
     View(view::ViewArgs),
     /// Fly avoiding manoeuvres on an ArduPlane vehicle over MAVLink.
@@ -140,6 +144,7 @@ pub fn main_with(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> Exi
         Command::Stress(args) => stress::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Terrain(args) => terrain::run(&args),
         Command::View(args) => view::run(&args),
         #[cfg(feature = "fly")]
         Command::Fly(args) => fly::run(&args),

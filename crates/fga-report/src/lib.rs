@@ -8,6 +8,7 @@
 //! | module | question |
 //! |---|---|
 //! | [`overview`] | where did the aircraft fly, and how close did it come? |
+//! | [`profile`] | does a mission clear the ground? |
 //! | [`plot`] | what do many runs show together? |
 //! | [`interval`] | how certain is a share? |
 //! | [`report`] | how do figures, tables and their interpretation become one page? |
@@ -24,6 +25,7 @@ pub mod league;
 pub mod listing;
 pub mod overview;
 pub mod plot;
+pub mod profile;
 pub mod replay;
 pub mod report;
 pub mod safety_case;

@@ -272,7 +272,7 @@ fn marker(svg: &mut Svg, (x, y): Point, shape: Shape) {
 }
 
 /// An axis title, centred below or turned beside a panel.
-fn axis_titles(svg: &mut Svg, panel: &Rect, below: &str, beside: &str) {
+pub(crate) fn axis_titles(svg: &mut Svg, panel: &Rect, below: &str, beside: &str) {
     let style = TextStyle::new(12.0, INK).anchor(Anchor::Middle);
     if !below.is_empty() {
         svg.text(
@@ -285,5 +285,5 @@ fn axis_titles(svg: &mut Svg, panel: &Rect, below: &str, beside: &str) {
     svg.turned_text(at, beside, style, -90.0);
 }
 
-const GRID_LINE: &str = "stroke=\"#e3e6ea\" stroke-width=\"1\"";
-const FRAME: &str = "fill=\"none\" stroke=\"#8b949e\" stroke-width=\"1\"";
+pub(crate) const GRID_LINE: &str = "stroke=\"#e3e6ea\" stroke-width=\"1\"";
+pub(crate) const FRAME: &str = "fill=\"none\" stroke=\"#8b949e\" stroke-width=\"1\"";

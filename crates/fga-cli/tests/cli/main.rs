@@ -29,4 +29,5 @@ mod replay;
 mod reproduce;
 mod run;
 mod stress;
+mod terrain;
 mod tracks;
