@@ -19,14 +19,14 @@ use fga_sim::run::{Plan, RunLog, fly};
 use fga_sim::vehicle_file::VehicleModel;
 use rayon::prelude::*;
 
-const FOOT_M: f64 = 0.3048;
-const NMAC: (f64, f64) = (500.0 * FOOT_M, 100.0 * FOOT_M);
+pub(crate) const FOOT_M: f64 = 0.3048;
+pub(crate) const NMAC: (f64, f64) = (500.0 * FOOT_M, 100.0 * FOOT_M);
 const WELL_CLEAR: (f64, f64) = (2000.0 * FOOT_M, 250.0 * FOOT_M);
 
 /// Bank beyond which a turn has a side, radians (5°).
 const BANKED_RAD: f64 = 0.087;
 
-type Moments = Vec<(f64, Vec3)>;
+pub(crate) type Moments = Vec<(f64, Vec3)>;
 
 struct Row {
     name: String,
@@ -363,7 +363,7 @@ fn at(rows: &Moments, time_s: f64) -> Vec3 {
 }
 
 /// Least signed distances outside of the two scaled volumes, at the rows of both and halfway between.
-fn measure(own: &Moments, intruder: &Moments, until_s: f64, scale: f64) -> [f64; 2] {
+pub(crate) fn measure(own: &Moments, intruder: &Moments, until_s: f64, scale: f64) -> [f64; 2] {
     let mut times: Vec<f64> = own.iter().chain(intruder).map(|m| m.0).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();

@@ -65,7 +65,7 @@ fn each<T: Send>(count: u64, one: impl Fn(u64) -> T + Sync + Send) -> Vec<T> {
     (0..count).into_par_iter().map(one).collect()
 }
 
-fn stream(seed: u64, number: u64) -> Random {
+pub(crate) fn stream(seed: u64, number: u64) -> Random {
     Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ number.wrapping_mul(0x9e37_79b9))
 }
 

@@ -9,6 +9,7 @@
 //! | [`robustness`] | how many does the policy save with noise, wind and bank lag? |
 //! | [`baselines`] | which settings suit the baselines, and how do all policies compare? |
 //! | [`certificates`] | does an aircraft ever pass nearer than was certified? |
+//! | [`climbs`] | how many does it save when intruders level off, go on climbing or pull up? |
 //! | [`oracle`] | how many does the oracle save, and how long does it take? |
 //! | [`quality`] | what does a smaller limit of work cost? |
 //! | [`families`] | what goes wrong in strong wind, beside slow traffic, in formations, in gaps that close? |
@@ -20,6 +21,7 @@
 
 mod baselines;
 mod certificates;
+mod climbs;
 mod common;
 mod departures;
 mod families;
@@ -55,6 +57,8 @@ enum Experiment {
     Robustness(robustness::RobustnessArgs),
     /// Search the settings of a baseline, or compare all policies.
     Baselines(baselines::BaselinesArgs),
+    /// Count the near mid-air collisions that are left where intruders level off, go on climbing or pull up.
+    Climbs(climbs::ClimbsArgs),
     /// Compare certified margins and predicted positions with those of another program.
     Certificates(certificates::CertificatesArgs),
     /// Measure the oracle: the share that it saves, and its time.
@@ -81,6 +85,7 @@ fn main() -> ExitCode {
         Experiment::Departures(args) => departures::run(&args),
         Experiment::Robustness(args) => robustness::run(&args),
         Experiment::Baselines(args) => baselines::run(&args),
+        Experiment::Climbs(args) => climbs::run(&args),
         Experiment::Certificates(args) => certificates::run(&args),
         Experiment::Oracle(args) => oracle::run(&args),
         Experiment::Quality(args) => quality::run(&args),

@@ -1,0 +1,211 @@
+//! Intruders whose climb changes: they level off, go on through the altitude of the aircraft, or pull up.
+//!
+//! The experiment measures separations itself, on the drawn intruder and the flown samples.
+
+use std::f64::consts::TAU;
+
+use clap::Args;
+use fga::Vec3;
+use fga::avoider::State;
+use fga_files::TomlText;
+use fga_sim::campaign::parse_policy;
+use fga_sim::policy::PolicyChoice;
+use fga_sim::run::fly;
+use fga_sim::scenario::parse;
+use fga_sim::vehicle_file::VehicleModel;
+use rayon::prelude::*;
+
+use crate::flown::{FOOT_M, Moments, NMAC, measure};
+use crate::intruders::stream;
+use crate::intruders::traffic::Random;
+
+/// Feet per minute, metres per second.
+const FPM_MPS: f64 = FOOT_M / 60.0;
+
+/// The closest approach comes so long after the start, seconds.
+const CLOSEST_S: f64 = 70.0;
+
+const DURATION_S: f64 = 110.0;
+
+/// Interval between the moments of a track, seconds.
+const STEP_S: f64 = 0.5;
+
+/// Options of `climbs`.
+#[derive(Args, Debug)]
+pub(crate) struct ClimbsArgs {
+    /// Number of encounters of each kind.
+    #[arg(value_parser = clap::value_parser!(u64).range(1..))]
+    count: u64,
+    /// Master seed.
+    #[arg(default_value_t = 1)]
+    seed: u64,
+    /// Vehicle file.
+    #[arg(long, default_value = "vehicles/general-aviation.toml")]
+    vehicle: std::path::PathBuf,
+    /// The policy, as in "published --start t0".
+    #[arg(long, default_value = "turn-aware")]
+    policy: String,
+    /// Shows each encounter that is left.
+    #[arg(long)]
+    rows: bool,
+}
+
+/// What an intruder does with its climb.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    /// It levels off up to 50 or 500 ft above or below, 2 to 25 s before the closest approach.
+    LevelsOff(f64),
+    /// It passes the altitude of the aircraft 25 s before to 25 s after the closest approach, and goes on.
+    GoesOn(f64),
+    /// It is level, pulls up or down 8 to 25 s before the closest approach, and reaches the altitude of the aircraft then.
+    PullsUp,
+}
+
+const KINDS: [(&str, Kind); 9] = [
+    ("levels off, 500 ft/min", Kind::LevelsOff(500.0)),
+    ("levels off, 1,000 ft/min", Kind::LevelsOff(1000.0)),
+    ("levels off, 1,500 ft/min", Kind::LevelsOff(1500.0)),
+    ("levels off, 2,000 ft/min", Kind::LevelsOff(2000.0)),
+    ("goes on, 500 ft/min", Kind::GoesOn(500.0)),
+    ("goes on, 1,000 ft/min", Kind::GoesOn(1000.0)),
+    ("goes on, 1,500 ft/min", Kind::GoesOn(1500.0)),
+    ("goes on, 2,000 ft/min", Kind::GoesOn(2000.0)),
+    ("pulls up", Kind::PullsUp),
+];
+
+/// The outcome of one flight.
+struct Flown {
+    nominal_m: f64,
+    least_m: f64,
+    acted: bool,
+    cross_m: f64,
+    changes: usize,
+    number: u64,
+}
+
+/// Flies all kinds and shows the counts.
+pub(crate) fn run(args: &ClimbsArgs) -> Result<(), String> {
+    let model = VehicleModel::read(&args.vehicle).map_err(|e| e.to_string())?;
+    let policy = parse_policy(&args.policy)?;
+    for (name, kind) in KINDS {
+        let flown: Result<Vec<Flown>, String> = (0..args.count)
+            .into_par_iter()
+            .map(|number| fly_one(kind, (args.seed, number), &model, &policy))
+            .collect();
+        show(name, &flown?, args.rows);
+    }
+    Ok(())
+}
+
+fn show(name: &str, flown: &[Flown], rows: bool) {
+    let is_lost = |f: &&Flown| f.least_m < 0.0;
+    let would = |f: &&Flown| f.nominal_m < 0.0;
+    let mut cross_m: Vec<f64> = flown.iter().map(|f| f.cross_m).collect();
+    cross_m.sort_by(f64::total_cmp);
+    println!(
+        "{name}: NMAC {} of {}, induced {}; needless {} of {}; cross-track median {:.0} 90% {:.0} m; changes over 2: {}, most {}",
+        flown.iter().filter(is_lost).count(),
+        flown.iter().filter(would).count(),
+        flown.iter().filter(|f| is_lost(f) && !would(f)).count(),
+        flown.iter().filter(|f| f.acted && !would(f)).count(),
+        flown.iter().filter(|f| !would(f)).count(),
+        cross_m[cross_m.len() / 2],
+        cross_m[(cross_m.len() - 1) * 9 / 10],
+        flown.iter().filter(|f| f.changes > 2).count(),
+        flown.iter().map(|f| f.changes).max().unwrap_or(0),
+    );
+    for left in flown.iter().filter(is_lost).filter(|_| rows) {
+        println!(
+            "  {}: nominal {:.1} m, flown {:.1} m",
+            left.number, left.nominal_m, left.least_m
+        );
+    }
+}
+
+/// The height of an intruder over that of the aircraft, metres, at a time, seconds.
+fn heights(kind: Kind, random: &mut Random) -> Box<dyn Fn(f64) -> f64> {
+    let side = if random.unit() < 0.5 { -1.0 } else { 1.0 };
+    match kind {
+        Kind::LevelsOff(fpm) => {
+            let at_s = CLOSEST_S - random.within(2.0, 25.0);
+            let most_ft = if random.unit() < 0.5 { 50.0 } else { 500.0 };
+            let level_m = random.within(-1.0, 1.0) * most_ft * FOOT_M;
+            let rate_mps = side * fpm * FPM_MPS;
+            Box::new(move |time_s| level_m + rate_mps * f64::min(time_s - at_s, 0.0))
+        }
+        Kind::GoesOn(fpm) => {
+            let at_s = CLOSEST_S + random.within(-25.0, 25.0);
+            let rate_mps = side * fpm * FPM_MPS;
+            Box::new(move |time_s| rate_mps * (time_s - at_s))
+        }
+        Kind::PullsUp => {
+            let at_s = CLOSEST_S - random.within(8.0, 25.0);
+            let (rate_mps, pull_mps2) = (random.within(5.0, 10.0), random.within(0.5, 3.0));
+            let climbed_m = move |time_s: f64| {
+                let since_s = f64::max(time_s - at_s, 0.0);
+                let pulls_s = f64::min(since_s, rate_mps / pull_mps2);
+                0.5 * pull_mps2 * pulls_s * pulls_s + rate_mps * (since_s - pulls_s)
+            };
+            Box::new(move |time_s| side * (climbed_m(time_s) - climbed_m(CLOSEST_S)))
+        }
+    }
+}
+
+fn fly_one(
+    kind: Kind,
+    (seed, number): (u64, u64),
+    model: &VehicleModel,
+    policy: &PolicyChoice,
+) -> Result<Flown, String> {
+    let mut random = stream(seed, number);
+    let own_mps = model.vehicle.airspeed_mps;
+    let (radius_m, half_height_m) = NMAC;
+    let course_rad = random.within(0.0, TAU);
+    let speed_mps = random.within(40.0, 90.0);
+    let velocity_mps = Vec3::new(course_rad.cos(), course_rad.sin(), 0.0) * speed_mps;
+    let miss_m = random.within(-1.0, 1.0) * radius_m;
+    let relative_mps = velocity_mps - Vec3::X * own_mps;
+    let aside = Vec3::new(-relative_mps.y, relative_mps.x, 0.0).normalize_or(Vec3::Y);
+    let meets_m = Vec3::X * own_mps * CLOSEST_S + aside * miss_m;
+    let height_m = heights(kind, &mut random);
+    let times = (0..=(DURATION_S / STEP_S) as u32).map(|k| f64::from(k) * STEP_S);
+    let intruder: Moments = times
+        .clone()
+        .map(|time_s| {
+            let level_m = meets_m + velocity_mps * (time_s - CLOSEST_S);
+            (time_s, level_m.with_z(height_m(time_s)))
+        })
+        .collect();
+    let own: Moments = times
+        .map(|time_s| (time_s, Vec3::X * own_mps * time_s))
+        .collect();
+    let track: Vec<String> = intruder
+        .iter()
+        .map(|(time_s, at_m)| format!("[{time_s:?}, {:?}, {:?}, {:?}]", at_m.x, at_m.y, at_m.z))
+        .collect();
+    let text = format!(
+        "name = \"climbs\"\nduration_s = {DURATION_S:?}\n[mission]\nwaypoints_m = [[0, 0, 0], [20000, 0, 0]]\n[limits]\nfloor_m = -1000.0\n[[obstacle]]\nmovement = \"aircraft\"\nradius_m = {radius_m:?}\nhalf_height_m = {half_height_m:?}\ntrack_m = [{}]\n",
+        track.join(", ")
+    );
+    let path = std::path::Path::new("drawn.toml");
+    let text = TomlText::new(path, &text);
+    let plan = parse(text, Some(model.clone())).map_err(|e| e.to_string())?;
+    let log = fly(plan, policy, &mut |_| ()).map_err(|e| e.to_string())?;
+    let track: Moments = log
+        .samples
+        .iter()
+        .map(|s| (s.time_s, s.position_m))
+        .collect();
+    let states: Vec<State> = log.samples.iter().map(|s| s.state).collect();
+    Ok(Flown {
+        nominal_m: measure(&own, &intruder, DURATION_S, 1.0)[0],
+        least_m: measure(&track, &intruder, DURATION_S, 1.0)[0],
+        acted: states.contains(&State::Avoiding),
+        cross_m: log.outcome.max_cross_track_m,
+        changes: states
+            .windows(2)
+            .filter(|w| w[0] != w[1] && w.contains(&State::Avoiding))
+            .count(),
+        number,
+    })
+}
