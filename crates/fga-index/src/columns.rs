@@ -170,6 +170,7 @@ impl Columns<'_> {
                 Some(movements) => *movements.get(place)?,
                 None => Movement::default(),
             },
+            age_s: 0.0,
         })
     }
 }

@@ -160,8 +160,11 @@ pub struct Obstacle {
     pub kind: ObstacleKind,
     /// Its uncertainty; it widens the volume.
     pub uncertainty: Uncertainty,
-    /// Its possible motion from now on.
+    /// Its possible motion since its report.
     pub movement: Movement,
+    /// The age of its report, seconds: position and velocity are carried on from it in a straight line, and its motion may have
+    /// changed since.
+    pub age_s: f64,
 }
 
 impl Obstacle {
@@ -183,6 +186,7 @@ impl Obstacle {
                 velocity_mps: 0.0,
             },
             movement: Movement::Straight,
+            age_s: 0.0,
         }
     }
 
@@ -200,6 +204,7 @@ impl Obstacle {
             && length_ok(self.volume.half_height_m())
             && length_ok(self.uncertainty.position_m)
             && length_ok(self.uncertainty.velocity_mps)
+            && length_ok(self.age_s)
             && self.movement.is_valid()
     }
 }

@@ -57,6 +57,8 @@ pub struct TrackReport {
     pub velocity_mps: Vec3,
     /// Standard deviations of both.
     pub uncertainty: Uncertainty,
+    /// How long it has been carried on in a straight line, seconds.
+    pub age_s: f64,
 }
 
 impl TrackReport {
@@ -69,6 +71,7 @@ impl TrackReport {
         } = self.uncertainty;
         Self {
             time_s: self.time_s + for_s,
+            age_s: self.age_s + for_s,
             position_m: self.position_m + self.velocity_mps * for_s,
             uncertainty: Uncertainty {
                 position_m: position_m + velocity_mps * for_s,
@@ -95,6 +98,7 @@ impl WorldObstacle {
                 position_m,
                 velocity_mps,
                 uncertainty: Uncertainty::default(),
+                age_s: 0.0,
             });
         }
         let heard = self.reports.partition_point(|r| r.time_s <= time_s + 1e-9);

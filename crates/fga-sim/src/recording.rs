@@ -101,6 +101,7 @@ pub fn plan(
                 .samples
                 .iter()
                 .map(|sample| TrackReport {
+                    age_s: 0.0,
                     time_s: sample.time_s - time_offset_s,
                     position_m: sample.position_m,
                     velocity_mps: sample.velocity_mps,

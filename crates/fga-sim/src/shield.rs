@@ -127,6 +127,7 @@ impl Shield {
                 };
                 Obstacle {
                     position_m: obstacle.position_after_m(moved_s),
+                    age_s: obstacle.age_s + moved_s,
                     ..obstacle
                 }
             }));

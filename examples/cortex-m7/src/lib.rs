@@ -383,6 +383,7 @@ impl Drawn {
                 radius_m: 30.0,
                 position_sigma_m: if is_noisy { 5.0 } else { 0.0 },
                 velocity_sigma_mps: if is_noisy && !is_still { 0.5 } else { 0.0 },
+                age_s: 0.0,
                 ..obstacle()
             };
         }

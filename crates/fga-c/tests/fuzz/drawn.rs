@@ -200,6 +200,7 @@ impl Fuzz {
             half_height_m: self.wild(1.0, 60.0),
             position_sigma_m: self.wild(0.0, 5.0),
             velocity_sigma_mps: self.wild(0.0, 1.0),
+            age_s: self.wild(0.0, 3.0),
             bounds: fga_bounds {
                 turn_rate_radps: self.wild(0.0, 0.5),
                 brief_turn_rate_radps: self.wild(0.0, 0.8),

@@ -82,6 +82,7 @@ impl Slot {
         if !self.is_at_rest() {
             obstacle.position_m = obstacle.position_after_m(age_s);
         }
+        obstacle.age_s += age_s.max(0.0);
         let uncertainty = &mut obstacle.uncertainty;
         uncertainty.position_m += uncertainty.velocity_mps * age_s.max(0.0);
         obstacle

@@ -495,6 +495,7 @@ impl TrackTable {
             volume: taller(wanted.volumes.of(track.class), shift.bound_m),
             kind: ObstacleKind::Unknown,
             movement: track.movement,
+            age_s: (wanted.at_s - track.last_seen().valid_s).max(0.0),
             uncertainty: Uncertainty {
                 position_m: track.sigma_m(wanted.at_s),
                 velocity_mps: track.velocity_sigma_mps(),

@@ -307,6 +307,7 @@ impl Source {
             kind: obstacle.kind,
             uncertainty: now.uncertainty,
             movement: obstacle.movement,
+            age_s: now.age_s,
         })
     }
 }
@@ -359,6 +360,7 @@ fn both(a: Uncertainty, b: Uncertainty) -> Uncertainty {
 fn carried(seen: &Obstacle, since_s: f64) -> Obstacle {
     let mut later = *seen;
     later.position_m += seen.velocity_mps * since_s;
+    later.age_s += since_s;
     later.uncertainty.position_m += seen.uncertainty.velocity_mps * since_s;
     later
 }

@@ -4,7 +4,9 @@
 //! time. It may also turn to either side and change its climb, within its bounds. Each of these
 //! motions is a chain of hazards, each with a window of time: chords of the turn, widened by the
 //! turn's bow, then a straight line. A change of climb stretches the volume upwards and
-//! downwards.
+//! downwards. A climb may also end at any moment: the volume is stretched over all heights between
+//! that of an aircraft that levels off at once and that of one that goes on. All of it may have
+//! begun when the aircraft was last reported.
 
 use crate::Vec3;
 use crate::angle::wrap_pi;
@@ -224,41 +226,50 @@ impl Motions {
         let speeds_m = 0.5 * bounds.acceleration_mps2 * brief_s * brief_s;
         hazard.volume = hazard.volume.grown(clearance.growth_m(climbs) + speeds_m);
         let change_mps = trend.climb_change_mps(obstacle);
-        hazard.stretch_m.1 = climbs * change_mps.max(bounds.climb_change_mps);
+        let change_mps = climbs * change_mps.max(bounds.climb_change_mps);
+        let since = Since {
+            age_s: obstacle.age_s,
+            change_mps,
+            end_mps: 0.5 * climbs * obstacle.velocity_mps.z,
+        };
         if motions == 0 {
-            hazard.stretch_m = (hazard.stretch_m.1 * CLIMB_CHANGES_S, 0.0);
+            let at = since.report(&hazard);
+            hazard.velocity_mps = at.velocity_mps;
+            hazard.position_m = at.position_m + at.velocity_mps * obstacle.age_s;
+            hazard.stretch_m = since.later_m();
             return self.put(hazard);
         }
         let all = turns(freedom, (obstacle, trend), &bounds).into_iter();
         for (rate_radps, for_s) in all.flatten().take(motions) {
-            self.add_motion(&hazard, rate_radps, for_s);
+            self.add_motion(&hazard, &since, (rate_radps, for_s));
         }
     }
 
     /// A turn for a time, then straight on, of a hazard that stretches.
-    fn add_motion(&mut self, hazard: &Hazard, rate_radps: f64, for_s: f64) {
-        let mut at = Moment {
-            at_s: 0.0,
-            position_m: hazard.position_m,
-            velocity_mps: hazard.velocity_mps,
-        };
-        let chords = chords((rate_radps, for_s));
+    fn add_motion(&mut self, hazard: &Hazard, since: &Since, turn: (f64, f64)) {
+        let mut hazard = *hazard;
+        let mut at = since.report(&hazard);
+        let begins_s = at.at_s;
+        hazard.stretch_m = since.first_m();
+        let chords = chords(turn);
+        let (rate_radps, for_s) = turn;
         for _ in 0..chords {
             let next = at.turned(rate_radps, for_s / chords as f64);
-            self.add_leg(hazard, &at, &next, rate_radps);
+            self.add_leg(&hazard, &at, &next, rate_radps);
             at = next;
         }
-        if at.at_s < CLIMB_CHANGES_S && hazard.stretch_m.1 > 0.0 {
-            let next = at.turned(0.0, CLIMB_CHANGES_S - at.at_s);
-            self.add_leg(hazard, &at, &next, 0.0);
+        let left_s = begins_s + CLIMB_CHANGES_S - at.at_s;
+        if left_s > 0.0 && since.change_mps > 0.0 {
+            let next = at.turned(0.0, left_s);
+            self.add_leg(&hazard, &at, &next, 0.0);
             at = next;
         }
         self.put(Hazard {
             position_m: at.position_m - at.velocity_mps * at.at_s,
             velocity_mps: at.velocity_mps,
-            stretch_m: (hazard.stretch_m.1 * CLIMB_CHANGES_S, 0.0),
+            stretch_m: since.later_m(),
             window_s: (at.at_s, f64::INFINITY),
-            ..*hazard
+            ..hazard
         });
     }
 
@@ -282,6 +293,41 @@ impl Motions {
         let place = self.hazards.rows().len();
         let index = u32::try_from(place).unwrap_or(u32::MAX);
         self.hazards.put(place, Hazard { index, ..hazard });
+    }
+}
+
+/// How heights may have changed since a report, and may change: by a change of climb, and by its end.
+struct Since {
+    age_s: f64,
+    change_mps: f64,
+    /// Half of the climb that may end.
+    end_mps: f64,
+}
+
+impl Since {
+    /// The aircraft at its report, with a climb halfway between going on and ending.
+    fn report(&self, hazard: &Hazard) -> Moment {
+        let position_m = hazard.position_m - hazard.velocity_mps * self.age_s;
+        Moment {
+            at_s: -self.age_s,
+            position_m,
+            velocity_mps: hazard.velocity_mps - Vec3::new(0.0, 0.0, self.end_mps),
+        }
+    }
+
+    /// The stretch while the climb changes, metres: at time 0, and its increase per second.
+    fn first_m(&self) -> (f64, f64) {
+        let rate_mps = self.change_mps + self.end_mps.abs();
+        (rate_mps * self.age_s, rate_mps)
+    }
+
+    /// The same from then on.
+    fn later_m(&self) -> (f64, f64) {
+        let rate_mps = self.end_mps.abs();
+        (
+            rate_mps * self.age_s + self.change_mps * CLIMB_CHANGES_S,
+            rate_mps,
+        )
     }
 }
 
@@ -353,6 +399,14 @@ mod tests {
         let mut motions = Motions::new();
         let hazard = Hazard::new(0, &obstacle, Vec3::ZERO, 3.0);
         motions.add_aircraft(&hazard, (&obstacle, trend), (freedom, EXACT), MOTIONS);
+        motions
+    }
+
+    fn motions_of(obstacle: &Obstacle, freedom: Freedom, turns: usize) -> Motions {
+        let mut motions = Motions::new();
+        let hazard = Hazard::new(0, obstacle, Vec3::ZERO, 3.0);
+        let trend = Trend::of(obstacle);
+        motions.add_aircraft(&hazard, (obstacle, trend), (freedom, EXACT), turns);
         motions
     }
 
@@ -481,6 +535,57 @@ mod tests {
                     (taken..=taken + 4).contains(&most),
                     "{freedom:?}: {taken} of {most}"
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn d3_a_climb_may_end_at_any_moment() {
+        let climbing = Obstacle {
+            velocity_mps: Vec3::new(-52.0, 21.0, 7.62),
+            ..intruder()
+        };
+        for (turns, share) in [(MOTIONS, 1.0), (0, 1.0), (MOTIONS, 0.5)] {
+            let motions = motions_of(&climbing, Freedom::Share(share), turns);
+            for ends_s in [0.0, 4.0, 19.0, 31.0] {
+                for at_s in [0.0, 3.0, 12.0, 20.0, 45.0] {
+                    let kept_mps = (1.0 - share) * climbing.velocity_mps.z;
+                    let climbs_s = f64::min(at_s, ends_s);
+                    let place_m = climbing.position_m
+                        + climbing.velocity_mps.with_z(kept_mps) * at_s
+                        + Vec3::Z * (climbing.velocity_mps.z - kept_mps) * climbs_s;
+                    assert!(
+                        is_within(&motions, place_m, at_s),
+                        "{turns} turns, share {share}, ends after {ends_s} s, {at_s} s"
+                    );
+                }
+            }
+            let below_m = climbing.position_m - Vec3::Z * 90.0;
+            assert!(!is_within(&motions, below_m, 0.0), "{turns} turns, {share}");
+        }
+    }
+
+    #[test]
+    fn d2_its_motion_may_have_changed_since_its_report() {
+        for age_s in [0.5, 2.0, 9.0] {
+            let reported = intruder();
+            let seen = Obstacle {
+                position_m: reported.position_m + reported.velocity_mps * age_s,
+                age_s,
+                ..reported
+            };
+            let motions = motions_of(&seen, Freedom::Share(1.0), MOTIONS);
+            let for_s = BOUNDS.turn_rad / BOUNDS.turn_rate_radps;
+            for side in [-1.0, 1.0] {
+                for at_s in [0.0, 4.0, 7.7, 19.9, 33.0] {
+                    let climb_mps = side * BOUNDS.climb_change_mps;
+                    let rate = side * BOUNDS.turn_rate_radps;
+                    let place_m = flown(rate, for_s, climb_mps, age_s + at_s);
+                    assert!(
+                        is_within(&motions, place_m, at_s),
+                        "{age_s} s old, side {side}, {at_s} s"
+                    );
+                }
             }
         }
     }
