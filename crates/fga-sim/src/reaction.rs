@@ -202,6 +202,7 @@ impl Party {
             left_s: self.left_s?,
             points: flown.points,
             report: TrackReport {
+                age_s: 0.0,
                 time_s: self.flight.time_s() + self.after_s,
                 position_m,
                 velocity_mps,

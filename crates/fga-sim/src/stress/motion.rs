@@ -231,6 +231,7 @@ impl Motion {
             let is_lost = (loss_start_s..loss_start_s + loss_s).contains(&time_s);
             if number % each == 0 && !(is_lost && number > 0) {
                 reports.push(TrackReport {
+                    age_s: 0.0,
                     time_s,
                     position_m,
                     velocity_mps: velocity_at(time_s),
