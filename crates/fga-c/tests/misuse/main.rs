@@ -257,7 +257,7 @@ fn an_unusable_state_is_refused_and_changes_nothing() {
 #[test]
 fn unusable_obstacles_are_ignored_and_counted() {
     let mut flight = Flight::new(8);
-    let changes: [Change<fga_obstacle>; 5] = [
+    let changes: [Change<fga_obstacle>; 6] = [
         |o| o.position_m.up = f64::NAN,
         |o| o.radius_m = -1.0,
         |o| o.volume = 0,
