@@ -21,7 +21,6 @@ mod departure;
 mod largest;
 mod lattice;
 mod line;
-mod reach;
 mod rows;
 mod tuned;
 
@@ -92,7 +91,7 @@ pub enum Proof {
     Certified(Certified),
     /// It does not, and another search may find one that does.
     Open,
-    /// It does not, and no other one will.
+    /// It does not, and hardly another one will.
     Hopeless,
 }
 
