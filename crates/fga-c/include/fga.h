@@ -46,10 +46,10 @@
 #define FGA_ALIGN 16
 
 // Bytes of an avoider without obstacles and waypoints; see `FGA_AVOIDER_BYTES`.
-#define FGA_AVOIDER_FIXED_BYTES 190976
+#define FGA_AVOIDER_FIXED_BYTES 194048
 
 // Bytes of an avoider for each obstacle; see `FGA_AVOIDER_BYTES`.
-#define FGA_AVOIDER_OBSTACLE_BYTES 144
+#define FGA_AVOIDER_OBSTACLE_BYTES 152
 
 // Bytes of an avoider for each waypoint; see `FGA_AVOIDER_BYTES`.
 #define FGA_AVOIDER_WAYPOINT_BYTES 32
@@ -469,6 +469,8 @@ typedef struct fga_obstacle {
   double position_sigma_m;
   // Standard deviation of its velocity along any axis, metres per second; 0 if known exactly.
   double velocity_sigma_mps;
+  // Age of the report from which its position and velocity are carried on, seconds, 0 or more: its motion may have changed since.
+  double age_s;
   // The bounds of `FGA_MOVEMENT_BOUNDED`; otherwise not read.
   struct fga_bounds bounds;
 } fga_obstacle;
