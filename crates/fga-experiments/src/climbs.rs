@@ -2,7 +2,7 @@
 //!
 //! The experiment measures separations itself, on the drawn intruder and the flown samples.
 
-use std::f64::consts::TAU;
+use core::f64::consts::TAU;
 
 use clap::Args;
 use fga::Vec3;
@@ -25,10 +25,13 @@ const FPM_MPS: f64 = FOOT_M / 60.0;
 /// The closest approach comes so long after the start, seconds.
 const CLOSEST_S: f64 = 70.0;
 
-const DURATION_S: f64 = 110.0;
-
 /// Interval between the moments of a track, seconds.
 const STEP_S: f64 = 0.5;
+
+/// Moments of a track after its first one.
+const STEPS: u32 = 220;
+
+const DURATION_S: f64 = STEPS as f64 * STEP_S;
 
 /// Options of `climbs`.
 #[derive(Args, Debug)]
@@ -168,7 +171,7 @@ fn fly_one(
     let aside = Vec3::new(-relative_mps.y, relative_mps.x, 0.0).normalize_or(Vec3::Y);
     let meets_m = Vec3::X * own_mps * CLOSEST_S + aside * miss_m;
     let height_m = heights(kind, &mut random);
-    let times = (0..=(DURATION_S / STEP_S) as u32).map(|k| f64::from(k) * STEP_S);
+    let times = (0..=STEPS).map(|k| f64::from(k) * STEP_S);
     let intruder: Moments = times
         .clone()
         .map(|time_s| {
