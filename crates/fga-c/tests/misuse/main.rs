@@ -274,7 +274,7 @@ fn unusable_obstacles_are_ignored_and_counted() {
     let (status, decision) = flight.step(0.0, &obstacles);
     assert_eq!(
         (status, decision.obstacles_ignored),
-        (fga_status::Incomplete, 5)
+        (fga_status::Incomplete, 6)
     );
     assert_eq!((decision.obstacles_tracked, decision.threat.id), (1, 7));
     let (_, alone) = Flight::new(8).step(0.0, &obstacles[..1]);
@@ -286,7 +286,7 @@ fn unusable_obstacles_are_ignored_and_counted() {
             counts.incomplete_steps,
             counts.obstacles_ignored
         ),
-        (1, 1, 5)
+        (1, 1, 6)
     );
 }
 
