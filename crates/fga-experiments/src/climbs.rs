@@ -6,7 +6,6 @@ use core::f64::consts::TAU;
 
 use clap::Args;
 use fga::Vec3;
-use fga::avoider::State;
 use fga_files::TomlText;
 use fga_sim::campaign::parse_policy;
 use fga_sim::policy::PolicyChoice;
@@ -15,7 +14,7 @@ use fga_sim::scenario::parse;
 use fga_sim::vehicle_file::VehicleModel;
 use rayon::prelude::*;
 
-use crate::flown::{FOOT_M, Moments, NMAC, measure};
+use crate::flown::{FOOT_M, Moments, NMAC, acted, measure, moments, transitions};
 use crate::intruders::stream;
 use crate::intruders::traffic::Random;
 
@@ -194,21 +193,13 @@ fn fly_one(
     let text = TomlText::new(path, &text);
     let plan = parse(text, Some(model.clone())).map_err(|e| e.to_string())?;
     let log = fly(plan, policy, &mut |_| ()).map_err(|e| e.to_string())?;
-    let track: Moments = log
-        .samples
-        .iter()
-        .map(|s| (s.time_s, s.position_m))
-        .collect();
-    let states: Vec<State> = log.samples.iter().map(|s| s.state).collect();
+    let track = moments(&log);
     Ok(Flown {
         nominal_m: measure(&own, &intruder, DURATION_S, 1.0)[0],
         least_m: measure(&track, &intruder, DURATION_S, 1.0)[0],
-        acted: states.contains(&State::Avoiding),
+        acted: acted(&log),
         cross_m: log.outcome.max_cross_track_m,
-        changes: states
-            .windows(2)
-            .filter(|w| w[0] != w[1] && w.contains(&State::Avoiding))
-            .count(),
+        changes: transitions(&log),
         number,
     })
 }

@@ -257,27 +257,19 @@ fn fly_one(
     };
     let plan = Plan::read(path, Some(model)).map_err(|e| e.to_string())?;
     let log = fly(plan, policy, &mut |_| ()).map_err(|e| e.to_string())?;
-    let track: Moments = log
-        .samples
-        .iter()
-        .map(|s| (s.time_s, s.position_m))
-        .collect();
-    let states: Vec<State> = log.samples.iter().map(|s| s.state).collect();
+    let track = moments(&log);
     Ok(Row {
         name: path.file_stem().map_or_else(String::new, |s| {
             s.to_string_lossy().replace("NRC_Intercept", "")
         }),
         nominal: least(own),
         flown: least(&track),
-        acted: states.contains(&State::Avoiding),
-        transitions: states
-            .windows(2)
-            .filter(|w| w[0] != w[1] && w.contains(&State::Avoiding))
-            .count(),
+        acted: acted(&log),
+        transitions: transitions(&log),
         reversals: reversals(&log),
         cross_m: log.outcome.max_cross_track_m,
         extra_m: log.outcome.extra_path_m,
-        back: states.last() == Some(&State::Cruise),
+        back: log.samples.last().map(|s| s.state) == Some(State::Cruise),
         on_way_back: on_way_back(&log, own),
         searched: log
             .decisions
@@ -287,6 +279,25 @@ fn fly_one(
             .unwrap_or(0),
         longest_us: log.decision_times().max_us,
     })
+}
+
+/// Where the aircraft was.
+pub(crate) fn moments(log: &RunLog) -> Moments {
+    let samples = log.samples.iter();
+    samples.map(|s| (s.time_s, s.position_m)).collect()
+}
+
+/// Whether it avoided.
+pub(crate) fn acted(log: &RunLog) -> bool {
+    log.samples.iter().any(|s| s.state == State::Avoiding)
+}
+
+/// How often it began or ended to avoid.
+pub(crate) fn transitions(log: &RunLog) -> usize {
+    let pairs = log.samples.windows(2).map(|w| [w[0].state, w[1].state]);
+    pairs
+        .filter(|[before, after]| before != after && [before, after].contains(&&State::Avoiding))
+        .count()
 }
 
 /// How often the bank changes its side while the aircraft avoids.
