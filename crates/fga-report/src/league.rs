@@ -51,7 +51,7 @@ pub struct Standing {
     pub needless: u64,
     /// Manoeuvred.
     pub manoeuvred: u64,
-    /// Back on the mission at the end, of those.
+    /// Manoeuvred, and back on the mission at the end.
     pub rejoined: u64,
     /// Largest distances from the mission of flights with a manoeuvre: median and 90 %, metres.
     pub cross_track_m: [Option<f64>; 2],

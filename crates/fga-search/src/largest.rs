@@ -46,7 +46,7 @@ struct Seed {
     margin_m: f64,
 }
 
-/// The margin of a seed, metres; the least number where there is none.
+/// The margin of a seed, metres; without a seed the least number.
 fn margin_m(slot: Option<&Seed>) -> f64 {
     slot.map_or(f64::MIN, |seed| seed.margin_m)
 }

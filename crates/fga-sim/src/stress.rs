@@ -5,8 +5,8 @@
 //! a quantile of a usual distribution, within the bounds that the policy is told ([`MovementBounds`]). The cross-entropy
 //! method (Rubinstein 1999; Lee et al. 2015 for collision avoidance) flies batches of motions, and draws the next batch near those
 //! that came nearest to a failure. One flight in ten is drawn from the usual distribution, so that the weights of the flights are
-//! bounded and their sum estimates the probability of a loss. In the end parameters of the likeliest failures that are not
-//! needed are set to their medians, so that what is left explains the failure.
+//! bounded and their sum estimates the probability of a loss. In the end each parameter that a failure does not
+//! need is set to its median; the other parameters explain the failure.
 
 mod motion;
 mod urgency;
@@ -219,7 +219,7 @@ pub fn search(
         )]
         let place = (ELITE_SHARE * count as f64) as usize;
         let level = ranks.get(place).copied().unwrap_or(0.0).max(0.0);
-        // Until enough of a batch fail, the ranks lead alone; from then on the likely ones of those that fail.
+        // Until enough motions of a batch fail, the ranks alone choose; from then on the likeliest failures do.
         let is_weighted = level <= 0.0;
         let elite: Vec<(Point, f64)> = batch
             .iter()

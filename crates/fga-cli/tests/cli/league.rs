@@ -87,7 +87,7 @@ fn a_program_joins_a_league_and_its_failures_stand_there() {
     };
     let policies = ["--policy", "none", "--policy", "pipe:./own.sh"];
     let mut seen = Vec::new();
-    // Another program under the same name flies anew.
+    // A changed program under the same name makes the league fly again.
     for (body, fails) in [("echo '{}'", false), ("exit 1", true)] {
         write(body);
         let done = league(place, "out", &policies);
@@ -243,7 +243,7 @@ fn intruders_react_and_the_page_sets_policies_against_reactions() {
     ] {
         assert!(page.contains(what), "{what}");
     }
-    // The flight that the page shows is the one that was counted.
+    // The page shows the flight that the league counted.
     let shown = fga_in(
         place,
         &[

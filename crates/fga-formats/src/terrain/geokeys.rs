@@ -1,4 +1,4 @@
-//! What the GeoKeys of a TIFF say: coordinates, datum and whether a height is that of a point or of an area (OGC GeoTIFF 1.1).
+//! The GeoKeys of a TIFF (OGC GeoTIFF 1.1): its coordinates, its datum, and whether its pixels are points or areas.
 
 use super::{Datum, Stated};
 
@@ -22,7 +22,7 @@ const USER_DEFINED: u16 = 32767;
 /// What the keys say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct GeoKeys {
-    /// Whether a height is that of a point, not of an area whose corner is given.
+    /// Whether a pixel is a point; otherwise it is an area, and the file gives the area's corner.
     pub is_point: bool,
     pub datum: Stated<Datum>,
 }

@@ -83,7 +83,7 @@ fn sentence(error: &TiffError) -> String {
     )
 }
 
-/// The posts: a pixel's height is that of its middle where pixels are areas.
+/// The posts: the pixels, or the middles of pixels that are areas.
 fn grid<R: Read + Seek>(
     decoder: &mut Decoder<R>,
     keys: &GeoKeys,

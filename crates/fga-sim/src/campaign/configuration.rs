@@ -222,7 +222,7 @@ pub fn parse_policy(text: &str) -> Result<PolicyChoice, String> {
     }
 }
 
-/// One of these policies by its name, or the one that [`parse_policy`] finds.
+/// The policy with a name: one of the given policies, or one that [`parse_policy`] knows.
 ///
 /// # Errors
 /// As [`parse_policy`].

@@ -98,7 +98,7 @@ fn an_intruder_gives_way_to_an_aircraft_that_does_not() {
     }
 }
 
-/// The ownship's flight in the world of the answer is the one that the intruder answered to.
+/// The ownship, flown again against the recorded reaction, flies the path to which the intruder reacted.
 #[test]
 fn both_react_to_each_other_and_the_flight_can_be_flown_again() {
     let recording = head_on(0.0);
