@@ -10,7 +10,7 @@ use fga::situation::{Obstacle, Obstacles, Ownship, Situation};
 use fga::vehicle::Vehicle;
 
 /// Asks a pilot about the moment at which its command takes effect: the aircraft has flown the
-/// commands under way, the obstacles have kept their velocity. Times in the decision count from that
+/// commands under way, the obstacles have kept their velocity since their reports. Times in the decision count from that
 /// moment, as the vehicle applies them.
 #[derive(Debug)]
 pub struct Ahead<P> {
@@ -111,6 +111,7 @@ impl<P: Pilot> Pilot for Ahead<P> {
             .extend(situation.obstacles.iter().map(|obstacle| {
                 let mut then = obstacle;
                 then.position_m = obstacle.position_after_m(dead_s);
+                then.age_s += dead_s;
                 then.uncertainty.position_m += obstacle.uncertainty.velocity_mps * dead_s;
                 then
             }));
@@ -134,5 +135,62 @@ impl<P: Pilot> Pilot for Ahead<P> {
     fn restart(&mut self) {
         self.under_way.clear();
         self.pilot.restart();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fga::Vec3;
+    use fga::pilot::MissionPilot;
+    use fga::situation::{Mission, ProtectedVolume};
+
+    /// A pilot that remembers the obstacle it was asked about.
+    struct Seen(MissionPilot, Option<Obstacle>);
+
+    impl Pilot for Seen {
+        fn step(&mut self, situation: &Situation<'_>) -> Decision {
+            self.1 = situation.obstacles.iter().next();
+            self.0.step(situation)
+        }
+
+        fn retune(&mut self, vehicle: &Vehicle) {
+            self.0.retune(vehicle);
+        }
+
+        fn restart(&mut self) {
+            self.0.restart();
+        }
+    }
+
+    /// What an intruder may have done during the dead time counts like what it may have done since its report.
+    #[test]
+    fn d2_a_report_is_older_when_the_command_takes_effect() {
+        let mut vehicle = Vehicle::from_bank(15.0, 0.5).unwrap();
+        vehicle.response.dead_time_s = 1.5;
+        let pilot = MissionPilot::new(30.0, vehicle).unwrap();
+        let mut ahead = Ahead::new(Seen(pilot, None), &vehicle);
+        let (position_m, velocity_mps) = (Vec3::new(500.0, 0.0, 0.0), Vec3::new(-20.0, 4.0, 1.0));
+        let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+        let rows = [Obstacle {
+            age_s: 0.5,
+            ..Obstacle::straight(1, position_m, velocity_mps, volume)
+        }];
+        ahead.step(&Situation {
+            time_s: 0.0,
+            ownship: Ownship {
+                position_m: Vec3::ZERO,
+                airspeed_mps: 15.0,
+                course_rad: 0.0,
+                climb_rad: 0.0,
+                bank_rad: 0.0,
+            },
+            obstacles: Obstacles::Rows(&rows),
+            mission: Mission::new(&[]),
+            wind_mps: Vec3::ZERO,
+        });
+        let seen = ahead.pilot.1.unwrap();
+        assert_eq!(seen.age_s, 2.0);
+        assert_eq!(seen.position_m, position_m + velocity_mps * 1.5);
     }
 }
