@@ -103,8 +103,37 @@ impl WorldObstacle {
         }
         let heard = self.reports.partition_point(|r| r.time_s <= time_s + 1e-9);
         let last = self.reports.get(heard.checked_sub(1)?)?;
-        let since_s = time_s - last.time_s;
+        // A decision on a row's time may come before it by a rounding: an age below zero would be no obstacle.
+        let since_s = (time_s - last.time_s).max(0.0);
         let is_gone = heard == self.reports.len() && since_s > 1e-9;
         (!is_gone && since_s <= CARRIED_ON_S).then(|| last.carried_on(since_s))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fga::situation::ProtectedVolume;
+
+    #[test]
+    fn a_report_a_rounding_ahead_is_known_and_has_no_age() {
+        let report = |time_s: f64| TrackReport {
+            time_s,
+            position_m: Vec3::X,
+            velocity_mps: Vec3::Y,
+            uncertainty: Uncertainty {
+                position_m: 0.0,
+                velocity_mps: 1.0,
+            },
+            age_s: 0.0,
+        };
+        let volume = ProtectedVolume::Sphere { radius_m: 1.0 };
+        let mut aircraft = WorldObstacle::new(1, Track::straight(Vec3::X, Vec3::Y), volume);
+        aircraft.reports = vec![report(0.0), report(124.6), report(125.1)];
+        for before_s in [0.0, 1e-12, 5e-10] {
+            let known = aircraft.known_at(124.6 - before_s).unwrap();
+            assert_eq!((known.age_s, known.uncertainty.position_m), (0.0, 0.0));
+        }
+        assert!((aircraft.known_at(124.9).unwrap().age_s - 0.3).abs() < 1e-9);
     }
 }
