@@ -404,7 +404,7 @@ pub struct fga_obstacle {
     pub position_sigma_m: f64,
     /// Standard deviation of its velocity along any axis, metres per second; 0 if known exactly.
     pub velocity_sigma_mps: f64,
-    /// Age of the report from which its position and velocity are carried on, seconds, 0 or more: its motion may have changed since.
+    /// Age of the report from which its position and velocity are carried on, seconds: its motion may have changed since. One below 0 counts as 0.
     pub age_s: f64,
     /// The bounds of `FGA_MOVEMENT_BOUNDED`; otherwise not read.
     pub bounds: fga_bounds,

@@ -155,7 +155,10 @@ mod tests {
             (105, 3924),
             (108, 4624),
             (108, 4902),
+            (111, 110),
             (111, 3637),
+            (112, 590),
+            (112, 1598),
             (112, 4762),
             (112, 3797),
             (114, 3302),
@@ -170,6 +173,7 @@ mod tests {
             let count = Flight::drawn(seed, number).fly(number, false);
             let faults = [
                 &count.stuck,
+                &count.strayed,
                 &count.open,
                 &count.end_missed,
                 &count.kept_off,

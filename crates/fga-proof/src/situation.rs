@@ -163,7 +163,7 @@ pub struct Obstacle {
     /// Its possible motion since its report.
     pub movement: Movement,
     /// The age of its report, seconds: position and velocity are carried on from it in a straight line, and its motion may have
-    /// changed since.
+    /// changed since. One below 0, as by a rounding, counts as 0.
     pub age_s: f64,
 }
 
@@ -204,7 +204,7 @@ impl Obstacle {
             && length_ok(self.volume.half_height_m())
             && length_ok(self.uncertainty.position_m)
             && length_ok(self.uncertainty.velocity_mps)
-            && length_ok(self.age_s)
+            && self.age_s.is_finite()
             && self.movement.is_valid()
     }
 }

@@ -304,28 +304,12 @@ impl<'a> Flight<'a> {
         let end_s = loop {
             let time_s = self.time_s();
             let decision = self.decide(time_s, pilot, observer);
-            let command = (&decision.command, 0.0);
-            let (mut cycles, mut known) = (1, 0);
-            if !observer.watches() {
-                cycles = self.cycles_alike(time_s, &decision, pilot);
-                // What is known follows the decision, not the cycles for which it stands.
-                if cycles == 1 {
-                    known = self.known_cycles(time_s, pilot);
-                    cycles = self.cycles_commanded(command, 1 + known);
-                    known -= leave_out(cycles - 1, time_s, pilot);
-                }
-            }
-            let mut end_s = self.fly_on(command, decision.state, cycles, observer);
-            while known > 0 && end_s.is_none() {
-                let time_s = self.time_s();
-                let Some(command) = pilot.known_command(time_s) else {
-                    break;
-                };
-                let cycles = self.cycles_commanded(command, known);
-                self.follow_mission(time_s);
-                end_s = self.fly_on(command, decision.state, cycles, observer);
-                known -= 1 + leave_out(cycles - 1, time_s, pilot);
-            }
+            let cycles = if observer.watches() {
+                1
+            } else {
+                self.cycles_alike(time_s, &decision, pilot)
+            };
+            let end_s = self.fly_on(&decision.command, decision.state, cycles, observer);
             if let Some(end_s) = end_s {
                 break end_s;
             }
@@ -347,7 +331,7 @@ impl<'a> Flight<'a> {
     /// Flies a manoeuvre, that has been flown for some seconds, on for some cycles; returns the time of the end once it is reached.
     fn fly_on(
         &mut self,
-        command: (&Maneuver, f64),
+        command: &Maneuver,
         state: State,
         cycles: u32,
         observer: &mut impl Observer,
@@ -366,7 +350,7 @@ impl<'a> Flight<'a> {
         // The end need not coincide with a decision.
         let last = left_s < period_s + 1e-9;
         if self.replaying().is_none() {
-            self.plant.command_on(command, left_s.min(period_s));
+            self.plant.command_on((command, 0.0), left_s.min(period_s));
         }
         let mut left = cycles;
         loop {
@@ -587,14 +571,6 @@ impl<'a> Flight<'a> {
             waypoints_missed: self.missed.len(),
         }
     }
-}
-
-/// Tells a pilot of decisions that are flown as the last one, which it counts like the others; returns their number.
-fn leave_out(decisions: u32, time_s: f64, pilot: &mut (impl Pilot + ?Sized)) -> u32 {
-    for _ in 0..decisions {
-        pilot.known_command(time_s);
-    }
-    decisions
 }
 
 /// The known obstacles at a time, after a look.

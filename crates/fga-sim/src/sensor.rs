@@ -200,21 +200,6 @@ impl Sensor {
         }
     }
 
-    /// How long it surely sees the same obstacles, each as it moves straight on, seconds: 0 for a sensor with errors and
-    /// among obstacles that may turn. `at_m` is where the aircraft is, which is at most as fast as this.
-    pub(crate) fn alike_for_s(
-        &self,
-        time_s: f64,
-        (at_m, speed_mps): (Vec3, f64),
-        world: &[WorldObstacle],
-    ) -> f64 {
-        if self.more.is_empty() {
-            self.first.alike_for_s(time_s, (at_m, speed_mps), world)
-        } else {
-            0.0
-        }
-    }
-
     /// Turns the sensor with the aircraft; fields of regard are about this course, radians.
     pub fn face(&mut self, course_rad: f64) {
         self.first.face(course_rad);

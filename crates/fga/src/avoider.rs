@@ -27,13 +27,12 @@ pub use tracks::{MAX_TRACKED, Tracks};
 use fga_index::quiet;
 
 use crate::Vec3;
-use crate::angle::Side;
 use crate::certificate::{Asked, Certificate, Hazard, certify_set};
 use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::Progress;
 use crate::prediction::{FlightPath, Flyer, MotionState, flown};
-use crate::search::{Found, Proof};
+use crate::search::Proof;
 use crate::situation::{Ownship, Situation};
 use crate::vehicle::Vehicle;
 
@@ -61,11 +60,13 @@ struct Plan {
     joined_s: f64,
     /// Its certificate.
     proof: Proof,
-    /// The obstacles at its last search.
-    picture: tracks::Picture,
+    /// The assumptions of its certificate.
+    basis: Option<turn_aware::Basis>,
+    /// The obstacles when its certificate was made or failed.
+    outlook: turn_aware::Outlook,
+    /// The rung of the ladder of demands that it keeps.
+    rung: usize,
     margin_m: f64,
-    /// The margin that it was asked for, metres.
-    target_m: f64,
     cost: f64,
     /// Latest certified start, seconds on the situation's clock.
     latest_start_s: Option<f64>,
@@ -76,14 +77,8 @@ struct Plan {
     /// Start of a manoeuvre against the next encounter, after the way back, seconds on the
     /// situation's clock.
     next_start_s: Option<f64>,
-    /// The assumptions of its last certificate.
-    basis: Option<turn_aware::Basis>,
     /// Identifiers of the obstacles that it avoids: the way back must be clear of them.
     against: Against,
-    /// Share of the bounds of aircraft that it withstood when chosen; 1 without aircraft.
-    resilience: f64,
-    /// The side of its first turn.
-    side: Option<Side>,
     /// Whether it is a small manoeuvre, which another one may still follow.
     is_small: bool,
 }
@@ -103,21 +98,6 @@ struct Returned {
 impl Plan {
     fn remaining(&self, time_s: f64) -> Maneuver {
         self.maneuver.after(time_s - self.decided_s)
-    }
-
-    /// The plan with another manoeuvre, decided now.
-    fn with(&self, maneuver: &Maneuver, (found, proof): (&Found, Proof), time_s: f64) -> Self {
-        Self {
-            maneuver: *maneuver,
-            decided_s: time_s,
-            start_s: self.start_s.min(time_s),
-            proof,
-            margin_m: found.margin_m,
-            cost: found.cost,
-            next_start_s: None,
-            basis: None,
-            ..*self
-        }
     }
 }
 
@@ -146,20 +126,18 @@ pub struct Avoider {
     cycle: u32,
     /// Counts the work of this step.
     meter: Meter,
-    /// Consecutive searches that met the limit: the next one continues with other manoeuvres.
-    cut: u32,
+    /// Manoeuvres evaluated in this step.
+    looked_at: u32,
+    /// Whether a search of this step met the limit of its work.
+    is_cut: bool,
     /// Grids that searches have looked at since the last news.
     grids: u32,
-    /// The course at which the next look for a smaller departure begins.
-    improved_to: u32,
     /// Predicted velocity of the aircraft over the ground, metres per second.
     ours_mps: Vec3,
     /// The drift of the aircraft.
     drift: drift::Drift,
     /// Distance kept clear for it, metres.
     drift_m: f64,
-    /// Wanted distance beyond every volume, metres: the margin of the settings and that for drift.
-    wanted_m: f64,
     /// Longer horizon of a manoeuvre's certificate where possible, seconds.
     far_s: f64,
 }
@@ -188,13 +166,12 @@ impl Avoider {
             set_back_s: 0.0,
             cycle: 0,
             meter: Meter::unlimited(),
-            cut: 0,
+            looked_at: 0,
+            is_cut: false,
             grids: 0,
-            improved_to: 0,
             drift: drift::Drift::default(),
             drift_m: 0.0,
             ours_mps: Vec3::ZERO,
-            wanted_m: settings.margin_m,
             far_s: settings.horizon_s,
         })
     }
@@ -213,7 +190,6 @@ impl Avoider {
         self.returned = None;
         (self.last_time_s, self.set_back_s) = (f64::NEG_INFINITY, 0.0);
         self.cycle = 0;
-        (self.cut, self.improved_to) = (0, 0);
         self.drift = drift::Drift::default();
     }
 
@@ -317,11 +293,7 @@ impl Avoider {
         self.meter = Meter::new(limit, most);
         self.progress
             .begin_step(limit / MISSION_SHARE, most / MISSION_MOST);
-        let mut decision = if self.in_need.is_some() {
-            self.decide_with(situation, kept)
-        } else {
-            self.decide(situation, kept)
-        };
+        let mut decision = self.decide(situation, kept);
         self.level_off(situation, &mut decision.command);
         decision.record.work.work = self.meter.done();
         decision.record.work.limit_met |= self.meter.is_met();
@@ -364,7 +336,7 @@ impl Avoider {
             progress.update(mission, &now, flyer, *wind_mps, at);
         });
         self.measure_drift(situation, &now);
-        self.step_turn_aware(situation, &now, self.settings.start, kept)
+        self.step_turn_aware(situation, &now, kept)
     }
 
     /// Measures the drift and the distance kept clear for it.
@@ -412,7 +384,7 @@ impl Avoider {
         if self.vehicle.climb_min_rad < self.vehicle.climb_max_rad {
             // What it can no longer keep above, or is already below, leads back all the same.
             let [lowest_m, highest_m] = self.levels_m(&situation.ownship);
-            let apart_m = 2.0 * self.wanted_m;
+            let apart_m = 2.0 * self.wanted_m();
             let (floor_m, ceiling_m) = situation.mission.limits_m;
             let limits_m = [
                 floor_m.min(lowest_m - apart_m),
@@ -470,6 +442,11 @@ impl Avoider {
                 ..*stage
             });
         }
+    }
+
+    /// Wanted distance beyond every volume, metres: the margin of the settings and that for drift.
+    const fn wanted_m(&self) -> f64 {
+        self.settings.margin_m + self.drift_m
     }
 
     /// Surveillance radius, metres, and horizon, seconds.

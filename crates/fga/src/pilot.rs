@@ -22,19 +22,6 @@ pub trait Pilot {
         0.0
     }
 
-    /// How many of the decisions after the one of this situation only fly on what that one commands, if the aircraft flies
-    /// so and the obstacles of the situation, and no others, keep their velocities; 0 for a pilot that cannot tell. A simulator
-    /// may ask for the commands alone, by [`Self::known_command`].
-    fn known_decisions(&self, _situation: &Situation<'_>) -> u32 {
-        0
-    }
-
-    /// The command of the next known decision, at a time, seconds on the situation's clock: a manoeuvre and how long it has
-    /// been flown by then, seconds. `None` where it has to decide after all.
-    fn known_command(&mut self, _time_s: f64) -> Option<(&Maneuver, f64)> {
-        None
-    }
-
     /// Applies changed limits of the vehicle; called only before it has manoeuvred. Unusable limits
     /// change nothing.
     fn retune(&mut self, vehicle: &Vehicle);
@@ -47,14 +34,6 @@ pub trait Pilot {
 impl Pilot for Avoider {
     fn step(&mut self, situation: &Situation<'_>) -> Decision {
         Self::step(self, situation)
-    }
-
-    fn known_decisions(&self, situation: &Situation<'_>) -> u32 {
-        Self::known_decisions(self, situation)
-    }
-
-    fn known_command(&mut self, time_s: f64) -> Option<(&Maneuver, f64)> {
-        Self::known_command(self, time_s)
     }
 
     fn retune(&mut self, vehicle: &Vehicle) {

@@ -263,7 +263,7 @@ fn unusable_obstacles_are_ignored_and_counted() {
         |o| o.volume = 0,
         |o| o.movement = 0,
         |o| o.velocity_sigma_mps = f64::INFINITY,
-        |o| o.age_s = -1.0,
+        |o| o.age_s = f64::NAN,
     ];
     let mut obstacles = vec![mast(7, 120.0, 5.0)];
     for (id, change) in (10..).zip(changes) {

@@ -1,12 +1,10 @@
-//! Decisions that need not be made: those of a pilot that flies straight on whatever it sees, and those that it knows
-//! beforehand while it sees what it expects.
+//! Decisions that need not be made: those of a pilot that flies straight on whatever it sees.
 //!
 //! Nothing happens in straight flight until it ends, so the engine flies it as one arc and measures it in
 //! closed form. Its last cycles are flown one by one, which find the end as in every flight.
 
 use fga::Vec3;
 use fga::avoider::Decision;
-use fga::maneuver::Maneuver;
 use fga::pilot::Pilot;
 
 use super::{Flight, situation};
@@ -15,9 +13,6 @@ use crate::world::Ending;
 
 /// A flight that drifts off its line by more than this is not straight along it, metres.
 const ALONG_WITHIN_M: f64 = 1e-6;
-
-/// Rounding of times, seconds.
-const ROUNDING_S: f64 = 1e-6;
 
 impl Flight<'_> {
     /// Number of cycles for which a decision stands whatever the pilot sees; at least one.
@@ -38,48 +33,6 @@ impl Flight<'_> {
         } else {
             1
         }
-    }
-
-    /// Number of cycles, at most `most`, in which a manoeuvre that has been flown for some seconds commands the same; at least one.
-    pub(super) fn cycles_commanded(&self, (maneuver, flown_s): (&Maneuver, f64), most: u32) -> u32 {
-        let is_late = self.plant.vehicle().response.dead_time_s > 0.0;
-        // Before its first stage it holds what is flown, which changes in a turn.
-        let changes = maneuver.stage_at(flown_s).is_none()
-            && !self.plant.is_straight_under((maneuver, flown_s));
-        if most == 1 || is_late || changes {
-            return 1;
-        }
-        let period_s = self.world.settings.avoider.decision_period_s;
-        let starts_s = maneuver
-            .stages()
-            .iter()
-            .map(|stage| stage.start_s - flown_s);
-        let until_s = (starts_s.filter(|starts_s| *starts_s > -ROUNDING_S))
-            .fold(f64::INFINITY, f64::min)
-            - ROUNDING_S;
-        (2..=most)
-            .take_while(|cycles| f64::from(*cycles) * period_s < until_s)
-            .last()
-            .unwrap_or(1)
-    }
-
-    /// Number of next decisions that the pilot knows, before the aircraft could see anything else and before the horizon.
-    pub(super) fn known_cycles(&self, time_s: f64, pilot: &(impl Pilot + ?Sized)) -> u32 {
-        let world = self.world;
-        if self.replaying().is_some() {
-            return 0;
-        }
-        let now = situation(world, self.plant.ownship(), self.sensor, time_s);
-        let known = pilot.known_decisions(&now);
-        if known == 0 {
-            return 0;
-        }
-        let ours_mps = world.vehicle.airspeed_mps + world.wind_mps.length();
-        let alike_s = (self.sensor)
-            .alike_for_s(time_s, (now.ownship.position_m, ours_mps), &world.obstacles)
-            .min(world.horizon_s - time_s);
-        let most = alike_s / world.settings.avoider.decision_period_s - 2.0;
-        (0..known).find(|k| f64::from(*k) >= most).unwrap_or(known)
     }
 
     /// Number of cycles of straight flight on which nothing ends; at least one.

@@ -121,7 +121,7 @@ impl SteppedFlight {
         flight.take(time_s, decision);
         flight.show(time_s, decision.state, observer);
         flight.follow_mission(time_s);
-        self.ended_s = flight.fly_on((&decision.command, 0.0), decision.state, 1, observer);
+        self.ended_s = flight.fly_on(&decision.command, decision.state, 1, observer);
         self.ownship = flight.plant.ownship();
         self.ended_s.is_none()
     }

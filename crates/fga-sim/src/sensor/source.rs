@@ -6,7 +6,7 @@ use fga::situation::{Obstacle, Uncertainty};
 use super::SensorSettings;
 use super::noise::{BIASES, CHART, DROPOUTS, EQUIPPED, MISSES, Noise};
 use crate::obstacle::{TrackReport, WorldObstacle};
-use crate::track::Track;
+
 use crate::tracker::TrackEstimate;
 
 /// What a source keeps about an obstacle of the world.
@@ -172,43 +172,6 @@ impl Source {
             }
         }
         self.last_look_s = time_s;
-    }
-
-    /// As [`super::Sensor::alike_for_s`].
-    pub(super) fn alike_for_s(
-        &self,
-        time_s: f64,
-        (at_m, speed_mps): (Vec3, f64),
-        world: &[WorldObstacle],
-    ) -> f64 {
-        let perfect = SensorSettings {
-            tracked: self.settings.tracked,
-            ..SensorSettings::default()
-        };
-        if self.settings != perfect {
-            return 0.0;
-        }
-        let alike_s = world
-            .iter()
-            .zip(&self.first_seen_s)
-            .map(|(obstacle, first_s)| {
-                let (Track::Straight { .. }, true) = (&obstacle.track, obstacle.reports.is_empty())
-                else {
-                    return 0.0;
-                };
-                if first_s.is_some() {
-                    return f64::INFINITY;
-                }
-                let appears_s = obstacle.appears_s - time_s;
-                let (Some(first_seen_m), Some((position_m, velocity_mps))) =
-                    (obstacle.first_seen_m, obstacle.track.at(time_s))
-                else {
-                    return appears_s;
-                };
-                let closes_mps = speed_mps + velocity_mps.length();
-                appears_s.max((position_m.distance(at_m) - first_seen_m) / closes_mps)
-            });
-        alike_s.fold(f64::INFINITY, f64::min)
     }
 
     /// Whether the source is interrupted at a look. Interruptions begin as a Poisson process.

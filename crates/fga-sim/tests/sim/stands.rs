@@ -160,33 +160,6 @@ fn the_end_of_a_mission_and_the_horizon_are_not_flown_over() {
     }
 }
 
-#[test]
-fn the_avoider_leaves_out_what_it_knows_and_flies_the_same() {
-    for lag_s in [0.0, 0.6] {
-        let mut model = VehicleModel::built_in().unwrap();
-        model.vehicle.response.bank_time_constant_s = lag_s;
-        let [all, made] = fly(model, &PolicyChoice::default());
-        assert!(
-            2 * all > 5 * made,
-            "{made} of {all} with a lag of {lag_s} s"
-        );
-    }
-}
-
-#[test]
-fn the_avoider_leaves_out_nothing_among_what_it_cannot_foresee() {
-    let mut noisy = VehicleModel::built_in().unwrap();
-    noisy.sensor.position_sigma_m = 3.0;
-    let mut slow = VehicleModel::built_in().unwrap();
-    slow.sensor.update_period_s = 0.5;
-    let mut late = VehicleModel::built_in().unwrap();
-    late.vehicle.response.dead_time_s = 0.35;
-    for model in [noisy, slow, late] {
-        let [all, made] = fly(model, &PolicyChoice::default());
-        assert_eq!(all, made);
-    }
-}
-
 /// Flies encounters of `table4-dynamic` with the aircraft of a vehicle file under a policy, changed by `change`; all decisions, and
 /// those that were made.
 fn fly_campaign(
@@ -216,19 +189,7 @@ fn fly_campaign(
 }
 
 #[test]
-fn what_is_left_out_changes_no_bit_of_a_campaign() {
-    for (vehicle, count) in [
-        ("paper.toml", 200),
-        ("rascal-110.toml", 100),
-        ("apprentice-15e.toml", 100),
-    ] {
-        let [all, made] = fly_campaign(vehicle, "turn-aware", count, |_| ());
-        assert!(all > 3 * made, "{made} of {all} with {vehicle}");
-    }
-}
-
-#[test]
-fn neither_does_it_in_wind_with_noise_among_turning_intruders_and_on_several_legs() {
+fn nothing_changes_in_wind_with_noise_among_turning_intruders_and_on_several_legs() {
     let is_windy = |world: &mut World| world.wind_mps = Vec3::new(2.0, -4.0, 0.3);
     let is_noisy = |world: &mut World| world.sensor.position_sigma_m = 2.0;
     let has_legs = |world: &mut World| {
@@ -236,8 +197,7 @@ fn neither_does_it_in_wind_with_noise_among_turning_intruders_and_on_several_leg
         world.mission_m = places_m.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
     };
     for vehicle in ["paper.toml", "rascal-110.toml", "apprentice-15e.toml"] {
-        let [all, made] = fly_campaign(vehicle, "turn-aware", 40, is_windy);
-        assert!(all > 2 * made, "{made} of {all} with {vehicle}");
+        fly_campaign(vehicle, "turn-aware", 40, is_windy);
         fly_campaign(vehicle, "turn-aware", 10, is_noisy);
         fly_campaign(vehicle, "turn-aware", 30, has_legs);
         fly_campaign(vehicle, "turn-aware", 30, |world| {

@@ -1,25 +1,191 @@
-//! What is asked of a manoeuvre.
+//! What is asked of a manoeuvre: a ladder of demands, the most that is asked first.
 
+use crate::Vec3;
 use crate::avoider::Avoider;
+use crate::avoider::intruders::{Clearance, Freedom};
 
 /// The separation that a manoeuvre must keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Demand {
-    /// Share of the bounds of aircraft that it withstands; 1 without aircraft.
+    /// Share of the bounds of aircraft that it withstands: turns and changes of climb of this share.
     pub(super) share: f64,
     /// Distance beyond every volume, metres.
     pub(super) margin_m: f64,
     /// How far ahead, seconds.
     pub(super) horizon_s: f64,
+    /// Whether the limits in need apply.
+    pub(super) in_need: bool,
 }
 
-impl Avoider {
-    /// All that is wanted, over the horizon of the settings.
-    pub(super) const fn demand(&self) -> Demand {
-        Demand {
-            share: 1.0,
-            margin_m: self.wanted_m,
-            horizon_s: self.settings.horizon_s,
+/// A rung of the ladder.
+struct Rung {
+    /// Share of the bounds of aircraft.
+    share: f64,
+    /// Share of the distance that is kept for drift, beside the margin of the settings.
+    drift: f64,
+    /// Whether the horizon is the longer one.
+    is_far: bool,
+    /// Whether the limits in need apply.
+    in_need: bool,
+}
+
+impl Rung {
+    const fn of(share: f64, drift: f64) -> Self {
+        Self {
+            share,
+            drift,
+            is_far: false,
+            in_need: false,
         }
+    }
+}
+
+/// The demands, the highest first. An aircraft may turn by half of its bounds, and change its climb by half of them.
+const LADDER: [Rung; 5] = [
+    Rung {
+        is_far: true,
+        ..Rung::of(0.5, 1.0)
+    },
+    Rung::of(0.5, 1.0),
+    Rung::of(0.25, 0.5),
+    Rung::of(0.0, 0.0),
+    Rung {
+        in_need: true,
+        ..Rung::of(0.0, 0.0)
+    },
+];
+
+/// Number of rungs.
+pub(super) const RUNGS: usize = LADDER.len();
+
+/// The first rung without the longer horizon.
+pub(super) const WANTED: usize = 1;
+
+/// Choosing a manoeuvre takes this much more distance beyond the volumes of aircraft than keeping it, metres:
+/// the error of their vertical speed (0.2 m/s), over a quarter of a minute.
+pub(super) const BEYOND_M: f64 = 3.0;
+
+impl Avoider {
+    /// The demand of a rung.
+    pub(super) fn demand_of(&self, rung: usize) -> Demand {
+        let [highest, ..] = &LADDER;
+        let rung = LADDER.get(rung).unwrap_or(highest);
+        Demand {
+            // Nothing else turns.
+            share: if self.tracks.has_aircraft() {
+                rung.share
+            } else {
+                1.0
+            },
+            margin_m: self.settings.margin_m + rung.drift * self.drift_m,
+            horizon_s: if rung.is_far {
+                self.far_s
+            } else {
+                self.settings.horizon_s
+            },
+            in_need: rung.in_need,
+        }
+    }
+
+    /// The demand of a rung, if it differs from that of the rung above and the vehicle has its limits.
+    pub(super) fn distinct_demand(&self, rung: usize) -> Option<Demand> {
+        let demand = self.demand_of(rung);
+        let above = rung.checked_sub(1).map(|above| self.demand_of(above));
+        let is_known = above == Some(demand) || demand.in_need && self.in_need.is_none();
+        (!is_known).then_some(demand)
+    }
+
+    /// Takes the motions of aircraft that a demand covers as hazards, with some distance beyond their volumes, metres.
+    pub(super) fn ask(&mut self, demand: &Demand, own_m: Vec3, beyond_m: f64) {
+        self.withstand(
+            Freedom::Share(demand.share),
+            own_m,
+            (beyond_m, demand.margin_m),
+        );
+    }
+
+    /// Takes motions of aircraft as hazards, with a distance beyond their volumes and the margin that is asked for, metres.
+    pub(super) fn withstand(
+        &mut self,
+        freedom: Freedom,
+        own_m: Vec3,
+        (beyond_m, margin_m): (f64, f64),
+    ) {
+        if !self.tracks.has_aircraft() {
+            return self.tracks.as_expected();
+        }
+        let clearance = Clearance {
+            beyond_m,
+            margin_m,
+            is_unproven: false,
+        };
+        self.tracks
+            .withstand(|_| freedom, own_m, clearance, &self.meter);
+    }
+
+    /// Does something with the limits of a demand.
+    pub(super) fn within_limits<T>(
+        &mut self,
+        demand: &Demand,
+        act: impl FnOnce(&mut Self) -> T,
+    ) -> T {
+        if !demand.in_need {
+            return act(self);
+        }
+        self.change_limits();
+        let answer = act(self);
+        self.change_limits();
+        answer
+    }
+
+    /// Takes the limits in need in place of the normal ones, or back again.
+    const fn change_limits(&mut self) {
+        if let Some((vehicle, flyer)) = &mut self.in_need {
+            core::mem::swap(vehicle, &mut self.vehicle);
+            core::mem::swap(flyer, &mut self.flyer);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::avoider::Settings;
+    use crate::vehicle::Vehicle;
+
+    fn margins_m(avoider: &Avoider) -> alloc::vec::Vec<f64> {
+        let rungs = (0..RUNGS).filter_map(|rung| avoider.distinct_demand(rung));
+        rungs.map(|demand| demand.margin_m).collect()
+    }
+
+    #[test]
+    fn without_drift_and_aircraft_there_is_one_demand() {
+        let avoider = Avoider::new(Settings::default(), Vehicle::lagged(0.0)).unwrap();
+        assert_eq!(margins_m(&avoider), [0.05]);
+    }
+
+    #[test]
+    fn each_rung_asks_for_less_of_the_distance_for_drift() {
+        let mut avoider = Avoider::new(Settings::default(), Vehicle::lagged(0.0)).unwrap();
+        avoider.drift_m = 9.0;
+        assert_eq!(margins_m(&avoider), [9.05, 4.55, 0.05]);
+        avoider.far_s = 240.0;
+        assert_eq!(margins_m(&avoider), [9.05, 9.05, 4.55, 0.05]);
+    }
+
+    #[test]
+    fn the_limits_in_need_come_last_and_go_again() {
+        let mut avoider = Avoider::new(Settings::default(), Vehicle::lagged(0.0)).unwrap();
+        let steep = Vehicle {
+            turn_radius_m: 0.5 * avoider.vehicle().turn_radius_m,
+            ..*avoider.vehicle()
+        };
+        avoider.set_vehicle_in_need(Some(steep)).unwrap();
+        assert_eq!(margins_m(&avoider), [0.05, 0.05]);
+        let last = avoider.distinct_demand(RUNGS - 1).unwrap();
+        let radius_m = |avoider: &mut Avoider| avoider.flyer.turn_radius_m();
+        let normal_m = radius_m(&mut avoider);
+        assert_eq!(avoider.within_limits(&last, radius_m), 0.5 * normal_m);
+        assert_eq!(radius_m(&mut avoider), normal_m);
     }
 }

@@ -67,8 +67,8 @@ pub(super) struct Clearance {
     pub(super) beyond_m: f64,
     /// The margin of the search itself, metres.
     pub(super) margin_m: f64,
-    /// Whether margins inside cylinders are depths.
-    pub(super) by_depth: bool,
+    /// Whether manoeuvres without a certificate are compared: by the volumes without uncertainty, by depth in cylinders.
+    pub(super) is_unproven: bool,
 }
 
 impl Clearance {
@@ -212,7 +212,7 @@ impl Motions {
         motions: usize,
     ) {
         let mut hazard = *hazard;
-        if clearance.by_depth && hazard.is_cylinder() {
+        if clearance.is_unproven && hazard.is_cylinder() {
             hazard.allowed_depth_m = hazard.allowed_depth_m.max(0.0);
         }
         let Some(bounds) = obstacle.movement.bounds() else {
@@ -227,15 +227,16 @@ impl Motions {
         hazard.volume = hazard.volume.grown(clearance.growth_m(climbs) + speeds_m);
         let change_mps = trend.climb_change_mps(obstacle);
         let change_mps = climbs * change_mps.max(bounds.climb_change_mps);
+        let age_s = obstacle.age_s.max(0.0);
         let since = Since {
-            age_s: obstacle.age_s,
+            age_s,
             change_mps,
             end_mps: 0.5 * climbs * obstacle.velocity_mps.z,
         };
         if motions == 0 {
             let at = since.report(&hazard);
             hazard.velocity_mps = at.velocity_mps;
-            hazard.position_m = at.position_m + at.velocity_mps * obstacle.age_s;
+            hazard.position_m = at.position_m + at.velocity_mps * age_s;
             hazard.stretch_m = since.later_m();
             return self.put(hazard);
         }
@@ -375,7 +376,7 @@ mod tests {
     const EXACT: Clearance = Clearance {
         beyond_m: 0.0,
         margin_m: 0.0,
-        by_depth: false,
+        is_unproven: false,
     };
 
     fn intruder() -> Obstacle {
@@ -461,7 +462,7 @@ mod tests {
             let clearance = Clearance {
                 beyond_m,
                 margin_m,
-                by_depth: false,
+                is_unproven: false,
             };
             clearance.growth_m(share)
         };
@@ -567,7 +568,7 @@ mod tests {
 
     #[test]
     fn d2_its_motion_may_have_changed_since_its_report() {
-        for age_s in [0.5, 2.0, 9.0] {
+        for age_s in [-1e-12, 0.5, 2.0, 9.0] {
             let reported = intruder();
             let seen = Obstacle {
                 position_m: reported.position_m + reported.velocity_mps * age_s,

@@ -28,25 +28,6 @@ const FLAT_WITHIN_M: f64 = 1e4;
 /// How near to the centre of a volume the aircraft may come again while leaving it, as a share of its offset.
 const LEAVING_SHARE: f64 = 0.98;
 
-/// A digest of the obstacles that shows changes.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Picture {
-    count: usize,
-    /// Sum of their velocities, metres per second.
-    velocity_mps: Vec3,
-}
-
-impl Picture {
-    /// Whether obstacles came, went, or turned, by more than the uncertainty of the velocities.
-    pub(super) fn differs_from(&self, other: &Self) -> bool {
-        let change_mps = (self.velocity_mps - other.velocity_mps).length();
-        self.count != other.count || change_mps > NEWS_MPS
-    }
-}
-
-/// A larger change of velocities is not noise, metres per second.
-const NEWS_MPS: f64 = 3.0;
-
 /// The hazards of one step.
 #[derive(Debug, Clone)]
 #[expect(
@@ -71,8 +52,6 @@ pub struct Tracks {
     aircraft: usize,
     /// Where our aircraft was when their motions were asked for, metres.
     own_m: Vec3,
-    /// Number of limits of altitude among them.
-    limits: usize,
     /// Work for taking in the obstacles of this step.
     work: usize,
     /// The farthest hazard of a full set: its index and distance, metres.
@@ -115,7 +94,6 @@ impl Tracks {
             moving: false,
             aircraft: 0,
             own_m: Vec3::ZERO,
-            limits: 0,
             work: 0,
             farthest: None,
             distances_m: [0.0; MAX_TRACKED],
@@ -133,7 +111,7 @@ impl Tracks {
         self.hazards.clear();
         self.motions.clear();
         self.moving = false;
-        (self.aircraft, self.limits) = (0, 0);
+        self.aircraft = 0;
         self.work = 0;
         (self.farthest, self.has_distances) = (None, false);
         (self.seen, self.unusable) = (0, 0);
@@ -235,9 +213,13 @@ impl Tracks {
             let may_turn = turning > 0 && (hazard.margin_m(own_m, 0.0), place) <= last;
             let motions = if may_turn { MOTIONS } else { straight };
             let freedom = (freedom(hazard), clearance);
+            let mut hazard = *hazard;
+            if clearance.is_unproven && known.volume.margin_m(own_m - known.position_m) >= 0.0 {
+                (hazard.volume, hazard.growth_mps) = (known.volume, 0.0);
+            }
             let before = self.motions.hazards().rows().len();
             self.motions
-                .add_aircraft(hazard, (known, *trend), freedom, motions);
+                .add_aircraft(&hazard, (known, *trend), freedom, motions);
             let added = self.motions.hazards().rows().len() - before;
             if !meter.take(MOTION * added) {
                 return;
@@ -250,9 +232,10 @@ impl Tracks {
         self.moving = false;
     }
 
-    /// Number of obstacles.
-    pub(super) fn obstacle_count(&self) -> usize {
-        self.hazards.rows().len() - self.limits
+    /// Whether there is any obstacle but the limits of altitude.
+    pub(super) fn has_obstacles(&self) -> bool {
+        let mut rows = self.hazards.rows().iter();
+        rows.any(|hazard| hazard.volume.radius_m() < FLAT_M)
     }
 
     /// Adds the altitudes between which the aircraft stays, metres: a floor and a ceiling are obstacles like any other, spheres so
@@ -276,7 +259,6 @@ impl Tracks {
                     volume,
                 )
             };
-            self.limits += 1;
             let index = u32::try_from(place).unwrap_or(u32::MAX);
             self.hazards
                 .put(place, Hazard::new(index, &limit, situation.wind_mps, 0.0));
@@ -291,15 +273,6 @@ impl Tracks {
     /// Work for taking in the obstacles of this step.
     pub(super) const fn work(&self) -> usize {
         self.work
-    }
-
-    /// The present obstacles, for a later comparison.
-    pub(super) fn picture(&self) -> Picture {
-        let rows = self.hazards.rows();
-        Picture {
-            count: rows.len(),
-            velocity_mps: rows.iter().map(|hazard| hazard.velocity_mps).sum(),
-        }
     }
 
     /// Takes the obstacles within the surveillance radius that the aircraft could meet within the horizon.
@@ -607,7 +580,7 @@ mod tests {
             let exact = Clearance {
                 beyond_m: 0.0,
                 margin_m: 0.0,
-                by_depth: false,
+                is_unproven: false,
             };
             let meter = Meter::unlimited();
             tracks.withstand(|_| Freedom::Share(1.0), Vec3::ZERO, exact, &meter);

@@ -34,13 +34,11 @@ fn the_limits_in_need_are_used_only_where_the_normal_ones_certify_nothing() {
     assert_eq!(saved.record.reason, Reason::ManeuverChosen);
     assert!(saved.record.in_need && margin_m(&saved) >= 0.05);
     assert!(saved.record.work.work <= Settings::default().work_limit);
-    // Hopeless with both: the one that comes less near flies.
+    // Hopeless with both: the steep one comes less near.
     let lost = decision_at(50.0, Some(steep()));
     assert_eq!(lost.record.reason, Reason::BestAvailable);
     assert!(lost.record.in_need);
     assert!(margin_m(&lost) > margin_m(&decision_at(50.0, None)) + 1.0);
-    // No better than the normal ones: not used.
-    assert!(!decision_at(50.0, Some(planar())).record.in_need);
 }
 
 #[test]

@@ -407,10 +407,10 @@ fn what_cannot_succeed_is_soon_given_up() {
         for aside_m in [20.0, 24.0, 27.0] {
             let (work, searches) = spent_on_the_hopeless(aside_m, lag_s);
             // Where little is missing, each of the four parts of the two-turn rows may take a cycle; then each tenth cycle looks
-            // again.
+            // again, twice here.
             // Searches in each cycle are 16 and take up to 1.2 million units.
-            assert!(searches <= 5, "{lag_s} s, {aside_m} m: {searches} searches");
-            assert!(work <= 370_000, "{lag_s} s, {aside_m} m: {work} of work");
+            assert!(searches <= 6, "{lag_s} s, {aside_m} m: {searches} searches");
+            assert!(work <= 380_000, "{lag_s} s, {aside_m} m: {work} of work");
         }
     }
 }

@@ -1,86 +1,83 @@
 //! Which manoeuvre, and when it begins.
 
 use crate::avoider::{Candidate, Start, Verdict};
-use crate::maneuver::Maneuver;
-use crate::search::{Effort, Found, Proof, Search};
+use crate::search::{Found, Search};
 
-/// The result of a search.
-#[derive(Default)]
-pub(super) struct Choice {
-    /// The manoeuvre in both forms, with its certificate.
-    pub(super) chosen: Option<(Found, Maneuver, Proof)>,
-    /// Latest start of a certified one, seconds from now, if searched.
-    pub(super) latest_s: Option<f64>,
-    /// The best one to the other side, if searched.
-    pub(super) alternative: Option<Candidate>,
-}
+/// Share of a wait after which no manoeuvre is certified that is tried next.
+const SOONER: f64 = 0.8;
 
-impl Choice {
-    /// Before any search.
-    pub(super) const NONE: Self = Self {
-        chosen: None,
-        latest_s: None,
-        alternative: None,
-    };
-
-    pub(super) const fn is_certified(&self) -> bool {
-        matches!(self.chosen, Some((_, _, Proof::Certified(_))))
-    }
-}
-
-/// The manoeuvre and its start: certified if there is one, else, with `or_best`, the best available. After
-/// searches that met the limit it begins with others.
+/// The cheapest certified manoeuvre of a start, up to the entry and by the decision period, seconds. Also the latest start of a
+/// certified one, seconds from now, and the best one to the other side, where these are searched.
 pub(super) fn choose(
     search: &mut Search<'_>,
     start: Start,
     (entry_s, period_s): (f64, f64),
-    (cut, or_best): (u32, bool),
-) -> Choice {
-    let (mut latest_s, mut other) = (None, None);
-    let found = match start {
-        Start::AtDetection => search.cheapest(0.0),
+    (latest_s, other): (&mut Option<f64>, &mut Option<Candidate>),
+) -> Option<Found> {
+    let score = match start {
+        Start::AtDetection => return search.cheapest(0.0),
         Start::Free => {
-            let [found, other_side] = search.least_departure(entry_s);
-            other = other_side;
-            found
+            let [found, beside] = search.least_departure(entry_s);
+            *other = beside
+                .filter(|beside| search.prove(beside).is_some())
+                .map(|beside| Candidate {
+                    maneuver: search
+                        .maneuver(&beside.turns, &search.departure(beside.turns.wait_s)),
+                    margin_m: beside.margin_m,
+                    cost: beside.cost,
+                    verdict: Verdict::Certified,
+                });
+            return found;
         }
-        Start::Latest | Start::Score(_) => {
-            let score = if let Start::Score(score) = start {
-                score
-            } else {
-                1.0
-            };
-            latest_s = search.latest_start_s(entry_s);
-            latest_s.and_then(|latest_s| {
-                let mut wait_s = score * (latest_s - period_s).max(0.0);
-                loop {
-                    let found = search.cheapest(wait_s);
-                    if found.is_some() || wait_s <= 0.0 {
-                        return found;
-                    }
-                    wait_s = if wait_s > period_s { 0.8 * wait_s } else { 0.0 };
-                }
-            })
-        }
+        Start::Latest => 1.0,
+        Start::Score(score) => score,
     };
-    let found = found
-        .and_then(|found| search.proven(found))
-        .or_else(|| or_best.then(|| search.best(None, Effort::WHOLE, cut))?);
-    Choice {
-        chosen: found.map(|(found, proof)| (found, as_maneuver(search, &found), proof)),
-        latest_s,
-        alternative: other.and_then(|other| {
-            search.prove(&other)?;
-            Some(Candidate {
-                maneuver: as_maneuver(search, &other),
-                margin_m: other.margin_m,
-                cost: other.cost,
-                verdict: Verdict::Certified,
-            })
-        }),
+    *latest_s = search.latest_start_s(entry_s);
+    let mut wait_s = score * ((*latest_s)? - period_s).max(0.0);
+    loop {
+        let found = search.cheapest(wait_s);
+        if found.is_some() || wait_s <= 0.0 {
+            return found;
+        }
+        wait_s = if wait_s > period_s {
+            SOONER * wait_s
+        } else {
+            0.0
+        };
     }
 }
 
-pub(super) fn as_maneuver(search: &Search<'_>, found: &Found) -> Maneuver {
-    search.maneuver(&found.turns, &search.departure(found.turns.wait_s))
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{among, sphere};
+    use super::*;
+    use crate::avoider::demand::WANTED;
+    use crate::maneuver::Maneuver;
+
+    /// The wait of the manoeuvre that is chosen past a sphere 400 m ahead, and the latest start, seconds.
+    fn wait_s(start: Start) -> (f64, Option<f64>) {
+        among(&[sphere(1, (400.0, 5.0), (0.0, 0.0))], |avoider, _, now| {
+            let demand = avoider.demand_of(WANTED);
+            let (mut latest_s, mut other) = (None, None);
+            let nominal = Maneuver::turn(0.0, 0.0, 0.0);
+            let found = avoider.search(&nominal, now, &demand, |search| {
+                choose(search, start, (18.0, 0.1), (&mut latest_s, &mut other))
+            });
+            assert_eq!(other.is_some(), start == Start::Free);
+            (found.unwrap().turns.wait_s, latest_s)
+        })
+    }
+
+    #[test]
+    fn a_start_is_at_once_at_the_latest_moment_or_at_a_share_of_it() {
+        assert_eq!(wait_s(Start::AtDetection), (0.0, None));
+        let (latest_s, bound_s) = wait_s(Start::Latest);
+        let bound_s = bound_s.unwrap();
+        assert!(
+            latest_s > 10.0 && latest_s <= bound_s - 0.1,
+            "{latest_s} {bound_s}"
+        );
+        let (share_s, _) = wait_s(Start::Score(0.5));
+        assert!((share_s - 0.5 * (bound_s - 0.1)).abs() < 1e-9, "{share_s}");
+    }
 }

@@ -79,3 +79,27 @@ impl Avoider {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{among, sphere};
+    use super::*;
+
+    /// At 20 m/s, behind which an obstacle flies alongside, and one at rest never does.
+    #[test]
+    fn a_detour_leads_away_from_what_flies_alongside_for_long() {
+        let course_rad = |velocity_mps, waited_s, which| {
+            let rows = [sphere(1, (0.0, 60.0), velocity_mps)];
+            among(&rows, |avoider, situation, now| {
+                let detour = avoider.detour(situation, now, (waited_s, which));
+                detour.map(|(maneuver, _)| maneuver.stages()[0].course_rad)
+            })
+        };
+        let alongside = (18.0, 0.0);
+        assert_eq!(course_rad(alongside, 1.0, 0), None);
+        assert_eq!(course_rad(alongside, 30.0, 0), Some(PI));
+        assert_eq!(course_rad(alongside, 30.0, 1), Some(-PI));
+        assert_eq!(course_rad((-18.0, 0.0), 30.0, 0), None);
+        assert_eq!(course_rad((0.0, 0.0), 30.0, 0), None);
+    }
+}

@@ -1,19 +1,15 @@
 //! Whether the certificate of a manoeuvre still holds.
 
 use crate::Vec3;
+use crate::avoider::demand::{RUNGS, WANTED};
 use crate::avoider::{Avoider, Plan};
-use crate::certificate::{Certified, keeps_on};
+use crate::certificate::Certified;
 use crate::prediction::MotionState;
 use crate::search::Proof;
 use crate::situation::Situation;
 
-use super::NEWS_M;
-
 /// A manoeuvre continues while this share of the margin is certified.
 pub(super) const KEEP_SHARE: f64 = 0.5;
-
-/// The same where the manoeuvre was found with less than the wanted margin: drift takes the rest sooner.
-const KEEP_SHARE_OF_LESS: f64 = 0.8;
 
 /// A certificate is renewed once the aircraft may be off its prediction by more than this share of the margin before the
 /// horizon; what it needs includes as much.
@@ -25,41 +21,24 @@ const BANKS: f64 = 4.0;
 /// Tolerance when comparing obstacles with how they were expected, m (velocities: a tenth of it, m/s).
 const SAME_M: f64 = 1e-6;
 
-/// A certificate is renewed after this long, so that its horizon moves on, seconds; where the straight flight at its end keeps
-/// clear for as long again, after its whole horizon.
-pub(super) const RENEWED_AFTER_S: f64 = 4.0;
-
-/// An aircraft that has strayed less than this from its predictions, seconds of its flight, flies as planned.
-const AS_PLANNED_S: f64 = 0.1;
+/// A certificate is renewed after this long, so that its horizon moves on, seconds.
+const RENEWED_AFTER_S: f64 = 4.0;
 
 /// The assumptions of a certificate. While they hold, as in a simulation without noise, the certificate
 /// holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::avoider) struct Basis {
     /// When it is renewed at the latest, seconds from the plan's decision.
-    pub(super) renewed_s: f64,
+    renewed_s: f64,
     /// The aircraft as predicted for the last step, its time counted from the plan's decision.
-    pub(super) own: MotionState,
-    obstacles: Outlook,
-    /// The margin that was found, metres.
-    pub(super) kept_m: f64,
+    own: MotionState,
     /// Margin beyond what the certificate needs, metres.
-    pub(super) spare_m: f64,
-    /// How far the aircraft has strayed from the predictions of all certificates since the plan's decision, metres; infinite
-    /// where that is not known.
-    strayed_m: f64,
-}
-
-impl Basis {
-    /// Whether an aircraft of some airspeed has flown as predicted since the plan's decision.
-    pub(super) fn is_as_planned(&self, airspeed_mps: f64) -> bool {
-        self.strayed_m < AS_PLANNED_S * airspeed_mps
-    }
+    spare_m: f64,
 }
 
 /// The obstacles extrapolated to the plan's decision, in sums that distinguish them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Outlook {
+pub(in crate::avoider) struct Outlook {
     count: usize,
     position_m: Vec3,
     velocity_mps: Vec3,
@@ -67,7 +46,7 @@ struct Outlook {
 }
 
 impl Outlook {
-    fn is(&self, other: &Self) -> bool {
+    pub(super) fn is(&self, other: &Self) -> bool {
         self.count == other.count
             && (self.position_m - other.position_m).abs().max_element() < SAME_M
             && (self.velocity_mps - other.velocity_mps).abs().max_element() < 0.1 * SAME_M
@@ -76,153 +55,107 @@ impl Outlook {
 }
 
 impl Avoider {
-    /// Whether the rest of a plan is still certified.
-    pub(super) fn still_holds(
+    /// The highest rung whose demand the rest of a plan keeps, with its certificate in the plan; the longer horizon only where
+    /// it was planned for it.
+    pub(super) fn kept_rung(
         &mut self,
-        plan: &Plan,
+        plan: &mut Plan,
         situation: &Situation<'_>,
         now: &MotionState,
-    ) -> bool {
-        if !plan.proof.is_certified() {
-            return false;
+    ) -> Option<usize> {
+        let was_certified = plan.proof.is_certified();
+        if was_certified
+            && let Some(basis) = self.within_limits(&self.demand_of(plan.rung), |avoider| {
+                avoider.as_expected(plan, situation, now)
+            })
+        {
+            plan.basis = Some(basis);
+            return Some(plan.rung);
         }
-        if self.as_expected(plan, situation, now).is_some() {
-            return true;
+        (plan.basis, plan.proof) = (None, Proof::Open);
+        let outlook = self.outlook(situation.wind_mps, situation.time_s - plan.decided_s);
+        if was_certified || !self.tracks.inside && !plan.outlook.is(&outlook) {
+            // Searches that found nothing may find something now. A volume around the aircraft shrinks with its depth.
+            self.grids = 0;
         }
-        let since_s = situation.time_s - plan.decided_s;
-        let strayed_m = match &plan.basis {
-            Some(basis) => {
-                let there = self.predicted(plan, basis, situation);
-                basis.strayed_m + there.position_m.distance(now.position_m)
+        plan.outlook = outlook;
+        let highest = plan.rung.min(WANTED);
+        for rung in highest..RUNGS {
+            if rung > highest && self.distinct_demand(rung).is_none() {
+                continue;
             }
-            None if since_s < 1.5 * self.settings.decision_period_s => 0.0,
-            None => f64::INFINITY,
-        };
-        let horizon_s = self.settings.horizon_s;
-        self.predict(&plan.remaining(situation.time_s), now, horizon_s);
-        let lasting = self.lasting(plan, situation, now, (strayed_m, horizon_s));
-        if let Some((plan, (basis, certified))) = self.plan.as_mut().zip(lasting) {
-            (plan.basis, plan.proof) = (Some(basis), Proof::Certified(certified));
+            if self.meter.is_met() {
+                return None;
+            }
+            let demand = self.demand_of(rung);
+            self.ask(&demand, now.position_m, 0.0);
+            let held = self.within_limits(&demand, |avoider| {
+                avoider.predict(&plan.remaining(situation.time_s), now, demand.horizon_s);
+                avoider.lasting(plan, situation, now, (demand.margin_m, demand.horizon_s))
+            });
+            if let Some((basis, certified)) = held {
+                (plan.basis, plan.proof) = (basis, Proof::Certified(certified));
+                return Some(rung);
+            }
         }
-        lasting.is_some()
+        None
     }
 
-    /// The assumptions with which the rest of a plan, predicted last, is certified from now on among obstacles that do not turn,
-    /// and the certificate up to a horizon; since its decision the aircraft has strayed by some metres.
+    /// The certificate of the rest of a plan, predicted last, by which it is kept, and its assumptions among obstacles that do
+    /// not turn.
     pub(super) fn lasting(
         &self,
         plan: &Plan,
         situation: &Situation<'_>,
         now: &MotionState,
-        (strayed_m, horizon_s): (f64, f64),
-    ) -> Option<(Basis, Certified)> {
-        let share = if plan.target_m < self.wanted_m {
-            KEEP_SHARE_OF_LESS
-        } else {
-            KEEP_SHARE
-        };
-        let keep_m = share * plan.target_m;
-        let most_m = keep_m + SPARE_SHARE * plan.target_m;
+        (margin_m, horizon_s): (f64, f64),
+    ) -> Option<(Option<Basis>, Certified)> {
+        let keep_m = KEEP_SHARE * margin_m;
+        let most_m = keep_m + SPARE_SHARE * margin_m;
         let certified = self.prove((horizon_s, keep_m, most_m))?;
-        let margin_m = certified.margin_m();
-        let (hazards, ahead_s) = (self.tracks.hazards(), (horizon_s, 2.0 * horizon_s));
-        (!self.tracks.has_aircraft()).then(|| {
-            let lasts_s = if keeps_on(&self.path, hazards, ahead_s, margin_m, &self.meter) {
-                horizon_s
-            } else {
-                RENEWED_AFTER_S
-            };
-            let basis = Basis {
-                spare_m: margin_m.min(most_m) - keep_m,
-                strayed_m,
-                ..self.basis(plan, situation, now, (margin_m, lasts_s))
-            };
-            (basis, certified)
-        })
-    }
-
-    /// The assumptions of a plan's margin, if aircraft and obstacles move as they were expected to when it was found.
-    pub(super) fn as_expected(
-        &mut self,
-        plan: &Plan,
-        situation: &Situation<'_>,
-        now: &MotionState,
-    ) -> Option<Basis> {
-        let obstacles = self.outlook(situation.wind_mps, situation.time_s - plan.decided_s);
-        let basis = (plan.basis)
-            .filter(|basis| !self.tracks.has_aircraft() && basis.obstacles.is(&obstacles))
-            .and_then(|basis| self.flies_as(plan, &basis, situation, now));
-        if let Some(plan) = self.plan.as_mut().filter(|_| basis.is_some()) {
-            plan.basis = basis;
-        }
-        basis
-    }
-
-    /// The assumptions of a margin found now, which may be off by what is news.
-    pub(super) fn basis(
-        &self,
-        plan: &Plan,
-        situation: &Situation<'_>,
-        now: &MotionState,
-        (kept_m, lasts_s): (f64, f64),
-    ) -> Basis {
         let since_s = situation.time_s - plan.decided_s;
-        Basis {
-            renewed_s: since_s + lasts_s,
+        let basis = (!self.tracks.has_aircraft()).then(|| Basis {
+            renewed_s: since_s + RENEWED_AFTER_S,
             own: MotionState {
                 time_s: since_s,
                 ..*now
             },
-            obstacles: self.outlook(situation.wind_mps, since_s),
-            kept_m,
-            spare_m: NEWS_M,
-            strayed_m: f64::INFINITY,
-        }
+            spare_m: certified.margin_m().min(most_m) - keep_m,
+        });
+        Some((basis, certified))
     }
 
-    /// The certificate's assumptions with the aircraft as predicted for now, if it has followed the plan since then.
-    fn flies_as(
+    /// The assumptions of a plan's certificate, if aircraft and obstacles move as they were expected to.
+    fn as_expected(
         &self,
         plan: &Plan,
-        basis: &Basis,
         situation: &Situation<'_>,
         now: &MotionState,
     ) -> Option<Basis> {
+        let basis = plan.basis.filter(|_| !self.tracks.has_aircraft())?;
         let since_s = situation.time_s - plan.decided_s;
-        if since_s < basis.own.time_s || since_s >= basis.renewed_s {
+        let obstacles = self.outlook(situation.wind_mps, since_s);
+        let passed_s = since_s - basis.own.time_s;
+        if !plan.outlook.is(&obstacles) || passed_s < 0.0 || since_s >= basis.renewed_s {
             return None;
         }
-        let there = self.predicted(plan, basis, situation);
+        let mut own = self.after(&basis.own, &plan.maneuver, since_s);
+        own.position_m += situation.wind_mps * passed_s;
         if self.meter.is_spent() {
             return None;
         }
-        let off_m = there.position_m.distance(now.position_m);
+        let off_m = own.position_m.distance(now.position_m);
         // A bank that is off turns the aircraft until it has gone: by less than it does at the rate of the largest bank.
         let full_rad = self.flyer.full_bank_rad().max(f64::MIN_POSITIVE);
         let banked_s = self.flyer.bank_time_constant_s() * self.flyer.course_rate_radps();
-        let off_rad = (now.course_rad - there.course_rad).abs()
-            + (now.climb_rad - there.climb_rad).abs()
-            + BANKS * banked_s * (now.bank_rad - there.bank_rad).abs() / full_rad;
+        let off_rad = (now.course_rad - own.course_rad).abs()
+            + (now.climb_rad - own.climb_rad).abs()
+            + BANKS * banked_s * (now.bank_rad - own.bank_rad).abs() / full_rad;
         let ahead_m = self.flyer.airspeed_mps() * self.settings.horizon_s;
-        let is_spared = off_m + off_rad * ahead_m <= basis.spare_m;
-        is_spared.then_some(Basis {
-            own: there,
-            ..*basis
-        })
+        (off_m + off_rad * ahead_m <= basis.spare_m).then_some(Basis { own, ..basis })
     }
 
-    /// The aircraft as predicted for now.
-    fn predicted(&self, plan: &Plan, basis: &Basis, situation: &Situation<'_>) -> MotionState {
-        let since_s = situation.time_s - plan.decided_s;
-        let passed_s = since_s - basis.own.time_s;
-        let air = self.after(&basis.own, &plan.maneuver, since_s);
-        MotionState {
-            position_m: air.position_m + situation.wind_mps * passed_s,
-            ..air
-        }
-    }
-
-    fn outlook(&self, wind_mps: Vec3, since_s: f64) -> Outlook {
+    pub(super) fn outlook(&self, wind_mps: Vec3, since_s: f64) -> Outlook {
         let mut outlook = Outlook::default();
         // Different weights, so that two obstacles cannot compensate each other.
         let mut weight = 1.0;
@@ -241,5 +174,79 @@ impl Avoider {
             weight += 0.618;
         }
         outlook
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::avoider::turn_aware::Answer;
+    use crate::avoider::{Against, Settings, Threat};
+    use crate::maneuver::Maneuver;
+    use crate::search::{Found, Turns};
+    use crate::situation::{Mission, Obstacle, Obstacles, Ownship, ProtectedVolume};
+    use crate::vehicle::Vehicle;
+
+    /// The rung that a straight flight keeps, planned on the second one, past a sphere that it clears by some metres; 9 m are
+    /// kept for drift.
+    fn kept(clears_m: f64) -> Option<usize> {
+        let mut avoider = Avoider::new(Settings::default(), Vehicle::lagged(0.0)).unwrap();
+        let position_m = Vec3::new(150.0, 30.0 + clears_m, 0.0);
+        let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+        let rows = [Obstacle::straight(1, position_m, Vec3::ZERO, volume)];
+        let situation = Situation {
+            time_s: 0.0,
+            ownship: Ownship {
+                position_m: Vec3::ZERO,
+                airspeed_mps: avoider.vehicle().airspeed_mps,
+                course_rad: 0.0,
+                climb_rad: 0.0,
+                bank_rad: 0.0,
+            },
+            obstacles: Obstacles::Rows(&rows),
+            mission: Mission::new(&[]),
+            wind_mps: Vec3::ZERO,
+        };
+        let now = MotionState::of(&situation.ownship);
+        avoider.load_tracks(&situation, None);
+        avoider.drift_m = 9.0;
+        let turns = Turns {
+            wait_s: 0.0,
+            turn_rad: 0.0,
+            climb_rad: 0.0,
+            second: None,
+        };
+        let answer = Answer {
+            found: Found {
+                turns,
+                margin_m: clears_m,
+                cost: 0.0,
+            },
+            maneuver: Maneuver::turn(0.0, 0.0, 0.0),
+            proof: Proof::Open,
+            rung: WANTED,
+        };
+        let threat = Threat {
+            id: 1,
+            entry_s: 5.0,
+            closest_s: 6.0,
+            margin_m: clears_m,
+        };
+        avoider.begin(&situation, &answer, (threat, Against::default()));
+        let mut plan = avoider.plan.unwrap();
+        let kept = avoider.kept_rung(&mut plan, &situation, &now);
+        assert_eq!(plan.proof.is_certified(), kept.is_some());
+        kept
+    }
+
+    /// Half of 9.05, 4.55 and 0.05 m.
+    #[test]
+    fn a_plan_falls_to_the_highest_rung_of_which_it_keeps_half_of_the_margin() {
+        assert_eq!(kept(4.6), Some(WANTED));
+        assert_eq!(kept(4.4), Some(WANTED + 1));
+        assert_eq!(kept(2.4), Some(WANTED + 1));
+        assert_eq!(kept(2.2), Some(WANTED + 2));
+        assert_eq!(kept(0.1), Some(WANTED + 2));
+        assert_eq!(kept(-0.1), None);
     }
 }

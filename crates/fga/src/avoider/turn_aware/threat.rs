@@ -125,3 +125,33 @@ impl Avoider {
         against
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{among, sphere};
+    use super::*;
+    use crate::avoider::demand::WANTED;
+
+    /// At 15 m/s the surface of a sphere of 30 m is met 2 s before its centre.
+    #[test]
+    fn the_first_threat_is_the_first_that_is_entered() {
+        let rows = [
+            sphere(1, (800.0, 0.0), (0.0, 0.0)),
+            sphere(2, (180.0, 0.0), (0.0, 0.0)),
+            sphere(3, (280.0, 10.0), (0.0, 0.0)),
+            sphere(4, (150.0, 61.0), (0.0, 0.0)),
+        ];
+        let (threat, against) = among(&rows, |avoider, _, now| {
+            let demand = avoider.demand_of(WANTED);
+            let straight = Maneuver::turn(0.0, 0.0, 0.0);
+            avoider.first_threat(&straight, now, &demand).unwrap()
+        });
+        assert_eq!(threat.id, 2);
+        assert!((threat.entry_s - 10.0).abs() < 0.01, "{threat:?}");
+        assert!((threat.closest_s - 12.0).abs() < 0.01, "{threat:?}");
+        assert!((threat.margin_m + 30.0).abs() < 0.01, "{threat:?}");
+        // Number 3 is entered 10 s after it at most, number 1 later, number 4 never.
+        let of_it = [1, 2, 3, 4].map(|id| against.contains(id));
+        assert_eq!(of_it, [false, true, true, false]);
+    }
+}

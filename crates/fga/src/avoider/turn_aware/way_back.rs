@@ -2,8 +2,9 @@
 
 use core::f64::consts::PI;
 
-use crate::avoider::demand::Demand;
-use crate::avoider::{Avoider, Decision, Plan, Reason, Returned, Start, State};
+use crate::avoider::demand::{Demand, RUNGS, WANTED};
+use crate::avoider::intruders::{Clearance, Freedom};
+use crate::avoider::{Avoider, Plan, Returned};
 use crate::certificate::{Hazard, Line, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
@@ -14,8 +15,7 @@ use crate::prediction::{MotionState, whole};
 use crate::search::Proof;
 use crate::situation::{Mission, Situation};
 
-use super::aircraft::WAIT_FOR_TURN_RAD;
-use super::{ENOUGH_M, NEXT_ENCOUNTER_S};
+use super::{Answer, ENOUGH_M, NEXT_ENCOUNTER_S};
 
 /// Most legs that a way back may skip.
 const MAX_SKIPPED: usize = 64;
@@ -60,11 +60,12 @@ const ROUGHLY: [f64; 2] = [0.002, 0.02];
 /// seconds.
 const TRIED_S: f64 = 60.0;
 
-/// Parts of a step's work: one for the manoeuvre that is known.
-const HALVES: u32 = 2;
-
 /// Cycles between two searches for a way back, each at one intercept angle.
 pub(super) const LOOK_BACK_EVERY: u32 = 2;
+
+/// A way back withstands all motions of aircraft for this long, seconds: a turn of 60° at the standard
+/// rate takes as long.
+const BACK_WITHSTANDS_S: f64 = 20.0;
 
 /// Time of the search for a way back with all of the wanted margin, seconds; as long again for half of it.
 const MORE_ROOM_S: f64 = 20.0;
@@ -97,15 +98,16 @@ fn passes_s(hazard: &Hazard, situation: &Situation<'_>) -> f64 {
 
 /// How often the time of a search for a way back from a plan has passed.
 pub(super) fn given_up(plan: &Plan, time_s: f64) -> usize {
-    whole((time_s - plan.start_s) / MORE_ROOM_S, 3) - 1
+    whole((time_s - plan.start_s) / MORE_ROOM_S, 4) - 1
 }
 
-/// The number of the look for a way back in a cycle, and the place of its intercept angle.
-fn turn_to_look(cycle: u32) -> (usize, usize) {
-    let turn = (cycle / LOOK_BACK_EVERY) as usize;
-    let other = 1 + turn / 2 % (INTERCEPTS_RAD.len() - 1);
-    let place = if turn.is_multiple_of(2) { 0 } else { other };
-    (turn, place)
+/// The place of the intercept angle of a look for a way back: each second look is at the preferred one.
+const fn place_of(look: usize) -> usize {
+    if look.is_multiple_of(2) {
+        0
+    } else {
+        1 + look / 2 % (INTERCEPTS_RAD.len() - 1)
+    }
 }
 
 /// From which intercept angle on a way onto the leg that begins at waypoint `index` is the same, radians. A larger one may
@@ -119,55 +121,42 @@ const fn same_from_rad(way: &Way, index: usize, present: usize) -> f64 {
 }
 
 impl Avoider {
-    /// A certified way back to the mission, if there is one now. Does not look at one that seems to join it after
-    /// `latest_s`.
+    /// A certified way back to the mission, if there is one now and this is the cycle of a look, one in `every`. Does not look at
+    /// one that seems to join the mission after `latest_s`.
     pub(super) fn way_back(
         &mut self,
         situation: &Situation<'_>,
         now: &MotionState,
         plan: &Plan,
-        latest_s: f64,
+        (every, latest_s): (u32, f64),
     ) -> Option<Plan> {
-        // After a long search without room for the wanted margin less is enough.
-        let given_up = given_up(plan, situation.time_s);
-        let least_m = self.settings.margin_m;
-        let demand = Demand {
-            margin_m: self.targets_m().nth(given_up).unwrap_or(least_m),
-            ..self.demand()
-        };
-        self.look_back(situation, now, plan, latest_s, &demand)
-    }
-
-    /// A certified way back that keeps the margin asked for now.
-    fn look_back(
-        &mut self,
-        situation: &Situation<'_>,
-        now: &MotionState,
-        plan: &Plan,
-        latest_s: f64,
-        demand: &Demand,
-    ) -> Option<Plan> {
-        if !self.cycle.is_multiple_of(LOOK_BACK_EVERY) || self.meter.is_met() {
+        if !self.cycle.is_multiple_of(every) || self.meter.is_met() {
             return None;
         }
-        let (turn, place) = turn_to_look(self.cycle);
-        let intercept_rad = *INTERCEPTS_RAD.get(place)?;
+        // After a long search without room for the wanted margin less is enough.
+        let given_up = given_up(plan, situation.time_s);
+        let rung = (WANTED + given_up).min(RUNGS - 2);
+        let demand = &self.demand_of(rung);
+        // Counted in looks, so that none of the angles is left out at any period.
+        let look = (self.cycle / every) as usize;
+        let intercept_rad = *INTERCEPTS_RAD.get(place_of(look))?;
         let mission = &situation.mission;
         // Skipping a leg is only for a leg that the aircraft cannot join at any angle.
         let waited_s = situation.time_s - plan.start_s;
         let skips = waited_s >= SKIP_AFTER_S;
         let skipped = if skips { MAX_SKIPPED } else { 0 };
-        let detour = (turn % 2 == 1)
-            .then(|| self.detour(situation, now, (waited_s, turn / 2)))
+        let detour = (look % 2 == 1)
+            .then(|| self.detour(situation, now, (waited_s, look / 2)))
             .flatten();
-        let is_any = turn.is_multiple_of(2);
-        let given_up = given_up(plan, situation.time_s);
-        let is_long = given_up > 1;
+        let is_any = look.is_multiple_of(2);
+        let is_long = given_up > 2;
         let (mut first, from) = detour.unwrap_or((Maneuver::hold(), *now));
-        let intercepts_rad: &[f64] = if is_any {
-            &INTERCEPTS_RAD
-        } else {
-            core::slice::from_ref(&intercept_rad)
+        // A way that is flown is looked for from where the aircraft has come to, in turn with the other angles.
+        let flown_rad = self.progress.leg(now).turn_onto_rad(now).abs();
+        let intercepts_rad: &[f64] = match (is_any, latest_s < f64::INFINITY) {
+            (true, true) => core::slice::from_ref(&flown_rad),
+            (true, false) => &INTERCEPTS_RAD,
+            (false, _) => core::slice::from_ref(&intercept_rad),
         };
         let mut way = Way::default();
         let nearest = self.nearest_way_back(mission, &from, skipped, intercepts_rad, &mut way);
@@ -197,12 +186,12 @@ impl Avoider {
             way = self.on_mission(|progress, flyer| progress.way_from_here(mission, &from, flyer));
         }
         let (joined, index) = way?;
-        let back = self.fly_back(&first, (&joined, index), plan, (situation, now), demand);
+        let back = self.fly_back(&first, (&joined, index), plan, (situation, now), rung);
         // Two that flee from each other side by side would never return: after long, what keeps a way back suffices.
         let is_robust = |avoider: &mut Self, back: &Plan| {
             let back = &back.maneuver;
             avoider.is_robust_back(back, now, demand.margin_m)
-                || is_long && avoider.may_wait(back, now, WAIT_FOR_TURN_RAD, demand).0
+                || is_long && avoider.has_reserve(back, now)
         };
         let Some(back) = back.filter(|back| is_robust(self, back)) else {
             self.progress = before;
@@ -221,8 +210,9 @@ impl Avoider {
         (joined, index): (&Join, usize),
         plan: &Plan,
         (situation, now): (&Situation<'_>, &MotionState),
-        demand: &Demand,
+        rung: usize,
     ) -> Option<Plan> {
+        let demand = self.demand_of(rung);
         let horizon_s = demand.horizon_s;
         let leg = self.progress.leg(now);
         let gained_m = if index == self.progress.index() {
@@ -249,15 +239,16 @@ impl Avoider {
             start_s: situation.time_s,
             joined_s: situation.time_s + joined.joined_s,
             margin_m: demand.margin_m,
-            target_m: demand.margin_m,
+            rung,
             cost: 0.0,
             next_start_s: None,
             basis: None,
+            is_small: false,
             ..*plan
         };
         let far = Demand {
             horizon_s: self.far_s,
-            ..*demand
+            ..demand
         };
         self.predict(&maneuver, now, far.horizon_s);
         match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg), &far) {
@@ -267,8 +258,10 @@ impl Avoider {
                 certified.map(|certified| {
                     back.proof = Proof::Certified(certified);
                     back.margin_m = certified.margin_m();
-                    let lasting = self.lasting(&back, situation, now, (0.0, far.horizon_s));
-                    back.basis = lasting.map(|(basis, _)| basis);
+                    back.outlook = self.outlook(situation.wind_mps, 0.0);
+                    let asked = (far.margin_m, far.horizon_s);
+                    let lasting = self.lasting(&back, situation, now, asked);
+                    back.basis = lasting.and_then(|(basis, _)| basis);
                     back
                 })
             }
@@ -384,28 +377,16 @@ impl Avoider {
         let (threat, against) = self.first_threat(&maneuver, now, demand)?;
         let found = self.search(&maneuver, now, demand, |search| {
             let found = search.cheapest(joined_s)?;
-            let (found, proof) = search.proven(found)?;
-            let departure = search.departure(joined_s);
-            Some((found, search.maneuver(&found.turns, &departure), proof))
-        });
-        let (found, maneuver, proof) = found.0?;
+            let proven = search.proven(found)?;
+            Some(Answer::new(search, proven, back.rung))
+        })?;
         Some(Plan {
-            maneuver,
-            proof,
-            margin_m: found.margin_m,
-            target_m: demand.margin_m,
-            cost: found.cost,
             next_start_s: Some(back.joined_s),
             threat: Some(threat),
             threat_found_s: back.decided_s,
             against,
-            ..*back
+            ..back.with(&found, back.decided_s)
         })
-    }
-
-    /// Diameter of the aircraft's turn, metres.
-    fn diameter_m(&self) -> f64 {
-        2.0 * self.flyer.turn_radius_m()
     }
 
     /// The clearance of the way back in the path, which arrives at a time with this much gained along the leg, metres.
@@ -444,7 +425,7 @@ impl Avoider {
                 let ground_mps = hazard.velocity_mps + situation.wind_mps;
                 let (sin, cos) = libm::sincos(leg.course_rad);
                 let its_m = (ground_mps.x * cos + ground_mps.y * sin) * joined_s;
-                let falls_back = gained_m - its_m < -self.diameter_m();
+                let falls_back = gained_m - its_m < -2.0 * self.flyer.turn_radius_m();
                 if is_again || falls_back || whole.at_s < passes_s + NEXT_ENCOUNTER_S {
                     return WayAhead::Blocked;
                 }
@@ -465,74 +446,44 @@ impl Avoider {
         })
     }
 
-    /// Meets the next encounter with a manoeuvre chosen anew. If that one is not certified, or it is the obstacle again that
-    /// the way back came from, with the manoeuvre that the way back was chosen with.
-    fn meet_next(
-        &mut self,
-        (plan, start_s): (&Plan, f64),
-        situation: &Situation<'_>,
-        now: &MotionState,
-        start: Start,
-    ) -> Decision {
-        let next = plan.threat.zip(self.returned);
-        let is_again = next.is_some_and(|(threat, came)| came.against.contains(threat.id));
-        if !is_again {
-            self.plan = None;
-            self.state = State::Cruise;
-            self.meter.reserve(HALVES);
-            let anew = self.watch(situation, now, start);
-            self.meter.extend(HALVES);
-            if !anew.record.reason.is_unproven() {
-                return anew;
-            }
+    /// Whether a way back withstands, for a time, all motions of the aircraft that do not move away from it.
+    fn is_robust_back(&mut self, back: &Maneuver, now: &MotionState, target_m: f64) -> bool {
+        if !self.tracks.has_aircraft() {
+            return true;
         }
-        self.plan = Some(Plan {
-            start_s,
-            next_start_s: None,
-            ..*plan
+        if self.meter.is_met() {
+            return false;
+        }
+        let own_m = now.position_m;
+        let mission_rad = now.course_rad + self.progress.leg(now).turn_onto_rad(now);
+        let first_rad = back.stages().first().map(|stage| stage.course_rad);
+        // An aircraft moves away if it does so now, on the way back and on the mission.
+        let ours_mps = [Some(now.course_rad), first_rad, Some(mission_rad)].map(|course_rad| {
+            let course_rad = course_rad.unwrap_or(now.course_rad);
+            self.flyer.velocity_mps(&MotionState { course_rad, ..*now })
         });
-        self.state = State::Threatened;
-        self.watch(situation, now, start)
-    }
-
-    /// On the way back.
-    pub(super) fn come_back(
-        &mut self,
-        situation: &Situation<'_>,
-        now: &MotionState,
-        start: Start,
-    ) -> Decision {
-        let time_s = situation.time_s;
-        if let Some(plan) = self.plan {
-            if let Some(start_s) = plan.next_start_s.filter(|start_s| time_s >= *start_s) {
-                return self.meet_next((&plan, start_s), situation, now, start);
-            }
-            // Beyond the mission's end there is nothing to return to.
-            if time_s >= plan.joined_s || self.progress.is_complete() {
-                self.plan = None;
-                self.state = State::Cruise;
-                let mut decision = self.watch(situation, now, start);
-                if decision.record.reason == Reason::Clear {
-                    decision.record.reason = Reason::Rejoined;
-                }
-                return decision;
-            }
-            let holds = if self.tracks.has_aircraft() {
-                self.is_kept_back(&plan, situation, now)
+        let leaves = |hazard: &Hazard| {
+            let offset_m = hazard.position_m - own_m;
+            // What is above or below is clear by its height alone, and may change that.
+            let is_beside = libm::hypot(offset_m.x, offset_m.y) > hazard.volume.radius_m();
+            let mut ours_mps = ours_mps.iter();
+            is_beside && ours_mps.all(|own_mps| offset_m.dot(hazard.velocity_mps - own_mps) > 0.0)
+        };
+        let freedom = |hazard: &Hazard| {
+            if leaves(hazard) {
+                Freedom::Expected
             } else {
-                self.still_holds(&plan, situation, now)
-            };
-            if holds {
-                if let Some(sooner) = self.sooner_back(situation, now, &plan) {
-                    self.plan = Some(sooner);
-                    return self.report(&sooner, time_s, Reason::RejoinChosen);
-                }
-                return self.report(&plan, time_s, Reason::RejoinKept);
+                Freedom::Brief
             }
-        }
-        self.plan = None;
-        self.state = State::Cruise;
-        self.watch(situation, now, start)
+        };
+        let clearance = Clearance {
+            beyond_m: 0.0,
+            is_unproven: false,
+            margin_m: target_m,
+        };
+        self.tracks
+            .withstand(freedom, own_m, clearance, &self.meter);
+        self.margin_of(back, now, (BACK_WITHSTANDS_S, target_m, target_m)) >= target_m
     }
 }
 
@@ -574,6 +525,17 @@ mod tests {
                 });
                 look(avoider, &mission, &MotionState::of(&ownship));
             }
+        }
+    }
+
+    /// An earlier version derived the angle from the cycle: at one period in four each look had the same.
+    #[test]
+    fn looks_have_all_angles_in_turn_at_every_period() {
+        for every in 1..16_u32 {
+            let looks = (0..200 * every).filter(|cycle| cycle.is_multiple_of(every));
+            let mut of_place = [0; INTERCEPTS_RAD.len()];
+            looks.for_each(|cycle| of_place[place_of((cycle / every) as usize)] += 1);
+            assert_eq!(of_place, [100, 20, 20, 20, 20, 20], "{every}");
         }
     }
 

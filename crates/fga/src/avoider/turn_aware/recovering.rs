@@ -1,0 +1,149 @@
+//! On the way back: it is kept, replaced by one that joins the mission sooner, or leads to the next encounter.
+//!
+//! A way back is a list of turns at planned moments. An aircraft that flies faster than planned meets the mission before the last
+//! turn and flies past it; and the first way that is certified is often shallow, because the obstacle is still near. So another
+//! look begins where the aircraft has come to.
+
+use crate::avoider::intruders::Freedom;
+use crate::avoider::{Avoider, Decision, Plan, Reason, State};
+use crate::prediction::MotionState;
+use crate::situation::Situation;
+
+use super::LOOK_EVERY;
+use super::holding::KEEP_SHARE;
+
+/// Parts of a step's work: one for the manoeuvre that is known.
+const HALVES: u32 = 2;
+
+/// Another way back joins the mission sooner than this one by this, seconds.
+const SOONER_S: f64 = 0.5;
+
+impl Avoider {
+    /// Whether a way back is kept: it is clear of the expected motion, or a manoeuvre that begins later still suffices.
+    fn keeps_back(
+        &mut self,
+        plan: &mut Plan,
+        situation: &Situation<'_>,
+        now: &MotionState,
+    ) -> bool {
+        if !self.tracks.has_aircraft() {
+            return self.kept_rung(plan, situation, now) == Some(plan.rung);
+        }
+        let demand = self.demand_of(plan.rung);
+        let keep_m = KEEP_SHARE * demand.margin_m;
+        let back = plan.remaining(situation.time_s);
+        let wanted_m = self.wanted_m();
+        self.withstand(Freedom::Expected, now.position_m, (0.0, wanted_m));
+        let asked = (self.settings.horizon_s, keep_m, keep_m);
+        self.margin_of(&back, now, asked) >= keep_m || self.has_reserve(&back, now)
+    }
+
+    /// On the way back.
+    pub(super) fn come_back(&mut self, situation: &Situation<'_>, now: &MotionState) -> Decision {
+        let time_s = situation.time_s;
+        if let Some(mut plan) = self.plan {
+            if let Some(start_s) = plan.next_start_s.filter(|start_s| time_s >= *start_s) {
+                return self.meet_next((&plan, start_s), situation, now);
+            }
+            // Beyond the mission's end there is nothing to return to.
+            if time_s >= plan.joined_s || self.progress.is_complete() {
+                self.plan = None;
+                self.state = State::Cruise;
+                let mut decision = self.watch(situation, now);
+                if decision.record.reason == Reason::Clear {
+                    decision.record.reason = Reason::Rejoined;
+                }
+                return decision;
+            }
+            let holds = self.keeps_back(&mut plan, situation, now);
+            if holds {
+                if let Some(sooner) = self.sooner_back(situation, now, &plan) {
+                    self.plan = Some(sooner);
+                    return self.report(&sooner, time_s, Reason::RejoinChosen);
+                }
+                self.plan = Some(plan);
+                return self.report(&plan, time_s, Reason::RejoinKept);
+            }
+        }
+        self.plan = None;
+        self.state = State::Cruise;
+        self.watch(situation, now)
+    }
+
+    /// Meets the next encounter with a manoeuvre chosen anew. If that one is not certified, or it is the obstacle again that
+    /// the way back came from, with the manoeuvre that the way back was chosen with.
+    fn meet_next(
+        &mut self,
+        (plan, start_s): (&Plan, f64),
+        situation: &Situation<'_>,
+        now: &MotionState,
+    ) -> Decision {
+        let next = plan.threat.zip(self.returned);
+        let is_again = next.is_some_and(|(threat, came)| came.against.contains(threat.id));
+        if !is_again {
+            self.plan = None;
+            self.state = State::Cruise;
+            self.meter.reserve(HALVES);
+            let anew = self.watch(situation, now);
+            self.meter.extend(HALVES);
+            if !anew.record.reason.is_unproven() {
+                return anew;
+            }
+        }
+        self.plan = Some(Plan {
+            start_s,
+            next_start_s: None,
+            ..*plan
+        });
+        self.state = State::Threatened;
+        self.watch(situation, now)
+    }
+
+    /// A certified way back that joins the mission sooner than this one, if there is one now.
+    fn sooner_back(
+        &mut self,
+        situation: &Situation<'_>,
+        now: &MotionState,
+        plan: &Plan,
+    ) -> Option<Plan> {
+        let left_s = plan.joined_s - situation.time_s;
+        let may_come_sooner = plan.next_start_s.is_none()
+            && left_s - self.progress.least_s_onto_leg(now, &self.flyer) >= SOONER_S;
+        if !may_come_sooner {
+            return None;
+        }
+        let before = (self.progress, self.returned);
+        let back = self.way_back(
+            situation,
+            now,
+            plan,
+            (LOOK_EVERY / 2, plan.joined_s - SOONER_S),
+        )?;
+        if back.next_start_s.is_none() && back.joined_s < plan.joined_s - SOONER_S {
+            return Some(back);
+        }
+        (self.progress, self.returned) = before;
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{aircraft, among, plan};
+    use crate::avoider::demand::WANTED;
+    use crate::situation::Obstacle;
+
+    /// Among aircraft a way back is kept where it is clear of what is expected, or a turn still suffices.
+    #[test]
+    fn a_way_back_is_kept_while_it_is_clear_or_a_turn_remains() {
+        let keeps = |row: Obstacle| {
+            among(&[row], |avoider, situation, now| {
+                let mut plan = plan(avoider, situation, (0.0, WANTED));
+                avoider.keeps_back(&mut plan, situation, now)
+            })
+        };
+        assert!(keeps(aircraft(1, (150.0, 60.0), (-20.0, 0.0))));
+        assert!(keeps(aircraft(1, (900.0, 0.0), (-20.0, 0.0))));
+        assert!(!keeps(aircraft(1, (150.0, 0.0), (-20.0, 0.0))));
+    }
+}

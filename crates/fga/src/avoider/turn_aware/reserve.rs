@@ -1,0 +1,174 @@
+//! A large turn in reserve: while one that begins later still withstands what may come, the aircraft flies on, along its
+//! mission or along a small manoeuvre.
+//!
+//! A large turn late departs by the width of the volume. A climb or a slight turn that begins some seconds sooner departs by
+//! much less, but the intruder may follow it. So the policy flies it like the mission: as long as a large turn remains.
+
+use core::f64::consts::PI;
+
+use crate::avoider::demand::{BEYOND_M, WANTED};
+use crate::avoider::intruders::Freedom;
+use crate::avoider::{Avoider, Decision, Reason, State, Threat};
+use crate::maneuver::Maneuver;
+use crate::prediction::MotionState;
+
+use super::Answer;
+use super::ladder::RUNG_SHARE;
+
+/// The turn in reserve begins this much later, seconds.
+const WAIT_S: f64 = 2.0;
+
+/// Only manoeuvres with at most this turn are in reserve, radians (74.5°).
+const RESERVE_RAD: f64 = 1.3;
+
+/// A small manoeuvre turns by at most this, radians (23°).
+const SMALL_TURN_RAD: f64 = 0.4;
+
+/// A small manoeuvre begins at most this long before the entry, seconds: sooner than that an intruder mostly turns before it
+/// comes.
+const BEGINS_WITHIN_S: f64 = 25.0;
+
+/// About a volume with a smaller radius than this many of a turn, a large turn departs by little more than a small one.
+const WIDE: f64 = 1.2;
+
+/// An intruder that is faster than the aircraft by this factor leaves too little for a second manoeuvre.
+const MUCH_FASTER: f64 = 2.0;
+
+impl Avoider {
+    /// Whether a large turn that begins later along a path withstands all that is wanted. Only what may turn is worth the wait.
+    pub(super) fn has_reserve(&mut self, along: &Maneuver, now: &MotionState) -> bool {
+        self.may_wait(along, now, RESERVE_RAD)
+    }
+
+    fn may_wait(&mut self, along: &Maneuver, now: &MotionState, most_turn_rad: f64) -> bool {
+        let demand = self.demand_of(WANTED);
+        self.ask(&demand, now.position_m, BEYOND_M);
+        self.has_turn(along, now, (WAIT_S, most_turn_rad))
+    }
+
+    /// Whether a turn that begins now withstands all that aircraft do, as a way back does.
+    pub(super) fn is_free(&mut self, now: &MotionState) -> bool {
+        self.withstand(Freedom::Brief, now.position_m, (0.0, self.wanted_m()));
+        self.has_turn(&Maneuver::hold(), now, (0.0, PI))
+    }
+
+    /// Whether a turn that begins after some seconds along a path keeps clear of the hazards of now.
+    fn has_turn(
+        &mut self,
+        along: &Maneuver,
+        now: &MotionState,
+        (after_s, most_turn_rad): (f64, f64),
+    ) -> bool {
+        if !self.tracks.has_aircraft() {
+            return false;
+        }
+        let demand = self.demand_of(WANTED);
+        self.search(along, now, &demand, |search| {
+            search.share_work(RUNG_SHARE);
+            search.is_avoidable_within(after_s, most_turn_rad)
+        })
+    }
+
+    /// Flies on along the mission while a threat is known.
+    pub(super) fn wait(&mut self, nominal: &Maneuver, threat: &Threat) -> Decision {
+        self.state = State::Threatened;
+        let mut decision = self.decision(nominal, Reason::WaitingForStart);
+        decision.record.threat = Some(*threat);
+        decision.record.start_s = Some(WAIT_S);
+        decision
+    }
+
+    /// A small manoeuvre to begin now, because its last moment has come.
+    pub(super) fn small_now(
+        &mut self,
+        nominal: &Maneuver,
+        now: &MotionState,
+        threat: &Threat,
+    ) -> Option<Answer> {
+        let is_time = threat.entry_s <= BEGINS_WITHIN_S && self.pays_small(threat.id);
+        if !is_time || self.may_wait(nominal, now, SMALL_TURN_RAD) {
+            return None;
+        }
+        self.highest(0..WANTED + 1, &Maneuver::hold(), now, |search| {
+            search.cheapest(0.0)
+        })
+        .filter(|answer| self.is_small(answer, threat.id))
+    }
+
+    /// Whether a manoeuvre about an obstacle is a small one, which another one may still follow.
+    pub(super) fn is_small(&self, answer: &Answer, id: u32) -> bool {
+        answer.found.turns.turn_rad.abs() <= SMALL_TURN_RAD && self.pays_small(id)
+    }
+
+    /// Whether a small manoeuvre saves much and may be followed by a large one: the volume is wide, the intruder not much faster.
+    fn pays_small(&self, id: u32) -> bool {
+        let wide_m = WIDE * self.flyer.turn_radius_m();
+        let fast_mps = MUCH_FASTER * self.flyer.airspeed_mps();
+        let mut hazards = self.tracks.hazards().rows().iter();
+        self.tracks.has_aircraft()
+            && hazards.any(|hazard| {
+                hazard.id == id
+                    && hazard.volume.radius_m() > wide_m
+                    && hazard.velocity_mps.length() < fast_mps
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{aircraft, among, plan, sphere};
+    use super::*;
+    use crate::search::{Found, Proof, Turns};
+    use crate::situation::{Obstacle, ProtectedVolume};
+
+    fn has_reserve(row: Obstacle) -> bool {
+        among(&[row], |avoider, _, now| {
+            avoider.has_reserve(&Maneuver::turn(0.0, 0.0, 0.0), now)
+        })
+    }
+
+    /// Two seconds later 80 m less are left: 40 m/s close.
+    #[test]
+    fn a_turn_is_in_reserve_while_there_is_time_for_it() {
+        assert!(has_reserve(aircraft(1, (900.0, 0.0), (-20.0, 0.0))));
+        assert!(!has_reserve(aircraft(1, (200.0, 0.0), (-20.0, 0.0))));
+        // What cannot turn is not waited for in this way.
+        assert!(!has_reserve(sphere(1, (900.0, 0.0), (-20.0, 0.0))));
+    }
+
+    /// About a wide volume of an intruder that is not much faster, with a turn of less than 23°.
+    #[test]
+    fn a_manoeuvre_is_small_where_it_saves_much() {
+        let is_small = |turn_rad: f64, radius_m: f64, speed_mps: f64| {
+            let row = Obstacle {
+                volume: ProtectedVolume::Sphere { radius_m },
+                ..aircraft(1, (900.0, 0.0), (-speed_mps, 0.0))
+            };
+            among(&[row], |avoider, situation, _| {
+                let plan = plan(avoider, situation, (turn_rad, WANTED));
+                let turns = Turns {
+                    wait_s: 0.0,
+                    turn_rad,
+                    climb_rad: 0.1,
+                    second: None,
+                };
+                let answer = Answer {
+                    found: Found {
+                        turns,
+                        margin_m: 0.0,
+                        cost: 0.0,
+                    },
+                    maneuver: plan.maneuver,
+                    proof: Proof::Open,
+                    rung: WANTED,
+                };
+                assert!(!avoider.is_small(&answer, 2));
+                avoider.is_small(&answer, 1)
+            })
+        };
+        assert!(is_small(0.39, 400.0, 20.0) && is_small(-0.39, 400.0, 20.0));
+        assert!(!is_small(0.41, 400.0, 20.0));
+        assert!(!is_small(0.39, 10.0, 20.0));
+        assert!(!is_small(0.39, 400.0, 60.0));
+    }
+}
