@@ -48,6 +48,7 @@ extern crate alloc;
 
 pub mod atomic;
 pub mod build;
+pub mod clock;
 pub mod conf;
 pub mod daa;
 pub mod decision;

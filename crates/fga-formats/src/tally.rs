@@ -37,10 +37,12 @@ pub enum LeftOut {
     SameTime,
     /// The aircraft has no other within reach: a track needs two.
     Alone,
+    /// No aircraft gets there from the positions before and after it.
+    Jump,
 }
 
 /// All reasons with their name in files and their words behind a number.
-const REASONS: [(LeftOut, &str, &str); 14] = [
+const REASONS: [(LeftOut, &str, &str); 15] = [
     (LeftOut::NotNeeded, "not_needed", "without use here"),
     (LeftOut::UnknownKind, "unknown_kind", "of an unknown kind"),
     (LeftOut::CutShort, "cut_short", "cut short"),
@@ -63,6 +65,7 @@ const REASONS: [(LeftOut, &str, &str); 14] = [
     (LeftOut::TooOld, "too_old", "too old"),
     (LeftOut::SameTime, "same_time", "of a time given twice"),
     (LeftOut::Alone, "alone", "alone in their track"),
+    (LeftOut::Jump, "jump", "out of reach of their track"),
 ];
 
 impl LeftOut {

@@ -2,6 +2,7 @@
 
 use std::io::{self, Read};
 
+use fga_formats::clock::Elapsed;
 use serde_json::Value;
 
 use crate::Companion;
@@ -37,11 +38,10 @@ pub fn replay(
     let mut reader = TlogReader::new(log);
     companion.set_recorded();
     let mut replayed = Replayed::default();
-    let mut begin_us = None;
-    let mut now_s = 0.0;
+    let mut elapsed = Elapsed::default();
+    let mut now_s = 0.0_f64;
     while let Some(logged) = reader.next_frame()? {
-        let begin_us = *begin_us.get_or_insert(logged.unix_us);
-        let at_s = (logged.unix_us.saturating_sub(begin_us)) as f64 * 1e-6;
+        let at_s = elapsed.at_s(logged.unix_us);
         if at_s - now_s > LONGEST_PAUSE_S {
             now_s = at_s;
         }

@@ -86,12 +86,14 @@ pub struct Logged {
     pub frame: Frame,
 }
 
-/// Reads a telemetry log; skips unintelligible frames.
+/// Reads a telemetry log; skips unintelligible frames, and damaged parts up to the next frame.
 #[derive(Debug)]
 pub struct TlogReader<R: Read> {
     from: R,
-    /// Number of unintelligible frames, among them one that is cut off at the end.
+    /// Number of unintelligible frames and damaged parts, among them a frame that is cut off at the end.
     pub skipped: u64,
+    /// Whether a frame was intelligible: the file is a telemetry log.
+    is_one: bool,
 }
 
 /// First byte and header length of MAVLink 1 and 2 frames.
@@ -101,36 +103,46 @@ const VERSION_2: u8 = 0xFD;
 impl<R: Read> TlogReader<R> {
     /// A log that reads from `from`.
     pub const fn new(from: R) -> Self {
-        Self { from, skipped: 0 }
+        Self {
+            from,
+            skipped: 0,
+            is_one: false,
+        }
     }
 
     /// The next frame; `None` at the end, also at a cut frame.
     ///
     /// # Errors
-    /// Errors of the reader, or data that is no telemetry log.
+    /// Errors of the reader, or data that is no telemetry log from its first frame on.
     pub fn next_frame(&mut self) -> io::Result<Option<Logged>> {
         loop {
             let mut stamp = [0; 8];
             if !self.fill(&mut stamp, false)? {
                 return Ok(None);
             }
-            let unix_us = u64::from_be_bytes(stamp);
             let mut begin = [0; 3];
             if !self.fill(&mut begin, true)? {
                 return Ok(None);
             }
-            let [start, payload, flags] = begin;
-            let length = match start {
-                VERSION_1 => 8 + usize::from(payload),
-                VERSION_2 => 12 + usize::from(payload) + if flags & 1 == 0 { 0 } else { 13 },
-                other => {
-                    return Err(io::Error::new(
-                        io::ErrorKind::InvalidData,
-                        format!(
-                            "no telemetry log: a frame begins with {other:#04x}, expected 0xfd or 0xfe"
-                        ),
-                    ));
+            if !matches!(begin[0], VERSION_1 | VERSION_2) {
+                if !self.is_one {
+                    let message = format!(
+                        "no telemetry log: a frame begins with {:#04x}, expected 0xfd or 0xfe",
+                        begin[0]
+                    );
+                    return Err(io::Error::new(io::ErrorKind::InvalidData, message));
                 }
+                self.skipped += 1;
+                if !self.find_frame(&mut stamp, &mut begin)? {
+                    return Ok(None);
+                }
+            }
+            let unix_us = u64::from_be_bytes(stamp);
+            let [start, payload, flags] = begin;
+            let length = if start == VERSION_1 {
+                8 + usize::from(payload)
+            } else {
+                12 + usize::from(payload) + if flags & 1 == 0 { 0 } else { 13 }
             };
             let mut bytes = vec![0; length];
             if let Some(slot) = bytes.get_mut(..3) {
@@ -143,10 +155,28 @@ impl<R: Read> TlogReader<R> {
             let mut found = None;
             Framer::new(None).push(&bytes, |frame| found = Some(frame));
             match found {
-                Some(frame) => return Ok(Some(Logged { unix_us, frame })),
+                Some(frame) => {
+                    self.is_one = true;
+                    return Ok(Some(Logged { unix_us, frame }));
+                }
                 None => self.skipped += 1,
             }
         }
+    }
+
+    /// Goes on byte by byte until a frame may begin after its time; `false` at the end of the file.
+    fn find_frame(&mut self, stamp: &mut [u8; 8], begin: &mut [u8; 3]) -> io::Result<bool> {
+        while !matches!(begin[0], VERSION_1 | VERSION_2) {
+            stamp.rotate_left(1);
+            stamp[7] = begin[0];
+            begin.rotate_left(1);
+            let mut next = [0];
+            if !self.fill(&mut next, false)? {
+                return Ok(false);
+            }
+            [begin[2]] = next;
+        }
+        Ok(true)
     }
 
     /// Fills a buffer; `false` at the end of the file, which cuts a frame off where one is begun.
@@ -195,6 +225,26 @@ mod tests {
         assert!(reader.next_frame().unwrap().is_some());
         assert!(reader.next_frame().unwrap().is_none());
         assert_eq!(reader.skipped, 1, "the cut frame is counted");
+        // A damaged part costs what it covers, not the rest of the log.
+        let whole = file.len() / 3;
+        for damaged in [
+            whole..whole + 20,
+            whole + 8..whole + 9,
+            whole - 5..2 * whole - 1,
+        ] {
+            let mut file = file.clone();
+            file[damaged.clone()].fill(0x55);
+            for _ in 0..20 {
+                let frame = file[..whole].to_vec();
+                file.extend(frame);
+            }
+            let mut reader = TlogReader::new(file.as_slice());
+            let mut frames = 0;
+            while reader.next_frame().unwrap().is_some() {
+                frames += 1;
+            }
+            assert!(frames >= 15 && reader.skipped > 0, "{damaged:?}: {frames}");
+        }
         assert!(
             TlogReader::new(&b"12345678not a log"[..])
                 .next_frame()

@@ -4,8 +4,12 @@
 //! noise between the frames, and yields whole messages with a right checksum (and signature, if a key
 //! is set). It never holds more than one frame and a read.
 
-use mavlink::dialects::ardupilotmega::MavMessage;
-use mavlink::{MAVLinkV1MessageRaw, MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message};
+use mavlink::dialects::ardupilotmega::{
+    ADSB_VEHICLE_DATA, MavMessage, OPEN_DRONE_ID_BASIC_ID_DATA, OPEN_DRONE_ID_LOCATION_DATA,
+};
+use mavlink::{
+    MAVLinkV1MessageRaw, MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message, MessageData as _,
+};
 
 pub use crate::signing::{Refusal, Signing, SigningCounts, Timestamps};
 
@@ -66,6 +70,41 @@ fn version1_sender(bytes: &[u8]) -> Option<u8> {
         whole.get_mut(..candidate.len())?.copy_from_slice(candidate);
         let raw = MAVLinkV1MessageRaw::from_bytes_unparsed(whole);
         (start == START_1 && raw.has_valid_crc::<MavMessage>()).then(|| raw.system_id())
+    })
+}
+
+/// Messages about traffic: where their payloads have a word of a list, and the one that stands for a word that is not on it.
+/// An altitude of an unknown kind counts as geometric, which holds for every kind.
+const WORDS: [(u32, &[(usize, u8)]); 3] = [
+    (ADSB_VEHICLE_DATA::ID, &[(26, 1), (36, 0)]),
+    (OPEN_DRONE_ID_BASIC_ID_DATA::ID, &[(22, 0), (23, 0)]),
+    (
+        OPEN_DRONE_ID_LOCATION_DATA::ID,
+        &[
+            (52, 0),
+            (53, 0),
+            (54, 0),
+            (55, 0),
+            (56, 0),
+            (57, 0),
+            (58, 0),
+        ],
+    ),
+];
+
+/// The message in a payload. A word that the dialect does not know hides no traffic.
+fn message_of(id: u32, payload: &[u8]) -> Option<MavMessage> {
+    let parse = |payload: &[u8]| MavMessage::parse(MavlinkVersion::V2, id, payload).ok();
+    parse(payload).or_else(|| {
+        let (_, words) = WORDS.iter().find(|(other, _)| *other == id)?;
+        let mut payload = payload.to_vec();
+        for (at, word) in *words {
+            // A shorter payload has zeros there.
+            if let Some(place) = payload.get_mut(*at) {
+                *place = *word;
+            }
+        }
+        parse(&payload)
     })
 }
 
@@ -164,8 +203,7 @@ impl Framer {
             self.counts.refused += 1;
             return;
         }
-        let Ok(message) = MavMessage::parse(MavlinkVersion::V2, raw.message_id(), raw.payload())
-        else {
+        let Some(message) = message_of(raw.message_id(), raw.payload()) else {
             self.counts.not_understood += 1;
             return;
         };
@@ -202,7 +240,7 @@ pub fn encode(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, PING_DATA};
+    use mavlink::dialects::ardupilotmega::{ATTITUDE_DATA, AdsbAltitudeType, PING_DATA};
 
     fn header(sequence: u8) -> MavHeader {
         MavHeader {
@@ -265,6 +303,43 @@ mod tests {
         assert_eq!(framer.counts().version1, None, "MAVLink 2 is heard");
         for length in 0..raw.raw_bytes().len() {
             assert_eq!(version1_sender(&raw.raw_bytes()[..length]), None);
+        }
+    }
+
+    /// A category or a kind of altitude that came later than the dialect: every field besides them is read.
+    #[test]
+    fn t4_an_unknown_word_hides_no_traffic() {
+        let adsb = MavMessage::ADSB_VEHICLE(ADSB_VEHICLE_DATA {
+            ICAO_address: 7,
+            lat: 1,
+            altitude_type: AdsbAltitudeType::ADSB_ALTITUDE_TYPE_GEOMETRIC,
+            callsign: "N1".into(),
+            tslc: 9,
+            ..ADSB_VEHICLE_DATA::DEFAULT
+        });
+        let location = MavMessage::OPEN_DRONE_ID_LOCATION(OPEN_DRONE_ID_LOCATION_DATA {
+            latitude: 1,
+            id_or_mac: [9; 20],
+            timestamp: 3.0,
+            target_component: 4,
+            ..OPEN_DRONE_ID_LOCATION_DATA::DEFAULT
+        });
+        let identity = MavMessage::OPEN_DRONE_ID_BASIC_ID(OPEN_DRONE_ID_BASIC_ID_DATA {
+            id_or_mac: [9; 20],
+            uas_id: [65; 20],
+            ..OPEN_DRONE_ID_BASIC_ID_DATA::DEFAULT
+        });
+        for (message, words) in [adsb, location, identity].iter().zip(WORDS.map(|(_, w)| w)) {
+            let raw = encode(header(0), message, None);
+            let mut payload = raw.payload().to_vec();
+            payload.resize(payload.len().max(words[words.len() - 1].0 + 1), 0);
+            for (at, _) in words {
+                payload[*at] = 200;
+                assert_eq!(
+                    message_of(raw.message_id(), &payload).as_ref(),
+                    Some(message)
+                );
+            }
         }
     }
 

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 
 use super::phases::{Limits, Phases};
 use super::series::{Series, Signals};
+use crate::clock::Elapsed;
 use crate::tally::{LeftOut, Tally};
 
 const STAMP: usize = 8;
@@ -25,6 +26,8 @@ const ARMED: u8 = 128;
 const ARDUPILOT: u8 = 3;
 /// Below this an airspeed says nothing about a climb angle, metres per second.
 const SLOWEST_MPS: f32 = 3.0;
+/// Time that passes when the clock of a log is set, seconds: a gap of every signal.
+const SET_S: f64 = 2.0;
 /// Frames that a file of this kind begins with, before the first damaged one.
 const TRIED: usize = 8;
 
@@ -199,6 +202,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     let mut commands: HashMap<u16, u16> = HashMap::new();
     let mut tally = Tally::default();
     let mut is_damaged = false;
+    let mut elapsed = Elapsed::with_gaps(SET_S);
     let mut at = 0;
     while let Some(rest) = bytes.get(at..).filter(|rest| !rest.is_empty()) {
         let Some(frame) = Frame::of(rest) else {
@@ -211,11 +215,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
             tally.leave_out(LeftOut::WrongChecksum);
         }
         let stamp = rest.get(..STAMP).and_then(|stamp| stamp.try_into().ok());
-        #[expect(
-            clippy::cast_precision_loss,
-            reason = "microseconds since 1970 fit in 53 bits"
-        )]
-        let time_s = u64::from_be_bytes(stamp.unwrap_or_default()) as f64 * 1e-6;
+        let time_s = elapsed.at_s(u64::from_be_bytes(stamp.unwrap_or_default()));
         if frame.message == SET_ATTITUDE_TARGET {
             tally.used += 1;
             let bank_rad = commanded_bank_rad(&frame);

@@ -1,6 +1,7 @@
 //! Plans of QGroundControl: <https://docs.qgroundcontrol.com/master/en/qgc-dev-guide/file_formats/plan.html>.
 //!
-//! Surveys, corridor scans and structure scans hold the items that were made of them; a landing pattern of an aeroplane
+//! A plan is of version 1, its mission and rally points of version 2, its fences of version 1 or 2; a part that does not say
+//! its version is read as such a one. Surveys, corridor scans and structure scans hold the items that were made of them; a landing pattern of an aeroplane
 //! is its approach and a landing.
 
 use std::path::Path;
@@ -18,6 +19,7 @@ use crate::geodesy::Geodetic;
 #[serde(rename_all = "camelCase")]
 struct Plan {
     file_type: String,
+    version: Option<Value>,
     #[serde(default)]
     mission: Mission,
     #[serde(default)]
@@ -29,6 +31,7 @@ struct Plan {
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Mission {
+    version: Option<Value>,
     #[serde(default)]
     items: Vec<Value>,
     planned_home_position: Option<Vec<Option<f64>>>,
@@ -37,6 +40,7 @@ struct Mission {
 
 #[derive(Debug, Default, Deserialize)]
 struct GeoFence {
+    version: Option<Value>,
     #[serde(default)]
     circles: Vec<Circle>,
     #[serde(default)]
@@ -66,6 +70,7 @@ struct Polygon {
 
 #[derive(Debug, Default, Deserialize)]
 struct RallyPoints {
+    version: Option<Value>,
     #[serde(default)]
     points: Vec<[f64; 3]>,
 }
@@ -111,6 +116,21 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
         );
         return Err(InputError::in_file(path, message));
     }
+    for (part, found, known) in [
+        ("", &plan.version, &[1][..]),
+        ("mission.", &plan.mission.version, &[2]),
+        ("geoFence.", &plan.geo_fence.version, &[1, 2]),
+        ("rallyPoints.", &plan.rally_points.version, &[2]),
+    ] {
+        if let Some(found) = found
+            && !known.iter().any(|known| found == known)
+        {
+            let known: Vec<String> = known.iter().map(u32::to_string).collect();
+            let known = known.join(" or ");
+            let message = format!("has {part}version {found}, expected {known}");
+            return Err(InputError::in_file(path, message));
+        }
+    }
     let home = match plan.mission.planned_home_position.as_deref() {
         None => None,
         Some(&[Some(latitude_deg), Some(longitude_deg), altitude_m]) => {
@@ -120,9 +140,9 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
         Some(_) => return Err(InputError::in_file(path, HOME)),
     };
     let mut reader = Reader::new(path, home);
-    let mut number = 0;
+    let mut count = Counted::default();
     for value in &plan.mission.items {
-        take(value, &mut number, &mut reader, true)?;
+        take(value, &mut count, &mut reader, true)?;
     }
     // Fences have numbers of their own in messages.
     let mut item = blank(0);
@@ -176,15 +196,33 @@ const fn blank(number: u64) -> Item {
     }
 }
 
+/// The items taken so far.
+#[derive(Debug, Default)]
+struct Counted {
+    items: u64,
+    /// The last number that an item gives itself; jumps name items by it.
+    jump_id: Option<u64>,
+}
+
 /// Takes an item, and the items within it where `complex` ones may be.
 fn take(
     value: &Value,
-    number: &mut u64,
+    count: &mut Counted,
     reader: &mut Reader<'_>,
     complex: bool,
 ) -> Result<(), InputError> {
-    *number += 1;
-    let item = blank(*number);
+    count.items += 1;
+    let item = blank(count.items);
+    if let Some(id) = value.get("doJumpId") {
+        let number = id.as_u64();
+        if number.is_none() || number <= count.jump_id {
+            let before = count.jump_id;
+            let after = before.map_or_else(String::new, |before| format!(" after {before}"));
+            let message = format!("has doJumpId {id}{after}, expected whole numbers that grow");
+            return Err(reader.error(&item, &message));
+        }
+        count.jump_id = number;
+    }
     let unusable = |reader: &Reader<'_>, error: &serde_json::Error| {
         reader.error(&item, &format!("cannot be read: {error}"))
     };
@@ -204,10 +242,10 @@ fn take(
         && complex
     {
         // Its items have the numbers, as the ground station counts.
-        *number -= 1;
+        count.items -= 1;
         return items
             .iter()
-            .try_for_each(|value| take(value, number, reader, false));
+            .try_for_each(|value| take(value, count, reader, false));
     }
     let Some(approach) = found.landing_approach_coordinate else {
         let message = format!(

@@ -5,8 +5,8 @@
 
 use std::path::Path;
 
-use super::MissionFile;
 use super::items::{Item, Reader};
+use super::{LIST, MissionFile};
 use crate::error::InputError;
 use crate::geodesy::Geodetic;
 
@@ -17,13 +17,12 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
     let mut lines = (1..)
         .zip(text.lines().map(str::trim))
         .filter(|(_, line)| !line.is_empty());
-    let version = lines
-        .next()
-        .map_or("", |(_, line)| line.rsplit(' ').next().unwrap_or(""));
+    let (number, first) = lines.next().unwrap_or((1, ""));
+    let version = first.strip_prefix(LIST).unwrap_or(first).trim();
     if version != "110" {
         return Err(InputError::at_line(
             path,
-            1,
+            number,
             format!(
                 "is version {}, expected QGC WPL 110",
                 crate::error::shown(version)
@@ -34,6 +33,18 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<MissionFile, InputError> 
         .filter(|(_, line)| !line.starts_with('#'))
         .map(|(number, line)| item(line, number, path))
         .collect::<Result<Vec<Item>, _>>()?;
+    // Stations fly the lines in their order, and write the numbers in it.
+    for (before, item) in items.iter().zip(items.iter().skip(1)) {
+        if item.number != before.number + 1 {
+            let message = format!(
+                "holds item {} after item {}, expected item {}",
+                item.number,
+                before.number,
+                before.number + 1
+            );
+            return Err(InputError::at_line(path, item.line.unwrap_or(1), message));
+        }
+    }
     let (home, items) = match items.split_first() {
         Some((first, rest)) if (first.number, first.command, first.frame) == (0, 16, 0) => {
             let [latitude_deg, longitude_deg, altitude_m] =

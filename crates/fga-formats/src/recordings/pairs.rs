@@ -92,11 +92,11 @@ pub(super) fn close_pairs(
     })
 }
 
-/// The parts of a track without gaps.
+/// The parts of a track without gaps and jumps.
 fn unbroken(track: &ReceivedTrack, tally: &mut Tally) -> Vec<ReceivedTrack> {
     track
         .heard
-        .chunk_by(|a, b| b.time_s - a.time_s <= GAP_S)
+        .chunk_by(|a, b| b.time_s - a.time_s <= GAP_S && a.reaches(b))
         .filter(|part| {
             if part.len() < 2 {
                 tally.refuse(LeftOut::Alone);
@@ -125,9 +125,10 @@ fn pair(first: &ReceivedTrack, second: &ReceivedTrack) -> Option<Recording> {
     let tracks = [first, second].map(|track| local(track, &frame));
     let looks = libm::ceil((end_s - begin_s) / LOOK_S);
     let mut closest: Option<(f64, f64)> = None;
-    let mut time_s = begin_s;
-    let step_s = (end_s - begin_s) / looks.max(1.0);
-    while time_s <= end_s {
+    let mut look = 0.0;
+    while look <= looks {
+        let time_s = begin_s + (end_s - begin_s) * (look / looks);
+        look += 1.0;
         let [Some((a, _)), Some((b, _))] = [0, 1].map(|i: usize| tracks.get(i)?.state_at(time_s))
         else {
             break;
@@ -139,7 +140,6 @@ fn pair(first: &ReceivedTrack, second: &ReceivedTrack) -> Option<Recording> {
         if is_close && closest.is_none_or(|(least_m, _)| distance_m < least_m) {
             closest = Some((distance_m, time_s));
         }
-        time_s += step_s;
     }
     let (_, closest_s) = closest?;
     let (from_s, to_s) = (closest_s - BEFORE_S, closest_s + AFTER_S);

@@ -11,6 +11,9 @@ use glam::DVec3;
 /// Validity of an altitude, a velocity and a place on the ground for later positions, seconds: a receiver may
 /// miss some of an aircraft's messages.
 const PART_LIFETIME_S: f64 = 15.0;
+/// No aircraft flies faster than this, metres per second, and a position may be off by this, metres.
+const FASTEST_MPS: f64 = 1000.0;
+const OFF_M: f64 = 2000.0;
 /// From one instant alone aircraft fly straight on for this long, seconds.
 const STRAIGHT_S: u32 = 180;
 
@@ -38,6 +41,14 @@ pub struct Heard {
     pub place: Geodetic,
     /// East, north, up at that place, metres per second; `None` if not received.
     pub velocity_mps: Option<DVec3>,
+}
+
+impl Heard {
+    /// Whether an aircraft gets from here to a later position.
+    pub(super) fn reaches(&self, later: &Self) -> bool {
+        let farthest_m = FASTEST_MPS * (later.time_s - self.time_s) + OFF_M;
+        self.place.distance_m(later.place) <= farthest_m
+    }
 }
 
 /// Who an aircraft is.
@@ -69,7 +80,7 @@ impl Collector {
     pub(super) fn push(&mut self, who: Who<'_>, heard: Heard) {
         let track = self
             .tracks
-            .entry(who.name.to_owned())
+            .entry(who.name.to_ascii_lowercase())
             .or_insert_with(|| ReceivedTrack {
                 name: who.name.to_owned(),
                 address: who.address,
@@ -83,8 +94,8 @@ impl Collector {
         track.heard.push(heard);
     }
 
-    /// The tracks, sorted by time; of several reports of one time the first stays. The tally counts all of
-    /// them as used.
+    /// The tracks, sorted by time; of several reports of one time the first stays, and a position that is in reach of
+    /// neither the one before nor the one after it goes. The tally counts all of them as used.
     pub(super) fn finish(self, mut tally: Tally) -> Received {
         let tracks = self.tracks.into_values().map(|mut track| {
             let count = track.heard.len();
@@ -94,6 +105,18 @@ impl Collector {
                 .dedup_by(|later, earlier| later.time_s <= earlier.time_s);
             for _ in track.heard.len()..count {
                 tally.refuse(LeftOut::SameTime);
+            }
+            let heard = core::mem::take(&mut track.heard);
+            let at = |index: Option<usize>| index.and_then(|index| heard.get(index));
+            for (index, this) in heard.iter().enumerate() {
+                let (before, after) = (at(index.checked_sub(1)), at(Some(index + 1)));
+                let in_reach = before.is_none_or(|before| before.reaches(this))
+                    || after.is_some_and(|after| this.reaches(after));
+                if in_reach {
+                    track.heard.push(*this);
+                } else {
+                    tally.refuse(LeftOut::Jump);
+                }
             }
             track
         });

@@ -143,10 +143,13 @@ impl Reader<'_> {
             ))
         };
         let words = |key: &str| row.get(key).and_then(Value::as_str);
-        let Some(name) = ["flight_id", "icao24", "callsign"]
-            .iter()
-            .find_map(|key| words(key))
-        else {
+        let keys = ["flight_id", "icao24", "callsign"];
+        let names = || keys.iter().filter_map(|key| words(key)).map(str::trim);
+        let Some(name) = names().find(|name| !name.is_empty()) else {
+            if keys.iter().any(|key| row.get(key).is_some()) {
+                self.tally.leave_out(LeftOut::NoAddress);
+                return Ok(());
+            }
             return wrong("has no icao24, callsign or flight_id, expected one".into());
         };
         let time_s = seconds(row.get("timestamp"));
@@ -189,7 +192,7 @@ impl Reader<'_> {
 
     /// An object of readsb's `aircraft.json`.
     fn aircraft(&mut self, row: &Value, now_s: Option<f64>) {
-        let Some(name) = row.get("hex").and_then(Value::as_str) else {
+        let Some(name) = row.get("hex").and_then(name_of) else {
             return self.tally.leave_out(LeftOut::NoAddress);
         };
         let number = |key: &str| number(row.get(key));
@@ -214,7 +217,7 @@ impl Reader<'_> {
     fn opensky(&mut self, row: &Value, now_s: Option<f64>) {
         let field = |index: usize| row.get(index);
         let number = |index: usize| number(field(index));
-        let Some(name) = field(0).and_then(Value::as_str) else {
+        let Some(name) = field(0).and_then(name_of) else {
             return self.tally.leave_out(LeftOut::NoAddress);
         };
         let time_s = seconds(field(3));
@@ -272,6 +275,14 @@ fn list_of(object: &Map<String, Value>) -> Option<List<'_>> {
         .or_else(|| no_states.then_some(List::States(&[])))
 }
 
+/// A name that is not empty.
+fn name_of(value: &Value) -> Option<&str> {
+    value
+        .as_str()
+        .map(str::trim)
+        .filter(|name| !name.is_empty())
+}
+
 /// A 24-bit address in hexadecimal digits; a sign before them marks an address that ICAO has not assigned.
 fn address_of(text: &str) -> Option<u32> {
     let text = text.trim();
@@ -295,9 +306,9 @@ fn is_true(value: Option<&Value>) -> bool {
     value.is_some_and(|value| value.as_bool() == Some(true) || value.as_f64() == Some(1.0))
 }
 
-/// A time since 1970, seconds: milliseconds where it is large.
+/// A time since 1970, seconds: milliseconds where it is large. Finer units are refused, not guessed.
 fn seconds(value: Option<&Value>) -> Option<f64> {
-    let value = number(value)?;
+    let value = number(value).filter(|value| value.abs() <= 1e14)?;
     Some(if value.abs() > 1e11 {
         value / 1e3
     } else {

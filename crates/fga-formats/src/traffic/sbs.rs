@@ -264,10 +264,17 @@ impl Stream {
     pub fn push(&mut self, bytes: &[u8], mut report: impl FnMut(TrafficReport)) {
         for byte in bytes {
             if *byte != b'\n' {
-                // One byte more than accepted shows that a line is too long.
+                // One byte more than accepted shows that a line is too long: it counts now, because it may never end.
                 if self.line.len() <= LONGEST_LINE {
                     self.line.push(*byte);
+                    if self.line.len() > LONGEST_LINE {
+                        self.tally.leave_out(LeftOut::TooLong);
+                    }
                 }
+                continue;
+            }
+            if self.line.len() > LONGEST_LINE {
+                self.line.clear();
                 continue;
             }
             let parsed = parse_line(&self.line);
@@ -281,10 +288,10 @@ impl Stream {
 
     /// A new connection begins: a line under way will not be finished.
     pub fn reconnect(&mut self) {
-        if !self.line.is_empty() {
+        if (1..=LONGEST_LINE).contains(&self.line.len()) {
             self.tally.leave_out(LeftOut::CutShort);
-            self.line.clear();
         }
+        self.line.clear();
     }
 
     /// Counts of the lines so far.

@@ -265,6 +265,40 @@ fn a_telemetry_log_says_what_the_columns_say() {
     near(&log, &rows, 2e-4);
 }
 
+/// A companion without a battery for its clock: 1970 until the network answers, and an hour back later.
+#[test]
+fn n3_a_clock_that_is_set_splits_a_telemetry_log() {
+    let rows = flight(900, 0.1);
+    let bytes = tlog(&rows);
+    let whole = parsed(&bytes).unwrap();
+    let mut set = Vec::new();
+    let mut at = 0;
+    while let Some(rest) = bytes.get(at..).filter(|rest| !rest.is_empty()) {
+        let length = 8 + 12 + usize::from(rest[9]);
+        let stamp_us = u64::from_be_bytes(rest[..8].try_into().unwrap());
+        let begin_us = u64::from_be_bytes(bytes[..8].try_into().unwrap());
+        let after_us = stamp_us - begin_us;
+        let from_us = match after_us / 1_000_000 {
+            0..30 => 0,
+            30..60 => begin_us + 1_780_000_000_000_000,
+            _ => begin_us + 1_779_996_400_000_000,
+        };
+        set.extend((from_us + after_us).to_be_bytes());
+        set.extend(&rest[8..length]);
+        at += length;
+    }
+    let found = parsed(&set).unwrap();
+    assert_eq!((whole.pieces.len(), found.pieces.len()), (1, 3));
+    let seconds = |log: &FlightLog| -> f64 {
+        let rows = log.pieces.iter().map(|piece| piece.bank_rad.len());
+        rows.map(|rows| f64::from(u32::try_from(rows).unwrap()))
+            .sum::<f64>()
+            * log.period_s
+    };
+    assert!(seconds(&whole) - seconds(&found) < 3.0);
+    assert_eq!(found.tally, whole.tally);
+}
+
 #[test]
 fn a_frame_with_a_wrong_checksum_is_left_out() {
     let rows = flight(300, 0.1);

@@ -207,6 +207,79 @@ fn n8_what_cannot_be_understood_is_named_with_its_line() {
     }
 }
 
+#[test]
+fn n8_an_unknown_version_or_order_is_refused() {
+    let plan = |from: &str, to: &str| {
+        let text = PLAN.replacen(from, to, 1);
+        assert_ne!(text, PLAN);
+        parse(&text, Path::new("a.plan")).map_err(|error| error.to_string())
+    };
+    let list = |from: &str, to: &str| {
+        let text = LIST.replacen(from, to, 1);
+        assert_ne!(text, LIST);
+        parse(&text, Path::new("a.waypoints")).map_err(|error| error.to_string())
+    };
+    let version = "\"version\": ";
+    for (found, expected) in [
+        (
+            plan("\n    \"version\": 1\n", "\n    \"version\": 99\n"),
+            "a.plan: has version 99, expected 1",
+        ),
+        (
+            plan("1, \"version\": 2\n    }", "1, \"version\": 99\n    }"),
+            "a.plan: has mission.version 99, expected 2",
+        ),
+        (
+            plan(
+                "],\n        \"version\": 2",
+                "],\n        \"version\": \"2\"",
+            ),
+            "a.plan: has geoFence.version \"2\", expected 1 or 2",
+        ),
+        (
+            plan("60]], \"version\": 2", "60]], \"version\": 3"),
+            "a.plan: has rallyPoints.version 3, expected 2",
+        ),
+        (
+            plan("\"doJumpId\": 4", "\"doJumpId\": 9"),
+            "a.plan: item 5 has doJumpId 5 after 9, expected whole numbers that grow",
+        ),
+        (
+            plan("\"doJumpId\": 1", "\"doJumpId\": \"1\""),
+            "a.plan: item 1 has doJumpId \"1\", expected whole numbers that grow",
+        ),
+        (
+            plan("\"params\": [15, 0", "\"params\": [\"15\", 0"),
+            "a.plan: item 1 cannot be read: invalid type: string \"15\"",
+        ),
+        (
+            plan(
+                "\"items\": [\n            {\"AMSL",
+                "\"items\": 3, \"x\": [\n            {\"AMSL",
+            ),
+            "a.plan, line 11: is no plan of QGroundControl: invalid type: integer `3`",
+        ),
+        (
+            list("2\t0\t3\t16", "3\t0\t3\t16"),
+            "a.waypoints, line 4: holds item 3 after item 1, expected item 2",
+        ),
+        (
+            list("5\t0\t3\t18", "4\t0\t3\t18"),
+            "a.waypoints, line 7: holds item 4 after item 4, expected item 5",
+        ),
+        (
+            list("QGC WPL 110", "\r\nQGC WPL x 110"),
+            "a.waypoints, line 2: is version \"x 110\", expected QGC WPL 110",
+        ),
+    ] {
+        let error = found.expect_err(expected);
+        assert!(error.starts_with(expected), "{error}\n{expected}");
+    }
+    // A version that is left out is the known one, and version 1 of a fence has one polygon.
+    let bare = PLAN.replace(version, "\"x\": ");
+    assert!(parse(&bare, Path::new("a.plan")).is_ok());
+}
+
 /// The run-up of a mission of one place, such as a plan with a single item over home.
 #[test]
 fn n8_a_mission_of_one_place_has_a_way_to_it() {

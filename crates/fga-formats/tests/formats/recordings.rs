@@ -447,3 +447,103 @@ fn t1_t5_t6_t7_the_inputs_of_a_trial_are_read() {
         assert_eq!(found.ok().map(|found| found.named.len()), pairs, "{file}");
     }
 }
+
+/// A digit that was received wrong: the position is left out and counted, and no way there makes an encounter.
+#[test]
+fn t1_a_position_out_of_reach_is_left_out_and_counted() {
+    use fga_formats::tally::LeftOut;
+    let plain = recordings::parse(meeting(|line| line).as_bytes(), Path::new("r.sbs")).unwrap();
+    for far in [",,1000,97,90,0.1,50.0,", ",,1000,97,90,-44.1,0.0,"] {
+        let text = meeting(|line| {
+            if line.contains("23:00:30") {
+                let end = line.find(",,1000").unwrap();
+                format!("{}{far}0,,0,0,0,0\n", &line[..end])
+            } else {
+                line
+            }
+        });
+        let found = recordings::parse(text.as_bytes(), Path::new("r.sbs")).unwrap();
+        assert_eq!(found.tally.left_out(LeftOut::Jump), 1, "{far}");
+        assert_eq!(found.tally.read(), plain.tally.read());
+        let [own, other] = [&plain, &found].map(|found| found.named[0].recording.clone());
+        let at_s = own.aircraft[1].samples[0].time_s + 30.0;
+        let [a, b] = [own, other].map(|it| it.aircraft[1].state_at(at_s).unwrap().0);
+        assert!(a.distance(b) < 0.1, "{far}: {a} {b}");
+    }
+    // Two senders of one address: no position of the mixture is in reach.
+    let text = meeting(|line| {
+        let other = line.replace(".000", ".500").replace(",0.1,", ",9.1,");
+        format!("{line}{other}")
+    });
+    let error = recordings::parse(text.as_bytes(), Path::new("r.sbs")).unwrap_err();
+    assert!(
+        error.message.contains("out of reach of their track"),
+        "{error}"
+    );
+}
+
+#[test]
+fn t1_odd_bytes_and_letters_hide_no_aircraft() {
+    let plain = recordings::parse(meeting(|line| line).as_bytes(), Path::new("r.sbs")).unwrap();
+    let odd = [
+        meeting(|line| line).replace('\n', "\r\n"),
+        format!("\u{feff}{}", meeting(|line| line)),
+        meeting(|line| line.to_lowercase().replace("msg", "MSG")),
+        // Bytes of a program that was stopped while it wrote.
+        format!("{}MSG,3,1,1,AAAA\0\0\0\0", meeting(|line| line)),
+    ];
+    for text in odd {
+        let found = recordings::parse(text.as_bytes(), Path::new("r.sbs")).unwrap();
+        assert_eq!(found.named, plain.named);
+        assert_eq!(found.tally.used, plain.tally.used);
+        assert!(found.tally.lost() <= 1);
+    }
+    // One aircraft, whatever the case of its address.
+    let text = states("false");
+    let mixed = text.replace(
+        "\"BBBBBB\",\"latitude\":0.1,\"longitude\":0.00",
+        "\"bbbbbb\",\"latitude\":0.1,\"longitude\":0.00",
+    );
+    assert_ne!(text, mixed);
+    let [plain, mixed] =
+        [text, mixed].map(|text| recordings::parse(text.as_bytes(), Path::new("j.json")).unwrap());
+    assert_eq!(
+        (mixed.named.len(), mixed.tally),
+        (plain.named.len(), plain.tally)
+    );
+    // Nobody's name is no name: these are not one aircraft.
+    let nobody = states("false").replacen("CCCCCC", " ", 7);
+    let found = recordings::parse(nobody.as_bytes(), Path::new("j.json")).unwrap();
+    assert_eq!(
+        found.tally.left_out(fga_formats::tally::LeftOut::NoAddress),
+        7
+    );
+}
+
+/// Microseconds taken for milliseconds would put the aircraft into another age, and nanoseconds all at one moment.
+#[test]
+fn t1_times_in_another_unit_are_refused() {
+    for (more, from) in [
+        ("000000", 1_600_000_000_000_000_u64),
+        ("000000000", 1_600_000_000_000_000_000),
+    ] {
+        let text = states("false").replace("\"timestamp\":16", "\"timestamp\":16\u{0}");
+        let text = text.split('\u{0}').enumerate().map(|(index, part)| {
+            if index == 0 {
+                part.to_owned()
+            } else {
+                let (digits, rest) = part.split_at(8);
+                format!("{digits}{more}{rest}")
+            }
+        });
+        let text: String = text.collect();
+        assert!(text.contains(&from.to_string()), "{}", &text[..100]);
+        let error = recordings::parse(text.as_bytes(), Path::new("j.json")).unwrap_err();
+        assert!(
+            error
+                .message
+                .contains("expected milliseconds or seconds since 1970"),
+            "{error}"
+        );
+    }
+}

@@ -156,6 +156,8 @@ fn what_cannot_be_used_is_counted_by_its_reason() {
     let mut stream = Stream::new();
     let mut reports = 0;
     stream.push(&vec![b'x'; 1 << 20], |_| reports += 1);
+    // It counts before its end, which may never come.
+    assert_eq!(stream.tally().left_out(TooLong), 1);
     stream.push(b"\n", |_| reports += 1);
     stream.push(good.as_bytes(), |_| reports += 1);
     stream.push(b"\r\n", |_| reports += 1);

@@ -42,7 +42,9 @@ impl Feeds {
 fn is_not_understood(feed: &FeedStatus) -> bool {
     let lost = feed.tally.lost();
     let needed = feed.tally.used + lost;
-    feed.positions == 0 && lost >= FEWEST_LOST && lost * ONE_LOST_OF >= needed
+    // A line that never ends is one part only.
+    let endless = feed.tally.left_out(LeftOut::TooLong) == feed.tally.read() && lost > 0;
+    feed.positions == 0 && (endless || lost >= FEWEST_LOST && lost * ONE_LOST_OF >= needed)
 }
 
 impl Companion {

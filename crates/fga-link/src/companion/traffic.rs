@@ -61,11 +61,13 @@ impl Companion {
             }
             MavMessage::OPEN_DRONE_ID_LOCATION(data) => {
                 let (remote_id, levels) = self.tracks.remote_id();
-                remote_id.take_location(data, sender(Source::RemoteId), levels, now_s)
+                let taken = remote_id.take_location(data, sender(Source::RemoteId), levels, now_s);
+                self.with_position(taken, now_s)
             }
             MavMessage::OPEN_DRONE_ID_MESSAGE_PACK(data) => {
                 let (remote_id, levels) = self.tracks.remote_id();
-                remote_id.take_pack(data, sender(Source::RemoteId), levels, now_s)
+                let taken = remote_id.take_pack(data, sender(Source::RemoteId), levels, now_s);
+                self.with_position(taken, now_s)
             }
             MavMessage::OBSTACLE_DISTANCE_3D(data) => {
                 let sender = sender(Source::Sensor);
@@ -83,6 +85,14 @@ impl Companion {
             self.take_report(&report, now_s);
         }
         true
+    }
+
+    /// The report of Remote ID; an aircraft without a position is counted.
+    fn with_position(&mut self, taken: Result<Option<Report>, Key>, now_s: f64) -> Option<Report> {
+        taken.unwrap_or_else(|key| {
+            self.count_defect(Defect::NoPosition, key, None, now_s);
+            None
+        })
     }
 
     fn adsb_report(

@@ -58,7 +58,7 @@ impl FromStr for ReceiverEndpoint {
 const SILENT: Duration = Duration::from_mins(1);
 /// Most aircraft with joined messages; those not heard for longest make room.
 const MOST_AIRCRAFT: usize = 32_768;
-/// Validity of an altitude or a velocity for later positions, seconds.
+/// Validity of an altitude, a velocity, a climb or a place on the ground for later positions, seconds.
 const PART_LIFETIME_S: f64 = 15.0;
 /// σ of a position without quality figures, metres.
 const UNKNOWN_SIGMA_M: f64 = 15.0;
@@ -83,13 +83,19 @@ const VELOCITY_AGES_MPS2: f64 = 1.5;
 struct Parts {
     altitude: Option<(Altitude, f64)>,
     velocity_mps: Option<([f64; 2], f64)>,
-    climb_mps: f64,
+    climb_mps: Option<(f64, f64)>,
     callsign: Option<fga_formats::traffic::Callsign>,
     containment_m: Option<f64>,
     error_m: Option<f64>,
     integrity: Option<u8>,
     velocity_error_mps: Option<f64>,
-    on_ground: bool,
+    on_ground: Option<(bool, f64)>,
+}
+
+/// A part that is still valid.
+fn valid<T: Copy>(part: Option<(T, f64)>, now_s: f64) -> Option<T> {
+    part.filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S)
+        .map(|(value, _)| value)
 }
 
 impl Parts {
@@ -152,28 +158,31 @@ impl Joiner {
             parts.velocity_mps = Some((velocity, now_s));
         }
         if let Some(climb_mps) = message.climb_mps {
-            parts.climb_mps = climb_mps;
+            parts.climb_mps = Some((climb_mps, now_s));
+        }
+        if let Some(on_ground) = message.on_ground {
+            parts.on_ground = Some((on_ground, now_s));
         }
         parts.containment_m = message.containment_m.or(parts.containment_m);
         parts.error_m = message.position_error_m.or(parts.error_m);
         parts.integrity = message.source_integrity.or(parts.integrity);
         parts.velocity_error_mps = message.velocity_error_mps.or(parts.velocity_error_mps);
         parts.callsign = message.callsign.or(parts.callsign);
-        parts.on_ground = message.on_ground.unwrap_or(parts.on_ground);
-        if parts.on_ground {
+        if valid(parts.on_ground, now_s) == Some(true) {
             return None;
         }
         let [latitude_deg, longitude_deg] = message.place_deg?;
+        let climb_mps = valid(parts.climb_mps, now_s).unwrap_or(0.0);
         let altitude = parts
             .altitude
             .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S);
         let velocity = parts
             .velocity_mps
             .filter(|(_, heard_s)| now_s - heard_s < PART_LIFETIME_S)
-            .map(|([east, north], heard_s)| (Vec3::new(east, north, parts.climb_mps), heard_s));
+            .map(|([east, north], heard_s)| (Vec3::new(east, north, climb_mps), heard_s));
         let velocity_sigma_is_known = parts.velocity_error_mps.is_some();
         let altitude_m = altitude.map_or(0.0, |(altitude, altitude_s)| {
-            altitude.metres() + parts.climb_mps * (now_s - altitude_s).max(0.0)
+            altitude.metres() + climb_mps * (now_s - altitude_s).max(0.0)
         });
         Some(Report {
             source: self.sender.source,
@@ -416,6 +425,31 @@ mod tests {
         let report = joiner.take(&later, 10.0).unwrap();
         assert!(report.quality.velocity_mps > 15.0);
         assert!((report.place.altitude_m - 350.0).abs() < 1e-9);
+    }
+
+    /// A place on the ground and a climb of long ago: the aircraft took off since, and levelled off.
+    #[test]
+    fn t4_no_part_of_long_ago_hides_or_moves_an_aircraft() {
+        let place = TrafficReport {
+            address: 7,
+            place_deg: Some([37.0, -122.0]),
+            altitude: Some(Altitude::Pressure(300.0)),
+            ..TrafficReport::default()
+        };
+        let ground = TrafficReport {
+            on_ground: Some(true),
+            climb_mps: Some(10.0),
+            ..place
+        };
+        let mut joiner = Joiner::new(Source::Sbs);
+        assert!(joiner.take(&ground, 0.0).is_none());
+        assert!(joiner.take(&place, 14.0).is_none());
+        assert!(joiner.take(&place, 16.0).is_some());
+        let bare = TrafficReport {
+            altitude: None,
+            ..place
+        };
+        assert_eq!(joiner.take(&bare, 26.0).unwrap().place.altitude_m, 300.0);
     }
 
     #[test]

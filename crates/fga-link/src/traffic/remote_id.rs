@@ -27,6 +27,10 @@ const FORGOTTEN_S: f64 = 60.0;
 const MESSAGE: usize = 25;
 /// Timestamps count tenths of a second from the full hour.
 const HOUR_S: f64 = 3600.0;
+/// Messages that say no later time for this long come from a clock that stands or was set back, seconds.
+const CLOCK_S: f64 = 3.0;
+/// Highest altitude that the broadcast can say, metres.
+const HIGHEST_M: f64 = 31_767.5;
 /// A message this much later than the fastest one has another clock, seconds.
 const LATEST_S: f64 = 60.0;
 /// A circle of this many σ contains 95 of 100 positions.
@@ -64,6 +68,8 @@ struct Aircraft {
     /// Least difference between the local clock and its timestamps, seconds.
     least_delay_s: Option<f64>,
     last_timestamp_s: Option<f64>,
+    /// Since when its messages say no later time, seconds.
+    no_later_since_s: Option<f64>,
 }
 
 /// The remembered transmitters.
@@ -88,16 +94,22 @@ impl RemoteId {
         self.name(transmitter(data.id_or_mac, sender), &data.uas_id, now_s);
     }
 
-    /// Takes a location; `None` without a position in the air.
+    /// Takes a location; `None` of an aircraft on the ground, or a repetition.
+    ///
+    /// # Errors
+    /// The identity of an aircraft without a position.
     pub fn take_location(
         &mut self,
         data: &OPEN_DRONE_ID_LOCATION_DATA,
         sender: Sender,
         levels: &Levels,
         now_s: f64,
-    ) -> Option<Report> {
+    ) -> Result<Option<Report>, Key> {
         let told = |value: f64, unknown: f64| (value < unknown).then_some(value);
-        let altitude = |metres: f32| (metres > -1000.0).then_some(f64::from(metres));
+        let altitude = |metres: f32| {
+            let metres = f64::from(metres);
+            (metres > -1000.0 && metres <= HIGHEST_M).then_some(metres)
+        };
         let location = Location {
             on_ground: data.status == MavOdidStatus::MAV_ODID_STATUS_GROUND,
             latitude_deg: degrees_from_e7(data.latitude),
@@ -122,18 +134,21 @@ impl RemoteId {
         )
     }
 
-    /// Takes a pack of broadcast messages of one aircraft.
+    /// Takes a pack of broadcast messages of one aircraft; `None` without a location in the air.
+    ///
+    /// # Errors
+    /// As [`Self::take_location`], and for a pack of another layout.
     pub fn take_pack(
         &mut self,
         data: &OPEN_DRONE_ID_MESSAGE_PACK_DATA,
         sender: Sender,
         levels: &Levels,
         now_s: f64,
-    ) -> Option<Report> {
-        if usize::from(data.single_message_size) != MESSAGE {
-            return None;
-        }
+    ) -> Result<Option<Report>, Key> {
         let from = transmitter(data.id_or_mac, sender);
+        if usize::from(data.single_message_size) != MESSAGE {
+            return Err(Key::Transmitter(from));
+        }
         let (messages, _) = data.messages.as_chunks::<MESSAGE>();
         let mut found = None;
         for message in messages.iter().take(usize::from(data.msg_pack_size)) {
@@ -149,7 +164,9 @@ impl RemoteId {
                 _ => {}
             }
         }
-        self.report(from, &found?, sender, levels, now_s)
+        found.map_or(Ok(None), |location| {
+            self.report(from, &location, sender, levels, now_s)
+        })
     }
 
     /// The entry of a transmitter; `None` without room for another one.
@@ -183,9 +200,13 @@ impl RemoteId {
         sender: Sender,
         levels: &Levels,
         now_s: f64,
-    ) -> Option<Report> {
-        if location.on_ground || (location.latitude_deg == 0.0 && location.longitude_deg == 0.0) {
-            return None;
+    ) -> Result<Option<Report>, Key> {
+        let key = Key::Transmitter(from);
+        if location.on_ground {
+            return Ok(None);
+        }
+        if location.latitude_deg == 0.0 && location.longitude_deg == 0.0 {
+            return Err(key);
         }
         let (altitude_m, altitude, accuracy) =
             location
@@ -195,9 +216,10 @@ impl RemoteId {
             source: sender.source,
             sender,
             icao: 0,
-            key: Some(Key::Transmitter(from)),
+            key: Some(key),
             callsign: String::new(),
-            place: Geodetic::new(location.latitude_deg, location.longitude_deg, altitude_m)?,
+            place: Geodetic::new(location.latitude_deg, location.longitude_deg, altitude_m)
+                .ok_or(key)?,
             velocity_mps: location.velocity_mps(),
             valid_s: now_s,
             movement: Movement::SMALL_UAS,
@@ -214,9 +236,12 @@ impl RemoteId {
         };
         if let Some(aircraft) = self.entry(from, now_s) {
             report.callsign.clone_from(&aircraft.name);
-            report.valid_s = now_s - aircraft.age_s(location.timestamp_s, now_s)?;
+            let Some(age_s) = aircraft.age_s(location.timestamp_s, now_s) else {
+                return Ok(None);
+            };
+            report.valid_s = now_s - age_s;
         }
-        Some(report)
+        Ok(Some(report))
     }
 }
 
@@ -242,9 +267,16 @@ impl Aircraft {
             let on_s = (timestamp_s - last_s).rem_euclid(HOUR_S);
             // No later, or from before: in the half hour behind the last.
             if on_s == 0.0 || on_s > 0.5 * HOUR_S {
-                return None;
+                let since_s = *self.no_later_since_s.get_or_insert(now_s);
+                if now_s - since_s < CLOCK_S {
+                    return None;
+                }
+                self.last_timestamp_s = Some(timestamp_s);
+                self.least_delay_s = None;
+                return Some(0.0);
             }
         }
+        self.no_later_since_s = None;
         self.last_timestamp_s = Some(timestamp_s);
         let delay_s = (now_s - timestamp_s).rem_euclid(HOUR_S);
         let least_s = self.least_delay_s.unwrap_or(delay_s);
@@ -406,6 +438,7 @@ mod tests {
         let mut remote_id = RemoteId::default();
         let report = remote_id
             .take_pack(&pack, SENDER, &Levels::default(), 100.0)
+            .unwrap()
             .unwrap();
         assert_eq!(report.callsign, "234567890");
         assert!((report.place.latitude_deg - 37.5).abs() < 1e-9);
@@ -424,17 +457,20 @@ mod tests {
         assert!(
             remote_id
                 .take_pack(&pack, SENDER, &Levels::default(), 101.0)
+                .unwrap()
                 .is_none()
         );
         let mut later = pack.clone();
         later.messages[46..48].copy_from_slice(&133_u16.to_le_bytes());
         let report = remote_id
             .take_pack(&later, SENDER, &Levels::default(), 104.0)
+            .unwrap()
             .unwrap();
         assert!((report.valid_s - 101.0).abs() < 1e-9, "{}", report.valid_s);
         assert!(
             remote_id
                 .take_pack(&pack, SENDER, &Levels::default(), 105.0)
+                .unwrap()
                 .is_none()
         );
     }
@@ -455,31 +491,74 @@ mod tests {
             direction: 36_100,
             ..OPEN_DRONE_ID_LOCATION_DATA::DEFAULT
         };
-        let report = take(good.clone()).unwrap();
+        let report = take(good.clone()).unwrap().unwrap();
         assert_eq!(report.quality.altitude, AltitudeReference::Pressure);
         assert_eq!(report.velocity_mps, None);
         let grounded = OPEN_DRONE_ID_LOCATION_DATA {
             status: MavOdidStatus::MAV_ODID_STATUS_GROUND,
             ..good.clone()
         };
-        assert!(take(grounded).is_none());
+        assert_eq!(take(grounded), Ok(None));
         let nowhere = OPEN_DRONE_ID_LOCATION_DATA {
             latitude: 0,
             longitude: 0,
             ..good.clone()
         };
-        assert!(take(nowhere).is_none());
+        assert!(take(nowhere).is_err());
         let somewhere_above = OPEN_DRONE_ID_LOCATION_DATA {
             altitude_barometric: f32::NAN,
             ..good.clone()
         };
-        let report = take(somewhere_above).unwrap();
+        let report = take(somewhere_above).unwrap().unwrap();
+        assert_eq!(report.quality.altitude, AltitudeReference::Unknown);
+        let far_above = OPEN_DRONE_ID_LOCATION_DATA {
+            altitude_barometric: 1e9,
+            ..good.clone()
+        };
+        let report = take(far_above).unwrap().unwrap();
         assert_eq!(report.quality.altitude, AltitudeReference::Unknown);
         for n in 0..5000_u32 {
             let mut other = good.clone();
             other.id_or_mac[..4].copy_from_slice(&n.to_be_bytes());
-            take(other);
+            take(other).unwrap();
         }
         assert!(remote_id.aircraft() <= MOST_AIRCRAFT);
+    }
+
+    /// A clock set back by minutes, one that stands, and one that jumps on: a report is missed for 3 s at most.
+    #[test]
+    fn t4_no_clock_of_a_sender_makes_its_aircraft_vanish() {
+        let clocks: [fn(f64) -> f64; 4] = [
+            |now_s| {
+                if now_s < 20.0 {
+                    900.0 + now_s
+                } else {
+                    400.0 + now_s
+                }
+            },
+            |_| 0.0,
+            |now_s| if now_s < 20.0 { now_s } else { 2700.0 + now_s },
+            // Past the full hour.
+            |now_s| (3580.0 + now_s).rem_euclid(3600.0),
+        ];
+        for (number, clock_s) in clocks.into_iter().enumerate() {
+            let mut remote_id = RemoteId::default();
+            let mut heard_s = 0.0;
+            for second in 0..60_u8 {
+                let now_s = f64::from(second);
+                let data = OPEN_DRONE_ID_LOCATION_DATA {
+                    latitude: 375_000_000 + 1000 * i32::from(second),
+                    longitude: -1_222_500_000,
+                    timestamp: clock_s(now_s) as f32,
+                    ..OPEN_DRONE_ID_LOCATION_DATA::DEFAULT
+                };
+                let taken = remote_id.take_location(&data, SENDER, &Levels::default(), now_s);
+                if let Some(report) = taken.unwrap() {
+                    assert!(now_s - report.valid_s < 2.0, "clock {number}: {report:?}");
+                    heard_s = now_s;
+                }
+                assert!(now_s - heard_s <= CLOCK_S, "clock {number} at {now_s} s");
+            }
+        }
     }
 }

@@ -6,7 +6,8 @@ use std::io::Read as _;
 use crate::claims::{HEIGHTS, LEAD_SHARE, MOTIONS, Wrong};
 use crate::common::{Random, data};
 use fga_link::outgoing::OWN_COMPONENT;
-use fga_link::tlog::{Logged, TlogReader};
+use fga_link::replay::replay;
+use fga_link::tlog::{Logged, TlogReader, TlogWriter};
 use fga_link::{Companion, Config};
 use mavlink::dialects::ardupilotmega::{ADSB_VEHICLE_DATA, AdsbAltitudeType, MavMessage};
 
@@ -15,20 +16,26 @@ const CONTACT_S: f64 = 67.5;
 /// A fault begins before this, seconds: the threat is not known yet.
 const LATEST_FAULT_S: f64 = 50.0;
 
-/// The recorded frames, and the configuration of the flight.
-fn recorded() -> Option<(Vec<Logged>, Config)> {
+/// The recorded log, and the configuration of the flight.
+fn log() -> Option<(Vec<u8>, Config)> {
     let log = std::fs::read(data("trials/2026-11-25/adsb_baseline.tlog.gz")?).expect("a log");
     let mut bytes = Vec::new();
     flate2::read::GzDecoder::new(log.as_slice())
         .read_to_end(&mut bytes)
         .expect("gzip");
+    let text = std::fs::read_to_string(data("trials/2026-11-25/fly.toml")?).expect("a text");
+    Some((bytes, Config::parse(&text).expect("a configuration")))
+}
+
+/// Its frames.
+fn recorded() -> Option<(Vec<Logged>, Config)> {
+    let (bytes, config) = log()?;
     let mut reader = TlogReader::new(bytes.as_slice());
     let mut frames = Vec::new();
     while let Some(frame) = reader.next_frame().expect("frames") {
         frames.push(frame);
     }
-    let text = std::fs::read_to_string(data("trials/2026-11-25/fly.toml")?).expect("a text");
-    Some((frames, Config::parse(&text).expect("a configuration")))
+    Some((frames, config))
 }
 
 /// Wrong units that nothing in a report shows: feet for metres put this aircraft 1,500 m higher, where many fly.
@@ -107,4 +114,60 @@ fn t3_a_field_wrong_from_any_moment_on_in_the_recorded_feed_costs_a_fifth_of_the
         }
     }
     assert!(late.is_empty(), "of {control_s:.1} s: {late:#?}");
+}
+
+/// The clock of the log is set from 1970 to now and an hour back, and some of its bytes are damaged: the replay decides the
+/// same at the same times.
+#[test]
+fn l5_a_clock_that_is_set_and_damage_change_no_replay() {
+    let Some((bytes, config)) = log() else {
+        return;
+    };
+    let maneuvers = |log: &[u8]| {
+        let mut companion = Companion::new(config.clone(), false).expect("a companion");
+        let mut found = Vec::new();
+        let mut last = String::new();
+        let replayed = replay(log, &mut companion, |line| {
+            let state = line["state"].as_str().unwrap_or(&last).to_owned();
+            if state != last {
+                found.push((state.clone(), line["t_s"].as_f64().expect("a time")));
+                last = state;
+            }
+            Ok(())
+        });
+        (found, replayed.expect("a log"))
+    };
+    let (control, whole) = maneuvers(&bytes);
+    assert!(control.len() > 2, "{control:?}");
+    let mut set = Vec::new();
+    let mut writer = TlogWriter::new(&mut set);
+    let (frames, _) = recorded().expect("frames");
+    let begin_us = frames[0].unix_us;
+    for frame in &frames {
+        let after_us = frame.unix_us - begin_us;
+        let from_us = match after_us / 1_000_000 {
+            0..20 => 0,
+            20..40 => begin_us,
+            _ => begin_us - 3_600_000_000,
+        };
+        writer
+            .write(from_us + after_us, frame.frame.bytes())
+            .expect("written");
+    }
+    // Zeros between two frames.
+    let middle = set.len() / 3;
+    set.splice(middle..middle + 40, [0; 40]);
+    let (found, replayed) = maneuvers(&set);
+    assert!(
+        replayed.skipped > 0 && replayed.frames + 10 > whole.frames,
+        "{replayed:?}"
+    );
+    assert_eq!(found.len(), control.len(), "{found:?} {control:?}");
+    for ((state, at_s), (control, control_s)) in found.iter().zip(&control) {
+        assert_eq!(state, control);
+        assert!(
+            (at_s - control_s).abs() < 1.0,
+            "{state} at {at_s} s, {control_s} s"
+        );
+    }
 }

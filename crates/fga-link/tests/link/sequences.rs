@@ -26,11 +26,12 @@ use fga_link::authority::{Hearing, LOOK_EVERY_S, Order, Owed, Watchdog};
 use fga_link::commands::Command;
 use fga_link::mode::{Mode as LinkMode, ModeChange};
 use fga_link::restart::Note;
+use fga_link::wire::Signing;
 use fga_link::{Companion, Config};
 use judge::Judge;
-use mavlink::MavHeader;
 use mavlink::dialects::ardupilotmega::{MavCmd, MavMessage};
-use plan::{Fault, Planned, Trial, plan};
+use mavlink::{MAVLinkV2MessageRaw, MavHeader};
+use plan::{Degraded, Fault, Planned, Trial, plan};
 
 /// Length of a sequence, seconds.
 const LENGTH_S: f64 = 75.0;
@@ -41,6 +42,19 @@ struct Packet {
     sent_s: f64,
     header: MavHeader,
     message: MavMessage,
+    /// Its bytes on a signed link.
+    signed: Option<MAVLinkV2MessageRaw>,
+}
+
+/// The key of a signed link.
+const KEY: [u8; 32] = [7; 32];
+
+/// The two ends of a signed link: the vehicle's and the program's, whose clock is off by some seconds.
+fn signed_link(clock_off_s: i64) -> [Signing; 2] {
+    [
+        Signing::new(KEY, 0, false),
+        Signing::with_clock_off(KEY, 1, false, clock_off_s),
+    ]
 }
 
 struct Rig {
@@ -68,6 +82,8 @@ struct Rig {
     intruder_m: [f64; 3],
     planned: Vec<Planned>,
     trial: Trial,
+    degraded: Degraded,
+    signing: Option<[Signing; 2]>,
     /// Since when a program that is to end does not fly, seconds.
     ends_s: Option<f64>,
     judge: Judge,
@@ -77,7 +93,7 @@ struct Rig {
 }
 
 impl Rig {
-    fn new(seed: u64, trace: bool, with_trial: bool) -> Self {
+    fn new(seed: u64, trace: bool, with_trial: bool, is_degraded: bool) -> Self {
         let mut random = Random::new(seed);
         let mut planned = plan(&mut random);
         let mut emulator = Emulator::new(Settings::default());
@@ -114,11 +130,20 @@ impl Rig {
                 emulator.parameters.set("FENCE_ENABLE", enable);
             }
         }
+        let mut degraded = Degraded::default();
+        if is_degraded {
+            let mut random = Random::new(seed ^ 0xDE64);
+            degraded = Degraded::draw(&mut random, &mut planned);
+        }
         emulator.set_mission(items, 2);
         // Head-on, met between 15 and 40 s.
         let meeting_s = random.uniform(18.0, 42.0);
         let mut companion = Companion::new(Config::default(), false).expect("a companion");
-        companion.set_notes(foreign_notes(trial));
+        let mut notes = foreign_notes(trial);
+        if degraded.stale_note {
+            notes.push(Note::new(owed(1), 3_000_000));
+        }
+        companion.set_notes(notes);
         Self {
             emulator,
             companion,
@@ -140,6 +165,8 @@ impl Rig {
             intruder_m: [random.uniform(-20.0, 20.0), 50.0 * meeting_s, 100.0],
             planned,
             trial,
+            degraded,
+            signing: degraded.clock_off_s.map(signed_link),
             ends_s: None,
             judge: Judge {
                 reported_s: f64::NEG_INFINITY,
@@ -207,8 +234,13 @@ impl Rig {
                     let mode = self.emulator.mode().number();
                     self.forge(sequence, mode, false);
                 }
-                Fault::RollLimit if begins => self.set_roll_limit(5.0),
-                Fault::RollLimit if ends => self.set_roll_limit(55.0),
+                Fault::RollLimit if begins => self.set("ROLL_LIMIT_DEG", 5.0),
+                Fault::RollLimit if ends => self.set("ROLL_LIMIT_DEG", 55.0),
+                Fault::Avoidance(action) if begins => {
+                    self.set("AVD_ENABLE", 1.0);
+                    self.set("AVD_F_ACTION", action);
+                }
+                Fault::Avoidance(_) if ends => self.set("AVD_F_ACTION", 1.0),
                 Fault::Refuses if begins || ends => self.emulator.refuse_commands(begins),
                 Fault::Ignores if begins || ends => self.emulator.ignore_targets(begins),
                 Fault::Reboots if begins => self.emulator.reboot(),
@@ -224,7 +256,8 @@ impl Rig {
         }
     }
 
-    fn set_roll_limit(&mut self, degrees: f32) {
+    /// Sets a parameter of the vehicle.
+    fn set(&mut self, name: &str, value: f32) {
         use mavlink::dialects::ardupilotmega::{MavParamType, PARAM_SET_DATA};
         let header = MavHeader {
             system_id: 255,
@@ -232,10 +265,10 @@ impl Rig {
             sequence: 0,
         };
         let set = MavMessage::PARAM_SET(PARAM_SET_DATA {
-            param_value: degrees,
+            param_value: value,
             target_system: 1,
             target_component: 1,
-            param_id: "ROLL_LIMIT_DEG".into(),
+            param_id: name.into(),
             param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
         });
         self.emulator.receive(&header, &set);
@@ -248,6 +281,11 @@ impl Rig {
         let mut notes = foreign_notes(self.trial);
         notes.extend(self.note);
         self.companion.set_notes(notes);
+        // A program without a battery for its clock begins with the same time.
+        if let (Some([_, ours]), Some(off_s)) = (&mut self.signing, self.degraded.clock_off_s) {
+            let [_, new] = signed_link(off_s);
+            *ours = new;
+        }
         self.noted = false;
         self.ends_s = None;
         self.hearing = Hearing::default();
@@ -374,30 +412,39 @@ impl Rig {
     }
 }
 
-/// A note of another vehicle.
-fn foreign_notes(trial: Trial) -> Vec<Note> {
-    let owed = Owed {
-        system_id: 7,
+/// What a vehicle is owed in a manoeuvre.
+fn owed(system_id: u8) -> Owed {
+    Owed {
+        system_id,
         owned: LinkMode::GUIDED,
         previous: LinkMode::AUTO,
-    };
-    let note = trial.foreign_note.then(|| Note::new(owed, 20_000));
+    }
+}
+
+/// A note of another vehicle.
+fn foreign_notes(trial: Trial) -> Vec<Note> {
+    let note = trial.foreign_note.then(|| Note::new(owed(7), 20_000));
     note.into_iter().collect()
 }
 
 /// Flies a sequence; those of odd seeds with what a trial found.
 fn fly(seed: u64, trace: bool) -> Option<String> {
-    fly_with(seed, trace, seed % 2 == 1)
+    fly_with(seed, trace, seed % 2 == 1, false)
 }
 
-fn fly_with(seed: u64, trace: bool, with_trial: bool) -> Option<String> {
+/// The same with a link, sensors and settings that are wrong but not gone.
+fn fly_degraded(seed: u64, trace: bool) -> Option<String> {
+    fly_with(seed, trace, seed % 2 == 1, true)
+}
+
+fn fly_with(seed: u64, trace: bool, with_trial: bool, is_degraded: bool) -> Option<String> {
     let flown = std::panic::catch_unwind(|| {
-        let mut rig = Rig::new(seed, trace, with_trial);
+        let mut rig = Rig::new(seed, trace, with_trial, is_degraded);
         while rig.time_s < LENGTH_S {
             rig.step();
         }
         rig.at_the_end();
-        (rig.judge.failures, (rig.planned, rig.trial))
+        (rig.judge.failures, (rig.planned, rig.trial, rig.degraded))
     });
     match flown {
         Ok((failures, _)) if failures.is_empty() => None,
@@ -411,7 +458,7 @@ fn fly_with(seed: u64, trace: bool, with_trial: bool) -> Option<String> {
 #[test]
 fn guided_is_never_nobodys_on_a_late_link_or_after_forged_heartbeats() {
     for seed in [5150, 8945, 3380] {
-        assert_eq!(fly_with(seed, false, false), None);
+        assert_eq!(fly_with(seed, false, false, false), None);
     }
 }
 
@@ -434,6 +481,18 @@ fn l2_guided_is_never_nobodys_after_two_restarts() {
 
 #[test]
 fn in_no_sequence_of_faults_the_pilot_loses_or_an_ability_is_lost_in_silence() {
+    assert_none_fails(300, fly);
+}
+
+/// Blocked pitot tubes, the vehicle's own avoidance, queues of 1 to 5 s, clocks of 1970 on a signed link and stale notes, together
+/// with the other faults.
+#[test]
+fn l4_l5_l9_l10_l11_no_sequence_on_a_degraded_link_leaves_the_vehicle_to_nobody() {
+    assert_none_fails(100, fly_degraded);
+}
+
+/// Flies the seeds, or the one of `FGA_SEQUENCE` with a trace.
+fn assert_none_fails(count: u64, fly: fn(u64, bool) -> Option<String>) {
     if let Some(seed) = std::env::var("FGA_SEQUENCE")
         .ok()
         .and_then(|s| s.parse().ok())
@@ -441,7 +500,7 @@ fn in_no_sequence_of_faults_the_pilot_loses_or_an_ability_is_lost_in_silence() {
         assert_eq!(fly(seed, true), None);
         return;
     }
-    let seeds = seeds(300);
+    let seeds = seeds(count);
     let next = AtomicU64::new(seeds.start);
     let failures: Vec<String> = std::thread::scope(|scope| {
         let threads = std::thread::available_parallelism().map_or(2, usize::from);

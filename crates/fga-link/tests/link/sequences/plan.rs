@@ -48,6 +48,52 @@ pub enum Fault {
     Term,
     /// The vehicle's port speaks MAVLink 1.
     Version1,
+    /// The pitot tube is blocked.
+    Pitot,
+    /// The vehicle's own avoidance is on, with this action.
+    Avoidance(f32),
+    /// A queue delays what goes to the vehicle, seconds.
+    Queue(f64),
+}
+
+/// What is wrong but not gone, from the start on.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Degraded {
+    /// The link is signed, and the program's clock is this far off, seconds.
+    pub clock_off_s: Option<i64>,
+    /// The first start finds a note of another flight of the vehicle.
+    pub stale_note: bool,
+}
+
+impl Degraded {
+    /// Draws one or two things, and adds to the faults.
+    pub fn draw(random: &mut Random, planned: &mut Vec<Planned>) -> Self {
+        let mut degraded = Self::default();
+        for _ in 0..=random.next() % 2 {
+            let begin_s = random.uniform(FIRST_FAULT_S, LAST_FAULT_S - 12.0);
+            let end_s = begin_s + random.uniform(0.3, 12.0);
+            let fault = match random.next() % 5 {
+                0 => Fault::Pitot,
+                1 => Fault::Avoidance([3.0, 4.0][(random.next() % 2) as usize]),
+                2 => Fault::Queue(random.uniform(1.0, 5.0)),
+                3 => {
+                    let off_s = [-2_000_000_000, -3600, 3600][(random.next() % 3) as usize];
+                    degraded.clock_off_s = Some(off_s);
+                    continue;
+                }
+                _ => {
+                    degraded.stale_note = true;
+                    continue;
+                }
+            };
+            planned.push(Planned {
+                fault,
+                begin_s,
+                end_s,
+            });
+        }
+        degraded
+    }
 }
 
 /// What a trial found: faults that last, and those of [`Self::plan`].

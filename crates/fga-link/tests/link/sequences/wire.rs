@@ -3,10 +3,11 @@
 use crate::common::beat::heartbeat;
 use fga_link::authority::Beat;
 use fga_link::mode::{Mode as LinkMode, ModeChange};
-use mavlink::MavHeader;
+use fga_link::wire::encode;
 use mavlink::dialects::ardupilotmega::{
     ADSB_VEHICLE_DATA, AdsbAltitudeType, AdsbFlags, MavCmd, MavMessage, MavModeFlag,
 };
+use mavlink::{MAVLinkV2MessageRaw, MavHeader};
 
 use super::plan::{Fault, PILOTS};
 use super::{Packet, Rig};
@@ -23,6 +24,7 @@ impl Rig {
                 sequence,
             },
             message: heartbeat(mode, armed),
+            signed: None,
         });
     }
 
@@ -32,21 +34,28 @@ impl Rig {
             .into_iter()
             .any(|fault| self.is_on(fault));
         let delay_s = if self.is_on(Fault::Late) { 1.5 } else { 0.02 };
-        for message in self.emulator.drain() {
+        for mut message in self.emulator.drain() {
+            if let MavMessage::VFR_HUD(data) = &mut message
+                && self.is_on(Fault::Pitot)
+            {
+                data.airspeed = 0.0;
+            }
             let sequence = self.sequences[0];
             self.sequences[0] = sequence.wrapping_add(1);
             let is_beat = matches!(message, MavMessage::HEARTBEAT(_));
             if lost || (self.is_on(Fault::Telemetry) && !is_beat) {
                 continue;
             }
+            let header = MavHeader {
+                system_id: 1,
+                component_id: 1,
+                sequence,
+            };
             self.to_companion.push_back(Packet {
                 due_s: self.time_s + delay_s,
                 sent_s: self.time_s,
-                header: MavHeader {
-                    system_id: 1,
-                    component_id: 1,
-                    sequence,
-                },
+                signed: self.signed(false, header, &message),
+                header,
                 message,
             });
         }
@@ -71,14 +80,16 @@ impl Rig {
                 callsign: "TEST".into(),
                 ..ADSB_VEHICLE_DATA::DEFAULT
             });
+            let header = MavHeader {
+                system_id: 200,
+                component_id: 156,
+                sequence: 0,
+            };
             self.to_companion.push_back(Packet {
                 due_s: self.time_s + 0.02,
                 sent_s: self.time_s,
-                header: MavHeader {
-                    system_id: 200,
-                    component_id: 156,
-                    sequence: 0,
-                },
+                signed: self.signed(false, header, &message),
+                header,
                 message,
             });
         }
@@ -95,6 +106,9 @@ impl Rig {
             let Some(packet) = self.to_companion.pop_front() else {
                 break;
             };
+            if !self.believes(false, &packet) {
+                continue;
+            }
             let header = packet.header;
             match &packet.message {
                 MavMessage::HEARTBEAT(data) if header.system_id == 1 => {
@@ -131,26 +145,62 @@ impl Rig {
         if self.is_on(Fault::Mute) || self.is_on(Fault::Cut) {
             return;
         }
-        let delay_s = 0.01 + self.random.uniform(0.0, 0.02);
+        let delay_s = 0.01 + self.random.uniform(0.0, 0.02) + self.queue_s();
         let due_s = self
             .to_vehicle
             .back()
             .map_or(0.0, |packet| packet.due_s)
             .max(self.time_s + delay_s);
+        let header = MavHeader {
+            system_id: 1,
+            component_id: 196,
+            sequence: 0,
+        };
         self.to_vehicle.push_back(Packet {
             due_s,
             sent_s: self.time_s,
-            header: MavHeader {
-                system_id: 1,
-                component_id: 196,
-                sequence: 0,
-            },
+            signed: self.signed(true, header, &message),
+            header,
             message,
         });
     }
 
+    /// Delay by a queue on the way to the vehicle, seconds.
+    fn queue_s(&self) -> f64 {
+        let time_s = self.time_s;
+        let queues = self.planned.iter().map(|row| match row.fault {
+            Fault::Queue(queue_s) if time_s >= row.begin_s && time_s < row.end_s => queue_s,
+            _ => 0.0,
+        });
+        queues.fold(0.0, f64::max)
+    }
+
+    /// The bytes of a message on a signed link.
+    fn signed(
+        &self,
+        to_vehicle: bool,
+        header: MavHeader,
+        message: &MavMessage,
+    ) -> Option<MAVLinkV2MessageRaw> {
+        let [vehicle, program] = self.signing.as_ref()?;
+        let signer = if to_vehicle { program } else { vehicle };
+        Some(encode(header, message, Some(signer)))
+    }
+
+    /// Whether the receiver of a packet believes its signature.
+    fn believes(&self, by_vehicle: bool, packet: &Packet) -> bool {
+        self.signing.as_ref().is_none_or(|[vehicle, program]| {
+            let receiver = if by_vehicle { vehicle } else { program };
+            let signed = packet.signed.as_ref();
+            signed.is_some_and(|raw| receiver.accepts(raw))
+        })
+    }
+
     /// A packet reaches the vehicle.
     pub(super) fn arrive(&mut self, packet: &Packet) {
+        if !self.believes(true, packet) {
+            return;
+        }
         if let MavMessage::COMMAND_LONG(data) = &packet.message
             && data.command == MavCmd::MAV_CMD_DO_SET_MODE
         {
