@@ -203,6 +203,7 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
     let mut tally = Tally::default();
     let mut is_damaged = false;
     let mut elapsed = Elapsed::with_gaps(SET_S);
+    let mut begin_s = None;
     let mut at = 0;
     while let Some(rest) = bytes.get(at..).filter(|rest| !rest.is_empty()) {
         let Some(frame) = Frame::of(rest) else {
@@ -215,7 +216,13 @@ pub(super) fn signals(bytes: &[u8]) -> Signals {
             tally.leave_out(LeftOut::WrongChecksum);
         }
         let stamp = rest.get(..STAMP).and_then(|stamp| stamp.try_into().ok());
-        let time_s = elapsed.at_s(u64::from_be_bytes(stamp.unwrap_or_default()));
+        let stamp_us = u64::from_be_bytes(stamp.unwrap_or_default());
+        #[expect(
+            clippy::cast_precision_loss,
+            reason = "microseconds since 1970 fit in 53 bits"
+        )]
+        let begin_s = *begin_s.get_or_insert(stamp_us as f64 * 1e-6);
+        let time_s = begin_s + elapsed.at_s(stamp_us);
         if frame.message == SET_ATTITUDE_TARGET {
             tally.used += 1;
             let bank_rad = commanded_bank_rad(&frame);
