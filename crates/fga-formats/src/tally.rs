@@ -65,7 +65,7 @@ const REASONS: [(LeftOut, &str, &str); 15] = [
     (LeftOut::TooOld, "too_old", "too old"),
     (LeftOut::SameTime, "same_time", "of a time given twice"),
     (LeftOut::Alone, "alone", "alone in their track"),
-    (LeftOut::Jump, "jump", "out of reach of their track"),
+    (LeftOut::Jump, "jump", "out of reach"),
 ];
 
 impl LeftOut {

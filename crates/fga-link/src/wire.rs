@@ -329,7 +329,7 @@ mod tests {
             uas_id: [65; 20],
             ..OPEN_DRONE_ID_BASIC_ID_DATA::DEFAULT
         });
-        for (message, words) in [adsb, location, identity].iter().zip(WORDS.map(|(_, w)| w)) {
+        for (message, words) in [adsb, identity, location].iter().zip(WORDS.map(|(_, w)| w)) {
             let raw = encode(header(0), message, None);
             let mut payload = raw.payload().to_vec();
             payload.resize(payload.len().max(words[words.len() - 1].0 + 1), 0);
