@@ -101,6 +101,32 @@ fn every_relative_link_leads_somewhere() {
     assert!(checked > 50, "{checked} links");
 }
 
+/// A page works from a clone: it names no path of one machine, and each source of data with its commit.
+#[test]
+fn n7_no_page_needs_the_disk_of_its_authors() {
+    let root = root();
+    let mut folders = vec!["", "docs", "docs/benchmarks", "python"];
+    folders.retain(|folder| root.join(folder).exists());
+    for page in folders.iter().flat_map(|folder| pages(&root.join(folder))) {
+        let text = fs::read_to_string(&page).expect("a page");
+        for path in ["../shared", "/home/", "/root/", "/Users/", "/work/"] {
+            assert!(!text.contains(path), "{}: {path}", page.display());
+        }
+    }
+    let sources = fs::read_to_string(root.join("docs/sources.md")).expect("the sources");
+    let rows: Vec<&str> = sources
+        .lines()
+        .filter(|line| line.contains("github.com/") && line.starts_with('|'))
+        .collect();
+    assert!(rows.len() > 5, "{rows:?}");
+    for row in rows {
+        let commit = row.split('|').nth(3).unwrap_or_default().trim();
+        let digits = commit.trim_start_matches('`').split('`').next().unwrap_or_default();
+        let is_hash = digits.len() >= 7 && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+        assert!(is_hash, "no commit in {row}");
+    }
+}
+
 #[test]
 fn the_contents_list_every_page() {
     let docs = root().join("docs");

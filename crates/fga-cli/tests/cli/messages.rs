@@ -226,3 +226,23 @@ fn the_help_names_the_exit_codes_and_the_keys_of_rc() {
     assert!(help(&["--help"]).contains("Exit codes: 0 done"));
     assert!(help(&["rc", "--help"]).contains("releases the channels"));
 }
+
+/// Every `fga` command in a block of the page is a command, and its options are options of it.
+#[test]
+fn n9_the_commands_of_the_how_to_are_known() {
+    let page = include_str!("../../../../docs/how-to-arduplane.md");
+    let commands = page.lines().filter_map(|line| line.strip_prefix("fga "));
+    let mut count = 0;
+    for command in commands {
+        let mut words = command.split_whitespace();
+        let name = words.next().unwrap();
+        let output = fga_in(Path::new("."), &[name, "--help"]);
+        assert!(output.status.success(), "{command}");
+        let help = String::from_utf8(output.stdout).unwrap();
+        for option in words.filter(|word| word.starts_with("--")) {
+            assert!(help.contains(option), "{command}: {option}");
+        }
+        count += 1;
+    }
+    assert!(count >= 4, "{count} commands");
+}

@@ -18,6 +18,7 @@ mod feeds;
 mod field_faults;
 mod flights;
 mod gaps;
+mod how_to;
 mod items;
 mod latency;
 mod mavproxy;

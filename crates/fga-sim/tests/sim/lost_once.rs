@@ -51,3 +51,8 @@ fn in_space() {
 fn in_the_plane() {
     fly("lost-once-planar.csv", true);
 }
+
+#[test]
+fn d11_a_pincer_of_two_is_kept_from_its_first_step() {
+    fly("pincer.csv", false);
+}
