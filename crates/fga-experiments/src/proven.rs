@@ -32,7 +32,7 @@ const CLIMBS_S: f64 = 20.0;
 const RADIUS_M: f64 = 30.0;
 
 /// Numbers of aircraft.
-const COUNTS: [usize; 1] = [8];
+const COUNTS: [usize; 3] = [1, 3, 8];
 
 /// What came of encounters.
 #[derive(Debug, Default, Clone)]
@@ -219,7 +219,7 @@ fn fly(seed: u64, number: u64, aircraft: usize, planar: bool) -> Count {
 fn counted(count: u64, seed: u64) -> Vec<(usize, bool, Count)> {
     let cells = COUNTS
         .into_iter()
-        .flat_map(|aircraft| [(aircraft, true)]);
+        .flat_map(|aircraft| [(aircraft, true), (aircraft, false)]);
     cells
         .map(|(aircraft, planar)| {
             let flown = (0..count)

@@ -114,12 +114,12 @@ impl Frames {
 
     /// A byte outside of the known frames.
     fn skip(&mut self) {
-        if !self.other {
-            if self.stray.is_multiple_of(STRAY) {
-                self.tally.leave_out(LeftOut::UnknownKind);
-            }
-            self.stray += 1;
+        // The first bytes after a type without use are its own.
+        let is_its_own = self.other && self.stray == 0;
+        if self.stray.is_multiple_of(STRAY) && !is_its_own {
+            self.tally.leave_out(LeftOut::UnknownKind);
         }
+        self.stray += 1;
     }
 }
 

@@ -140,6 +140,11 @@ fn t1_another_wire_on_this_port_is_counted() {
         (tally.used, tally.lost()),
         (0, text.len().div_ceil(64) as u64)
     );
+    // Noise behind a type without use is none of its frame.
+    let mut stream = Stream::new();
+    stream.push(&[0x1A, b'4'], 0.0, |report| panic!("{report:?}"));
+    stream.push(&[7; 1000], 0.0, |report| panic!("{report:?}"));
+    assert_eq!(stream.tally().lost(), 1000_u64.div_ceil(64) - 1);
     // A wrong checksum, a short message, a settings frame, and a frame that ends too early.
     let mut frames = Vec::new();
     push_frame(&mut frames, 0, 0, &bytes("8D4840D6202CC371C32CE0576099"));
