@@ -121,7 +121,11 @@ fn n7_no_page_needs_the_disk_of_its_authors() {
     assert!(rows.len() > 5, "{rows:?}");
     for row in rows {
         let commit = row.split('|').nth(3).unwrap_or_default().trim();
-        let digits = commit.trim_start_matches('`').split('`').next().unwrap_or_default();
+        let digits = commit
+            .trim_start_matches('`')
+            .split('`')
+            .next()
+            .unwrap_or_default();
         let is_hash = digits.len() >= 7 && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
         assert!(is_hash, "no commit in {row}");
     }

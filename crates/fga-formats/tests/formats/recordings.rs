@@ -476,10 +476,7 @@ fn t1_a_position_out_of_reach_is_left_out_and_counted() {
         format!("{line}{other}")
     });
     let error = recordings::parse(text.as_bytes(), Path::new("r.sbs")).unwrap_err();
-    assert!(
-        error.message.contains("out of reach"),
-        "{error}"
-    );
+    assert!(error.message.contains("out of reach"), "{error}");
 }
 
 #[test]

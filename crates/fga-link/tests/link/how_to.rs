@@ -67,7 +67,9 @@ fn n9_the_aircraft_of_the_page_are_met_and_avoided() {
 
 #[test]
 fn n9_the_mission_of_the_page_is_one() {
-    let list = PAGE.split("```\n").find(|block| block.starts_with("QGC WPL"));
+    let list = PAGE
+        .split("```\n")
+        .find(|block| block.starts_with("QGC WPL"));
     let path = std::path::Path::new("north.waypoints");
     let mission = missions::parse(list.expect("a mission"), path).expect("a mission");
     assert_eq!(mission.holds(), "2 waypoints, 0 fences, 0 rally points");
@@ -76,7 +78,10 @@ fn n9_the_mission_of_the_page_is_one() {
     };
     // Over the emulator's field, which the page names, and 5 km on.
     let home = fga_emulator::Settings::default().home;
-    let custom = format!("{},{},{},0", home.latitude_deg, home.longitude_deg, home.altitude_m);
+    let custom = format!(
+        "{},{},{},0",
+        home.latitude_deg, home.longitude_deg, home.altitude_m
+    );
     assert!(PAGE.contains(&custom), "{custom}");
     assert_eq!(from.place.latitude_deg, home.latitude_deg);
     assert!((from.place.distance_m(to.place) - 5000.0).abs() < 20.0);
