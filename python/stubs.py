@@ -150,6 +150,8 @@ TYPES = {
     "batch": "Table",
     "stress": "dict[str, Any]",
     "stress.policy": "object",
+    "stress.intruders": "int",
+    "gust_mps": "float | None",
     "stress.kind": "str",
     "flights": "int",
     "league": "list[dict[str, Any]]",

@@ -1,13 +1,13 @@
-//! `fga stress`: searches the likeliest motions of an intruder in which a policy fails.
+//! `fga stress`: searches the likeliest motions of intruders, and gusts, in which a policy fails.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use fga::situation::MovementBounds;
-use fga_results::stress::write;
+use fga_results::stress::run as fly;
 use fga_sim::campaign::Progress;
-use fga_sim::stress::{Stress, search};
+use fga_sim::stress::{MOST_INTRUDERS, Stress};
 
 use crate::campaign_progress::Display;
 use crate::common::{
@@ -35,13 +35,19 @@ pub(crate) struct StressArgs {
     /// The intruder, whose bounds the policy knows.
     #[arg(long, value_name = "KIND", value_enum, default_value_t = Kind::Uas)]
     kind: Kind,
+    /// Intruders, 1 to 4.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MOST_INTRUDERS as i64))]
+    intruders: u32,
+    /// Standard deviation of each component of a gust, m/s, at most 20; without it the vehicle's `drift_mps`. 0: no gusts.
+    #[arg(long, value_name = "MPS", value_parser = gust)]
+    gust_mps: Option<f64>,
     /// Flights of the search, 1 to 1000000.
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     flights: u32,
     /// Master seed.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Folder for the results.
+    /// Folder for the results; a search of the same test in it goes on.
     #[arg(long, value_name = "DIR", default_value = "out/stress")]
     out: PathBuf,
     #[command(flatten)]
@@ -50,19 +56,25 @@ pub(crate) struct StressArgs {
     answer: AnswerArgs,
 }
 
+fn gust(text: &str) -> Result<f64, String> {
+    let mps = text.parse().ok().filter(|mps| (0.0..=20.0).contains(mps));
+    mps.ok_or_else(|| "expected 0 to 20 m/s".into())
+}
+
 /// Searches, and writes the page and the replays of the likeliest failures.
 pub(crate) fn run(args: &StressArgs) -> Result<ExitCode, Failure> {
+    let bounds = match args.kind {
+        Kind::Aircraft => MovementBounds::CREWED,
+        Kind::Uas => MovementBounds::SMALL_UAS,
+    };
+    let usual = Stress::of(args.vehicle.model()?, args.policy.choice()?, bounds);
     let stress = Stress {
-        model: args.vehicle.model()?,
-        policy: args.policy.choice()?,
-        bounds: match args.kind {
-            Kind::Aircraft => MovementBounds::CREWED,
-            Kind::Uas => MovementBounds::SMALL_UAS,
-        },
+        intruders: args.intruders as usize,
+        gust_mps: args.gust_mps.unwrap_or(usual.gust_mps),
         flights: args.flights as usize,
         seed: args.seed,
+        ..usual
     };
-    fga_formats::atomic::prepare_folder(&args.out)?;
     watch_for_interrupt();
     let mut display = Display::of("flights");
     let begun = std::time::Instant::now();
@@ -75,16 +87,15 @@ pub(crate) fn run(args: &StressArgs) -> Result<ExitCode, Failure> {
             expected: None,
         });
     };
-    let found = args
+    let written = args
         .threads
-        .install(|| search(&stress, &|| !interrupted(), &mut show))?
-        .map_err(Failure::Input)?;
+        .install(|| fly(&stress, &args.out, &|| !interrupted(), &mut show))??;
     display.end();
     tell_failures([&stress.policy]);
-    if interrupted() {
-        return Err(Failure::Interrupted);
-    }
-    let written = write(&stress, &found, &args.out)?;
+    let Some(written) = written else {
+        eprintln!("fga: stopped; the same command goes on");
+        return Ok(ExitCode::from(130));
+    };
     args.answer
         .print(|| written.words.clone(), &written.document)?;
     Ok(ExitCode::SUCCESS)

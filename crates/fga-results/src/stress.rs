@@ -1,19 +1,24 @@
 //! The results of a stress test: a page, a table of failures, their replays.
 
 use core::fmt::Write as _;
-use std::path::Path;
+use std::fs::File;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
 
-use fga_formats::atomic;
 use fga_formats::words::counted;
+use fga_formats::{OutputError, atomic};
 use fga_report::report::{Block, Cell, Column, Report, Section, Table};
 use fga_sim::campaign::{CampaignError, Stamp};
 use fga_sim::own::FailureKind;
-use fga_sim::stress::{Found, PARAMETERS, Stress, StressFailure, show};
+use fga_sim::stress::{Found, Stress, StressFailure, StressFlight, search, show};
 use serde_json::{Value, json};
 
 use crate::named_rows::{Row, csv, objects, rounded};
-use crate::provenance::TARGET;
+use crate::provenance::{TARGET, fingerprint};
 use crate::replay_page;
+
+/// The results of the flights of a search, for going on with it.
+const FLIGHTS: &str = "flights.csv";
 
 /// What was written.
 #[derive(Debug)]
@@ -22,6 +27,95 @@ pub struct Written {
     pub words: String,
     /// The result as JSON.
     pub document: Value,
+}
+
+/// Searches and writes into a folder; a search of the same test that was stopped there goes on, and `None` says that this one was
+/// stopped. `show` gets the number of flights flown.
+///
+/// # Errors
+/// As [`search`] and [`write`].
+pub fn run(
+    stress: &Stress,
+    folder: &Path,
+    go_on: &(impl Fn() -> bool + Sync),
+    show: &mut (dyn FnMut(usize) + Send),
+) -> Result<Option<Written>, CampaignError> {
+    atomic::prepare_folder(folder)?;
+    let (mut kept, before) = Kept::open(stress, folder)?;
+    let mut done = 0;
+    let mut take = |flights: &[StressFlight]| {
+        // What was there is there.
+        let new = flights.get(before.len().saturating_sub(done)..);
+        done += flights.len();
+        show(done);
+        kept.add(new.unwrap_or_default())
+            .map_err(|error| error.to_string())
+    };
+    let found = search(stress, &before, go_on, &mut take).map_err(CampaignError::Other)?;
+    found.map(|found| write(stress, &found, folder)).transpose()
+}
+
+/// The file of flights.
+struct Kept {
+    path: PathBuf,
+    file: File,
+}
+
+impl Kept {
+    /// Opens the file for a test; the flights of the same test in it, none of another one.
+    fn open(stress: &Stress, folder: &Path) -> Result<(Self, Vec<StressFlight>), OutputError> {
+        let path = folder.join(FLIGHTS);
+        let head = format!("{}\nmargin_m,entry_s\n", key(stress));
+        let there = std::fs::read_to_string(&path).unwrap_or_default();
+        let rows = there.strip_prefix(&head).unwrap_or_default();
+        // The last line may be torn.
+        let flights: Vec<StressFlight> = rows
+            .split_inclusive('\n')
+            .map_while(|line| {
+                let (margin, entry) = line.strip_suffix('\n')?.split_once(',')?;
+                Some(StressFlight {
+                    margin_m: margin.parse().ok()?,
+                    entry_s: entry.parse().ok()?,
+                })
+            })
+            .collect();
+        let text: String = flights.iter().map(line).collect();
+        atomic::write(&path, head + &text)?;
+        let opened = File::options().append(true).open(&path);
+        let file = opened.map_err(|error| OutputError::new(&path, error))?;
+        Ok((Self { path, file }, flights))
+    }
+
+    fn add(&mut self, flights: &[StressFlight]) -> Result<(), OutputError> {
+        let text: String = flights.iter().map(line).collect();
+        self.file
+            .write_all(text.as_bytes())
+            .map_err(|error| OutputError::new(&self.path, error))
+    }
+}
+
+fn line(flight: &StressFlight) -> String {
+    format!("{},{}\n", flight.margin_m, flight.entry_s)
+}
+
+/// The fingerprint of a test: all that its flights depend on, but for their number.
+fn key(stress: &Stress) -> String {
+    let stamp = Stamp::of_this_build(TARGET);
+    let of = json!([
+        env!("CARGO_PKG_VERSION"),
+        stamp.commit,
+        stamp.target,
+        stress.model.sha256,
+        stress.policy.name(),
+        stress.policy.own().map(|own| own.sha256().to_owned()),
+        stress.bounds.turn_rate_radps,
+        stress.bounds.turn_rad,
+        stress.bounds.climb_change_mps,
+        stress.intruders,
+        stress.gust_mps,
+        stress.seed,
+    ]);
+    fingerprint(of.to_string().as_bytes())
 }
 
 /// Writes `stress.html`, `failures.csv`, `stress.json` and a replay of each failure into a folder.
@@ -33,15 +127,15 @@ pub fn write(stress: &Stress, found: &Found, folder: &Path) -> Result<Written, C
     let replays = folder.join("replay");
     for (number, failure) in (1..).zip(&found.failures) {
         atomic::prepare_folder(&replays)?;
-        let log = show(stress, &failure.motion).map_err(CampaignError::Other)?;
+        let log = show(stress, &failure.case).map_err(CampaignError::Other)?;
         atomic::write(
             &replays.join(format!("{number}.html")),
             replay_page::page([&log]),
         )?;
     }
-    let rows: Vec<Row<&str>> = (1..)
+    let rows: Vec<Row<String>> = (1..)
         .zip(&found.failures)
-        .map(|(number, failure)| row(number, failure))
+        .map(|(number, failure)| row(stress, number, failure))
         .collect();
     atomic::write(&folder.join("failures.csv"), csv(&rows))?;
     let document = document(stress, found, rows);
@@ -55,8 +149,8 @@ pub fn write(stress: &Stress, found: &Found, folder: &Path) -> Result<Written, C
     Ok(Written { words, document })
 }
 
-fn row<'a>(number: usize, failure: &StressFailure) -> Row<&'a str> {
-    let mut row: Row<&str> = vec![
+fn row(stress: &Stress, number: usize, failure: &StressFailure) -> Row<String> {
+    let first: [(&str, Value); 6] = [
         ("failure", json!(number)),
         ("deviations", json!(rounded(failure.distance))),
         ("relative_density", json!(failure.relative_density())),
@@ -67,12 +161,14 @@ fn row<'a>(number: usize, failure: &StressFailure) -> Row<&'a str> {
             json!(failure.policy_failure.map(FailureKind::name)),
         ),
     ];
-    let values = PARAMETERS.iter().zip(failure.motion.values);
-    row.extend(values.map(|(parameter, value)| (parameter.name, json!(rounded(value)))));
-    row
+    let first = first.into_iter().map(|(name, value)| (name.into(), value));
+    let values = stress.parameters().into_iter().zip(failure.case.values());
+    first
+        .chain(values.map(|((name, _), value)| (name, json!(rounded(value)))))
+        .collect()
 }
 
-fn document(stress: &Stress, found: &Found, rows: Vec<Row<&str>>) -> Value {
+fn document(stress: &Stress, found: &Found, rows: Vec<Row<String>>) -> Value {
     let stamp = Stamp::of_this_build(TARGET);
     // Flights that all keep out give no estimate.
     let estimate = (found.entered > 0).then_some(found.probability);
@@ -83,6 +179,8 @@ fn document(stress: &Stress, found: &Found, rows: Vec<Row<&str>>) -> Value {
         "policy": stress.policy.name(),
         "vehicle": stress.model.name,
         "seed": stress.seed,
+        "intruders": stress.intruders,
+        "gust_mps": stress.gust_mps,
         "flights": found.flights,
         "too_near": found.too_near,
         "entered": found.entered,
@@ -116,7 +214,7 @@ fn result(stress: &Stress, found: &Found) -> String {
         let (probability, error) = found.probability;
         let _ = writeln!(
             text,
-            "probability of entering it under the usual motions: {probability:.2e}, standard error {error:.1e}"
+            "probability of entering it under the usual distributions: {probability:.2e}, standard error {error:.1e}"
         );
         let _ = writeln!(
             text,
@@ -129,22 +227,22 @@ fn result(stress: &Stress, found: &Found) -> String {
 
 fn in_words(failure: &StressFailure) -> String {
     format!(
-        "{:.2} standard deviations from the most usual motion, entered by {:.1} m, {}: {}",
+        "{:.2} standard deviations from the most usual flight, entered by {:.1} m, {}: {}",
         failure.distance,
         -failure.margin_m,
         if failure.avoidable {
             "avoidable"
         } else {
-            "not avoidable even with the whole motion known"
+            "not avoidable even with all motions known"
         },
-        failure.motion.in_words()
+        failure.case.in_words()
     )
 }
 
 fn page(stress: &Stress, found: &Found) -> String {
     let stamp = Stamp::of_this_build(TARGET);
     let mut report = Report::new(&format!("Stress test of {}", stress.policy.name()));
-    report.summary = "The likeliest motions of one intruder, and losses of its reports, in which the policy enters the protected volume, found by the cross-entropy method."
+    report.summary = "The likeliest motions of intruders, losses of their reports, and gusts, in which the policy enters a protected volume, found by the cross-entropy method."
         .into();
     report.facts = vec![
         ("version".into(), env!("CARGO_PKG_VERSION").into()),
@@ -153,11 +251,10 @@ fn page(stress: &Stress, found: &Found) -> String {
         ("vehicle".into(), stress.model.name.clone()),
         ("seed".into(), stress.seed.to_string()),
     ];
+    let parameters = stress.parameters();
     let failures = (1..).zip(&found.failures).map(|(number, failure)| {
-        let needed = failure
-            .needed
-            .iter()
-            .filter_map(|place| PARAMETERS.get(*place));
+        let needed = failure.needed.iter();
+        let needed = needed.filter_map(|place| Some(parameters.get(*place)?.0.as_str()));
         vec![
             Cell::Link {
                 text: number.to_string(),
@@ -167,29 +264,30 @@ fn page(stress: &Stress, found: &Found) -> String {
             Cell::Number(failure.margin_m, 1),
             Cell::Text(if failure.avoidable { "yes" } else { "no" }.into()),
             Cell::Text(failure.policy_failure.map_or("", FailureKind::name).into()),
-            Cell::Text(failure.motion.in_words()),
-            Cell::Text(
-                needed
-                    .map(|parameter| parameter.name)
-                    .collect::<Vec<_>>()
-                    .join(", "),
-            ),
+            Cell::Text(failure.case.in_words()),
+            Cell::Text(needed.collect::<Vec<_>>().join(", ")),
         ]
     });
-    let parameters = PARAMETERS.iter().map(|parameter| {
-        vec![
-            Cell::Text(parameter.name.into()),
-            Cell::Text(parameter.usually.into()),
-        ]
-    });
+    let usual = parameters.iter();
+    let usual =
+        usual.map(|(name, usually)| vec![Cell::Text(name.clone()), Cell::Text((*usually).into())]);
+    let gusts = if stress.gust_mps > 0.0 {
+        format!(
+            "One gust changes the wind for some time: {} m/s of standard deviation in each component, at most twice that. The policy \
+             knows only what it does to the aircraft, and the oracle flies without it.",
+            stress.gust_mps
+        )
+    } else {
+        "There are no gusts: the vehicle file knows no drift_mps, and none was given.".into()
+    };
     report.sections = vec![
         Section {
             title: "The likeliest failures".into(),
             blocks: vec![
                 Block::Paragraph(result(stress, found)),
                 Block::Table(Table {
-                    caption: "Each leads to its replay. Deviations: distance from the most usual motion, in standard deviations; the less, the likelier. \
-                         Avoidable: the oracle, which knows the whole motion, finds a manoeuvre that keeps out. Needed: the parameters that are not at \
+                    caption: "Each leads to its replay. Deviations: distance from the most usual flight, in standard deviations; the less, the likelier. \
+                         Avoidable: the oracle, which knows all motions, finds a manoeuvre that keeps out. Needed: the parameters that are not at \
                          their medians; without any one of them the policy keeps out."
                         .into(),
                     columns: vec![
@@ -198,7 +296,7 @@ fn page(stress: &Stress, found: &Found) -> String {
                         Column::number("margin (m)"),
                         Column::text("avoidable"),
                         Column::text("policy failed"),
-                        Column::text("the intruder"),
+                        Column::text("what happens"),
                         Column::text("needed"),
                     ],
                     rows: failures.collect(),
@@ -209,8 +307,9 @@ fn page(stress: &Stress, found: &Found) -> String {
             title: "What is searched".into(),
             blocks: vec![
                 Block::Paragraph(format!(
-                    "The ownship flies straight on its mission and hears the intruder once a second, without noise. The intruder keeps to bounds that the policy knows: turns of \
-                     {:.0} °/s and {:.0}°, {:.1} m/s of climb. {} motions began within three radii of the ownship and count as no failure. Gusts are not searched.",
+                    "The ownship flies straight on its mission and hears each intruder once a second, without noise. Intruders: {}. Each keeps to bounds that the policy knows: turns of \
+                     {:.0} °/s and {:.0}°, {:.1} m/s of climb. {} flights begin within three radii of the ownship and count as no failure. {gusts}",
+                    stress.intruders,
                     stress.bounds.turn_rate_radps.to_degrees(),
                     stress.bounds.turn_rad.to_degrees(),
                     stress.bounds.climb_change_mps,
@@ -219,7 +318,7 @@ fn page(stress: &Stress, found: &Found) -> String {
                 Block::Table(Table {
                     caption: "The parameters and their usual distributions: assumptions, not measurements.".into(),
                     columns: vec![Column::text("parameter"), Column::text("usually")],
-                    rows: parameters.collect(),
+                    rows: usual.collect(),
                 }),
             ],
         },

@@ -148,6 +148,7 @@ pub fn empty_world(settings: &BatchSettings) -> Option<World> {
             ..model.settings
         },
         wind_mps: model.wind_mps,
+        gust: None,
         obstacles: Vec::new(),
         sensor: crate::sensor::SensorSettings {
             range_m: f64::INFINITY,

@@ -224,6 +224,7 @@ impl Engine {
             .plant
             .get_or_insert_with(|| Plant::new(world.vehicle, world.autopilot, world.wind_mps));
         plant.refit(world.vehicle, world.autopilot, world.wind_mps);
+        world.gust.into_iter().for_each(|gust| plant.meet(gust));
         let start = &world.start;
         plant.place(0.0, start.position_m, start.course_rad, start.climb_rad);
         self.sensor.begin_all(

@@ -133,6 +133,7 @@ pub fn plan(
             autopilot: model.autopilot,
             settings: model.settings,
             wind_mps,
+            gust: None,
             obstacles,
             sensor: model.sensor,
             more_sensors: model.more_sensors.clone(),

@@ -1,17 +1,21 @@
-//! Adaptive stress testing: a search for the likeliest motions of an intruder, and losses of its reports, in which a policy
-//! enters the protected volume.
+//! Adaptive stress testing: a search for the likeliest motions of intruders, losses of their reports, and gusts, in which a policy
+//! enters a protected volume.
 //!
-//! A motion is a point z of a standard normal distribution in as many dimensions as it has parameters ([`Parameter`]); each parameter is
-//! a quantile of a usual distribution, within the bounds that the policy is told ([`MovementBounds`]). The cross-entropy
-//! method (Rubinstein 1999; Lee et al. 2015 for collision avoidance) flies batches of motions, and draws the next batch near those
+//! A flight is a point z of a standard normal distribution in as many dimensions as it has parameters ([`MOTION`] for each intruder, and
+//! [`GUST`]); each parameter is a quantile of a usual distribution, within the bounds that the policy is told ([`MovementBounds`], the
+//! vehicle's drift). The cross-entropy
+//! method (Rubinstein 1999; Lee et al. 2015 for collision avoidance) flies batches, and draws the next batch near those
 //! that came nearest to a failure. One flight in ten is drawn from the usual distribution, so that the weights of the flights are
 //! bounded and their sum estimates the probability of a loss. In the end each parameter that a failure does not
 //! need is set to its median; the other parameters explain the failure.
 
+mod case;
 mod motion;
+mod proposal;
 mod urgency;
 
-pub use motion::{Motion, PARAMETERS, Parameter};
+pub use case::StressCase;
+pub use motion::{GUST, MOTION, Motion, Parameter};
 
 use fga::avoider::SettingsError;
 use fga::situation::MovementBounds;
@@ -27,22 +31,14 @@ use crate::run::{Plan, RunLog};
 use crate::track::{Track, TrackPoint};
 use crate::vehicle_file::VehicleModel;
 use crate::world::World;
+use proposal::{Point, Proposal, distance};
 use urgency::Urgency;
 
 /// Flights of a batch.
 const BATCH: usize = 200;
 
-/// Share of the flights that are drawn from the usual distribution.
-const USUAL_SHARE: f64 = 0.1;
-
 /// Share of a batch near which the next one is drawn.
 const ELITE_SHARE: f64 = 0.1;
-
-/// Weight of a batch's own mean and spread in those of the next one.
-const SMOOTHING: f64 = 0.6;
-
-/// Least spread of a parameter, in standard deviations of its usual distribution.
-const LEAST_SPREAD: f64 = 0.3;
 
 /// Two failures nearer than this are the same one.
 const SAME_FAILURE: f64 = 1.0;
@@ -53,6 +49,9 @@ const SHOWN: usize = 10;
 /// Longest flight, seconds.
 const HORIZON_S: f64 = 180.0;
 
+/// The most intruders.
+pub const MOST_INTRUDERS: usize = 4;
+
 /// What is tested.
 #[derive(Debug, Clone)]
 pub struct Stress {
@@ -60,36 +59,78 @@ pub struct Stress {
     pub model: VehicleModel,
     /// The policy.
     pub policy: PolicyChoice,
-    /// The bounds of the intruder, which the policy knows.
+    /// The bounds of the intruders, which the policy knows.
     pub bounds: MovementBounds,
+    /// Intruders, 1 to [`MOST_INTRUDERS`].
+    pub intruders: usize,
+    /// Standard deviation of each component of a gust, metres per second; 0 for no gusts.
+    pub gust_mps: f64,
     /// Flights, besides those that simplify failures.
     pub flights: usize,
     /// Master seed.
     pub seed: u64,
 }
 
-/// A point of the standard normal distribution.
-type Point = [f64; PARAMETERS.len()];
+impl Stress {
+    /// A test of a policy: one intruder, the gusts that the vehicle file knows of.
+    pub fn of(model: VehicleModel, policy: PolicyChoice, bounds: MovementBounds) -> Self {
+        Self {
+            gust_mps: model.settings.avoider.drift_mps,
+            model,
+            policy,
+            bounds,
+            intruders: 1,
+            flights: 2000,
+            seed: 0,
+        }
+    }
 
-/// A motion in which the policy entered the volume.
+    fn has_gusts(&self) -> bool {
+        self.gust_mps > 0.0
+    }
+
+    /// The parameters of a flight in their order: name, usual distribution. Those of a second intruder and on have its number.
+    pub fn parameters(&self) -> Vec<(String, &'static str)> {
+        let motions = (1..=self.intruders).flat_map(|number| {
+            MOTION.iter().map(move |parameter| {
+                let name = parameter.name;
+                let name = match number {
+                    1 => name.to_owned(),
+                    _ => format!("{name}_{number}"),
+                };
+                (name, parameter.usually)
+            })
+        });
+        let gust = GUST.iter().filter(|_| self.has_gusts());
+        let gust = gust.map(|parameter| (parameter.name.to_owned(), parameter.usually));
+        motions.chain(gust).collect()
+    }
+
+    fn dimensions(&self) -> usize {
+        let gust = if self.has_gusts() { GUST.len() } else { 0 };
+        self.intruders * MOTION.len() + gust
+    }
+}
+
+/// A flight in which the policy entered a volume.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StressFailure {
-    /// The motion.
-    pub motion: Motion,
-    /// Its distance from the most usual motion, in standard deviations: the less, the likelier.
+    /// The intruders and the gust.
+    pub case: StressCase,
+    /// Its distance from the most usual flight, in standard deviations: the less, the likelier.
     pub distance: f64,
-    /// Parameters that are not at their median, by their place in [`PARAMETERS`].
+    /// Parameters that are not at their median, by their place in [`Stress::parameters`].
     pub needed: Vec<usize>,
     /// Least signed distance to the volume, metres.
     pub margin_m: f64,
-    /// Whether a manoeuvre with the whole motion known keeps out.
+    /// Whether a manoeuvre with all motions known keeps out.
     pub avoidable: bool,
     /// How a policy of one's own failed in it.
     pub policy_failure: Option<FailureKind>,
 }
 
 impl StressFailure {
-    /// The density of its motion over that of the most usual one.
+    /// The density of its parameters over that of the most usual ones.
     pub fn relative_density(&self) -> f64 {
         libm::exp(-0.5 * self.distance * self.distance)
     }
@@ -100,7 +141,7 @@ impl StressFailure {
 pub struct Found {
     /// Flights of the search.
     pub flights: usize,
-    /// Motions that begin too near to say anything; they are no failures.
+    /// Flights that begin too near to say anything; they are no failures.
     pub too_near: usize,
     /// Flights that entered the volume.
     pub entered: usize,
@@ -114,103 +155,80 @@ pub struct Found {
     pub failures: Vec<StressFailure>,
 }
 
-/// The normal distribution from which a batch is drawn.
-struct Proposal {
-    mean: Point,
-    spread: Point,
+/// The result of a flight, all that the search needs of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StressFlight {
+    /// Least signed distance to the volume, metres; infinite where it begins too near.
+    pub margin_m: f64,
+    /// Least time to the entry of a volume that both would have had on straight lines, seconds; infinite for none.
+    pub entry_s: f64,
 }
 
-impl Proposal {
-    /// Its density over the usual one's, for the mixture of both.
-    fn weight(&self, point: &Point) -> f64 {
-        let mut exponent = 0.0;
-        for ((z, mean), spread) in point.iter().zip(&self.mean).zip(&self.spread) {
-            let own = (z - mean) / spread;
-            exponent += 0.5 * (z * z - own * own) - libm::log(*spread);
-        }
-        1.0 / (USUAL_SHARE + (1.0 - USUAL_SHARE) * libm::exp(exponent))
-    }
+impl StressFlight {
+    const TOO_NEAR: Self = Self {
+        margin_m: f64::INFINITY,
+        entry_s: f64::INFINITY,
+    };
 
-    fn draw(&self, random: &mut Random) -> Point {
-        let is_usual = random.unit() < USUAL_SHARE;
-        core::array::from_fn(|place| {
-            let z = normal(random);
-            if is_usual {
-                z
-            } else {
-                self.mean[place] + self.spread[place] * z
-            }
-        })
-    }
-
-    /// Moves to the elite of a batch.
-    fn follow(&mut self, elite: &[(Point, f64)]) {
-        let total: f64 = elite.iter().map(|(_, weight)| weight).sum();
-        if total <= 0.0 {
-            return;
-        }
-        for place in 0..PARAMETERS.len() {
-            let mean = elite.iter().map(|(z, w)| z[place] * w).sum::<f64>() / total;
-            let square = |z: &Point| (z[place] - mean) * (z[place] - mean);
-            let variance = elite.iter().map(|(z, w)| square(z) * w).sum::<f64>() / total;
-            let spread = libm::sqrt(variance).max(LEAST_SPREAD);
-            self.mean[place] += SMOOTHING * (mean - self.mean[place]);
-            self.spread[place] += SMOOTHING * (spread - self.spread[place]);
+    /// How near it came to a failure, the nearest least: a failure by its margin, which is negative; another flight by how few seconds
+    /// before the entry the policy was still on a course into the volume. The margins of those do not say it: a policy that departs
+    /// least keeps hardly more than the volume.
+    fn rank(&self) -> f64 {
+        if self.margin_m < 0.0 || self.margin_m.is_infinite() {
+            self.margin_m
+        } else {
+            self.entry_s.min(1e6)
         }
     }
-}
-
-/// A number of the standard normal distribution (Box and Muller).
-fn normal(random: &mut Random) -> f64 {
-    let radius = libm::sqrt(-2.0 * libm::log(1.0 - random.unit()));
-    radius * libm::cos(core::f64::consts::TAU * random.unit())
 }
 
 /// A flown point.
 struct FlownPoint {
     point: Point,
     weight: f64,
-    margin_m: f64,
-    /// Infinite where the motion begins too near.
-    rank: f64,
+    flight: StressFlight,
 }
 
-/// Searches on the threads of the current pool; `go_on` is asked now and then, and ends the search early; `show` gets the number of flights
-/// flown.
+/// Searches on the threads of the current pool. `before` has the results of the first flights of the same test, which are not flown
+/// again; `take` gets those of each batch. `go_on` is asked before each batch: the search ends with `None` where it says no.
 ///
 /// # Errors
-/// Settings or limits that the core refuses, or a wind that is too strong for the line, as one sentence.
+/// Settings or limits that the core refuses, or a wind that is too strong for the line, as one sentence; an error of `take`.
 pub fn search(
     stress: &Stress,
+    before: &[StressFlight],
     go_on: &(impl Fn() -> bool + Sync),
-    show: &mut (dyn FnMut(usize) + Send),
-) -> Result<Found, String> {
+    take: &mut (dyn FnMut(&[StressFlight]) -> Result<(), String> + Send),
+) -> Result<Option<Found>, String> {
     let test = Test::new(stress)?;
-    let mut proposal = Proposal {
-        mean: [0.0; PARAMETERS.len()],
-        spread: [1.0; PARAMETERS.len()],
-    };
+    let mut proposal = Proposal::usual(stress.dimensions(), 1.0);
     let mut flown: Vec<FlownPoint> = Vec::with_capacity(stress.flights);
-    while flown.len() < stress.flights && go_on() {
+    while flown.len() < stress.flights {
+        if !go_on() {
+            return Ok(None);
+        }
         let first = flown.len();
-        show(first);
         let count = BATCH.min(stress.flights - first);
         let batch: Vec<FlownPoint> = (first..first + count)
             .into_par_iter()
             .map_init(Engine::new, |engine, number| {
                 let mut random = Random::new(stress.seed, number as u64);
                 let point = proposal.draw(&mut random);
-                let flight = test.fly(engine, &point)?;
+                let flight = match before.get(number) {
+                    Some(flight) => *flight,
+                    None => test.fly(engine, &point)?.0,
+                };
                 Ok(FlownPoint {
                     weight: proposal.weight(&point),
-                    margin_m: flight.margin_m,
-                    rank: flight.rank(),
+                    flight,
                     point,
                 })
             })
             .collect::<Result<_, SettingsError>>()
             .map_err(|error| error.to_string())?;
-        let mut ranks: Vec<f64> = batch.iter().map(|one| one.rank).collect();
+        let flights: Vec<StressFlight> = batch.iter().map(|one| one.flight).collect();
+        take(&flights)?;
+        let mut ranks: Vec<f64> = flights.iter().map(StressFlight::rank).collect();
         ranks.sort_by(f64::total_cmp);
         #[expect(
             clippy::cast_possible_truncation,
@@ -219,17 +237,17 @@ pub fn search(
         )]
         let place = (ELITE_SHARE * count as f64) as usize;
         let level = ranks.get(place).copied().unwrap_or(0.0).max(0.0);
-        // Until enough motions of a batch fail, the ranks alone choose; from then on the likeliest failures do.
+        // Until enough flights of a batch fail, the ranks alone choose; from then on the likeliest failures do.
         let is_weighted = level <= 0.0;
-        let elite: Vec<(Point, f64)> = batch
+        let elite: Vec<(&Point, f64)> = batch
             .iter()
-            .filter(|one| one.rank <= level && one.rank.is_finite())
-            .map(|one| (one.point, if is_weighted { one.weight } else { 1.0 }))
+            .filter(|one| one.flight.rank() <= level && one.flight.rank().is_finite())
+            .map(|one| (&one.point, if is_weighted { one.weight } else { 1.0 }))
             .collect();
         proposal.follow(&elite);
         flown.extend(batch);
     }
-    let is_entered = |one: &FlownPoint| one.margin_m < 0.0;
+    let is_entered = |one: &FlownPoint| one.flight.margin_m < 0.0;
     let sums = flown
         .iter()
         .map(|one| if is_entered(one) { one.weight } else { 0.0 });
@@ -244,63 +262,40 @@ pub fn search(
     let (failures, simplifying) = test
         .simplified(&failures)
         .map_err(|error| error.to_string())?;
-    Ok(Found {
+    Ok(Some(Found {
         flights: flown.len(),
         too_near: flown
             .iter()
-            .filter(|one| one.margin_m.is_infinite())
+            .filter(|one| one.flight.margin_m.is_infinite())
             .count(),
         entered: flown.iter().filter(|one| is_entered(one)).count(),
         first: flown.iter().position(is_entered).map(|place| place + 1),
         probability: (mean, libm::sqrt(variance / count)),
         simplifying,
         failures,
-    })
+    }))
 }
 
-/// Flies a motion again and logs everything.
+/// Flies a case again and logs everything.
 ///
 /// # Errors
 /// As [`search`].
-pub fn show(stress: &Stress, motion: &Motion) -> Result<RunLog, String> {
+pub fn show(stress: &Stress, case: &StressCase) -> Result<RunLog, String> {
     let test = Test::new(stress)?;
+    let names = (1..=stress.intruders).map(|number| match stress.intruders {
+        1 => "intruder".to_owned(),
+        _ => format!("intruder {number}"),
+    });
     let plan = Plan {
         name: "stress".into(),
-        description: motion.in_words(),
-        names: vec!["intruder".into()],
+        description: case.in_words(),
+        names: names.collect(),
         frame: None,
         time_offset_s: 0.0,
         model: stress.model.clone(),
-        world: test.world_of(motion),
+        world: test.world_of(case),
     };
     batch::show(plan, &stress.policy).map_err(|error| error.to_string())
-}
-
-/// Length from the most usual motion.
-fn distance(point: &Point) -> f64 {
-    libm::sqrt(point.iter().map(|z| z * z).sum())
-}
-
-/// The result of a motion.
-struct Flight {
-    /// Least signed distance to the volume, metres; infinite where the motion begins too near.
-    margin_m: f64,
-    /// Least time to the entry of the volume that both would have had on straight lines, seconds.
-    entry_s: f64,
-    failure: Option<FailureKind>,
-}
-
-impl Flight {
-    /// How near it came to a failure, the nearest least: a failure by its margin, which is negative; another flight by how few seconds
-    /// before the entry the policy was still on a course into the volume. The margins of those do not say it: a policy that departs
-    /// least keeps hardly more than the volume.
-    fn rank(&self) -> f64 {
-        if self.margin_m < 0.0 || self.margin_m.is_infinite() {
-            self.margin_m
-        } else {
-            self.entry_s.min(1e6)
-        }
-    }
 }
 
 /// The test of one policy.
@@ -327,41 +322,42 @@ impl<'a> Test<'a> {
         Ok(Self { stress, world })
     }
 
-    fn motion(&self, point: &Point) -> Motion {
-        let stress = self.stress;
-        Motion::of(
-            point,
-            &stress.bounds,
-            &stress.model.vehicle,
-            &stress.model.protection,
-        )
-    }
-
-    fn world_of(&self, motion: &Motion) -> World {
-        let mut world = self.world.clone();
-        let protection = self.stress.model.protection;
-        world.obstacles = vec![motion.intruder(self.stress.bounds, protection, HORIZON_S)];
-        world
-    }
-
-    fn fly(&self, engine: &mut Engine, point: &Point) -> Result<Flight, SettingsError> {
-        let motion = self.motion(point);
-        if motion.begins_too_near(&self.stress.model.protection) {
-            return Ok(Flight {
-                margin_m: f64::INFINITY,
-                entry_s: f64::INFINITY,
-                failure: None,
-            });
+    fn world_of(&self, case: &StressCase) -> World {
+        let (bounds, protection) = (self.stress.bounds, self.stress.model.protection);
+        let motions = (0..).zip(&case.motions);
+        World {
+            obstacles: motions
+                .map(|(id, motion)| motion.intruder(id, bounds, protection, HORIZON_S))
+                .collect(),
+            gust: case.gust,
+            ..self.world.clone()
         }
-        let world = self.world_of(&motion);
+    }
+
+    /// The result of a point, and how a policy of one's own failed.
+    fn fly(
+        &self,
+        engine: &mut Engine,
+        point: &[f64],
+    ) -> Result<(StressFlight, Option<FailureKind>), SettingsError> {
+        let case = StressCase::of(point, self.stress);
+        let protection = &self.stress.model.protection;
+        if case
+            .motions
+            .iter()
+            .any(|motion| motion.begins_too_near(protection))
+        {
+            return Ok((StressFlight::TOO_NEAR, None));
+        }
+        let world = self.world_of(&case);
         let mut pilot = self.stress.policy.pilot(&world.settings, &world.vehicle)?;
         let mut urgency = Urgency::of(&world.obstacles);
         let outcome = engine.fly(&world, pilot.as_mut(), &mut urgency);
-        Ok(Flight {
+        let flight = StressFlight {
             margin_m: outcome.min_margin_m,
             entry_s: urgency.least_s(),
-            failure: pilot.failure(),
-        })
+        };
+        Ok((flight, pilot.failure()))
     }
 
     /// Failures that differ, each with as many parameters at their median as it allows, and the flights that took.
@@ -372,7 +368,8 @@ impl<'a> Test<'a> {
         let mut distinct: Vec<&Point> = Vec::new();
         for one in failures {
             let apart = |other: &&Point| {
-                let between: Point = core::array::from_fn(|place| one.point[place] - other[place]);
+                let both = one.point.iter().zip(other.iter());
+                let between: Point = both.map(|(a, b)| a - b).collect();
                 distance(&between) >= SAME_FAILURE
             };
             if distinct.len() < SHOWN && distinct.iter().all(apart) {
@@ -387,7 +384,7 @@ impl<'a> Test<'a> {
         let mut failures: Vec<StressFailure> = Vec::new();
         for (failure, _) in each {
             // Two may have become the same.
-            if !failures.iter().any(|other| other.motion == failure.motion) {
+            if !failures.iter().any(|other| other.case == failure.case) {
                 failures.push(failure);
             }
         }
@@ -400,21 +397,22 @@ impl<'a> Test<'a> {
         engine: &mut Engine,
         point: &Point,
     ) -> Result<(StressFailure, usize), SettingsError> {
-        let mut point = *point;
-        let mut flight = self.fly(engine, &point)?;
+        let mut point = point.clone();
+        let mut flown = self.fly(engine, &point)?;
         let mut order: Vec<usize> = (0..point.len()).collect();
         // The least usual ones first: they are worth most.
         order.sort_by(|a, b| point[*b].abs().total_cmp(&point[*a].abs()));
         for &place in &order {
-            let mut simpler = point;
+            let mut simpler = point.clone();
             simpler[place] = 0.0;
             let simplified = self.fly(engine, &simpler)?;
-            if simplified.margin_m < 0.0 {
-                (point, flight) = (simpler, simplified);
+            if simplified.0.margin_m < 0.0 {
+                (point, flown) = (simpler, simplified);
             }
         }
-        let motion = self.motion(&point);
-        let mut world = self.world_of(&motion);
+        let (flight, policy_failure) = flown;
+        let case = StressCase::of(&point, self.stress);
+        let mut world = self.world_of(&case);
         // The oracle leaves the line of the mission, which has an end for it.
         let line = |time_s: f64| TrackPoint {
             time_s,
@@ -433,8 +431,8 @@ impl<'a> Test<'a> {
                 .collect(),
             margin_m: flight.margin_m,
             avoidable: best.is_some_and(|answer| answer.best_margin_m >= AVOIDABLE_MARGIN_M),
-            policy_failure: flight.failure,
-            motion,
+            policy_failure,
+            case,
         };
         Ok((failure, order.len() + 1))
     }

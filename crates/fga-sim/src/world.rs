@@ -6,7 +6,7 @@ use fga::Vec3;
 use fga::situation::Passing;
 use fga::vehicle::Vehicle;
 
-use crate::plant::Autopilot;
+use crate::plant::{Autopilot, Gust};
 use crate::sensor::SensorSettings;
 use crate::settings::PolicySettings;
 use crate::track::Track;
@@ -58,6 +58,8 @@ pub struct World {
     pub settings: PolicySettings,
     /// Velocity of the air over the ground, metres per second.
     pub wind_mps: Vec3,
+    /// A gust, of which the policy knows nothing.
+    pub gust: Option<Gust>,
     /// The obstacles.
     pub obstacles: Vec<WorldObstacle>,
     /// The sensor.

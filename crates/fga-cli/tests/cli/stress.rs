@@ -61,10 +61,56 @@ fn a_program_that_does_nothing_is_found_out_and_the_bytes_are_the_same_again() {
         "commit",
         "standard error",
         "href=\"replay/1.html\"",
-        "Gusts are not searched",
+        "There are no gusts",
     ] {
         assert!(page.contains(what), "{what}");
     }
+}
+
+#[test]
+fn a_search_in_its_folder_goes_on_and_another_one_begins_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    let flown = |out: &str, flights: &str, seed: &str| {
+        let arguments = ["stress", "--policy", "none", "--flights", flights];
+        let more = [
+            "--seed",
+            seed,
+            "--out",
+            out,
+            "--intruders",
+            "2",
+            "--gust-mps",
+            "1",
+        ];
+        let done = fga_in(place, &[&arguments[..], &more].concat());
+        assert!(done.status.success(), "{}", errors(&done));
+        ["stress.html", "stress.json", "failures.csv", "flights.csv"]
+            .map(|name| fs::read_to_string(place.join(out).join(name)).unwrap())
+    };
+    let whole = flown("whole", "260", "3");
+    flown("part", "200", "3");
+    assert_eq!(flown("part", "260", "3"), whole);
+    // Torn in the middle of a line, as by a kill: that flight is flown again.
+    let kept = &whole[3];
+    let torn = &kept[..kept.trim_end().rfind('\n').unwrap() + 3];
+    fs::write(place.join("part/flights.csv"), torn).unwrap();
+    assert_eq!(flown("part", "260", "3"), whole);
+    // A flight that is there is not flown again: what the file says of it counts.
+    let lines: Vec<&str> = kept.lines().collect();
+    let mut changed = lines.clone();
+    changed[2] = "-7,0";
+    fs::write(place.join("part/flights.csv"), changed.join("\n") + "\n").unwrap();
+    assert_ne!(flown("part", "260", "3")[1], whole[1]);
+    // Another seed is another test.
+    assert_eq!(flown("part", "260", "4"), flown("other", "260", "4"));
+    let failures = rows(&place.join("whole/failures.csv"));
+    for column in ["turn_rad_2", "gust_start_s", "gust_up_mps"] {
+        assert!(failures[0].contains_key(column), "{column}");
+    }
+    assert!(
+        whole[0].contains("intruder 2 comes at") && whole[0].contains("One gust changes the wind")
+    );
 }
 
 #[test]
@@ -73,6 +119,9 @@ fn wrong_options_are_one_sentence() {
     for (arguments, what) in [
         (["stress", "--flights", "0"], "0"),
         (["stress", "--kind", "balloon"], "balloon"),
+        (["stress", "--intruders", "5"], "5"),
+        (["stress", "--gust-mps", "many"], "expected 0 to 20 m/s"),
+        (["stress", "--gust-mps", "NaN"], "expected 0 to 20 m/s"),
         (["stress", "--policy", "nobody"], "unknown policy"),
         (["stress", "--vehicle", "nothing.toml"], "nothing.toml"),
     ] {

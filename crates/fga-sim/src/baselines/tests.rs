@@ -52,6 +52,7 @@ fn world(bodies: &[(Vec3, Vec3)]) -> World {
             ..PolicySettings::default()
         },
         wind_mps: Vec3::ZERO,
+        gust: None,
         obstacles: bodies
             .iter()
             .zip(0..)

@@ -38,12 +38,26 @@ pub enum Autopilot {
     },
 }
 
+/// A change of the wind for some time, of which nobody knows beforehand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gust {
+    /// Its begin, seconds since the start of the run.
+    pub start_s: f64,
+    /// Its duration, seconds.
+    pub duration_s: f64,
+    /// The velocity that it adds to the wind, metres per second.
+    pub velocity_mps: Vec3,
+}
+
 /// The flown state and the pending commands.
 #[derive(Debug, Clone)]
 pub struct Plant {
     vehicle: Vehicle,
     autopilot: Autopilot,
+    /// The wind now.
     wind_mps: Vec3,
+    /// A gust, and the wind without it, metres per second.
+    gust: Option<(Gust, Vec3)>,
     /// Time since the start of the run, seconds.
     time_s: f64,
     position_m: Vec3,
@@ -68,6 +82,7 @@ impl Plant {
             vehicle,
             autopilot,
             wind_mps,
+            gust: None,
             time_s: 0.0,
             position_m: Vec3::ZERO,
             course_rad: 0.0,
@@ -100,9 +115,37 @@ impl Plant {
         self.vehicle = vehicle;
         self.autopilot = autopilot;
         self.wind_mps = wind_mps;
+        self.gust = None;
         self.airspeed_mps = vehicle.airspeed_mps;
         self.straight = None;
         self.rolls = lagged::Rolls::default();
+    }
+
+    /// Meets a gust in the wind that it flies in now.
+    pub fn meet(&mut self, gust: Gust) {
+        self.gust = Some((gust, self.wind_mps));
+    }
+
+    /// Sets the wind of now; returns the time of its next change, at most `until_s`.
+    fn blow(&mut self, until_s: f64) -> f64 {
+        let Some((gust, steady_mps)) = self.gust else {
+            return until_s;
+        };
+        let (from_s, to_s) = (gust.start_s, gust.start_s + gust.duration_s);
+        let (gust_mps, changes_s) = if self.time_s < from_s {
+            (Vec3::ZERO, from_s)
+        } else if self.time_s < to_s {
+            (gust.velocity_mps, to_s)
+        } else {
+            (Vec3::ZERO, until_s)
+        };
+        let wind_mps = steady_mps + gust_mps;
+        if wind_mps != self.wind_mps {
+            self.wind_mps = wind_mps;
+            self.straight = None;
+            self.rolls = lagged::Rolls::default();
+        }
+        changes_s.min(until_s)
     }
 
     /// Changes the airspeed and keeps the largest bank angle (ρ ∝ V², Eq. 8).
@@ -180,9 +223,10 @@ impl Plant {
     }
 
     /// Whether the aircraft flies straight, and goes on so under its last command. Never with a
-    /// dead time, under which rounding grows: commands correct a flight that has changed meanwhile.
+    /// dead time, under which rounding grows: commands correct a flight that has changed meanwhile. Never where a gust may come.
     pub fn is_straight(&self) -> bool {
         self.autopilot == Autopilot::Direct
+            && self.gust.is_none()
             && self.vehicle.response.dead_time_s == 0.0
             && self.bank_rad == 0.0
             && self.active.iter().all(|stage| self.keeps(stage))
@@ -220,6 +264,7 @@ impl Plant {
                 .pending
                 .front()
                 .map_or(end_s, |&(from_s, _)| from_s.min(end_s));
+            let until_s = self.blow(until_s);
             match (self.autopilot, rolls) {
                 (Autopilot::Direct, false) => self.fly_exact(until_s, &mut flown),
                 (Autopilot::Direct, true) => self.fly_rolling(until_s, &mut flown),

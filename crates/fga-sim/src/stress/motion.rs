@@ -9,6 +9,7 @@ use fga::situation::{Movement, MovementBounds, ProtectedVolume, Uncertainty};
 use fga::vehicle::Vehicle;
 
 use crate::obstacle::{TrackReport, WorldObstacle};
+use crate::plant::Gust;
 use crate::track::{Track, TrackPoint};
 
 /// A parameter of a motion.
@@ -20,8 +21,8 @@ pub struct Parameter {
     pub usually: &'static str,
 }
 
-/// The parameters in their order.
-pub const PARAMETERS: [Parameter; 15] = [
+/// The parameters of a motion in their order.
+pub const MOTION: [Parameter; 15] = [
     Parameter {
         name: "meeting_s",
         usually: "uniform, 30 to 90: when both meet if neither turns",
@@ -84,6 +85,30 @@ pub const PARAMETERS: [Parameter; 15] = [
     },
 ];
 
+/// The parameters of a gust in their order.
+pub const GUST: [Parameter; 5] = [
+    Parameter {
+        name: "gust_start_s",
+        usually: "uniform, 0 to 90",
+    },
+    Parameter {
+        name: "gust_s",
+        usually: "uniform, up to 30: its duration",
+    },
+    Parameter {
+        name: "gust_along_mps",
+        usually: "normal with the given standard deviation, at most two of them; along the mission",
+    },
+    Parameter {
+        name: "gust_left_mps",
+        usually: "as along the mission",
+    },
+    Parameter {
+        name: "gust_up_mps",
+        usually: "as along the mission",
+    },
+];
+
 /// Time between two reports of the intruder, seconds.
 const REPORT_S: f64 = 1.0;
 
@@ -96,10 +121,29 @@ const LONGEST_LOSS_S: f64 = 10.0;
 /// A motion of an intruder and the loss of its reports.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
-    /// The values of [`PARAMETERS`].
-    pub values: [f64; PARAMETERS.len()],
+    /// The values of [`MOTION`].
+    pub values: [f64; MOTION.len()],
     /// The ownship's airspeed, metres per second.
     own_mps: f64,
+}
+
+/// The gust at a point of the standard normal distribution, whose components have a standard deviation.
+pub(super) fn gust_of(point: &[f64; GUST.len()], sigma_mps: f64) -> Gust {
+    let component = |place: usize| sigma_mps * point[place].clamp(-2.0, 2.0);
+    Gust {
+        start_s: 90.0 * share_below(point[0]),
+        duration_s: 30.0 * share_below(point[1]),
+        velocity_mps: Vec3::new(component(2), component(3), component(4)),
+    }
+}
+
+/// A gust in a few words.
+pub(super) fn gust_in_words(gust: &Gust) -> String {
+    let Vec3 { x, y, z } = gust.velocity_mps;
+    format!(
+        "a gust of {x:.1} m/s along the mission, {y:.1} to the left and {z:.1} up from {:.0} s for {:.0} s",
+        gust.start_s, gust.duration_s
+    )
 }
 
 /// Cumulative distribution of the standard normal distribution.
@@ -110,7 +154,7 @@ fn share_below(z: f64) -> f64 {
 impl Motion {
     /// The motion at a point of the standard normal distribution.
     pub(super) fn of(
-        point: &[f64; PARAMETERS.len()],
+        point: &[f64; MOTION.len()],
         bounds: &MovementBounds,
         vehicle: &Vehicle,
         protection: &ProtectedVolume,
@@ -202,6 +246,7 @@ impl Motion {
     /// The intruder: its track, and its reports once a second but for the loss.
     pub(super) fn intruder(
         &self,
+        id: u32,
         bounds: MovementBounds,
         volume: ProtectedVolume,
         until_s: f64,
@@ -246,7 +291,7 @@ impl Motion {
         WorldObstacle {
             movement: Movement::Aircraft(bounds),
             reports,
-            ..WorldObstacle::new(0, track, volume)
+            ..WorldObstacle::new(id, track, volume)
         }
     }
 

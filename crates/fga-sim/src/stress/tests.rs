@@ -41,12 +41,15 @@ fn stress(policy: PolicyChoice, flights: usize) -> Stress {
     let mut model = VehicleModel::built_in().unwrap();
     model.protection = ProtectedVolume::Sphere { radius_m: 30.0 };
     Stress {
-        model,
-        policy,
-        bounds: MovementBounds::SMALL_UAS,
         flights,
         seed: 39,
+        ..Stress::of(model, policy, MovementBounds::SMALL_UAS)
     }
+}
+
+fn found(stress: &Stress) -> Found {
+    let found = search(stress, &[], &|| true, &mut |_| Ok(()));
+    found.unwrap().unwrap()
 }
 
 fn left_only() -> PolicyChoice {
@@ -60,7 +63,7 @@ fn left_only() -> PolicyChoice {
 #[test]
 fn a_policy_that_looks_left_only_is_found_out_and_the_same_way_again() {
     let stress = stress(left_only(), 400);
-    let found = search(&stress, &|| true, &mut |_| ()).unwrap();
+    let found = found(&stress);
     let first = found.first.unwrap();
     assert!(first <= 2000, "{first}");
     let likeliest = &found.failures[0];
@@ -73,14 +76,9 @@ fn a_policy_that_looks_left_only_is_found_out_and_the_same_way_again() {
         policy: PolicyChoice::default(),
         ..stress.clone()
     };
-    assert!(show(&sound, &likeliest.motion).unwrap().outcome.separated());
-    assert!(
-        !show(&stress, &likeliest.motion)
-            .unwrap()
-            .outcome
-            .separated()
-    );
-    assert_eq!(search(&stress, &|| true, &mut |_| ()).unwrap(), found);
+    assert!(show(&sound, &likeliest.case).unwrap().outcome.separated());
+    assert!(!show(&stress, &likeliest.case).unwrap().outcome.separated());
+    assert_eq!(super::tests::found(&stress), found);
     // The likelier ones come first, and are likelier than the farther ones.
     for pair in found.failures.windows(2) {
         assert!(pair[0].relative_density() >= pair[1].relative_density());
@@ -90,20 +88,17 @@ fn a_policy_that_looks_left_only_is_found_out_and_the_same_way_again() {
 #[test]
 fn the_estimate_agrees_with_drawing_from_the_usual_distribution_alone() {
     // A policy that does nothing fails often enough to count.
-    let found = search(&stress(PolicyChoice::Mission, 1000), &|| true, &mut |_| ()).unwrap();
+    let found = found(&stress(PolicyChoice::Mission, 1000));
     let plain = stress(PolicyChoice::Mission, 0);
     let test = Test::new(&plain).unwrap();
-    let usual = Proposal {
-        mean: [0.0; PARAMETERS.len()],
-        spread: [1.0; PARAMETERS.len()],
-    };
+    let usual = Proposal::usual(MOTION.len(), 1.0);
     let mut engine = Engine::new();
     let (mut entered, count) = (0.0, 1000);
     for number in 0..count {
         let point = usual.draw(&mut Random::new(4, number));
         assert_eq!(usual.weight(&point), 1.0);
         entered += f64::from(u8::from(
-            test.fly(&mut engine, &point).unwrap().margin_m < 0.0,
+            test.fly(&mut engine, &point).unwrap().0.margin_m < 0.0,
         ));
     }
     let share = entered / count as f64;
@@ -120,14 +115,11 @@ fn the_estimate_agrees_with_drawing_from_the_usual_distribution_alone() {
 fn a_motion_keeps_to_its_bounds_and_is_reported_but_for_its_loss() {
     let plain = stress(PolicyChoice::Mission, 0);
     let test = Test::new(&plain).unwrap();
-    let usual = Proposal {
-        mean: [0.0; PARAMETERS.len()],
-        spread: [2.0; PARAMETERS.len()],
-    };
+    let usual = Proposal::usual(MOTION.len(), 2.0);
     let bounds = MovementBounds::SMALL_UAS;
     for number in 0..200 {
-        let motion = test.motion(&usual.draw(&mut Random::new(4, number)));
-        let world = test.world_of(&motion);
+        let case = StressCase::of(&usual.draw(&mut Random::new(4, number)), &plain);
+        let (world, motion) = (test.world_of(&case), &case.motions[0]);
         let intruder = &world.obstacles[0];
         let [.., loss_start_s, loss_s] = motion.values;
         let mut last: Option<(fga::Vec3, f64)> = None;
@@ -145,5 +137,97 @@ fn a_motion_keeps_to_its_bounds_and_is_reported_but_for_its_loss() {
             }
             last = Some((report.velocity_mps, report.time_s));
         }
+    }
+}
+
+#[test]
+fn a_search_that_was_stopped_goes_on_to_the_same_end() {
+    let stress = stress(PolicyChoice::Mission, 500);
+    let whole = found(&stress);
+    for stops_after in [1, 2] {
+        let mut kept: Vec<StressFlight> = Vec::new();
+        let asked = core::sync::atomic::AtomicUsize::new(0);
+        let go_on = || asked.fetch_add(1, core::sync::atomic::Ordering::Relaxed) < stops_after;
+        let mut take = |flights: &[StressFlight]| {
+            kept.extend(flights);
+            Ok(())
+        };
+        assert_eq!(search(&stress, &[], &go_on, &mut take).unwrap(), None);
+        assert_eq!(kept.len(), stops_after * BATCH);
+        // What was flown is not flown again: a changed result shows.
+        let again = search(&stress, &kept, &|| true, &mut |_| Ok(()));
+        assert_eq!(again.unwrap().unwrap(), whole);
+        kept[0].margin_m = -1.0;
+        let other = search(&stress, &kept, &|| true, &mut |_| Ok(()));
+        assert_ne!(other.unwrap().unwrap(), whole);
+    }
+}
+
+/// The default policy on a mission in gusts: an aircraft that holds its course is carried off by the gust alone.
+#[test]
+fn a_gust_carries_the_aircraft_and_several_intruders_fly() {
+    let stress = Stress {
+        intruders: 3,
+        gust_mps: 2.0,
+        ..stress(PolicyChoice::Mission, 0)
+    };
+    assert_eq!(stress.parameters().len(), stress.dimensions());
+    let names: Vec<String> = stress
+        .parameters()
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect();
+    assert!(names.contains(&"turn_rad_3".into()) && names.contains(&"gust_up_mps".into()));
+    let mut point = vec![0.0; stress.dimensions()];
+    // From 45 s on for 15 s: the medians.
+    let left = point.len() - 2;
+    point[left] = 1.0;
+    let case = StressCase::of(&point, &stress);
+    assert_eq!(case.values().count(), point.len());
+    assert!(
+        case.in_words().contains("2.0 to the left"),
+        "{}",
+        case.in_words()
+    );
+    let flown = show(&stress, &case).unwrap();
+    assert_eq!(flown.obstacles.len(), 3);
+    let at = |time_s: f64| {
+        let near = flown
+            .samples
+            .iter()
+            .find(|sample| sample.time_s >= time_s - 1e-6);
+        near.unwrap().position_m
+    };
+    assert!(at(44.0).y.abs() < 1e-9);
+    // 2 m/s until the guidance sees it, a tenth of a second later.
+    let drifted_m = at(45.1).y;
+    assert!((drifted_m - 0.2).abs() < 1e-6, "{drifted_m}");
+    // The mission ends in the gust, in which the guidance holds the line.
+    let last = flown.samples.last().unwrap();
+    let (end_s, off_m) = (last.time_s, last.position_m.y);
+    assert!(end_s > 55.0 && off_m.abs() < 0.5, "{off_m} m at {end_s} s");
+    let calm = Stress {
+        gust_mps: 0.0,
+        ..stress
+    };
+    assert_eq!(calm.parameters().len(), 45);
+    assert_eq!(StressCase::of(&[0.0; 45], &calm).gust, None);
+}
+
+#[test]
+fn a_gust_keeps_to_its_bounds() {
+    let mut gusty = stress(PolicyChoice::Mission, 0);
+    gusty.gust_mps = 0.3;
+    let usual = Proposal::usual(gusty.dimensions(), 3.0);
+    for number in 0..200 {
+        let case = StressCase::of(&usual.draw(&mut Random::new(7, number)), &gusty);
+        let gust = case.gust.unwrap();
+        assert!((0.0..=90.0).contains(&gust.start_s) && (0.0..=30.0).contains(&gust.duration_s));
+        assert!(
+            gust.velocity_mps
+                .to_array()
+                .iter()
+                .all(|v| v.abs() <= 0.6 + 1e-12)
+        );
     }
 }
