@@ -89,6 +89,31 @@ def test_a_lost_raylet_and_a_lost_driver_cost_no_byte(cluster, file, tmp_path):
     assert again.sha256 == whole.sha256
 
 
+class RightTurn:
+    """A policy of one's own, on both sides."""
+
+    def step(self, situation):
+        near = any(abs(obstacle.position_m[0] - situation.ownship.position_m[0]) < 2000 for obstacle in situation.obstacles)
+        return (situation.ownship.course_rad - 0.3, 0.0) if near else None
+
+
+def test_a_league_on_ray_has_the_bytes_of_one_here(cluster, tmp_path):
+    given = {
+        "policies": ["none", "mvp", RightTurn()],
+        "intruders": [RightTurn()],
+        "sets": ["drawn-1hz", "fleet-1hz"],
+        "encounters": 12,
+        "worst": 1,
+    }
+    here = fga.league(tmp_path / "here", **given)
+    there = fga_ray.league(tmp_path / "there", address=cluster.address, **given)
+    assert here == there and len(here) == 6
+    for name in ["league.html", "league.csv", "league.parquet", "drawn-1hz/mvp/results.parquet"]:
+        assert (tmp_path / "here" / name).read_bytes() == (tmp_path / "there" / name).read_bytes(), name
+    # Nothing is flown a second time.
+    assert fga_ray.league(tmp_path / "there", address="nowhere", **given) == here
+
+
 def test_empty_blocks_take_little_of_the_driver(cluster):
     if not ray.is_initialized():
         ray.init(address=cluster.address, include_dashboard=False, log_to_driver=False)

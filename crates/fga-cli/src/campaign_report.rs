@@ -23,6 +23,9 @@ pub(crate) struct ReportArgs {
     /// Density of the traffic, aircraft in a cubic kilometre, for losses in a flight hour; encounters of uncorrelated models only.
     #[arg(long, value_name = "DENSITY", value_parser = density)]
     traffic_per_km3: Option<f64>,
+    /// Source of that density, for the page.
+    #[arg(long, value_name = "TEXT", requires = "traffic_per_km3")]
+    traffic_source: Option<String>,
     #[command(flatten)]
     answer: AnswerArgs,
 }
@@ -63,13 +66,14 @@ pub(crate) fn run(args: &ReportArgs) -> Result<ExitCode, Failure> {
             args.folder.display()
         )));
     }
-    let case = with_traffic(
+    let mut case = with_traffic(
         &campaign,
         &manifest,
         &folder,
         (args.worst, None),
         args.traffic_per_km3,
     )?;
+    case.traffic_source.clone_from(&args.traffic_source);
     let page = args.folder.join("report.html");
     atomic::write(&page, case.to_html())?;
     args.answer.print(

@@ -48,6 +48,11 @@ fn owns(py: Python<'_>, objects: &[Py<PyAny>], limit_s: f64) -> PyResult<Vec<Own
 }
 
 impl Campaign {
+    /// A campaign with the policies of one's own that it may name.
+    pub(crate) const fn of(core: CoreCampaign, own: Vec<Py<PyAny>>, limit_s: f64) -> Self {
+        Self { core, own, limit_s }
+    }
+
     fn stamp() -> Stamp {
         Stamp::of_this_build(TARGET)
     }

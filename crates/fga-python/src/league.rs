@@ -3,10 +3,11 @@
 use core::sync::atomic::Ordering;
 use std::path::PathBuf;
 
-use fga_results::league::{Terms, checked_data, data_of_environment, run as fly};
+use fga_results::league::{Terms, campaigns, checked_data, data_of_environment, run as fly};
 use fga_sim::own::OwnPolicy;
 use pyo3::prelude::*;
 
+use crate::campaign::Campaign;
 use crate::failure::{campaign as failed, input};
 use crate::own::{LIMIT_S, own, warn_of_failures};
 use crate::work::interruptible;
@@ -15,7 +16,8 @@ use crate::work::interruptible;
 ///
 /// `policies` are names, or policies of your own as in `fga.campaign`; without any, all built-in ones. `sets` are names of shipped
 /// sets or campaign files; without any, all shipped ones whose data are in the folder `data` (without it `FGA_DATA`).
-/// `intruders` are policies by which intruders with tracks react, each a set of its own beside the one without reactions. The folder
+/// `intruders` are policies by which intruders with tracks react, each a set of its own beside the one without reactions; `itself` stands
+/// for the policy of the ownship. The folder
 /// `out` gets league.html, league.parquet, league.csv, and the campaign of each set and policy. What is complete there is not
 /// flown again. Returns the standings, one dict for each set and policy.
 #[pyfunction]
@@ -40,26 +42,8 @@ pub(crate) fn league<'py>(
     time_limit_s: f64,
     intruders: Vec<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let mut terms = Terms {
-        sets,
-        data: data
-            .or_else(data_of_environment)
-            .map(checked_data)
-            .transpose()
-            .map_err(input)?,
-        encounters,
-        worst,
-        ..Terms::default()
-    };
-    let own_ones = &mut terms.own;
-    let names = |given: &[Bound<'py, PyAny>], own_ones: &mut Vec<OwnPolicy>| {
-        let names = given
-            .iter()
-            .map(|policy| named(policy, time_limit_s, own_ones));
-        names.collect::<PyResult<Vec<String>>>()
-    };
-    let names_of_both = (names(&policies, own_ones)?, names(&intruders, own_ones)?);
-    (terms.policies, terms.intruders) = names_of_both;
+    let (mut terms, _) = told(&policies, sets, data, encounters, &intruders, time_limit_s)?;
+    terms.worst = worst;
     let flown = interruptible(py, threads, progress, |shared| {
         fly(&terms, &out, &|| shared.goes_on(), &mut |_, _, progress| {
             shared.total.store(progress.total, Ordering::Relaxed);
@@ -72,11 +56,76 @@ pub(crate) fn league<'py>(
         .call_method1("loads", (flown.rows.to_string(),))
 }
 
+/// The campaigns of a league for `fga.ray`: the folder of each below `out`, and the campaign.
+#[pyfunction]
+#[pyo3(signature = (
+    out, policies = Vec::new(), sets = Vec::new(), data = None, encounters = None, time_limit_s = LIMIT_S,
+    intruders = Vec::new(),
+))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the options of the program, by name in Python"
+)]
+pub(crate) fn _league_campaigns<'py>(
+    py: Python<'py>,
+    out: PathBuf,
+    policies: Vec<Bound<'py, PyAny>>,
+    sets: Vec<String>,
+    data: Option<PathBuf>,
+    encounters: Option<u64>,
+    time_limit_s: f64,
+    intruders: Vec<Bound<'py, PyAny>>,
+) -> PyResult<Vec<(String, Campaign)>> {
+    let (terms, objects) = told(&policies, sets, data, encounters, &intruders, time_limit_s)?;
+    let found = py
+        .detach(|| campaigns(&terms, &out))
+        .map_err(failed)?
+        .into_iter();
+    Ok(found
+        .map(|one| {
+            let own = objects.iter().map(|object| object.clone_ref(py)).collect();
+            (one.place, Campaign::of(one.campaign, own, time_limit_s))
+        })
+        .collect())
+}
+
+/// The terms, and the policies of one's own.
+fn told(
+    policies: &[Bound<'_, PyAny>],
+    sets: Vec<String>,
+    data: Option<PathBuf>,
+    encounters: Option<u64>,
+    intruders: &[Bound<'_, PyAny>],
+    time_limit_s: f64,
+) -> PyResult<(Terms, Vec<Py<PyAny>>)> {
+    let mut terms = Terms {
+        sets,
+        data: data
+            .or_else(data_of_environment)
+            .map(checked_data)
+            .transpose()
+            .map_err(input)?,
+        encounters,
+        ..Terms::default()
+    };
+    let mut objects = Vec::new();
+    for policy in policies {
+        let name = named(policy, time_limit_s, &mut terms.own, &mut objects)?;
+        terms.policies.push(name);
+    }
+    for policy in intruders {
+        let name = named(policy, time_limit_s, &mut terms.own, &mut objects)?;
+        terms.intruders.push(name);
+    }
+    Ok((terms, objects))
+}
+
 /// The name of a policy; one of one's own joins the others once, for it may fly on both sides.
 fn named(
     policy: &Bound<'_, PyAny>,
     time_limit_s: f64,
     own_ones: &mut Vec<OwnPolicy>,
+    objects: &mut Vec<Py<PyAny>>,
 ) -> PyResult<String> {
     if let Ok(name) = policy.extract::<String>() {
         return Ok(name);
@@ -85,6 +134,7 @@ fn named(
     let name = own.name().to_owned();
     if !own_ones.iter().any(|known| known.name() == name) {
         own_ones.push(own);
+        objects.push(policy.clone().unbind());
     }
     Ok(name)
 }

@@ -69,6 +69,7 @@ fn _fga(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(batch::batch, module)?)?;
     module.add_function(wrap_pyfunction!(batch::oracle, module)?)?;
     module.add_function(wrap_pyfunction!(league::league, module)?)?;
+    module.add_function(wrap_pyfunction!(league::_league_campaigns, module)?)?;
     module.add_function(wrap_pyfunction!(stress::stress, module)?)?;
     module.add_class::<alerts::Monitor>()?;
     module.add_class::<identified::Estimate>()?;

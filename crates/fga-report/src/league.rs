@@ -2,6 +2,7 @@
 
 use crate::interval::Estimate;
 use crate::report::{Block, Cell, Column, Report, Section, Table};
+use crate::safety_case::cells::{self, count, facts, number, ratio};
 use crate::safety_case::{Lost, PolicyCase, WorstCase};
 
 /// Everything on the page.
@@ -61,19 +62,6 @@ pub struct Standing {
     pub away_s: Option<f64>,
     /// SHA-256 of its `results.parquet`.
     pub sha256: String,
-}
-
-fn count(count: u64) -> Cell {
-    Cell::Number(count as f64, 0)
-}
-
-fn number(value: Option<f64>) -> Cell {
-    value.map_or(Cell::Empty, |value| Cell::Number(value, 0))
-}
-
-fn ratio(lost: &Lost) -> Cell {
-    lost.ratio
-        .map_or(Cell::Empty, |ratio| Cell::Estimate(ratio, 3))
 }
 
 impl League {
@@ -189,7 +177,9 @@ impl LeagueSet {
         }
         blocks.push(Block::Table(self.volume()));
         if !self.worst.is_empty() {
-            blocks.push(Block::Table(self.worst()));
+            let caption = "The worst encounters of each policy. Each leads to its replay, which also shows the default policy, and beside the default policy the \
+                 first other one of the table that acts. Separations of aircraft: least horizontal, and vertical at that time, m.";
+            blocks.push(Block::Table(cells::worst(&self.worst, caption)));
         }
         Section {
             title: self.title(),
@@ -247,10 +237,10 @@ impl LeagueSet {
                     standing.needless,
                     standing.encounters - standing.threatened
                 )),
-                number(median_m),
-                number(most_m),
-                number(standing.extra_path_m),
-                number(standing.away_s),
+                number(median_m, 0),
+                number(most_m, 0),
+                number(standing.extra_path_m, 0),
+                number(standing.away_s, 0),
                 count(standing.manoeuvred - standing.rejoined),
                 count(standing.case.failed),
             ]
@@ -277,56 +267,17 @@ impl LeagueSet {
         }
     }
 
-    fn worst(&self) -> Table {
-        let separation = |pair: Option<(f64, f64)>| {
-            pair.map_or(Cell::Empty, |(horizontal_m, vertical_m)| {
-                Cell::Text(format!("{horizontal_m:.0}, {vertical_m:.0}"))
-            })
-        };
-        let rows = self.worst.iter().map(|worst| {
-            vec![
-                Cell::Link {
-                    text: worst.encounter.clone(),
-                    href: worst.href.clone(),
-                },
-                Cell::Text(worst.policy.clone()),
-                Cell::Text(worst.what.clone()),
-                separation(worst.separation_m[0]),
-                separation(worst.separation_m[1]),
-            ]
-        });
-        Table {
-            caption: "The worst encounters of each policy. Each leads to its replay, with the default policy beside it. Separations of aircraft: least \
-                 horizontal, and vertical at that time, m."
-                .into(),
-            columns: vec![
-                Column::text("encounter"),
-                Column::text("policy"),
-                Column::text("what"),
-                Column::number("without"),
-                Column::number("as flown"),
-            ],
-            rows: rows.collect(),
-        }
-    }
-
     fn evidence(&self) -> Section {
-        let assumed = self.assumed.iter();
         let results = self.standings.iter().map(|standing| {
-            vec![
-                Cell::Text(format!("results of {}", standing.case.policy)),
-                Cell::Text(format!("SHA-256 {}", standing.sha256)),
-            ]
+            (
+                format!("results of {}", standing.case.policy),
+                format!("SHA-256 {}", standing.sha256),
+            )
         });
-        let rows =
-            assumed.map(|(name, value)| vec![Cell::Text(name.clone()), Cell::Text(value.clone())]);
+        let results: Vec<(String, String)> = results.collect();
         Section {
             title: format!("{}: conditions and results", self.title()),
-            blocks: vec![Block::Table(Table {
-                caption: String::new(),
-                columns: vec![Column::text("what"), Column::text("value")],
-                rows: rows.chain(results).collect(),
-            })],
+            blocks: vec![Block::Table(facts(self.assumed.iter().chain(&results)))],
         }
     }
 }

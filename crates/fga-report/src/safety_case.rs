@@ -5,15 +5,18 @@
 //! the ratios converge; the worst encounters; the assumptions.
 
 mod cases;
+pub(crate) mod cells;
 mod course;
+mod trace;
 mod verdict;
 
 use crate::report::{Block, Cell, Column, Report, Section, Table};
 
+use cells::{count, facts, ratio};
 use verdict::{judged, result, verdict, verdicts};
 
 pub use cases::{
-    ClassCase, LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, Threshold, WorstCase,
+    Assumed, ClassCase, LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, Threshold, WorstCase,
 };
 
 /// The policy that stands for flights without the system.
@@ -42,25 +45,18 @@ pub struct SafetyCase {
     pub warning_leads_s: Vec<f64>,
     /// The worst encounters.
     pub worst: Vec<WorstCase>,
-    /// The assumptions: name, value.
-    pub assumed: Vec<(String, String)>,
+    /// The assumptions.
+    pub assumed: Assumed,
     /// Whether encounters come from models, from recordings, or both; the page says what they represent.
     pub stands_for: Vec<String>,
     /// Whether some of them stand for no airspace, so that no threshold can be judged: encounters that were flown on purpose.
     pub is_stress: bool,
     /// Traffic, aircraft in a cubic kilometre, and the encounters in a flight hour that follow from it.
     pub per_hour: Option<(f64, f64)>,
+    /// Source of that traffic.
+    pub traffic_source: Option<String>,
     /// How the intruders react, a sentence.
     pub reactions: String,
-}
-
-fn ratio(lost: &Lost) -> Cell {
-    lost.ratio
-        .map_or(Cell::Empty, |ratio| Cell::Estimate(ratio, 3))
-}
-
-fn count(count: u64) -> Cell {
-    Cell::Number(count as f64, 0)
 }
 
 /// The value below which a share of some values lies.
@@ -77,10 +73,6 @@ fn quantile(values: &[f64], share: f64) -> Option<f64> {
     sorted.get(index).copied()
 }
 
-fn number(value: Option<f64>, decimals: usize) -> Cell {
-    value.map_or(Cell::Empty, |value| Cell::Number(value, decimals))
-}
-
 impl SafetyCase {
     /// The page as one HTML file.
     pub fn to_html(&self) -> String {
@@ -91,14 +83,17 @@ impl SafetyCase {
         report.facts.clone_from(&self.facts);
         report.sections = vec![
             self.evidence(),
+            self.conditions(),
+            self.encounters(),
             self.table(),
             self.tail(),
             self.effects(),
             self.times(),
-            self.curves(),
             self.by_class(),
             self.worst(),
-            self.assumptions(),
+            self.curves(),
+            self.limitations(),
+            trace::section(),
         ];
         report.to_html()
     }
@@ -114,15 +109,44 @@ impl SafetyCase {
             self.encounters, self.effective
         )));
         blocks.extend(self.met_by_all().map(Block::Paragraph));
-        blocks.extend(self.stands_for.iter().cloned().map(Block::Paragraph));
-        blocks.push(Block::Paragraph(format!(
-            "This is no certification and no flight test. {} What the numbers hold for are \
-             the encounters, the vehicle and the sensor that are listed under “What was assumed”.",
-            self.reactions
-        )));
         Section {
-            title: "Result, and what it is evidence of".into(),
+            title: "1. Result".into(),
             blocks,
+        }
+    }
+
+    /// Aircraft and sensor.
+    fn conditions(&self) -> Section {
+        let Assumed {
+            conditions,
+            sensors,
+            ..
+        } = &self.assumed;
+        Section {
+            title: "2. Conditions and sensor".into(),
+            blocks: vec![Block::Table(facts(conditions.iter().chain(sensors)))],
+        }
+    }
+
+    fn encounters(&self) -> Section {
+        let about = self.stands_for.iter().cloned().map(Block::Paragraph);
+        let table = Block::Table(facts(self.assumed.encounters.iter()));
+        Section {
+            title: "3. Encounters".into(),
+            blocks: about.chain([table]).collect(),
+        }
+    }
+
+    fn limitations(&self) -> Section {
+        let text = format!(
+            "This is no certification and no flight test. {} The numbers hold for the aircraft and the sensor of section 2 and the encounters of \
+             section 3, in simulation. Fewer encounters than section 6 asks for leave intervals wide; a fault that no encounter showed is in no \
+             number. The thresholds of section 4 are second-hand.",
+            self.reactions
+        );
+        Section {
+            title: "7. Limitations".into(),
+            blocks: vec![Block::Paragraph(text)],
         }
     }
 
@@ -186,7 +210,7 @@ impl SafetyCase {
         let (nmac_columns, nmac_rows) = against("NMAC", &NMAC_THRESHOLDS, |policy| &policy.nmac);
         let (lowc_columns, lowc_rows) = against("LoWC", &LOWC_THRESHOLDS, |policy| &policy.lowc);
         Section {
-            title: "Risk ratios against quoted thresholds".into(),
+            title: "4. Metrics: risk ratios against quoted thresholds".into(),
             blocks: vec![
                 Block::Paragraph(
                     "Ratio of weighted counts with and without avoidance, 95 % interval. “Met”: the whole interval is \
@@ -267,7 +291,7 @@ impl SafetyCase {
             ]
         };
         Section {
-            title: "Rare near mid-air collisions".into(),
+            title: "4. Metrics: rare near mid-air collisions".into(),
             blocks,
         }
     }
@@ -292,7 +316,11 @@ impl SafetyCase {
         });
         Some(Table {
             caption: format!(
-                "Losses in a flight hour among {per_km3} aircraft in a cubic kilometre, as given: {encounters_per_h:.3} encounters in an hour, uniform traffic of any heading."
+                "Losses in a flight hour among {per_km3} aircraft in a cubic kilometre, as given {}: {encounters_per_h:.3} encounters in an hour, uniform traffic of any heading.",
+                self.traffic_source.as_ref().map_or_else(
+                    || "without a source".into(),
+                    |source| format!("by {source}")
+                )
             ),
             rows: rows.collect(),
             columns: vec![
@@ -329,21 +357,6 @@ impl SafetyCase {
                     row
                 })
                 .collect(),
-        }
-    }
-
-    fn assumptions(&self) -> Section {
-        Section {
-            title: "What was assumed".into(),
-            blocks: vec![Block::Table(Table {
-                caption: String::new(),
-                columns: vec![Column::text("what"), Column::text("value")],
-                rows: self
-                    .assumed
-                    .iter()
-                    .map(|(name, value)| vec![Cell::Text(name.clone()), Cell::Text(value.clone())])
-                    .collect(),
-            })],
         }
     }
 }

@@ -1,13 +1,15 @@
 //! The league: every policy over sets of encounters, each a campaign of its own, and one page about all of them.
 //!
 //! A folder `SET/POLICY` holds each campaign. One that is complete is not flown again: a policy that joins, or whose program has
-//! changed, flies alone, and an interrupted league goes on where it ended.
+//! changed, flies alone, and an interrupted league goes on where it ended. Blocks that others have flown into such a folder count too.
+
+mod sets;
+mod standing;
 
 use std::path::{Path, PathBuf};
 
-use fga_formats::{InputError, OutputError, atomic};
-use fga_report::league::{League, LeagueSet, Standing};
-use fga_report::safety_case::SafetyCase;
+use fga_formats::{InputError, atomic};
+use fga_report::league::{League, LeagueSet};
 use fga_sim::campaign::file::{self, Overrides};
 use fga_sim::campaign::{
     Campaign, CampaignError, DecisionTimes, Folder, Manifest, Progress, RESULTS, Shard, Stamp,
@@ -15,71 +17,17 @@ use fga_sim::campaign::{
 };
 use fga_sim::own::OwnPolicy;
 use fga_sim::policy::PolicyChoice;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::campaign::finish;
 use crate::campaign::safety::{file_name, safety_case};
-use crate::named_rows::{Row, csv, rounded};
+use crate::named_rows::{Row, csv, objects, rounded};
 use crate::parquet_rows::parquet;
 use crate::provenance::{Provenance, TARGET};
+use sets::{Set, sets};
+use standing::{described, in_words, row, standing};
 
-/// Third-party data of a set, below the folder of data.
-enum Needs {
-    /// None: the encounters are drawn from families.
-    Nothing,
-    /// A folder of recordings.
-    Recordings(&'static str),
-    /// The file of an encounter model.
-    Model(&'static str),
-}
-
-/// A shipped set.
-struct Shipped {
-    name: &'static str,
-    campaign: &'static str,
-    vehicle: &'static str,
-    needs: Needs,
-}
-
-const WELL_CLEAR: &str = include_str!("../../../vehicles/general-aviation-well-clear.toml");
-
-const SHIPPED: [Shipped; 5] = [
-    Shipped {
-        name: "flown",
-        campaign: include_str!("../../../campaigns/league/flown.toml"),
-        vehicle: WELL_CLEAR,
-        needs: Needs::Recordings("flown"),
-    },
-    Shipped {
-        name: "flown-1hz",
-        campaign: include_str!("../../../campaigns/league/flown-1hz.toml"),
-        vehicle: WELL_CLEAR,
-        needs: Needs::Recordings("flown"),
-    },
-    Shipped {
-        name: "low-altitude-1hz",
-        campaign: include_str!("../../../campaigns/league/low-altitude-1hz.toml"),
-        vehicle: include_str!("../../../vehicles/long-endurance.toml"),
-        needs: Needs::Model("encounter-models/uncor_1200only_fwse_v1p2.txt"),
-    },
-    Shipped {
-        name: "correlated-1hz",
-        campaign: include_str!("../../../campaigns/league/correlated-1hz.toml"),
-        vehicle: WELL_CLEAR,
-        needs: Needs::Model("encounter-models/cor_v1.txt"),
-    },
-    Shipped {
-        name: "drawn-1hz",
-        campaign: include_str!("../../../campaigns/league/drawn-1hz.toml"),
-        vehicle: include_str!("../../../vehicles/paper.toml"),
-        needs: Needs::Nothing,
-    },
-];
-
-/// Names of the shipped sets, for messages and help.
-pub fn shipped_names() -> String {
-    SHIPPED.map(|set| set.name).join(", ")
-}
+pub use sets::shipped_names;
 
 /// The policies of a league that names none.
 pub const POLICIES: [&str; 15] = [
@@ -107,7 +55,8 @@ pub struct Terms {
     pub sets: Vec<String>,
     /// Policies by their names on the command line, or of `own`; without any, [`POLICIES`].
     pub policies: Vec<String>,
-    /// Policies by which intruders with tracks react, besides `none`, which is always flown: they fly their tracks.
+    /// Policies by which intruders with tracks react, besides `none`, which is always flown: they fly their tracks;
+    /// `itself` for the policy of the ownship.
     pub intruders: Vec<String>,
     /// Policies outside of this program.
     pub own: Vec<OwnPolicy>,
@@ -117,16 +66,6 @@ pub struct Terms {
     pub encounters: Option<u64>,
     /// Worst encounters of each policy in each set with a replay.
     pub worst: usize,
-}
-
-/// A set to fly.
-#[derive(Clone)]
-struct Set {
-    name: String,
-    /// How its intruders react.
-    intruders: Option<PolicyChoice>,
-    path: PathBuf,
-    overrides: Overrides,
 }
 
 /// The result of a league.
@@ -144,6 +83,30 @@ pub struct Flown {
     pub policies: Vec<PolicyChoice>,
 }
 
+/// A campaign of a league: a policy over a set.
+#[derive(Debug)]
+pub struct LeagueCampaign {
+    /// Its folder below the league's.
+    pub place: String,
+    /// The campaign.
+    pub campaign: Campaign,
+}
+
+/// The campaigns of a league, set by set; writes the files of shipped sets into the folder.
+///
+/// # Errors
+/// Unknown sets or policies, unusable files, an unwritable folder.
+pub fn campaigns(terms: &Terms, out: &Path) -> Result<Vec<LeagueCampaign>, CampaignError> {
+    let policies = policies(terms)?;
+    atomic::prepare_folder(out)?;
+    let (sets, _) = sets(terms, out)?;
+    let each = sets
+        .iter()
+        .flat_map(|set| policies.iter().map(move |policy| (set, policy)));
+    each.map(|(set, policy)| campaign_of(terms, set, policy))
+        .collect()
+}
+
 /// Flies what is missing of a league, and writes `league.html`, `league.parquet`, `league.csv` and `timing.csv` into a folder. `go_on`
 /// and `show` are those of a campaign; `show` has the set and the policy.
 ///
@@ -156,11 +119,8 @@ pub fn run(
     show: &mut (dyn FnMut(&str, &str, &Progress) + Send),
 ) -> Result<Flown, CampaignError> {
     let policies = policies(terms)?;
-    let reactions = reactions(terms)?;
     atomic::prepare_folder(out)?;
-    let (sets, mut left_out) = sets(terms, out)?;
-    let sets = with_reactions(sets, &reactions, &mut left_out)?;
-    let beside = PolicyChoice::default();
+    let (sets, left_out) = sets(terms, out)?;
     let stamp = Stamp::of_this_build(TARGET);
     let mut league = League {
         facts: vec![
@@ -171,59 +131,43 @@ pub fn run(
         left_out: left_out.clone(),
         sets: Vec::new(),
     };
-    let mut timing: Vec<Row<&str>> = Vec::new();
+    let mut timing: Vec<Row<String>> = Vec::new();
     for set in &sets {
-        let mut about = None;
         let mut shown = LeagueSet {
             name: set.name.clone(),
-            intruders: set.intruders.as_ref().map(PolicyChoice::name),
+            intruders: set.reaction.name(),
             ..LeagueSet::default()
         };
         let title = shown.title();
-        let reaction = set.intruders.as_ref();
-        let reaction = reaction.map_or_else(String::new, |policy| format!("+{}", part(policy)));
         for policy in &policies {
-            let overrides = Overrides {
-                policies: vec![policy.name()],
-                own: terms.own.clone(),
-                ..set.overrides.clone()
-            };
-            let configuration = file::read(&set.path, &overrides)?;
-            let campaign = Campaign::with_own(configuration, &set.path, &terms.own)?;
-            let place = format!("{}{reaction}/{}", set.name, part(policy));
-            let one = fly_one(
-                &campaign,
-                &stamp,
-                &out.join(&place),
-                go_on,
-                &mut |progress| {
-                    show(&title, &policy.name(), progress);
-                },
-            )?;
-            let times = one.times.as_ref();
-            timing.extend(times.map(|times| timing_row(&title, &policy.name(), times)));
+            let LeagueCampaign { place, campaign } = campaign_of(terms, set, policy)?;
             let folder = Folder::at(&out.join(&place));
+            let name = policy.name();
+            let flown = fly_one(&campaign, &stamp, &folder, go_on, &mut |progress| {
+                show(&title, &name, progress);
+            })?;
+            timing.extend(timing_row(&folder, &title, &name));
+            let beside = rival(policy, &policies);
             let mut case = safety_case(
                 &campaign,
-                &one.manifest,
+                &flown.manifest,
                 &folder,
                 terms.worst,
-                Some(&beside),
+                beside.as_ref(),
             )?;
             for worst in &mut case.worst {
                 worst.href = format!("{place}/{}", worst.href);
             }
             shown.worst.append(&mut case.worst);
-            about.get_or_insert_with(|| described(&campaign, &case));
+            if shown.about.is_empty() {
+                (shown.about, shown.assumed) = described(&campaign, &case, &set.reaction);
+            }
             shown.has_aircraft |= case.encounters > 0;
-            shown.standings.extend(standing(case, &one));
-        }
-        if let Some((words, assumed)) = about {
-            (shown.about, shown.assumed) = (words, assumed);
+            shown.standings.extend(standing(case, &flown));
         }
         league.sets.push(shown);
     }
-    let rows: Vec<Row<&str>> = league
+    let rows: Vec<Row<String>> = league
         .sets
         .iter()
         .flat_map(|set| set.standings.iter().map(|standing| row(set, standing)))
@@ -241,8 +185,40 @@ pub fn run(
         page,
         left_out,
         words: in_words(&league),
-        rows: crate::named_rows::objects(rows),
+        rows: objects(rows),
         policies,
+    })
+}
+
+/// The policy whose flight a replay shows beside another one's: the default one, and beside that the first other one that acts.
+fn rival(policy: &PolicyChoice, policies: &[PolicyChoice]) -> Option<PolicyChoice> {
+    let default = PolicyChoice::default();
+    if *policy != default {
+        return Some(default);
+    }
+    let mut others = policies.iter().filter(|other| **other != default);
+    let acts = others
+        .clone()
+        .find(|other| **other != PolicyChoice::Mission);
+    acts.or_else(|| others.next()).cloned()
+}
+
+/// The campaign of a policy over a set.
+fn campaign_of(
+    terms: &Terms,
+    set: &Set,
+    policy: &PolicyChoice,
+) -> Result<LeagueCampaign, CampaignError> {
+    let overrides = Overrides {
+        policies: vec![policy.name()],
+        intruders: set.reaction.against(policy),
+        own: terms.own.clone(),
+        ..set.overrides.clone()
+    };
+    let configuration = file::read(&set.path, &overrides)?;
+    Ok(LeagueCampaign {
+        place: format!("{}{}/{}", set.name, set.reaction.part(), part(policy)),
+        campaign: Campaign::with_own(configuration, &set.path, &terms.own)?,
     })
 }
 
@@ -273,398 +249,84 @@ fn part(policy: &PolicyChoice) -> String {
     file_name(&policy.name()) + &version.unwrap_or_default()
 }
 
-/// The reactions besides none, each once.
-fn reactions(terms: &Terms) -> Result<Vec<PolicyChoice>, CampaignError> {
-    let mut reactions: Vec<PolicyChoice> = Vec::new();
-    for name in &terms.intruders {
-        let reaction = policy_called(name, &terms.own)
-            .map_err(|message| CampaignError::Other(format!("intruders: {message}")))?;
-        if reactions.contains(&reaction) {
-            return Err(CampaignError::Other(format!(
-                "intruders {} are named twice, expected once",
-                reaction.name()
-            )));
-        }
-        reactions.push(reaction);
-    }
-    reactions.retain(|reaction| *reaction != PolicyChoice::Mission);
-    Ok(reactions)
-}
-
-/// Each set without reactions and with each of them, where its intruders have tracks.
-fn with_reactions(
-    sets: Vec<Set>,
-    reactions: &[PolicyChoice],
-    left_out: &mut Vec<String>,
-) -> Result<Vec<Set>, CampaignError> {
-    let mut all = Vec::new();
-    for set in sets {
-        let configuration = file::read(&set.path, &set.overrides)?;
-        let has_tracks = configuration.cells.len() + configuration.files.len() == 0;
-        if !reactions.is_empty() && !has_tracks {
-            left_out.push(format!(
-                "set {} with reactions: its obstacles fly straight and cannot react",
-                set.name
-            ));
-        }
-        all.push(set.clone());
-        all.extend(reactions.iter().filter(|_| has_tracks).map(|reaction| Set {
-            intruders: Some(reaction.clone()),
-            overrides: Overrides {
-                intruders: Some(reaction.name()),
-                ..set.overrides.clone()
-            },
-            ..set.clone()
-        }));
-    }
-    Ok(all)
-}
-
-/// The sets to fly, and why others are not.
-fn sets(terms: &Terms, out: &Path) -> Result<(Vec<Set>, Vec<String>), CampaignError> {
-    let asked: Vec<&str> = if terms.sets.is_empty() {
-        SHIPPED.iter().map(|set| set.name).collect()
-    } else {
-        terms.sets.iter().map(String::as_str).collect()
-    };
-    let (mut sets, mut left_out): (Vec<Set>, Vec<String>) = (Vec::new(), Vec::new());
-    for name in asked {
-        let set = match SHIPPED.iter().find(|set| set.name == name) {
-            None if Path::new(name).extension().is_some_and(|is| is == "toml") => {
-                of_file(Path::new(name), terms)
-            }
-            None => {
-                return Err(CampaignError::Other(format!(
-                    "there is no set {}, expected one of {}, or the path of a campaign file (.toml)",
-                    fga_formats::error::shown(name),
-                    shipped_names()
-                )));
-            }
-            Some(set) => match of_shipped(set, terms, out)? {
-                Ok(set) => set,
-                // A set that was asked for is needed.
-                Err(why) if !terms.sets.is_empty() => return Err(CampaignError::Other(why)),
-                Err(why) => {
-                    left_out.push(why);
-                    continue;
-                }
-            },
-        };
-        if sets.iter().any(|other| other.name == set.name) {
-            return Err(CampaignError::Other(format!(
-                "set {} is named twice, expected once",
-                set.name
-            )));
-        }
-        sets.push(set);
-    }
-    Ok((sets, left_out))
-}
-
-fn of_file(path: &Path, terms: &Terms) -> Set {
-    Set {
-        name: path
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned(),
-        intruders: None,
-        path: path.to_owned(),
-        overrides: Overrides {
-            encounters: terms.encounters,
-            own: terms.own.clone(),
-            ..Overrides::default()
-        },
-    }
-}
-
-/// A shipped set, whose files are written into the folder; or why it cannot be flown.
-fn of_shipped(
-    set: &Shipped,
-    terms: &Terms,
-    out: &Path,
-) -> Result<Result<Set, String>, OutputError> {
-    let mut overrides = Overrides {
-        vehicle: Some(set.vehicle.to_owned()),
-        ..Overrides::default()
-    };
-    let needed = match set.needs {
-        Needs::Nothing => None,
-        Needs::Recordings(part) | Needs::Model(part) => {
-            let path = terms.data.as_ref().map(|data| data.join(part));
-            match path.filter(|path| path.exists()) {
-                Some(path) => Some(path),
-                None => {
-                    return Ok(Err(format!(
-                        "set {} needs {part} in the folder of data (--data, or FGA_DATA), and it is not there",
-                        set.name
-                    )));
-                }
-            }
-        }
-    };
-    match (&set.needs, needed) {
-        (Needs::Recordings(_), Some(path)) => overrides.recordings.push(path),
-        (needs, path) => {
-            overrides.encounters = terms.encounters;
-            if matches!(needs, Needs::Model(_)) {
-                overrides.model = path;
-            }
-        }
-    }
-    let folder = out.join(set.name);
-    atomic::prepare_folder(&folder)?;
-    let path = folder.join("campaign.toml");
-    atomic::write(&path, set.campaign)?;
-    Ok(Ok(Set {
-        name: set.name.to_owned(),
-        intruders: None,
-        path,
-        overrides,
-    }))
-}
-
 /// A flown campaign of one policy.
-struct One {
+struct FlownCampaign {
     manifest: Manifest,
     summary: Summary,
     sha256: String,
-    /// Of the flights of this run.
-    times: Option<DecisionTimes>,
 }
 
 /// Flies what is missing of a campaign, and sums it up.
 fn fly_one(
     campaign: &Campaign,
     stamp: &Stamp,
-    place: &Path,
+    folder: &Folder,
     go_on: &(impl Fn() -> bool + Sync),
     show: &mut (dyn FnMut(&Progress) + Send),
-) -> Result<One, CampaignError> {
+) -> Result<FlownCampaign, CampaignError> {
     let task = Task {
         campaign,
         shard: Shard::WHOLE,
         stamp: stamp.clone(),
-        folder: Folder::at(place),
+        folder: Folder::at(folder.path()),
         resume: true,
         is_expected: false,
     };
     let manifest = task.manifest();
-    if task.folder.file(RESULTS).exists() {
-        task.folder.open(&manifest, true)?;
-        let there = reread(&task.folder, campaign, None)?;
-        return Ok(One {
+    if folder.file(RESULTS).exists() {
+        folder.open(&manifest, true)?;
+        let there = reread(folder, campaign, None)?;
+        return Ok(FlownCampaign {
             manifest,
             summary: there.summary,
             sha256: there.sha256,
-            times: None,
         });
     }
     let provenance = Provenance::begin();
     let times = fly(&task, go_on, show)?;
-    let assembled = assemble(&task.folder.blocks()?, campaign, stamp, &task.folder, false)?;
+    let assembled = assemble(&folder.blocks()?, campaign, stamp, folder, false)?;
     let sha256 = assembled.sha256.clone();
     let summary = finish(
-        &task.folder,
+        folder,
         campaign,
         &manifest,
         assembled,
         &provenance,
-        json!({}),
+        json!({ TIMING: times.first().map(timing_of) }),
     )?;
-    Ok(One {
+    Ok(FlownCampaign {
         manifest,
         summary,
         sha256,
-        times: times.into_iter().next(),
     })
 }
 
-/// What a set is, and what was assumed.
-fn described(campaign: &Campaign, case: &SafetyCase) -> (Vec<String>, Vec<(String, String)>) {
-    let configuration = &campaign.configuration;
-    let effective = if case.encounters > 0 {
-        format!(" (effective number {:.0})", case.effective)
-    } else {
-        String::new()
-    };
-    let reacts = campaign.intruders.as_ref().map_or_else(String::new, |policy| {
-        format!(
-            " Intruders fly their tracks until they react by the policy {}, as light aircraft with the same sight.",
-            policy.name()
-        )
-    });
-    let mut about = vec![format!(
-        "{} encounters{effective} of {}; vehicle {}.{reacts}",
-        configuration.encounters,
-        campaign.source_names().join(", "),
-        campaign.model.name
-    )];
-    about.extend(case.stands_for.iter().cloned());
-    (about, case.assumed.clone())
-}
+/// The key of the decision times in a campaign's `run.json`.
+const TIMING: &str = "league_timing";
 
-/// The results of the one policy of a campaign.
-fn standing(case: SafetyCase, one: &One) -> Option<Standing> {
-    let case = case.policies.into_iter().next()?;
-    let (_, totals) = one.summary.policies().next()?;
-    let share = |share: f64| totals.cross_track_m.at(share);
-    Some(Standing {
-        encounters: totals.encounters,
-        threatened: totals.threatened,
-        entered: totals.encounters - totals.separated,
-        caused: totals.caused,
-        needless: totals.needless,
-        manoeuvred: totals.manoeuvred,
-        rejoined: totals.rejoined,
-        cross_track_m: [share(0.5), share(0.9)],
-        extra_path_m: totals.extra_path_m.at(0.5),
-        away_s: totals.time_away_s.at(0.5),
-        sha256: one.sha256.clone(),
-        case,
+/// The decision times of the flights of one run.
+fn timing_of(times: &DecisionTimes) -> Value {
+    let mean_ns = times.flight_ns as f64 / times.encounters.max(1) as f64;
+    json!({
+        "encounters_flown": times.encounters,
+        "decisions": times.decisions,
+        "decision_median_us": times.median_us.at(0.5).map(rounded),
+        "decision_max_us": times.max_ns as f64 / 1000.0,
+        "flight_mean_us": rounded(mean_ns / 1000.0),
     })
 }
 
-/// A row of `league.parquet`.
-fn row<'a>(set: &LeagueSet, standing: &Standing) -> Row<&'a str> {
-    let case = &standing.case;
-    let real = |value: Option<f64>| json!(value.map(rounded));
-    let mut row: Row<&str> = vec![
-        ("set", json!(set.name)),
-        (
-            "intruders",
-            json!(set.intruders.as_deref().unwrap_or("none")),
-        ),
-        ("policy", json!(case.policy)),
-        ("encounters", json!(standing.encounters)),
-        ("threatened", json!(standing.threatened)),
-        ("entered", json!(standing.entered)),
-        ("caused", json!(standing.caused)),
-        ("needless", json!(standing.needless)),
-        ("manoeuvred", json!(standing.manoeuvred)),
-        ("rejoined", json!(standing.rejoined)),
-        ("cross_track_p50_m", real(standing.cross_track_m[0])),
-        ("cross_track_p90_m", real(standing.cross_track_m[1])),
-        ("extra_path_p50_m", real(standing.extra_path_m)),
-        ("time_away_p50_s", real(standing.away_s)),
-        ("policy_failures", json!(case.failed)),
-    ];
-    let names = [
-        [
-            "nmac_nominal",
-            "nmac",
-            "nmac_induced",
-            "nmac_ratio",
-            "nmac_ratio_low",
-            "nmac_ratio_high",
-        ],
-        [
-            "lowc_nominal",
-            "lowc",
-            "lowc_induced",
-            "lowc_ratio",
-            "lowc_ratio_low",
-            "lowc_ratio_high",
-        ],
-        [
-            "do365_nominal",
-            "do365",
-            "do365_induced",
-            "do365_ratio",
-            "do365_ratio_low",
-            "do365_ratio_high",
-        ],
-    ];
-    for ([nominal, flown, induced, value, low, high], lost) in
-        names.into_iter().zip([&case.nmac, &case.lowc, &case.do365])
-    {
-        let ratio = lost.ratio;
-        row.push((nominal, json!(lost.nominal)));
-        row.push((flown, json!(lost.flown)));
-        row.push((induced, json!(lost.induced)));
-        row.push((value, real(ratio.map(|ratio| ratio.value))));
-        row.push((low, real(ratio.map(|ratio| ratio.low))));
-        row.push((high, real(ratio.map(|ratio| ratio.high))));
-    }
-    row.push(("lowc_needless", json!(case.needless)));
-    row.push(("lowc_clear", json!(case.clear)));
-    row.push(("restless", json!(case.restless)));
-    row.push(("results_sha256", json!(standing.sha256)));
-    row
-}
-
-fn timing_row<'a>(set: &str, policy: &str, times: &DecisionTimes) -> Row<&'a str> {
-    vec![
-        ("set", json!(set)),
-        ("policy", json!(policy)),
-        ("encounters_flown", json!(times.encounters)),
-        ("decisions", json!(times.decisions)),
-        (
-            "decision_median_us",
-            json!(times.median_us.at(0.5).map(rounded)),
-        ),
-        ("decision_max_us", json!(times.max_ns as f64 / 1000.0)),
-        (
-            "flight_mean_us",
-            json!(rounded(
-                times.flight_ns as f64 / 1000.0 / times.encounters.max(1) as f64
-            )),
-        ),
-    ]
-}
-
-/// The standings as tables of text.
-fn in_words(league: &League) -> String {
-    use core::fmt::Write as _;
-    let mut text = String::new();
-    for set in &league.sets {
-        // Writing to a text does not fail.
-        let _ = writeln!(
-            text,
-            "{:<28} {:>10} {:>10} {:>10} {:>10} {:>12} {:>12} {:>8}",
-            set.title(),
-            "NMAC",
-            "LoWC",
-            "entered",
-            "needless",
-            "aside (m)",
-            "90 % (m)",
-            "failed"
-        );
-        for standing in &set.standings {
-            let case = &standing.case;
-            let of = |left: u64, all: u64, is_there: bool| {
-                if is_there {
-                    format!("{left}/{all}")
-                } else {
-                    "-".into()
-                }
-            };
-            let metres =
-                |value: Option<f64>| value.map_or_else(|| "-".into(), |m| format!("{m:.0}"));
-            let needless = if set.has_aircraft {
-                of(case.needless, case.clear, true)
-            } else {
-                of(
-                    standing.needless,
-                    standing.encounters - standing.threatened,
-                    true,
-                )
-            };
-            let _ = writeln!(
-                text,
-                "{:<28} {:>10} {:>10} {:>10} {needless:>10} {:>12} {:>12} {:>8}",
-                case.policy,
-                of(case.nmac.flown, case.nmac.nominal, set.has_aircraft),
-                of(case.lowc.flown, case.lowc.nominal, set.has_aircraft),
-                of(standing.entered, standing.threatened, true),
-                metres(standing.cross_track_m[0]),
-                metres(standing.cross_track_m[1]),
-                case.failed
-            );
-        }
-    }
-    text
+/// A row of `timing.csv`, of the run that completed the campaign; none where others flew it.
+fn timing_row(folder: &Folder, set: &str, policy: &str) -> Option<Row<String>> {
+    let text = std::fs::read_to_string(folder.file("run.json")).ok()?;
+    let document: Value = serde_json::from_str(&text).ok()?;
+    let times: &Map<String, Value> = document.get(TIMING)?.as_object()?;
+    let named = [("set", json!(set)), ("policy", json!(policy))];
+    let named = named.map(|(name, value)| (name.to_owned(), value));
+    let times = times
+        .iter()
+        .map(|(name, value)| (name.clone(), value.clone()));
+    Some(named.into_iter().chain(times).collect())
 }
 
 /// The folder of third-party data that the environment names.

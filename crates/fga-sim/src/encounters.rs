@@ -7,6 +7,7 @@
 //! same on every machine.
 
 mod family;
+pub mod fleet;
 pub mod modeled;
 pub(crate) mod parse;
 pub(crate) mod random;

@@ -15,7 +15,8 @@ import sys
 import time
 from typing import Any, Callable, Sequence
 
-from ._fga import Campaign
+from ._fga import Campaign, _league_campaigns
+from ._fga import league as _league
 from ._progress import progress_bar
 from ._store import RESULTS, finished_blocks, store_of
 from .campaign import Flown, fly_block, pickled
@@ -124,31 +125,77 @@ def run(
         time_limit_s=time_limit_s,
     )
     store = store_of(out)
-    store.open(campaign)
-    if not store.results():
-        finished = finished_blocks(campaign, store.names(), store.place)
-        missing = [block for block in range(campaign.blocks) if block not in finished]
-        flown = 0
-        for block in finished:
-            first, end = campaign.range_of(block)
-            flown += end - first
-
-        def done(block: int, _rows: int, _name: str) -> None:
-            nonlocal flown
-            first, end = campaign.range_of(block)
-            flown += end - first
-            if progress is not None:
-                progress(flown, campaign.encounters)
-
-        if missing:
-            ray = _ray()
-            _connected(ray, address)
-            limit = _in_flight(ray, in_flight)
-            _schedule(ray, fly_block, (pickled(campaign), store.place), missing, limit, done)
+    if _fly(campaign, store, address, in_flight, progress):
         sha256 = store.merge(campaign, csv)
     else:
         sha256 = _sha256(store)
     return Flown(campaign, store.place, sha256)
+
+
+def _fly(
+    campaign: Campaign,
+    store: Any,
+    address: str,
+    in_flight: int | None,
+    progress: Callable[[int, int], None] | None,
+) -> bool:
+    """Flies the missing blocks of a campaign; whether there is anything to merge."""
+    store.open(campaign)
+    if store.results():
+        return False
+    finished = finished_blocks(campaign, store.names(), store.place)
+    missing = [block for block in range(campaign.blocks) if block not in finished]
+    flown = 0
+    for block in finished:
+        first, end = campaign.range_of(block)
+        flown += end - first
+
+    def done(block: int, _rows: int, _name: str) -> None:
+        nonlocal flown
+        first, end = campaign.range_of(block)
+        flown += end - first
+        if progress is not None:
+            progress(flown, campaign.encounters)
+
+    if missing:
+        ray = _ray()
+        _connected(ray, address)
+        limit = _in_flight(ray, in_flight)
+        _schedule(ray, fly_block, (pickled(campaign), store.place), missing, limit, done)
+    return True
+
+
+def league(
+    out: str | os.PathLike[str],
+    *,
+    policies: Sequence[Any] = (),
+    sets: Sequence[str] = (),
+    data: str | os.PathLike[str] | None = None,
+    encounters: int | None = None,
+    intruders: Sequence[Any] = (),
+    worst: int = 3,
+    time_limit_s: float = 1.0,
+    address: str = "auto",
+    in_flight: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[dict[str, Any]]:
+    """Flies a league on a Ray cluster, campaign by campaign, and writes its page here: the bytes of `fga.league`.
+
+    `out`, and the data, are folders that every machine sees under the same path. The rest is that of `fga.league` and of `run`.
+    """
+    _checked(in_flight)
+    out = os.path.abspath(os.fspath(out))
+    given = {
+        "policies": list(policies),
+        "sets": list(sets),
+        "data": data,
+        "encounters": encounters,
+        "intruders": list(intruders),
+        "time_limit_s": time_limit_s,
+    }
+    for place, campaign in _league_campaigns(out, **given):
+        _fly(campaign, store_of(os.path.join(out, place)), address, in_flight, progress)
+    return _league(out, worst=worst, **given)
 
 
 def _sha256(store: Any) -> str:

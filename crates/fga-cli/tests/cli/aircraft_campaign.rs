@@ -366,7 +366,13 @@ fn the_safety_case_is_one_page_with_its_replays() {
     for part in [
         "Safety case: aircraft",
         "second-hand",
-        "Result, and what it is evidence of",
+        "1. Result",
+        "2. Conditions and sensor",
+        "3. Encounters",
+        "4. Metrics",
+        "6. Convergence",
+        "7. Limitations",
+        "recordings_are_judged_as_worked_out_by_hand",
         "0 of 1 NMAC are left with turn-aware",
         "0 of 1",
         "stress set",
@@ -402,11 +408,18 @@ fn losses_in_a_flight_hour_need_a_density_and_an_uncorrelated_model() {
     let at = folder.path();
     run(at, &["campaign", "run", "modeled.toml"], &["--out", "out"]);
     let encounters_per_h = |density: &str| -> f64 {
-        let more = ["--worst", "0", "--traffic-per-km3", density];
+        let more = [
+            "--worst",
+            "0",
+            "--traffic-per-km3",
+            density,
+            "--traffic-source",
+            "a count",
+        ];
         run(at, &["campaign", "report", "out"], &more);
         let page = fs::read_to_string(at.join("out/report.html")).unwrap();
         assert!(page.contains("Losses in a flight hour"));
-        let rest = page.split("as given: ").nth(1).unwrap();
+        let rest = page.split("as given by a count: ").nth(1).unwrap();
         rest.split(' ').next().unwrap().parse().unwrap()
     };
     let (one, ten) = (encounters_per_h("1"), encounters_per_h("10"));

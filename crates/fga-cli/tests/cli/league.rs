@@ -129,6 +129,10 @@ fn sets_and_policies_that_are_not_there_are_one_sentence() {
             &["--intruders", "orca", "--intruders", "orca"],
             "intruders orca are named twice",
         ),
+        (
+            &["--intruders", "itself", "--intruders", "itself"],
+            "intruders itself are named twice",
+        ),
     ] {
         let done = fga_in(folder.path(), &[&["league"], arguments].concat());
         assert_eq!(done.status.code(), Some(1), "{arguments:?}");
@@ -261,6 +265,90 @@ fn intruders_react_and_the_page_sets_policies_against_reactions() {
     let again = fga_in(place, &arguments("two"));
     assert!(again.status.success(), "{}", errors(&again));
     assert_eq!(files(&place.join("one")), files(&place.join("two")));
+}
+
+/// A fleet of which nobody does anything loses well clear; one that flies the default policy does less often.
+#[test]
+fn a_fleet_flies_one_policy_and_every_replay_has_two() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    let arguments = |out: &'static str, threads: &'static str| {
+        let mut all = vec![
+            "league",
+            "--sets",
+            "fleet-1hz",
+            "--encounters",
+            "6",
+            "--out",
+            out,
+        ];
+        all.extend([
+            "--policy",
+            "none",
+            "--policy",
+            "turn-aware",
+            "--policy",
+            "mvp",
+        ]);
+        all.extend([
+            "--intruders",
+            "itself",
+            "--worst",
+            "1",
+            "--threads",
+            threads,
+        ]);
+        all
+    };
+    for (out, threads) in [("one", "1"), ("two", "2")] {
+        let done = fga_in(place, &arguments(out, threads));
+        assert!(done.status.success(), "{}", errors(&done));
+    }
+    assert_eq!(files(&place.join("one")), files(&place.join("two")));
+    let standings = rows(&place.join("one/league.csv"));
+    assert_eq!(standings.len(), 3);
+    for row in &standings {
+        assert_eq!(
+            (row["intruders"].as_str(), row["encounters"].as_str()),
+            ("itself", "6")
+        );
+        assert_eq!(row["lowc_nominal"], standings[0]["lowc_nominal"]);
+    }
+    let lost = |place: usize| standings[place]["lowc"].parse::<u64>().unwrap();
+    assert_eq!(standings[0]["lowc"], standings[0]["lowc_nominal"]);
+    assert!(lost(1) < lost(0), "{} of {}", lost(1), lost(0));
+    let page = fs::read_to_string(place.join("one/league.html")).unwrap();
+    assert!(
+        page.contains("react by the policy of the row")
+            && page.contains("stand for what drew them")
+    );
+    // The default policy has the first other one that acts beside it; the others have the default one.
+    for (policy, both) in [
+        ("turn-aware", ["turn-aware", "mvp"]),
+        ("mvp", ["mvp", "turn-aware"]),
+    ] {
+        let worst = place
+            .join("one/fleet-1hz+itself")
+            .join(policy)
+            .join("worst");
+        let replay = fs::read_dir(worst).unwrap().next().unwrap().unwrap().path();
+        let text = fs::read_to_string(replay).unwrap();
+        for name in both {
+            assert!(
+                text.contains(&format!("\"name\":\"{name}\"")),
+                "{policy}: {name}"
+            );
+        }
+    }
+    // Times are kept with each campaign: a league that goes on still has all of them.
+    let timed = fs::read_to_string(place.join("one/timing.csv")).unwrap();
+    let again = fga_in(place, &arguments("one", "2"));
+    assert!(again.status.success(), "{}", errors(&again));
+    assert_eq!(
+        fs::read_to_string(place.join("one/timing.csv")).unwrap(),
+        timed
+    );
+    assert_eq!(timed.lines().count(), 4, "{timed}");
 }
 
 #[test]

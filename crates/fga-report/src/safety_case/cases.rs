@@ -120,3 +120,22 @@ pub struct WorstCase {
     /// Path of its replay page.
     pub href: String,
 }
+
+/// The assumptions: names and values.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Assumed {
+    /// Aircraft, volume, wind.
+    pub conditions: Vec<(String, String)>,
+    /// The sources of what the ownship knows.
+    pub sensors: Vec<(String, String)>,
+    /// The encounters and how they are judged.
+    pub encounters: Vec<(String, String)>,
+}
+
+impl Assumed {
+    /// All of them, in their order.
+    pub fn all(&self) -> impl Iterator<Item = &(String, String)> {
+        let [a, b, c] = [&self.conditions, &self.sensors, &self.encounters];
+        a.iter().chain(b).chain(c)
+    }
+}

@@ -3,9 +3,9 @@
 
 use core::fmt::Write as _;
 
+use super::cells::{self, count, number, ratio};
 use super::{
-    LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, SafetyCase, Threshold, WITHOUT, count,
-    number, quantile, ratio,
+    LOWC_THRESHOLDS, Lost, NMAC_THRESHOLDS, PolicyCase, SafetyCase, Threshold, WITHOUT, quantile,
 };
 use crate::plot::{Axis, Cdf, Claim, Line, LineChart, LinePoint, SampleSeries};
 use crate::report::{Block, Cell, Column, Section, Table};
@@ -39,7 +39,7 @@ impl SafetyCase {
             })
             .collect();
         Section {
-            title: "What it costs".into(),
+            title: "4. Metrics: what it costs".into(),
             blocks: vec![Block::Table(Table {
                 caption: "Needless: acted though the encounter stays well clear (ASTM F3442) without it. \
                     Restless: the track turned from away to back, or the reverse, more than three times. \
@@ -76,7 +76,7 @@ impl SafetyCase {
             }
         }
         Section {
-            title: "When it warns and acts".into(),
+            title: "4. Metrics: when it warns, acts and gives way".into(),
             blocks: vec![self.gave_way(), Block::Table(Table {
                 caption: "Seconds before the closest approach without avoidance: what 10, 50 and 90 % of the encounters have less of. \
                     Encounters that lose well clear (ASTM F3442) without avoidance."
@@ -181,7 +181,7 @@ impl SafetyCase {
             limits: vec![(152.4, "500 ft".into()), (609.6, "2,000 ft".into())],
         };
         Section {
-            title: "Curves".into(),
+            title: "6. Convergence and separations".into(),
             blocks: vec![
                 Block::Figure {
                     svg: converging("NMAC risk ratio", &NMAC_THRESHOLDS, |policy| &policy.nmac),
@@ -240,7 +240,7 @@ impl SafetyCase {
             })
             .collect();
         Section {
-            title: "By class of encounter".into(),
+            title: "4. Metrics: by class of encounter".into(),
             blocks: vec![Block::Table(Table {
                 caption: "Head-on: directions at least 150° apart; overtaking: at most 30°. Speeds are those of the intruder over the ground \
                     at the closest approach without avoidance."
@@ -260,40 +260,10 @@ impl SafetyCase {
     }
 
     pub(super) fn worst(&self) -> Section {
-        let separation = |pair: Option<(f64, f64)>| {
-            pair.map_or(Cell::Empty, |(horizontal_m, vertical_m)| {
-                Cell::Text(format!("{horizontal_m:.0}, {vertical_m:.0}"))
-            })
-        };
-        let rows = self
-            .worst
-            .iter()
-            .map(|worst| {
-                vec![
-                    Cell::Link {
-                        text: worst.encounter.clone(),
-                        href: worst.href.clone(),
-                    },
-                    Cell::Text(worst.policy.clone()),
-                    Cell::Text(worst.what.clone()),
-                    separation(worst.separation_m[0]),
-                    separation(worst.separation_m[1]),
-                ]
-            })
-            .collect();
+        let caption = "Each leads to its replay. Separations: least horizontal, and vertical at that time, m.";
         Section {
-            title: "The worst encounters".into(),
-            blocks: vec![Block::Table(Table {
-                caption: "Each leads to its replay. Separations: least horizontal, and vertical at that time, m.".into(),
-                columns: vec![
-                    Column::text("encounter"),
-                    Column::text("policy"),
-                    Column::text("what"),
-                    Column::number("without"),
-                    Column::number("as flown"),
-                ],
-                rows,
-            })],
+            title: "5. The worst encounters".into(),
+            blocks: vec![Block::Table(cells::worst(&self.worst, caption))],
         }
     }
 }

@@ -6,10 +6,12 @@ use fga::situation::ProtectedVolume;
 use fga::vehicle::Vehicle;
 use fga_formats::atomic;
 use fga_report::interval::Estimate;
-use fga_report::safety_case::{ClassCase, Lost, PolicyCase, SafetyCase, WorstCase};
+use fga_report::safety_case::{Assumed, ClassCase, Lost, PolicyCase, SafetyCase, WorstCase};
 use fga_sim::campaign::risk::{Class, LossCount, PolicyRisk, RiskRatio, Risks};
 use fga_sim::campaign::{Campaign, CampaignError, Folder, Manifest, Row, RowFiles};
+use fga_sim::drawn::TRACKS;
 use fga_sim::policy::PolicyChoice;
+use fga_sim::recorded::RecordingSource;
 use fga_sim::sensor::SensorSettings;
 
 use crate::replay_page;
@@ -200,6 +202,7 @@ impl Gathered {
             assumed: assumed(campaign),
             stands_for: stands_for(campaign),
             per_hour: None,
+            traffic_source: None,
             is_stress: !campaign.configuration.recordings.is_empty(),
             reactions: reactions(campaign),
         })
@@ -361,7 +364,12 @@ fn lost(count: &LossCount, risk: &PolicyRisk, with_curve: bool) -> Lost {
 fn stands_for(campaign: &Campaign) -> Vec<String> {
     let configuration = &campaign.configuration;
     let mut lines = Vec::new();
-    if !configuration.recordings.is_empty() {
+    let is_drawn =
+        |source: &RecordingSource| source.path.file_name().is_some_and(|name| name == TRACKS);
+    if configuration.recordings.iter().any(is_drawn) {
+        lines.push("Drawn encounters, read from a table: they stand for what drew them.".into());
+    }
+    if !configuration.recordings.iter().all(is_drawn) {
         lines.push(
             "Recorded encounters: what pilots flew. Encounters that were flown on purpose, such as intercepts, are a stress set: they say \
              how a system does in them, not how often they happen in an airspace."
@@ -387,11 +395,12 @@ fn reactions(campaign: &Campaign) -> String {
 }
 
 /// The assumptions.
-fn assumed(campaign: &Campaign) -> Vec<(String, String)> {
+fn assumed(campaign: &Campaign) -> Assumed {
     let configuration = &campaign.configuration;
     let model = &campaign.model;
-    let mut assumed: Vec<(String, String)> = Vec::new();
-    let mut add = |name: &str, value: String| assumed.push((name.into(), value));
+    let mut assumed = Assumed::default();
+    let encounters = &mut assumed.encounters;
+    let mut add = |name: &str, value: String| encounters.push((name.into(), value));
     if !configuration.recordings.is_empty() {
         let folders: Vec<&str> = campaign
             .source_names()
@@ -423,6 +432,20 @@ fn assumed(campaign: &Campaign) -> Vec<(String, String)> {
             ),
         );
     }
+    let heard = "the ownship hears their rows and carries them on for two seconds";
+    add(
+        "intruders",
+        match &configuration.intruders {
+            None => format!("do not react; {heard}"),
+            Some(intruders) => format!(
+                "fly their tracks until they react by the policy {intruders}, as light aircraft at their airspeed with the ownship’s sensor; {heard}"
+            ),
+        },
+    );
+    add("seeds", format!("{:?}", configuration.seeds));
+    add("judged", "while both aircraft are recorded, along straight lines between rows, by code apart from the one that decides".into());
+    let conditions = &mut assumed.conditions;
+    let mut add = |name: &str, value: String| conditions.push((name.into(), value));
     add(
         "ownship",
         "flies as recorded or drawn until it acts, then at the airspeed of that moment with the vehicle’s limits".into(),
@@ -443,6 +466,8 @@ fn assumed(campaign: &Campaign) -> Vec<(String, String)> {
         "wind",
         format!("{} m/s east, {} north, {} up", wind.x, wind.y, wind.z),
     );
+    let sensors = &mut assumed.sensors;
+    let mut add = |name: &str, value: String| sensors.push((name.into(), value));
     if configuration.sensors.is_empty() {
         add("sensor", sensor_words(&model.sensor));
     }
@@ -453,18 +478,6 @@ fn assumed(campaign: &Campaign) -> Vec<(String, String)> {
         );
         add(&name, sensor_words(&source.into()));
     }
-    let heard = "the ownship hears their rows and carries them on for two seconds";
-    add(
-        "intruders",
-        match &configuration.intruders {
-            None => format!("do not react; {heard}"),
-            Some(intruders) => format!(
-                "fly their tracks until they react by the policy {intruders}, as light aircraft at their airspeed with the ownship’s sensor; {heard}"
-            ),
-        },
-    );
-    add("seeds", format!("{:?}", configuration.seeds));
-    add("judged", "while both aircraft are recorded, along straight lines between rows, by code apart from the one that decides".into());
     assumed
 }
 
