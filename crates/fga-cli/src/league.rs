@@ -17,19 +17,20 @@ use crate::failure::Failure;
 #[derive(Args, Debug)]
 pub(crate) struct LeagueArgs {
     /// Sets, as in "flown-1hz,drawn-1hz", or campaign files (.toml); without any all shipped sets whose data are there: flown,
-    /// flown-1hz, low-altitude-1hz, correlated-1hz, drawn-1hz.
+    /// flown-1hz, low-altitude-1hz, correlated-1hz, drawn-1hz, fleet-1hz.
     #[arg(long, value_name = "SETS", value_delimiter = ',')]
     sets: Vec<String>,
     /// A policy, as in "published --start t0" or "pipe:./my-policy"; may be given several times; without any all built-in ones.
     #[arg(long, value_name = "POLICY")]
     policy: Vec<String>,
-    /// A policy by which intruders with tracks react, as in "see-and-avoid"; may be given several times. Each set also flies without.
+    /// A policy by which intruders with tracks react, as in "see-and-avoid", or "itself" for the policy of the ownship; may be
+    /// given several times. Each set also flies without.
     #[arg(long, value_name = "POLICY")]
     intruders: Vec<String>,
     /// Folder of third-party data; without it `FGA_DATA`.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// Encounters of each set that draws them; without it 1000.
+    /// Encounters of each set that draws them; without it 1000, and 100 fleets.
     #[arg(long, value_name = "N", value_parser = common::encounters)]
     encounters: Option<u64>,
     /// Number of worst encounters of each policy in each set with a replay.
