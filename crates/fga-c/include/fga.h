@@ -469,7 +469,7 @@ typedef struct fga_obstacle {
   double position_sigma_m;
   // Standard deviation of its velocity along any axis, metres per second; 0 if known exactly.
   double velocity_sigma_mps;
-  // Age of the report from which its position and velocity are carried on, seconds, 0 or more: its motion may have changed since.
+  // Age of the report from which its position and velocity are carried on, seconds: its motion may have changed since. One below 0 counts as 0.
   double age_s;
   // The bounds of `FGA_MOVEMENT_BOUNDED`; otherwise not read.
   struct fga_bounds bounds;

@@ -110,6 +110,35 @@ fn motion(random: &mut Random, obstacle: &Obstacle, share: f64, planar: bool) ->
     )
 }
 
+/// The least distance of the aircraft, which flies its command, from intruders that each turn at a rate for a time and climb, metres.
+fn least_m(plant: &mut Plant, intruders: &mut [Obstacle], motions: &[(f64, f64, f64)]) -> f64 {
+    let mut at_s = 0.0;
+    let mut least_m = f64::INFINITY;
+    while at_s < HORIZON_S {
+        plant.advance(INSTANT_S, |_, _| ());
+        for (intruder, (rate_radps, turns_s, climb_mps)) in intruders.iter_mut().zip(motions) {
+            let turned_s = (turns_s - at_s).clamp(0.0, INSTANT_S);
+            let half_rad = 0.5 * rate_radps * turned_s;
+            let turn = |velocity_mps: Vec3| {
+                let (sin, cos) = libm::sincos(half_rad);
+                Vec3::new(
+                    cos * velocity_mps.x - sin * velocity_mps.y,
+                    sin * velocity_mps.x + cos * velocity_mps.y,
+                    velocity_mps.z,
+                )
+            };
+            let middle_mps = turn(intruder.velocity_mps);
+            let climbs_mps = if at_s < CLIMBS_S { *climb_mps } else { 0.0 };
+            intruder.position_m += (middle_mps + Vec3::Z * climbs_mps) * INSTANT_S;
+            intruder.velocity_mps = turn(middle_mps);
+            let distance_m = intruder.position_m.distance(plant.ownship().position_m);
+            least_m = least_m.min(distance_m);
+        }
+        at_s += INSTANT_S;
+    }
+    least_m
+}
+
 fn fly(seed: u64, number: u64, aircraft: usize, planar: bool) -> Count {
     let stream = seed
         .wrapping_mul(0x9e37_79b9)
@@ -172,33 +201,7 @@ fn fly(seed: u64, number: u64, aircraft: usize, planar: bool) -> Count {
                     .map(|one| motion(&mut random, one, share, planar))
                     .collect();
                 plant.command(&decision.command, HORIZON_S);
-                let mut at_s = 0.0;
-                let mut least_m = f64::INFINITY;
-                while at_s < HORIZON_S {
-                    plant.advance(INSTANT_S, |_, _| ());
-                    for (intruder, (rate_radps, turns_s, climb_mps)) in
-                        intruders.iter_mut().zip(&motions)
-                    {
-                        let turned_s = (turns_s - at_s).clamp(0.0, INSTANT_S);
-                        let half_rad = 0.5 * rate_radps * turned_s;
-                        let turn = |velocity_mps: Vec3| {
-                            let (sin, cos) = libm::sincos(half_rad);
-                            Vec3::new(
-                                cos * velocity_mps.x - sin * velocity_mps.y,
-                                sin * velocity_mps.x + cos * velocity_mps.y,
-                                velocity_mps.z,
-                            )
-                        };
-                        let middle_mps = turn(intruder.velocity_mps);
-                        let climbs = if at_s < CLIMBS_S { *climb_mps } else { 0.0 };
-                        intruder.position_m +=
-                            (middle_mps + Vec3::new(0.0, 0.0, climbs)) * INSTANT_S;
-                        intruder.velocity_mps = turn(middle_mps);
-                        let distance_m = intruder.position_m.distance(plant.ownship().position_m);
-                        least_m = least_m.min(distance_m);
-                    }
-                    at_s += INSTANT_S;
-                }
+                let least_m = least_m(&mut plant, &mut intruders, &motions);
                 if least_m < RADIUS_M {
                     count.entered.push((number, RADIUS_M - least_m));
                 }

@@ -528,7 +528,7 @@ mod tests {
     /// A clock set back by minutes, one that stands, and one that jumps on: a report is missed for 3 s at most.
     #[test]
     fn t4_no_clock_of_a_sender_makes_its_aircraft_vanish() {
-        let clocks: [fn(f64) -> f64; 4] = [
+        let clocks: [fn(f32) -> f32; 4] = [
             |now_s| {
                 if now_s < 20.0 {
                     900.0 + now_s
@@ -549,7 +549,7 @@ mod tests {
                 let data = OPEN_DRONE_ID_LOCATION_DATA {
                     latitude: 375_000_000 + 1000 * i32::from(second),
                     longitude: -1_222_500_000,
-                    timestamp: clock_s(now_s) as f32,
+                    timestamp: clock_s(f32::from(second)),
                     ..OPEN_DRONE_ID_LOCATION_DATA::DEFAULT
                 };
                 let taken = remote_id.take_location(&data, SENDER, &Levels::default(), now_s);
