@@ -33,7 +33,7 @@ pub struct Written {
 /// stopped. `show` gets the number of flights flown.
 ///
 /// # Errors
-/// As [`search`] and [`write`].
+/// As [`search`] and [`write()`].
 pub fn run(
     stress: &Stress,
     folder: &Path,
