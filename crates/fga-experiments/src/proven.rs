@@ -112,9 +112,10 @@ fn motion(random: &mut Random, obstacle: &Obstacle, share: f64, planar: bool) ->
 
 /// The least distance of the aircraft, which flies its command, from intruders that each turn at a rate for a time and climb, metres.
 fn least_m(plant: &mut Plant, intruders: &mut [Obstacle], motions: &[(f64, f64, f64)]) -> f64 {
-    let mut at_s = 0.0;
     let mut least_m = f64::INFINITY;
-    while at_s < HORIZON_S {
+    // Counted, so that no rounding adds an instant: nothing is claimed beyond the horizon.
+    for instant in 0..(HORIZON_S / INSTANT_S).round() as u32 {
+        let at_s = f64::from(instant) * INSTANT_S;
         plant.advance(INSTANT_S, |_, _| ());
         for (intruder, (rate_radps, turns_s, climb_mps)) in intruders.iter_mut().zip(motions) {
             let turned_s = (turns_s - at_s).clamp(0.0, INSTANT_S);
@@ -134,7 +135,6 @@ fn least_m(plant: &mut Plant, intruders: &mut [Obstacle], motions: &[(f64, f64, 
             let distance_m = intruder.position_m.distance(plant.ownship().position_m);
             least_m = least_m.min(distance_m);
         }
-        at_s += INSTANT_S;
     }
     least_m
 }
