@@ -85,16 +85,11 @@ fn passes(live: &Live) {
 
 #[test]
 fn sigint_sigterm_sighup_hand_back_alike() {
-    let mut flights: Vec<_> = ["INT", "TERM", "HUP"]
-        .into_iter()
-        .map(|signal| {
-            let live = Live::udp(None, None);
-            let folder = live::folder(&format!("signal-{signal}"));
-            let program = start(&live, &folder);
-            (signal, live, program, folder)
-        })
-        .collect();
-    for (signal, live, program, folder) in &mut flights {
+    // Each in a thread of its own: a manoeuvre does not wait for what another flight is looked at.
+    let ends = |signal: &str| {
+        let live = Live::udp(None, None);
+        let folder = live::folder(&format!("signal-{signal}"));
+        let mut program = start(&live, &folder);
         live.wait_for_maneuver();
         program.signal(signal);
         assert!(program.ended().success(), "{signal}");
@@ -110,7 +105,12 @@ fn sigint_sigterm_sighup_hand_back_alike() {
             live.was_told("fga: program ends, mode restored"),
             "{signal}"
         );
-    }
+    };
+    thread::scope(|scope| {
+        for signal in ["INT", "TERM", "HUP"] {
+            scope.spawn(move || ends(signal));
+        }
+    });
 }
 
 #[test]
