@@ -43,8 +43,11 @@ def file(tmp_path):
 
 @pytest.fixture(scope="module")
 def cluster():
-    # The head flies nothing, so that the killed raylet is another one.
-    raylets = Raylets(2)
+    # The workers import a policy of one's own from this folder.
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", os.path.dirname(__file__), prepend=os.pathsep)
+        # The head flies nothing, so that the killed raylet is another one.
+        raylets = Raylets(2)
     yield raylets
     raylets.stop()
 
