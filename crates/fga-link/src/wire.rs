@@ -73,7 +73,7 @@ fn version1_sender(bytes: &[u8]) -> Option<u8> {
     })
 }
 
-/// Messages about traffic: where their payloads have a word of a list, and the one that stands for a word that is not on it.
+/// Messages about traffic: the places of listed words in their payloads, and the word that replaces an unlisted one.
 /// An altitude of an unknown kind counts as geometric, which holds for every kind.
 const WORDS: [(u32, &[(usize, u8)]); 3] = [
     (ADSB_VEHICLE_DATA::ID, &[(26, 1), (36, 0)]),

@@ -323,27 +323,16 @@ impl SafetyCase {
                 )
             ),
             rows: rows.collect(),
-            columns: vec![
-                Column::text("policy"),
-                Column::number("NMAC without"),
-                Column::number("NMAC with"),
-                Column::number("LoWC without"),
-                Column::number("LoWC with"),
-            ],
+            columns: without_and_with(),
         })
     }
 
     fn rates(&self) -> Table {
+        let mut columns = without_and_with();
+        columns.push(Column::number("risk ratio of DO-365B"));
         Table {
             caption: "Weighted shares of all encounters (%).".into(),
-            columns: vec![
-                Column::text("policy"),
-                Column::number("NMAC without"),
-                Column::number("NMAC with"),
-                Column::number("LoWC without"),
-                Column::number("LoWC with"),
-                Column::number("risk ratio of DO-365B"),
-            ],
+            columns,
             rows: self
                 .policies
                 .iter()
@@ -359,6 +348,13 @@ impl SafetyCase {
                 .collect(),
         }
     }
+}
+
+/// The columns of losses without and with each policy.
+fn without_and_with() -> Vec<Column> {
+    let numbers = ["NMAC without", "NMAC with", "LoWC without", "LoWC with"];
+    let policy = core::iter::once(Column::text("policy"));
+    policy.chain(numbers.map(Column::number)).collect()
 }
 
 #[cfg(test)]

@@ -329,7 +329,7 @@ impl<'a> Flight<'a> {
         world.recorded.as_ref().filter(|_| self.state.replaying)
     }
 
-    /// Flies a manoeuvre, that has been flown for some seconds, on for some cycles; returns the time of the end once it is reached.
+    /// Flies a manoeuvre for some cycles; returns the time of the end once it is reached.
     fn fly_on(
         &mut self,
         command: &Maneuver,
@@ -351,7 +351,7 @@ impl<'a> Flight<'a> {
         // The end need not coincide with a decision.
         let last = left_s < period_s + 1e-9;
         if self.replaying().is_none() {
-            self.plant.command_on((command, 0.0), left_s.min(period_s));
+            self.plant.command(command, left_s.min(period_s));
         }
         let mut left = cycles;
         loop {

@@ -2,7 +2,7 @@
 //! enters a protected volume.
 //!
 //! A flight is a point z of a standard normal distribution in as many dimensions as it has parameters ([`MOTION`] for each intruder, and
-//! [`GUST`]); each parameter is a quantile of a usual distribution, within the bounds that the policy is told ([`MovementBounds`], the
+//! [`GUST`]); each parameter is a quantile of a usual distribution, within the bounds that the policy knows ([`MovementBounds`], the
 //! vehicle's drift). The cross-entropy
 //! method (Rubinstein 1999; Lee et al. 2015 for collision avoidance) flies batches, and draws the next batch near those
 //! that came nearest to a failure. One flight in ten is drawn from the usual distribution, so that the weights of the flights are
@@ -171,8 +171,8 @@ impl StressFlight {
     };
 
     /// How near it came to a failure, the nearest least: a failure by its margin, which is negative; another flight by how few seconds
-    /// before the entry the policy was still on a course into the volume. The margins of those do not say it: a policy that departs
-    /// least keeps hardly more than the volume.
+    /// before the entry the policy was still on a course into the volume. The margin does not rank flights without a failure: a policy
+    /// that departs least keeps hardly more than the volume.
     fn rank(&self) -> f64 {
         if self.margin_m < 0.0 || self.margin_m.is_infinite() {
             self.margin_m

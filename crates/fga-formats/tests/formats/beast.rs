@@ -140,7 +140,7 @@ fn t1_another_wire_on_this_port_is_counted() {
         (tally.used, tally.lost()),
         (0, text.len().div_ceil(64) as u64)
     );
-    // Noise behind a type without use is none of its frame.
+    // The noise after a frame of a type without use does not belong to the frame.
     let mut stream = Stream::new();
     stream.push(&[0x1A, b'4'], 0.0, |report| panic!("{report:?}"));
     stream.push(&[7; 1000], 0.0, |report| panic!("{report:?}"));

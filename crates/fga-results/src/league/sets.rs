@@ -138,7 +138,7 @@ pub(super) struct Set {
     pub(super) overrides: Overrides,
 }
 
-/// The sets to fly, each with the reactions asked for, and what is left out, a sentence each.
+/// The sets to fly, each with its reactions, and a sentence for each set that is left out.
 pub(super) fn sets(terms: &Terms, out: &Path) -> Result<(Vec<Set>, Vec<String>), CampaignError> {
     let reactions = reactions(terms)?;
     let (sets, mut left_out) = chosen(terms, out)?;

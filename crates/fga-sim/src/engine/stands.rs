@@ -27,7 +27,7 @@ impl Flight<'_> {
         let is_known = stands_s > 0.0
             && self.replaying().is_none()
             && self.state.progress.is_one_leg()
-            && self.plant.is_straight_under((&decision.command, 0.0));
+            && self.plant.is_straight_under(&decision.command);
         if is_known {
             self.straight_cycles(time_s, stands_s)
         } else {

@@ -189,15 +189,10 @@ impl Plant {
 
     /// Takes a command that holds for `duration_s` seconds from now.
     pub fn command(&mut self, maneuver: &Maneuver, duration_s: f64) {
-        self.command_on((maneuver, 0.0), duration_s);
-    }
-
-    /// Takes the command of a manoeuvre that has been flown for some seconds, for `duration_s` seconds from now.
-    pub fn command_on(&mut self, (maneuver, flown_s): (&Maneuver, f64), duration_s: f64) {
         let dead_time_s = self.vehicle.response.dead_time_s;
         let from_s = self.time_s + dead_time_s;
         // Before its first stage a manoeuvre holds course and climb angle.
-        let first = maneuver.stage_at(flown_s).copied().unwrap_or(Stage {
+        let first = maneuver.stage_at(0.0).copied().unwrap_or(Stage {
             start_s: 0.0,
             course_rad: self.course_rad,
             climb_rad: self.climb_rad,
@@ -210,9 +205,8 @@ impl Plant {
             self.pending.push_back((from_s, first));
         }
         for stage in maneuver.stages() {
-            let starts_s = stage.start_s - flown_s;
-            if starts_s > 0.0 && starts_s < duration_s {
-                self.pending.push_back((from_s + starts_s, *stage));
+            if stage.start_s > 0.0 && stage.start_s < duration_s {
+                self.pending.push_back((from_s + stage.start_s, *stage));
             }
         }
     }
@@ -232,9 +226,9 @@ impl Plant {
             && self.active.iter().all(|stage| self.keeps(stage))
     }
 
-    /// As [`Self::is_straight`], and under what a manoeuvre commands that has been flown for some seconds.
-    pub fn is_straight_under(&self, (maneuver, flown_s): (&Maneuver, f64)) -> bool {
-        self.is_straight() && (maneuver.stage_at(flown_s)).is_none_or(|stage| self.keeps(stage))
+    /// As [`Self::is_straight`], and under the first command of a manoeuvre.
+    pub fn is_straight_under(&self, maneuver: &Maneuver) -> bool {
+        self.is_straight() && (maneuver.stage_at(0.0)).is_none_or(|stage| self.keeps(stage))
     }
 
     /// Whether a command keeps the course and the climb angle.

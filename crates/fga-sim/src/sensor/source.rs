@@ -6,7 +6,6 @@ use fga::situation::{Obstacle, Uncertainty};
 use super::SensorSettings;
 use super::noise::{BIASES, CHART, DROPOUTS, EQUIPPED, MISSES, Noise};
 use crate::obstacle::{TrackReport, WorldObstacle};
-
 use crate::tracker::TrackEstimate;
 
 /// What a source keeps about an obstacle of the world.

@@ -16,7 +16,7 @@ pub struct StressCase {
 impl StressCase {
     /// The case at a point of the standard normal distribution: the intruders' parameters, then the gust's.
     pub(super) fn of(point: &[f64], stress: &Stress) -> Self {
-        // A gust has fewer parameters than a motion: its own are what is left.
+        // The gust's parameters are left over: a gust has fewer than a motion.
         let (motions, rest) = point.as_chunks::<{ MOTION.len() }>();
         let model = &stress.model;
         let of = |point| Motion::of(point, &stress.bounds, &model.vehicle, &model.protection);

@@ -179,64 +179,20 @@ impl Avoider {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{RADIUS_M, among, plan, sphere};
     use super::*;
-    use crate::avoider::turn_aware::Answer;
-    use crate::avoider::{Against, Settings, Threat};
-    use crate::maneuver::Maneuver;
-    use crate::search::{Found, Turns};
-    use crate::situation::{Mission, Obstacle, Obstacles, Ownship, ProtectedVolume};
-    use crate::vehicle::Vehicle;
 
     /// The rung that a straight flight keeps, planned on the second one, past a sphere that it clears by some metres; 9 m are
     /// kept for drift.
     fn kept(clears_m: f64) -> Option<usize> {
-        let mut avoider = Avoider::new(Settings::default(), Vehicle::lagged(0.0)).unwrap();
-        let position_m = Vec3::new(150.0, 30.0 + clears_m, 0.0);
-        let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
-        let rows = [Obstacle::straight(1, position_m, Vec3::ZERO, volume)];
-        let situation = Situation {
-            time_s: 0.0,
-            ownship: Ownship {
-                position_m: Vec3::ZERO,
-                airspeed_mps: avoider.vehicle().airspeed_mps,
-                course_rad: 0.0,
-                climb_rad: 0.0,
-                bank_rad: 0.0,
-            },
-            obstacles: Obstacles::Rows(&rows),
-            mission: Mission::new(&[]),
-            wind_mps: Vec3::ZERO,
-        };
-        let now = MotionState::of(&situation.ownship);
-        avoider.load_tracks(&situation, None);
-        avoider.drift_m = 9.0;
-        let turns = Turns {
-            wait_s: 0.0,
-            turn_rad: 0.0,
-            climb_rad: 0.0,
-            second: None,
-        };
-        let answer = Answer {
-            found: Found {
-                turns,
-                margin_m: clears_m,
-                cost: 0.0,
-            },
-            maneuver: Maneuver::turn(0.0, 0.0, 0.0),
-            proof: Proof::Open,
-            rung: WANTED,
-        };
-        let threat = Threat {
-            id: 1,
-            entry_s: 5.0,
-            closest_s: 6.0,
-            margin_m: clears_m,
-        };
-        avoider.begin(&situation, &answer, (threat, Against::default()));
-        let mut plan = avoider.plan.unwrap();
-        let kept = avoider.kept_rung(&mut plan, &situation, &now);
-        assert_eq!(plan.proof.is_certified(), kept.is_some());
-        kept
+        let row = sphere(1, (150.0, RADIUS_M + clears_m), (0.0, 0.0));
+        among(&[row], |avoider, situation, now| {
+            avoider.drift_m = 9.0;
+            let mut plan = plan(avoider, situation, (0.0, WANTED));
+            let kept = avoider.kept_rung(&mut plan, situation, now);
+            assert_eq!(plan.proof.is_certified(), kept.is_some());
+            kept
+        })
     }
 
     /// Half of 9.05, 4.55 and 0.05 m.

@@ -40,7 +40,7 @@ impl Avoider {
     ) -> Option<Answer> {
         let has_aircraft = self.tracks.has_aircraft();
         if has_aircraft && plan.rung == WANTED + 1 {
-            // An intruder may answer each change: a large turn that withstands a part of what is wanted is kept.
+            // A large turn that withstands a part of what is wanted is kept: an intruder may answer each change.
             if !plan.is_small {
                 return None;
             }
@@ -48,29 +48,21 @@ impl Avoider {
             let (hold, variety) = (Maneuver::hold(), self.cycle / LOOK_EVERY);
             let flown = plan.remaining(situation.time_s);
             let higher = self.highest_beside(plan, 0..plan.rung, now).or_else(|| {
-                self.highest(
-                    0..if has_aircraft { 0 } else { plan.rung },
-                    &hold,
-                    now,
-                    |search| {
-                        let (found, proof) = search.best(Some(&flown), Effort::WHOLE, variety)?;
-                        proof.is_certified().then_some(found)
-                    },
-                )
+                let rungs = 0..if has_aircraft { 0 } else { plan.rung };
+                self.highest(rungs, &hold, now, |search| {
+                    let (found, proof) = search.best(Some(&flown), Effort::WHOLE, variety)?;
+                    proof.is_certified().then_some(found)
+                })
             });
             if higher.is_some() || !has_aircraft || plan.rung > WANTED {
                 return higher;
             }
         }
-        // A course nearer to the mission uses up what was kept.
-        if has_aircraft && !self.all_pass(plan, situation, now) && !self.is_free(now) {
+        // A course nearer to the mission uses up what was kept for the aircraft.
+        if !self.all_pass(plan, situation, now) && !self.is_free(now) {
             return None;
         }
-        let rung = if has_aircraft {
-            plan.rung.min(WANTED)
-        } else {
-            plan.rung
-        };
+        let rung = plan.rung.min(WANTED);
         // Steps away from the mission's course, not the least certified turn: what is found keeps some room to spare.
         let (leg, away_rad) = (self.progress.leg(now), self.away_rad(plan, now));
         let last_rad = plan.maneuver.stages().last()?.climb_rad;
@@ -151,8 +143,8 @@ impl Avoider {
         None
     }
 
-    /// The manoeuvre with the largest margin on the lowest rung, beside the flown one only if it is clearly better. One that
-    /// enters a cylinder gives way to the one that comes least deep.
+    /// The manoeuvre with the largest margin on the lowest rung, beside the flown one only if it is clearly better. A manoeuvre
+    /// that enters a cylinder gives way to the manoeuvre that comes least deep.
     pub(super) fn best(
         &mut self,
         flown: Option<(&mut Plan, &Maneuver)>,

@@ -70,8 +70,8 @@ impl Avoider {
         self.watch(situation, now)
     }
 
-    /// Meets the next encounter with a manoeuvre chosen anew. If that one is not certified, or it is the obstacle again that
-    /// the way back came from, with the manoeuvre that the way back was chosen with.
+    /// Meets the next encounter with a new manoeuvre. The manoeuvre of the way back is flown where the new one is not certified,
+    /// or where the obstacle is the one that the way back came from.
     fn meet_next(
         &mut self,
         (plan, start_s): (&Plan, f64),
