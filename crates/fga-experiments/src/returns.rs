@@ -169,6 +169,7 @@ mod tests {
             (116, 694),
             (117, 3086),
             (117, 4906),
+            (402, 68),
         ] {
             let count = Flight::drawn(seed, number).fly(number, false);
             let faults = [

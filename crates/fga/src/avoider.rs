@@ -460,7 +460,7 @@ impl Avoider {
 
     /// The guidance along the mission, and the moment from which it is straight.
     fn guidance(&mut self, situation: &Situation<'_>, now: &MotionState) -> (Maneuver, f64) {
-        let horizon_s = self.settings.horizon_s;
+        let horizon_s = self.far_s;
         self.on_mission(|progress, flyer| {
             progress.guidance(&situation.mission, now, flyer, horizon_s)
         })

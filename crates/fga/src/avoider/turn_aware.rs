@@ -193,9 +193,7 @@ impl Avoider {
         } else {
             self.settings.start
         };
-        // The mission is known as far as the horizon: a longer wait would fly past its next corner.
-        let entry_s = threat.0.entry_s.min(self.settings.horizon_s);
-        let moments = (entry_s, self.settings.decision_period_s);
+        let moments = (threat.0.entry_s, self.settings.decision_period_s);
         let (mut latest_s, mut other) = (None, None);
         let answer = self.highest(0..RUNGS, nominal, now, |search| {
             choice::choose(search, start, moments, (&mut latest_s, &mut other))

@@ -213,7 +213,7 @@ impl Avoider {
         rung: usize,
     ) -> Option<Plan> {
         let demand = self.demand_of(rung);
-        let horizon_s = demand.horizon_s;
+        let horizon_s = self.far_s;
         let leg = self.progress.leg(now);
         let gained_m = if index == self.progress.index() {
             joined.along_m - leg.position(now.position_m, now.time_s).along_m
