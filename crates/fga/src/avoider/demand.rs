@@ -87,6 +87,11 @@ impl Avoider {
         }
     }
 
+    /// The demand for which threats are looked for: with the longer horizon where nothing turns.
+    pub(super) fn first_demand(&self) -> Demand {
+        self.demand_of(WANTED * usize::from(self.tracks.has_aircraft()))
+    }
+
     /// The demand of a rung, if it differs from that of the rung above and the vehicle has its limits.
     pub(super) fn distinct_demand(&self, rung: usize) -> Option<Demand> {
         let demand = self.demand_of(rung);

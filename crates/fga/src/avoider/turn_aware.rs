@@ -155,11 +155,7 @@ impl Avoider {
         }
         self.plan = None;
         let (nominal, _) = self.guidance(situation, now);
-        let demand = self.demand_of(if self.tracks.has_aircraft() {
-            WANTED
-        } else {
-            0
-        });
+        let demand = self.first_demand();
         self.withstand(Freedom::Expected, now.position_m, (0.0, demand.margin_m));
         let Some((threat, against)) = self.first_threat(&nominal, now, &demand) else {
             self.state = State::Cruise;
@@ -167,7 +163,9 @@ impl Avoider {
         };
         self.grids = 0;
         let is_urgent = self.settings.start == Start::AtDetection;
-        let mut decision = if !is_urgent && self.has_reserve(&nominal, now) {
+        // What may turn, and what comes long after now: a manoeuvre that is planned for it now would be long.
+        let may_wait = self.tracks.has_aircraft() || threat.entry_s > self.settings.horizon_s;
+        let mut decision = if !is_urgent && may_wait && self.has_reserve(&nominal, now) {
             match self.small_now(&nominal, now, &threat) {
                 Some(small) => self.begin(situation, &small, (threat, against)),
                 None => self.wait(&nominal, &threat),
@@ -561,6 +559,23 @@ mod tests {
             reason(&[aircraft(1, (150.0, 5.0), (-20.0, 0.0))]),
             Reason::ManeuverChosen
         );
+    }
+
+    /// What keeps its velocity is waited for until its entry lies within the horizon of 60 s; then the start is planned.
+    #[test]
+    fn what_flies_nearly_as_the_aircraft_is_planned_for_within_the_horizon() {
+        let plans = |ahead_m| {
+            among(
+                &[sphere(1, (ahead_m, 0.0), (13.5, 0.0))],
+                |avoider, situation, now| {
+                    let reason = avoider.watch(situation, now).record.reason;
+                    assert!(reason != Reason::Clear);
+                    avoider.plan.is_some()
+                },
+            )
+        };
+        // It comes nearer by 1.5 m/s.
+        assert!(!plans(RADIUS_M + 1.5 * 61.0) && plans(RADIUS_M + 1.5 * 59.0));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Whether the certificate of a manoeuvre still holds.
 
 use crate::Vec3;
-use crate::avoider::demand::{RUNGS, WANTED};
+use crate::avoider::demand::{Demand, RUNGS, WANTED};
 use crate::avoider::{Avoider, Plan};
 use crate::certificate::Certified;
 use crate::prediction::MotionState;
@@ -91,7 +91,7 @@ impl Avoider {
             self.ask(&demand, now.position_m, 0.0);
             let held = self.within_limits(&demand, |avoider| {
                 avoider.predict(&plan.remaining(situation.time_s), now, demand.horizon_s);
-                avoider.lasting(plan, situation, now, (demand.margin_m, demand.horizon_s))
+                avoider.lasting(plan, situation, now, &demand)
             });
             if let Some((basis, certified)) = held {
                 (plan.basis, plan.proof) = (basis, Proof::Certified(certified));
@@ -108,11 +108,11 @@ impl Avoider {
         plan: &Plan,
         situation: &Situation<'_>,
         now: &MotionState,
-        (margin_m, horizon_s): (f64, f64),
+        demand: &Demand,
     ) -> Option<(Option<Basis>, Certified)> {
-        let keep_m = KEEP_SHARE * margin_m;
-        let most_m = keep_m + SPARE_SHARE * margin_m;
-        let certified = self.prove((horizon_s, keep_m, most_m))?;
+        let keep_m = KEEP_SHARE * demand.margin_m;
+        let most_m = keep_m + SPARE_SHARE * demand.margin_m;
+        let certified = self.prove((demand.horizon_s, keep_m, most_m))?;
         let since_s = situation.time_s - plan.decided_s;
         let basis = (!self.tracks.has_aircraft()).then(|| Basis {
             renewed_s: since_s + RENEWED_AFTER_S,

@@ -35,13 +35,13 @@ const WIDE: f64 = 1.2;
 const MUCH_FASTER: f64 = 2.0;
 
 impl Avoider {
-    /// Whether a large turn that begins later along a path withstands all that is wanted. Only what may turn is worth the wait.
+    /// Whether a large turn that begins later along a path withstands all that is wanted.
     pub(super) fn has_reserve(&mut self, along: &Maneuver, now: &MotionState) -> bool {
         self.may_wait(along, now, RESERVE_RAD)
     }
 
     fn may_wait(&mut self, along: &Maneuver, now: &MotionState, most_turn_rad: f64) -> bool {
-        let demand = self.demand_of(WANTED);
+        let demand = self.first_demand();
         self.ask(&demand, now.position_m, BEYOND_M);
         self.has_turn(along, now, (WAIT_S, most_turn_rad))
     }
@@ -59,10 +59,7 @@ impl Avoider {
         now: &MotionState,
         (after_s, most_turn_rad): (f64, f64),
     ) -> bool {
-        if !self.tracks.has_aircraft() {
-            return false;
-        }
-        let demand = self.demand_of(WANTED);
+        let demand = self.first_demand();
         self.search(along, now, &demand, |search| {
             search.share_work(RUNG_SHARE);
             search.is_avoidable_within(after_s, most_turn_rad)
@@ -116,7 +113,7 @@ impl Avoider {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{aircraft, among, plan, sphere};
+    use super::super::tests::{aircraft, among, plan};
     use super::*;
     use crate::search::{Found, Proof, Turns};
     use crate::situation::{Obstacle, ProtectedVolume};
@@ -132,8 +129,6 @@ mod tests {
     fn a_turn_is_in_reserve_while_there_is_time_for_it() {
         assert!(has_reserve(aircraft(1, (900.0, 0.0), (-20.0, 0.0))));
         assert!(!has_reserve(aircraft(1, (200.0, 0.0), (-20.0, 0.0))));
-        // What cannot turn is not waited for in this way.
-        assert!(!has_reserve(sphere(1, (900.0, 0.0), (-20.0, 0.0))));
     }
 
     /// About a wide volume of an intruder that is not much faster, with a turn of less than 23°.

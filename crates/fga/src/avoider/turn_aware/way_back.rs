@@ -212,8 +212,10 @@ impl Avoider {
         (situation, now): (&Situation<'_>, &MotionState),
         rung: usize,
     ) -> Option<Plan> {
-        let demand = self.demand_of(rung);
-        let horizon_s = self.far_s;
+        let far = Demand {
+            horizon_s: self.far_s,
+            ..self.demand_of(rung)
+        };
         let leg = self.progress.leg(now);
         let gained_m = if index == self.progress.index() {
             joined.along_m - leg.position(now.position_m, now.time_s).along_m
@@ -231,24 +233,20 @@ impl Avoider {
         };
         self.on_mission(|progress, flyer| {
             let mission = &situation.mission;
-            progress.round_corners(mission, flyer, horizon_s, &mut maneuver, bend)
+            progress.round_corners(mission, flyer, far.horizon_s, &mut maneuver, bend)
         });
         let mut back = Plan {
             maneuver,
             decided_s: situation.time_s,
             start_s: situation.time_s,
             joined_s: situation.time_s + joined.joined_s,
-            margin_m: demand.margin_m,
+            margin_m: far.margin_m,
             rung,
             cost: 0.0,
             next_start_s: None,
             basis: None,
             is_small: false,
             ..*plan
-        };
-        let far = Demand {
-            horizon_s: self.far_s,
-            ..demand
         };
         self.predict(&maneuver, now, far.horizon_s);
         match self.way_ahead(plan, (joined.joined_s, gained_m), (situation, &leg), &far) {
@@ -259,8 +257,7 @@ impl Avoider {
                     back.proof = Proof::Certified(certified);
                     back.margin_m = certified.margin_m();
                     back.outlook = self.outlook(situation.wind_mps, 0.0);
-                    let asked = (far.margin_m, far.horizon_s);
-                    let lasting = self.lasting(&back, situation, now, asked);
+                    let lasting = self.lasting(&back, situation, now, &far);
                     back.basis = lasting.and_then(|(basis, _)| basis);
                     back
                 })
