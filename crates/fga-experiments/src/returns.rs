@@ -4,6 +4,7 @@
 //! at the mission's end, masts; wind up to 0.9 of the airspeed, bank lag and dead time up to 1 s. The judge is [`flier`]: it looks
 //! at positions and at the word of the state, and shares no code with the decisions.
 
+pub(crate) mod airspaces;
 mod draw;
 mod flier;
 mod fly;

@@ -27,6 +27,9 @@ const STRAYS_S: f64 = 120.0;
 /// The last waypoint is flown when the aircraft passes it this near, metres.
 const FLOWN_M: f64 = 10.0;
 
+/// Less bank is no turn, radians (5°).
+const BANKED_RAD: f64 = 0.087;
+
 /// An aircraft flies on for so long after its mission, seconds.
 const LANDS_S: f64 = 3.0;
 
@@ -55,6 +58,13 @@ pub(super) struct Flier {
     /// Least distance to the last waypoint, metres.
     pub(super) end_m: f64,
     pub(super) lowest_m: f64,
+    /// Length of its track until it is complete, metres.
+    pub(super) flown_m: f64,
+    /// How often it began to avoid, and how often its bank changed the side while it avoided.
+    pub(super) avoided: u32,
+    pub(super) reversals: u32,
+    /// Its last bank to a side in this manoeuvre, radians.
+    side: f64,
     pub(super) has_entered: bool,
     pub(super) is_adrift: bool,
 }
@@ -95,6 +105,10 @@ impl Flier {
             plant,
             pilot: pilot.expect("usable settings"),
             lowest_m: mission_m[0].z,
+            flown_m: 0.0,
+            avoided: 0,
+            reversals: 0,
+            side: 0.0,
             passing,
             mission_m,
             state: State::Cruise,
@@ -135,10 +149,23 @@ impl Flier {
             },
             wind_mps,
         });
+        let before = self.state;
         self.state = decision.state;
         self.is_complete |= decision.record.reason == Reason::MissionComplete;
         if self.is_complete {
             self.after_s += PERIOD_S;
+        } else {
+            self.flown_m += PERIOD_S * self.plant.ground_velocity_mps().length();
+        }
+        if self.state == State::Avoiding {
+            let bank_rad = self.plant.ownship().bank_rad;
+            if before != State::Avoiding {
+                (self.avoided, self.side) = (self.avoided + 1, 0.0);
+            }
+            if bank_rad.abs() > BANKED_RAD {
+                self.reversals += u32::from(self.side * bank_rad < 0.0);
+                self.side = bank_rad;
+            }
         }
         self.is_adrift = decision.record.reason == Reason::WindTooStrong;
         self.plant.command(&decision.command, PERIOD_S);
