@@ -3,12 +3,6 @@
 //! Aircraft with missions at random in a square, and aircraft that meet exactly symmetrically: each as far from the middle, each
 //! through the middle to the other side. Extra path is measured against the same mission flown alone.
 
-#![expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "counts are small and not negative"
-)]
-
 use fga::Vec3;
 use rayon::prelude::*;
 
@@ -36,7 +30,7 @@ const SQUARES: [(usize, f64); 3] = [(12, 2000.0), (20, 2500.0), (50, 4000.0)];
 const RINGS_M: [f64; 3] = [300.0, 500.0, 900.0];
 
 /// What happened in airspaces of one kind.
-#[derive(Default)]
+#[derive(Default, Clone, Copy)]
 struct Sum {
     aircraft: usize,
     entered: usize,
