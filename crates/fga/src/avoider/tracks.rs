@@ -14,7 +14,7 @@ use crate::situation::{Movement, Obstacle, Obstacles, ProtectedVolume, Situation
 pub const MAX_TRACKED: usize = MAX_HAZARDS;
 
 /// A missing obstacle is extrapolated for this long, seconds.
-const COASTED_S: f64 = 2.0;
+const COASTED_S: f64 = 5.0;
 
 /// Work for learning an obstacle's motion.
 const LEARN_WORK: usize = 8;

@@ -98,7 +98,7 @@ fn an_obstacle_that_vanishes_during_the_manoeuvre_lets_it_come_back() {
     }
     assert!(flight.own.position_m.y.abs() > 1.0, "{:?}", flight.own);
     let steps = flight.until(State::Recovering, &mut []);
-    assert!(steps < 30, "{steps}");
+    assert!(steps < 60, "{steps}");
     flight.until(State::Cruise, &mut []);
     assert!(flight.own.position_m.y.abs() < 1.0);
 }

@@ -63,16 +63,12 @@ impl Known {
         trend: Trend::STRAIGHT,
     };
 
-    /// Its extrapolation without reports: straight on, and within its bounds.
+    /// Its extrapolation without reports: straight on, from a report that has become older.
     pub(super) fn coasted(&self, missing_s: f64) -> Obstacle {
-        let mut obstacle = self.obstacle;
-        obstacle.position_m = obstacle.position_after_m(missing_s);
-        if let Some(bounds) = obstacle.movement.bounds() {
-            let speed_mps = obstacle.velocity_mps.length();
-            let across_mps2 = speed_mps * bounds.turn_rate_radps;
-            let change_mps2 = across_mps2.max(bounds.acceleration_mps2);
-            obstacle.uncertainty.position_m += 0.5 * change_mps2 * missing_s * missing_s;
+        Obstacle {
+            position_m: self.obstacle.position_after_m(missing_s),
+            age_s: self.obstacle.age_s.max(0.0) + missing_s,
+            ..self.obstacle
         }
-        obstacle
     }
 }
