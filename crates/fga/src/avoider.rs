@@ -390,7 +390,7 @@ impl Avoider {
                 floor_m.min(lowest_m - apart_m),
                 ceiling_m.max(highest_m + apart_m),
             ];
-            self.tracks.stay_between(limits_m, situation);
+            self.tracks.stay_between(limits_m);
         }
         self.meter.count(self.tracks.work());
     }

@@ -5,7 +5,7 @@ mod memory;
 use self::memory::{Known, Memory};
 use crate::Vec3;
 use crate::avoider::Kept;
-use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Motions, Trend};
+use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Trend, add_aircraft, most};
 use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
 use crate::meter::{COMPARED, MOTION, Meter};
 use crate::situation::{Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
@@ -30,35 +30,27 @@ const LEAVING_SHARE: f64 = 0.98;
 
 /// The hazards of one step.
 #[derive(Debug, Clone)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is an answer about the same step, and any of them may hold with any other"
-)]
 pub struct Tracks {
+    /// The expected motion of each obstacle, or all motions that were asked for.
     hazards: Hazards,
-    /// The same obstacles as known, over the ground.
-    obstacles: [Obstacle; MAX_TRACKED],
-    /// The turn of each.
-    trend: [Trend; MAX_TRACKED],
-    /// The obstacles at the last two steps.
-    memory: [Memory; 2],
-    /// Index of the last step among the two.
-    last: usize,
-    /// Their possible motions, on demand.
-    motions: Motions,
-    /// Whether `motions` replace the hazards.
+    /// Whether they are those that were asked for.
     moving: bool,
+    /// The obstacles of this step and of the last one, over the ground.
+    memory: [Memory; 2],
+    /// Index of this step among the two.
+    now: usize,
+    /// Number of obstacles of this step, limits of altitude included.
+    count: usize,
+    /// The distance of each, metres.
+    distances_m: [f64; MAX_TRACKED],
     /// Number of aircraft among them.
     aircraft: usize,
-    /// Where our aircraft was when their motions were asked for, metres.
-    own_m: Vec3,
+    /// What their hazards are computed from.
+    seen_from: SeenFrom,
     /// Work for taking in the obstacles of this step.
     work: usize,
     /// The farthest hazard of a full set: its index and distance, metres.
     farthest: Option<(usize, f64)>,
-    /// The distances of a full set, metres, once it has been asked for the farthest.
-    distances_m: [f64; MAX_TRACKED],
-    has_distances: bool,
     /// Obstacles within the surveillance radius.
     pub seen: u32,
     /// Unusable ones.
@@ -71,6 +63,37 @@ pub struct Tracks {
     pub uncertain: bool,
 }
 
+/// What an obstacle is seen from.
+#[derive(Debug, Clone, Copy, Default)]
+struct SeenFrom {
+    time_s: f64,
+    own_m: Vec3,
+    wind_mps: Vec3,
+    sigmas: f64,
+}
+
+impl SeenFrom {
+    /// The expected motion of an obstacle.
+    fn hazard(&self, place: usize, obstacle: &Obstacle) -> Hazard {
+        let index = u32::try_from(place).unwrap_or(u32::MAX);
+        let mut hazard = Hazard::new(index, obstacle, self.wind_mps, self.sigmas);
+        let offset_m = self.own_m - obstacle.position_m;
+        if hazard.volume.margin_m(offset_m) < 0.0 {
+            if obstacle.volume.margin_m(offset_m) < 0.0 && hazard.is_cylinder() {
+                hazard.allowed_depth_m = 0.0;
+                let nearer_m = hazard.position_m + LEAVING_SHARE * offset_m;
+                hazard.allowed_depth_m = -hazard.margin_m(nearer_m, 0.0);
+            } else {
+                hazard.volume = relaxed(&hazard.volume, &obstacle.volume, offset_m);
+            }
+        }
+        if obstacle.movement == Movement::AtRest {
+            hazard.velocity_mps = -self.wind_mps;
+        }
+        hazard
+    }
+}
+
 impl Default for Tracks {
     fn default() -> Self {
         Self::new()
@@ -79,25 +102,23 @@ impl Default for Tracks {
 
 impl Tracks {
     /// No obstacles.
-    #[expect(
-        clippy::large_stack_arrays,
-        reason = "no allocation: the caller says where it lies"
-    )]
     pub const fn new() -> Self {
         Self {
             hazards: Hazards::new(),
-            obstacles: [Known::NONE.obstacle; MAX_TRACKED],
-            trend: [Trend::STRAIGHT; MAX_TRACKED],
-            memory: [Memory::NONE; 2],
-            last: 0,
-            motions: Motions::new(),
             moving: false,
+            memory: [Memory::NONE; 2],
+            now: 0,
+            count: 0,
+            distances_m: [0.0; MAX_TRACKED],
             aircraft: 0,
-            own_m: Vec3::ZERO,
+            seen_from: SeenFrom {
+                time_s: 0.0,
+                own_m: Vec3::ZERO,
+                wind_mps: Vec3::ZERO,
+                sigmas: 0.0,
+            },
             work: 0,
             farthest: None,
-            distances_m: [0.0; MAX_TRACKED],
-            has_distances: false,
             seen: 0,
             unusable: 0,
             inside: false,
@@ -109,11 +130,9 @@ impl Tracks {
     /// Forgets the obstacles of this step.
     pub fn clear(&mut self) {
         self.hazards.clear();
-        self.motions.clear();
         self.moving = false;
-        self.aircraft = 0;
-        self.work = 0;
-        (self.farthest, self.has_distances) = (None, false);
+        (self.count, self.aircraft, self.work) = (0, 0, 0);
+        self.farthest = None;
         (self.seen, self.unusable) = (0, 0);
         (self.inside, self.overflow, self.uncertain) = (false, false, false);
     }
@@ -128,11 +147,26 @@ impl Tracks {
 
     /// The hazards.
     pub const fn hazards(&self) -> &Hazards {
-        if self.moving {
-            self.motions.hazards()
-        } else {
-            &self.hazards
-        }
+        &self.hazards
+    }
+
+    /// The obstacles of this step as last heard of.
+    fn known(&self) -> &[Known] {
+        let now = self.memory.get(self.now);
+        now.and_then(|now| now.known.get(..self.count))
+            .unwrap_or(&[])
+    }
+
+    /// An obstacle of this step, and its turn.
+    fn obstacle(&self, place: usize) -> Option<(Obstacle, Trend)> {
+        let known = self.known().get(place)?;
+        let missing_s = self.seen_from.time_s - known.heard_s;
+        Some((known.coasted(missing_s), known.trend))
+    }
+
+    /// The distance of an obstacle of this step, metres.
+    fn distance_m(&self, place: usize) -> f64 {
+        self.distances_m.get(place).copied().unwrap_or_default()
     }
 
     /// Whether any obstacle is an aircraft, which may depart from its expected motion.
@@ -142,7 +176,7 @@ impl Tracks {
 
     /// The number of aircraft without room for their turns of a share of the bounds: they count as flying straight on.
     pub(super) fn straight_aircraft(&self, share: f64, meter: &Meter) -> u32 {
-        let turning = self.turning(&|_| Freedom::Share(share), self.own_m, meter);
+        let turning = self.turning(&|_| Freedom::Share(share), meter);
         let turning = turning.map_or(0, |(turning, ..)| turning);
         u32::try_from(self.aircraft - turning).unwrap_or(u32::MAX)
     }
@@ -152,24 +186,25 @@ impl Tracks {
     fn turning(
         &self,
         freedom: &impl Fn(&Hazard) -> Freedom,
-        own_m: Vec3,
         meter: &Meter,
     ) -> Option<(usize, (f64, usize), usize)> {
-        let rows = self.hazards.rows();
-        let mut left = MAX_HAZARDS - rows.len();
+        let mut left = MAX_HAZARDS - self.count;
         let mut last = (f64::NEG_INFINITY, 0);
         for turning in 0..self.aircraft {
-            meter.take(rows.len() / 2).then_some(())?;
+            meter.take(self.count / 2).then_some(())?;
             let mut next = (f64::INFINITY, usize::MAX);
-            let mut more = 0;
-            let known = self.obstacles.iter().zip(&self.trend);
-            for (place, (hazard, (known, trend))) in rows.iter().zip(known).enumerate() {
-                let here = (hazard.margin_m(own_m, 0.0), place);
-                if known.movement.bounds().is_some() && here > last && here < next {
+            for (place, known) in self.known().iter().enumerate() {
+                let here = (self.distance_m(place), place);
+                let may_turn = known.obstacle.movement.bounds().is_some();
+                if may_turn && here > last && here < next {
                     next = here;
-                    more = Motions::most(freedom(hazard), (known, *trend)) - 1;
                 }
             }
+            let Some((obstacle, trend)) = self.obstacle(next.1) else {
+                return Some((turning, last, left));
+            };
+            let freedom = freedom(&self.seen_from.hazard(next.1, &obstacle));
+            let more = most(freedom, (&obstacle, trend)) - 1;
             if more > left {
                 return Some((turning, last, left));
             }
@@ -180,9 +215,13 @@ impl Tracks {
 
     /// Whether every aircraft of some moves away from ours.
     pub(super) fn all_pass(&self, own_m: Vec3, own_mps: Vec3, of: impl Fn(u32) -> bool) -> bool {
-        let rows = self.hazards.rows().iter().zip(&self.obstacles);
-        rows.filter(|(_, known)| known.movement.bounds().is_some() && of(known.id))
-            .all(|(hazard, _)| (hazard.position_m - own_m).dot(hazard.velocity_mps - own_mps) > 0.0)
+        (0..self.count)
+            .filter_map(|place| self.obstacle(place))
+            .filter(|(known, _)| known.movement.bounds().is_some() && of(known.id))
+            .all(|(known, _)| {
+                let velocity_mps = known.velocity_mps - self.seen_from.wind_mps;
+                (known.position_m - own_m).dot(velocity_mps - own_mps) > 0.0
+            })
     }
 
     /// Replaces the hazards by the possible motions of aircraft; obstacles that keep their velocity stay the same. Some are
@@ -190,37 +229,33 @@ impl Tracks {
     pub(super) fn withstand(
         &mut self,
         freedom: impl Fn(&Hazard) -> Freedom,
-        own_m: Vec3,
         clearance: Clearance,
         meter: &Meter,
     ) {
-        self.motions.clear();
+        self.hazards.clear();
         self.moving = true;
-        self.own_m = own_m;
-        let rows = self.hazards.rows();
-        if !meter.take(rows.len()) {
+        if !meter.take(self.count) {
             return;
         }
-        let Some((turning, last, left)) = self.turning(&freedom, own_m, meter) else {
+        let Some((turning, last, left)) = self.turning(&freedom, meter) else {
             return;
         };
-        let straight = usize::from(left >= rows.len() - turning);
-        for (place, (hazard, (known, trend))) in rows
-            .iter()
-            .zip(self.obstacles.iter().zip(&self.trend))
-            .enumerate()
-        {
-            let may_turn = turning > 0 && (hazard.margin_m(own_m, 0.0), place) <= last;
+        let straight = usize::from(left >= self.count - turning);
+        let own_m = self.seen_from.own_m;
+        for place in 0..self.count {
+            let Some((known, trend)) = self.obstacle(place) else {
+                return;
+            };
+            let may_turn = turning > 0 && (self.distance_m(place), place) <= last;
             let motions = if may_turn { MOTIONS } else { straight };
-            let freedom = (freedom(hazard), clearance);
-            let mut hazard = *hazard;
+            let mut hazard = self.seen_from.hazard(place, &known);
+            let asked = (freedom(&hazard), clearance);
             if clearance.is_unproven && known.volume.margin_m(own_m - known.position_m) >= 0.0 {
                 (hazard.volume, hazard.growth_mps) = (known.volume, 0.0);
             }
-            let before = self.motions.hazards().rows().len();
-            self.motions
-                .add_aircraft(&hazard, (known, *trend), freedom, motions);
-            let added = self.motions.hazards().rows().len() - before;
+            let before = self.hazards.rows().len();
+            add_aircraft(&mut self.hazards, &hazard, (&known, trend), asked, motions);
+            let added = self.hazards.rows().len() - before;
             if !meter.take(MOTION * added) {
                 return;
             }
@@ -228,45 +263,43 @@ impl Tracks {
     }
 
     /// The hazards are their expected motions again.
-    pub(super) const fn as_expected(&mut self) {
+    pub(super) fn as_expected(&mut self) {
+        if !self.moving {
+            return;
+        }
         self.moving = false;
+        self.hazards.clear();
+        for place in 0..self.count {
+            if let Some((known, _)) = self.obstacle(place) {
+                let hazard = self.seen_from.hazard(place, &known);
+                self.hazards.put(place, hazard);
+            }
+        }
     }
 
     /// Whether there is any obstacle but the limits of altitude.
     pub(super) fn has_obstacles(&self) -> bool {
-        let mut rows = self.hazards.rows().iter();
-        rows.any(|hazard| hazard.volume.radius_m() < FLAT_M)
+        let mut known = self.known().iter();
+        known.any(|known| known.obstacle.volume.radius_m() < FLAT_M)
     }
 
     /// Adds the altitudes between which the aircraft stays, metres: a floor and a ceiling are obstacles like any other, spheres so
     /// large that they are flat.
-    pub(super) fn stay_between(&mut self, limits_m: [f64; 2], situation: &Situation<'_>) {
-        let own_m = situation.ownship.position_m;
+    pub(super) fn stay_between(&mut self, limits_m: [f64; 2]) {
+        let own_m = self.seen_from.own_m;
         for (side, limit_m) in [-1.0, 1.0].into_iter().zip(limits_m) {
-            let place = self.hazards.rows().len();
-            if place >= MAX_TRACKED || !limit_m.is_finite() {
+            if self.count >= MAX_TRACKED || !limit_m.is_finite() {
                 continue;
             }
             let [x, y] =
                 [own_m.x, own_m.y].map(|at_m| FLAT_WITHIN_M * libm::rint(at_m / FLAT_WITHIN_M));
             let volume = ProtectedVolume::Sphere { radius_m: FLAT_M };
+            let centre_m = Vec3::new(x, y, limit_m + side * FLAT_M);
             let limit = Obstacle {
                 movement: Movement::AtRest,
-                ..Obstacle::straight(
-                    u32::MAX,
-                    Vec3::new(x, y, limit_m + side * FLAT_M),
-                    Vec3::ZERO,
-                    volume,
-                )
+                ..Obstacle::straight(u32::MAX, centre_m, Vec3::ZERO, volume)
             };
-            let index = u32::try_from(place).unwrap_or(u32::MAX);
-            self.hazards
-                .put(place, Hazard::new(index, &limit, situation.wind_mps, 0.0));
-            if let Some((known, trend)) =
-                self.obstacles.get_mut(place).zip(self.trend.get_mut(place))
-            {
-                (*known, *trend) = (limit, Trend::STRAIGHT);
-            }
+            self.put(self.count, &limit);
         }
     }
 
@@ -283,17 +316,17 @@ impl Tracks {
         horizon_s: f64,
         sigmas: f64,
     ) {
-        self.clear();
+        self.begin(situation, sigmas);
         let limits = (surveillance_radius_m, horizon_s);
         match situation.obstacles {
             // Read in place.
             Obstacles::Rows(rows) => rows
                 .iter()
-                .for_each(|obstacle| self.consider(situation, obstacle, limits, sigmas)),
+                .for_each(|obstacle| self.consider(situation, obstacle, limits)),
             Obstacles::Columns(_) => (situation.obstacles.iter())
-                .for_each(|obstacle| self.consider(situation, &obstacle, limits, sigmas)),
+                .for_each(|obstacle| self.consider(situation, &obstacle, limits)),
         }
-        self.complete(situation, limits, sigmas);
+        self.complete(situation, limits);
     }
 
     /// The same for kept obstacles, in place of those of the situation.
@@ -304,76 +337,84 @@ impl Tracks {
         limits: (f64, f64),
         sigmas: f64,
     ) {
-        self.clear();
+        self.begin(situation, sigmas);
         let others = kept.each_near(situation, limits, |obstacle| {
-            self.consider(situation, obstacle, limits, sigmas);
+            self.consider(situation, obstacle, limits);
         });
         self.seen = self.seen.saturating_add(others);
-        self.complete(situation, limits, sigmas);
+        self.complete(situation, limits);
     }
 
-    /// Adds those that are missing for a short time, and learns.
-    fn complete(&mut self, situation: &Situation<'_>, limits: (f64, f64), sigmas: f64) {
-        let heard = self.hazards.rows().len();
+    fn begin(&mut self, situation: &Situation<'_>, sigmas: f64) {
+        self.clear();
+        self.now = 1 - self.now;
+        self.seen_from = SeenFrom {
+            time_s: situation.time_s,
+            own_m: situation.ownship.position_m,
+            wind_mps: situation.wind_mps,
+            sigmas,
+        };
+    }
+
+    /// Adds those that are missing for a short time, and learns; the first ones were reported now.
+    fn complete(&mut self, situation: &Situation<'_>, limits: (f64, f64)) {
+        let heard = self.count;
         self.work += self.seen as usize / 2;
         // A missing one is extrapolated, for a limited time.
         let mut place = 0;
-        while let Some(known) = self.remembered().known(place) {
+        while let Some(last) = self.memory.get(1 - self.now).and_then(|m| m.get(place)) {
             place += 1;
-            let missing_s = situation.time_s - known.heard_s;
+            let last = *last;
+            let missing_s = situation.time_s - last.heard_s;
             let missing = (0.0..=COASTED_S).contains(&missing_s) && {
-                let mut rows = self.obstacles.iter().take(heard);
-                !rows.any(|obstacle| obstacle.id == known.obstacle.id)
+                let mut heard = self.known().iter().take(heard);
+                !heard.any(|known| known.obstacle.id == last.obstacle.id)
             };
-            if missing && self.hazards.rows().len() < MAX_TRACKED {
-                self.consider(situation, &known.coasted(missing_s), limits, sigmas);
+            let at = self.count;
+            if missing && at < MAX_TRACKED {
+                self.consider(situation, &last.coasted(missing_s), limits);
+                if self.count > at
+                    && let Some(slot) = self.slot(at)
+                {
+                    *slot = last;
+                }
             }
         }
-        self.learn(situation, heard);
+        self.learn(heard);
     }
 
-    /// The obstacles at the last step.
-    fn remembered(&self) -> &Memory {
-        let [one, other] = &self.memory;
-        if self.last == 0 { one } else { other }
+    fn slot(&mut self, place: usize) -> Option<&mut Known> {
+        self.memory.get_mut(self.now)?.known.get_mut(place)
     }
 
     /// Learns the turns of the obstacles, and remembers them; the first `heard` were reported now.
-    fn learn(&mut self, situation: &Situation<'_>, heard: usize) {
+    fn learn(&mut self, heard: usize) {
         let [one, other] = &mut self.memory;
-        let (before, now) = if self.last == 0 {
+        let (before, now) = if self.now == 1 {
             (one, other)
         } else {
             (other, one)
         };
-        self.last = 1 - self.last;
-        now.len = 0;
-        let count = self.hazards.rows().len();
+        now.len = self.count;
         // Searches each among those of the last step, twice.
-        self.work += count * (LEARN_WORK + before.len / 16);
-        let tracked = self.obstacles.iter().zip(&mut self.trend).take(count);
-        for (place, (known, trend)) in tracked.enumerate() {
-            let is_aircraft = known.movement.bounds().is_some();
+        self.work += self.count * (LEARN_WORK + before.len / 16);
+        for (place, known) in now.known.iter_mut().take(self.count).enumerate() {
+            let obstacle = &known.obstacle;
+            let is_aircraft = obstacle.movement.bounds().is_some();
             self.aircraft += usize::from(is_aircraft);
-            let last = before.of(known.id, place);
-            *trend = last.map_or_else(|| Trend::of(known), |last| last.trend);
-            if let Some(last) = last.filter(|_| place >= heard) {
-                now.add(last);
+            if place >= heard {
                 continue;
             }
+            let last = before.of(obstacle.id, place);
+            known.trend = last.map_or_else(|| Trend::of(obstacle), |last| last.trend);
             // What keeps its velocity has no turn to learn.
             if let Some(last) = last.filter(|_| is_aircraft) {
-                trend.learn(
-                    last.obstacle.velocity_mps - situation.wind_mps,
-                    known.velocity_mps - situation.wind_mps,
-                    situation.time_s - last.heard_s,
+                known.trend.learn(
+                    last.obstacle.velocity_mps - self.seen_from.wind_mps,
+                    obstacle.velocity_mps - self.seen_from.wind_mps,
+                    self.seen_from.time_s - last.heard_s,
                 );
             }
-            now.add(Known {
-                obstacle: *known,
-                heard_s: situation.time_s,
-                trend: *trend,
-            });
         }
     }
 
@@ -382,7 +423,6 @@ impl Tracks {
         situation: &Situation<'_>,
         obstacle: &Obstacle,
         (surveillance_radius_m, horizon_s): (f64, f64),
-        sigmas: f64,
     ) {
         if !obstacle.is_valid() {
             self.unusable += 1;
@@ -394,69 +434,56 @@ impl Tracks {
         }
         self.seen += 1;
         if !situation.is_out_of_reach(obstacle, horizon_s) {
-            self.keep(situation, obstacle, sigmas);
+            self.keep(obstacle);
         }
     }
 
-    fn keep(&mut self, situation: &Situation<'_>, obstacle: &Obstacle, sigmas: f64) {
-        let own = situation.ownship.position_m;
-        let mut place = self.hazards.rows().len();
+    fn keep(&mut self, obstacle: &Obstacle) {
+        let own_m = self.seen_from.own_m;
+        let mut place = self.count;
         if place >= MAX_TRACKED {
+            let new = Hazard::new(0, obstacle, self.seen_from.wind_mps, self.seen_from.sigmas);
+            let (index, distance_m) = self.farthest();
             self.overflow = true;
-            let new = Hazard::new(0, obstacle, situation.wind_mps, sigmas);
-            let (index, distance_m) = self.farthest(own);
-            if distance_m <= new.margin_m(own, 0.0) {
+            if distance_m <= new.margin_m(own_m, 0.0) {
                 return;
             }
             place = index;
             self.farthest = None;
         }
-        let index = u32::try_from(place).unwrap_or(u32::MAX);
-        let mut hazard = Hazard::new(index, obstacle, situation.wind_mps, sigmas);
-        let offset_m = own - obstacle.position_m;
-        if hazard.volume.margin_m(offset_m) < 0.0 {
-            let is_inside = obstacle.volume.margin_m(offset_m) < 0.0;
-            self.inside |= is_inside;
-            if is_inside && hazard.is_cylinder() {
-                hazard.allowed_depth_m = 0.0;
-                let nearer_m = hazard.position_m + LEAVING_SHARE * offset_m;
-                hazard.allowed_depth_m = -hazard.margin_m(nearer_m, 0.0);
-            } else {
-                hazard.volume = relaxed(&hazard.volume, &obstacle.volume, offset_m);
-            }
-        }
-        if obstacle.movement == Movement::AtRest {
-            hazard.velocity_mps = -situation.wind_mps;
-        }
-        if self.hazards.put(place, hazard)
-            && let Some(known) = self.obstacles.get_mut(place)
-        {
-            *known = *obstacle;
-        }
-        if self.has_distances
-            && let Some(distance_m) = self.distances_m.get_mut(place)
-        {
-            *distance_m = hazard.margin_m(own, 0.0);
-        }
+        self.inside |= obstacle.volume.margin_m(own_m - obstacle.position_m) < 0.0;
+        self.put(place, obstacle);
         let uncertainty = obstacle.uncertainty;
         self.uncertain |= uncertainty.position_m > 0.0 || uncertainty.velocity_mps > 0.0;
     }
-}
 
-impl Tracks {
-    /// The index of the farthest hazard from the aircraft, and its distance, metres. The result is kept until
+    /// Takes an obstacle at a place with its expected motion.
+    fn put(&mut self, place: usize, obstacle: &Obstacle) {
+        let hazard = self.seen_from.hazard(place, obstacle);
+        let distance_m = hazard.margin_m(self.seen_from.own_m, 0.0);
+        let heard_s = self.seen_from.time_s;
+        self.hazards.put(place, hazard);
+        if let Some(slot) = self.distances_m.get_mut(place) {
+            *slot = distance_m;
+        }
+        if let Some(slot) = self.slot(place) {
+            *slot = Known {
+                obstacle: *obstacle,
+                heard_s,
+                trend: Trend::STRAIGHT,
+            };
+            self.count = self.count.max(place + 1);
+        }
+    }
+
+    /// The index of the farthest hazard of a full set, and its distance, metres. The result is kept until
     /// that hazard is replaced.
-    fn farthest(&mut self, own_m: Vec3) -> (usize, f64) {
+    fn farthest(&mut self) -> (usize, f64) {
         if let Some(known) = self.farthest {
             return known;
         }
-        if !self.has_distances {
-            self.has_distances = true;
-            let rows = self.hazards.rows();
-            self.work += rows.len() / 2;
-            for (slot, hazard) in self.distances_m.iter_mut().zip(rows) {
-                *slot = hazard.margin_m(own_m, 0.0);
-            }
+        if !self.overflow {
+            self.work += MAX_TRACKED / 2;
         }
         self.work += MAX_TRACKED / COMPARED;
         let farthest = self
@@ -583,7 +610,7 @@ mod tests {
                 is_unproven: false,
             };
             let meter = Meter::unlimited();
-            tracks.withstand(|_| Freedom::Share(1.0), Vec3::ZERO, exact, &meter);
+            tracks.withstand(|_| Freedom::Share(1.0), exact, &meter);
             for id in 0..count {
                 let has = tracks.hazards().rows().iter().any(|hazard| hazard.id == id);
                 assert!(has, "{id} of {count}");

@@ -160,7 +160,7 @@ impl Avoider {
         } else {
             0
         });
-        self.withstand(Freedom::Expected, now.position_m, (0.0, demand.margin_m));
+        self.withstand(Freedom::Expected, (0.0, demand.margin_m));
         let Some((threat, against)) = self.first_threat(&nominal, now, &demand) else {
             self.state = State::Cruise;
             return self.decision(&nominal, Reason::Clear);

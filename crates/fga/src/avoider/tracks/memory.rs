@@ -1,14 +1,14 @@
-//! What was known of each obstacle at the last step.
+//! What is known of each obstacle, at this step and the last one.
 
 use super::MAX_TRACKED;
 use crate::Vec3;
 use crate::avoider::intruders::Trend;
 use crate::situation::{Obstacle, ProtectedVolume};
 
-/// The obstacles at the last step.
+/// The obstacles of a step, and how many of them the next one remembers.
 #[derive(Debug, Clone)]
 pub(super) struct Memory {
-    known: [Known; MAX_TRACKED],
+    pub(super) known: [Known; MAX_TRACKED],
     pub(super) len: usize,
 }
 
@@ -22,24 +22,17 @@ impl Memory {
         len: 0,
     };
 
-    pub(super) fn known(&self, place: usize) -> Option<Known> {
-        let known = self.known.get(..self.len)?;
-        known.get(place).copied()
+    pub(super) fn get(&self, place: usize) -> Option<&Known> {
+        self.known.get(..self.len)?.get(place)
     }
 
     /// The obstacle with an identifier; most often it has the same index as before.
-    pub(super) fn of(&self, id: u32, place: usize) -> Option<Known> {
-        let is_it = |known: &Known| known.obstacle.id == id;
-        self.known(place)
+    pub(super) fn of(&self, id: u32, place: usize) -> Option<&Known> {
+        let is_it = |known: &&Known| known.obstacle.id == id;
+        let all = self.known.get(..self.len)?;
+        self.get(place)
             .filter(is_it)
-            .or_else(|| self.known.iter().take(self.len).copied().find(is_it))
-    }
-
-    pub(super) fn add(&mut self, known: Known) {
-        if let Some(slot) = self.known.get_mut(self.len) {
-            *slot = known;
-            self.len += 1;
-        }
+            .or_else(|| all.iter().find(is_it))
     }
 }
 
