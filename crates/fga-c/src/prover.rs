@@ -254,9 +254,10 @@ pub unsafe extern "C" fn fga_prover_init(
         let construct = |proving: *mut Proving| -> Result<(), Refused> {
             // SAFETY: there is room for a `Proving`; all of its fields are written.
             unsafe {
-                (&raw mut (*proving).flyer).write(Flyer::new(&vehicle));
-                (&raw mut (*proving).path).write(FlightPath::new());
-                (&raw mut (*proving).hazards).write(Hazards::new());
+                (&raw mut (*proving).flyer).write(Flyer::blank(&vehicle));
+                (*proving).flyer.set(&vehicle);
+                (&raw mut (*proving).path).write(const { FlightPath::new() });
+                (&raw mut (*proving).hazards).write(const { Hazards::new() });
             }
             Ok(())
         };

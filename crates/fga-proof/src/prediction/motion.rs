@@ -184,8 +184,15 @@ pub struct Flyer {
 impl Flyer {
     /// The motion of a vehicle at its airspeed.
     pub fn new(vehicle: &Vehicle) -> Self {
+        let mut flyer = Self::blank(vehicle);
+        flyer.set(vehicle);
+        flyer
+    }
+
+    /// Of no use before [`Self::set`]: what is large of it is zeros, which are written without a copy.
+    pub fn blank(vehicle: &Vehicle) -> Self {
         let response = vehicle.response;
-        let mut flyer = Self {
+        Self {
             airspeed_mps: vehicle.airspeed_mps,
             course_rate_radps: vehicle.course_rate_radps(),
             climb_rate_radps: vehicle.climb_rate_radps,
@@ -203,14 +210,18 @@ impl Flyer {
             roll_outs_m: [(0.0, 0.0); ROLL_OUTS],
             widest_bend: None,
             bends: [None; 3],
-        };
-        if !flyer.is_ideal() {
-            flyer.prepare_rolls();
-            flyer.widest_bend = Some(Bend::new(&flyer, -flyer.full_bank_rad));
         }
-        let level = Bend::new(&flyer, 0.0);
-        flyer.bends = [Some(level), None, None];
-        flyer
+    }
+
+    /// Takes the motion of a vehicle.
+    pub fn set(&mut self, vehicle: &Vehicle) {
+        *self = Self::blank(vehicle);
+        if !self.is_ideal() {
+            self.prepare_rolls();
+            self.widest_bend = Some(Bend::new(self, -self.full_bank_rad));
+        }
+        let level = Bend::new(self, 0.0);
+        self.bends = [Some(level), None, None];
     }
 
     /// Time constant of the bank, seconds.

@@ -1,8 +1,8 @@
 //! The obstacles that matter for a decision, in a buffer of fixed size.
 
-mod memory;
+mod known;
 
-use self::memory::{Known, Memory};
+use self::known::Known;
 use crate::Vec3;
 use crate::avoider::Kept;
 use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Trend, add_aircraft, most};
@@ -35,20 +35,18 @@ pub struct Tracks {
     hazards: Hazards,
     /// Whether they are those that were asked for.
     moving: bool,
-    /// The obstacles of this step and of the last one, over the ground.
-    memory: [Memory; 2],
-    /// Index of this step among the two.
-    now: usize,
-    /// Number of obstacles of this step, limits of altitude included.
+    /// The obstacles of this step, and behind them those of the last one of which nothing is heard yet.
+    known: [Known; MAX_TRACKED],
+    /// Number of obstacles of this step.
     count: usize,
-    /// The distance of each, metres.
-    distances_m: [f64; MAX_TRACKED],
+    /// Number of all without the limits of altitude: the next step remembers so many.
+    len: usize,
     /// Number of aircraft among them.
     aircraft: usize,
     /// What their hazards are computed from.
     seen_from: SeenFrom,
     /// Work for taking in the obstacles of this step.
-    work: usize,
+    pub(super) work: usize,
     /// The farthest hazard of a full set: its index and distance, metres.
     farthest: Option<(usize, f64)>,
     /// Obstacles within the surveillance radius.
@@ -106,10 +104,9 @@ impl Tracks {
         Self {
             hazards: Hazards::new(),
             moving: false,
-            memory: [Memory::NONE; 2],
-            now: 0,
+            known: [Known::NONE; MAX_TRACKED],
             count: 0,
-            distances_m: [0.0; MAX_TRACKED],
+            len: 0,
             aircraft: 0,
             seen_from: SeenFrom {
                 time_s: 0.0,
@@ -140,9 +137,7 @@ impl Tracks {
     /// Also forgets the obstacles of earlier steps.
     pub fn forget(&mut self) {
         self.clear();
-        for memory in &mut self.memory {
-            memory.len = 0;
-        }
+        self.len = 0;
     }
 
     /// The hazards.
@@ -152,21 +147,17 @@ impl Tracks {
 
     /// The obstacles of this step as last heard of.
     fn known(&self) -> &[Known] {
-        let now = self.memory.get(self.now);
-        now.and_then(|now| now.known.get(..self.count))
-            .unwrap_or(&[])
+        self.known.get(..self.count).unwrap_or(&[])
     }
 
-    /// An obstacle of this step, and its turn.
-    fn obstacle(&self, place: usize) -> Option<(Obstacle, Trend)> {
+    /// An obstacle of this step.
+    fn obstacle(&self, place: usize) -> Option<Known> {
         let known = self.known().get(place)?;
         let missing_s = self.seen_from.time_s - known.heard_s;
-        Some((known.coasted(missing_s), known.trend))
-    }
-
-    /// The distance of an obstacle of this step, metres.
-    fn distance_m(&self, place: usize) -> f64 {
-        self.distances_m.get(place).copied().unwrap_or_default()
+        Some(Known {
+            obstacle: known.coasted(missing_s),
+            ..*known
+        })
     }
 
     /// Whether any obstacle is an aircraft, which may depart from its expected motion.
@@ -194,17 +185,17 @@ impl Tracks {
             meter.take(self.count / 2).then_some(())?;
             let mut next = (f64::INFINITY, usize::MAX);
             for (place, known) in self.known().iter().enumerate() {
-                let here = (self.distance_m(place), place);
+                let here = (known.distance_m, place);
                 let may_turn = known.obstacle.movement.bounds().is_some();
                 if may_turn && here > last && here < next {
                     next = here;
                 }
             }
-            let Some((obstacle, trend)) = self.obstacle(next.1) else {
+            let Some(known) = self.obstacle(next.1) else {
                 return Some((turning, last, left));
             };
-            let freedom = freedom(&self.seen_from.hazard(next.1, &obstacle));
-            let more = most(freedom, (&obstacle, trend)) - 1;
+            let freedom = freedom(&self.seen_from.hazard(next.1, &known.obstacle));
+            let more = most(freedom, (&known.obstacle, known.trend)) - 1;
             if more > left {
                 return Some((turning, last, left));
             }
@@ -217,8 +208,9 @@ impl Tracks {
     pub(super) fn all_pass(&self, own_m: Vec3, own_mps: Vec3, of: impl Fn(u32) -> bool) -> bool {
         (0..self.count)
             .filter_map(|place| self.obstacle(place))
-            .filter(|(known, _)| known.movement.bounds().is_some() && of(known.id))
-            .all(|(known, _)| {
+            .map(|known| known.obstacle)
+            .filter(|known| known.movement.bounds().is_some() && of(known.id))
+            .all(|known| {
                 let velocity_mps = known.velocity_mps - self.seen_from.wind_mps;
                 (known.position_m - own_m).dot(velocity_mps - own_mps) > 0.0
             })
@@ -243,10 +235,11 @@ impl Tracks {
         let straight = usize::from(left >= self.count - turning);
         let own_m = self.seen_from.own_m;
         for place in 0..self.count {
-            let Some((known, trend)) = self.obstacle(place) else {
+            let Some(tracked) = self.obstacle(place) else {
                 return;
             };
-            let may_turn = turning > 0 && (self.distance_m(place), place) <= last;
+            let (known, trend) = (tracked.obstacle, tracked.trend);
+            let may_turn = turning > 0 && (tracked.distance_m, place) <= last;
             let motions = if may_turn { MOTIONS } else { straight };
             let mut hazard = self.seen_from.hazard(place, &known);
             let asked = (freedom(&hazard), clearance);
@@ -270,8 +263,8 @@ impl Tracks {
         self.moving = false;
         self.hazards.clear();
         for place in 0..self.count {
-            if let Some((known, _)) = self.obstacle(place) {
-                let hazard = self.seen_from.hazard(place, &known);
+            if let Some(known) = self.obstacle(place) {
+                let hazard = self.seen_from.hazard(place, &known.obstacle);
                 self.hazards.put(place, hazard);
             }
         }
@@ -299,13 +292,13 @@ impl Tracks {
                 movement: Movement::AtRest,
                 ..Obstacle::straight(u32::MAX, centre_m, Vec3::ZERO, volume)
             };
-            self.put(self.count, &limit);
+            let known = Known {
+                obstacle: limit,
+                heard_s: self.seen_from.time_s,
+                ..Known::NONE
+            };
+            self.put(self.count, &limit, known);
         }
-    }
-
-    /// Work for taking in the obstacles of this step.
-    pub(super) const fn work(&self) -> usize {
-        self.work
     }
 
     /// Takes the obstacles within the surveillance radius that the aircraft could meet within the horizon.
@@ -316,7 +309,7 @@ impl Tracks {
         horizon_s: f64,
         sigmas: f64,
     ) {
-        self.begin(situation, sigmas);
+        let before = self.begin(situation, sigmas);
         let limits = (surveillance_radius_m, horizon_s);
         match situation.obstacles {
             // Read in place.
@@ -326,7 +319,7 @@ impl Tracks {
             Obstacles::Columns(_) => (situation.obstacles.iter())
                 .for_each(|obstacle| self.consider(situation, &obstacle, limits)),
         }
-        self.complete(situation, limits);
+        self.complete(situation, limits, before);
     }
 
     /// The same for kept obstacles, in place of those of the situation.
@@ -337,147 +330,136 @@ impl Tracks {
         limits: (f64, f64),
         sigmas: f64,
     ) {
-        self.begin(situation, sigmas);
+        let before = self.begin(situation, sigmas);
         let others = kept.each_near(situation, limits, |obstacle| {
             self.consider(situation, obstacle, limits);
         });
         self.seen = self.seen.saturating_add(others);
-        self.complete(situation, limits);
+        self.complete(situation, limits, before);
     }
 
-    fn begin(&mut self, situation: &Situation<'_>, sigmas: f64) {
+    /// Begins a step; returns the number of obstacles of the last one.
+    fn begin(&mut self, situation: &Situation<'_>, sigmas: f64) -> usize {
         self.clear();
-        self.now = 1 - self.now;
         self.seen_from = SeenFrom {
             time_s: situation.time_s,
             own_m: situation.ownship.position_m,
             wind_mps: situation.wind_mps,
             sigmas,
         };
+        self.len
     }
 
-    /// Adds those that are missing for a short time, and learns; the first ones were reported now.
-    fn complete(&mut self, situation: &Situation<'_>, limits: (f64, f64)) {
-        let heard = self.count;
+    /// Adds those that are missing, extrapolated for a short time.
+    fn complete(&mut self, situation: &Situation<'_>, limits: (f64, f64), before: usize) {
         self.work += self.seen as usize / 2;
-        // A missing one is extrapolated, for a limited time.
-        let mut place = 0;
-        while let Some(last) = self.memory.get(1 - self.now).and_then(|m| m.get(place)) {
-            place += 1;
-            let last = *last;
-            let missing_s = situation.time_s - last.heard_s;
-            let missing = (0.0..=COASTED_S).contains(&missing_s) && {
-                let mut heard = self.known().iter().take(heard);
-                !heard.any(|known| known.obstacle.id == last.obstacle.id)
+        for place in self.count..self.len {
+            let Some(last) = self.known.get(place).copied() else {
+                break;
             };
-            let at = self.count;
-            if missing && at < MAX_TRACKED {
-                self.consider(situation, &last.coasted(missing_s), limits);
-                if self.count > at
-                    && let Some(slot) = self.slot(at)
-                {
-                    *slot = last;
-                }
+            let missing_s = situation.time_s - last.heard_s;
+            let seen = last.coasted(missing_s);
+            if (0.0..=COASTED_S).contains(&missing_s) && self.is_near(situation, &seen, limits) {
+                self.put(self.count, &seen, last);
             }
         }
-        self.learn(heard);
-    }
-
-    fn slot(&mut self, place: usize) -> Option<&mut Known> {
-        self.memory.get_mut(self.now)?.known.get_mut(place)
-    }
-
-    /// Learns the turns of the obstacles, and remembers them; the first `heard` were reported now.
-    fn learn(&mut self, heard: usize) {
-        let [one, other] = &mut self.memory;
-        let (before, now) = if self.now == 1 {
-            (one, other)
-        } else {
-            (other, one)
-        };
-        now.len = self.count;
+        self.len = self.count;
+        let aircraft = |known: &&Known| known.obstacle.movement.bounds().is_some();
+        self.aircraft = self.known().iter().filter(aircraft).count();
         // Searches each among those of the last step, twice.
-        self.work += self.count * (LEARN_WORK + before.len / 16);
-        for (place, known) in now.known.iter_mut().take(self.count).enumerate() {
-            let obstacle = &known.obstacle;
-            let is_aircraft = obstacle.movement.bounds().is_some();
-            self.aircraft += usize::from(is_aircraft);
-            if place >= heard {
-                continue;
-            }
-            let last = before.of(obstacle.id, place);
-            known.trend = last.map_or_else(|| Trend::of(obstacle), |last| last.trend);
-            // What keeps its velocity has no turn to learn.
-            if let Some(last) = last.filter(|_| is_aircraft) {
-                known.trend.learn(
-                    last.obstacle.velocity_mps - self.seen_from.wind_mps,
-                    obstacle.velocity_mps - self.seen_from.wind_mps,
-                    self.seen_from.time_s - last.heard_s,
-                );
-            }
-        }
+        self.work += self.count * (LEARN_WORK + before / 16);
     }
 
-    fn consider(
+    /// Whether an obstacle is usable and may matter.
+    fn is_near(
         &mut self,
         situation: &Situation<'_>,
         obstacle: &Obstacle,
         (surveillance_radius_m, horizon_s): (f64, f64),
-    ) {
+    ) -> bool {
         if !obstacle.is_valid() {
             self.unusable += 1;
-            return;
+            return false;
         }
         let offset = obstacle.position_m - situation.ownship.position_m;
         if offset.length_squared() > surveillance_radius_m * surveillance_radius_m {
-            return;
+            return false;
         }
         self.seen += 1;
-        if !situation.is_out_of_reach(obstacle, horizon_s) {
-            self.keep(obstacle);
+        if situation.is_out_of_reach(obstacle, horizon_s) {
+            return false;
         }
-    }
-
-    fn keep(&mut self, obstacle: &Obstacle) {
-        let own_m = self.seen_from.own_m;
-        let mut place = self.count;
-        if place >= MAX_TRACKED {
-            let new = Hazard::new(0, obstacle, self.seen_from.wind_mps, self.seen_from.sigmas);
-            let (index, distance_m) = self.farthest();
-            self.overflow = true;
-            if distance_m <= new.margin_m(own_m, 0.0) {
-                return;
-            }
-            place = index;
-            self.farthest = None;
-        }
-        self.inside |= obstacle.volume.margin_m(own_m - obstacle.position_m) < 0.0;
-        self.put(place, obstacle);
+        self.inside |= obstacle.volume.margin_m(-offset) < 0.0;
         let uncertainty = obstacle.uncertainty;
         self.uncertain |= uncertainty.position_m > 0.0 || uncertainty.velocity_mps > 0.0;
+        true
     }
 
-    /// Takes an obstacle at a place with its expected motion.
-    fn put(&mut self, place: usize, obstacle: &Obstacle) {
-        let hazard = self.seen_from.hazard(place, obstacle);
-        let distance_m = hazard.margin_m(self.seen_from.own_m, 0.0);
-        let heard_s = self.seen_from.time_s;
-        self.hazards.put(place, hazard);
-        if let Some(slot) = self.distances_m.get_mut(place) {
-            *slot = distance_m;
+    /// Takes an obstacle that is heard of. It comes from behind, with its turn, or takes the place of the farthest one if there is no
+    /// room.
+    fn consider(&mut self, situation: &Situation<'_>, obstacle: &Obstacle, limits: (f64, f64)) {
+        if !self.is_near(situation, obstacle, limits) {
+            return;
         }
-        if let Some(slot) = self.slot(place) {
-            *slot = Known {
-                obstacle: *obstacle,
-                heard_s,
-                trend: Trend::STRAIGHT,
+        let SeenFrom {
+            time_s,
+            own_m,
+            wind_mps,
+            sigmas,
+        } = self.seen_from;
+        let mut known = Known {
+            obstacle: *obstacle,
+            heard_s: time_s,
+            trend: Trend::of(obstacle),
+            ..Known::NONE
+        };
+        let mut place = self.count;
+        let mut last = self.known.iter().take(self.len).enumerate().skip(place);
+        let from =
+            if let Some((from, last)) = last.find(|(_, last)| last.obstacle.id == obstacle.id) {
+                known.trend = last.trend;
+                // What keeps its velocity has no turn to learn.
+                if obstacle.movement.bounds().is_some() {
+                    known.trend.learn(
+                        last.obstacle.velocity_mps - wind_mps,
+                        obstacle.velocity_mps - wind_mps,
+                        time_s - last.heard_s,
+                    );
+                }
+                from
+            } else if self.len < MAX_TRACKED {
+                self.len += 1;
+                self.len - 1
+            } else {
+                let (farthest, distance_m) = self.farthest();
+                let is_nearer =
+                    distance_m > Hazard::new(0, obstacle, wind_mps, sigmas).margin_m(own_m, 0.0);
+                self.overflow |= !is_nearer || farthest < place;
+                if !is_nearer {
+                    return;
+                }
+                place = place.min(farthest);
+                farthest
             };
+        if let Some(moved) = self.known.get_mut(place..=from) {
+            moved.rotate_right(1);
+        }
+        self.put(place, obstacle, known);
+    }
+
+    /// Takes an obstacle at a place with its expected motion, and what is remembered of it.
+    fn put(&mut self, place: usize, seen: &Obstacle, known: Known) {
+        let hazard = self.seen_from.hazard(place, seen);
+        self.hazards.put(place, hazard);
+        if let Some(slot) = self.known.get_mut(place) {
+            *slot = known;
+            slot.distance_m = hazard.margin_m(self.seen_from.own_m, 0.0);
             self.count = self.count.max(place + 1);
+            self.farthest = None;
         }
     }
 
-    /// The index of the farthest hazard of a full set, and its distance, metres. The result is kept until
-    /// that hazard is replaced.
+    /// The index of the farthest of all that are known, and its distance, metres. The result is kept until one is put.
     fn farthest(&mut self) -> (usize, f64) {
         if let Some(known) = self.farthest {
             return known;
@@ -486,11 +468,8 @@ impl Tracks {
             self.work += MAX_TRACKED / 2;
         }
         self.work += MAX_TRACKED / COMPARED;
-        let farthest = self
-            .distances_m
-            .iter()
-            .copied()
-            .enumerate()
+        let distances_m = self.known.iter().map(|known| known.distance_m);
+        let farthest = (distances_m.enumerate())
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .unwrap_or((0, f64::NEG_INFINITY));
         self.farthest = Some(farthest);

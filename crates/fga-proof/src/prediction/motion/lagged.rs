@@ -124,11 +124,12 @@ impl Flyer {
         self.rolling_out = Rolls::new(full_rad, 0.0, self.pace);
         self.begin_rolls_from(0.0);
         let step_rad = WIDEST_RAD / (ROLL_OUTS - 1) as f64;
-        let mut roll_outs_m = [(0.0, 0.0); ROLL_OUTS];
-        for (place, roll_out_m) in roll_outs_m.iter_mut().enumerate() {
-            *roll_out_m = self.rolled_out_m(place as f64 * step_rad);
+        for place in 0..ROLL_OUTS {
+            let rolled_out_m = self.rolled_out_m(place as f64 * step_rad);
+            if let Some(slot) = self.roll_outs_m.get_mut(place) {
+                *slot = rolled_out_m;
+            }
         }
-        self.roll_outs_m = roll_outs_m;
     }
 
     /// Displacement of a roll-out from a bank, as in the table, from its pieces.
