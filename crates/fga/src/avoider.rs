@@ -32,7 +32,7 @@ use crate::maneuver::{Maneuver, Stage};
 use crate::meter::Meter;
 use crate::mission::Progress;
 use crate::prediction::{FlightPath, Flyer, MotionState, flown};
-use crate::search::Proof;
+use crate::search::{Proof, Tables};
 use crate::situation::{Ownship, Situation};
 use crate::vehicle::Vehicle;
 
@@ -117,6 +117,7 @@ pub struct Avoider {
     progress: Progress,
     tracks: tracks::Tracks,
     path: FlightPath,
+    tables: Tables,
     plan: Option<Plan>,
     /// The last chosen way back.
     returned: Option<Returned>,
@@ -166,6 +167,7 @@ impl Avoider {
             progress: Progress::new(),
             tracks: const { Tracks::new() },
             path: const { FlightPath::new() },
+            tables: const { Tables::new() },
             plan: None,
             returned: None,
             last_time_s: f64::NEG_INFINITY,

@@ -371,7 +371,8 @@ impl Avoider {
                 objective: avoider.settings.objective,
             };
             let meter = avoider.meter.part(most);
-            let mut search = Search::within(scene, &mut avoider.path, meter);
+            let space = (&mut avoider.path, &mut avoider.tables);
+            let mut search = Search::within(scene, space, meter);
             let mut answer = look(&mut search);
             if search.is_spent() {
                 // It may rest on pieces that were refused.
