@@ -98,8 +98,11 @@ impl Climbs {
     fn best_at(&mut self, place: usize) -> Option<&mut Found> {
         let rest = self.seeds.get_mut(place..)?;
         let best = (rest.iter().enumerate()).max_by(|a, b| a.1.margin_m.total_cmp(&b.1.margin_m));
-        let best = best.filter(|(_, best)| best.margin_m > f64::MIN)?.0;
-        rest.get_mut(..=best)?.rotate_right(1);
+        let (from, best) = best.filter(|(_, best)| best.margin_m > f64::MIN)?;
+        let mut moved = *best;
+        for slot in rest.iter_mut().take(from + 1) {
+            core::mem::swap(slot, &mut moved);
+        }
         rest.first_mut()
     }
 }

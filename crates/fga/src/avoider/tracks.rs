@@ -441,8 +441,9 @@ impl Tracks {
                 place = place.min(farthest);
                 farthest
             };
-        if let Some(moved) = self.known.get_mut(place..=from) {
-            moved.rotate_right(1);
+        let mut moved = known;
+        for slot in self.known.iter_mut().take(from + 1).skip(place) {
+            core::mem::swap(slot, &mut moved);
         }
         self.put(place, obstacle, known);
     }
