@@ -307,7 +307,7 @@ impl Search<'_> {
         let bank_rad = side.sign() * scene.start.bank_rad;
         let exit = self
             .bend(bank_rad, side)
-            .and_then(|bend| bend.exit(turn_rad.abs().max(bend.least_rad())));
+            .and_then(|bend| bend.exit(scene.flyer, turn_rad.abs().max(bend.least_rad())));
         let Some(exit) = exit else { return };
         let rate_radps = scene.flyer.course_rate_radps();
         let mut best: [Option<Found>; 2] = [None; 2];

@@ -193,11 +193,11 @@ impl Search<'_> {
             return None;
         }
         let Entry { from, course, .. } = entry;
-        let sign = way.side.sign();
+        let (sign, flyer) = (way.side.sign(), self.scene.flyer);
         let bend = self.bend(sign * from.bank_rad, way.side)?;
         let turn_rad = turn_rad.max(bend.least_rad());
-        let exit = bend.exit(turn_rad)?;
-        let inexact_m = bend.inexact_m();
+        let exit = bend.exit(flyer, turn_rad)?;
+        let inexact_m = Bend::inexact_m(flyer);
         let Climbing {
             climb_rad,
             up,
@@ -206,7 +206,7 @@ impl Search<'_> {
             along_m,
             up_m,
         } = way.climbing;
-        let speed_mps = self.scene.flyer.airspeed_mps();
+        let speed_mps = flyer.airspeed_mps();
         let turned = (exit.turned.0, sign * exit.turned.1);
         let end = (
             course.0 * turned.0 - course.1 * turned.1,

@@ -13,6 +13,7 @@ use crate::angle::direction;
 use crate::limit::Limit as _;
 use crate::meter::{LAGGED_NODE, LAGGED_PIECE, NODE, PIECE};
 use crate::prediction::Bend;
+use crate::prediction::bend::RollIn;
 use crate::prediction::roll::Roll;
 use crate::situation::Ownship;
 use crate::vehicle::{STANDARD_GRAVITY_MPS2, Vehicle};
@@ -175,8 +176,7 @@ pub struct Flyer {
     begun: [Roll; 5],
     /// Displacements of roll-outs from banks: forward and left of the course at their start, metres.
     roll_outs_m: [(f64, f64); ROLL_OUTS],
-    /// Turns from the largest bank to the other side, in which those from any bank are contained.
-    widest_bend: Option<Bend>,
+    roll_in: RollIn,
     /// Turns from level flight, and from the bank of now to the left and to the right.
     bends: [Option<Bend>; 3],
 }
@@ -208,7 +208,7 @@ impl Flyer {
             rolling_out: Rolls::default(),
             begun: [Roll::default(); 5],
             roll_outs_m: [(0.0, 0.0); ROLL_OUTS],
-            widest_bend: None,
+            roll_in: RollIn::none(),
             bends: [None; 3],
         }
     }
@@ -218,7 +218,9 @@ impl Flyer {
         *self = Self::blank(vehicle);
         if !self.is_ideal() {
             self.prepare_rolls();
-            self.widest_bend = Some(Bend::new(self, -self.full_bank_rad));
+            let mut roll_in = RollIn::none();
+            roll_in.roll(self, -self.full_bank_rad, |_| false);
+            self.roll_in = roll_in;
         }
         let level = Bend::new(self, 0.0);
         self.bends = [Some(level), None, None];

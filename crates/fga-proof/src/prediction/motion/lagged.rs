@@ -3,6 +3,7 @@
 use core::f64::consts::FRAC_PI_2;
 
 use crate::limit::Limit as _;
+use crate::prediction::bend::RollIn;
 use crate::prediction::motion::{Flyer, MotionState, Piece, REACHED_RAD, Target};
 use crate::prediction::roll::{Roll, roll_out, tan_share};
 use crate::prediction::{Bend, whole};
@@ -272,9 +273,9 @@ impl Flyer {
             .find(|bend| bend.is_from(bank_rad))
     }
 
-    /// Turns from the largest bank to the other side.
-    pub(crate) const fn widest_bend(&self) -> Option<&Bend> {
-        self.widest_bend.as_ref()
+    /// The roll-in from the largest bank to that of the other side.
+    pub(in crate::prediction) const fn roll_in(&self) -> &RollIn {
+        &self.roll_in
     }
 
     /// The bank of the largest course rate, radians.
