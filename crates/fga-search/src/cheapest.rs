@@ -507,7 +507,7 @@ mod tests {
             (MotionState::ahead(0.0), &nominal),
             &hazards,
         );
-        let (mut path, mut tables) = (FlightPath::new(), Tables::new());
+        let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
         look(&mut Search::new(scene, (&mut path, &mut tables), 100_000))
     }
 

@@ -491,12 +491,12 @@ mod tests {
             let nominal = Maneuver::hold();
             let start = MotionState::ahead(0.0);
             let scene = scene(&flyer, &vehicle, (start, &nominal), &hazards);
-            let (mut path, mut tables) = (FlightPath::new(), Tables::new());
+            let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
             let mut search = Search::new(scene, (&mut path, &mut tables), 100_000);
             let (found, proof) = search.best(None, Effort::WHOLE, 0).unwrap();
             assert_eq!(proof, Proof::Hopeless);
             // The search may have used up its work.
-            let (mut path, mut tables) = (FlightPath::new(), Tables::new());
+            let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
             let mut judge = Search::new(scene, (&mut path, &mut tables), 1_000_000);
             for climb_rad in scene.extreme_climbs() {
                 for k in -30..=30 {

@@ -20,14 +20,12 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    pub(super) const fn new() -> Self {
-        Self {
-            prefixes: [Prefix::NONE; PREFIXES],
-            prefix_count: 0,
-            rows: [Row::NONE; ROWS],
-            row_count: 0,
-        }
-    }
+    pub(super) const NONE: Self = Self {
+        prefixes: [Prefix::NONE; PREFIXES],
+        prefix_count: 0,
+        rows: [Row::NONE; ROWS],
+        row_count: 0,
+    };
 
     /// Forgets all rows.
     pub(super) const fn clear(&mut self) {

@@ -221,14 +221,12 @@ pub struct Tables {
 
 impl Tables {
     /// With nothing in them.
-    pub const fn new() -> Self {
-        Self {
-            lattice: Lattice::new(),
-            climbs: Climbs::NONE,
-            bends: [None; 2],
-            conflicts: Conflicts::UNKNOWN,
-        }
-    }
+    pub const NONE: Self = Self {
+        lattice: Lattice::NONE,
+        climbs: Climbs::NONE,
+        bends: [None; 2],
+        conflicts: Conflicts::UNKNOWN,
+    };
 }
 
 /// The scratch space of a search.

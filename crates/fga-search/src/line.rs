@@ -307,7 +307,7 @@ mod tests {
             (MotionState::ahead(0.0), &nominal),
             &hazards,
         );
-        let (mut path, mut tables) = (FlightPath::new(), Tables::new());
+        let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
         let search = Search::new(scene, (&mut path, &mut tables), 1000);
         // By hand: V (Δψ τ − Δψ² / 2ω) at Δψ = 0.2 after τ = 4 s, and back.
         let (speed_mps, rate_radps) = (flyer.airspeed_mps(), flyer.course_rate_radps());

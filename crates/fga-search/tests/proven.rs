@@ -84,7 +84,7 @@ fn s1_what_the_search_finds_the_certificate_proves() {
     let asked = std::env::var("FIRST_DECISIONS");
     let decisions: u32 = asked.map_or(1500, |text| text.parse().unwrap());
     let mut draw = Draw(36);
-    let (mut path, mut tables) = (FlightPath::new(), Tables::new());
+    let (mut path, mut tables) = (FlightPath::new(), Tables::NONE);
     let mut counts = [(); 5].map(|()| Count::default());
     let mut made = 0;
     for number in 0_u64.. {

@@ -167,7 +167,7 @@ impl Avoider {
             progress: Progress::new(),
             tracks: const { Tracks::new() },
             path: const { FlightPath::new() },
-            tables: const { Tables::new() },
+            tables: Tables::NONE,
             plan: None,
             returned: None,
             last_time_s: f64::NEG_INFINITY,

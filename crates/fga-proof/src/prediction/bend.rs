@@ -84,7 +84,7 @@ pub struct Exit {
 /// Where turns end that begin to roll out while the aircraft rolls in, and how it has rolled in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ends<const MOST: usize> {
-    ends: [End; MOST],
+    kept: [End; MOST],
     len: usize,
     rolled_in: MotionState,
 }
@@ -95,14 +95,14 @@ pub(super) type RollIn = Ends<NODES>;
 impl<const MOST: usize> Ends<MOST> {
     pub(super) fn none() -> Self {
         Self {
-            ends: [End::default(); MOST],
+            kept: [End::default(); MOST],
             len: 0,
             rolled_in: MotionState::ahead(0.0),
         }
     }
 
     fn all(&self) -> &[End] {
-        self.ends.get(..self.len).unwrap_or(&[])
+        self.kept.get(..self.len).unwrap_or(&[])
     }
 
     /// Of a roll-in from a bank, piece by piece, until it is over or `is_known`.
@@ -114,7 +114,7 @@ impl<const MOST: usize> Ends<MOST> {
     ) {
         let mut state = MotionState::ahead(bank_rad);
         self.len = 0;
-        for slot in &mut self.ends {
+        for slot in &mut self.kept {
             *slot = End::now(flyer, &state);
             self.len += 1;
             self.rolled_in = state;

@@ -30,6 +30,10 @@ const LEAVING_SHARE: f64 = 0.98;
 
 /// The hazards of one step.
 #[derive(Debug, Clone)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is an answer about the same step, and any of them may hold with any other"
+)]
 pub struct Tracks {
     /// The expected motion of each obstacle, or all motions that were asked for.
     hazards: Hazards,
@@ -100,6 +104,10 @@ impl Default for Tracks {
 
 impl Tracks {
     /// No obstacles.
+    #[expect(
+        clippy::large_stack_arrays,
+        reason = "no allocation: the caller says where it lies"
+    )]
     pub const fn new() -> Self {
         Self {
             hazards: Hazards::new(),
