@@ -372,7 +372,6 @@ impl HazardSet for [Hazard] {
 struct Block {
     position_m: [[f64; LANES]; 3],
     velocity_mps: [[f64; LANES]; 3],
-    /// Minus infinity for an empty place.
     radius_m: [f64; LANES],
     /// Growth and stretch together.
     growth_mps: [f64; LANES],
@@ -384,10 +383,10 @@ impl Block {
     const NONE: Self = Self {
         position_m: [[0.0; LANES]; 3],
         velocity_mps: [[0.0; LANES]; 3],
-        radius_m: [f64::NEG_INFINITY; LANES],
+        radius_m: [0.0; LANES],
         growth_mps: [0.0; LANES],
         from_s: [0.0; LANES],
-        until_s: [f64::INFINITY; LANES],
+        until_s: [0.0; LANES],
     };
 
     /// Marks the ones of the four that may have a margin below `below_m` on the line: the first part of
@@ -475,7 +474,12 @@ impl Hazards {
     /// No hazards.
     pub const fn new() -> Self {
         let point = ProtectedVolume::Sphere { radius_m: 0.0 };
-        let none = Hazard::exact(0, Vec3::ZERO, Vec3::ZERO, point);
+        // Zeros, which are written without a copy.
+        let none = Hazard {
+            window_s: (0.0, 0.0),
+            allowed_depth_m: 0.0,
+            ..Hazard::exact(0, Vec3::ZERO, Vec3::ZERO, point)
+        };
         Self {
             rows: [none; MAX_HAZARDS],
             blocks: [Block::NONE; MAX_HAZARDS / LANES],
@@ -484,10 +488,7 @@ impl Hazards {
     }
 
     /// Forgets all hazards.
-    pub fn clear(&mut self) {
-        for block in self.blocks.iter_mut().take(self.len.div_ceil(LANES)) {
-            *block = Block::NONE;
-        }
+    pub const fn clear(&mut self) {
         self.len = 0;
     }
 
