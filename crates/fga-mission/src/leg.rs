@@ -141,7 +141,7 @@ impl Leg {
     }
 
     /// The point of the leg at a distance along it, metres.
-    pub(crate) fn point_m(&self, along_m: f64) -> Vec3 {
+    pub fn point_m(&self, along_m: f64) -> Vec3 {
         self.from_m + self.along * along_m + Vec3::new(0.0, 0.0, self.slope * along_m)
     }
 

@@ -9,7 +9,6 @@
 //! | which leg does a way onto the mission join? | `way_onto` |
 //! | what where no leg can be joined, or a waypoint was missed? | `restart` |
 //! | which way onto the beginning of the leg? | `turnaround` |
-//! | which line does the aircraft fly without obstacles? | [`planned_line`] |
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(clippy::unwrap_used, clippy::expect_used)]
@@ -23,14 +22,12 @@ mod corner;
 mod departure;
 pub mod join;
 pub mod leg;
-mod plan;
 mod restart;
 mod turnaround;
 mod way;
 mod way_onto;
 
 pub use aim::{Shot, Turns};
-pub use plan::planned_line;
 pub use way::{Place, Way};
 
 use self::corner::{Air, Corner, INTERCEPT_RAD, Legs, arrival, corner};
@@ -363,33 +360,6 @@ impl Progress {
         }
     }
 
-    /// Points of the mission ahead of `position_m`, nearest first: every `spacing_m` along the present leg,
-    /// then the waypoints. Returns the number of filled `points`.
-    pub fn points_ahead(
-        &self,
-        mission: &Mission<'_>,
-        position_m: Vec3,
-        spacing_m: f64,
-        points: &mut [Vec3],
-    ) -> usize {
-        let Some(leg) = self.leg else { return 0 };
-        let from_m = leg.position(position_m, 0.0).along_m;
-        // The last ones are the waypoints'.
-        let on_leg = points.len() * 2 / 3;
-        let along = (1u32..)
-            .map(|k| from_m + f64::from(k) * spacing_m)
-            .take(on_leg)
-            .take_while(|along_m| *along_m < leg.length_m)
-            .map(|along_m| leg.point_m(along_m));
-        let waypoints = mission.waypoints_m.iter().skip(self.index + 1).copied();
-        let mut count = 0;
-        for (slot, point) in points.iter_mut().zip(along.chain(waypoints)) {
-            *slot = point;
-            count += 1;
-        }
-        count
-    }
-
     /// The course to hold if the aircraft is on its leg and no corner comes within `horizon_s`.
     pub fn straight_on_rad(
         &self,
@@ -413,15 +383,6 @@ impl Progress {
             let along_m = leg.position(state.position_m, state.time_s).along_m;
             (leg.length_m - self.lead_m() - along_m) / leg.ground_speed_mps
         })
-    }
-
-    /// How far the aircraft can surely fly from a place before it leaves the leg for the next one, metres.
-    pub fn leaves_after_m(&self, position_m: Vec3) -> f64 {
-        self.leg
-            .filter(|_| !self.from_start && !self.complete)
-            .map_or(0.0, |leg| {
-                leg.length_m - self.lead_m() - leg.position(position_m, 0.0).along_m
-            })
     }
 
     /// The least time in which an aircraft can be on the line of the leg, on its course, seconds.
