@@ -16,9 +16,7 @@ use fga_proof::prediction::{Bend, Exit, Flyer, MotionState};
 
 /// The two channels of a join before their moments are corrected.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Shot {
-    /// From this intercept angle on it is the same, radians; infinite where a larger one changes it.
-    pub same_from_rad: f64,
+pub(crate) struct Shot {
     pub(crate) intercept_course: f64,
     course: f64,
     pub(crate) turn_at_s: f64,
@@ -91,7 +89,7 @@ fn along(course_rad: f64) -> Vec3 {
 }
 
 /// Turns from the bank of now to either side, and from level flight.
-pub struct Turns<'a> {
+pub(super) struct Turns<'a> {
     pub(super) flyer: &'a Flyer,
     /// Those from the bank of now: kept by the vehicle, or made when they are asked for.
     kept: [Option<&'a Bend>; 2],
@@ -199,12 +197,11 @@ impl Turns<'_> {
             position.cross_m + across_m.iter().sum::<f64>() + settling_mps * settles_s
         };
         let (mut offset, mut by_rad) = (0.0, onto);
-        let (mut straight_s, mut same_from_rad) = (0.0, 0.0);
+        let mut straight_s = 0.0;
         let cross_direct = after_turns(0.0, onto);
         if cross_direct.abs() >= ON_LEG_M {
             let side = if cross_direct > 0.0 { -1.0 } else { 1.0 };
             let steepest = leg.air_turn_rad(speed_mps, side * limits.intercept_rad);
-            let is_windy = steepest != side * limits.intercept_rad;
             // The shorter way round, unless the leg is near on that side.
             by_rad = wrap_pi(onto + steepest);
             let mut left = after_turns(steepest, by_rad);
@@ -213,7 +210,7 @@ impl Turns<'_> {
                 left = after_turns(steepest, by_rad);
             }
             if left * cross_direct > 0.0 {
-                (offset, same_from_rad) = (steepest, f64::INFINITY);
+                offset = steepest;
                 let closing = leg.cross_speed_mps(speed_mps, leg.air_course_rad + offset);
                 straight_s = if closing * side > 0.0 {
                     (-left / closing).max(0.0)
@@ -233,11 +230,6 @@ impl Turns<'_> {
                 let ends = ((0.0, cross_direct), (1.0 - libm::cos(steepest), left));
                 offset = of(root(near, ends, near_m(flyer)));
                 by_rad = onto + offset;
-                same_from_rad = if is_windy {
-                    f64::INFINITY
-                } else {
-                    offset.abs()
-                };
             }
         }
         // The last turns looked at are those of the join.
@@ -258,7 +250,6 @@ impl Turns<'_> {
             turn_s + second.exit.begins_s,
         );
         let shot = Shot {
-            same_from_rad,
             intercept_course,
             course,
             turn_at_s: state.time_s + turn_s,
@@ -350,66 +341,4 @@ fn root(
         (b, at_b) = (c, at_c);
     }
     b
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Way;
-    use crate::join::{join, join_roughly};
-    use fga_proof::prediction::flown;
-    use fga_proof::vehicle::Vehicle;
-    use proptest::prelude::*;
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(400))]
-        /// A way that is not flown leads where the flown one does, to a tenth of a turn radius, at the same heights.
-        #[test]
-        fn a_way_leads_where_it_is_flown(
-            lag_s in prop_oneof![Just(0.0), 0.2..1.0f64],
-            bank in -1.0..1.0f64,
-            (cross_m, course_rad) in (-300.0..300.0f64, -2.6..2.6f64),
-            intercept_rad in 0.3..1.2f64,
-            wind_mps in -6.0..6.0f64,
-            (above_m, climb_rad) in prop_oneof![
-                Just((0.0, 0.0)),
-                (-40.0..40.0f64, -0.2..0.2f64),
-            ],
-        ) {
-            let vehicle = Vehicle::lagged(lag_s);
-            let mut flyer = Flyer::new(&vehicle);
-            let bank_rad = bank * flyer.full_bank_rad();
-            flyer.keep_rolls_from(bank_rad);
-            let state = MotionState {
-                time_s: 0.0,
-                position_m: Vec3::new(0.0, cross_m, above_m),
-                course_rad,
-                climb_rad,
-                bank_rad,
-            };
-            let speed_mps = vehicle.airspeed_mps;
-            let wind_mps = Vec3::new(0.0, wind_mps, 0.0);
-            let leg = Leg::endless(Vec3::ZERO, 0.0, speed_mps, wind_mps);
-            let limits = JoinLimits {
-                intercept_rad,
-                climb_limits_rad: (vehicle.climb_min_rad, vehicle.climb_max_rad),
-            };
-            let meter = Meter::unlimited();
-            let mut way = Way::default();
-            with_turns(&flyer, &state, &meter, |turns| join_roughly(turns, &leg, &state, &limits, &mut way));
-            let exact = join(&flyer, &leg, &state, &limits, &meter);
-            // A climb shortens the way, which moves the second turn.
-            let share = if above_m == 0.0 { 0.1 } else { 0.3 };
-            let most_m = share * speed_mps / flyer.course_rate_radps();
-            for place in way.places() {
-                let (place_m, at_s) = (place.at_m, place.at_s);
-                let there = flown(&flyer, &state, &exact.maneuver, at_s, &meter);
-                let higher_m = there.position_m.z - place_m.z;
-                prop_assert!(higher_m.abs() < 1.0, "{higher_m} m higher at {at_s} s of {way:?}");
-                let off_m = there.position_m.distance(place_m);
-                prop_assert!(off_m < most_m, "{off_m} m off at {at_s} s of {way:?}");
-            }
-            prop_assert!(above_m != 0.0 || exact.cross_m.abs() < 0.05, "{exact:?}");
-        }
-    }
 }

@@ -7,7 +7,6 @@
 use crate::aim::{Shot, Turns, with_turns};
 use crate::corner::LONG_RADII;
 use crate::leg::Leg;
-use crate::way::Way;
 use fga_proof::maneuver::Maneuver;
 use fga_proof::meter::Meter;
 use fga_proof::prediction::{Flyer, MotionState, while_flown};
@@ -164,19 +163,6 @@ pub(crate) fn join(
         cross_m: at.cross_m,
         above_m: at.above_m,
     }
-}
-
-/// About where the same leads, without flying it. Returns how far along the leg it ends, metres.
-pub(super) fn join_roughly(
-    turns: &Turns<'_>,
-    leg: &Leg,
-    state: &MotionState,
-    limits: &JoinLimits,
-    way: &mut Way,
-) -> f64 {
-    turns.lay(way, state, &turns.aim(leg, state, limits));
-    let end = way.end().copied().unwrap_or_default();
-    leg.position(end.at_m, end.at_s).along_m
 }
 
 #[cfg(test)]

@@ -19,16 +19,11 @@ extern crate std;
 
 mod aim;
 mod corner;
-mod departure;
 pub mod join;
 pub mod leg;
 mod restart;
 mod turnaround;
-mod way;
 mod way_onto;
-
-pub use aim::{Shot, Turns};
-pub use way::{Place, Way};
 
 use self::corner::{Air, Corner, INTERCEPT_RAD, Legs, arrival, corner};
 use self::join::{Join, JoinLimits, has_entered, is_on_leg, join};

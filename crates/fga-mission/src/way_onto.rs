@@ -1,11 +1,10 @@
 //! A way onto the mission: onto the leg, or onto one after it.
 
-use super::aim::{Turns, with_turns};
 use super::corner::{Air, LONG_RADII, Legs as _, arrival, corner};
-use super::join::{Join, JoinLimits, join, join_roughly};
+use super::join::{Join, JoinLimits, join};
 use super::leg::Leg;
 use super::turnaround::turnaround;
-use super::{LEG, Progress, Way};
+use super::{LEG, Progress};
 use fga_proof::prediction::{Flyer, MotionState};
 use fga_proof::situation::Mission;
 
@@ -59,38 +58,6 @@ impl Progress {
         // If a cut search got to the same leg as the last one, the next begins again.
         self.looked_to = found.as_ref().err().copied().unwrap_or(0);
         found.ok().flatten()
-    }
-
-    /// About where [`Self::way_back`] leads, without flying it; `None` also where it turns round. Returns the index of the
-    /// leg's first waypoint.
-    pub fn way_back_roughly(
-        &mut self,
-        mission: &Mission<'_>,
-        state: &MotionState,
-        turns: &Turns<'_>,
-        (limits, skipped): (&JoinLimits, usize),
-        way: &mut Way,
-    ) -> Option<usize> {
-        let meter = self.meter();
-        let air = self.air(turns.flyer, &meter);
-        let onto = |leg: &Leg| (join_roughly(turns, leg, state, limits, way), ());
-        let found = self.way_onto(mission, state, &air, skipped, (onto, |_: &Leg| None));
-        self.note(&meter);
-        found.ok().flatten().map(|((), index)| index)
-    }
-
-    /// Shows the turns from a state.
-    pub fn with_turns<T>(
-        &mut self,
-        flyer: &Flyer,
-        state: &MotionState,
-        look: impl FnOnce(&mut Self, &Turns<'_>) -> T,
-    ) -> T {
-        let meter = self.meter();
-        with_turns(flyer, state, &meter, |turns| {
-            self.note(&meter);
-            look(self, turns)
-        })
     }
 
     /// The way onto the first leg that one joins, by a join, of which `onto` also says how far along the leg it ends, metres, or

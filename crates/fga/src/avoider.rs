@@ -91,8 +91,6 @@ struct Returned {
     leg: usize,
     /// Time, seconds on the situation's clock.
     time_s: f64,
-    /// How much later it joins the leg than it seemed to before it was flown, seconds.
-    late_s: f64,
 }
 
 impl Plan {
