@@ -294,10 +294,13 @@ impl PaperPilot {
             .map(|along_m| leg.point_m(along_m));
         let waypoints = situation.mission.waypoints_m.iter().copied();
         let ahead = along.chain(waypoints.skip(self.progress.index() + 1));
-        points.iter_mut().zip(ahead).fold(0, |count, (slot, point)| {
-            *slot = point;
-            count + 1
-        })
+        points
+            .iter_mut()
+            .zip(ahead)
+            .fold(0, |count, (slot, point)| {
+                *slot = point;
+                count + 1
+            })
     }
 
     /// Algorithm 3: the next point of the mission that a Dubins path reaches.

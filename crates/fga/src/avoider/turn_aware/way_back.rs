@@ -8,8 +8,7 @@ use crate::avoider::{Avoider, Plan, Returned};
 use crate::certificate::{Hazard, mark_close};
 use crate::limit::Limit as _;
 use crate::maneuver::Maneuver;
-use crate::mission::Bend;
-use crate::mission::join::{Join, JoinLimits};
+use crate::mission::Join;
 use crate::mission::leg::Leg;
 use crate::prediction::{MotionState, whole};
 use crate::search::Proof;
@@ -124,7 +123,6 @@ impl Avoider {
         // Counted in looks, so that none of the angles is left out at any period.
         let look = (self.cycle / every) as usize;
         let intercept_rad = *INTERCEPTS_RAD.get(place_of(look))?;
-        let mission = &situation.mission;
         // Skipping a leg is only for a leg that the aircraft cannot join at any angle.
         let waited_s = situation.time_s - plan.start_s;
         let skips = waited_s >= SKIP_AFTER_S;
@@ -137,20 +135,17 @@ impl Avoider {
         let (mut first, from) = detour.unwrap_or((Maneuver::hold(), *now));
         // A way that is flown is looked for from where the aircraft has come to, in turn with the other angles.
         let flown_rad = self.progress.leg(now).turn_onto_rad(now).abs();
-        let limits = JoinLimits {
-            intercept_rad: if is_any && latest_s.is_finite() {
-                flown_rad
-            } else {
-                intercept_rad
-            },
-            climb_limits_rad: self.climb_limits_rad(),
+        let asked_rad = if is_any && latest_s.is_finite() {
+            flown_rad
+        } else {
+            intercept_rad
         };
         let before = self.progress;
-        let way = self.on_mission(|progress, flyer| {
-            progress.way_back(mission, &from, flyer, &limits, skipped)
+        let way = self.on_mission(situation, |progress, route| {
+            progress.way_back(route, &from, asked_rad, skipped)
         });
         let is_near = |joined: &Join| intercept_rad >= SHALLOW_RAD || joined.joined_s <= SHALLOW_S;
-        let mut way = way.filter(|(joined, _)| joined.is_on_leg() && (is_any || is_near(joined)));
+        let mut way = way.filter(|joined| joined.is_on_leg() && (is_any || is_near(joined)));
         // Straight to the next waypoint, as if the mission began here: no leg could be joined for long.
         for (turn_rad, radii) in AWAY.into_iter().filter(|_| is_any && given_up > 0) {
             if way.is_some() {
@@ -158,14 +153,16 @@ impl Avoider {
             }
             first = Maneuver::turn(0.0, now.course_rad + turn_rad, 0.0);
             let from = self.after(now, &first, radii / self.flyer.course_rate_radps());
-            way = self.on_mission(|progress, flyer| progress.way_from_here(mission, &from, flyer));
+            way = self.on_mission(situation, |progress, route| {
+                progress.way_from_here(route, &from)
+            });
         }
-        let (joined, index) = way?;
+        let joined = way?;
         if situation.time_s + joined.joined_s > latest_s {
             self.progress = before;
             return None;
         }
-        let back = self.fly_back(&first, (&joined, index), plan, (situation, now), rung);
+        let back = self.fly_back(&first, &joined, plan, (situation, now), rung);
         // Two that flee from each other side by side would never return: after long, what keeps a way back suffices.
         let is_robust = |avoider: &mut Self, back: &Plan| {
             let back = &back.maneuver;
@@ -176,7 +173,7 @@ impl Avoider {
             self.progress = before;
             return None;
         };
-        self.return_to(index, plan, joined.joined_s, (situation, now));
+        self.return_to(&joined, plan, (situation, now));
         Some(back)
     }
 
@@ -185,7 +182,7 @@ impl Avoider {
     fn fly_back(
         &mut self,
         first: &Maneuver,
-        (joined, index): (&Join, usize),
+        joined: &Join,
         plan: &Plan,
         (situation, now): (&Situation<'_>, &MotionState),
         rung: usize,
@@ -193,23 +190,17 @@ impl Avoider {
         let demand = self.demand_of(rung);
         let horizon_s = demand.horizon_s;
         let leg = self.progress.leg(now);
-        let gained_m = if index == self.progress.index() {
+        let gained_m = if joined.index == self.progress.index() {
             joined.along_m - leg.position(now.position_m, now.time_s).along_m
         } else {
             f64::INFINITY
         };
         let mut maneuver = *first;
-        for stage in joined.maneuver.stages() {
+        for stage in joined.stages() {
             maneuver.push(*stage);
         }
-        let bend = Bend {
-            index,
-            straight_s: joined.joined_s,
-            along_m: joined.along_m,
-        };
-        self.on_mission(|progress, flyer| {
-            let mission = &situation.mission;
-            progress.round_corners(mission, flyer, horizon_s, &mut maneuver, bend)
+        self.on_mission(situation, |progress, route| {
+            progress.round_corners(route, horizon_s, &mut maneuver, joined)
         });
         let mut back = Plan {
             maneuver,
@@ -250,18 +241,18 @@ impl Avoider {
     /// Remembers a chosen way back and goes on to its leg.
     fn return_to(
         &mut self,
-        leg: usize,
+        joined: &Join,
         plan: &Plan,
-        joined_s: f64,
         (situation, now): (&Situation<'_>, &MotionState),
     ) {
         self.returned = Some(Returned {
             against: plan.against,
-            leg,
-            time_s: situation.time_s + joined_s,
+            leg: joined.index,
+            time_s: situation.time_s + joined.joined_s,
         });
-        let mission = &situation.mission;
-        self.on_mission(|progress, flyer| progress.advance_to(leg, mission, now, flyer));
+        self.on_mission(situation, |progress, route| {
+            progress.advance_to(route, now, joined.index);
+        });
     }
 
     /// A way back that meets other obstacles later, with the manoeuvre that avoids those.
