@@ -14,9 +14,6 @@ use fga_proof::prediction::{Bend, MotionState};
 /// A turn onto a leg begins at least this many time constants after the roll-out of the one before began: e^-2, 14 %, of the bank is left.
 const SETTLES: f64 = 2.0;
 
-/// Most trials of an intercept angle; six are usual.
-const MOST_TRIALS: u32 = 24;
-
 /// The two channels of a join before the predicted flight corrects their moments.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shot {
@@ -244,7 +241,8 @@ fn climb_back(
 /// Where a function with opposite signs at two points is near zero (the Illinois method).
 fn root(mut function: impl FnMut(f64) -> f64, low: (f64, f64), high: (f64, f64)) -> f64 {
     let ((mut a, mut at_a), (mut b, mut at_b)) = (low, high);
-    for _ in 0..MOST_TRIALS {
+    // Six trials are usual.
+    for _ in 0..f64::MANTISSA_DIGITS {
         let step = at_b - at_a;
         if at_b.abs() < NEAR_M || step == 0.0 {
             break;

@@ -11,6 +11,9 @@ use fga_proof::prediction::MotionState;
 /// Work of laying a leg and looking whether it is over.
 pub(crate) const LEG: usize = 4;
 
+/// A search for a way onto the mission tries this many legs one by one; after them one in each half turn radius.
+const ONE_BY_ONE: usize = 8;
+
 /// Most legs of a search for a way onto the mission.
 pub(crate) const MOST_LEGS: usize = 96;
 
@@ -37,9 +40,8 @@ impl Progress {
             if !route.meter.take(LEG) {
                 return None;
             }
-            // Of many short legs one in each half turn radius.
             let is_far_on = passed_m >= 0.5 * route.radius_m();
-            if count == 0 || is_far_on || corner_here.is_none() {
+            if count < ONE_BY_ONE || is_far_on || corner_here.is_none() {
                 passed_m = 0.0;
                 let joined = join(route, (index, &leg), state, intercept_rad);
                 let room_m = match corner_here {
