@@ -17,9 +17,6 @@ use fga_proof::limit::LARGEST;
 use line::Line;
 use watch::Watch;
 
-/// With up to this number of obstacles within surveillance a quiet step looks at these, without a line.
-const FEW: u32 = 64;
-
 /// The obstacles about an aircraft, kept from step to step in memory lent by the caller.
 ///
 /// Each obstacle is as last reported, moved on along its velocity over the ground from the time of its report to that of
@@ -39,8 +36,6 @@ pub struct Kept<'m> {
     line: Option<Line>,
     /// Number of obstacles that may come near the line.
     ahead: u32,
-    /// Number of obstacles that could matter at the last look.
-    near: u32,
     /// Obstacles looked at in this step.
     looked: u32,
     /// The time of this step, seconds.
@@ -97,7 +92,6 @@ impl<'m> Kept<'m> {
             watch: None,
             line: None,
             ahead: 0,
-            near: 0,
             looked: 0,
             now_s: 0.0,
         }
@@ -172,7 +166,7 @@ impl<'m> Kept<'m> {
     pub fn clear(&mut self) {
         self.memory.clear();
         (self.len, self.free, self.used) = (0, NONE, 0);
-        (self.ahead, self.near) = (0, 0);
+        self.ahead = 0;
     }
 
     /// A step begins.
@@ -219,7 +213,6 @@ impl<'m> Kept<'m> {
             due_s
         });
         self.looked = self.looked.saturating_add(looked);
-        self.near = near;
         if limits.0.is_finite() {
             0
         } else {
@@ -228,27 +221,17 @@ impl<'m> Kept<'m> {
     }
 
     /// Whether every obstacle stays clear of the line ahead, or is out of surveillance.
-    pub fn is_clear_of(&mut self, ahead: &LineAhead, situation: &Situation<'_>) -> bool {
-        let radius_m = ahead.surveillance_radius_m;
-        if radius_m.is_finite() && self.near <= FEW {
-            let mut is_clear = true;
-            self.each_near(situation, (radius_m, ahead.horizon_s), |obstacle| {
-                is_clear &= !ahead.may_meet_row(obstacle);
-            });
-            return is_clear;
-        }
+    pub fn is_clear_of(&mut self, ahead: &LineAhead) -> bool {
         let line = self.line.as_ref();
         if !line.is_some_and(|line| line.is_followed(ahead, self.now_s)) {
-            self.line = Some(Line::new(ahead, self.now_s, line));
-            // Perhaps there are few again.
-            self.near = 0;
+            self.line = Some(Line::new(ahead, self.now_s));
             self.list_all();
         }
         self.looked = self.looked.saturating_add(self.ahead);
         (0..self.ahead).all(|place| {
             let at = self.memory.slot(place).map_or(NONE, |slot| slot.listed);
             let slot = self.memory.slot(at);
-            slot.is_none_or(|slot| !ahead.may_meet_row(&slot.at(self.now_s)))
+            slot.is_none_or(|slot| !ahead.may_meet(&slot.at(self.now_s)))
         })
     }
 

@@ -131,7 +131,7 @@ impl Avoider {
         };
         let is_clear = match kept {
             None => line.is_clear_of(&situation.obstacles),
-            Some(kept) => kept.is_clear_of(&line, situation),
+            Some(kept) => kept.is_clear_of(&line),
         };
         is_clear.then(|| {
             let command = Maneuver::turn(0.0, course_rad, now.climb_rad);
