@@ -374,3 +374,91 @@ fn is_usable(obstacle: &Obstacle, reported_s: f64) -> bool {
         && lengths.iter().all(|length| *length <= LARGEST)
         && vectors.iter().all(|v| v.abs().max_element() <= LARGEST)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::situation::{Mission, Obstacles, Ownship, ProtectedVolume};
+    use alloc::vec::Vec;
+    use fga_proof::Vec3;
+
+    fn at(id: u32, x_m: f64, y_m: f64) -> Obstacle {
+        let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+        Obstacle::straight(id, Vec3::new(x_m, y_m, 0.0), Vec3::ZERO, volume)
+    }
+
+    fn ids(kept: &Kept<'_>) -> Vec<u32> {
+        let mut ids: Vec<u32> = kept.obstacles(0.0).map(|obstacle| obstacle.id).collect();
+        ids.sort_unstable();
+        ids
+    }
+
+    #[test]
+    fn a_report_comes_replaces_and_leaves() {
+        let mut blocks = [Block::EMPTY];
+        let mut kept = Kept::new(&mut blocks);
+        // Identifiers of one hash among them.
+        for id in 0..16 {
+            kept.put(&at(id * 16, 0.0, 0.0), 0.0).unwrap();
+        }
+        let full = Err(KeptError::Full { capacity: 16 });
+        assert_eq!(kept.put(&at(1, 0.0, 0.0), 0.0), full);
+        kept.put(&at(32, 7.0, 0.0), 0.0).unwrap();
+        assert!(kept.remove(48) && !kept.remove(48));
+        assert_eq!((kept.len(), kept.capacity()), (15, 16));
+        assert!(!ids(&kept).contains(&48) && ids(&kept).contains(&240));
+        let moved = kept.obstacles(0.0).find(|obstacle| obstacle.id == 32);
+        assert_eq!(moved.unwrap().position_m.x, 7.0);
+        kept.put(&at(1, 0.0, 0.0), 0.0).unwrap();
+        let unusable = Err(KeptError::Unusable { id: 2 });
+        assert_eq!(kept.put(&at(2, f64::NAN, 0.0), 0.0), unusable);
+        kept.clear();
+        assert!(kept.is_empty() && ids(&kept).is_empty());
+    }
+
+    /// Of three masts one stands in the way, one aside and one out of surveillance.
+    #[test]
+    fn a_step_looks_at_what_is_near() {
+        let mut blocks = [Block::EMPTY];
+        let mut kept = Kept::new(&mut blocks);
+        for mast in [at(1, 500.0, 10.0), at(2, 500.0, 400.0), at(3, 9e3, 0.0)] {
+            kept.put(&mast, 0.0).unwrap();
+        }
+        let situation = Situation {
+            time_s: 0.0,
+            ownship: Ownship {
+                position_m: Vec3::ZERO,
+                airspeed_mps: 15.0,
+                course_rad: 0.0,
+                climb_rad: 0.0,
+                bank_rad: 0.0,
+            },
+            obstacles: Obstacles::Rows(&[]),
+            mission: Mission::new(&[]),
+            wind_mps: Vec3::ZERO,
+        };
+        kept.begin(0.0);
+        let mut near = Vec::new();
+        let others = kept.each_near(&situation, (1000.0, 60.0), |mast| near.push(mast.id));
+        near.sort_unstable();
+        assert_eq!((near, others, kept.looked()), (alloc::vec![1, 2], 0, 3));
+        let ahead = LineAhead {
+            position_m: Vec3::ZERO,
+            velocity_mps: Vec3::new(15.0, 0.0, 0.0),
+            surveillance_radius_m: 1000.0,
+            margin_m: 5.0,
+            sigmas: 3.0,
+            horizon_s: 60.0,
+        };
+        assert!(!kept.is_clear_of(&ahead));
+        kept.remove(1);
+        assert!(kept.is_clear_of(&ahead));
+        // Along the same line only the one mast ahead needs another look.
+        kept.begin(1.0);
+        let on = LineAhead {
+            position_m: Vec3::new(15.0, 0.0, 0.0),
+            ..ahead
+        };
+        assert!(kept.is_clear_of(&on) && kept.looked() <= 1);
+    }
+}

@@ -205,6 +205,30 @@ mod tests {
         }
     }
 
+    /// A sphere of 30 m keeps 60 m clear, and the margin of 5 m.
+    #[test]
+    fn a_line_is_clear_of_what_passes_beyond_its_reach() {
+        let line = LineAhead {
+            position_m: Vec3::ZERO,
+            velocity_mps: Vec3::new(15.0, 0.0, 0.0),
+            surveillance_radius_m: 2000.0,
+            margin_m: 5.0,
+            sigmas: 3.0,
+            horizon_s: 60.0,
+        };
+        let at = |x_m: f64, y_m: f64, uncertain_m: f64| {
+            let volume = ProtectedVolume::Sphere { radius_m: 30.0 };
+            let mut row = Obstacle::straight(1, Vec3::new(x_m, y_m, 0.0), Vec3::ZERO, volume);
+            row.uncertainty.position_m = uncertain_m;
+            line.may_meet(&row)
+        };
+        assert!(at(500.0, 64.9, 0.0) && !at(500.0, 65.1, 0.0));
+        assert!(at(500.0, 67.9, 1.0) && !at(500.0, 68.1, 1.0));
+        // Behind the aircraft, and beyond surveillance.
+        assert!(!at(-70.0, 0.0, 0.0) && at(-60.0, 0.0, 0.0));
+        assert!(at(1990.0, 0.0, 0.0) && !at(2010.0, 0.0, 0.0));
+    }
+
     fn column(rows: &[Obstacle], of: impl Fn(&Obstacle) -> f64) -> Vec<f64> {
         rows.iter().map(of).collect()
     }
