@@ -1,8 +1,8 @@
-//! Obstacles kept from step to step: none is looked at before it could matter.
+//! Obstacles kept from step to step: a step looks only at those that could matter.
 //!
-//! Each obstacle has the earliest moment at which it could come within surveillance, or within reach where surveillance
-//! has no bound, by a bound on the closing speed; a step looks only at those whose moment has come. A quiet step needs less:
-//! while the aircraft follows a line, only the obstacles that may come near this line.
+//! A bound on the closing speed gives for each obstacle the earliest moment at which it could come within surveillance, or
+//! within reach where surveillance has no bound; a step looks at the obstacles whose moment has come. While the aircraft follows
+//! a line, a quiet step looks at the obstacles that may come near this line.
 
 mod block;
 mod line;
@@ -19,12 +19,10 @@ use watch::Watch;
 
 /// The obstacles about an aircraft, kept from step to step in memory lent by the caller.
 ///
-/// Each obstacle is as last reported, moved on along its velocity over the ground from the time of its report to that of
-/// the step; one [at rest](crate::situation::Movement::AtRest) stays. The standard deviation of its position grows by that of its
-/// velocity. So only what is new needs a report: an obstacle that came, turned or left.
+/// An obstacle flies straight on from its last report; one [at rest](crate::situation::Movement::AtRest) stays. The standard
+/// deviation of its position grows by that of its velocity. So a report is needed only where an obstacle came, turned or left.
 ///
-/// Give it to `step_kept` of the avoider. It serves one aircraft: others are slow
-/// with it, but as right.
+/// The avoider's `step_kept` takes it. It serves one aircraft: it is slow for others, and as right.
 #[derive(Debug)]
 pub struct Kept<'m> {
     memory: Memory<'m>,
@@ -123,7 +121,7 @@ impl<'m> Kept<'m> {
         used.map(move |slot| slot.at(time_s))
     }
 
-    /// Takes the report of an obstacle at a time on the clock of the situations. It replaces an obstacle with the same identifier.
+    /// Keeps the report of an obstacle at a time on the clock of the situations, in place of one with the same identifier.
     ///
     /// # Errors
     /// An unusable number, or no room; nothing is changed then.
@@ -141,7 +139,7 @@ impl<'m> Kept<'m> {
             slot.reported_s = reported_s;
         }
         self.memory.set_due(at, ALWAYS);
-        self.set_ahead(at);
+        self.update_listing(at);
         Ok(())
     }
 
@@ -175,9 +173,9 @@ impl<'m> Kept<'m> {
         self.looked = 0;
     }
 
-    /// Gives every obstacle that is within surveillance and within reach, and perhaps others, in order. Returns the number of
-    /// others within surveillance.
-    pub fn each_near(
+    /// Shows every obstacle within surveillance and reach, and perhaps others, in order. Returns how many that it does not show
+    /// are within surveillance.
+    pub fn for_each_near(
         &mut self,
         situation: &Situation<'_>,
         limits: (f64, f64),
@@ -189,11 +187,8 @@ impl<'m> Kept<'m> {
             time_s: now_s,
             ..*situation
         };
-        let goes_on = match &mut self.watch {
-            Some(watch) => watch.pass(situation, limits),
-            None => false,
-        };
-        if !goes_on {
+        let watched = self.watch.as_mut();
+        if !watched.is_some_and(|watch| watch.pass(situation, limits)) {
             self.memory.wake_all();
         }
         let watch = *self
@@ -225,7 +220,7 @@ impl<'m> Kept<'m> {
         let line = self.line.as_ref();
         if !line.is_some_and(|line| line.is_followed(ahead, self.now_s)) {
             self.line = Some(Line::new(ahead, self.now_s));
-            self.list_all();
+            self.rebuild_list();
         }
         self.looked = self.looked.saturating_add(self.ahead);
         (0..self.ahead).all(|place| {
@@ -235,7 +230,7 @@ impl<'m> Kept<'m> {
         })
     }
 
-    /// The slot that the identifiers with the same hash begin at.
+    /// The slot at which the chain of an identifier's hash begins.
     fn hash(&self, id: u32) -> u32 {
         let scattered = u64::from(id.wrapping_mul(0x9e37_79b1));
         // Below the capacity, which is below 2³².
@@ -303,26 +298,26 @@ impl<'m> Kept<'m> {
     }
 
     /// Lists the obstacles that may come near the line.
-    fn list_all(&mut self) {
+    fn rebuild_list(&mut self) {
         self.ahead = 0;
         for at in 0..self.used {
             if let Some(slot) = self.memory.slot_mut(at) {
                 slot.place = NONE;
             }
             if self.memory.slot(at).is_some_and(|slot| slot.is_used) {
-                self.set_ahead(at);
+                self.update_listing(at);
             }
         }
         self.looked = self.looked.saturating_add(self.len);
     }
 
     /// Lists an obstacle, or not, by whether it may come near the line.
-    fn set_ahead(&mut self, at: u32) {
+    fn update_listing(&mut self, at: u32) {
         let Some((line, slot)) = self.line.as_ref().zip(self.memory.slot(at)) else {
             return;
         };
         let is_listed = slot.place != NONE;
-        match (line.may_be_met_by(slot), is_listed) {
+        match (line.may_meet(slot), is_listed) {
             (true, false) => {
                 let place = self.ahead;
                 self.set_place(at, place);
@@ -439,7 +434,7 @@ mod tests {
         };
         kept.begin(0.0);
         let mut near = Vec::new();
-        let others = kept.each_near(&situation, (1000.0, 60.0), |mast| near.push(mast.id));
+        let others = kept.for_each_near(&situation, (1000.0, 60.0), |mast| near.push(mast.id));
         near.sort_unstable();
         assert_eq!((near, others, kept.looked()), (alloc::vec![1, 2], 0, 3));
         let ahead = LineAhead {

@@ -17,7 +17,7 @@ type Lanes = [f64; LANES];
 /// clear in space, to the last bit.
 const ROUNDING_M: f64 = 0.1;
 
-/// Added to the possible distance of an aircraft, metres.
+/// Added to the distance that an aircraft can cover, metres.
 const NEAR_M: f64 = 200.0;
 
 /// The line ahead of the aircraft and the clear space around it, over the ground.

@@ -12,7 +12,7 @@ const LEVELS: usize = 7;
 /// No slot.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// An obstacle must be looked at in every step.
+/// The moment of an obstacle that is due in every step.
 pub(super) const ALWAYS: f64 = f64::NEG_INFINITY;
 
 /// Memory for [`Block::OBSTACLES`] kept obstacles, to be lent to a [`Kept`](super::Kept): some 3 kB.
@@ -159,7 +159,7 @@ impl<'m> Memory<'m> {
         block.node_s.get_mut(index % WIDTH)
     }
 
-    /// The obstacle of a slot must be looked at from a moment on: always or never.
+    /// Makes the obstacle of a slot due from a moment on: always or never.
     pub(super) fn set_due(&mut self, at: u32, due_s: f64) {
         let mut index = at as usize;
         let leaf = self.blocks.get_mut(index / WIDTH);
@@ -174,7 +174,7 @@ impl<'m> Memory<'m> {
         }
     }
 
-    /// All obstacles must be looked at.
+    /// Makes every obstacle due.
     pub(super) fn wake_all(&mut self) {
         for block in &mut *self.blocks {
             for (due_s, slot) in block.due_s.iter_mut().zip(&block.slots) {
@@ -186,7 +186,7 @@ impl<'m> Memory<'m> {
         }
     }
 
-    /// Looks at each obstacle whose moment has come, in the order of the slots; `look` gives its next moment.
+    /// Looks at each obstacle that is due, in the order of the slots; `look` gives its next moment.
     pub(super) fn each_due(&mut self, now_s: f64, look: &mut impl FnMut(&Slot) -> f64) {
         self.visit(self.height, 0, now_s, look);
     }

@@ -1,9 +1,9 @@
-//! Which obstacles may come near a line that the aircraft follows, as long as it follows it.
+//! Which obstacles may come near a line while the aircraft follows it.
 //!
-//! At the time t ≥ 0 of the line the aircraft is off its place p + v t by at most P and off its velocity v by at most V.
-//! Looking ahead by s ≥ 0 from there, an obstacle at the offset r with the relative velocity w at t = 0 comes within d only
-//! if |r − w u| ≤ d + P + V s at u = t + s. So it never does if |r − w u| > d + P + V u for all u ≥ 0: a quadratic
-//! inequality. What grows with time at g is added to V.
+//! At the time t ≥ 0 of the line the aircraft is off the place p + v t by at most P and off the velocity v by at most V.
+//! An obstacle has the offset r and the relative velocity w at t = 0. A look ahead by s ≥ 0 from t finds it within d only
+//! if |r − w u| ≤ d + P + V s at u = t + s. So no look does if |r − w u| > d + P + V u for all u ≥ 0: a quadratic
+//! inequality. A distance that grows with time at a rate adds this rate to V.
 
 use crate::kept::block::Slot;
 use crate::quiet::LineAhead;
@@ -14,13 +14,13 @@ use fga_proof::Vec3;
 const OFF_M: f64 = 4.0;
 const OFF_MPS: f64 = 0.25;
 
-/// Share of these at which the line is left: what remains is for rounding.
-const USED: f64 = 0.99;
+/// The line is followed within this share of these distances: the rest is for rounding.
+const FOLLOWED_SHARE: f64 = 0.99;
 
 /// A line ends after this time, seconds: far ahead it is wide.
 const LONGEST_S: f64 = 300.0;
 
-/// Larger coordinates (metres), times (seconds) and speeds (metres per second) are rounded too much.
+/// Beyond these coordinates (metres), times (seconds) and speeds (metres per second) rounding could matter.
 const LARGEST: f64 = 1e9;
 const FASTEST_MPS: f64 = 1e3;
 
@@ -53,15 +53,15 @@ impl Line {
         let followed_s = time_s - self.since_s;
         let expected_m = from.position_m + from.velocity_mps * followed_s;
         (0.0..=LONGEST_S).contains(&followed_s)
-            && (now.position_m - expected_m).length() <= USED * OFF_M
-            && (now.velocity_mps - from.velocity_mps).length() <= USED * OFF_MPS
+            && (now.position_m - expected_m).length() <= FOLLOWED_SHARE * OFF_M
+            && (now.velocity_mps - from.velocity_mps).length() <= FOLLOWED_SHARE * OFF_MPS
             && now.margin_m <= from.margin_m
             && now.sigmas == from.sigmas
             && now.horizon_s == from.horizon_s
     }
 
     /// Whether an obstacle may come near the line, or near the aircraft if it may turn.
-    pub(super) fn may_be_met_by(&self, slot: &Slot) -> bool {
+    pub(super) fn may_meet(&self, slot: &Slot) -> bool {
         let from = &self.ahead;
         let obstacle = slot.at(self.since_s);
         let velocity_mps = obstacle.velocity_mps;
@@ -163,7 +163,7 @@ mod tests {
             let (obstacle, aside) = draw.just_clear(&line.ahead);
             kept.put(&obstacle, since_s).unwrap();
             let slot = kept.memory.slot(0).unwrap();
-            if line.may_be_met_by(slot) {
+            if line.may_meet(slot) {
                 continue;
             }
             clear += 1;

@@ -1,15 +1,14 @@
-//! From when on an obstacle could be seen or reached: a bound on the closing speed.
+//! When could an obstacle be within surveillance or reach? A bound on the closing speed gives the moment.
 //!
-//! The watch has a clock of its own, which passes as fast as the situation's or as the aircraft covers its distance at
-//! the watch's speed, whichever is more. So in a second of it the aircraft and an obstacle close by no more than a
-//! second at the sum of their speeds, whatever the aircraft flies, and a jump of the position or of the situation's clock only
-//! makes it pass faster.
+//! The clock of the watch passes with the situation's clock, or with the distance that the aircraft covers at the watch's
+//! speed, whichever is more. So in a second of this clock the aircraft and an obstacle close by at most a second at the sum
+//! of their speeds, whatever the aircraft flies. A jump of the position or of the situation's clock makes this clock pass faster.
 
 use crate::kept::block::{ALWAYS, Slot};
 use crate::situation::Situation;
 use fga_proof::Vec3;
 
-/// Share added to distances and times for rounding: a million times more than it is.
+/// Share added to distances and times for rounding: a million times what rounding takes.
 const ROUNDING: f64 = 1e-9;
 
 /// Distance added for rounding, metres.
@@ -18,7 +17,7 @@ const ROUNDING_M: f64 = 1e-6;
 /// Time added at each reading of the clock for rounding, seconds.
 const ROUNDING_S: f64 = 1e-11;
 
-/// The clock starts again at this time, seconds: so long a double counts in steps of [`ROUNDING_S`].
+/// The clock starts again at this time, seconds: up to it a double resolves [`ROUNDING_S`].
 const LONGEST_S: f64 = 1e5;
 
 /// An obstacle that could matter sooner than this is looked at in every step, seconds.

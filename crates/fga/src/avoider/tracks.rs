@@ -305,7 +305,7 @@ impl Tracks {
         sigmas: f64,
     ) {
         self.clear();
-        let others = kept.each_near(situation, limits, |obstacle| {
+        let others = kept.for_each_near(situation, limits, |obstacle| {
             self.consider(situation, obstacle, limits, sigmas);
         });
         self.seen = self.seen.saturating_add(others);
