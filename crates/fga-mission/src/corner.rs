@@ -30,8 +30,8 @@ const LATE_RADII: f64 = 0.85;
 /// Guidance, and an overshoot, come back onto a leg at this angle, radians (45°): as fast across it as along it.
 pub(crate) const INTERCEPT_RAD: f64 = core::f64::consts::FRAC_PI_4;
 
-/// A leg of at least this many turn radii is no part of a chain of short ones, and never skipped before it was begun; a way joins a
-/// leg at most as far before its beginning. Two turn diameters (`fga-experiments missions`).
+/// A leg of at least this many turn radii ends a chain of short ones, and is skipped only once it was begun; a way joins a leg
+/// at most this far before its beginning. Two turn diameters (`fga-experiments missions`).
 pub(crate) const LONG_RADII: f64 = 4.0;
 
 /// A leg shorter than this many turn radii between two corners may merge into one turn: half a circle spans two radii.
@@ -73,7 +73,7 @@ pub(crate) fn corner(legs: &Legs<'_>, index: usize, leg: &Leg) -> Option<Corner>
     let turn = turn_rad(leg, &next).abs();
     // Over the waypoint, then onto the next leg: how far beyond that one?
     let beyond_m = radius_m * (1.0 - libm::cos(turn));
-    let overshoots = route.ends_over(index) && beyond_m > FLY_OVER_WITHIN_M;
+    let overshoots = route.is_flown_over(index) && beyond_m > FLY_OVER_WITHIN_M;
     let may_turn = turn <= MOST_FLY_BY_RAD && !overshoots;
     let turned = may_turn.then(|| {
         let lead_m = lead_m(legs, index, leg, &next);
@@ -91,7 +91,7 @@ pub(crate) fn corner(legs: &Legs<'_>, index: usize, leg: &Leg) -> Option<Corner>
 /// waypoint.
 fn lead_m(legs: &Legs<'_>, index: usize, leg: &Leg, next: &Leg) -> f64 {
     let turn = turn_rad(leg, next).abs();
-    if legs.route.ends_over(index) || turn > MOST_FLY_BY_RAD {
+    if legs.route.is_flown_over(index) || turn > MOST_FLY_BY_RAD {
         return 0.0;
     }
     let radius_m = legs.route.radius_m();
@@ -171,13 +171,13 @@ fn chain(legs: &Legs<'_>, index: usize, leg: &Leg, lead_m: f64) -> Option<Corner
         let join = join(route, (at, &next), &exit, INTERCEPT_RAD);
         let room_m = next.length_m - next_lead_m(legs, at, &next);
         if join.is_on_leg() && (join.along_m <= room_m || is_last) {
-            return passes_all(legs, index + 1, &exit, &join).then_some(Corner {
+            return keeps_waypoints(legs, index + 1, &exit, &join).then_some(Corner {
                 lead_m,
                 is_turn_round: false,
                 join,
             });
         }
-        if next.length_m >= LONG_RADII * radius_m || route.ends_over(at) {
+        if next.length_m >= LONG_RADII * radius_m || route.is_flown_over(at) {
             return round(legs, leg, at);
         }
     }
@@ -186,7 +186,7 @@ fn chain(legs: &Legs<'_>, index: usize, leg: &Leg, lead_m: f64) -> Option<Corner
 
 /// Whether a way passes the waypoints from `first` on within a turn radius, or they lie on a curve of gentle corners, which it
 /// follows as closely as it can.
-fn passes_all(legs: &Legs<'_>, first: usize, from: &MotionState, join: &Join) -> bool {
+fn keeps_waypoints(legs: &Legs<'_>, first: usize, from: &MotionState, join: &Join) -> bool {
     let route = legs.route;
     let skipped = join.index - first;
     if skipped == 0 {

@@ -15,12 +15,12 @@ use fga_proof::prediction::{Flyer, MotionState, flown};
 /// Stages that corners leave free for the turns of an avoidance.
 const ROOM_TO_AVOID: usize = 2;
 
-/// A turn round is planned again when the aircraft is off it by this, turn radii: less than a leg is entered within.
+/// A turn round is planned again once the aircraft is off it by this, turn radii: less than [`ENTERED_RADII`].
 const OFF_TURN_RADII: f64 = 0.2;
 
-/// An aircraft that flies along a leg, past its beginning, within this distance and angle, has entered it, whoever flew it
-/// there: turn radii and radians (11°, a turn of 0.2 radii onto the leg). The larger distance holds near the beginning without a turn
-/// round in progress: an obstacle may stand there, and from 1.5 radii aside two turns lead onto the leg in 2.6 radii, where a circle takes 6.3.
+/// An aircraft past the beginning of a leg has entered it within this distance and angle: turn radii and radians (11°). The
+/// larger distance holds near the beginning while no turn round is in progress: an obstacle may stand there, and from 1.5 radii
+/// aside two turns of 2.6 radii lead onto the leg, where a circle takes 6.3.
 const ENTERED_RADII: [f64; 2] = [0.3, 1.5];
 const ENTERED_RAD: f64 = 0.2;
 
@@ -41,18 +41,18 @@ pub struct Progress {
     pub(crate) leg: Option<Leg>,
     pub(crate) corner: Option<Corner>,
     /// Whether the aircraft must still enter the leg at its beginning, by a turn round.
-    pub(crate) from_start: bool,
+    pub(crate) is_unentered: bool,
     turn: Option<Turn>,
     time_s: f64,
     /// Airspeed, metres per second, and wind, for which leg and corner are laid; and the climb limits, radians.
     air: (f64, Vec3),
     climb_limits_rad: (f64, f64),
     pub(crate) is_complete: bool,
-    /// Whether the corner was refused for its work: it is planned in the next step.
+    /// Whether the meter refused the corner: the next step plans it.
     is_cut: bool,
     /// The leg that begins at a place of the aircraft, not at its waypoint.
     pub(crate) restart: Option<Restart>,
-    /// How often the aircraft has passed the last waypoint aside, hardly nearer than in its nearest pass, metres.
+    /// Passes aside of the last waypoint since the nearest one, and the distance of that one, metres.
     pub(crate) passes: u8,
     pub(crate) nearest_m: f64,
 }
@@ -70,7 +70,7 @@ impl Progress {
             index: 0,
             leg: None,
             corner: None,
-            from_start: false,
+            is_unentered: false,
             turn: None,
             time_s: 0.0,
             air: (0.0, Vec3::ZERO),
@@ -131,20 +131,20 @@ impl Progress {
             }
         }
         self.update_turn(route, state);
-        while let (Some(leg), false, false) = (self.leg, self.is_complete, self.from_start) {
+        while let (Some(leg), false, false) = (self.leg, self.is_complete, self.is_unentered) {
             let is_over = self.left_m(&leg, state) <= 0.0;
-            let goes_on = is_over && !self.flies_back(route, (&leg, state), passed_s);
+            let goes_on = is_over && !self.returns_over_waypoint(route, (&leg, state), passed_s);
             if !goes_on || self.is_cut || route.meter.is_met() {
                 break;
             }
             let next = self
                 .corner
                 .map(|corner| (corner.join.index, corner.is_turn_round));
-            let (index, from_start) = next.unwrap_or((self.index + 1, false));
-            self.go_to(route, state, index, from_start);
+            let (index, is_unentered) = next.unwrap_or((self.index + 1, false));
+            self.go_to(route, state, index, is_unentered);
         }
         if self.is_adrift() {
-            self.begin_here(route, state);
+            self.restart_here(route, state);
         }
     }
 
@@ -170,10 +170,10 @@ impl Progress {
         route: &Route<'_>,
         state: &MotionState,
         index: usize,
-        from_start: bool,
+        is_unentered: bool,
     ) {
         self.index = index;
-        self.from_start = from_start;
+        self.is_unentered = is_unentered;
         self.turn = None;
         self.load(route, state);
     }
@@ -200,15 +200,15 @@ impl Progress {
             && leg.turn_onto_rad(state).abs() < ENTERED_RAD
     }
 
-    /// Ends a turn round that has arrived; forgets one that the aircraft does not follow.
+    /// Ends a turn round that has arrived, and drops one that the aircraft does not follow.
     fn update_turn(&mut self, route: &Route<'_>, state: &MotionState) {
-        let Some(leg) = self.leg.filter(|_| self.from_start) else {
+        let Some(leg) = self.leg.filter(|_| self.is_unentered) else {
             return;
         };
         let radius_m = route.radius_m();
         if is_on_leg(&leg, state) || self.has_entered(&leg, state, radius_m) {
             self.turn = None;
-            self.from_start = false;
+            self.is_unentered = false;
         } else if let Some(turn) = self.turn {
             let since_s = self.time_s - turn.begun_s;
             let maneuver = turn.join.maneuver();
@@ -222,7 +222,7 @@ impl Progress {
             let has_arrived = since_s >= turn.join.joined_s - 1e-9;
             if !is_followed || has_arrived {
                 self.turn = None;
-                self.from_start &= !is_followed;
+                self.is_unentered &= !is_followed;
             }
         }
     }
@@ -231,12 +231,12 @@ impl Progress {
     pub fn straight_for_s(&self, state: &MotionState) -> f64 {
         let leg = self
             .leg
-            .filter(|leg| !self.from_start && is_on_leg(leg, state));
+            .filter(|leg| !self.is_unentered && is_on_leg(leg, state));
         leg.map_or(0.0, |leg| self.left_m(&leg, state) / leg.ground_speed_mps)
     }
 
     /// The course to hold if the aircraft is on its leg and no corner comes within `horizon_s`.
-    pub fn straight_on_rad(
+    pub fn straight_course_rad(
         &self,
         state: &MotionState,
         flyer: &Flyer,
@@ -244,7 +244,7 @@ impl Progress {
     ) -> Option<f64> {
         let leg = self
             .leg
-            .filter(|leg| !self.from_start && is_on_leg(leg, state))?;
+            .filter(|leg| !self.is_unentered && is_on_leg(leg, state))?;
         let is_straight = self.corner.is_none() || self.straight_for_s(state) > horizon_s;
         (is_straight && flyer.is_level_at(state))
             .then(|| state.course_rad + leg.turn_onto_rad(state))
@@ -258,14 +258,14 @@ impl Progress {
         state: &MotionState,
         horizon_s: f64,
     ) -> (Maneuver, f64) {
-        let onto = self.onto(route, state);
+        let onto = self.capture(route, state);
         let mut maneuver = onto.maneuver();
         let straight_s = self.round_corners(route, horizon_s, &mut maneuver, &onto);
         (maneuver, straight_s.unwrap_or(onto.joined_s))
     }
 
     /// The way onto the leg, or along it.
-    fn onto(&mut self, route: &Route<'_>, state: &MotionState) -> Join {
+    fn capture(&mut self, route: &Route<'_>, state: &MotionState) -> Join {
         let leg = self.leg(state);
         if let Some(turn) = self.turning(route, state) {
             return turn;
@@ -289,7 +289,7 @@ impl Progress {
             return held;
         }
         let found = self.way_back(route, state, INTERCEPT_RAD, MOST_LEGS);
-        let found = found.or_else(|| self.way_from_here(route, state));
+        let found = found.or_else(|| self.direct_way(route, state));
         if let Some(joined) = &found {
             self.advance_to(route, state, joined.index);
         }
@@ -298,7 +298,7 @@ impl Progress {
 
     /// The rest of the turn round to the beginning of the leg; it begins now if none is in progress.
     fn turning(&mut self, route: &Route<'_>, state: &MotionState) -> Option<Join> {
-        let leg = self.leg.filter(|_| self.from_start)?;
+        let leg = self.leg.filter(|_| self.is_unentered)?;
         let begins = || {
             let join = turn_round(route, (self.index, &leg), state)?;
             Some(Turn {
@@ -415,10 +415,10 @@ mod tests {
             let state = at(520.0, 0.0, 0.0);
             progress.update(route, &state, 0.0);
             let straight =
-                |horizon_s: f64| progress.straight_on_rad(&state, route.flyer, horizon_s);
+                |horizon_s: f64| progress.straight_course_rad(&state, route.flyer, horizon_s);
             assert_eq!((straight(29.0), straight(31.0)), (Some(0.0), None));
             let aside = at(520.0, 1.0, 0.0);
-            assert_eq!(progress.straight_on_rad(&aside, route.flyer, 1.0), None);
+            assert_eq!(progress.straight_course_rad(&aside, route.flyer, 1.0), None);
         });
     }
 
@@ -456,7 +456,7 @@ mod tests {
                     break;
                 }
                 let (maneuver, straight_s) = progress.guidance(route, &state, 0.2);
-                if progress.from_start {
+                if progress.is_unentered {
                     let ends_s = time_s + straight_s;
                     assert!(
                         turned_s == 0.0 || (ends_s - turned_s).abs() < 1e-6,
@@ -466,7 +466,7 @@ mod tests {
                 }
                 state = flown(route.flyer, &state, &maneuver, 0.1, route.meter);
                 state.time_s = 0.0;
-                if progress.index() == 1 && !progress.from_start {
+                if progress.index() == 1 && !progress.is_unentered {
                     let leg = progress.leg(&state);
                     assert!(leg.position(state.position_m, 0.0).cross_m.abs() < 10.0);
                 }

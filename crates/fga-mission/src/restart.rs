@@ -14,13 +14,13 @@ use fga_proof::situation::FLY_OVER_WITHIN_M;
 
 pub(crate) use crate::route::Restart;
 
-/// The aircraft flies back to its last waypoint at most so often without coming nearer: a wind that gusts can keep it aside for ever.
+/// Most returns to the last waypoint that bring the aircraft no nearer: gusts can keep the aircraft aside for ever.
 const MOST_PASSES: u8 = 3;
 
 impl Progress {
-    /// Whether the aircraft, which passed the last waypoint aside, flies back to it. A pass nearer than those before does not count: an
-    /// aircraft comes down in circles. From then on the leg leads over the waypoint with the wind, which gains the room for the turn back.
-    pub(crate) fn flies_back(
+    /// Whether the aircraft passed the last waypoint aside and returns to it. A pass nearer than those before does not count, for
+    /// an aircraft comes down in circles. The leg then leads over the waypoint with the wind, which gains room for the turn back.
+    pub(crate) fn returns_over_waypoint(
         &mut self,
         route: &Route<'_>,
         (leg, state): (&Leg, &MotionState),
@@ -31,7 +31,7 @@ impl Progress {
         let beyond_m = position.along_m - leg.length_m - since_m;
         let aside_m = position.cross_m.abs().max(position.above_m.abs());
         let wind_mps = route.wind_mps;
-        let is_missed = route.ends_over(self.index)
+        let is_missed = route.is_flown_over(self.index)
             && aside_m.max(beyond_m) > FLY_OVER_WITHIN_M
             && self.corner.is_none()
             && self.passes <= MOST_PASSES
@@ -56,7 +56,7 @@ impl Progress {
 
     /// Restarts the mission where the aircraft is: the present leg leads straight from there to its end, or to the first
     /// waypoint after it that the wind does not keep the aircraft from.
-    pub(crate) fn begin_here(&mut self, route: &Route<'_>, state: &MotionState) {
+    pub(crate) fn restart_here(&mut self, route: &Route<'_>, state: &MotionState) {
         let from_m = state.position_m + route.wind_mps * state.time_s;
         let last = route.mission.waypoints_m.len().saturating_sub(1);
         let found = (self.index..last).take(MOST_LEGS).find_map(|index| {
@@ -81,9 +81,9 @@ impl Progress {
     }
 
     /// A way straight to the next waypoint, as if the mission began where the aircraft is. Without a way nothing changes.
-    pub fn way_from_here(&mut self, route: &Route<'_>, state: &MotionState) -> Option<Join> {
+    pub fn direct_way(&mut self, route: &Route<'_>, state: &MotionState) -> Option<Join> {
         let before = *self;
-        self.begin_here(route, state);
+        self.restart_here(route, state);
         // The steepest way joins soonest, before a near waypoint too. It need not end on the leg: guidance goes on from there.
         let found = self.way_back(route, state, FRAC_PI_2, MOST_LEGS);
         let found = found.filter(|_| !self.is_adrift());
@@ -153,7 +153,7 @@ mod tests {
                 if step == 0
                     && let Some(there) = &there
                 {
-                    progress.way_from_here(route, there);
+                    progress.direct_way(route, there);
                 }
                 farthest_m = off_m(&state).max(farthest_m);
                 let (maneuver, _) = progress.guidance(route, &state, 0.2);
@@ -227,7 +227,7 @@ mod tests {
         /// From wherever it is near the end of its mission the aircraft flies over the last waypoint, and the mission ends then, not
         /// where it comes back to the line beyond. From far above it comes down in circles.
         #[test]
-        fn d10_a_mission_ends_over_its_last_waypoint(
+        fn d10_a_mission_is_flown_over_its_last_waypoint(
             lag_s in prop_oneof![Just(0.0), 0.2..1.0f64],
             (x, y, z) in (300.0..560.0f64, -80.0..80.0f64, -90.0..90.0f64),
             course_rad in -3.1..3.1f64,

@@ -57,7 +57,7 @@ impl Route<'_> {
     }
 
     /// Whether the aircraft flies over the waypoint at the end of a leg.
-    pub(crate) fn ends_over(&self, index: usize) -> bool {
+    pub(crate) fn is_flown_over(&self, index: usize) -> bool {
         self.mission.passing.get(index + 1) == Some(&Passing::FlyOver)
     }
 

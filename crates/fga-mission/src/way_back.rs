@@ -32,7 +32,7 @@ impl Progress {
         let long_m = LONG_RADII * route.radius_m();
         let round = |index: usize, leg: &Leg| turn_round(route, (index, leg), state);
         let (mut index, mut leg, mut corner_here) = (self.index, self.leg?, self.corner);
-        if self.from_start {
+        if self.is_unentered {
             return round(index, &leg);
         }
         let mut passed_m = 0.0;
@@ -46,7 +46,7 @@ impl Progress {
                 let joined = join(route, (index, &leg), state, intercept_rad);
                 let room_m = match corner_here {
                     Some(corner) => leg.length_m - corner.lead_m,
-                    None if route.ends_over(index) => leg.length_m,
+                    None if route.is_flown_over(index) => leg.length_m,
                     None => f64::INFINITY,
                 };
                 let is_behind = joined.along_m > room_m;

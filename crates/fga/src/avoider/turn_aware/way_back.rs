@@ -154,7 +154,7 @@ impl Avoider {
             first = Maneuver::turn(0.0, now.course_rad + turn_rad, 0.0);
             let from = self.after(now, &first, radii / self.flyer.course_rate_radps());
             way = self.on_mission(situation, |progress, route| {
-                progress.way_from_here(route, &from)
+                progress.direct_way(route, &from)
             });
         }
         let joined = way?;
