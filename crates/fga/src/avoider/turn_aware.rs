@@ -120,7 +120,9 @@ impl Avoider {
         kept: Option<&mut Kept<'_>>,
     ) -> Option<Decision> {
         let horizon_s = self.settings.horizon_s;
-        let course_rad = self.progress.straight_course_rad(now, &self.flyer, horizon_s)?;
+        let course_rad = self
+            .progress
+            .straight_course_rad(now, &self.flyer, horizon_s)?;
         let line = LineAhead {
             position_m: now.position_m,
             velocity_mps: self.ours_mps,
