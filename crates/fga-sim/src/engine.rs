@@ -102,6 +102,8 @@ pub struct Outcome {
     pub mission_flown: bool,
     /// Number of passed waypoints that it passed farther away than planned.
     pub waypoints_missed: usize,
+    /// Largest work of a decision, in units of the core's meter; 0 for a pilot that counts none.
+    pub work_most: u32,
 }
 
 impl Outcome {
@@ -139,6 +141,7 @@ struct Milestones {
     /// Whether the pilot says that it has passed the last waypoint.
     says_flown: bool,
     last: State,
+    work_most: u32,
 }
 
 impl Milestones {
@@ -165,6 +168,7 @@ impl Milestones {
         }
         self.says_flown = decision.record.reason == Reason::MissionComplete;
         self.last = state;
+        self.work_most = self.work_most.max(decision.record.work.work);
     }
 
     /// The pilot says that it is back, and the track says so too.
@@ -570,6 +574,7 @@ impl<'a> Flight<'a> {
             end_s,
             mission_flown: self.missed.is_empty() && self.state.progress.is_at_end(),
             waypoints_missed: self.missed.len(),
+            work_most: milestones.work_most,
         }
     }
 }

@@ -57,6 +57,14 @@ fn the_same_league_has_the_same_bytes_and_is_not_flown_twice() {
     ] {
         assert!(page.contains(what), "{what}");
     }
+    // The default policy counts its work; what is not known is empty, not 0.
+    let standings = rows(&place.join("one/league.csv"));
+    let works = standings.iter().map(|row| &row["work_most"]);
+    let [none, default, mvp] = works.collect::<Vec<_>>()[..] else {
+        panic!("three policies");
+    };
+    assert!(none.is_empty() && mvp.is_empty());
+    assert!(default.parse::<f64>().unwrap() > 100.0, "{default}");
     // Every replay of the page is there.
     let links: Vec<&str> = page
         .split("href=\"drawn-1hz/")
@@ -123,7 +131,7 @@ fn sets_and_policies_that_are_not_there_are_one_sentence() {
         (&["--data", "nowhere"], "is no folder"),
         (
             &["--intruders", "nobody"],
-            "intruders: unknown policy \"nobody\"",
+            "arduplane-rules, pipe:PROGRAM, or itself",
         ),
         (
             &["--intruders", "orca", "--intruders", "orca"],

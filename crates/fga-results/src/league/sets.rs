@@ -176,7 +176,7 @@ fn reactions(terms: &Terms) -> Result<Vec<Reaction>, CampaignError> {
             Reaction::Itself
         } else {
             let policy = policy_called(name, &terms.own)
-                .map_err(|message| CampaignError::Other(format!("intruders: {message}")))?;
+                .map_err(|message| CampaignError::Other(format!("intruders: {message}, or {ITSELF}")))?;
             Reaction::By(policy)
         };
         if reactions.contains(&reaction) {

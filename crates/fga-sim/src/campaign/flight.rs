@@ -12,7 +12,7 @@ use super::judge::{self, Judge};
 use super::metrics::Metrics;
 use super::{Campaign, CampaignError};
 use crate::batch::{self, BatchRow, BatchSettings};
-use crate::engine::Engine;
+use crate::engine::{Engine, Outcome};
 use crate::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
     best_margin_of_tracks,
@@ -205,6 +205,7 @@ impl<'a> Flyer<'a> {
             (self.judge).flown((world, is_other), &self.flown, &mut metrics);
             let failure = reacted.as_ref().and_then(|reacted| reacted.failure);
             metrics.policy_failure = pilot.failure().or(failure);
+            metrics.work = work(&outcome);
             let made = Made {
                 number,
                 drawn,
@@ -275,6 +276,7 @@ impl<'a> Flyer<'a> {
                 policy,
                 oracle_margin_m,
                 metrics: Metrics {
+                    work: work(&flown.outcome),
                     policy_failure: flown.failure,
                     ..Metrics::default()
                 },
@@ -283,6 +285,11 @@ impl<'a> Flyer<'a> {
             take.push(made.flown(&flown, &held, self.engine.separations()));
         }
     }
+}
+
+/// The largest work of a decision, where the policy counts it.
+fn work(outcome: &Outcome) -> Option<f64> {
+    (outcome.work_most > 0).then(|| f64::from(outcome.work_most))
 }
 
 /// The input of a row, besides the flight.
