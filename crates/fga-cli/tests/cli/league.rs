@@ -123,6 +123,7 @@ fn sets_and_policies_that_are_not_there_are_one_sentence() {
             "set drawn-1hz is named twice",
         ),
         (&["--sets", "none.toml", "--policy", "none"], "none.toml"),
+        (&["--encounters", "-5"], "expected a whole number from 1"),
         (&["--policy", "nobody"], "unknown policy \"nobody\""),
         (
             &["--policy", "orca", "--policy", "orca"],
