@@ -143,6 +143,12 @@ def test_a_policy_that_calls_the_avoider_flies_recordings_as_the_built_in_one(ro
     campaign = tmp_path / "recorded.toml"
     vehicle = (root / "vehicles" / "general-aviation.toml").as_posix()
     campaign.write_text(f'policies = ["none"]\nvehicle = "{vehicle}"\n')
+    flight = fga.Simulation(folder / "one.daa", vehicle=vehicle)
+    avoider = Builtin(flight.model.settings, flight.model.vehicle)
+    while (situation := flight.situation) is not None:
+        if (limits := flight.take_retuned()) is not None:
+            avoider.retune(limits)
+        flight.advance(avoider.step(situation))
     tables = [
         rows(fga.campaign(campaign, tmp_path / str(number), policies=[policy], recordings=[folder]).table())
         for number, policy in enumerate(["turn-aware", Builtin])
@@ -150,6 +156,10 @@ def test_a_policy_that_calls_the_avoider_flies_recordings_as_the_built_in_one(ro
     for expected, found in zip(*tables, strict=True):
         assert expected["start_s"] is not None
         assert {**found, "policy": ""} == {**expected, "policy": ""}
+        # A flight step by step is judged as in a campaign.
+        standards = flight.outcome()["standards"]
+        assert len(standards) > 20
+        assert {name: expected[name] for name in standards} == standards
 
 
 def test_each_flight_has_a_policy_of_its_own(encounters):

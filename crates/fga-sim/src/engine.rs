@@ -111,6 +111,11 @@ impl Outcome {
     pub fn separated(&self) -> bool {
         self.min_margin_m >= 0.0
     }
+
+    /// Largest work of a decision, in units of the core's meter; `None` for a pilot that counts none.
+    pub fn work(&self) -> Option<f64> {
+        (self.work_most > 0).then(|| f64::from(self.work_most))
+    }
 }
 
 /// Flies worlds; it keeps its buffers from one to the next.

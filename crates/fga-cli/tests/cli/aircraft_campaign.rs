@@ -79,6 +79,35 @@ fn bytes(at: &Path, out: &str) -> Vec<u8> {
     fs::read(at.join(out).join("results.parquet")).unwrap()
 }
 
+/// A single flight of a recording is judged as in a campaign, number for number.
+#[test]
+fn one_flight_has_the_numbers_of_the_standards_too() {
+    let folder = written();
+    let at = folder.path();
+    run(at, &RECORDED, &["--csv", "--out", "out"]);
+    for row in rows(&at.join("out/results.csv")) {
+        let recording = format!("flights/{}.daa", row["name"]);
+        let flight = ["run", &recording, "--vehicle", "ga.toml", "--json"];
+        let output = fga_in(at, &[&flight[..], &["--policy", &row["policy"]]].concat());
+        let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let standards = summary["standards"].as_object().unwrap();
+        assert!(standards.len() > 20, "{standards:?}");
+        for (name, value) in standards {
+            let shown = &row[name];
+            let is_same = match value {
+                serde_json::Value::Null => shown.is_empty(),
+                serde_json::Value::Number(number) => shown.parse().ok() == number.as_f64(),
+                other => *shown == other.to_string(),
+            };
+            assert!(
+                is_same,
+                "{recording}, {}, {name}: {value} {shown}",
+                row["policy"]
+            );
+        }
+    }
+}
+
 #[test]
 fn recordings_are_judged_as_worked_out_by_hand() {
     let folder = written();

@@ -8,11 +8,11 @@ use fga_formats::daa::Recording;
 use fga_formats::encounters::Encounter;
 
 use super::configuration::{Drawn, Scene};
-use super::judge::{self, Judge};
+use super::judge::{FlownPath, Judge};
 use super::metrics::Metrics;
 use super::{Campaign, CampaignError};
 use crate::batch::{self, BatchRow, BatchSettings};
-use crate::engine::{Engine, Outcome};
+use crate::engine::Engine;
 use crate::oracle::{
     AVOIDABLE_MARGIN_M, OracleObstacle, OracleSettings, OracleStart, OracleVehicle, best_margin,
     best_margin_of_tracks,
@@ -115,7 +115,7 @@ pub struct Flyer<'a> {
     line_velocity_mps: Vec3,
     oracle: Option<(OracleVehicle, OracleStart, OracleSettings)>,
     judge: Judge,
-    flown: judge::Flown,
+    flown: FlownPath,
 }
 
 impl<'a> Flyer<'a> {
@@ -143,7 +143,7 @@ impl<'a> Flyer<'a> {
             world,
             campaign,
             judge: Judge::new(),
-            flown: judge::Flown::default(),
+            flown: FlownPath::default(),
         })
     }
 
@@ -205,7 +205,7 @@ impl<'a> Flyer<'a> {
             (self.judge).flown((world, is_other), &self.flown, &mut metrics);
             let failure = reacted.as_ref().and_then(|reacted| reacted.failure);
             metrics.policy_failure = pilot.failure().or(failure);
-            metrics.work = work(&outcome);
+            metrics.work = outcome.work();
             let made = Made {
                 number,
                 drawn,
@@ -276,7 +276,7 @@ impl<'a> Flyer<'a> {
                 policy,
                 oracle_margin_m,
                 metrics: Metrics {
-                    work: work(&flown.outcome),
+                    work: flown.outcome.work(),
                     policy_failure: flown.failure,
                     ..Metrics::default()
                 },
@@ -285,11 +285,6 @@ impl<'a> Flyer<'a> {
             take.push(made.flown(&flown, &held, self.engine.separations()));
         }
     }
-}
-
-/// The largest work of a decision, where the policy counts it.
-fn work(outcome: &Outcome) -> Option<f64> {
-    (outcome.work_most > 0).then(|| f64::from(outcome.work_most))
 }
 
 /// The input of a row, besides the flight.
