@@ -50,7 +50,7 @@ pub(crate) fn league<'py>(
         })
     })?
     .map_err(failed)?;
-    warn_of_failures(py, &flown.policies)?;
+    warn_of_failures(py, &flown.own)?;
     py.import("json")?
         .call_method1("loads", (flown.rows.to_string(),))
 }

@@ -80,8 +80,8 @@ pub struct Flown {
     pub words: String,
     /// The standings, one object for each set and policy.
     pub rows: Value,
-    /// The policies, for what they say of failures.
-    pub policies: Vec<PolicyChoice>,
+    /// The policies of one's own on both sides, for what they say of failures.
+    pub own: Vec<PolicyChoice>,
 }
 
 /// A campaign of a league: a policy over a set.
@@ -120,6 +120,15 @@ pub fn run(
     show: &mut (dyn FnMut(&str, &str, &Progress) + Send),
 ) -> Result<Flown, CampaignError> {
     let policies = policies(terms)?;
+    // Every campaign asks the same ones, so that they know of all failures.
+    let own = own_of(terms, &policies);
+    let terms = &Terms {
+        own: own
+            .iter()
+            .filter_map(|policy| policy.own().cloned())
+            .collect(),
+        ..terms.clone()
+    };
     atomic::prepare_folder(out)?;
     let (sets, left_out) = sets(terms, out)?;
     let stamp = Stamp::of_this_build(TARGET);
@@ -187,8 +196,21 @@ pub fn run(
         left_out,
         words: in_words(&league),
         rows: objects(rows),
-        policies,
+        own,
     })
+}
+
+/// The policies of one's own on both sides, each once.
+fn own_of(terms: &Terms, policies: &[PolicyChoice]) -> Vec<PolicyChoice> {
+    let intruders = terms.intruders.iter();
+    let intruders = intruders.filter_map(|name| policy_called(name, &terms.own).ok());
+    let mut own: Vec<PolicyChoice> = Vec::new();
+    for policy in policies.iter().cloned().chain(intruders) {
+        if policy.own().is_some() && !own.contains(&policy) {
+            own.push(policy);
+        }
+    }
+    own
 }
 
 /// The policy whose flight a replay shows beside another one's: the default one, and beside that the first other one that acts.

@@ -103,6 +103,8 @@ fn a_program_joins_a_league_and_its_failures_stand_there() {
         let standings = rows(&place.join("out/league.csv"));
         assert_eq!(standings.len(), 2);
         let failed = if fails { "24" } else { "0" };
+        let told = errors(&done).contains("policy pipe:./own.sh failed in ");
+        assert_eq!(told, fails, "{}", errors(&done));
         assert_eq!(standings[1]["policy_failures"], failed);
         // Both fly the mission.
         for column in ["entered", "threatened", "encounters"] {
