@@ -8,8 +8,11 @@
 //! chord covers many nodes.
 
 mod hazards;
+mod parts;
 
-pub use hazards::{ALWAYS, Hazard, HazardSet, Hazards, Line, MAX_HAZARDS, NO_DEPTH};
+pub use hazards::{ALWAYS, Hazard, HazardSet, Hazards, Line, MAX_HAZARDS, NO_DEPTH, Rows};
+pub use parts::{MAX_PARTS, Parts, Shape};
+pub(crate) use parts::{Part, ROUNDED_M};
 
 use crate::Vec3;
 use crate::meter::{LOOK, Meter};
@@ -294,7 +297,7 @@ pub fn mark_close(
 }
 
 /// Whether a path ends before `horizon_s`, and the straight flight after it keeps a margin from every hazard until a later
-/// moment, seconds.
+/// moment, seconds. Zones, which count for a shorter time, must be looked at again.
 pub fn keeps_on(
     path: &FlightPath,
     hazards: &Hazards,
@@ -304,11 +307,12 @@ pub fn keeps_on(
 ) -> bool {
     let margin_m = margin_m + path.remainder_m();
     let line = end_line(path, until_s).filter(|line| line.at_s < horizon_s);
-    line.is_some_and(|line| {
-        hazards.each_close(&line, margin_m, meter, |hazard| {
-            hazard.least_on_line(&line, margin_m, meter).is_none()
+    hazards.zones.count() == 0
+        && line.is_some_and(|line| {
+            hazards.each_close(&line, margin_m, meter, |hazard| {
+                hazard.least_on_line(&line, margin_m, meter).is_none()
+            })
         })
-    })
 }
 
 /// The straight line between two moments of a flight, at constant speed.

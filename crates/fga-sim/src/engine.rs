@@ -589,6 +589,7 @@ fn situation<'a>(
             waypoints_m: &world.mission_m,
             passing: &world.passing,
             limits_m: world.limits_m,
+            zones: &[],
         },
         wind_mps: world.wind_mps,
     }

@@ -103,7 +103,7 @@ impl Plan {
 
 /// Collision avoidance for one aircraft: call it each cycle with a [`Situation`] and fly its [`Decision`].
 ///
-/// It holds its scratch space (some 190 kB) and never allocates: keep it in one place.
+/// It holds its scratch space (some 220 kB) and never allocates: keep it in one place.
 #[derive(Debug, Clone)]
 pub struct Avoider {
     settings: Settings,
@@ -392,6 +392,10 @@ impl Avoider {
             ];
             self.tracks.stay_between(limits_m, situation);
         }
+        let flown = (&self.flyer, self.climb_limits_rad());
+        let leg = self.progress.index();
+        self.tracks
+            .add_zones(leg, flown, self.wanted_m(), situation);
         self.meter.count(self.tracks.work());
     }
 

@@ -2,7 +2,9 @@
 
 use glam::{BVec4, DVec4};
 
+use super::parts::{Parts, Shape};
 use crate::Vec3;
+use crate::list::List;
 use crate::meter::{LEAST_STEP, LOOK, Meter};
 use crate::situation::{Obstacle, ProtectedVolume};
 
@@ -48,6 +50,8 @@ pub struct Hazard {
     /// the distance outside. The depth is s·w·f/(w + f), with the distances to wall and face as shares w and f of radius
     /// and half height, and s the smaller of the two: at one height it grows towards the axis.
     pub allowed_depth_m: f64,
+    /// The places of the volume that count.
+    pub shape: Shape,
 }
 
 /// The margin inside is minus the distance to the nearest surface.
@@ -69,21 +73,53 @@ pub struct Line {
     pub duration_s: f64,
 }
 
+impl Line {
+    /// From one place to another one in a second.
+    pub fn between(from_m: Vec3, to_m: Vec3) -> Self {
+        Self {
+            from_m,
+            velocity_mps: to_m - from_m,
+            at_s: 0.0,
+            duration_s: 1.0,
+        }
+    }
+
+    /// At a place.
+    pub fn at(place_m: Vec3) -> Self {
+        Self::between(place_m, place_m)
+    }
+
+    /// The least box with all places within a distance of it, metres.
+    #[inline]
+    pub(super) fn reach_m(&self, within_m: f64) -> (Vec3, Vec3) {
+        let to_m = self.from_m + self.velocity_mps * self.duration_s;
+        let within_m = Vec3::splat(within_m);
+        (
+            self.from_m.min(to_m) - within_m,
+            self.from_m.max(to_m) + within_m,
+        )
+    }
+}
+
 impl Hazard {
+    /// A point at rest at the origin.
+    pub const NONE: Self = Self::exact(
+        0,
+        Vec3::ZERO,
+        Vec3::ZERO,
+        ProtectedVolume::Sphere { radius_m: 0.0 },
+    );
+
     /// The obstacle in an air mass that moves with `wind_mps`, its volume widened by `sigmas`
     /// standard deviations of position now and of velocity over time.
     pub fn new(index: u32, obstacle: &Obstacle, wind_mps: Vec3, sigmas: f64) -> Self {
         let uncertainty = obstacle.uncertainty;
+        let volume = obstacle.volume.grown(sigmas * uncertainty.position_m);
+        let velocity_mps = obstacle.velocity_mps - wind_mps;
         Self {
             index,
-            id: obstacle.id,
-            position_m: obstacle.position_m,
-            velocity_mps: obstacle.velocity_mps - wind_mps,
-            volume: obstacle.volume.grown(sigmas * uncertainty.position_m),
             growth_mps: sigmas * uncertainty.velocity_mps,
-            stretch_m: (0.0, 0.0),
-            window_s: ALWAYS,
-            allowed_depth_m: NO_DEPTH,
+            ..Self::exact(obstacle.id, obstacle.position_m, velocity_mps, volume)
         }
     }
 
@@ -104,6 +140,7 @@ impl Hazard {
             stretch_m: (0.0, 0.0),
             window_s: ALWAYS,
             allowed_depth_m: NO_DEPTH,
+            shape: Shape::Whole,
         }
     }
 
@@ -136,6 +173,14 @@ impl Hazard {
     /// [`Self::allowed_depth_m`].
     pub fn margin_m(&self, position_m: Vec3, at_s: f64) -> f64 {
         let offset = self.offset_m(position_m, at_s);
+        if self.shape == Shape::Outside {
+            let margin_m = -self.volume.margin_m(offset);
+            return if margin_m < 0.0 {
+                Shape::INSIDE_M
+            } else {
+                margin_m + self.allowed_depth_m.max(0.0)
+            };
+        }
         self.margin_and_slope(offset, Vec3::ZERO, at_s).0
     }
 
@@ -186,7 +231,11 @@ impl Hazard {
             (offset + velocity * nearest_s, nearest_s)
         };
         let (stretch_m, stretch_mps) = self.stretch_m;
-        let radius = self.volume.bounding_radius_m();
+        let radius = if self.shape == Shape::Whole {
+            self.volume.bounding_radius_m()
+        } else {
+            f64::INFINITY
+        };
         let grown = (self.growth_mps + stretch_mps) * (at_s + duration_s) + stretch_m;
         let reach = radius + grown + below_m;
         let nearest_square = nearest.length_squared();
@@ -209,7 +258,13 @@ impl Hazard {
         let (at_s, duration_s, growth) = (line.at_s, line.duration_s, self.growth_mps);
         let offset = self.offset_m(line.from_m, at_s);
         let velocity = line.velocity_mps - self.velocity_mps;
-        let (margin, when) = if self.is_cylinder() || self.is_stretched() {
+        let (margin, when) = if self.shape == Shape::Outside {
+            // The distance inside of a convex volume is least at an end of a line.
+            let at_m = |t: f64| line.from_m + line.velocity_mps * t;
+            let margin = |t: f64| (self.margin_m(at_m(t), at_s + t), t);
+            let (from, to) = (margin(0.0), margin(duration_s));
+            if to.0 < from.0 { to } else { from }
+        } else if self.is_cylinder() || self.is_stretched() {
             let margin = |t: f64| self.margin_and_slope(offset + velocity * t, velocity, at_s + t);
             least_of_convex(margin, duration_s, below_m, meter)?
         } else {
@@ -230,9 +285,14 @@ impl Hazard {
         if self.is_stretched() && height < 0.0 {
             (height, rise) = (0.0, 0.0);
         }
-        let aside = libm::sqrt(offset.x * offset.x + offset.y * offset.y);
+        let across = offset.truncate();
+        let beside = match self.shape {
+            Shape::Triangle(corners_m) => Shape::beside(corners_m, across),
+            _ => across,
+        };
+        let aside = libm::sqrt(beside.x * beside.x + beside.y * beside.y);
         let departs = if aside > 0.0 {
-            (offset.x * velocity.x + offset.y * velocity.y) / aside
+            (beside.x * velocity.x + beside.y * velocity.y) / aside
         } else {
             0.0
         };
@@ -243,6 +303,9 @@ impl Hazard {
                 half_height_m,
             } => (aside - radius_m, height - half_height_m, 0.0),
         };
+        if self.shape != Shape::Whole && wall < 0.0 && face < 0.0 {
+            return (Shape::INSIDE_M, 0.0);
+        }
         let is_sphere = !self.is_cylinder();
         let (margin, slope) = if is_sphere || (wall > 0.0 && face > 0.0) {
             let distance = libm::sqrt(wall * wall + face * face);
@@ -457,12 +520,16 @@ impl Block {
     }
 }
 
+/// Hazards one by one.
+pub type Rows = List<Hazard, MAX_HAZARDS>;
+
 /// A set of hazards of fixed capacity; it finds those near a line in blocks of four.
 #[derive(Debug, Clone)]
 pub struct Hazards {
-    rows: [Hazard; MAX_HAZARDS],
+    rows: Rows,
     blocks: [Block; MAX_HAZARDS / LANES],
-    len: usize,
+    /// The zones: flights that come near keep their margin from these too, which are no rows.
+    pub zones: Parts,
 }
 
 impl Default for Hazards {
@@ -474,50 +541,42 @@ impl Default for Hazards {
 impl Hazards {
     /// No hazards.
     pub const fn new() -> Self {
-        let point = ProtectedVolume::Sphere { radius_m: 0.0 };
-        let none = Hazard::exact(0, Vec3::ZERO, Vec3::ZERO, point);
         Self {
-            rows: [none; MAX_HAZARDS],
+            rows: Rows::new(Hazard::NONE),
             blocks: [Block::NONE; MAX_HAZARDS / LANES],
-            len: 0,
+            zones: Parts::NONE,
         }
     }
 
-    /// Forgets all hazards.
+    /// Forgets all hazards that are rows.
     pub fn clear(&mut self) {
-        for block in self.blocks.iter_mut().take(self.len.div_ceil(LANES)) {
+        for block in self.blocks.iter_mut().take(self.rows.len().div_ceil(LANES)) {
             *block = Block::NONE;
         }
-        self.len = 0;
+        self.rows.clear();
     }
 
     /// The hazards one by one.
     #[inline]
     pub fn rows(&self) -> &[Hazard] {
-        self.rows.get(..self.len).unwrap_or(&[])
+        &self.rows
     }
 
     /// Number of blocks of four in use.
     #[inline]
-    pub(crate) const fn block_count(&self) -> usize {
-        self.len.div_ceil(LANES)
+    pub(crate) fn block_count(&self) -> usize {
+        self.rows.len().div_ceil(LANES)
     }
 
     /// Puts a hazard at an index: replaces one, or appends behind the last one. False for any other
     /// index.
     pub fn put(&mut self, place: usize, hazard: Hazard) -> bool {
-        if place > self.len {
-            return false;
+        let block = self.blocks.get_mut(place / LANES);
+        let fits = self.rows.put(place, hazard);
+        if let Some(block) = block.filter(|_| fits) {
+            block.put(place % LANES, &hazard);
         }
-        let (Some(row), Some(block)) =
-            (self.rows.get_mut(place), self.blocks.get_mut(place / LANES))
-        else {
-            return false;
-        };
-        *row = hazard;
-        self.len = self.len.max(place + 1);
-        block.put(place % LANES, &hazard);
-        true
+        fits
     }
 }
 
@@ -533,8 +592,9 @@ impl HazardSet for Hazards {
         if !meter.take(self.block_count().max(1)) {
             return false;
         }
-        if self.len <= FEW {
-            return self.rows().iter().all(visit);
+        if self.rows.len() <= FEW {
+            return self.rows().iter().all(&mut visit)
+                && self.zones.each_close(line, below_m, meter, visit);
         }
         let rows = self.rows().chunks(LANES);
         for (block, rows) in self.blocks.iter().zip(rows) {
@@ -548,6 +608,6 @@ impl HazardSet for Hazards {
                 }
             }
         }
-        true
+        self.zones.each_close(line, below_m, meter, visit)
     }
 }

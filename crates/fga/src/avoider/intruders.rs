@@ -189,6 +189,10 @@ impl Motions {
         self.hazards.clear();
     }
 
+    pub(super) const fn hazards_mut(&mut self) -> &mut Hazards {
+        &mut self.hazards
+    }
+
     pub(super) const fn hazards(&self) -> &Hazards {
         &self.hazards
     }

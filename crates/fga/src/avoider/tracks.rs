@@ -2,12 +2,16 @@
 
 mod memory;
 
-use self::memory::{Known, Memory};
+use core::f64::consts::TAU;
+
+use self::memory::{Known, Memory, known_as};
 use crate::Vec3;
 use crate::avoider::Kept;
 use crate::avoider::intruders::{Clearance, Freedom, MOTIONS, Motions, Trend};
-use crate::certificate::{Hazard, Hazards, MAX_HAZARDS};
+use crate::certificate::{Hazard, Hazards, Line, MAX_HAZARDS, Rows};
+use crate::limit::Limit as _;
 use crate::meter::{COMPARED, MOTION, Meter};
+use crate::prediction::Flyer;
 use crate::situation::{Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
 
 /// Most obstacles of a decision: the most urgent ones.
@@ -25,6 +29,17 @@ const FLAT_M: f64 = 1e9;
 /// The centre of a limit of altitude lies on a grid, so that it stays from step to step, metres.
 const FLAT_WITHIN_M: f64 = 1e4;
 
+/// Zones are known at least this far beyond the flight of a full circle, metres: margins are capped there.
+const ZONE_REACH_M: f64 = 1e3;
+
+/// The plane that follows an aircraft out of a zone has this share of its speed, and begins so many turn radii behind it.
+const OUT_SHARE: f64 = 0.9;
+const TURNS_ROUND: f64 = 2.9;
+
+/// An aircraft turns into a direction after this time, seconds, and so many time constants of its bank.
+const DECIDES_S: f64 = 1.0;
+const ROLLS: f64 = 3.0;
+
 /// How near to the centre of a volume the aircraft may come again while leaving it, as a share of its offset.
 const LEAVING_SHARE: f64 = 0.98;
 
@@ -35,7 +50,8 @@ const LEAVING_SHARE: f64 = 0.98;
     reason = "each is an answer about the same step, and any of them may hold with any other"
 )]
 pub struct Tracks {
-    hazards: Hazards,
+    /// Each obstacle's expected motion.
+    hazards: Rows,
     /// The same obstacles as known, over the ground.
     obstacles: [Obstacle; MAX_TRACKED],
     /// The turn of each.
@@ -44,9 +60,9 @@ pub struct Tracks {
     memory: [Memory; 2],
     /// Index of the last step among the two.
     last: usize,
-    /// Their possible motions, on demand.
+    /// What hazards there are: one for each, or on demand their possible motions.
     motions: Motions,
-    /// Whether `motions` replace the hazards.
+    /// Whether those are the possible motions.
     moving: bool,
     /// Number of aircraft among them.
     aircraft: usize,
@@ -85,10 +101,10 @@ impl Tracks {
     )]
     pub const fn new() -> Self {
         Self {
-            hazards: Hazards::new(),
+            hazards: Rows::new(Hazard::NONE),
             obstacles: [Known::NONE.obstacle; MAX_TRACKED],
             trend: [Trend::STRAIGHT; MAX_TRACKED],
-            memory: [Memory::NONE; 2],
+            memory: [const { Memory::new(Known::NONE) }; 2],
             last: 0,
             motions: Motions::new(),
             moving: false,
@@ -110,6 +126,7 @@ impl Tracks {
     pub fn clear(&mut self) {
         self.hazards.clear();
         self.motions.clear();
+        self.motions.hazards_mut().zones.clear(Vec3::ZERO, 0.0);
         self.moving = false;
         self.aircraft = 0;
         self.work = 0;
@@ -122,17 +139,13 @@ impl Tracks {
     pub fn forget(&mut self) {
         self.clear();
         for memory in &mut self.memory {
-            memory.len = 0;
+            memory.clear();
         }
     }
 
     /// The hazards.
     pub const fn hazards(&self) -> &Hazards {
-        if self.moving {
-            self.motions.hazards()
-        } else {
-            &self.hazards
-        }
+        self.motions.hazards()
     }
 
     /// Whether any obstacle is an aircraft, which may depart from its expected motion.
@@ -155,7 +168,7 @@ impl Tracks {
         own_m: Vec3,
         meter: &Meter,
     ) -> Option<(usize, (f64, usize), usize)> {
-        let rows = self.hazards.rows();
+        let rows = &*self.hazards;
         let mut left = MAX_HAZARDS - rows.len();
         let mut last = (f64::NEG_INFINITY, 0);
         for turning in 0..self.aircraft {
@@ -180,7 +193,7 @@ impl Tracks {
 
     /// Whether every aircraft of some moves away from ours.
     pub(super) fn all_pass(&self, own_m: Vec3, own_mps: Vec3, of: impl Fn(u32) -> bool) -> bool {
-        let rows = self.hazards.rows().iter().zip(&self.obstacles);
+        let rows = self.hazards.iter().zip(&self.obstacles);
         rows.filter(|(_, known)| known.movement.bounds().is_some() && of(known.id))
             .all(|(hazard, _)| (hazard.position_m - own_m).dot(hazard.velocity_mps - own_mps) > 0.0)
     }
@@ -197,7 +210,7 @@ impl Tracks {
         self.motions.clear();
         self.moving = true;
         self.own_m = own_m;
-        let rows = self.hazards.rows();
+        let rows = &*self.hazards;
         if !meter.take(rows.len()) {
             return;
         }
@@ -228,13 +241,19 @@ impl Tracks {
     }
 
     /// The hazards are their expected motions again.
-    pub(super) const fn as_expected(&mut self) {
-        self.moving = false;
+    pub(super) fn as_expected(&mut self) {
+        if self.moving {
+            self.moving = false;
+            self.motions.clear();
+            for (place, hazard) in self.hazards.iter().enumerate() {
+                self.motions.hazards_mut().put(place, *hazard);
+            }
+        }
     }
 
     /// Whether there is any obstacle but the limits of altitude.
     pub(super) fn has_obstacles(&self) -> bool {
-        let mut rows = self.hazards.rows().iter();
+        let mut rows = self.hazards.iter();
         rows.any(|hazard| hazard.volume.radius_m() < FLAT_M)
     }
 
@@ -243,8 +262,7 @@ impl Tracks {
     pub(super) fn stay_between(&mut self, limits_m: [f64; 2], situation: &Situation<'_>) {
         let own_m = situation.ownship.position_m;
         for (side, limit_m) in [-1.0, 1.0].into_iter().zip(limits_m) {
-            let place = self.hazards.rows().len();
-            if place >= MAX_TRACKED || !limit_m.is_finite() {
+            if !limit_m.is_finite() {
                 continue;
             }
             let [x, y] =
@@ -259,13 +277,71 @@ impl Tracks {
                     volume,
                 )
             };
+            self.add_limit(&limit, f64::INFINITY, situation);
+        }
+    }
+
+    /// Adds what is no obstacle but limits the flight, up to a moment, seconds, where there is room.
+    fn add_limit(&mut self, limit: &Obstacle, until_s: f64, situation: &Situation<'_>) {
+        let place = self.hazards.len();
+        if let Some((known, trend)) = self.obstacles.get_mut(place).zip(self.trend.get_mut(place)) {
+            (*known, *trend) = (*limit, Trend::STRAIGHT);
             let index = u32::try_from(place).unwrap_or(u32::MAX);
-            self.hazards
-                .put(place, Hazard::new(index, &limit, situation.wind_mps, 0.0));
-            if let Some((known, trend)) =
-                self.obstacles.get_mut(place).zip(self.trend.get_mut(place))
-            {
-                (*known, *trend) = (limit, Trend::STRAIGHT);
+            let mut hazard = Hazard::new(index, limit, situation.wind_mps, 0.0);
+            hazard.window_s.1 = until_s;
+            self.hazards.put(place, hazard);
+            self.motions.hazards_mut().put(place, hazard);
+        }
+    }
+
+    /// Adds the zones of the mission, for the time of a full circle: so long the aircraft can turn back from a wall. One that the
+    /// present leg is on the wrong side of within that time does not bind. Of one that the aircraft has entered, a plane follows it out.
+    pub(super) fn add_zones(
+        &mut self,
+        leg: usize,
+        (flyer, climb_limits_rad): (&Flyer, (f64, f64)),
+        wanted_m: f64,
+        situation: &Situation<'_>,
+    ) {
+        let (own_m, speed_mps) = (situation.ownship.position_m, flyer.airspeed_mps());
+        let circle_s = TAU / flyer.course_rate_radps();
+        let flown_m = (speed_mps + situation.wind_mps.length()) * circle_s;
+        let near = (own_m, flown_m + ZONE_REACH_M.max(2.0 * wanted_m));
+        let on_leg = leg_ahead(situation, leg, flown_m);
+        let zones = &mut self.motions.hazards_mut().zones;
+        zones.clear(situation.wind_mps, circle_s);
+        for zone in situation.mission.zones {
+            self.work += zone.size();
+            let nearest_m = |line: &Line| zone.nearest_m(line, wanted_m);
+            let of_leg_m = on_leg.as_ref().map_or(wanted_m, nearest_m);
+            if of_leg_m < 0.0 {
+                continue;
+            }
+            // No nearer than the leg leads, or the aircraft is.
+            let least_m = of_leg_m.min(nearest_m(&Line::at(own_m)));
+            let share = if least_m < wanted_m {
+                LEAVING_SHARE
+            } else {
+                1.0
+            };
+            let spare_m = wanted_m - share * least_m;
+            if zone.is_entered(own_m) {
+                let (way_m, (low_rad, high_rad)) = (zone.way_out_m(own_m), climb_limits_rad);
+                let climbs = libm::sin(if way_m.z > 0.0 { high_rad } else { -low_rad });
+                let out_mps = OUT_SHARE * speed_mps * if way_m.z == 0.0 { 1.0 } else { climbs };
+                let direction = way_m.normalize_or(Vec3::X);
+                // Turning round to the way out takes the aircraft back by less.
+                let rolls_s = DECIDES_S + ROLLS * flyer.bank_time_constant_s();
+                let behind_m = TURNS_ROUND * flyer.turn_radius_m() + rolls_s * speed_mps + wanted_m;
+                let center_m = own_m - direction * (FLAT_M + behind_m);
+                let volume = ProtectedVolume::Sphere { radius_m: FLAT_M };
+                let plane = Obstacle::straight(u32::MAX, center_m, direction * out_mps, volume);
+                let out_s = (way_m.length() + behind_m + wanted_m) / out_mps;
+                self.inside = true;
+                self.add_limit(&plane, out_s, situation);
+            } else if !self.motions.hazards_mut().zones.add(zone, near, spare_m) {
+                self.overflow = true;
+                return;
             }
         }
     }
@@ -314,22 +390,24 @@ impl Tracks {
 
     /// Adds those that are missing for a short time, and learns.
     fn complete(&mut self, situation: &Situation<'_>, limits: (f64, f64), sigmas: f64) {
-        let heard = self.hazards.rows().len();
+        let heard = self.hazards.len();
         self.work += self.seen as usize / 2;
         // A missing one is extrapolated, for a limited time.
         let mut place = 0;
-        while let Some(known) = self.remembered().known(place) {
+        while let Some(known) = self.remembered().get(place).copied() {
             place += 1;
             let missing_s = situation.time_s - known.heard_s;
             let missing = (0.0..=COASTED_S).contains(&missing_s) && {
                 let mut rows = self.obstacles.iter().take(heard);
                 !rows.any(|obstacle| obstacle.id == known.obstacle.id)
             };
-            if missing && self.hazards.rows().len() < MAX_TRACKED {
+            if missing && self.hazards.len() < MAX_TRACKED {
                 self.consider(situation, &known.coasted(missing_s), limits, sigmas);
             }
         }
         self.learn(situation, heard);
+        self.moving = true;
+        self.as_expected();
     }
 
     /// The obstacles at the last step.
@@ -347,18 +425,18 @@ impl Tracks {
             (other, one)
         };
         self.last = 1 - self.last;
-        now.len = 0;
-        let count = self.hazards.rows().len();
+        now.clear();
+        let count = self.hazards.len();
         // Searches each among those of the last step, twice.
-        self.work += count * (LEARN_WORK + before.len / 16);
+        self.work += count * (LEARN_WORK + before.len() / 16);
         let tracked = self.obstacles.iter().zip(&mut self.trend).take(count);
         for (place, (known, trend)) in tracked.enumerate() {
             let is_aircraft = known.movement.bounds().is_some();
             self.aircraft += usize::from(is_aircraft);
-            let last = before.of(known.id, place);
+            let last = known_as(known.id, place, before);
             *trend = last.map_or_else(|| Trend::of(known), |last| last.trend);
             if let Some(last) = last.filter(|_| place >= heard) {
-                now.add(last);
+                now.push(last);
                 continue;
             }
             // What keeps its velocity has no turn to learn.
@@ -369,7 +447,7 @@ impl Tracks {
                     situation.time_s - last.heard_s,
                 );
             }
-            now.add(Known {
+            now.push(Known {
                 obstacle: *known,
                 heard_s: situation.time_s,
                 trend: *trend,
@@ -400,7 +478,7 @@ impl Tracks {
 
     fn keep(&mut self, situation: &Situation<'_>, obstacle: &Obstacle, sigmas: f64) {
         let own = situation.ownship.position_m;
-        let mut place = self.hazards.rows().len();
+        let mut place = self.hazards.len();
         if place >= MAX_TRACKED {
             self.overflow = true;
             let new = Hazard::new(0, obstacle, situation.wind_mps, sigmas);
@@ -452,7 +530,7 @@ impl Tracks {
         }
         if !self.has_distances {
             self.has_distances = true;
-            let rows = self.hazards.rows();
+            let rows = &*self.hazards;
             self.work += rows.len() / 2;
             for (slot, hazard) in self.distances_m.iter_mut().zip(rows) {
                 *slot = hazard.margin_m(own_m, 0.0);
@@ -469,6 +547,30 @@ impl Tracks {
         self.farthest = Some(farthest);
         farthest
     }
+}
+
+/// The leg of the mission that begins at a waypoint, from beside the aircraft on for a distance, metres.
+fn leg_ahead(situation: &Situation<'_>, index: usize, ahead_m: f64) -> Option<Line> {
+    let waypoints_m = situation.mission.waypoints_m;
+    // After the last leg, where it ends.
+    let index = index.min(waypoints_m.len().checked_sub(2)?);
+    let (from_m, to_m) = waypoints_m.get(index).zip(waypoints_m.get(index + 1))?;
+    let (along_m, own_m) = (*to_m - *from_m, situation.ownship.position_m);
+    let length_m = along_m.length().max(f64::MIN_POSITIVE);
+    let flown = (own_m - *from_m).dot(along_m) / (length_m * length_m);
+    let [begin_m, end_m] = [flown, flown + ahead_m / length_m]
+        .map(|share| *from_m + along_m * share.limited(0.0, 1.0));
+    Some(Line::between(begin_m, end_m))
+}
+
+/// Whether the aircraft is on the wrong side of a zone, but not the rest of the leg of the mission that begins at a waypoint.
+pub(super) fn has_entered(situation: &Situation<'_>, leg: usize) -> bool {
+    let own_m = situation.ownship.position_m;
+    let on_leg = || leg_ahead(situation, leg, f64::INFINITY);
+    let mut zones = situation.mission.zones.iter();
+    zones.any(|zone| {
+        zone.is_entered(own_m) && on_leg().is_none_or(|leg| zone.nearest_m(&leg, 0.0) >= 0.0)
+    })
 }
 
 /// A sphere around the aircraft, or a widened cylinder around it that it has not entered itself, shrunk so that

@@ -4,43 +4,16 @@ use super::MAX_TRACKED;
 use crate::Vec3;
 use crate::avoider::intruders::Trend;
 use crate::situation::{Obstacle, ProtectedVolume};
+use fga_proof::list::List;
 
 /// The obstacles at the last step.
-#[derive(Debug, Clone)]
-pub(super) struct Memory {
-    known: [Known; MAX_TRACKED],
-    pub(super) len: usize,
-}
+pub(super) type Memory = List<Known, MAX_TRACKED>;
 
-impl Memory {
-    #[expect(
-        clippy::large_stack_arrays,
-        reason = "no allocation: the caller says where it lies"
-    )]
-    pub(super) const NONE: Self = Self {
-        known: [Known::NONE; MAX_TRACKED],
-        len: 0,
-    };
-
-    pub(super) fn known(&self, place: usize) -> Option<Known> {
-        let known = self.known.get(..self.len)?;
-        known.get(place).copied()
-    }
-
-    /// The obstacle with an identifier; most often it has the same index as before.
-    pub(super) fn of(&self, id: u32, place: usize) -> Option<Known> {
-        let is_it = |known: &Known| known.obstacle.id == id;
-        self.known(place)
-            .filter(is_it)
-            .or_else(|| self.known.iter().take(self.len).copied().find(is_it))
-    }
-
-    pub(super) fn add(&mut self, known: Known) {
-        if let Some(slot) = self.known.get_mut(self.len) {
-            *slot = known;
-            self.len += 1;
-        }
-    }
+/// The obstacle with an identifier; most often it has the same index as before.
+pub(super) fn known_as(id: u32, place: usize, all: &[Known]) -> Option<Known> {
+    let is_it = |known: &&Known| known.obstacle.id == id;
+    let same = all.get(place).filter(is_it);
+    same.or_else(|| all.iter().find(is_it)).copied()
 }
 
 /// An obstacle at its last report, over the ground.
