@@ -69,5 +69,6 @@ pub mod terrain;
 pub mod traffic;
 pub mod units;
 pub mod words;
+pub mod zones;
 
 pub use error::{InputError, OutputError};
