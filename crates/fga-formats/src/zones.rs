@@ -1,7 +1,9 @@
 //! Polygons and zones from files and wires, checked once where they enter.
 
 use fga::Vec2;
-use fga::zone::{MAX_CORNERS, Polygon};
+
+/// Most corners of a polygon.
+pub const MAX_CORNERS: usize = 256;
 
 /// A corner is at most this far from the origin, metres.
 const FARTHEST_M: f64 = 1e7;
@@ -34,22 +36,17 @@ pub enum ZoneError {
         /// A later one.
         other: usize,
     },
-    /// Corners so close to other edges that rounding decides.
-    #[error(
-        "polygon is thinner than its numbers are exact, expected corners apart from other edges"
-    )]
-    Thin,
     /// A floor that is not below its ceiling, metres.
     #[error("floor is {0} m and ceiling {1} m, expected the floor below the ceiling")]
     Heights(f64, f64),
 }
 
-/// A polygon by its corners in order, either way round, metres east and north; the last is joined to the first.
+/// The corners of a polygon in order, either way round, metres east and north; the last is joined to the first.
 ///
 /// # Errors
 /// Fewer than 3 corners or more than [`MAX_CORNERS`], a corner that is no place or repeats another one, edges that meet elsewhere
 /// than in their common corner.
-pub fn polygon(corners_m: &[Vec2]) -> Result<Polygon, ZoneError> {
+pub fn polygon(corners_m: Vec<Vec2>) -> Result<Vec<Vec2>, ZoneError> {
     let count = corners_m.len();
     if !(3..=MAX_CORNERS).contains(&count) {
         return Err(ZoneError::Corners(count));
@@ -80,7 +77,7 @@ pub fn polygon(corners_m: &[Vec2]) -> Result<Polygon, ZoneError> {
             }
         }
     }
-    Polygon::new(corners_m).ok_or(ZoneError::Thin)
+    Ok(corners_m)
 }
 
 /// The floor and the ceiling of a zone, metres; infinite without.
@@ -121,8 +118,8 @@ mod tests {
     #[test]
     fn wrong_numbers_are_named() {
         let at = |rows: &[[f64; 2]]| {
-            let corners: Vec<Vec2> = rows.iter().map(|row| Vec2::from_array(*row)).collect();
-            polygon(&corners).unwrap_err()
+            let corners = rows.iter().map(|row| Vec2::from_array(*row)).collect();
+            polygon(corners).unwrap_err()
         };
         assert_eq!(at(&[[0.0, 0.0], [1.0, 0.0]]), ZoneError::Corners(2));
         let many: Vec<[f64; 2]> = (0..257).map(|k| [f64::from(k), f64::from(k * k)]).collect();

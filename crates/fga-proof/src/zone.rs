@@ -1,114 +1,31 @@
 //! Zones: airspace that the aircraft keeps out of, or within.
 //!
-//! A zone is an upright prism or cylinder, fixed over the ground. A flight is as far from it as from the nearest of its convex
-//! parts: the triangles of a polygon that is kept out of between two altitudes, the walls of any other one.
+//! A zone is an upright prism or cylinder, fixed over the ground. Up and down, its places between floor and ceiling count as one:
+//! there a prism is a level polygon, and what flies straight moves straight above, within and below it. So a straight flight is
+//! nearest to a prism at an edge, or where it begins, ends, or meets floor or ceiling over the polygon.
 
-use crate::certificate::{Line, Part, ROUNDED_M};
+use crate::certificate::{Hazard, Line};
 use crate::limit::Limit as _;
-use crate::list::List;
+use crate::meter::Meter;
+use crate::situation::ProtectedVolume;
 use crate::{Vec2, Vec3};
 
-/// Most corners of a polygon.
-pub const MAX_CORNERS: usize = 256;
+/// At all altitudes, metres.
+pub const ALL_HEIGHTS_M: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
-/// A polygon, and the triangles that it consists of; without triangles, by its edges alone.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Polygon {
-    corners_m: List<Vec2, MAX_CORNERS>,
-    triangles: List<[u8; 3], { MAX_CORNERS - 2 }>,
-}
+/// Edges are this thick, metres: more than rounding moves them, so that no gap lies between two.
+pub(crate) const ROUNDED_M: f64 = 1e-6;
 
-impl Polygon {
-    /// A polygon by its corners, 3 to [`MAX_CORNERS`], in order, either way round, metres east and north; the last is joined to
-    /// the first. Its edges must not meet but in common corners: the caller looks. `None` where no triangles are found.
-    pub fn new(corners_m: &[Vec2]) -> Option<Self> {
-        let mut polygon = Self::by_edges(corners_m)?;
-        polygon.cut()?;
-        Some(polygon)
-    }
-
-    /// The same for a zone that is kept within, or has neither floor nor ceiling: its edges may meet, and what an odd number of
-    /// them surrounds is inside. Near any other zone with it nothing is proven.
-    pub fn by_edges(corners_m: &[Vec2]) -> Option<Self> {
-        let mut polygon = Self {
-            corners_m: List::new(Vec2::ZERO),
-            triangles: List::new([0; 3]),
-        };
-        let mut corners_m = corners_m.iter();
-        let fits = corners_m.all(|corner_m| polygon.corners_m.push(*corner_m).is_some());
-        (fits && polygon.corners_m.len() >= 3).then_some(polygon)
-    }
-
-    /// The corners, metres east and north.
-    pub fn corners_m(&self) -> &[Vec2] {
-        &self.corners_m
-    }
-
-    /// Cuts off one corner after the other whose triangle is inside and holds no other corner.
-    #[expect(clippy::cast_possible_truncation, reason = "at most 256 corners")]
-    fn cut(&mut self) -> Option<()> {
-        let mut ring: [u8; MAX_CORNERS] = core::array::from_fn(|index| index as u8);
-        let first = *self.corners_m().first()?;
-        let twice_m2: f64 = edges(self.corners_m())
-            .map(|(a, b)| (a - first).perp_dot(b - first))
-            .sum();
-        let (mut left, mut at, mut missed) = (self.corners_m.len(), 0, 0);
-        for _ in 2..self.corners_m.len() {
-            let triangle = loop {
-                let index = |ahead: usize| ring.get((at + ahead) % left).copied();
-                let triangle = [index(0)?, index(1)?, index(2)?];
-                if left == 3 || self.is_ear(triangle, ring.get(..left)?, twice_m2.signum()) {
-                    break triangle;
-                }
-                (at, missed) = ((at + 1) % left, missed + 1);
-                (missed <= left).then_some(())?;
-            };
-            self.triangles.push(triangle)?;
-            let gone = (at + 1) % left;
-            ring.copy_within(gone + 1..left, gone);
-            left -= 1;
-            (at, missed) = ((at + usize::from(gone > at)) % left, 0);
-        }
-        Some(())
-    }
-
-    /// Whether a triangle of corners may be cut off a ring that goes round to a side.
-    fn is_ear(&self, triangle: [u8; 3], ring: &[u8], side: f64) -> bool {
-        let [a, b, c] = places_m(self.corners_m(), triangle);
-        let turn = side * (b - a).perp_dot(c - b);
-        let holds = |at: Vec2| {
-            let edges = [(a, b), (b, c), (c, a)];
-            edges
-                .iter()
-                .all(|(from, to)| side * (*to - *from).perp_dot(at - *from) >= 0.0)
-        };
-        let mut others = ring.iter().filter(|corner| !triangle.contains(corner));
-        // A corner on the straight line between its neighbours has an empty triangle.
-        turn == 0.0
-            || turn > 0.0
-                && !others.any(|corner| holds(places_m(self.corners_m(), [*corner; 3])[0]))
-    }
-
-    /// Whether a place is inside or on an edge.
-    pub fn contains(&self, at: Vec2) -> bool {
-        let mut is_inside = false;
-        for (a, b) in edges(self.corners_m()) {
-            let side = (b - a).perp_dot(at - a);
-            if side == 0.0 && (at - a).dot(at - b) <= 0.0 {
-                return true;
-            }
-            is_inside ^= (a.y > at.y) != (b.y > at.y) && (side > 0.0) == (b.y > a.y);
-        }
-        is_inside
-    }
-}
+/// Farther up or down than any flight, metres.
+const HIGHEST_M: f64 = 1e6;
 
 /// The outline of a zone, seen from above.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outline<'a> {
-    /// A polygon.
-    Polygon(&'a Polygon),
-    /// A circle: centre and radius, metres.
+    /// A polygon by its corners, three or more, in order, either way round, metres east and north; the last is joined to the first.
+    /// What an odd number of its edges surrounds is inside.
+    Polygon(&'a [Vec2]),
+    /// A circle: centre and positive radius, metres.
     Circle(Vec2, f64),
 }
 
@@ -117,108 +34,192 @@ pub enum Outline<'a> {
 pub struct Zone<'a> {
     /// Whether the aircraft keeps within it, not out of it.
     pub keep_in: bool,
-    /// Its outline; a circle has a positive radius.
+    /// Its outline.
     pub outline: Outline<'a>,
     /// Its floor and the ceiling above that, metres; infinite without.
     pub heights_m: (f64, f64),
 }
 
-impl Zone<'_> {
-    /// Number of its parts, about.
-    pub fn size(&self) -> usize {
-        match self.outline {
-            Outline::Polygon(polygon) => polygon.corners_m.len(),
-            Outline::Circle(..) => 1,
-        }
-    }
+/// A box over the ground by its lowest and its highest corner, metres.
+pub(crate) type Span = (Vec2, Vec2);
 
-    fn is_inside(&self, at: Vec2) -> bool {
-        match self.outline {
-            Outline::Polygon(polygon) => polygon.contains(at),
-            Outline::Circle(center_m, radius_m) => (at - center_m).length() <= radius_m,
-        }
+#[inline]
+pub(crate) fn meet(one_m: &Span, other_m: &Span) -> bool {
+    one_m.0.cmple(other_m.1).all() && one_m.1.cmpge(other_m.0).all()
+}
+
+/// The least box around places, metres.
+pub(crate) fn span_m(places_m: impl IntoIterator<Item = Vec2>) -> Span {
+    let nothing = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+    let places_m = places_m.into_iter();
+    places_m.fold(nothing, |(low, high), at| (low.min(at), high.max(at)))
+}
+
+impl<'a> Zone<'a> {
+    /// Its edges; none of a circle.
+    pub fn edges(&self) -> impl Iterator<Item = (Vec2, Vec2)> + use<'a> {
+        let corners_m = match self.outline {
+            Outline::Polygon(corners_m) => corners_m,
+            Outline::Circle(..) => &[],
+        };
+        let next_m = corners_m.iter().cycle().skip(1);
+        corners_m.iter().copied().zip(next_m.copied())
     }
 
     /// Whether a place, metres, is on the wrong side.
     pub fn is_entered(&self, at_m: Vec3) -> bool {
         let (floor_m, ceiling_m) = self.heights_m;
         let is_between = (floor_m..=ceiling_m).contains(&at_m.z);
-        (is_between && self.is_inside(at_m.truncate())) != self.keep_in
+        (is_between && self.surrounds(|_| self.edges(), at_m.truncate())) != self.keep_in
     }
 
     /// The least distance of a line over the ground from it, metres, at most a given one; negative on the wrong side.
     pub fn nearest_m(&self, line: &Line, most_m: f64) -> f64 {
-        let mut least_m = most_m;
         if self.is_entered(line.from_m) {
-            least_m = -ROUNDED_M;
+            return -ROUNDED_M;
         }
-        self.each_part(|part| {
-            least_m = part.nearest_m(line, least_m);
-            least_m >= 0.0
-        });
-        least_m
+        let least = self.least_on_line(|_| self.edges(), line, most_m);
+        least.map_or(most_m, |(least_m, _)| least_m)
     }
 
     /// The nearest way out for an aircraft on the wrong side, metres: level, but for one that is only too low or too high.
     pub fn way_out_m(&self, at_m: Vec3) -> Vec3 {
         let at = at_m.truncate();
-        if self.keep_in && self.is_inside(at) {
+        if self.keep_in && self.surrounds(|_| self.edges(), at) {
             let (floor_m, ceiling_m) = self.heights_m;
-            return Vec3::Z * (at_m.z.max(floor_m).min(ceiling_m) - at_m.z);
+            return Vec3::Z * (at_m.z.limited(floor_m, ceiling_m) - at_m.z);
         }
-        let nearest = match self.outline {
-            Outline::Polygon(polygon) => edges(polygon.corners_m())
-                .map(|(a, b)| nearest_of(a, b, at))
-                .min_by(|a, b| a.distance_squared(at).total_cmp(&b.distance_squared(at))),
+        let way = match self.outline {
+            Outline::Polygon(_) => self
+                .edges()
+                .map(|(a, b)| {
+                    let share = (at - a).dot(b - a) / (b - a).length_squared();
+                    a + (b - a) * share.limited(0.0, 1.0) - at
+                })
+                .min_by(|one, other| one.length_squared().total_cmp(&other.length_squared())),
             Outline::Circle(center_m, radius_m) => {
-                Some(center_m + (at - center_m).try_normalize().unwrap_or(Vec2::X) * radius_m)
+                Some(center_m + (at - center_m).normalize_or(Vec2::X) * radius_m - at)
             }
         };
-        (nearest.unwrap_or(at) - at).extend(0.0)
+        way.unwrap_or_default().extend(0.0)
     }
 
-    /// Shows its convex parts until `take` returns false: a flight from the right side is as far from it as from the nearest one.
-    pub(crate) fn each_part(&self, mut take: impl FnMut(Part) -> bool) {
-        let always_m = (f64::NEG_INFINITY, f64::INFINITY);
-        let is_whole = self.heights_m == always_m;
-        let _ = match self.outline {
-            Outline::Circle(center_m, radius_m) => take(Part::new(
-                [center_m; 3],
-                radius_m,
-                self.heights_m,
-                self.keep_in,
-            )),
-            Outline::Polygon(polygon) if self.keep_in || is_whole => {
-                let heights = Part::new([Vec2::ZERO; 3], f64::INFINITY, self.heights_m, true);
-                let wall = |(a, b)| Part::new([a, b, b], ROUNDED_M, always_m, false);
-                (is_whole || take(heights))
-                    && edges(&polygon.corners_m).all(|edge| take(wall(edge)))
+    /// Whether its outline surrounds a place, or an edge leads over it. `edges` gives those that meet a box, and perhaps others.
+    fn surrounds<E: Iterator<Item = (Vec2, Vec2)>>(
+        &self,
+        edges: impl Fn(Span) -> E,
+        at: Vec2,
+    ) -> bool {
+        if let Outline::Circle(center_m, radius_m) = self.outline {
+            return at.distance(center_m) <= radius_m;
+        }
+        let mut is_inside = false;
+        for (a, b) in edges((at, at.with_x(f64::INFINITY))) {
+            let side = (b - a).perp_dot(at - a);
+            if side == 0.0 && (at - a).dot(at - b) <= 0.0 {
+                return true;
             }
-            Outline::Polygon(polygon) if polygon.triangles.is_empty() => take(Part::NOWHERE),
-            Outline::Polygon(polygon) => polygon.triangles.iter().all(|triangle| {
-                let corners_m = places_m(&polygon.corners_m, *triangle);
-                take(Part::new(corners_m, ROUNDED_M, self.heights_m, false))
-            }),
+            is_inside ^= (a.y > at.y) != (b.y > at.y) && (side > 0.0) == (b.y > a.y);
+        }
+        is_inside
+    }
+
+    /// The least distance of a line over the ground from it, metres, and the moment of that, seconds, if below one; negative if the
+    /// line, which begins on the right side, enters it.
+    pub(crate) fn least_on_line<E: Iterator<Item = (Vec2, Vec2)>>(
+        &self,
+        edges: impl Fn(Span) -> E,
+        line: &Line,
+        below_m: f64,
+    ) -> Option<(f64, f64)> {
+        let (floor_m, ceiling_m) = self.heights_m;
+        let (from_m, duration_s) = (line.from_m, line.duration_s);
+        let at_m = |after_s| from_m + line.velocity_mps * after_s;
+        let mut least = (below_m, 0.0);
+        let mut note = |distance_m: f64, after_s| {
+            if distance_m - ROUNDED_M < least.0 {
+                least = ((distance_m - ROUNDED_M).max(-ROUNDED_M), after_s);
+            }
+            least.0
         };
+        match self.outline {
+            // What is inside of a convex volume is nearest to its surface at an end of a line.
+            _ if self.keep_in => {
+                for after_s in [0.0, duration_s] {
+                    let at_m = at_m(after_s);
+                    note((at_m.z - floor_m).min(ceiling_m - at_m.z), after_s);
+                    if let Outline::Circle(center_m, radius_m) = self.outline {
+                        note(radius_m - at_m.truncate().distance(center_m), after_s);
+                    }
+                }
+            }
+            Outline::Circle(center_m, radius_m) => {
+                let (floor_m, ceiling_m) = (floor_m.max(-HIGHEST_M), ceiling_m.min(HIGHEST_M));
+                let volume = ProtectedVolume::Cylinder {
+                    radius_m,
+                    half_height_m: 0.5 * (ceiling_m - floor_m),
+                };
+                let center_m = center_m.extend(0.5 * (floor_m + ceiling_m));
+                let cylinder = Hazard::exact(0, center_m, Vec3::ZERO, volume);
+                let found = cylinder.least_on_line(line, below_m, &Meter::unlimited());
+                found.map(|(distance_m, at_s)| note(distance_m, at_s - line.at_s));
+            }
+            Outline::Polygon(_) => {}
+        }
+        let (low_m, high_m) = if self.keep_in {
+            ALL_HEIGHTS_M
+        } else {
+            self.heights_m
+        };
+        // Its height above and below all that counts as one.
+        let flat_m = |after_s| {
+            let at_m = at_m(after_s);
+            at_m.with_z(at_m.z - at_m.z.limited(low_m, high_m))
+        };
+        let [low_s, high_s] = [low_m, high_m]
+            .map(|z_m| ((z_m - from_m.z) / line.velocity_mps.z).limited(0.0, duration_s));
+        let moments_s = [0.0, low_s.min(high_s), low_s.max(high_s), duration_s];
+        let mut from_s = 0.0;
+        for (index, to_s) in moments_s.into_iter().enumerate() {
+            if to_s == from_s && (1..3).contains(&index) {
+                continue;
+            }
+            let (from_m, to_m) = (flat_m(from_s), flat_m(to_s));
+            let is_over = |most_m| to_m.z.abs() < most_m && self.surrounds(&edges, to_m.truncate());
+            if (low_m, high_m) != ALL_HEIGHTS_M && is_over(note(f64::INFINITY, 0.0) + ROUNDED_M) {
+                note(to_m.z.abs(), to_s);
+            }
+            if from_s < to_s || duration_s == 0.0 {
+                let most_m = Vec2::splat(note(f64::INFINITY, 0.0).max(0.0) + ROUNDED_M);
+                let (low_m, high_m) = span_m([from_m, to_m].map(Vec3::truncate));
+                for edge_m in edges((low_m - most_m, high_m + most_m)) {
+                    let (distance_m, share) = to_edge((from_m, to_m), edge_m, most_m.x);
+                    note(distance_m, from_s + share * (to_s - from_s));
+                }
+            }
+            from_s = to_s;
+        }
+        (least.0 < below_m).then_some((least.0, line.at_s + least.1))
     }
 }
 
-/// Some corners by their indices.
-fn places_m(corners_m: &[Vec2], indices: [u8; 3]) -> [Vec2; 3] {
-    indices.map(|index| (corners_m.get(usize::from(index)).copied()).unwrap_or(Vec2::ZERO))
-}
-
-fn edges(corners_m: &[Vec2]) -> impl Iterator<Item = (Vec2, Vec2)> {
-    corners_m
-        .iter()
-        .copied()
-        .zip(corners_m.iter().copied().cycle().skip(1))
-}
-
-/// The nearest place of the line from `a` to `b`.
+/// The least distance of what moves from one place to another one from a level edge at height zero, metres, if below one, and the
+/// share of its way: that from the straight line through the edge where it is beside the edge then, or else from a corner.
 #[inline]
-pub(crate) fn nearest_of(a: Vec2, b: Vec2, at: Vec2) -> Vec2 {
-    let along = b - a;
-    let share = (at - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
-    a + along * share.limited(0.0, 1.0)
+fn to_edge((from_m, to_m): (Vec3, Vec3), (a, b): (Vec2, Vec2), below_m: f64) -> (f64, f64) {
+    let (a, b) = (a.extend(0.0), b.extend(0.0));
+    let (way, edge) = (to_m - from_m, b - a);
+    let nearest = |offset: Vec3, way: Vec3| {
+        let share = -offset.dot(way) / way.length_squared().max(f64::MIN_POSITIVE);
+        let share = share.limited(0.0, 1.0);
+        ((offset + way * share).length(), share)
+    };
+    let along = |way: Vec3| way.dot(edge) / edge.length_squared().max(f64::MIN_POSITIVE);
+    let (begins, goes_on) = (along(from_m - a), along(way));
+    let beside = nearest(from_m - a - edge * begins, way - edge * goes_on);
+    if beside.0 >= below_m || (0.0..=1.0).contains(&(begins + goes_on * beside.1)) {
+        return beside;
+    }
+    let (of_a, of_b) = (nearest(from_m - a, way), nearest(from_m - b, way));
+    if of_b.0 < of_a.0 { of_b } else { of_a }
 }

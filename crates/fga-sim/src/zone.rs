@@ -2,7 +2,7 @@
 //!
 //! The distance is measured along the flown track with code of its own: it shares nothing with the certificate.
 
-use fga::zone::{Outline, Polygon, Zone};
+use fga::zone::{Outline, Zone};
 use fga::{Vec2, Vec3};
 use fga_formats::zones::{ZoneError, heights_m};
 
@@ -18,8 +18,8 @@ const KNOWN_SHARE: f64 = 1e-3;
 /// The outline of a zone, seen from above.
 #[derive(Debug, Clone, PartialEq)]
 pub enum WorldOutline {
-    /// A polygon.
-    Polygon(Box<Polygon>),
+    /// A polygon by its corners, metres east and north.
+    Polygon(Vec<Vec2>),
     /// A circle.
     Circle {
         /// Centre, metres east and north.
@@ -63,7 +63,7 @@ impl WorldZone {
         Zone {
             keep_in: self.keep_in,
             outline: match &self.outline {
-                WorldOutline::Polygon(polygon) => Outline::Polygon(polygon),
+                WorldOutline::Polygon(corners_m) => Outline::Polygon(corners_m),
                 WorldOutline::Circle { center_m, radius_m } => {
                     Outline::Circle(*center_m, *radius_m)
                 }
@@ -95,7 +95,7 @@ impl WorldZone {
     /// A row of places along the outline, the first one also the last, metres.
     pub fn ring_m(&self) -> Vec<Vec2> {
         let mut ring = match &self.outline {
-            WorldOutline::Polygon(polygon) => polygon.corners_m().to_vec(),
+            WorldOutline::Polygon(corners_m) => corners_m.clone(),
             WorldOutline::Circle { center_m, radius_m } => (0..72)
                 .map(|step| {
                     let (sin, cos) = libm::sincos(f64::from(step) * core::f64::consts::TAU / 72.0);
@@ -111,7 +111,7 @@ impl WorldZone {
     pub fn margin_m(&self, at_m: Vec3) -> f64 {
         let at = at_m.truncate();
         let beside_m = match &self.outline {
-            WorldOutline::Polygon(polygon) => beside_m(polygon.corners_m(), at),
+            WorldOutline::Polygon(corners_m) => beside_m(corners_m, at),
             WorldOutline::Circle { center_m, radius_m } => at.distance(*center_m) - radius_m,
         };
         let (floor_m, ceiling_m) = self.heights_m;
@@ -221,7 +221,7 @@ mod tests {
             let outline = if is_circle {
                 WorldOutline::Circle { center_m: corners[0], radius_m: 30.0 }
             } else {
-                WorldOutline::Polygon(Box::new(Polygon::new(&corners).unwrap()))
+                WorldOutline::Polygon(corners.to_vec())
             };
             let zone = WorldZone::new("L".into(), keep_in, outline, (z - 10.0, z + 10.0)).unwrap();
             let arc = Arc {

@@ -9,7 +9,7 @@
 )]
 
 use fga::Vec3;
-use fga::certificate::{ALWAYS, Hazard, NO_DEPTH, Shape, Status, certify, certify_all};
+use fga::certificate::{ALWAYS, Hazard, NO_DEPTH, Status, certify, certify_all};
 use fga::maneuver::{Maneuver, Stage};
 use fga::prediction::{FlightPath, Flyer, MotionState};
 use fga::situation::{Obstacle, ProtectedVolume};
@@ -134,7 +134,6 @@ impl Random {
                 self.within(0.0, 2.5)
             },
             allowed_depth_m: NO_DEPTH,
-            shape: Shape::Whole,
             stretch_m: if self.chance(0.7) {
                 (0.0, 0.0)
             } else {

@@ -5,9 +5,10 @@
 
 use fga::certificate::Line;
 use fga::situation::{Movement, Obstacle, ObstacleKind, ProtectedVolume};
-use fga::zone::{Outline, Polygon, Zone};
+use fga::zone::{ALL_HEIGHTS_M, Outline, Zone};
 use fga::{Vec2, Vec3};
 use fga_formats::geodesy::{Geodetic, LocalFrame};
+use fga_formats::zones::MAX_CORNERS;
 use mavlink::dialects::ardupilotmega::MavCmd;
 
 use crate::mission::Item;
@@ -21,7 +22,7 @@ pub const CEILING_ID: u32 = 2;
 /// The outline of a part of a fence, metres east and north.
 #[derive(Debug, Clone, PartialEq)]
 enum Part {
-    Polygon(Box<Polygon>),
+    Polygon(Vec<Vec2>),
     Circle(Vec2, f64),
 }
 
@@ -61,14 +62,13 @@ impl Fence {
                     // Each vertex has the number of the polygon's vertices.
                     if (corners_m.len() as f64) >= number {
                         // Its edges may cross: the vehicle counts them.
-                        match Polygon::by_edges(&corners_m) {
-                            Some(polygon) => {
-                                let part = Part::Polygon(Box::new(polygon));
-                                fence.parts.push((keep_in, part));
-                            }
-                            None => fence.incomplete = true,
+                        if (3..=MAX_CORNERS).contains(&corners_m.len()) {
+                            let corners_m = core::mem::take(&mut corners_m);
+                            fence.parts.push((keep_in, Part::Polygon(corners_m)));
+                        } else {
+                            fence.incomplete = true;
+                            corners_m.clear();
                         }
-                        corners_m.clear();
                     }
                 }
                 MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION
@@ -90,10 +90,10 @@ impl Fence {
         self.parts.iter().map(|(keep_in, part)| Zone {
             keep_in: *keep_in,
             outline: match part {
-                Part::Polygon(polygon) => Outline::Polygon(polygon),
+                Part::Polygon(corners_m) => Outline::Polygon(corners_m),
                 Part::Circle(center_m, radius_m) => Outline::Circle(*center_m, *radius_m),
             },
-            heights_m: (f64::NEG_INFINITY, f64::INFINITY),
+            heights_m: ALL_HEIGHTS_M,
         })
     }
 

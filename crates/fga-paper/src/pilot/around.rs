@@ -15,10 +15,6 @@ pub(super) struct Around {
 }
 
 impl Around {
-    #[expect(
-        clippy::large_stack_arrays,
-        reason = "no allocation: the caller says where it lies"
-    )]
     pub(super) const fn new() -> Self {
         let point = ProtectedVolume::Sphere { radius_m: 0.0 };
         Self {

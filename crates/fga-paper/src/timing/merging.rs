@@ -2,7 +2,7 @@
 
 use crate::conflict::{Relative, threatens};
 use fga::Vec3;
-use fga::certificate::{Hazard, Shape};
+use fga::certificate::Hazard;
 use fga::situation::{Ownship, ProtectedVolume};
 
 /// The number of volumes on the aircraft's straight path (§3.4.4).
@@ -141,7 +141,6 @@ fn merged(one: &Hazard, other: &Hazard) -> Hazard {
             one.window_s.1.max(other.window_s.1),
         ),
         allowed_depth_m: one.allowed_depth_m.min(other.allowed_depth_m),
-        shape: Shape::Whole,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{BVec4, DVec4};
 
-use super::parts::{Parts, Shape};
+use super::zones::Zones;
 use crate::Vec3;
 use crate::list::List;
 use crate::meter::{LEAST_STEP, LOOK, Meter};
@@ -50,8 +50,6 @@ pub struct Hazard {
     /// the distance outside. The depth is s·w·f/(w + f), with the distances to wall and face as shares w and f of radius
     /// and half height, and s the smaller of the two: at one height it grows towards the axis.
     pub allowed_depth_m: f64,
-    /// The places of the volume that count.
-    pub shape: Shape,
 }
 
 /// The margin inside is minus the distance to the nearest surface.
@@ -87,17 +85,6 @@ impl Line {
     /// At a place.
     pub fn at(place_m: Vec3) -> Self {
         Self::between(place_m, place_m)
-    }
-
-    /// The least box with all places within a distance of it, metres.
-    #[inline]
-    pub(super) fn reach_m(&self, within_m: f64) -> (Vec3, Vec3) {
-        let to_m = self.from_m + self.velocity_mps * self.duration_s;
-        let within_m = Vec3::splat(within_m);
-        (
-            self.from_m.min(to_m) - within_m,
-            self.from_m.max(to_m) + within_m,
-        )
     }
 }
 
@@ -140,7 +127,6 @@ impl Hazard {
             stretch_m: (0.0, 0.0),
             window_s: ALWAYS,
             allowed_depth_m: NO_DEPTH,
-            shape: Shape::Whole,
         }
     }
 
@@ -173,14 +159,6 @@ impl Hazard {
     /// [`Self::allowed_depth_m`].
     pub fn margin_m(&self, position_m: Vec3, at_s: f64) -> f64 {
         let offset = self.offset_m(position_m, at_s);
-        if self.shape == Shape::Outside {
-            let margin_m = -self.volume.margin_m(offset);
-            return if margin_m < 0.0 {
-                Shape::INSIDE_M
-            } else {
-                margin_m + self.allowed_depth_m.max(0.0)
-            };
-        }
         self.margin_and_slope(offset, Vec3::ZERO, at_s).0
     }
 
@@ -231,11 +209,7 @@ impl Hazard {
             (offset + velocity * nearest_s, nearest_s)
         };
         let (stretch_m, stretch_mps) = self.stretch_m;
-        let radius = if self.shape == Shape::Whole {
-            self.volume.bounding_radius_m()
-        } else {
-            f64::INFINITY
-        };
+        let radius = self.volume.bounding_radius_m();
         let grown = (self.growth_mps + stretch_mps) * (at_s + duration_s) + stretch_m;
         let reach = radius + grown + below_m;
         let nearest_square = nearest.length_squared();
@@ -258,13 +232,7 @@ impl Hazard {
         let (at_s, duration_s, growth) = (line.at_s, line.duration_s, self.growth_mps);
         let offset = self.offset_m(line.from_m, at_s);
         let velocity = line.velocity_mps - self.velocity_mps;
-        let (margin, when) = if self.shape == Shape::Outside {
-            // The distance inside of a convex volume is least at an end of a line.
-            let at_m = |t: f64| line.from_m + line.velocity_mps * t;
-            let margin = |t: f64| (self.margin_m(at_m(t), at_s + t), t);
-            let (from, to) = (margin(0.0), margin(duration_s));
-            if to.0 < from.0 { to } else { from }
-        } else if self.is_cylinder() || self.is_stretched() {
+        let (margin, when) = if self.is_cylinder() || self.is_stretched() {
             let margin = |t: f64| self.margin_and_slope(offset + velocity * t, velocity, at_s + t);
             least_of_convex(margin, duration_s, below_m, meter)?
         } else {
@@ -285,14 +253,9 @@ impl Hazard {
         if self.is_stretched() && height < 0.0 {
             (height, rise) = (0.0, 0.0);
         }
-        let across = offset.truncate();
-        let beside = match self.shape {
-            Shape::Triangle(corners_m) => Shape::beside(corners_m, across),
-            _ => across,
-        };
-        let aside = libm::sqrt(beside.x * beside.x + beside.y * beside.y);
+        let aside = libm::sqrt(offset.x * offset.x + offset.y * offset.y);
         let departs = if aside > 0.0 {
-            (beside.x * velocity.x + beside.y * velocity.y) / aside
+            (offset.x * velocity.x + offset.y * velocity.y) / aside
         } else {
             0.0
         };
@@ -303,9 +266,6 @@ impl Hazard {
                 half_height_m,
             } => (aside - radius_m, height - half_height_m, 0.0),
         };
-        if self.shape != Shape::Whole && wall < 0.0 && face < 0.0 {
-            return (Shape::INSIDE_M, 0.0);
-        }
         let is_sphere = !self.is_cylinder();
         let (margin, slope) = if is_sphere || (wall > 0.0 && face > 0.0) {
             let distance = libm::sqrt(wall * wall + face * face);
@@ -403,8 +363,33 @@ fn least_of_convex(
     Some((bound, at))
 }
 
+/// What a flight keeps a margin from.
+pub trait Obstruction {
+    /// Its index in the caller's list.
+    fn index(&self) -> u32;
+
+    /// Least margin of a point in straight motion, and its time, if it is below `below_m`; minus infinity if a meter refuses
+    /// the look.
+    fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)>;
+}
+
+impl Obstruction for Hazard {
+    #[inline]
+    fn index(&self) -> u32 {
+        self.index
+    }
+
+    #[inline]
+    fn least_on_line(&self, line: &Line, below_m: f64, meter: &Meter) -> Option<(f64, f64)> {
+        Self::least_on_line(self, line, below_m, meter)
+    }
+}
+
 /// Hazards, and which of them a line may come close to.
 pub trait HazardSet {
+    /// One of them.
+    type Each: Obstruction;
+
     /// Shows each hazard whose margin on `line` may be below `below_m`, metres, and perhaps others,
     /// until `visit` returns false. Returns whether none did, and the meter did not refuse it.
     fn each_close(
@@ -412,11 +397,18 @@ pub trait HazardSet {
         line: &Line,
         below_m: f64,
         meter: &Meter,
-        visit: impl FnMut(&Hazard) -> bool,
+        visit: impl FnMut(&Self::Each) -> bool,
     ) -> bool;
+
+    /// The zones beside them.
+    fn zones(&self) -> Option<&Zones> {
+        None
+    }
 }
 
 impl HazardSet for [Hazard] {
+    type Each = Hazard;
+
     fn each_close(
         &self,
         _: &Line,
@@ -528,8 +520,8 @@ pub type Rows = List<Hazard, MAX_HAZARDS>;
 pub struct Hazards {
     rows: Rows,
     blocks: [Block; MAX_HAZARDS / LANES],
-    /// The zones: flights that come near keep their margin from these too, which are no rows.
-    pub zones: Parts,
+    /// The zones, which are no rows: certificates of flights count these too.
+    pub zones: Zones,
 }
 
 impl Default for Hazards {
@@ -544,7 +536,7 @@ impl Hazards {
         Self {
             rows: Rows::new(Hazard::NONE),
             blocks: [Block::NONE; MAX_HAZARDS / LANES],
-            zones: Parts::NONE,
+            zones: Zones::NONE,
         }
     }
 
@@ -581,6 +573,8 @@ impl Hazards {
 }
 
 impl HazardSet for Hazards {
+    type Each = Hazard;
+
     #[inline]
     fn each_close(
         &self,
@@ -593,8 +587,7 @@ impl HazardSet for Hazards {
             return false;
         }
         if self.rows.len() <= FEW {
-            return self.rows().iter().all(&mut visit)
-                && self.zones.each_close(line, below_m, meter, visit);
+            return self.rows().iter().all(visit);
         }
         let rows = self.rows().chunks(LANES);
         for (block, rows) in self.blocks.iter().zip(rows) {
@@ -608,6 +601,10 @@ impl HazardSet for Hazards {
                 }
             }
         }
-        self.zones.each_close(line, below_m, meter, visit)
+        true
+    }
+
+    fn zones(&self) -> Option<&Zones> {
+        (!self.zones.is_empty()).then_some(&self.zones)
     }
 }

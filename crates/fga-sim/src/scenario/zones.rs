@@ -37,13 +37,13 @@ fn zone(
                 .iter()
                 .map(|at| Vec2::from_array(*at))
                 .collect();
-            polygon(&corners_m, &name).map_err(|message| text.error_at(corners, message))?
+            polygon(corners_m, &name).map_err(|message| text.error_at(corners, message))?
         }
         (None, Some(corners), None) => {
             let local = |at| Ok(level(places, corners, "a corner", at)?.truncate());
             let corners_m: Result<Vec<Vec2>, InputError> =
                 corners.get_ref().iter().map(local).collect();
-            polygon(&corners_m?, &name).map_err(|message| text.error_at(corners, message))?
+            polygon(corners_m?, &name).map_err(|message| text.error_at(corners, message))?
         }
         (None, None, Some(radius)) => WorldOutline::Circle {
             center_m: center(entry, places)?,
@@ -77,11 +77,9 @@ fn zone(
         .map_err(|error| text.error_at(entry, format!("{name}: {error}")))
 }
 
-fn polygon(corners_m: &[Vec2], name: &str) -> Result<WorldOutline, String> {
-    match zones::polygon(corners_m) {
-        Ok(polygon) => Ok(WorldOutline::Polygon(Box::new(polygon))),
-        Err(error) => Err(format!("{name}: {error}")),
-    }
+fn polygon(corners_m: Vec<Vec2>, name: &str) -> Result<WorldOutline, String> {
+    let corners_m = zones::polygon(corners_m).map_err(|error| format!("{name}: {error}"))?;
+    Ok(WorldOutline::Polygon(corners_m))
 }
 
 fn center(entry: &Spanned<ZoneTable>, places: &Places<'_>) -> Result<Vec2, InputError> {

@@ -74,7 +74,7 @@ impl Random {
 const ALWAYS_M: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 fn zone(name: &str, keep_in: bool, corners: &[Vec2]) -> WorldZone {
-    let outline = WorldOutline::Polygon(Box::new(polygon(corners).unwrap()));
+    let outline = WorldOutline::Polygon(polygon(corners.to_vec()).unwrap());
     WorldZone::new(name.into(), keep_in, outline, ALWAYS_M).unwrap()
 }
 

@@ -13,6 +13,8 @@ use crate::limit::Limit as _;
 use crate::meter::{COMPARED, MOTION, Meter};
 use crate::prediction::Flyer;
 use crate::situation::{Movement, Obstacle, Obstacles, ProtectedVolume, Situation};
+use crate::zone::Zone;
+use fga_proof::list::List;
 
 /// Most obstacles of a decision: the most urgent ones.
 pub const MAX_TRACKED: usize = MAX_HAZARDS;
@@ -31,6 +33,9 @@ const FLAT_WITHIN_M: f64 = 1e4;
 
 /// Zones are known at least this far beyond the flight of a full circle, metres: margins are capped there.
 const ZONE_REACH_M: f64 = 1e3;
+
+/// Most legs ahead that decide whether a zone binds.
+const MAX_LEGS_AHEAD: usize = 16;
 
 /// The plane that follows an aircraft out of a zone has this share of its speed, and begins so many turn radii behind it.
 const OUT_SHARE: f64 = 0.9;
@@ -295,7 +300,8 @@ impl Tracks {
     }
 
     /// Adds the zones of the mission, for the time of a full circle: so long the aircraft can turn back from a wall. One that the
-    /// present leg is on the wrong side of within that time does not bind. Of one that the aircraft has entered, a plane follows it out.
+    /// mission ahead is on the wrong side of within that time does not bind. Of one that the aircraft has entered, a plane follows
+    /// it out.
     pub(super) fn add_zones(
         &mut self,
         leg: usize,
@@ -305,26 +311,18 @@ impl Tracks {
     ) {
         let (own_m, speed_mps) = (situation.ownship.position_m, flyer.airspeed_mps());
         let circle_s = TAU / flyer.course_rate_radps();
-        let flown_m = (speed_mps + situation.wind_mps.length()) * circle_s;
-        let near = (own_m, flown_m + ZONE_REACH_M.max(2.0 * wanted_m));
-        let on_leg = leg_ahead(situation, leg, flown_m);
+        let reach_m = circle_m(flyer, situation.wind_mps) + ZONE_REACH_M.max(2.0 * wanted_m);
+        let ahead = mission_ahead(situation, leg, flyer);
         let zones = &mut self.motions.hazards_mut().zones;
         zones.clear(situation.wind_mps, circle_s);
+        // A manoeuvre comes no nearer to any than the mission leads, or the aircraft is.
+        let mut least_m = wanted_m;
         for zone in situation.mission.zones {
-            self.work += zone.size();
-            let nearest_m = |line: &Line| zone.nearest_m(line, wanted_m);
-            let of_leg_m = on_leg.as_ref().map_or(wanted_m, nearest_m);
-            if of_leg_m < 0.0 {
+            self.work += zone.edges().count() * (2 + ahead.len());
+            let of_mission_m = nearest_m(zone, &ahead, least_m);
+            if of_mission_m < 0.0 {
                 continue;
             }
-            // No nearer than the leg leads, or the aircraft is.
-            let least_m = of_leg_m.min(nearest_m(&Line::at(own_m)));
-            let share = if least_m < wanted_m {
-                LEAVING_SHARE
-            } else {
-                1.0
-            };
-            let spare_m = wanted_m - share * least_m;
             if zone.is_entered(own_m) {
                 let (way_m, (low_rad, high_rad)) = (zone.way_out_m(own_m), climb_limits_rad);
                 let climbs = libm::sin(if way_m.z > 0.0 { high_rad } else { -low_rad });
@@ -339,10 +337,16 @@ impl Tracks {
                 let out_s = (way_m.length() + behind_m + wanted_m) / out_mps;
                 self.inside = true;
                 self.add_limit(&plane, out_s, situation);
-            } else if !self.motions.hazards_mut().zones.add(zone, near, spare_m) {
+                continue;
+            }
+            least_m = zone.nearest_m(&Line::at(own_m), of_mission_m);
+            if !self.motions.hazards_mut().zones.add(zone, (own_m, reach_m)) {
                 self.overflow = true;
                 return;
             }
+        }
+        if least_m < wanted_m {
+            self.motions.hazards_mut().zones.spare_m = wanted_m - LEAVING_SHARE * least_m;
         }
     }
 
@@ -549,27 +553,52 @@ impl Tracks {
     }
 }
 
-/// The leg of the mission that begins at a waypoint, from beside the aircraft on for a distance, metres.
-fn leg_ahead(situation: &Situation<'_>, index: usize, ahead_m: f64) -> Option<Line> {
-    let waypoints_m = situation.mission.waypoints_m;
+/// The lines of the mission from beside the aircraft on the leg that begins at a waypoint, for the way of a full circle.
+fn mission_ahead(
+    situation: &Situation<'_>,
+    leg: usize,
+    flyer: &Flyer,
+) -> List<Line, MAX_LEGS_AHEAD> {
+    let (waypoints_m, own_m) = (situation.mission.waypoints_m, situation.ownship.position_m);
+    let mut left_m = circle_m(flyer, situation.wind_mps);
+    let mut lines = List::new(Line::at(own_m));
     // After the last leg, where it ends.
-    let index = index.min(waypoints_m.len().checked_sub(2)?);
-    let (from_m, to_m) = waypoints_m.get(index).zip(waypoints_m.get(index + 1))?;
-    let (along_m, own_m) = (*to_m - *from_m, situation.ownship.position_m);
-    let length_m = along_m.length().max(f64::MIN_POSITIVE);
-    let flown = (own_m - *from_m).dot(along_m) / (length_m * length_m);
-    let [begin_m, end_m] = [flown, flown + ahead_m / length_m]
-        .map(|share| *from_m + along_m * share.limited(0.0, 1.0));
-    Some(Line::between(begin_m, end_m))
+    let leg = leg.min(waypoints_m.len().saturating_sub(2));
+    for (place, end_m) in waypoints_m.iter().enumerate().skip(leg + 1) {
+        let mut from_m = waypoints_m.get(place - 1).map_or(own_m, |from_m| *from_m);
+        if lines.is_empty() {
+            let along_m = *end_m - from_m;
+            let flown_m2 = (own_m - from_m).dot(along_m);
+            let share = flown_m2 / along_m.length_squared().max(f64::MIN_POSITIVE);
+            from_m += along_m * share.limited(0.0, 1.0);
+        }
+        let rest_m = (*end_m - from_m).clamp_length_max(left_m);
+        let has_room = lines.push(Line::between(from_m, from_m + rest_m)).is_some();
+        left_m -= rest_m.length();
+        if left_m <= 0.0 || !has_room {
+            break;
+        }
+    }
+    lines
 }
 
-/// Whether the aircraft is on the wrong side of a zone, but not the rest of the leg of the mission that begins at a waypoint.
-pub(super) fn has_entered(situation: &Situation<'_>, leg: usize) -> bool {
-    let own_m = situation.ownship.position_m;
-    let on_leg = || leg_ahead(situation, leg, f64::INFINITY);
+/// The way over the ground in the time of a full circle, at most, metres.
+fn circle_m(flyer: &Flyer, wind_mps: Vec3) -> f64 {
+    TAU / flyer.course_rate_radps() * (flyer.airspeed_mps() + wind_mps.length())
+}
+
+/// The least distance of some lines from a zone, metres; at most a given one, and negative on the wrong side.
+fn nearest_m(zone: &Zone<'_>, lines: &[Line], most_m: f64) -> f64 {
+    let lines = lines.iter();
+    lines.fold(most_m, |least_m, line| zone.nearest_m(line, least_m))
+}
+
+/// Whether the aircraft is on the wrong side of a zone that binds.
+pub(super) fn has_entered(situation: &Situation<'_>, leg: usize, flyer: &Flyer) -> bool {
     let mut zones = situation.mission.zones.iter();
     zones.any(|zone| {
-        zone.is_entered(own_m) && on_leg().is_none_or(|leg| zone.nearest_m(&leg, 0.0) >= 0.0)
+        zone.is_entered(situation.ownship.position_m)
+            && nearest_m(zone, &mission_ahead(situation, leg, flyer), 0.0) >= 0.0
     })
 }
 

@@ -96,7 +96,7 @@ impl Avoider {
         mut kept: Option<&mut Kept<'_>>,
     ) -> Decision {
         if self.state == State::Cruise
-            && !has_entered(situation, self.progress.index())
+            && !has_entered(situation, self.progress.index(), &self.flyer)
             && let Some(decision) = self.quiet(situation, now, kept.as_deref_mut())
         {
             return decision;

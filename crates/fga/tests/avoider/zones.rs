@@ -2,7 +2,7 @@
 
 use fga::avoider::{Reason, Settings, Start, State};
 use fga::situation::{Movement, Obstacle};
-use fga::zone::{Outline, Polygon, Zone};
+use fga::zone::{ALL_HEIGHTS_M, Outline, Zone};
 use fga::{Vec2, Vec3};
 
 use crate::flight::{Flight, planar, sphere, vehicle};
@@ -11,15 +11,12 @@ use crate::policies::{avoider, settings};
 const IN: bool = true;
 const OUT: bool = false;
 
-const ALL: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-
 /// Zones that last as long as the tests.
 fn polygon(keep_in: bool, corners: &[[f64; 2]], heights_m: (f64, f64)) -> Zone<'static> {
     let corners: Vec<Vec2> = corners.iter().map(|at| Vec2::from_array(*at)).collect();
-    let polygon = Box::leak(Box::new(Polygon::new(&corners).unwrap()));
     Zone {
         keep_in,
-        outline: Outline::Polygon(polygon),
+        outline: Outline::Polygon(corners.leak()),
         heights_m,
     }
 }
@@ -28,7 +25,7 @@ fn box_of([west, east, south, north]: [f64; 4], keep_in: bool) -> Zone<'static> 
     polygon(
         keep_in,
         &[[west, south], [east, south], [east, north], [west, north]],
-        ALL,
+        ALL_HEIGHTS_M,
     )
 }
 
