@@ -69,6 +69,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let plan = Plan::read_as(&args.file, args.vehicle.given()?, args.ownship.as_deref())?;
     say_beforehand(args, &plan)?;
     let mut policies = core::iter::once(&policy).chain(&overlay);
+    if !plan.world.zones.is_empty() {
+        for policy in policies.clone().filter(|policy| !policy.knows_zones()) {
+            let (shown, policy) = (args.file.display(), policy.name());
+            eprintln!(
+                "fga: {shown}: warning: {policy} knows no zones, which only judge its flight"
+            );
+        }
+    }
     if let Some(refusal) = policies.find_map(|policy| way_round::refusal(policy, &plan)) {
         return Err(InputError::in_file(&args.file, refusal).into());
     }

@@ -10,7 +10,7 @@ use crate::outgoing::{AUTOPILOT, Outbox};
 
 /// The requested parameters. If a figure has two names, the newer comes first; the factor beside the older
 /// one scales it.
-const WANTED: [(&str, &str, f64); 22] = [
+const WANTED: [(&str, &str, f64); 23] = [
     ("ROLL_LIMIT_DEG", "LIM_ROLL_CD", 0.01),
     ("PTCH_LIM_MAX_DEG", "LIM_PITCH_MAX", 0.01),
     ("PTCH_LIM_MIN_DEG", "LIM_PITCH_MIN", 0.01),
@@ -33,6 +33,7 @@ const WANTED: [(&str, &str, f64); 22] = [
     ("STALL_PREVENTION", "STALL_PREVENTION", 1.0),
     ("AIRSPEED_STALL", "AIRSPEED_STALL", 1.0),
     ("FENCE_TYPE", "FENCE_TYPE", 1.0),
+    ("FENCE_OPTIONS", "FENCE_OPTIONS", 1.0),
 ];
 /// It does not act without these: bank limit and cruise airspeed.
 const NEEDED: [&str; 2] = ["ROLL_LIMIT_DEG", "AIRSPEED_CRUISE"];

@@ -44,9 +44,3 @@ impl<T, const N: usize> core::ops::Deref for List<T, N> {
         self.all.get(..self.len).unwrap_or(&[])
     }
 }
-
-impl<T: PartialEq, const N: usize> PartialEq for List<T, N> {
-    fn eq(&self, other: &Self) -> bool {
-        **self == **other
-    }
-}

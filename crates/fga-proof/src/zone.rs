@@ -66,11 +66,18 @@ impl<'a> Zone<'a> {
         corners_m.iter().copied().zip(next_m.copied())
     }
 
+    /// Its edges that may meet a box.
+    fn edges_near(&self, near_m: Span) -> impl Iterator<Item = (Vec2, Vec2)> + use<'a> {
+        self.edges()
+            .filter(move |(a, b)| meet(&span_m([*a, *b]), &near_m))
+    }
+
     /// Whether a place, metres, is on the wrong side.
     pub fn is_entered(&self, at_m: Vec3) -> bool {
         let (floor_m, ceiling_m) = self.heights_m;
         let is_between = (floor_m..=ceiling_m).contains(&at_m.z);
-        (is_between && self.surrounds(|_| self.edges(), at_m.truncate())) != self.keep_in
+        (is_between && self.surrounds(|near_m| self.edges_near(near_m), at_m.truncate()))
+            != self.keep_in
     }
 
     /// The least distance of a line over the ground from it, metres, at most a given one; negative on the wrong side.
@@ -78,14 +85,14 @@ impl<'a> Zone<'a> {
         if self.is_entered(line.from_m) {
             return -ROUNDED_M;
         }
-        let least = self.least_on_line(|_| self.edges(), line, most_m);
+        let least = self.least_on_line(|near_m| self.edges_near(near_m), line, most_m);
         least.map_or(most_m, |(least_m, _)| least_m)
     }
 
     /// The nearest way out for an aircraft on the wrong side, metres: level, but for one that is only too low or too high.
     pub fn way_out_m(&self, at_m: Vec3) -> Vec3 {
         let at = at_m.truncate();
-        if self.keep_in && self.surrounds(|_| self.edges(), at) {
+        if self.keep_in && self.surrounds(|near_m| self.edges_near(near_m), at) {
             let (floor_m, ceiling_m) = self.heights_m;
             return Vec3::Z * (at_m.z.limited(floor_m, ceiling_m) - at_m.z);
         }

@@ -455,6 +455,11 @@ fn a_flight_among_zones_keeps_to_them_and_says_so() {
         (&true.into(), &false.into())
     );
     assert!(zones[1]["min_margin_m"].as_f64().unwrap() < -50.0);
+    // Other policies know none.
+    let published = ["run", "across.toml", "--policy", "published", "--out", "p"];
+    let flown = fga_in(folder.path(), &published);
+    let told = "warning: published --start tc knows no zones, which only judge its flight";
+    assert!(errors(&flown).contains(told), "{}", errors(&flown));
 }
 
 #[test]

@@ -21,6 +21,8 @@ use crate::traffic::{AltitudeReference, Class, Report, Source, Volumes};
 pub(super) const FIRST_VIRTUAL_ID: usize = 1_000;
 /// Bit of `FENCE_TYPE`: circles and polygons.
 const FENCE_TYPE_PLACES: u16 = 4;
+/// Bit of `FENCE_OPTIONS`: the vehicle may be in any of the areas to stay in.
+const FENCE_OPTIONS_JOINED: u16 = 2;
 /// Most tracks of one decision.
 const MOST_TRACKS: usize = 64;
 /// The configuration's obstacles: a report each, the volume, and when they were at that place.
@@ -93,10 +95,16 @@ impl Companion {
         is_enabled && bars_places
     }
 
-    /// The vehicle's fence; none while it does not count.
-    pub(super) fn fence_zones(&self) -> Vec<Zone<'_>> {
+    /// Whether the vehicle joins the areas to stay in.
+    fn fence_is_joined(&self) -> bool {
+        let options = self.parameters.get("FENCE_OPTIONS");
+        options.is_some_and(|bits| number::to_u16(bits) & FENCE_OPTIONS_JOINED != 0)
+    }
+
+    /// What of the vehicle's fence binds at a place, metres; nothing while it does not count.
+    pub(super) fn fence_zones(&self, own_m: Vec3) -> Vec<Zone<'_>> {
         if self.config.safety.use_fence && self.fence_is_active() {
-            self.fence.zones().collect()
+            self.fence.binding(self.fence_is_joined(), own_m)
         } else {
             Vec::new()
         }
@@ -107,14 +115,14 @@ impl Companion {
         let lists = (self.mission_laid, self.fence_laid);
         // Until the vehicle has answered which kinds of fence count, all do.
         let of_mission = self.way_mode == Some(Mode::AUTO) && self.parameters.is_complete();
-        if !of_mission || self.told_crossing == Some(lists) || self.fence_zones().is_empty() {
+        if !of_mission || self.told_crossing == Some(lists) || self.fence_zones(own_m).is_empty() {
             return;
         }
         let (met_m, left_m) = self.way_left(own_m);
         let way_m: Vec<Vec3> = core::iter::once(met_m)
             .chain(left_m.iter().copied())
             .collect();
-        if self.fence.is_crossed(&way_m) {
+        if self.fence.is_crossed(self.fence_is_joined(), &way_m) {
             self.told_crossing = Some(lists);
             let words = "fga: the mission crosses the fence: flown as it is";
             self.tell(Severity::Warning, words, now_s);

@@ -159,7 +159,7 @@ impl Companion {
         self.watch_crossing(state.ownship.position_m, now_s);
         self.grow_obstacles(now_s);
         let mut decider = self.decider.take()?;
-        let zones = self.fence_zones();
+        let zones = self.fence_zones(state.ownship.position_m);
         // A fence bounds manoeuvres and begins none: a vehicle that flies by itself among nothing else is left alone.
         let free = (!zones.is_empty() && !self.keeper.is_engaged()).then(|| {
             let mut free = decider.clone();

@@ -97,14 +97,54 @@ impl Fence {
         })
     }
 
-    /// Whether a way crosses it.
-    pub fn is_crossed(&self, way_m: &[Vec3]) -> bool {
-        let legs = || way_m.iter().zip(way_m.iter().skip(1));
-        let crosses = |zone: &Zone<'_>| {
-            legs().any(|(from, to)| zone.nearest_m(&Line::between(*from, *to), 0.0) < 0.0)
+    /// The zones that bind a vehicle at a place, metres: all; but where several areas to stay in are joined, only the one of them
+    /// that the vehicle is deepest in, or nearest to. Within that one it is within their union.
+    pub fn binding(&self, joined: bool, own_m: Vec3) -> Vec<Zone<'_>> {
+        let (within, mut zones): (Vec<_>, Vec<_>) = self.zones().partition(|zone| zone.keep_in);
+        let depth_m = |zone: &Zone<'_>| {
+            if zone.is_entered(own_m) {
+                -zone.way_out_m(own_m).length()
+            } else {
+                zone.nearest_m(&Line::at(own_m), f64::INFINITY)
+            }
         };
-        self.zones().any(|zone| crosses(&zone))
+        let deepest = |one: &&Zone<'_>, other: &&Zone<'_>| depth_m(one).total_cmp(&depth_m(other));
+        if joined {
+            zones.extend(within.iter().max_by(deepest));
+        } else {
+            zones.extend(within);
+        }
+        zones
     }
+
+    /// Whether a way crosses it; of areas to stay in that are joined, it may go from one to another one where these overlap.
+    pub fn is_crossed(&self, joined: bool, way_m: &[Vec3]) -> bool {
+        let (within, beside): (Vec<_>, Vec<_>) = self.zones().partition(|zone| zone.keep_in);
+        let mut legs = way_m.iter().zip(way_m.iter().skip(1));
+        legs.any(|(from_m, to_m)| {
+            let is_clear = |zone: &Zone<'_>| keeps(zone, *from_m, *to_m);
+            let is_within = if joined && !within.is_empty() {
+                keep_in_any(&within, *from_m, *to_m)
+            } else {
+                within.iter().all(is_clear)
+            };
+            !(is_within && beside.iter().all(is_clear))
+        })
+    }
+}
+
+/// Whether a leg is on the right side of a zone.
+fn keeps(zone: &Zone<'_>, from_m: Vec3, to_m: Vec3) -> bool {
+    zone.nearest_m(&Line::between(from_m, to_m), 0.0) >= 0.0
+}
+
+/// Whether each part of a leg, to half a metre, is within one of some zones.
+fn keep_in_any(zones: &[Zone<'_>], from_m: Vec3, to_m: Vec3) -> bool {
+    let middle_m = from_m.midpoint(to_m);
+    zones.iter().any(|zone| keeps(zone, from_m, to_m))
+        || from_m.distance(to_m) > 0.5
+            && keep_in_any(zones, from_m, middle_m)
+            && keep_in_any(zones, middle_m, to_m)
 }
 
 /// The forbidden air below `height_m` (or above it) as an obstacle; heights in the local frame.
@@ -215,9 +255,15 @@ mod tests {
                 assert_eq!(allows(&fence, x, y), inside == keep_in, "{x} {y}");
             }
             // Along the ground from lobe to lobe it crosses, and over the knot as well.
-            assert!(fence.is_crossed(&[Vec3::new(-50.0, 50.0, 0.0), Vec3::new(150.0, 50.0, 0.0)]));
+            assert!(fence.is_crossed(
+                false,
+                &[Vec3::new(-50.0, 50.0, 0.0), Vec3::new(150.0, 50.0, 0.0)]
+            ));
             let beside_m = Vec3::new(50.0, 30.0, 9.0);
-            assert_eq!(fence.is_crossed(&[beside_m, beside_m + Vec3::X]), keep_in);
+            assert_eq!(
+                fence.is_crossed(false, &[beside_m, beside_m + Vec3::X]),
+                keep_in
+            );
         }
     }
 
@@ -233,8 +279,39 @@ mod tests {
     fn a_way_across_is_known() {
         let fence = laid(&[(MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION, 0.0, 0.0, 100.0)]);
         let way_m = |y: f64| [Vec3::new(-900.0, y, 50.0), Vec3::new(900.0, y, 50.0)];
-        assert!(fence.is_crossed(&way_m(99.0)) && !fence.is_crossed(&way_m(101.0)));
-        assert!(!fence.is_crossed(&[]));
+        assert!(fence.is_crossed(false, &way_m(99.0)) && !fence.is_crossed(false, &way_m(101.0)));
+        assert!(!fence.is_crossed(false, &[]));
+    }
+
+    /// Together no place is within both: nothing was certified.
+    #[test]
+    fn of_joined_areas_the_one_that_the_vehicle_is_in_binds() {
+        let fence = laid(&[
+            (MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, 0.0, 0.0, 300.0),
+            (
+                MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
+                500.0,
+                0.0,
+                300.0,
+            ),
+            (MavCmd::MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION, 0.0, 900.0, 50.0),
+        ]);
+        for (x, is_second) in [(0.0, false), (240.0, false), (260.0, true), (900.0, true)] {
+            let zones = fence.binding(true, Vec3::new(x, 0.0, 80.0));
+            let [beside, within] = zones.as_slice() else {
+                panic!("{zones:?}");
+            };
+            let east = Vec3::new(700.0, 0.0, 80.0);
+            assert!(!beside.keep_in && within.keep_in);
+            assert_eq!(!within.is_entered(east), is_second, "{x}");
+        }
+        assert_eq!(fence.binding(false, Vec3::ZERO).len(), 3);
+        let way_m = |y: f64| [Vec3::new(-200.0, y, 80.0), Vec3::new(700.0, y, 80.0)];
+        // The circles meet at 166 m from the line between their centres.
+        for (y, crosses) in [(0.0, false), (160.0, false), (170.0, true)] {
+            assert_eq!(fence.is_crossed(true, &way_m(y)), crosses, "{y}");
+            assert!(fence.is_crossed(false, &way_m(y)));
+        }
     }
 
     #[test]

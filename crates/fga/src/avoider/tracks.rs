@@ -323,7 +323,8 @@ impl Tracks {
             if of_mission_m < 0.0 {
                 continue;
             }
-            if zone.is_entered(own_m) {
+            let of_own_m = zone.nearest_m(&Line::at(own_m), of_mission_m);
+            if of_own_m < 0.0 {
                 let (way_m, (low_rad, high_rad)) = (zone.way_out_m(own_m), climb_limits_rad);
                 let climbs = libm::sin(if way_m.z > 0.0 { high_rad } else { -low_rad });
                 let out_mps = OUT_SHARE * speed_mps * if way_m.z == 0.0 { 1.0 } else { climbs };
@@ -339,7 +340,7 @@ impl Tracks {
                 self.add_limit(&plane, out_s, situation);
                 continue;
             }
-            least_m = zone.nearest_m(&Line::at(own_m), of_mission_m);
+            least_m = of_own_m;
             if !self.motions.hazards_mut().zones.add(zone, (own_m, reach_m)) {
                 self.overflow = true;
                 return;

@@ -185,6 +185,24 @@ fn a_zone_that_the_leg_itself_enters_does_not_bind() {
     }
 }
 
+/// It was flown round as a threat until the corner.
+#[test]
+fn a_zone_that_the_next_leg_soon_enters_does_not_bind() {
+    let beyond = box_of([20.0, 300.0, -300.0, -8.0], OUT);
+    let (mut bound, mut free) = (flight(&[beyond]), flight(&[]));
+    for flight in [&mut bound, &mut free] {
+        flight.waypoints_m = [[0.0, 0.0], [150.0, 0.0], [150.0, -900.0]]
+            .map(|[x, y]| Vec3::new(x, y, 0.0))
+            .to_vec();
+    }
+    let obstacle = sphere(7, Vec3::new(80.0, 5.0, 0.0), Vec3::ZERO, 20.0);
+    let (mut one, mut other) = (vec![obstacle], vec![obstacle]);
+    for _ in 0..300 {
+        let decisions = (bound.cycle(&mut one), free.cycle(&mut other));
+        assert_eq!(decisions.0.command, decisions.1.command);
+    }
+}
+
 /// At its end it was led back into the fence, and flew on for ever.
 #[test]
 fn a_mission_that_ends_outside_is_flown_to_its_end() {
