@@ -170,7 +170,7 @@ impl Obstruction for Zones {
         if over.duration_s < 0.0 {
             return None;
         }
-        if !meter.take(LOOK + (self.all.len() + self.runs.len()) / 2) {
+        if !meter.take(LOOK + self.all.len().max(self.runs.len())) {
             return Some((f64::NEG_INFINITY, line.at_s));
         }
         let mut least = None;
