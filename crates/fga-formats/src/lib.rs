@@ -46,6 +46,7 @@
 
 extern crate alloc;
 
+pub mod areas;
 pub mod atomic;
 pub mod build;
 pub mod clock;

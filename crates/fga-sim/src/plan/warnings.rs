@@ -33,6 +33,7 @@ impl Plan {
             warnings.extend(self.covered());
             warnings.extend(self.absent());
             warnings.extend(self.crossed());
+            warnings.extend(self.distant());
         }
         warnings.extend(self.unseen());
         warnings
@@ -97,6 +98,27 @@ impl Plan {
                 }
                 None => None,
             }
+        })
+    }
+
+    /// The zones that no flight comes near, as with the wrong hemisphere.
+    fn distant(&self) -> impl Iterator<Item = String> {
+        let World {
+            zones,
+            vehicle,
+            wind_mps,
+            horizon_s,
+            start,
+            ..
+        } = &self.world;
+        let flies_m = (vehicle.airspeed_mps + wind_mps.length()) * horizon_s;
+        let zones = zones.iter().filter(|zone| !zone.keep_in());
+        zones.filter_map(move |zone| {
+            let away_m = zone.margin_m(start.position_m);
+            (away_m > NEAR_M.max(flies_m)).then(|| {
+                let (name, away_km) = (zone.name(), away_m / 1e3);
+                format!("{name} is {away_km:.0} km from the start, beyond all that the aircraft flies to")
+            })
         })
     }
 

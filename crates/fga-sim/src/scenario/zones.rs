@@ -1,9 +1,11 @@
 //! The `[[zone]]` tables of a scenario.
 
+use std::path::{Path, PathBuf};
+
 use fga::Vec2;
 use fga_files::scenario::{ZoneKindName, ZoneTable};
 use fga_files::vehicle::LimitsTable;
-use fga_formats::{InputError, zones};
+use fga_formats::{InputError, areas, zones};
 use toml::Spanned;
 
 use super::Places;
@@ -15,10 +17,40 @@ pub(super) fn all(
     tables: &[Spanned<ZoneTable>],
     places: &Places<'_>,
 ) -> Result<Vec<WorldZone>, InputError> {
-    let tables = tables.iter().zip(1..);
-    tables
-        .map(|(entry, number)| zone(entry, number, places))
-        .collect()
+    let mut zones = Vec::new();
+    for (entry, number) in tables.iter().zip(1..) {
+        match &entry.get_ref().file {
+            Some(file) => zones.extend(of_file(entry, (file, number), places)?),
+            None => zones.push(zone(entry, number, places)?),
+        }
+    }
+    Ok(zones)
+}
+
+/// The zones of a file of polygons, each with what else its table says.
+fn of_file(
+    entry: &Spanned<ZoneTable>,
+    (file, number): (&Spanned<PathBuf>, usize),
+    places: &Places<'_>,
+) -> Result<Vec<WorldZone>, InputError> {
+    let folder = places.text.path().parent().unwrap_or(Path::new(""));
+    let path = folder.join(file.get_ref());
+    let areas = areas::read(&path)?;
+    let zones = areas.into_iter().map(|area| {
+        let span = file.span();
+        let mut table = ZoneTable {
+            file: None,
+            ..entry.get_ref().clone()
+        };
+        if table.polygon_deg.is_some() || table.polygon_m.is_some() || table.radius_m.is_some() {
+            let message = "a zone has a file and an outline of its own, expected one of these";
+            return Err(places.text.error_at(entry, message));
+        }
+        table.name = area.name.or(table.name);
+        table.polygon_deg = Some(Spanned::new(span, area.corners_deg));
+        zone(&Spanned::new(entry.span(), table), number, places)
+    });
+    zones.collect()
 }
 
 /// The zone of a table, which is the file's `number`th.
@@ -51,7 +83,7 @@ fn zone(
         },
         (None, None, None) => {
             let message = format!(
-                "{name} has no outline, expected polygon_m, polygon_deg, or radius_m with a centre"
+                "{name} has no outline, expected polygon_m, polygon_deg, file, or radius_m with a centre"
             );
             return Err(text.error_at(entry, message));
         }

@@ -142,3 +142,70 @@ fn no_certified_flight_is_on_the_wrong_side_of_a_zone() {
     );
     assert!(manoeuvres > flights / 2, "{manoeuvres}");
 }
+
+/// A scenario at 47° north, 8° east with a file of areas beside it: the names of its zones and what it warns about, or the error.
+fn with_areas(areas: &str) -> Result<(Vec<String>, Vec<String>), String> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("areas.geojson"), areas).unwrap();
+    let scenario = folder.path().join("a.toml");
+    let text = "name = 'a'\nduration_s = 60.0\n[origin]\nlatitude_deg = 47.0\nlongitude_deg = 8.0\naltitude_m = 400.0\n[mission]\n\
+        waypoints_m = [[0, 0, 0], [900, 0, 0]]\n[[zone]]\nfile = 'areas.geojson'\nkind = 'keep-out'\nceiling_m = 50.0\n";
+    std::fs::write(&scenario, text).unwrap();
+    let plan = fga_sim::scenario::read(&scenario, None).map_err(|error| error.to_string())?;
+    let zones = &plan.world.zones;
+    assert!(
+        zones
+            .iter()
+            .all(|zone| zone.heights_m().1 == 50.0 && !zone.keep_in())
+    );
+    let names = zones.iter().map(|zone| zone.name().to_owned()).collect();
+    Ok((names, plan.warnings()))
+}
+
+#[test]
+fn every_polygon_of_a_file_is_a_zone_with_its_name() {
+    let polygon = |name: &str, [west, south]: [f64; 2]| {
+        let (east, north) = (west + 0.001, south + 0.001);
+        format!(
+            r#"{{"type":"Feature","properties":{{"name":"{name}"}},"geometry":{{"type":"Polygon","coordinates":
+            [[[{west},{south}],[{east},{south}],[{east},{north}],[{west},{north}],[{west},{south}]]]}}}}"#
+        )
+    };
+    let file = |features: &[String]| {
+        let features = features.join(",");
+        format!(r#"{{"type":"FeatureCollection","features":[{features}]}}"#)
+    };
+    let near = [
+        polygon("yard", [8.005, 47.002]),
+        polygon("", [8.004, 47.01]),
+    ];
+    let (names, warnings) = with_areas(&file(&near)).unwrap();
+    assert_eq!(names, ["yard", "zone 1"]);
+    assert!(
+        warnings.iter().all(|words| !words.contains("yard")),
+        "{warnings:?}"
+    );
+    // West for east, and longitudes for latitudes; south for north is refused.
+    for wrong in [[-8.005, 47.002], [47.002, 8.005]] {
+        let (_, warnings) = with_areas(&file(&[polygon("yard", wrong)])).unwrap();
+        let told = warnings
+            .iter()
+            .any(|words| words.contains("yard is ") && words.contains(" km from the start"));
+        assert!(told, "{wrong:?} {warnings:?}");
+    }
+    for (file, expected) in [
+        ("{", "areas.geojson, line 1: is no GeoJSON and no KML"),
+        (
+            r#"{"type":"Polygon","coordinates":[[[8.0,47.0],[8.1,47.1],[8.1,47.0],[8.0,47.1],[8.0,47.0]]]}"#,
+            "polygon crosses itself",
+        ),
+        (
+            r#"{"type":"Polygon","coordinates":[[[8.0,47.0],[8.1,47.1],[8.0,47.0]]]}"#,
+            "2 corners",
+        ),
+        (&polygon("yard", [8.005, -47.002]), "km from the origin"),
+    ] {
+        let told = with_areas(file).unwrap_err();
+        assert!(told.contains(expected) && !told.contains('\n'), "{told}");
+    }
+}
